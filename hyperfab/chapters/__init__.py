@@ -1,0 +1,1 @@
+"""One command each: read, check, compute, judge, write."""

@@ -1,0 +1,31 @@
+"""What every command has in hand: its arguments, the console, what it read, and where it writes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from hyperfab.console import Console
+from hyperfab.documents.base import Document
+from hyperfab.documents.provenance import record
+from hyperfab.io.inputs import Inputs
+from hyperfab.io.output import Output
+
+
+@dataclass
+class Job:
+    """One run of one command.
+
+    ``arguments`` are the options as the user gave them, for provenance.
+    """
+
+    command: str
+    arguments: Sequence[str]
+    console: Console
+    inputs: Inputs = field(default_factory=Inputs)
+
+    def write(self, output: Output, document: Document) -> None:
+        """Write the document with its provenance, and the siblings queued in ``output``."""
+        document.format = document.format_name()
+        document.provenance = record(self.command, self.arguments, self.inputs.files, output.target)
+        output.finish(document.to_json(), self.inputs)

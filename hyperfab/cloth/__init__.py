@@ -1,0 +1,1 @@
+"""The spring grid, its energy and its equilibrium on a surface."""

@@ -1,0 +1,152 @@
+"""What goes to standard output and to standard error, progress, signals and exit status.
+
+Standard output carries documents only. Everything said to a person goes to standard error. rich is loaded
+only where something is drawn for a person: a table, or progress on a terminal.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import sys
+import traceback
+from collections.abc import Callable, Iterator, Sequence
+from typing import Protocol
+
+from hyperfab.errors import HyperfabError
+
+#: How a run ends when the verdict of a computation is negative (no model accepted, a bound exceeded).
+NEGATIVE_VERDICT = 1
+
+
+class Advance(Protocol):
+    """Moves a progress line: the fraction done (0 to 1) and what is being done."""
+
+    def __call__(self, fraction: float, text: str = "") -> None: ...
+
+
+class Terminated(BaseException):
+    """SIGTERM arrived: unwinds the stack like KeyboardInterrupt, so that nothing half-written stays."""
+
+
+class Console:
+    """Standard error as the commands use it.
+
+    ``quiet`` keeps warnings and errors and drops notes, tables and progress.
+    """
+
+    def __init__(self, quiet: bool = False) -> None:
+        self.quiet = quiet
+        self._live = False
+
+    def warn(self, text: str) -> None:
+        """Say what the user should know before trusting the result."""
+        self._line(f"hf: warning: {text}")
+
+    def note(self, text: str) -> None:
+        """Say what a person at the terminal may like to know."""
+        if not self.quiet:
+            self._line(text)
+
+    def table(self, title: str, columns: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
+        """Show a small table: the first column left-aligned, the others right-aligned."""
+        if self.quiet:
+            return
+        from rich.console import Console as RichConsole
+        from rich.table import Table
+        from rich.text import Text
+
+        table = Table(title=Text(title), title_justify="left")
+        for index, name in enumerate(columns):
+            table.add_column(Text(name), justify="left" if index == 0 else "right")
+        for row in rows:
+            table.add_row(*(Text(str(value)) for value in row))
+        width = None if sys.stderr.isatty() else 200
+        with _quiet_pipe():
+            RichConsole(stderr=True, width=width).print(table)
+
+    @contextlib.contextmanager
+    def progress(self, description: str) -> Iterator[Advance]:
+        """Show how far a long piece of work has come, on a terminal only.
+
+        >>> with Console().progress("Warming up") as advance:
+        ...     advance(0.5, "100 degC")
+        """
+        if self.quiet or not sys.stderr.isatty() or os.environ.get("TERM") == "dumb":
+            yield lambda fraction, text="": None
+            return
+        from rich.console import Console as RichConsole
+        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+        bar = Progress(
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn("{task.percentage:>3.0f} %"),
+            TimeElapsedColumn(),
+            TextColumn("{task.fields[text]}", markup=False),
+            console=RichConsole(stderr=True),
+            transient=True,
+        )
+        with bar:
+            task = bar.add_task(description, total=1.0, text="")
+
+            def advance(fraction: float, text: str = "") -> None:
+                bar.update(task, completed=min(max(fraction, 0.0), 1.0), text=text)
+
+            yield advance
+
+    @staticmethod
+    def _line(text: str) -> None:
+        with _quiet_pipe():
+            print(text, file=sys.stderr, flush=True)
+
+
+@contextlib.contextmanager
+def _quiet_pipe() -> Iterator[None]:
+    """Nobody reads our messages any more: that is no reason to lose the result."""
+    with contextlib.suppress(BrokenPipeError):
+        yield
+
+
+def run_guarded(action: Callable[[], int], debug: bool) -> int:
+    """Run a command and turn whatever happens into its exit status, with one message on standard error."""
+    # Set also where the parent ignores SIGINT (a job in the background of a script): the status is promised.
+    previous = {
+        signal.SIGTERM: signal.signal(signal.SIGTERM, _on_sigterm),
+        signal.SIGINT: signal.signal(signal.SIGINT, signal.default_int_handler),
+    }
+    try:
+        return action()
+    except HyperfabError as error:
+        _say(f"hf: {_kind(error)}: {error}")
+        return error.exit_status
+    except KeyboardInterrupt:
+        _say("hf: interrupted; nothing was written")
+        return 130
+    except Terminated:
+        _say("hf: terminated; nothing was written")
+        return 143
+    except MemoryError:
+        _say("hf: error: out of memory; use a coarser mesh or grid, or a smaller input")
+        return 70
+    except Exception as error:  # noqa: BLE001 - the last guard: a defect becomes status 70, never a bare traceback
+        if debug:
+            traceback.print_exc()
+        _say(f"hf: defect: {type(error).__name__}: {error}; run again with --debug and report the traceback")
+        return 70
+    finally:
+        for number, handler in previous.items():
+            signal.signal(number, handler)
+
+
+def _on_sigterm(signum: int, frame: object) -> None:
+    raise Terminated
+
+
+def _kind(error: HyperfabError) -> str:
+    return {2: "usage", 3: "input", 4: "not converged", 5: "output"}.get(error.exit_status, "error")
+
+
+def _say(text: str) -> None:
+    Console._line(text)

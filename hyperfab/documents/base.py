@@ -1,0 +1,179 @@
+"""What all documents share: format and version, strictness, provenance, reading with errors that name the place."""
+
+from __future__ import annotations
+
+import importlib
+import re
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from hyperfab.documents.provenance import Provenance
+from hyperfab.errors import InputError, UsageError
+from hyperfab.io.json_io import load_json
+from hyperfab.io.toml_io import load_toml
+
+if TYPE_CHECKING:
+    from hyperfab.io.inputs import Inputs
+
+#: Every kind of document and the class that describes it; imported only when asked for.
+KINDS: dict[str, str] = {
+    "material": "hyperfab.documents.material:MaterialDocument",
+    "contact": "hyperfab.documents.contact:ContactDocument",
+    "drape": "hyperfab.documents.drape:DrapeDocument",
+    "mold": "hyperfab.documents.mold:MoldDocument",
+    "heat": "hyperfab.documents.heat:HeatDocument",
+    "foam": "hyperfab.documents.foam:FoamDocument",
+    "press": "hyperfab.documents.press:PressDocument",
+}
+
+
+class Document(BaseModel):
+    """A document on disk. Subclasses state KIND, VERSION and their keys.
+
+    Keys of a later minor version are kept, not refused. Documents that people write derive from HandWritten.
+    """
+
+    model_config = ConfigDict(extra="allow", allow_inf_nan=False, validate_assignment=True)
+
+    KIND: ClassVar[str]
+    VERSION: ClassVar[int] = 1
+
+    format: str = Field(default="", description="kind and version of the document")
+    files: list[str] = Field(
+        default_factory=list, description="files written beside the document, relative to it"
+    )
+    provenance: Provenance | None = Field(default=None, description="how the document came to be")
+
+    @classmethod
+    def format_name(cls) -> str:
+        """Return the value of ``format``: ``hyperfab.KIND/VERSION``."""
+        return f"hyperfab.{cls.KIND}/{cls.VERSION}"
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the document as plain data: what was not computed is absent, provenance comes last."""
+        data = self.model_dump(mode="json", exclude_none=True, by_alias=True)
+        data["format"] = self.format_name()
+        tail = {key: data.pop(key) for key in ("files", "provenance") if key in data}
+        return {"format": data.pop("format"), **data, **tail}
+
+
+class HandWritten(Document):
+    """A document that people write: a key it does not know is a spelling mistake, and refused."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+
+DocumentT = TypeVar("DocumentT", bound=Document)
+
+
+def document_class(kind: str) -> type[Document]:
+    """Return the class of a kind of document; UsageError with the known kinds where there is none."""
+    if kind not in KINDS:
+        raise UsageError(f"no document kind {kind!r}; the kinds are {', '.join(KINDS)}")
+    module, name = KINDS[kind].split(":")
+    found: type[Document] = getattr(importlib.import_module(module), name)
+    return found
+
+
+def schema(kind: str) -> dict[str, Any]:
+    """Return the JSON Schema of a kind of document."""
+    cls = document_class(kind)
+    found = cls.model_json_schema(by_alias=True)
+    found["$schema"] = "https://json-schema.org/draft/2020-12/schema"
+    found["properties"]["format"] = {
+        "const": cls.format_name(),
+        "description": "kind and version of the document",
+    }
+    found["required"] = sorted({"format", *found.get("required", [])})
+    return found
+
+
+def read_document(inputs: Inputs, name: str, cls: type[DocumentT]) -> DocumentT:
+    """Read a JSON or TOML document of the kind of ``cls`` (``-``: standard input).
+
+    Raises InputError naming the file and the key where the document is not sound.
+    """
+    data = inputs.read(name)
+    loaded = load_toml(data, name) if name.endswith(".toml") else load_json(data, name)
+    return parse_document(loaded, name, cls)
+
+
+def parse_document(loaded: object, name: str, cls: type[DocumentT]) -> DocumentT:
+    """Check plain data against the kind of ``cls``; ``name`` is the file it came from, for messages."""
+    if not isinstance(loaded, Mapping):
+        raise InputError("is not a document: its top level is not an object", file=name)
+    check_format(loaded.get("format"), name, cls)
+    try:
+        return cls.model_validate(loaded)
+    except ValidationError as error:
+        raise first_error(error, name) from None
+
+
+def check_format(found: object, name: str, cls: type[Document]) -> None:
+    """Refuse another kind, or a version newer than this program knows, by name."""
+    wanted = cls.format_name()
+    match = re.fullmatch(r"hyperfab\.([a-z-]+)/([0-9]{1,6})", found) if isinstance(found, str) else None
+    if match is None:
+        raise InputError(
+            "does not say what it is" if found is None else f"unknown format {_short(found)}",
+            file=name,
+            key="format",
+            remedy=f'a {cls.KIND} document has "format": "{wanted}"',
+        )
+    kind, version = match[1], int(match[2])
+    if kind != cls.KIND:
+        raise InputError(
+            f"is a {kind} document, a {cls.KIND} document is needed",
+            file=name,
+            key="format",
+            remedy=_maker(cls.KIND),
+        )
+    if version > cls.VERSION or version < 1:
+        raise InputError(
+            f"has version {version} of the format, this hf knows up to {cls.VERSION}",
+            file=name,
+            key="format",
+            remedy="use a newer hf, or make the document again with this one",
+        )
+
+
+def first_error(error: ValidationError, name: str) -> InputError:
+    """Return the first finding of pydantic as an InputError that names the key."""
+    found = error.errors(include_url=False)
+    first = found[0]
+    key = ".".join(str(part) for part in first["loc"]) or "format"
+    more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
+    kind, value = first["type"], first.get("input")
+    if kind == "missing":
+        return InputError(f"is missing{more}", file=name, key=key, remedy="add the key")
+    if kind == "extra_forbidden":
+        return InputError(
+            f"is not a key of this document{more}", file=name, key=key, remedy="check the spelling"
+        )
+    text = first["msg"].removeprefix("Value error, ")
+    shown = "" if isinstance(value, (dict, list)) else f", not {_short(value)}"
+    return InputError(
+        f"{text[:1].lower()}{text[1:]}{shown if kind != 'value_error' else ''}{more}", file=name, key=key
+    )
+
+
+def _maker(kind: str) -> str:
+    makers = {
+        "material": "fit",
+        "contact": "fabric-contact",
+        "drape": "drape",
+        "heat": "mold-heat",
+        "press": "press-contact",
+    }
+    return (
+        f"make one with hf {makers[kind]}"
+        if kind in makers
+        else f"hf schema {kind} prints what belongs in one"
+    )
+
+
+def _short(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."

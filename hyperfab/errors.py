@@ -1,0 +1,69 @@
+"""Everything that can go wrong, each with the exit status it ends the command with."""
+
+from __future__ import annotations
+
+
+class HyperfabError(Exception):
+    """Base of all errors that are told to the user in one message, without a traceback."""
+
+    exit_status = 70
+
+
+class UsageError(HyperfabError):
+    """The command was called in a way it cannot mean: exit status 2."""
+
+    exit_status = 2
+
+
+class InputError(HyperfabError):
+    """An input file or document is wrong: exit status 3.
+
+    The message names the place (file, then line, column, key, facet or cell) and the way out.
+
+    >>> print(InputError("not a number: 'abc'", file="warp.csv", line=7, column="stress",
+    ...                  remedy="correct the cell or delete the row"))
+    warp.csv, line 7, column "stress": not a number: 'abc'; correct the cell or delete the row
+    """
+
+    exit_status = 3
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        file: str | None = None,
+        line: int | None = None,
+        column: str | None = None,
+        key: str | None = None,
+        facet: int | None = None,
+        cell: int | None = None,
+        remedy: str | None = None,
+    ) -> None:
+        places = [] if file is None else ["standard input" if file == "-" else file]
+        named = (("line", line), ("column", f'"{column}"' if column is not None else None))
+        named += (("key", key), ("facet", facet), ("cell", cell))
+        places += [f"{name} {value}" for name, value in named if value is not None]
+        text = f"{', '.join(places)}: {message}" if places else message
+        super().__init__(f"{text}; {remedy}" if remedy else text)
+        self.message = message
+        self.file = file
+        self.line = line
+        self.column = column
+        self.key = key
+        self.remedy = remedy
+
+
+class NotConverged(HyperfabError):
+    """No solution was found, or the constants are unstable where they were used: exit status 4."""
+
+    exit_status = 4
+
+    def __init__(self, message: str, *, remedy: str | None = None) -> None:
+        super().__init__(f"{message}; {remedy}" if remedy else message)
+        self.remedy = remedy
+
+
+class OutputError(HyperfabError):
+    """The output could not be written: exit status 5. What was there before is still there."""
+
+    exit_status = 5

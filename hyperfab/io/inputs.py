@@ -1,0 +1,104 @@
+"""The files a command reads: each read once, whole, and known by the hash of the very bytes that were used."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import os
+import stat
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from hyperfab.errors import InputError
+
+#: No input of the toolchain is larger; a device or a runaway pipe must not fill the memory.
+MAX_BYTES = 512 * 2**20
+
+
+@dataclass(frozen=True)
+class InputFile:
+    """One file that was read: its name as given, and the SHA-256 of its bytes."""
+
+    name: str
+    sha256: str
+
+
+class Inputs:
+    """Reads input files and remembers what was read, for ``provenance``.
+
+    >>> import tempfile, os
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = os.path.join(folder, "a.csv")
+    ...     _ = open(path, "w").write("1")
+    ...     inputs = Inputs()
+    ...     inputs.read(path), len(inputs.files)
+    (b'1', 1)
+    """
+
+    def __init__(self) -> None:
+        self._files: dict[str, InputFile] = {}
+        self._stdin: bytes | None = None
+
+    @property
+    def files(self) -> list[InputFile]:
+        """What was read so far, in order, each file once."""
+        return list(self._files.values())
+
+    def read(self, name: str, limit: int = MAX_BYTES) -> bytes:
+        """Return the bytes of file ``name``; ``-`` is standard input.
+
+        Raises InputError where the file is missing, a folder, unreadable, or larger than ``limit`` bytes.
+        """
+        if name == "-":
+            return self._read_stdin(limit)
+        try:
+            # O_NONBLOCK: a named pipe nobody writes to must not hang the command while it is opened.
+            descriptor = os.open(name, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+            with os.fdopen(descriptor, "rb") as stream:
+                mode = os.fstat(descriptor).st_mode
+                if stat.S_ISDIR(mode):
+                    raise InputError("is a folder, not a file", file=name, remedy="name a file in it")
+                os.set_blocking(descriptor, True)
+                data = stream.read(limit + 1)
+        except FileNotFoundError as error:
+            raise InputError("no such file", file=name, remedy=_nearby(name)) from error
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or str(error)
+            raise InputError(
+                f"cannot be read: {reason}", file=name, remedy="check the path and its permissions"
+            ) from error
+        return self._take(name, data, limit)
+
+    def _read_stdin(self, limit: int) -> bytes:
+        if self._stdin is None:
+            if sys.stdin is None or sys.stdin.closed:
+                raise InputError("is closed", file="-", remedy="pipe a document into the command")
+            self._stdin = self._take("-", sys.stdin.buffer.read(limit + 1), limit)
+        return self._stdin
+
+    def _take(self, name: str, data: bytes, limit: int) -> bytes:
+        if len(data) > limit:
+            raise InputError(
+                f"is larger than {limit // 2**20} MiB",
+                file=name,
+                remedy="split or thin it out; nothing was read",
+            )
+        self._files.setdefault(name, InputFile(name, hashlib.sha256(data).hexdigest()))
+        return data
+
+    @staticmethod
+    def beside(document: str, relative: str) -> str:
+        """Return the path of a file that ``document`` names: relative names count from the document's folder."""
+        if document == "-" or os.path.isabs(relative):
+            return relative
+        return os.path.normpath(os.path.join(os.path.dirname(document), relative))
+
+
+def _nearby(name: str) -> str:
+    """Suggest files of the same kind in the folder that was asked for."""
+    folder = Path(name).parent
+    found: list[str] = []
+    with contextlib.suppress(OSError, ValueError):
+        found = sorted(entry.name for entry in folder.iterdir() if entry.suffix == Path(name).suffix)[:3]
+    return f"the folder has {', '.join(found)}" if found else "check the path"

@@ -1,0 +1,1 @@
+"""The stretched sheet as finite elements, and the sphere it meets."""

@@ -1,0 +1,1 @@
+"""Newton, linear solvers, adaptive steps. No physics."""

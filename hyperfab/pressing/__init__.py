@@ -1,0 +1,1 @@
+"""Two molds, the foam between them, the heat in them."""

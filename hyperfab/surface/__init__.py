@@ -1,0 +1,1 @@
+"""A triangle surface: nearest point, ray, soundness."""

@@ -1,0 +1,1 @@
+"""Heat conduction in the mold: mesh, terms, boundary conditions, time integration."""
