@@ -1,0 +1,55 @@
+"""A soft polyurethane foam: its compression curve, and the sandwich that is pressed between the molds."""
+
+from __future__ import annotations
+
+from math import exp
+
+from hyperfab.samples.text import csv_file
+
+_SOURCE = (
+    "synthetic, not measured: plateau and densification in the form of Avalle, Belingardi and Montanini, "
+    "Int. J. Impact Eng. 25 (2001) 455, with values typical of a 30 kg/m^3 polyurethane foam"
+)
+_PLATEAU_MPA = 0.0045
+_MODULUS_MPA = 0.12
+_DENSIFICATION_MPA = 0.0016
+_DENSIFICATION_POWER = 2
+
+FOAM_TOML = b"""\
+# The sandwich between the molds: fabric, foam, fabric.
+format = "hyperfab.foam/1"
+
+# Undeformed, at room temperature. With both fabric layers the sandwich is 4.5 mm thick.
+thickness = "3.5 mm"
+
+# Nominal stress over engineering strain, both positive in compression. A named law would be
+# { law = "linear", modulus = "0.05 MPa" }.
+compression = { table = "foam.csv" }
+
+# Each layer by its thickness, or by a material document: above = "fabric.json".
+fabric = { above = "0.5 mm", below = "0.5 mm" }
+
+# Linear thermal expansion of the molds: aluminium 6061, mean between 20 and 100 degC.
+expansion = { male = "23.6e-6 1/K", female = "23.6e-6 1/K" }
+"""
+
+
+def foam_curve() -> bytes:
+    """Return ``foam.csv``: engineering strain and nominal stress in compression, rising throughout.
+
+    >>> foam_curve().decode().splitlines()[-1]
+    '0.90,0.13410'
+    """
+    rows = [[f"{step / 50:.2f}", f"{stress(step / 50):.5f}"] for step in range(46)]
+    metadata = {"material": "polyurethane foam (synthetic)", "source": _SOURCE}
+    return csv_file(metadata, ["strain [-]", "stress [MPa]"], rows)
+
+
+def stress(strain: float) -> float:
+    """Return the nominal stress [MPa] of the sample foam: a plateau, then densification.
+
+    >>> stress(0.0)
+    0.0
+    """
+    plateau = _PLATEAU_MPA * (1.0 - exp(-_MODULUS_MPA * strain / _PLATEAU_MPA))
+    return plateau + _DENSIFICATION_MPA * (strain / (1.0 - strain)) ** _DENSIFICATION_POWER
