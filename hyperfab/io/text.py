@@ -1,0 +1,32 @@
+"""Bytes to text, and where in a text something stands."""
+
+from __future__ import annotations
+
+from hyperfab.errors import InputError
+
+
+def decode_utf8(data: bytes, name: str) -> str:
+    """Return the text of a UTF-8 file, without its byte-order mark; InputError naming the line where it is not UTF-8.
+
+    >>> decode_utf8(bytes([0xEF, 0xBB, 0xBF]) + b"{}", "a.json")
+    '{}'
+    """
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise InputError(
+            f"is not UTF-8 text (byte 0x{data[error.start]:02X})",
+            file=name,
+            line=line,
+            remedy="save it as UTF-8",
+        ) from None
+
+
+def position(text: str, offset: int) -> tuple[int, int]:
+    """Return the line and the character in the line of ``offset``, both counted from 1.
+
+    >>> position("ab\\ncd", 4)
+    (2, 2)
+    """
+    return text.count("\n", 0, offset) + 1, offset - text.rfind("\n", 0, offset)

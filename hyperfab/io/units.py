@@ -1,0 +1,195 @@
+"""Quantities as people write them, in the units the program computes in.
+
+Every factor is an exact fraction and every conversion is rounded once, so that ``1 inch`` is 25.4 mm to the last bit.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from fractions import Fraction
+
+from hyperfab.errors import HyperfabError, InputError, UsageError
+from hyperfab.io.unit_table import DIMENSIONLESS, Unit, UnitError, parse_unit
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of quantity: the unit it is computed in, and how one is written.
+
+    ``offset`` kinds are points on a scale (a temperature); all others are amounts.
+    """
+
+    name: str
+    unit: str
+    example: str
+    offset: bool = False
+
+
+_ALL = (
+    Kind("length", "mm", "60mm"),
+    Kind("area", "mm^2", "400 mm^2"),
+    Kind("volume", "mm^3", "1 cm^3"),
+    Kind("stress", "MPa", "0.35 MPa"),
+    Kind("force", "N", "500N"),
+    Kind("temperature", "degC", "25 degC", offset=True),
+    Kind("temperature-difference", "K", "2 K"),
+    Kind("time", "s", "3600 s"),
+    Kind("rate", "1/s", "0.01 1/s"),
+    Kind("velocity", "mm/s", "5 mm/min"),
+    Kind("mass", "kg", "1.2 kg"),
+    Kind("energy", "J", "9 MJ"),
+    Kind("power", "W", "3000 W"),
+    Kind("heat-flux", "W/m^2", "2 W/cm^2"),
+    Kind("film-coefficient", "W/m^2/K", "12 W/m^2/K"),
+    Kind("density", "kg/m^3", "2702 kg/m^3"),
+    Kind("conductivity", "W/m/K", "237 W/m/K"),
+    Kind("specific-heat", "J/kg/K", "903 J/kg/K"),
+    Kind("membrane-stress", "N/mm", "0.5 N/mm"),
+    Kind("stiffness", "N/mm", "50 N/mm"),
+    Kind("foundation-stiffness", "MPa/mm", "0.02 MPa/mm"),
+    Kind("thermal-expansion", "1/K", "23e-6 1/K"),
+    Kind("mass-per-area", "g/m^2", "180 g/m^2"),
+    Kind("angle", "deg", "30 deg"),
+    Kind("dimensionless", "1", "0.3"),
+)
+KINDS: dict[str, Kind] = {kind.name: kind for kind in _ALL}
+
+_NUMBER = r"[+-]?(?:\d{1,40}(?:\.\d{0,40})?|\.\d{1,40})(?:[eE][+-]?\d{1,3})?"
+_QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*", re.ASCII | re.DOTALL)
+_TIMES = re.compile(r"\s*[x×]\s*")
+_ABSOLUTE_ZERO_C = Fraction("-273.15")
+
+
+def quantity(
+    text: object, kind: str, *, option: str | None = None, key: str | None = None, file: str | None = None
+) -> float:
+    """Return the quantity ``text`` in the unit its ``kind`` is computed in (see KINDS: mm, MPa, N, degC, s, J, ...).
+
+    Any unit of the right kind is understood, products and prefixes included; a number alone is taken only where the
+    kind has no dimension, and there ``%`` is understood too.
+
+    Raises UsageError naming the ``option``, or else InputError naming ``file`` and ``key``, with the right form.
+
+    >>> quantity("60mm", "length"), quantity("2 W/cm^2", "heat-flux"), quantity("77 degF", "temperature")
+    (60.0, 20000.0, 25.0)
+    >>> quantity("60", "length", option="--depth")
+    Traceback (most recent call last):
+    hyperfab.errors.UsageError: --depth 60: a length needs its unit; write 60mm
+    """
+    wanted = KINDS[kind]
+    try:
+        return _convert(text, wanted)
+    except UnitError as error:
+        raise _refusal(str(error), text, option, key, file) from None
+
+
+def size(
+    text: object, *, option: str | None = None, key: str | None = None, file: str | None = None
+) -> tuple[float, float]:
+    """Return the two sides [mm] of ``220mmx180mm``; a single length stands for both.
+
+    Raises as ``quantity`` does.
+
+    >>> size("220mmx18cm"), size("200 mm")
+    ((220.0, 180.0), (200.0, 200.0))
+    """
+    parts = _TIMES.split(text.strip()) if isinstance(text, str) else [text]
+    if len(parts) > 2:
+        raise _refusal("a size is one length or two; write 220mmx220mm", text, option, key, file)
+    sides = [quantity(part, "length", option=option, key=key, file=file) for part in parts]
+    return sides[0], sides[-1]
+
+
+def column_factor(unit: str, kind: str) -> tuple[float, float]:
+    """Return (a, b) so that a value in ``unit`` is ``a * value + b`` in the unit of ``kind``; UnitError if it is none.
+
+    >>> column_factor("kPa", "stress"), column_factor("K", "temperature")
+    ((0.001, 0.0), (1.0, -273.15))
+    """
+    factor, offset = _linear(parse_unit(unit), KINDS[kind], unit)
+    return float(factor), float(offset)
+
+
+def is_unit(text: str) -> bool:
+    """Whether ``text`` can be read as a unit."""
+    try:
+        parse_unit(text)
+    except UnitError:
+        return False
+    return True
+
+
+def _convert(value: object, kind: Kind) -> float:
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        if kind.unit == "1" and math.isfinite(value):
+            return float(value)
+        raise UnitError(f'{_article(kind)} needs its unit; write "{_form(repr(value), kind)}"')
+    if not isinstance(value, str):
+        raise UnitError(f"{_article(kind)} is written {kind.example}")
+    match = _QUANTITY.fullmatch(value) if len(value) <= 120 else None
+    if match is None or match[2].startswith(","):
+        comma = ", with a decimal point" if "," in value else ""
+        raise UnitError(f"is no {_noun(kind)}; write a number and its unit{comma}, as in {kind.example}")
+    number, unit = match.groups()
+    if not unit and kind.unit != "1":
+        raise UnitError(f"{_article(kind)} needs its unit; write {_form(number, kind)}")
+    factor, offset = _linear(parse_unit(unit) if unit else DIMENSIONLESS, kind, unit)
+    exact = Fraction(number) * factor + offset
+    if kind.offset and exact < _ABSOLUTE_ZERO_C:
+        raise UnitError("is below absolute zero")
+    try:
+        result = float(exact)
+    except OverflowError:
+        raise UnitError("is larger than any number the program can hold") from None
+    return result
+
+
+def _linear(unit: Unit, kind: Kind, text: str) -> tuple[Fraction, Fraction]:
+    """Return the exact (factor, offset) from ``unit`` to the unit of ``kind``."""
+    base = parse_unit(kind.unit) if kind.unit != "1" else DIMENSIONLESS
+    if unit.dimension != base.dimension:
+        unit = _engineers_reading(text, unit)
+    if unit.dimension != base.dimension:
+        raise UnitError(
+            f"{text or 'a number alone'} is no unit of {_noun(kind)}; write it like {kind.example}"
+        )
+    factor = unit.factor / base.factor
+    if not kind.offset:
+        return factor, Fraction(0)
+    return factor, (unit.zero - base.zero) / base.factor
+
+
+def _engineers_reading(text: str, otherwise: Unit) -> Unit:
+    """Read ``J/kg K`` as J/(kg K), as tables print it: tried only where the strict reading is of another kind."""
+    head, slash, rest = text.partition("/")
+    if not slash or "/" in rest or "(" in rest:
+        return otherwise
+    return parse_unit(f"{head}/({rest})")
+
+
+def _refusal(
+    message: str, text: object, option: str | None, key: str | None, file: str | None
+) -> HyperfabError:
+    shown = text if isinstance(text, str) else repr(text)
+    shown = shown if len(shown) <= 60 else shown[:57] + "..."
+    if option is not None:
+        return UsageError(f"{option} {shown}: {message}")
+    head, _, remedy = message.rpartition("; ")
+    return InputError(f"{shown}: {head or remedy}", file=file, key=key, remedy=remedy if head else None)
+
+
+def _noun(kind: Kind) -> str:
+    return "dimensionless number" if kind.unit == "1" else kind.name.replace("-", " ")
+
+
+def _article(kind: Kind) -> str:
+    noun = _noun(kind)
+    return f"an {noun}" if noun[0] in "aeiou" else f"a {noun}"
+
+
+def _form(number: str, kind: Kind) -> str:
+    space = "" if re.search(r"\d[a-zA-Z]+$", kind.example) else " "
+    unit = kind.example.split(" ", 1)[1] if space else kind.unit
+    return f"{number}{space}{unit}"
