@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Annotated, Optional
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -65,7 +65,7 @@ def fit(
     volumetric: Annotated[list[str], typer.Option(metavar="CSV", help="Volumetric test.")] = [],  # noqa: B006
     model: Annotated[str, typer.Option(metavar="NAME", help="A strain-energy law, or all.")] = "all",
     fit_on: Annotated[
-        Optional[str],
+        str | None,
         typer.Option(
             metavar="TESTS", help="Tests that take part, as uniaxial,shear; the others are predicted."
         ),
@@ -78,10 +78,10 @@ def fit(
     ] = False,
     accept: Annotated[float, typer.Option(metavar="R", help="Largest relative rms that is accepted.")] = 0.30,
     thickness: Annotated[
-        Optional[str], typer.Option(metavar="LENGTH", help="Thickness of the fabric, as 0.6mm.")
+        str | None, typer.Option(metavar="LENGTH", help="Thickness of the fabric, as 0.6mm.")
     ] = None,
     decimal: Annotated[
-        Optional[str], typer.Option(metavar="MARK", help="Decimal mark of the files: . or ,")
+        str | None, typer.Option(metavar="MARK", help="Decimal mark of the files: . or ,")
     ] = None,
     output: Target = "-",
     quiet: Quiet = False,
@@ -111,7 +111,7 @@ def fabric_contact(
         str, typer.Argument(metavar="FABRIC.json", help="Material document of hf fit, or -.")
     ],
     against: Annotated[
-        Optional[str], typer.Option(metavar="OTHER.json", help="Material to compare with (case B).")
+        str | None, typer.Option(metavar="OTHER.json", help="Material to compare with (case B).")
     ] = None,
     shape: Annotated[
         str, typer.Option(metavar="SHAPE", help="Outline of the sheet: disc or square.")
@@ -120,7 +120,7 @@ def fabric_contact(
         str, typer.Option(metavar="LENGTH", help="Diameter or side of the undeformed sheet.")
     ] = "200mm",
     thickness: Annotated[
-        Optional[str],
+        str | None,
         typer.Option(metavar="LENGTH", help="Thickness; the material's own where it has one, else 1mm."),
     ] = None,
     sphere_radius: Annotated[
@@ -130,14 +130,12 @@ def fabric_contact(
     prestretch: Annotated[
         float, typer.Option(metavar="S", help="The rim is held at S times its undeformed place.")
     ] = 1.0,
-    friction: Annotated[
-        Optional[str], typer.Option(metavar="MU", help="Coulomb coefficient, or stick.")
-    ] = None,
+    friction: Annotated[str | None, typer.Option(metavar="MU", help="Coulomb coefficient, or stick.")] = None,
     steps: Annotated[
-        Optional[int], typer.Option(metavar="N", help="Load steps; adaptive where not given.")
+        int | None, typer.Option(metavar="N", help="Load steps; adaptive where not given.")
     ] = None,
     mesh_size: Annotated[
-        Optional[str], typer.Option(metavar="LENGTH", help="Edge length of the elements.")
+        str | None, typer.Option(metavar="LENGTH", help="Edge length of the elements.")
     ] = None,
     output: Target = "-",
     quiet: Quiet = False,
@@ -171,7 +169,7 @@ def drape(
     size: Annotated[str, typer.Option(metavar="LxL", help="The flat sheet, as 220mmx220mm.")] = "220mmx220mm",
     depth: Annotated[str, typer.Option(metavar="LENGTH", help="How far the mold is pushed up.")] = "60mm",
     thickness: Annotated[
-        Optional[str],
+        str | None,
         typer.Option(metavar="LENGTH", help="Thickness; the material's own where it has one, else 1mm."),
     ] = None,
     clamp: Annotated[
@@ -237,22 +235,22 @@ def press_contact(
     foam: Annotated[str, typer.Option(metavar="FOAM.toml", help="The sandwich: foam and fabric layers.")],
     axis: Annotated[str, typer.Option(metavar="AXIS", help="Closing axis: x, y or z.")] = "z",
     gap: Annotated[
-        Optional[str], typer.Option(metavar="LENGTH", help="Axial clearance at the datum, cold.")
+        str | None, typer.Option(metavar="LENGTH", help="Axial clearance at the datum, cold.")
     ] = None,
     force: Annotated[
-        Optional[str], typer.Option(metavar="FORCE", help="Closing force; the position is solved.")
+        str | None, typer.Option(metavar="FORCE", help="Closing force; the position is solved.")
     ] = None,
     temperature: Annotated[
-        Optional[str], typer.Option(metavar="T", help="Uniform temperature of both molds.")
+        str | None, typer.Option(metavar="T", help="Uniform temperature of both molds.")
     ] = None,
     male_heat: Annotated[
-        Optional[str], typer.Option(metavar="HEAT.json", help="The male mold's temperature.")
+        str | None, typer.Option(metavar="HEAT.json", help="The male mold's temperature.")
     ] = None,
     female_heat: Annotated[
-        Optional[str], typer.Option(metavar="HEAT.json", help="The female mold's temperature.")
+        str | None, typer.Option(metavar="HEAT.json", help="The female mold's temperature.")
     ] = None,
     drape: Annotated[
-        Optional[str], typer.Option(metavar="DRAPE.json", help="Fabric thickness from hf drape.")
+        str | None, typer.Option(metavar="DRAPE.json", help="Fabric thickness from hf drape.")
     ] = None,
     stl_unit: StlUnit = "mm",
     output: Target = "-",
@@ -294,7 +292,7 @@ def sample(
     def action(job: Job) -> int:
         from hyperfab.chapters import sample as chapter
 
-        return chapter.run(job, folder=folder, force=force)
+        return chapter.run(folder, force=force, console=job.console)
 
     _run(context, quiet, debug, action)
 
@@ -318,6 +316,27 @@ def schema(
         from hyperfab.chapters import schema as chapter
 
         return chapter.run(kind)
+
+    _run(context, False, debug, action)
+
+
+@app.command(short_help="One screen about a set of documents")
+def summary(
+    context: typer.Context,
+    documents: Annotated[list[str], typer.Argument(metavar="DOCUMENT...", help="Documents of any kind.")],
+    debug: Debug = False,
+) -> None:
+    """Print what documents say, a few lines each, and where their pictures are.
+
+    \b
+    Example:
+      hf summary fabric.json contact.json drape.json
+    """
+
+    def action(job: Job) -> int:
+        from hyperfab.chapters import summary as chapter
+
+        return chapter.run(job, documents)
 
     _run(context, False, debug, action)
 
@@ -358,7 +377,7 @@ def _run(context: typer.Context, quiet: bool, debug: bool, action: Callable[[Job
 def main() -> None:
     """Entry point of ``hf``: exits with the statuses that README.md lists."""
     try:
-        app()
+        app(prog_name="hf")
     except SystemExit as end:
         status = end.code if isinstance(end.code, int) else 0
     except OSError as error:
@@ -379,7 +398,3 @@ def _flush(status: int) -> int:
         print(f"hf: output: standard output: {error.strerror or error}", file=sys.stderr)
         return OutputError.exit_status
     return status
-
-
-if __name__ == "__main__":
-    main()

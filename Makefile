@@ -1,0 +1,111 @@
+# Two commands do all the set-up on a fresh machine: `make run` and `make test`.
+# Needed beforehand: python3 (3.11 or newer, with venv), make and a C library.
+
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+HF     := $(BIN)/hf
+BUILD  := build
+SOURCES := $(shell find hyperfab -name '*.py' -o -name '*.toml' -o -name '*.csv')
+
+.DELETE_ON_ERROR:
+.PHONY: run test test-slow lint types bench fuzz samples clean distclean help
+
+help:
+	@echo "make run     the whole chain on the sample specimens and molds, with a summary and pictures in $(BUILD)/"
+	@echo "make test    the tests (make test-slow: heavy physics and long fault runs)"
+	@echo "make lint    format, lint and import arrows;  make types: the type checker"
+	@echo "make bench   timings beside other programs;   make fuzz: readers against random bytes"
+	@echo "make clean   remove $(BUILD)/;                 make distclean: remove $(VENV)/ too"
+
+# ---- the environment -------------------------------------------------------------------------------------
+
+$(VENV)/created:
+	$(PYTHON) -m venv $(VENV)
+	@touch $@
+
+# The program itself: what a user installs, in the versions of constraints.txt.
+$(VENV)/run: $(VENV)/created pyproject.toml constraints.txt $(SOURCES)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt .
+	@touch $@
+
+# What the developers' targets need beside it.
+$(VENV)/dev: $(VENV)/run
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt '.[dev]'
+	@touch $@
+
+# ---- the chain: each document is made from the ones before it ------------------------------------------------
+
+TRELOAR := specimens/treloar-1944
+LYCRA   := $(wildcard specimens/lycra/*-23C.csv)
+DOCUMENTS := $(addprefix $(BUILD)/, fabric.json case-a.json case-b.json contact.json drape.json \
+               heat-original.json heat-proposed.json press.json)
+
+run: $(DOCUMENTS)
+	@$(HF) summary $(DOCUMENTS)
+
+$(DOCUMENTS): $(VENV)/run | $(BUILD)
+
+$(BUILD):
+	@mkdir -p $@
+
+# Chapter 1: the fabric, warp and weft, at room temperature.
+$(BUILD)/fabric.json: $(LYCRA)
+	$(HF) fit $(addprefix --uniaxial ,$(LYCRA)) --model yeoh-3 -o $@
+
+# Chapter 1, on Treloar's rubber: constants from the uniaxial test alone (case A) and from all tests (case B).
+$(BUILD)/case-a.json $(BUILD)/case-b.json: $(wildcard $(TRELOAR)/*.csv)
+$(BUILD)/case-a.json: FIT_ON := --fit-on uniaxial
+$(BUILD)/case-a.json $(BUILD)/case-b.json:
+	$(HF) fit --uniaxial $(TRELOAR)/uniaxial.csv --shear $(TRELOAR)/shear.csv --biaxial $(TRELOAR)/biaxial.csv \
+	  --model yeoh-3 $(FIT_ON) -o $@
+
+# Chapter 2: the sphere on the membrane judges case A against case B.
+$(BUILD)/contact.json: $(BUILD)/case-a.json $(BUILD)/case-b.json
+	$(HF) fabric-contact $(BUILD)/case-a.json --against $(BUILD)/case-b.json --shape disc --size 200mm --thickness 1mm \
+	  --sphere-radius 40mm --depth 60mm -o $@
+
+# Chapter 3: the fabric on the cup.
+$(BUILD)/drape.json: $(BUILD)/fabric.json molds/cup-male.stl
+	$(HF) drape $< --mold molds/cup-male.stl --grid 100x100 --size 260mmx260mm --depth 60mm -o $@
+
+# Chapter 4: two designs of the heated mold.
+$(BUILD)/heat-%.json: molds/%.toml molds/film.csv
+	$(HF) mold-heat $< -o $@
+
+# Chapter 5: the hot molds on the foam sandwich, with the fabric as draped.
+$(BUILD)/press.json: $(BUILD)/drape.json specimens/foam.toml specimens/foam.csv molds/cup-male.stl molds/cup-female.stl
+	$(HF) press-contact --male molds/cup-male.stl --female molds/cup-female.stl --axis z \
+	  --foam specimens/foam.toml --gap 3mm --temperature 200degC --drape $(BUILD)/drape.json -o $@
+
+# ---- the net under it ---------------------------------------------------------------------------------------
+
+test: $(VENV)/dev
+	$(BIN)/python -m pytest -n auto
+
+test-slow: $(VENV)/dev
+	$(BIN)/python -m pytest -m slow
+
+lint: $(VENV)/dev
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/lint-imports
+
+types: $(VENV)/dev
+	$(BIN)/mypy
+
+bench: $(VENV)/dev
+	@for script in benchmarks/*.py; do echo "== $$script"; $(BIN)/python $$script || exit 1; done
+
+fuzz: $(VENV)/dev
+	HYPOTHESIS_PROFILE=fuzz $(BIN)/python -m pytest tests/io tests/documents
+
+# Write the shipped samples anew; a test holds them equal to what `hf sample` makes.
+samples: $(VENV)/run
+	$(HF) sample . --force
+
+clean:
+	rm -rf $(BUILD)
+
+distclean: clean
+	rm -rf $(VENV)

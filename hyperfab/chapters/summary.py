@@ -1,0 +1,114 @@
+"""``hf summary``: one screen about a set of documents, in words and rounded figures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+from hyperfab.chapters.job import Job
+from hyperfab.documents.base import KINDS, document_class, parse_document
+from hyperfab.errors import InputError
+from hyperfab.io.json_io import load_json
+from hyperfab.io.output import write_stdout
+
+Plain = Mapping[str, Any]
+
+
+def run(job: Job, documents: Sequence[str]) -> int:
+    """Print a paragraph for each document; InputError where one is not a document of a known kind."""
+    lines: list[str] = []
+    for name in documents:
+        loaded = load_json(job.inputs.read(name), name)
+        kind = _kind(loaded, name)
+        data = parse_document(loaded, name, document_class(kind)).to_json()
+        lines.append(f"{name} ({kind})")
+        lines += [f"  {line}" for line in _PARAGRAPHS[kind](data)]
+        pictures = [job.inputs.beside(name, file) for file in data.get("files", []) if file.endswith(".png")]
+        lines += [f"  picture: {picture}" for picture in pictures]
+    write_stdout(("\n".join(lines) + "\n").encode())
+    return 0
+
+
+def _kind(loaded: object, name: str) -> str:
+    found = loaded.get("format") if isinstance(loaded, Mapping) else None
+    kind = str(found).removeprefix("hyperfab.").split("/")[0]
+    if kind not in _PARAGRAPHS:
+        raise InputError(
+            "is not a document hf knows", file=name, key="format", remedy=f"the kinds are {', '.join(KINDS)}"
+        )
+    return kind
+
+
+def _material(data: Plain) -> Iterator[str]:
+    fits = data.get("directions") or {"": data}
+    for direction, part in fits.items():
+        constants = ", ".join(f"{name} {value:.5g}" for name, value in part["parameters"].items())
+        fit = part["fit"]
+        label = f"{direction}: " if direction else ""
+        yield f"{label}{data['model']}: {constants}; relative rms {fit['relative_rms']:.3f} over {fit['points']} points"
+        for test, figures in fit["tests"].items():
+            if figures.get("predicted"):
+                yield f"{label}{test} test, not used in the fit: relative rms {figures['relative_rms']:.3f}"
+    yield "accepted" if data["accepted"] else "not accepted"
+
+
+def _contact(data: Plain) -> Iterator[str]:
+    if data["converged"]:
+        yield (
+            f"force {data['force_N']:.4g} N, contact radius {data['contact_radius_mm']:.4g} mm, "
+            f"stretch up to {data['stretch_max']:.3f}, stress up to {data['stress_max_MPa']:.3g} MPa"
+        )
+    else:
+        yield f"not converged: {data['status']}"
+    if "stress_difference_percent" in data:
+        yield (
+            f"against the other constants: stress differs by {data['stress_difference_percent']:.1f} %, "
+            f"force ratio {data['force_ratio']:.3f}"
+        )
+
+
+def _drape(data: Plain) -> Iterator[str]:
+    state = "equilibrium" if data["converged"] else "no equilibrium"
+    yield (
+        f"{state}: {data['contact_nodes']} nodes on the mold, press force {data['force_N']:.4g} N, "
+        f"thinnest {data['thickness_min_mm']:.3f} mm, {data['slack_springs']} slack springs"
+    )
+    yield (
+        f"stress up to {data['stress_warp_max_MPa']:.3g} MPa (warp), {data['stress_weft_max_MPa']:.3g} MPa (weft); "
+        f"residual {data['residual_relative']:.1e}, deepest penetration {data['penetration_max_mm']:.2g} mm"
+    )
+
+
+def _heat(data: Plain) -> Iterator[str]:
+    if "warmup_time_s" in data:
+        yield f"warm-up in {data['warmup_time_s'] / 60:.1f} min"
+    surface = data.get("work_surface", {})
+    for moment, words in (("at_warmup", "at warm-up"), ("at_end", "at the end")):
+        if moment in surface:
+            figures = surface[moment]
+            yield (
+                f"work surface {words}: {figures['mean_degC']:.1f} degC, "
+                f"spread ±{figures['spread_K'] / 2:.2f} K"
+            )
+    energy = data["energy"]
+    yield (
+        f"energy {energy['supplied_J'] / 1e6:.2f} MJ, lost {energy['lost_J'] / 1e6:.2f} MJ, "
+        f"mass {data['mass_kg']:.1f} kg"
+    )
+
+
+def _press(data: Plain) -> Iterator[str]:
+    yield (
+        f"the molds touch on {100 * data['contact_fraction']:.1f} % ({data['contact_area_mm2']:.0f} mm2), "
+        f"force {data['force_N']:.4g} N, pressure up to {data['pressure_max_MPa']:.3g} MPa"
+    )
+    yield f"hot gap {data['gap_min_mm']:.2f} to {data['gap_max_mm']:.2f} mm, mean {data['gap_mean_mm']:.2f} mm"
+
+
+_PARAGRAPHS: dict[str, Callable[[Plain], Iterator[str]]] = {
+    "material": _material,
+    "contact": _contact,
+    "drape": _drape,
+    "heat": _heat,
+    "press": _press,
+}

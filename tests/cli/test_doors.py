@@ -1,0 +1,69 @@
+"""The doors: help, version, usage errors, and what they load."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+from conftest import Run
+
+COMMANDS = ["fit", "fabric-contact", "drape", "mold-heat", "press-contact", "sample", "schema", "summary"]
+
+
+def test_help_names_every_command(hf: Run) -> None:
+    done = hf("--help")
+    assert done.returncode == 0
+    listed = done.stdout.decode().split("Commands:")[1]
+    assert [line.split()[0] for line in listed.splitlines() if line.strip()] == COMMANDS
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_page_of_a_command_shows_an_example(hf: Run, command: str) -> None:
+    done = hf(command, "--help")
+    assert done.returncode == 0
+    assert f"hf {command} " in done.stdout.decode().split("Example:")[1]
+
+
+def test_help_loads_neither_numpy_nor_rich_nor_pydantic() -> None:
+    code = (
+        "import sys\n"
+        "sys.argv = ['hf', '--help']\n"
+        "from hyperfab import cli\n"
+        "try:\n    cli.main()\n"
+        "except SystemExit as end:\n    assert end.code == 0\n"
+        "print(sorted({'numpy', 'rich', 'pydantic', 'scipy'} & set(sys.modules)), file=sys.stderr)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
+    assert done.stderr.decode().strip() == "[]"
+
+
+def test_version_is_the_package_version(hf: Run) -> None:
+    from hyperfab import __version__
+
+    assert hf("--version").stdout.decode() == f"hf {__version__}\n"
+
+
+@pytest.mark.parametrize(
+    "arguments", [["nonsense"], ["fit", "--nonsense"], ["drape"], ["schema", "nonsense"], []]
+)
+def test_bad_usage_is_status_2_and_says_why(hf: Run, arguments: list[str]) -> None:
+    done = hf(*arguments)
+    assert done.returncode == 2
+    assert done.stderr.strip() or not arguments
+    assert b"Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["fit", "--help"], ["schema", "material"], ["--version"]])
+def test_full_disk_behind_standard_output_is_status_5(arguments: list[str], root: object) -> None:
+    with open("/dev/full", "wb") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "hyperfab", *arguments],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            cwd=str(root),
+            check=False,
+        )
+    assert done.returncode == 5
+    assert b"No space left" in done.stderr
+    assert b"Traceback" not in done.stderr

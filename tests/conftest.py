@@ -1,0 +1,63 @@
+"""What all tests share: the real ``hf`` process, measured data where it is there, and hypothesis profiles."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, settings
+
+ROOT = Path(__file__).resolve().parent.parent
+
+settings.register_profile(
+    "default",
+    deadline=None,
+    derandomize=True,
+    max_examples=60,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
+)
+settings.register_profile("fuzz", settings.get_profile("default"), derandomize=False, max_examples=5000)
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
+
+Run = Callable[..., "subprocess.CompletedProcess[bytes]"]
+
+
+@pytest.fixture(scope="session")
+def root() -> Path:
+    """The checkout."""
+    return ROOT
+
+
+@pytest.fixture(scope="session")
+def hf() -> Run:
+    """Run the real command in a process of its own: ``hf("fit", ..., stdin=b"...", cwd=folder)``."""
+
+    def run(
+        *arguments: object,
+        stdin: bytes = b"",
+        cwd: Path | str = ROOT,
+        env: dict[str, str] | None = None,
+        timeout: float = 120,
+    ) -> subprocess.CompletedProcess[bytes]:
+        command = [sys.executable, "-m", "hyperfab", *map(str, arguments)]
+        environment = {**os.environ, "PYTHONPATH": str(ROOT), **(env or {})}
+        return subprocess.run(
+            command, input=stdin, capture_output=True, cwd=cwd, env=environment, timeout=timeout, check=False
+        )
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def data_dir() -> Path:
+    """The folder of measured data, which is not part of the repository (HYPERFAB_DATA names it)."""
+    folder = Path(os.environ.get("HYPERFAB_DATA", ROOT.parent / "shared" / "data"))
+    if not folder.is_dir():
+        pytest.skip(
+            "measured data not here: set HYPERFAB_DATA to the folder that holds treloar-1944/ and others"
+        )
+    return folder

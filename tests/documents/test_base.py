@@ -1,0 +1,77 @@
+"""Documents: kinds and versions are checked by name, errors name the key, schemas are schemas."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import jsonschema
+import pytest
+from pydantic import Field
+
+from hyperfab.documents.base import KINDS, Document, HandWritten, parse_document, schema
+from hyperfab.errors import InputError, UsageError
+
+
+class Sheet(Document):
+    KIND: ClassVar[str] = "material"
+    VERSION: ClassVar[int] = 2
+    width_mm: float = Field(gt=0)
+    note: str | None = None
+
+
+class Recipe(HandWritten):
+    KIND: ClassVar[str] = "foam"
+    layers: int
+
+
+def test_what_was_not_computed_is_absent() -> None:
+    assert Sheet(width_mm=2.0).to_json() == {"format": "hyperfab.material/2", "width_mm": 2.0, "files": []}
+
+
+def test_an_older_version_is_read() -> None:
+    assert parse_document({"format": "hyperfab.material/1", "width_mm": 1.0}, "a.json", Sheet).width_mm == 1.0
+
+
+@pytest.mark.parametrize(
+    ("document", "cls", "message"),
+    [
+        ({"format": "hyperfab.material/3", "width_mm": 1}, Sheet, "a.json, key format: has version 3"),
+        ({"format": "hyperfab.drape/1"}, Sheet, "is a drape document, a material document is needed"),
+        ({"width_mm": 1}, Sheet, "does not say what it is"),
+        ({"format": 7}, Sheet, "unknown format 7"),
+        ([], Sheet, "top level is not an object"),
+        ({"format": "hyperfab.material/2"}, Sheet, "a.json, key width_mm: is missing"),
+        (
+            {"format": "hyperfab.material/2", "width_mm": -1},
+            Sheet,
+            "key width_mm: input should be greater than 0, not -1",
+        ),
+        (
+            {"format": "hyperfab.material/2", "width_mm": float("nan")},
+            Sheet,
+            "key width_mm: input should be a finite",
+        ),
+        (
+            {"format": "hyperfab.foam/1", "layers": 2, "leyers": 2},
+            Recipe,
+            "key leyers: is not a key of this document",
+        ),
+    ],
+)
+def test_an_unsound_document_is_refused_by_name(document: object, cls: type[Document], message: str) -> None:
+    with pytest.raises(InputError) as refused:
+        parse_document(document, "a.json", cls)
+    assert message in str(refused.value)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_kind_has_a_sound_schema_that_demands_its_format(kind: str) -> None:
+    found = schema(kind)
+    jsonschema.Draft202012Validator.check_schema(found)
+    assert "format" in found["required"]
+    assert found["properties"]["format"]["const"].startswith(f"hyperfab.{kind}/")
+
+
+def test_an_unknown_kind_names_the_known_ones() -> None:
+    with pytest.raises(UsageError, match="material, contact"):
+        schema("nonsense")
