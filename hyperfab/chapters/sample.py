@@ -4,21 +4,21 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from hyperfab.console import Console
+from hyperfab.chapters.job import Job
 from hyperfab.errors import OutputError, UsageError
 from hyperfab.io.atomic import write_files
 from hyperfab.samples import sample_files
 
 
-def run(directory: str, *, force: bool, console: Console) -> int:
-    """Write every sample below ``directory``.
+def run(job: Job, *, folder: str, force: bool) -> int:
+    """Write every sample below ``folder``.
 
     A file that is there with the same bytes is left alone. One that differs is somebody's work: it is
     overwritten only with ``force``, and otherwise nothing at all is written.
     """
-    root = Path(directory)
+    root = Path(folder)
     if root.exists() and not root.is_dir():
-        raise UsageError(f"{directory} is a file; name the folder that should take the samples")
+        raise UsageError(f"{folder} is a file; name the folder that should take the samples")
     samples = {root / path: data for path, data in sample_files().items()}
     different = [path for path, data in samples.items() if _differs(path, data)]
     if different and not force:
@@ -26,12 +26,12 @@ def run(directory: str, *, force: bool, console: Console) -> int:
         raise UsageError(f"not the sample: {names}; choose another folder, or overwrite with --force")
     missing = [(path, data) for path, data in samples.items() if path in different or not path.exists()]
     try:
-        for folder in sorted({path.parent for path, _ in missing}):
-            folder.mkdir(parents=True, exist_ok=True)
+        for place in sorted({path.parent for path, _ in missing}):
+            place.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(f"{error.filename}: {error.strerror}; choose another folder") from error
     write_files(missing)
-    console.note(f"{directory}: {len(samples)} sample files, {len(missing)} written")
+    job.console.note(f"{folder}: {len(samples)} sample files, {len(missing)} written")
     return 0
 
 
