@@ -14,7 +14,7 @@ from hyperfab.io.output import write_stdout
 Plain = Mapping[str, Any]
 
 
-def run(job: Job, documents: Sequence[str]) -> int:
+def run(job: Job, *, documents: Sequence[str]) -> int:
     """Print a paragraph for each document; InputError where one is not a document of a known kind."""
     lines: list[str] = []
     for name in documents:

@@ -8,7 +8,7 @@ import sys
 import pytest
 from conftest import Run
 
-COMMANDS = ["fit", "fabric-contact", "drape", "mold-heat", "press-contact", "sample", "schema", "summary"]
+COMMANDS = ["fit", "fabric-contact", "drape", "mold-heat", "press-contact", "summary", "sample", "schema"]
 
 
 def test_help_names_every_command(hf: Run) -> None:

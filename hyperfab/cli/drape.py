@@ -1,0 +1,45 @@
+"""``hf drape``: its options and its help."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from hyperfab.cli.shared import Debug, Quiet, StlUnit, Target, run_chapter
+
+SHORT_HELP = "Fabric relaxed onto a mold (STL)"
+
+
+def drape(
+    context: typer.Context,
+    material: Annotated[
+        str, typer.Argument(metavar="FABRIC.json", help="Material document of hf fit, or -.")
+    ],
+    mold: Annotated[str, typer.Option(metavar="MOLD.stl", help="Surface of the mold.")],
+    grid: Annotated[str, typer.Option(metavar="NxM", help="Nodes along x (warp) and y (weft).")] = "100x100",
+    size: Annotated[str, typer.Option(metavar="LxL", help="The flat sheet, as 220mmx220mm.")] = "220mmx220mm",
+    depth: Annotated[str, typer.Option(metavar="LENGTH", help="How far the mold is pushed up.")] = "60mm",
+    thickness: Annotated[
+        str | None,
+        typer.Option(metavar="LENGTH", help="Thickness; the material's own where it has one, else 1mm."),
+    ] = None,
+    clamp: Annotated[
+        str, typer.Option(metavar="EDGES", help="Clamped edges: edges (all four), or some of x-,x+,y-,y+.")
+    ] = "edges",
+    tolerance: Annotated[
+        float, typer.Option(metavar="R", help="Largest nodal residual over the largest spring force.")
+    ] = 1e-6,
+    stl_unit: StlUnit = "mm",
+    output: Target = "-",
+    quiet: Quiet = False,
+    debug: Debug = False,
+) -> None:
+    """Relax an orthotropic grid of tension-only springs onto a mold (STL).
+
+    \b
+    Example:
+      hf drape fabric.json --mold molds/cup-male.stl --grid 100x100 \\
+         --size 220mmx220mm --depth 60mm -o drape.json
+    """
+    run_chapter(context)

@@ -1,0 +1,57 @@
+"""``hf fabric-contact``: its options and its help."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from hyperfab.cli.shared import Debug, Quiet, Target, run_chapter
+
+SHORT_HELP = "A sphere pushed into a clamped sheet"
+
+
+def fabric_contact(
+    context: typer.Context,
+    material: Annotated[
+        str, typer.Argument(metavar="FABRIC.json", help="Material document of hf fit, or -.")
+    ],
+    against: Annotated[
+        str | None, typer.Option(metavar="OTHER.json", help="Material to compare with (case B).")
+    ] = None,
+    shape: Annotated[
+        str, typer.Option(metavar="SHAPE", help="Outline of the sheet: disc or square.")
+    ] = "disc",
+    size: Annotated[
+        str, typer.Option(metavar="LENGTH", help="Diameter or side of the undeformed sheet.")
+    ] = "200mm",
+    thickness: Annotated[
+        str | None,
+        typer.Option(metavar="LENGTH", help="Thickness; the material's own where it has one, else 1mm."),
+    ] = None,
+    sphere_radius: Annotated[
+        str, typer.Option(metavar="LENGTH", help="Radius of the rigid sphere.")
+    ] = "40mm",
+    depth: Annotated[str, typer.Option(metavar="LENGTH", help="How far the sphere is pushed in.")] = "60mm",
+    prestretch: Annotated[
+        float, typer.Option(metavar="S", help="The rim is held at S times its undeformed place.")
+    ] = 1.0,
+    friction: Annotated[str | None, typer.Option(metavar="MU", help="Coulomb coefficient, or stick.")] = None,
+    steps: Annotated[
+        int | None, typer.Option(metavar="N", help="Load steps; adaptive where not given.")
+    ] = None,
+    mesh_size: Annotated[
+        str | None, typer.Option(metavar="LENGTH", help="Edge length of the elements.")
+    ] = None,
+    output: Target = "-",
+    quiet: Quiet = False,
+    debug: Debug = False,
+) -> None:
+    """Push a rigid sphere into a clamped sheet: nonlinear membrane finite elements.
+
+    \b
+    Example:
+      hf fabric-contact fabric.json --shape disc --size 200mm --thickness 1mm \\
+         --sphere-radius 40mm --depth 60mm -o contact.json
+    """
+    run_chapter(context)

@@ -1,0 +1,55 @@
+"""``hf fit``: its options and its help."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from hyperfab.cli.shared import Debug, Quiet, Target, run_chapter
+
+SHORT_HELP = "Constants of a law from fabric tests"
+
+
+def fit(
+    context: typer.Context,
+    uniaxial: Annotated[
+        list[str], typer.Option(metavar="CSV", help="Uniaxial test; repeat for more files.")
+    ] = [],
+    shear: Annotated[list[str], typer.Option(metavar="CSV", help="Planar shear (planar tension) test.")] = [],
+    biaxial: Annotated[
+        list[str], typer.Option(metavar="CSV", help="Equibiaxial or general biaxial test.")
+    ] = [],
+    volumetric: Annotated[list[str], typer.Option(metavar="CSV", help="Volumetric test.")] = [],
+    model: Annotated[str, typer.Option(metavar="NAME", help="A strain-energy law, or all.")] = "all",
+    fit_on: Annotated[
+        str | None,
+        typer.Option(
+            metavar="TESTS", help="Tests that take part, as uniaxial,shear; the others are predicted."
+        ),
+    ] = None,
+    objective: Annotated[
+        str, typer.Option(metavar="KIND", help="relative (the default) or absolute least squares.")
+    ] = "relative",
+    stable: Annotated[
+        bool, typer.Option("--stable", help="Only constants that are Drucker-stable over the data.")
+    ] = False,
+    accept: Annotated[float, typer.Option(metavar="R", help="Largest relative rms that is accepted.")] = 0.30,
+    thickness: Annotated[
+        str | None, typer.Option(metavar="LENGTH", help="Thickness of the fabric, as 0.6mm.")
+    ] = None,
+    decimal: Annotated[
+        str | None, typer.Option(metavar="MARK", help="Decimal mark of the files: . or ,")
+    ] = None,
+    output: Target = "-",
+    quiet: Quiet = False,
+    debug: Debug = False,
+) -> None:
+    """Identify the constants of a strain-energy law from fabric tests (CSV).
+
+    \b
+    Example:
+      hf fit --uniaxial specimens/treloar-1944/uniaxial.csv \\
+             --biaxial specimens/treloar-1944/biaxial.csv --model yeoh-3 -o fabric.json
+    """
+    run_chapter(context)

@@ -1,0 +1,50 @@
+"""``hf press-contact``: its options and its help."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from hyperfab.cli.shared import Debug, Quiet, StlUnit, Target, run_chapter
+
+SHORT_HELP = "Where two hot molds touch"
+
+
+def press_contact(
+    context: typer.Context,
+    male: Annotated[str, typer.Option(metavar="MALE.stl", help="Surface of the male mold.")],
+    female: Annotated[str, typer.Option(metavar="FEMALE.stl", help="Surface of the female mold.")],
+    foam: Annotated[str, typer.Option(metavar="FOAM.toml", help="The sandwich: foam and fabric layers.")],
+    axis: Annotated[str, typer.Option(metavar="AXIS", help="Closing axis: x, y or z.")] = "z",
+    gap: Annotated[
+        str | None, typer.Option(metavar="LENGTH", help="Axial clearance at the datum, cold.")
+    ] = None,
+    force: Annotated[
+        str | None, typer.Option(metavar="FORCE", help="Closing force; the position is solved.")
+    ] = None,
+    temperature: Annotated[
+        str | None, typer.Option(metavar="T", help="Uniform temperature of both molds.")
+    ] = None,
+    male_heat: Annotated[
+        str | None, typer.Option(metavar="HEAT.json", help="The male mold's temperature.")
+    ] = None,
+    female_heat: Annotated[
+        str | None, typer.Option(metavar="HEAT.json", help="The female mold's temperature.")
+    ] = None,
+    drape: Annotated[
+        str | None, typer.Option(metavar="DRAPE.json", help="Fabric thickness from hf drape.")
+    ] = None,
+    stl_unit: StlUnit = "mm",
+    output: Target = "-",
+    quiet: Quiet = False,
+    debug: Debug = False,
+) -> None:
+    """Press two hot molds on the fabric-foam-fabric sandwich: where do they touch, and how hard.
+
+    \b
+    Example:
+      hf press-contact --male molds/cup-male.stl --female molds/cup-female.stl --axis z \\
+         --foam specimens/foam.toml --gap 3mm --temperature 200degC -o press.json
+    """
+    run_chapter(context)

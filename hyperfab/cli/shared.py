@@ -1,0 +1,58 @@
+"""What all commands share: the options that each of them has, and the way to its chapter."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Annotated
+
+import typer
+
+from hyperfab.console import Console, run_guarded
+
+Target = Annotated[
+    str,
+    typer.Option(
+        "--output", "-o", metavar="NAME.json", help="Where the document goes; - is standard output."
+    ),
+]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Only warnings and errors on standard error.")]
+Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of a defect.")]
+StlUnit = Annotated[
+    str, typer.Option(metavar="UNIT", help="Unit of the numbers in STL files: mm, cm, m or inch.")
+]
+
+#: Options about how a run is shown, not about what it computes: no part of provenance.
+_ABOUT_THE_RUN = ("quiet", "debug")
+
+
+def run_chapter(context: typer.Context) -> None:
+    """Run the chapter that has the command's name with the command's options, and end with its exit status."""
+    command = context.command.name or ""
+    options = {name: value for name, value in context.params.items() if name not in _ABOUT_THE_RUN}
+
+    def action() -> int:
+        from hyperfab.chapters.job import Job
+
+        chapter = importlib.import_module(f"hyperfab.chapters.{command.replace('-', '_')}")
+        job = Job(command, _arguments(context), Console(bool(context.params.get("quiet"))))
+        status: int = chapter.run(job, **options)
+        return status
+
+    raise typer.Exit(run_guarded(action, bool(context.params.get("debug"))))
+
+
+def _arguments(context: typer.Context) -> list[str]:
+    """Return the arguments as given, in the order of the help page, without the output's name."""
+    words: list[str] = []
+    for parameter in context.command.params:
+        name = parameter.name or ""
+        source = context.get_parameter_source(name)
+        if source is None or source.name != "COMMANDLINE" or name in ("output", *_ABOUT_THE_RUN):
+            continue
+        value = context.params[name]
+        for item in value if isinstance(value, (list, tuple)) else [value]:
+            if parameter.param_type_name == "option":
+                words.append(max(parameter.opts, key=len))
+            if not isinstance(item, bool):
+                words.append(str(item))
+    return words
