@@ -1,1 +1,6 @@
-"""A triangle surface: nearest point, ray, soundness."""
+"""Triangle surfaces: nearest point, ray, cone of normals, curvature, soundness."""
+
+from .mesh import Nearest, Surface
+from .soundness import Soundness, consistently_wound, soundness
+
+__all__ = ["Nearest", "Soundness", "Surface", "consistently_wound", "soundness"]

@@ -1,0 +1,303 @@
+"""Bounding-volume tree over triangles, compiled: exact nearest point and first hit of a ray.
+
+The tree is stored depth first: the left child of node ``i`` is ``i + 1``, ``right[i]`` is the right child, or
+``-1`` at a leaf, whose triangles are ``start[i] : start[i] + count[i]`` of the reordered list. Triangles are split
+at the median of their centroids along the longest side, so the depth stays below 64 for any mesh that fits memory.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+LEAF = 4
+DEPTH = 64
+
+# Where on its triangle the nearest point lies.
+FACE, EDGE_AB, EDGE_BC, EDGE_CA, VERTEX_A, VERTEX_B, VERTEX_C = range(7)
+
+
+@njit(cache=True)
+def _select(key: Floats, order: Ints, lo: int, hi: int, k: int) -> None:
+    """Reorder ``order[lo:hi]`` so that its k-th entry is in its sorted place by ``key`` (Hoare's select)."""
+    hi -= 1
+    while lo < hi:
+        pivot = key[order[(lo + hi) // 2]]
+        i, j = lo, hi
+        while i <= j:
+            while key[order[i]] < pivot:
+                i += 1
+            while key[order[j]] > pivot:
+                j -= 1
+            if i <= j:
+                order[i], order[j] = order[j], order[i]
+                i += 1
+                j -= 1
+        if k <= j:
+            hi = j
+        elif k >= i:
+            lo = i
+        else:
+            return
+
+
+@njit(cache=True)
+def build(corners: Floats) -> tuple[Ints, Floats, Ints, Ints, Ints]:
+    """Tree over triangles ``corners`` (m, 3, 3): (order, bounds (k, 6), right, start, count)."""
+    m = corners.shape[0]
+    order = np.arange(m)
+    bounds = np.empty((2 * m + 1, 6))
+    right = np.full(2 * m + 1, -1)
+    start = np.zeros(2 * m + 1, np.int64)
+    count = np.zeros(2 * m + 1, np.int64)
+    key = np.empty(m)
+    todo = np.empty((2 * DEPTH, 3), np.int64)  # range and the parent whose right child this is
+    todo[0, 0], todo[0, 1], todo[0, 2] = 0, m, -1
+    top, nodes = 1, 0
+    while top > 0:
+        top -= 1
+        lo, hi, parent = todo[top, 0], todo[top, 1], todo[top, 2]
+        node = nodes
+        nodes += 1
+        if parent >= 0:
+            right[parent] = node
+        for a in range(3):
+            low, high, clow, chigh = np.inf, -np.inf, np.inf, -np.inf
+            for t in range(lo, hi):
+                f = order[t]
+                c = 0.0
+                for v in range(3):
+                    x = corners[f, v, a]
+                    low, high = min(low, x), max(high, x)
+                    c += x
+                clow, chigh = min(clow, c), max(chigh, c)
+            bounds[node, a], bounds[node, 3 + a] = low, high
+        if hi - lo <= LEAF:
+            start[node], count[node] = lo, hi - lo
+            continue
+        axis, widest = 0, -1.0
+        for a in range(3):
+            width = bounds[node, 3 + a] - bounds[node, a]
+            if width > widest:
+                axis, widest = a, width
+        for t in range(lo, hi):
+            f = order[t]
+            key[f] = corners[f, 0, axis] + corners[f, 1, axis] + corners[f, 2, axis]
+        mid = (lo + hi) // 2
+        _select(key, order, lo, hi, mid)
+        todo[top, 0], todo[top, 1], todo[top, 2] = mid, hi, node
+        todo[top + 1, 0], todo[top + 1, 1], todo[top + 1, 2] = lo, mid, -1
+        top += 2
+    return order, bounds[:nodes].copy(), right[:nodes].copy(), start[:nodes].copy(), count[:nodes].copy()
+
+
+@njit(cache=True, inline="always")
+def _box_distance2(bounds: Floats, node: int, x: float, y: float, z: float) -> Any:
+    dx = max(max(bounds[node, 0] - x, x - bounds[node, 3]), 0.0)
+    dy = max(max(bounds[node, 1] - y, y - bounds[node, 4]), 0.0)
+    dz = max(max(bounds[node, 2] - z, z - bounds[node, 5]), 0.0)
+    return dx * dx + dy * dy + dz * dz
+
+
+@njit(cache=True)
+def closest_on_triangle(tri: Floats, x: float, y: float, z: float) -> tuple[float, float, float, int]:
+    """Nearest point of triangle ``tri`` (3, 3) to (x, y, z) and the feature it lies on.
+
+    Regions of the triangle's Voronoi diagram, after Ericson, Real-Time Collision Detection (2005), section 5.1.5.
+    """
+    ax, ay, az = tri[0, 0], tri[0, 1], tri[0, 2]
+    abx, aby, abz = tri[1, 0] - ax, tri[1, 1] - ay, tri[1, 2] - az
+    acx, acy, acz = tri[2, 0] - ax, tri[2, 1] - ay, tri[2, 2] - az
+    px, py, pz = x - ax, y - ay, z - az
+    d1 = abx * px + aby * py + abz * pz
+    d2 = acx * px + acy * py + acz * pz
+    if d1 <= 0.0 and d2 <= 0.0:
+        return ax, ay, az, VERTEX_A
+    qx, qy, qz = x - tri[1, 0], y - tri[1, 1], z - tri[1, 2]
+    d3 = abx * qx + aby * qy + abz * qz
+    d4 = acx * qx + acy * qy + acz * qz
+    if d3 >= 0.0 and d4 <= d3:
+        return tri[1, 0], tri[1, 1], tri[1, 2], VERTEX_B
+    vc = d1 * d4 - d3 * d2
+    if vc <= 0.0 and d1 >= 0.0 and d3 <= 0.0:
+        v = d1 / (d1 - d3)
+        return ax + v * abx, ay + v * aby, az + v * abz, EDGE_AB
+    rx, ry, rz = x - tri[2, 0], y - tri[2, 1], z - tri[2, 2]
+    d5 = abx * rx + aby * ry + abz * rz
+    d6 = acx * rx + acy * ry + acz * rz
+    if d6 >= 0.0 and d5 <= d6:
+        return tri[2, 0], tri[2, 1], tri[2, 2], VERTEX_C
+    vb = d5 * d2 - d1 * d6
+    if vb <= 0.0 and d2 >= 0.0 and d6 <= 0.0:
+        w = d2 / (d2 - d6)
+        return ax + w * acx, ay + w * acy, az + w * acz, EDGE_CA
+    va = d3 * d6 - d5 * d4
+    if va <= 0.0 and d4 - d3 >= 0.0 and d5 - d6 >= 0.0:
+        w = (d4 - d3) / ((d4 - d3) + (d5 - d6))
+        return (
+            tri[1, 0] + w * (tri[2, 0] - tri[1, 0]),
+            tri[1, 1] + w * (tri[2, 1] - tri[1, 1]),
+            tri[1, 2] + w * (tri[2, 2] - tri[1, 2]),
+            EDGE_BC,
+        )
+    denom = 1.0 / (va + vb + vc)
+    v, w = vb * denom, vc * denom
+    return ax + abx * v + acx * w, ay + aby * v + acy * w, az + abz * v + acz * w, FACE
+
+
+@njit(cache=True)
+def nearest_one(
+    x: float,
+    y: float,
+    z: float,
+    hint: int,
+    corners: Floats,
+    bounds: Floats,
+    right: Ints,
+    start: Ints,
+    count: Ints,
+    stack: Ints,
+    stack_d: Floats,
+) -> tuple[float, float, float, int, int]:
+    """Nearest point to (x, y, z) over all triangles: (cx, cy, cz, slot, feature).
+
+    ``corners`` are in tree order; ``hint`` is a slot to try first, or -1. Among equally near triangles the first
+    one met wins.
+    """
+    best, bx, by, bz, slot, feature = np.inf, 0.0, 0.0, 0.0, -1, -1
+    if hint >= 0:
+        bx, by, bz, feature = closest_on_triangle(corners[hint], x, y, z)
+        best = (x - bx) ** 2 + (y - by) ** 2 + (z - bz) ** 2
+        slot = hint
+    stack[0], stack_d[0] = 0, _box_distance2(bounds, 0, x, y, z)
+    top = 1
+    while top > 0:
+        top -= 1
+        if stack_d[top] >= best:
+            continue
+        node = stack[top]
+        while right[node] >= 0:
+            a, b = node + 1, right[node]
+            da = _box_distance2(bounds, a, x, y, z)
+            db = _box_distance2(bounds, b, x, y, z)
+            if db < da:
+                a, b, da, db = b, a, db, da
+            if db < best:
+                stack[top], stack_d[top] = b, db
+                top += 1
+            if da >= best:
+                node = -1
+                break
+            node = a
+        if node < 0:
+            continue
+        for t in range(start[node], start[node] + count[node]):
+            cx, cy, cz, f = closest_on_triangle(corners[t], x, y, z)
+            d = (x - cx) ** 2 + (y - cy) ** 2 + (z - cz) ** 2
+            if d < best:
+                best, bx, by, bz, slot, feature = d, cx, cy, cz, t, f
+    return bx, by, bz, slot, feature
+
+
+@njit(cache=True)
+def nearest_many(
+    points: Floats,
+    hints: Ints,
+    corners: Floats,
+    bounds: Floats,
+    right: Ints,
+    start: Ints,
+    count: Ints,
+    closest: Floats,
+    slots: Ints,
+    features: Ints,
+) -> None:
+    """Nearest points of many; fills ``closest`` (n, 3), ``slots`` and ``features``."""
+    stack = np.empty(DEPTH, np.int64)
+    stack_d = np.empty(DEPTH)
+    for i in range(points.shape[0]):
+        cx, cy, cz, s, f = nearest_one(
+            points[i, 0],
+            points[i, 1],
+            points[i, 2],
+            hints[i],
+            corners,
+            bounds,
+            right,
+            start,
+            count,
+            stack,
+            stack_d,
+        )
+        closest[i, 0], closest[i, 1], closest[i, 2] = cx, cy, cz
+        slots[i], features[i] = s, f
+
+
+@njit(cache=True)
+def ray_many(
+    origins: Floats,
+    directions: Floats,
+    corners: Floats,
+    bounds: Floats,
+    right: Ints,
+    start: Ints,
+    count: Ints,
+    hit: Floats,
+    slots: Ints,
+) -> None:
+    """First hit along each ray, either side of a triangle; ``hit`` is inf and the slot -1 where there is none.
+
+    Moller and Trumbore's test (J. Graphics Tools 2, 1997), its edges widened by 1e-12 so that no ray slips between
+    two neighbours.
+    """
+    stack = np.empty(DEPTH, np.int64)
+    for i in range(origins.shape[0]):
+        best, slot = np.inf, -1
+        stack[0] = 0
+        top = 1
+        while top > 0:
+            top -= 1
+            node = stack[top]
+            near, far = 0.0, best
+            for a in range(3):
+                o, d = origins[i, a], directions[i, a]
+                lo, hi = bounds[node, a], bounds[node, 3 + a]
+                if d == 0.0:
+                    if o < lo or o > hi:
+                        far = -1.0
+                else:
+                    t0, t1 = (lo - o) / d, (hi - o) / d
+                    if t0 > t1:
+                        t0, t1 = t1, t0
+                    near, far = max(near, t0), min(far, t1)
+            if near > far * (1.0 + 1e-14) + 1e-300:
+                continue
+            if right[node] >= 0:
+                stack[top], stack[top + 1] = right[node], node + 1
+                top += 2
+                continue
+            for t in range(start[node], start[node] + count[node]):
+                e1 = corners[t, 1] - corners[t, 0]
+                e2 = corners[t, 2] - corners[t, 0]
+                h = np.cross(directions[i], e2)
+                det = e1[0] * h[0] + e1[1] * h[1] + e1[2] * h[2]
+                if det == 0.0:
+                    continue
+                s = origins[i] - corners[t, 0]
+                u = (s[0] * h[0] + s[1] * h[1] + s[2] * h[2]) / det
+                if u < -1e-12 or u > 1.0 + 1e-12:
+                    continue
+                q = np.cross(s, e1)
+                v = (directions[i, 0] * q[0] + directions[i, 1] * q[1] + directions[i, 2] * q[2]) / det
+                if v < -1e-12 or u + v > 1.0 + 1e-12:
+                    continue
+                along = (e2[0] * q[0] + e2[1] * q[1] + e2[2] * q[2]) / det
+                if 0.0 <= along < best:
+                    best, slot = along, t
+        hit[i], slots[i] = best, slot
