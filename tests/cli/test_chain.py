@@ -1,0 +1,112 @@
+"""The chain: each command's document is read by the next, from a file and through a pipe."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+from conftest import Run
+
+from hyperfab.documents.base import schema
+
+UNIAXIAL = "specimens/treloar-1944/uniaxial.csv"
+FIT = ["fit", "--uniaxial", UNIAXIAL, "--model", "yeoh-3"]
+DRAPE = ["--mold", "molds/cup-male.stl", "--grid", "24x24", "--size", "260mmx260mm", "--depth", "40mm"]
+CONTACT = ["--sphere-radius", "40mm", "--depth", "20mm", "--mesh-size", "20mm"]
+PRESS = ["press-contact", "--male", "molds/cup-male.stl", "--female", "molds/cup-female.stl", "--axis", "z"]
+PRESS += ["--foam", "specimens/foam.toml", "--gap", "3mm"]
+
+# A small plate, so that the pipe is tested and not the patience.
+PLATE = """
+format = "hyperfab.mold/1"
+[material.aluminium]
+density = "2702 kg/m^3"
+conductivity = "237 W/m/K"
+specific_heat = "903 J/kg/K"
+[[part]]
+name = "plate"
+material = "aluminium"
+box = { origin = ["0 mm", "0 mm", "0 mm"], size = ["60 mm", "60 mm", "20 mm"] }
+[[heater]]
+on = "plate.z-"
+power = "300 W"
+[[convection]]
+on = "exposed"
+h = "12 W/m^2/K"
+ambient = "25 degC"
+[work_surface]
+on = "plate.z+"
+[run]
+start = "25 degC"
+target = "60 degC"
+until = "300 s"
+mesh_size = "15 mm"
+"""
+
+
+def only_document(done: Any, kind: str) -> dict[str, Any]:
+    """Return the document on standard output, valid against its schema, with nothing else beside it."""
+    assert done.returncode == 0, done.stderr.decode()
+    document: dict[str, Any] = json.loads(done.stdout)
+    jsonschema.validate(document, schema(kind))
+    assert document["format"] == f"hyperfab.{kind}/1"
+    assert document["provenance"]["command"]
+    assert done.stdout.endswith(b"}\n")
+    return document
+
+
+def test_fit_pipes_into_fabric_contact(hf: Run) -> None:
+    fitted = hf(*FIT)
+    only_document(fitted, "material")
+    document = only_document(hf("fabric-contact", "-", *CONTACT, stdin=fitted.stdout), "contact")
+    assert document["converged"]
+    assert document["provenance"]["inputs"][0]["name"] == "-"
+
+
+def test_fit_pipes_into_drape_and_its_file_into_press(hf: Run, tmp_path: Path) -> None:
+    fitted = hf(*FIT)
+    document = only_document(hf("drape", "-", *DRAPE, stdin=fitted.stdout), "drape")
+    assert document["converged"]
+    # The press needs the field of thickness, which lies beside the document: so this pair meets through a file.
+    target = tmp_path / "drape.json"
+    assert hf("drape", "-", *DRAPE, "-o", target, stdin=fitted.stdout).returncode == 0
+    with_drape = only_document(hf(*PRESS, "--drape", target, "--temperature", "200degC"), "press")
+    without = only_document(hf(*PRESS, "--temperature", "200degC"), "press")
+    assert with_drape["contact_area_mm2"] != without["contact_area_mm2"]
+
+
+def test_mold_heat_pipes_into_press(hf: Run, tmp_path: Path) -> None:
+    (tmp_path / "plate.toml").write_text(PLATE)
+    heated = hf("mold-heat", tmp_path / "plate.toml")
+    document = only_document(heated, "heat")
+    assert document["warmup_time_s"] > 0
+    (tmp_path / "heat.json").write_bytes(heated.stdout)
+    options = ["--male-heat", "-", "--female-heat", tmp_path / "heat.json"]
+    only_document(hf(*PRESS, *options, stdin=heated.stdout), "press")
+
+
+def test_a_document_of_another_kind_is_refused_by_name(hf: Run) -> None:
+    fitted = hf(*FIT)
+    done = hf(*PRESS, "--temperature", "200degC", "--drape", "-", stdin=fitted.stdout)
+    assert done.returncode == 3
+    assert b"is a material document, a drape document is needed" in done.stderr
+
+
+def test_what_is_listed_under_files_is_there(hf: Run, tmp_path: Path) -> None:
+    target = tmp_path / "fabric.json"
+    assert hf(*FIT, "-o", target).returncode == 0
+    document = json.loads(target.read_bytes())
+    assert {path.name for path in tmp_path.iterdir()} == {"fabric.json", *document["files"]}
+    assert any(name.endswith(".png") for name in document["files"])
+
+
+@pytest.mark.parametrize("quiet", [[], ["--quiet"]])
+def test_summary_reads_what_fit_wrote(hf: Run, tmp_path: Path, quiet: list[str]) -> None:
+    target = tmp_path / "fabric.json"
+    assert hf(*FIT, "-o", target, *quiet).returncode == 0
+    done = hf("summary", target)
+    assert done.returncode == 0
+    assert "yeoh-3" in done.stdout.decode()
