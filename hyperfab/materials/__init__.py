@@ -1,0 +1,9 @@
+"""Strain-energy laws of stretch fabrics and rubbers: stresses, tangents, identification, stability."""
+
+from __future__ import annotations
+
+from hyperfab.materials.material import Material, Uniaxial
+from hyperfab.materials.registry import bind, law, laws
+from hyperfab.materials.term import Membrane
+
+__all__ = ["Material", "Membrane", "Uniaxial", "bind", "law", "laws"]

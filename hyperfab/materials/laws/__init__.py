@@ -1,0 +1,1 @@
+"""Strain-energy laws, one a file; ``hyperfab.materials.registry`` finds them."""

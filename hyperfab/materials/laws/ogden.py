@@ -1,0 +1,50 @@
+"""Ogden laws: ``W = sum mu_r/alpha_r (l1^alpha_r + l2^alpha_r + l3^alpha_r - 3)``, mu = sum mu_r alpha_r / 2.
+
+Ogden (1972), Proc. R. Soc. A 326, 565, doi:10.1098/rspa.1972.0026.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from hyperfab.materials.kinematics import Sheet
+from hyperfab.materials.law import Law, Nonlinear
+from hyperfab.materials.term import PowerTerm, Value
+
+
+class Ogden(Law):
+    """Powers of the stretches; ``mu_r alpha_r > 0`` keeps each term stable on its own (Hill's condition)."""
+
+    source = "doi:10.1098/rspa.1972.0026"
+    equation = "W = sum mu_r/alpha_r (l1^alpha_r + l2^alpha_r + l3^alpha_r - 3)"
+
+    def __init__(self, order: int) -> None:
+        numbers = range(1, order + 1)
+        self.name = f"ogden-{order}"
+        self.title = f"{order} power{'s' if order > 1 else ''} of the stretches"
+        self.linear = tuple(f"mu{r}_MPa" for r in numbers)
+        self.nonlinear = tuple(Nonlinear(f"alpha{r}", -30.0, 30.0) for r in numbers)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """mu1, alpha1, mu2, alpha2, ..."""
+        pairs = zip(self.linear, self.nonlinear, strict=True)
+        return tuple(name for mu, alpha in pairs for name in (mu, alpha.name))
+
+    def join(self, c: Sequence[float], theta: Sequence[float]) -> dict[str, float]:
+        """Return the parameters by name."""
+        return dict(
+            zip(self.names, (float(v) for pair in zip(c, theta, strict=True) for v in pair), strict=True)
+        )
+
+    def refusal(self, parameters: Mapping[str, float]) -> str | None:
+        """Refuse an exponent of zero: the term would be a constant."""
+        zero = [constant.name for constant in self.nonlinear if parameters[constant.name] == 0.0]
+        return f"{zero[0]} is zero" if zero else None
+
+    def terms(self, sheet: Sheet, theta: Sequence[Value]) -> list[PowerTerm]:
+        """Return one power a pair of constants."""
+        return [PowerTerm(alpha) for alpha in theta]
+
+
+LAWS = tuple(Ogden(order) for order in (1, 2, 3))

@@ -1,0 +1,69 @@
+"""The laws by name. A law is one module in ``hyperfab.materials.laws`` that lists its instances as ``LAWS``."""
+
+from __future__ import annotations
+
+import importlib
+import math
+import pkgutil
+from collections.abc import Mapping
+from functools import cache
+from numbers import Real
+
+from hyperfab.errors import InputError, UsageError
+from hyperfab.materials import laws as _folder
+from hyperfab.materials.law import Law
+from hyperfab.materials.material import Material
+
+
+@cache
+def laws() -> dict[str, Law]:
+    """Return every law by its name, in the order of their files.
+
+    >>> "neo-hookean" in laws()
+    True
+    """
+    found: dict[str, Law] = {}
+    for module in pkgutil.iter_modules(_folder.__path__):
+        for law in importlib.import_module(f"{_folder.__name__}.{module.name}").LAWS:
+            found[law.name] = law
+    return found
+
+
+def law(name: str) -> Law:
+    """Return the law called ``name``; UsageError with the known names where there is none.
+
+    >>> law("yeoh-2").names
+    ('C10_MPa', 'C20_MPa')
+    """
+    if name not in laws():
+        raise UsageError(f"no model {name!r}; the models are {', '.join(laws())}")
+    return laws()[name]
+
+
+def bind(name: str, parameters: Mapping[str, float]) -> Material:
+    """Return the material: the law called ``name`` with its constants, keyed as in a material document.
+
+    Raises InputError naming the constant that is missing, unknown, not a finite number, or without meaning.
+
+    >>> bind("mooney-rivlin-2", {"C10_MPa": 0.16, "C01_MPa": 0.01}).c
+    (0.16, 0.01)
+    """
+    found = law(name)
+    for key in parameters:
+        if key not in found.names:
+            raise InputError(f"is no constant of {name}", key=key, remedy=f"it has {', '.join(found.names)}")
+    for key in found.names:
+        value = parameters.get(key)
+        if value is None:
+            raise InputError(f"is missing: {name} has {', '.join(found.names)}", key=key)
+        if not _is_number(value):
+            raise InputError(f"is not a finite number: {value!r}", key=key)
+    complaint = found.refusal(parameters)
+    if complaint is not None:
+        raise InputError(f"these constants have no meaning in {name}: {complaint}", key="parameters")
+    c, theta = found.split(parameters)
+    return Material(found, tuple(c), tuple(theta))
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
