@@ -46,8 +46,9 @@ _VOLUME: Dimension = (3, 0, 0, 0, 0)
 _FREQUENCY: Dimension = (0, 0, -1, 0, 0)
 _PER_AREA: Dimension = (-2, 1, 0, 0, 0)
 
-_PREFIXES = {
-    "G": 10**9, "M": 10**6, "k": 10**3, "h": 10**2, "d": Fraction(1, 10), "c": Fraction(1, 100),
+_PREFIXES: dict[str, Fraction] = {
+    "G": Fraction(10**9), "M": Fraction(10**6), "k": Fraction(10**3), "h": Fraction(10**2),
+    "d": Fraction(1, 10), "c": Fraction(1, 100),
     "m": Fraction(1, 10**3), "u": Fraction(1, 10**6), "n": Fraction(1, 10**9),
 }  # fmt: skip
 #: Units that take a prefix: symbol, factor to SI, dimension. The gram's factor makes kg 1.

@@ -102,14 +102,17 @@ def size(
     return sides[0], sides[-1]
 
 
-def column_factor(unit: str, kind: str) -> tuple[float, float]:
-    """Return (a, b) so that a value in ``unit`` is ``a * value + b`` in the unit of ``kind``; UnitError if it is none.
+def column_factor(unit: str, kind: str) -> tuple[float, float, float]:
+    """Return (a, b, c) so that a value in ``unit`` is ``a * value / b + c`` in the unit of ``kind``.
+
+    Numerator and denominator are apart because 123.4 / 1000 is the double nearest to 0.1234 and 123.4 * 0.001 is not.
+    Raises UnitError where ``unit`` is none of the kind.
 
     >>> column_factor("kPa", "stress"), column_factor("K", "temperature")
-    ((0.001, 0.0), (1.0, -273.15))
+    ((1.0, 1000.0, 0.0), (1.0, 1.0, -273.15))
     """
     factor, offset = _linear(parse_unit(unit), KINDS[kind], unit)
-    return float(factor), float(offset)
+    return float(factor.numerator), float(factor.denominator), float(offset)
 
 
 def is_unit(text: str) -> bool:

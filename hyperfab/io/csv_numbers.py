@@ -1,0 +1,221 @@
+"""Cells to numbers: the decimal mark that all cells agree on, then every cell to the nearest double."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.errors import InputError, UsageError
+from hyperfab.io.csv_dialect import Heading, Sheet
+from hyperfab.io.unit_table import UnitError
+from hyperfab.io.units import KINDS, column_factor
+
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,4})?", re.ASCII)
+#: float() also takes nan, inf, 1_000 and digits of other scripts; a column that has none of these is parsed at once.
+_NOT_PLAIN = re.compile(r"[^0-9eE+\-.\n]")
+#: One mark and three digits after one to three digits that do not start with 0: decimal mark or thousands separator?
+_UNDECIDED = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.ASCII)
+_GROUPED = {
+    ".": re.compile(r"[+-]?[1-9]\d{0,2}(?:\.\d{3})+", re.ASCII),
+    ",": re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+", re.ASCII),
+}
+_MARKED = re.compile(r"[+-]?[\d.,]+(?:[eE][+-]?\d+)?", re.ASCII)
+_SPACES = re.compile(r"(?<=\d)[ \u00a0\u202f'](?=\d{3}(?:\D|$))", re.ASCII)
+_OTHER = {".": ",", ",": "."}
+
+
+def settle_decimal(sheet: Sheet, headings: Iterable[Heading], given: str | None = None) -> str:
+    """Return the decimal mark, ``.`` or ``,``, of the numbers under ``headings``.
+
+    ``given`` (the option ``--decimal``) decides; otherwise the cells do. Raises InputError where they disagree, or
+    where every cell can be read both ways, such as 1,234.
+
+    >>> from hyperfab.io.csv_dialect import open_sheet
+    >>> sheet = open_sheet(b"stretch;stress [MPa]\\n1,125;0,25\\n", "a.csv")
+    >>> settle_decimal(sheet, sheet.headings)
+    ','
+    """
+    if given is not None:
+        if given not in _OTHER:
+            raise UsageError(f"--decimal {given}: the decimal mark is . or ,")
+        return given
+    seen: dict[str, tuple[str, int, Heading]] = {}  # what speaks for a mark, and for a grouping mark
+    undecided: dict[str, tuple[str, int, Heading]] = {}
+    for heading in headings:
+        cells = sheet.columns[heading.index]
+        joined = "\n".join(cells)
+        if "," not in joined and (sheet.separator == "," or "." not in joined):
+            if "." in joined:
+                seen.setdefault(".", ("a dot where commas separate", sheet.header_line, heading))
+            continue
+        for cell, line in zip(cells, sheet.lines, strict=True):
+            if "," not in cell and "." not in cell:
+                continue
+            mark = _speaks_for(cell)
+            if mark in _OTHER:
+                seen.setdefault(mark, (cell, line, heading))
+            elif mark:
+                undecided.setdefault(mark[1], (cell, line, heading))
+        if "," in seen and "." in seen:
+            break
+    return _verdict(sheet, seen, undecided)
+
+
+def _verdict(
+    sheet: Sheet, seen: dict[str, tuple[str, int, Heading]], undecided: dict[str, tuple[str, int, Heading]]
+) -> str:
+    if "," in seen and "." in seen:
+        comma, dot = seen[","], seen["."]
+        raise InputError(
+            f"{comma[0]} has a decimal comma, but line {dot[1]} has {dot[0]}",
+            file=sheet.name,
+            line=comma[1],
+            column=comma[2].title,
+            remedy="write all numbers with one decimal mark",
+        )
+    if not seen and undecided:
+        cell, line, heading = next(iter(undecided.values()))
+        raise InputError(
+            f"{cell} can be read both ways, as can every number of the file",
+            file=sheet.name,
+            line=line,
+            column=heading.title,
+            remedy=f'say which is the decimal mark: --decimal "{_mark_in(cell)}" or "{_OTHER[_mark_in(cell)]}"',
+        )
+    if not seen:
+        return "."
+    mark = next(iter(seen))
+    if _OTHER[mark] in undecided and not _groups(seen[mark][0]):
+        cell, line, heading = undecided[_OTHER[mark]]
+        raise InputError(
+            f"is {cell} a thousand or not? line {seen[mark][1]} has {seen[mark][0]}",
+            file=sheet.name,
+            line=line,
+            column=heading.title,
+            remedy=f'export without thousands separators, or say --decimal "{mark}"',
+        )
+    return mark
+
+
+def _speaks_for(cell: str) -> str:
+    """Return the mark that must be the decimal one, ``?`` and the mark if that is open, or nothing."""
+    if not _MARKED.fullmatch(cell):
+        return ""
+    if _both(cell):
+        return max(".,", key=cell.rfind)
+    mark = _mark_in(cell)
+    if cell.count(mark) > 1:
+        return _OTHER[mark] if _GROUPED[mark].fullmatch(cell) else ""
+    return f"?{mark}" if _UNDECIDED.fullmatch(cell) else mark
+
+
+def _groups(cell: str) -> bool:
+    """Whether the cell itself shows that the file separates thousands."""
+    return _both(cell) or cell.count(".") > 1 or cell.count(",") > 1
+
+
+def _both(cell: str) -> bool:
+    return "." in cell and "," in cell
+
+
+def _mark_in(cell: str) -> str:
+    return "," if "," in cell else "."
+
+
+def numbers(sheet: Sheet, heading: Heading, decimal: str) -> NDArray[np.float64]:
+    """Return the cells under ``heading`` as doubles, each the nearest to what is written.
+
+    Raises InputError naming line and column for a cell that is empty, text, NaN, infinite or too large.
+    """
+    cells = sheet.columns[heading.index]
+    joined = "\n".join(cells).replace("\N{MINUS SIGN}", "-")
+    if decimal == "," and "." not in joined:
+        joined = joined.replace(",", ".")
+    values = None
+    if not _NOT_PLAIN.search(joined):
+        try:
+            values = np.array(list(map(float, joined.split("\n"))))
+        except ValueError:
+            values = None
+    if values is None:
+        values = np.array([_number(cell, sheet, heading, row, decimal) for row, cell in enumerate(cells)])
+    if not np.isfinite(values).all():
+        row = int(np.flatnonzero(~np.isfinite(values))[0])
+        raise _bad_cell("is larger than any double", cells[row], sheet, heading, row)
+    return values
+
+
+def quantities(sheet: Sheet, heading: Heading, kind: str, decimal: str) -> NDArray[np.float64]:
+    """Return the numbers under ``heading`` in the unit of ``kind`` (see ``hyperfab.io.units.KINDS``).
+
+    Raises InputError where the heading has no unit though the kind has one, or a unit of another kind.
+    """
+    wanted = KINDS[kind]
+    if heading.unit is None and wanted.unit != "1":
+        raise InputError(
+            "has no unit",
+            file=sheet.name,
+            line=sheet.header_line,
+            column=heading.title,
+            remedy=f'write it behind the name, as in "{heading.title} [{wanted.unit}]"',
+        )
+    try:
+        times, over, plus = column_factor(heading.unit or "-", kind)
+    except UnitError as error:
+        message, _, _ = str(error).partition("; ")
+        raise InputError(
+            message,
+            file=sheet.name,
+            line=sheet.header_line,
+            column=heading.title,
+            remedy=f'write it as in "{heading.name} [{wanted.unit}]"',
+        ) from None
+    values = numbers(sheet, heading, decimal)
+    return scaled(values, times, over, plus)
+
+
+def scaled(values: NDArray[np.float64], times: float, over: float, plus: float) -> NDArray[np.float64]:
+    """Return ``values * times / over + plus``, leaving out what would not change a bit."""
+    if times != 1.0:
+        values = values * times
+    if over != 1.0:
+        values = values / over
+    return values + plus if plus else values
+
+
+def _number(cell: str, sheet: Sheet, heading: Heading, row: int, decimal: str) -> float:
+    """The slow way, for cells with thousands separators or worse."""
+    text = _SPACES.sub("", cell.replace("\N{MINUS SIGN}", "-"))
+    other = _OTHER[decimal]
+    if other in text:
+        whole, mark, rest = text.partition(decimal)
+        if _GROUPED[other].fullmatch(whole) and other not in rest:
+            text = whole.replace(other, "") + mark + rest
+    if decimal == ",":
+        text = text.replace(".", "?").replace(",", ".")
+    if _NUMBER.fullmatch(text):
+        return float(text)
+    if not cell:
+        raise _bad_cell("is empty", "", sheet, heading, row)
+    if cell.casefold().strip("+-") in ("nan", "inf", "infinity", "n/a", "na", "#n/a", "null", "none"):
+        raise _bad_cell("is no reading", cell, sheet, heading, row)
+    raise _bad_cell("is no number", cell, sheet, heading, row)
+
+
+def _bad_cell(what: str, cell: str, sheet: Sheet, heading: Heading, row: int) -> InputError:
+    shown = cell if len(cell) <= 40 else cell[:37] + "..."
+    return InputError(
+        f"{shown or 'the cell'} {what}",
+        file=sheet.name,
+        line=sheet.lines[row],
+        column=heading.title,
+        remedy="correct the cell or delete the row",
+    )
+
+
+def words(sheet: Sheet, heading: Heading) -> Sequence[str]:
+    """Return the cells under ``heading`` as they are written."""
+    return sheet.columns[heading.index]

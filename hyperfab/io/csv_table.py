@@ -1,0 +1,130 @@
+"""Simple tables with named columns: film coefficients, foam curves, schedules, thermocouples, markers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.errors import InputError
+from hyperfab.io.csv_dialect import Heading, Sheet, open_sheet, suffixed
+from hyperfab.io.csv_numbers import quantities, settle_decimal
+from hyperfab.io.unit_table import UnitError
+from hyperfab.io.units import KINDS, column_factor
+
+
+@dataclass(frozen=True)
+class Table:
+    """Columns in the unit of their kind, the source line of each row, and the file's metadata."""
+
+    columns: dict[str, NDArray[np.float64]]
+    lines: NDArray[np.int64]
+    metadata: dict[str, str]
+    blank_rows: int = 0
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        return self.columns[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.columns
+
+
+def read_table(
+    data: bytes,
+    name: str,
+    columns: Mapping[str, str],
+    *,
+    optional: Mapping[str, str] | None = None,
+    increasing: str | None = None,
+    rest: str | None = None,
+    decimal: str | None = None,
+) -> Table:
+    """Read the named ``columns`` of a CSV table: name to kind of quantity or unit (see ``hyperfab.io.units.KINDS``).
+
+    ``optional`` columns are read where present. ``increasing`` names a column whose values must rise from row to
+    row, as the argument of a curve does. ``rest`` is the kind of all other columns that carry a unit of that kind
+    (thermocouples: one temperature column a probe); they are found under their titles. Names are compared without
+    case.
+
+    Raises InputError with file, line and column.
+
+    >>> table = read_table(b"strain [-];stress [kPa]\\n0;0\\n0,5;12,5\\n", "foam.csv",
+    ...                    {"strain": "dimensionless", "stress": "stress"}, increasing="strain")
+    >>> table["stress"]
+    array([0.    , 0.0125])
+    """
+    sheet = open_sheet(data, name)
+    wanted: dict[str, tuple[Heading, str]] = {}
+    for column, asked in {**columns, **(optional or {})}.items():
+        kind = _kind(asked)
+        heading = sheet.find(column)
+        if heading is None and column in columns:
+            raise _missing(sheet, column, columns)
+        if heading is not None:
+            wanted[column] = (heading, kind)
+    if rest is not None:
+        taken = {heading.index for heading, _ in wanted.values()}
+        for heading in _others(sheet, taken, rest):
+            wanted[heading.title.rsplit("[", 1)[0].rsplit("(", 1)[0].strip()] = (heading, rest)
+        if len(wanted) == len(taken):
+            raise InputError(
+                f"has no column of a {rest}",
+                file=name,
+                line=sheet.header_line,
+                remedy=f'name one a probe, as in "T1 [{KINDS[rest].unit}]"',
+            )
+    mark = settle_decimal(sheet, [heading for heading, _ in wanted.values()], decimal)
+    values = {column: quantities(sheet, heading, kind, mark) for column, (heading, kind) in wanted.items()}
+    if increasing is not None:
+        _check_increasing(sheet, wanted[increasing][0], values[increasing])
+    metadata = {key: entries[0].value for key, entries in sheet.metadata.items()}
+    return Table(values, np.array(sheet.lines, dtype=np.int64), metadata, sheet.blank_rows)
+
+
+def _kind(asked: str) -> str:
+    """Return the kind for a kind or a canonical unit: ``MPa`` is a stress."""
+    if asked in KINDS:
+        return asked
+    by_unit = {"-": "dimensionless", **{kind.unit: kind.name for kind in reversed(KINDS.values())}}
+    return by_unit[asked]
+
+
+def _others(sheet: Sheet, taken: set[int], kind: str) -> Sequence[Heading]:
+    found = []
+    for heading in sheet.headings:
+        if heading.index in taken or not heading.name:
+            continue
+        resolved = suffixed(heading)
+        try:
+            column_factor(resolved.unit or "-", kind)
+        except UnitError:
+            continue
+        found.append(resolved)
+    return found
+
+
+def _missing(sheet: Sheet, column: str, columns: Mapping[str, str]) -> InputError:
+    titles = ", ".join(heading.title or '""' for heading in sheet.headings[:8])
+    unit = KINDS[_kind(columns[column])].unit
+    return InputError(
+        f"has no column {column}; its columns are {titles}",
+        file=sheet.name,
+        line=sheet.header_line,
+        remedy=f'name it "{column} [{unit if unit != "1" else "-"}]"',
+    )
+
+
+def _check_increasing(sheet: Sheet, heading: Heading, values: NDArray[np.float64]) -> None:
+    back = np.flatnonzero(np.diff(values) <= 0.0)
+    if back.size:
+        row = int(back[0]) + 1
+        raise InputError(
+            f"{sheet.columns[heading.index][row]} does not follow {sheet.columns[heading.index][row - 1]}: "
+            "the column must increase from row to row",
+            file=sheet.name,
+            line=sheet.lines[row],
+            column=heading.title,
+            remedy="sort the rows, each value once",
+        )
