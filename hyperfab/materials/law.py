@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
@@ -21,18 +23,25 @@ class Extent:
 
 
 @dataclass(frozen=True)
-class Nonlinear:
-    """A constant the energy is not linear in: its name, the box it is sought in, and how it is scanned.
+class Axis:
+    """How a constant the energy is not linear in is sought: ``value(u)`` for u in ``[low, high]``, evenly scanned.
 
-    ``low`` and ``high`` bound the box. With ``above_extent`` the constant is a limit that must lie beyond the
-    data: the box holds ``value / limit of the data - 1``. With ``log`` the scan is even in the logarithm.
+    ``value`` is smooth and takes arrays and complex numbers, so that derivatives along u come from it.
     """
 
-    name: str
     low: float
     high: float
-    log: bool = False
-    points: int = 24
+    value: Callable[[Value], Value]
+
+
+def linear_axis(low: float, high: float) -> Axis:
+    """Scan evenly from ``low`` to ``high``."""
+    return Axis(low, high, lambda u: u)
+
+
+def log_axis(low: float, high: float, beyond: float = 0.0) -> Axis:
+    """Scan ``beyond + d`` with d from ``low`` to ``high``, evenly in the logarithm of d."""
+    return Axis(math.log(low), math.log(high), lambda u: beyond + np.exp(u))
 
 
 class Law(ABC):
@@ -52,17 +61,15 @@ class Law(ABC):
     equation: str
     #: Names of the constants the energy is linear in; those that end in ``_MPa`` are stresses.
     linear: tuple[str, ...]
-    #: The other constants and the boxes they are sought in.
-    nonlinear: tuple[Nonlinear, ...] = ()
-    #: Whether every ``c_k`` must be positive (``+1``), negative (``-1``) or free (``0``).
-    signs: tuple[int, ...] = ()
-    #: Whether the law is part of ``--model all``.
-    listed: bool = True
+    #: Names of the other constants.
+    nonlinear: tuple[str, ...] = ()
+    #: Constants, by these names, that a fit leaves at a value.
+    held: Mapping[str, float] = MappingProxyType({})
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names of all constants, in the order of the document."""
-        return (*self.linear, *(constant.name for constant in self.nonlinear))
+        return (*self.linear, *self.nonlinear)
 
     @abstractmethod
     def terms(self, sheet: Sheet, theta: Sequence[Value]) -> Sequence[Term]:
@@ -70,16 +77,20 @@ class Law(ABC):
 
     def split(self, parameters: Mapping[str, float]) -> tuple[list[float], list[float]]:
         """Return the linear constants ``c`` and the others ``theta`` of a set of parameters."""
-        theta = [float(parameters[constant.name]) for constant in self.nonlinear]
+        theta = [float(parameters[name]) for name in self.nonlinear]
         return [float(parameters[name]) for name in self.linear], theta
 
     def join(self, c: Sequence[float], theta: Sequence[float]) -> dict[str, float]:
         """Return the parameters, by name, of ``c`` and ``theta``."""
         return dict(zip(self.names, [*map(float, c), *map(float, theta)], strict=True))
 
-    def box(self, extent: Extent) -> list[tuple[float, float]]:
-        """Return the box each nonlinear constant is sought in, for data of that extent."""
-        return [(constant.low, constant.high) for constant in self.nonlinear]
+    def axes(self, extent: Extent) -> list[Axis]:
+        """Return how each nonlinear constant is sought, for data of that extent."""
+        return []
+
+    def sign(self, theta: Sequence[Value]) -> Value | None:
+        """Return the sign each linear constant must have (array, +1 or -1), or None where all are free."""
+        return None
 
     def refusal(self, parameters: Mapping[str, float]) -> str | None:
         """Say what is wrong with constants that have no meaning, or None."""
@@ -94,3 +105,9 @@ def distance_to(limit: Value, value: Array) -> Array:
     """Return ``limit - value``, nan where the limit is reached: the energy does not exist beyond it."""
     left = np.asarray(limit - value)
     return np.where(left.real > 0.0, left, np.nan)
+
+
+def positive(parameters: Mapping[str, float], *names: str) -> str | None:
+    """Return the complaint about the first of ``names`` that is not above zero, or None."""
+    bad = [name for name in names if parameters[name] <= 0.0]
+    return f"{bad[0]} is not above zero" if bad else None

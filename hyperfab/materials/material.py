@@ -31,9 +31,9 @@ class Material:
 
     >>> from hyperfab.materials import bind
     >>> rubber = bind("neo-hookean", {"C10_MPa": 0.2})
-    >>> float(rubber.uniaxial(2.0).P)
+    >>> round(float(rubber.uniaxial(2.0).P), 12)
     0.7
-    >>> float(rubber.membrane(1.0, 1.0).A11)
+    >>> round(float(rubber.membrane(1.0, 1.0).A11), 12)
     1.6
     """
 

@@ -7,7 +7,6 @@ import math
 import pkgutil
 from collections.abc import Mapping
 from functools import cache
-from numbers import Real
 
 from hyperfab.errors import InputError, UsageError
 from hyperfab.materials import laws as _folder
@@ -66,4 +65,4 @@ def bind(name: str, parameters: Mapping[str, float]) -> Material:
 
 
 def _is_number(value: object) -> bool:
-    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)

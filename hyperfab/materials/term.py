@@ -44,6 +44,7 @@ class Term(Protocol):
 class InvariantTerm:
     """A term that is a function of I1 and I2: its value, and its derivatives by I1 (1) and I2 (2)."""
 
+    #: May be a function without arguments, where the value is costly and stresses do without it.
     W: Value
     W1: Value = 0.0
     W2: Value = 0.0
@@ -68,7 +69,7 @@ class InvariantTerm:
             return np.asarray(mixed + self.W1 * xab + self.W2 * yab)
 
         return Membrane(
-            W=self.W + 0.0 * sheet.x,
+            W=(self.W() if callable(self.W) else self.W) + 0.0 * sheet.x,
             P1=p1,
             P2=p2,
             A11=second(x1, y1, x1, y1, x11, y11),

@@ -7,9 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from hyperfab.materials.kinematics import Sheet
-from hyperfab.materials.law import Law, Nonlinear
+from hyperfab.materials.law import Axis, Extent, Law, linear_axis
 from hyperfab.materials.term import PowerTerm, Value
+
+#: Exponents are sought here; beyond it a power is a wall that no data points lie on.
+BOX = (-30.0, 30.0)
 
 
 class Ogden(Law):
@@ -23,13 +28,13 @@ class Ogden(Law):
         self.name = f"ogden-{order}"
         self.title = f"{order} power{'s' if order > 1 else ''} of the stretches"
         self.linear = tuple(f"mu{r}_MPa" for r in numbers)
-        self.nonlinear = tuple(Nonlinear(f"alpha{r}", -30.0, 30.0) for r in numbers)
+        self.nonlinear = tuple(f"alpha{r}" for r in numbers)
 
     @property
     def names(self) -> tuple[str, ...]:
         """mu1, alpha1, mu2, alpha2, ..."""
         pairs = zip(self.linear, self.nonlinear, strict=True)
-        return tuple(name for mu, alpha in pairs for name in (mu, alpha.name))
+        return tuple(name for mu, alpha in pairs for name in (mu, alpha))
 
     def join(self, c: Sequence[float], theta: Sequence[float]) -> dict[str, float]:
         """Return the parameters by name."""
@@ -37,9 +42,17 @@ class Ogden(Law):
             zip(self.names, (float(v) for pair in zip(c, theta, strict=True) for v in pair), strict=True)
         )
 
+    def axes(self, extent: Extent) -> list[Axis]:
+        """Seek every exponent in the same box."""
+        return [linear_axis(*BOX) for _ in self.nonlinear]
+
+    def sign(self, theta: Sequence[Value]) -> Value:
+        """mu_r has the sign of alpha_r."""
+        return np.sign(np.stack(np.broadcast_arrays(*theta)))
+
     def refusal(self, parameters: Mapping[str, float]) -> str | None:
         """Refuse an exponent of zero: the term would be a constant."""
-        zero = [constant.name for constant in self.nonlinear if parameters[constant.name] == 0.0]
+        zero = [name for name in self.nonlinear if parameters[name] == 0.0]
         return f"{zero[0]} is zero" if zero else None
 
     def terms(self, sheet: Sheet, theta: Sequence[Value]) -> list[PowerTerm]:

@@ -1,0 +1,77 @@
+"""Arruda-Boyce law with the exact inverse Langevin function: ``W = mu N (b r + ln(b / sinh b)) - rest``.
+
+``N = lambda_m^2``, ``r = sqrt(I1/(3 N))``, ``b = L^-1(r)``, doi:10.1016/0022-5096(93)90013-6.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from hyperfab.materials.kinematics import Sheet
+from hyperfab.materials.langevin import inverse_langevin, langevin
+from hyperfab.materials.law import Axis, Extent, Law, log_axis
+from hyperfab.materials.log_i2 import log_I2
+from hyperfab.materials.term import InvariantTerm, Value, of_I1
+
+
+class ArrudaBoyceLangevin(Law):
+    """Eight chains that lock at I1 = 3 lambda_m^2; mu is the modulus of infinitely long chains."""
+
+    name = "arruda-boyce-langevin"
+    title = "eight chains, exact inverse Langevin function"
+    source = "doi:10.1016/0022-5096(93)90013-6"
+    equation = "W = mu N (b r + ln(b/sinh b)), r = sqrt(I1/3)/lambda_m, b = L^-1(r), N = lambda_m^2"
+    linear: tuple[str, ...] = ("mu_MPa",)
+    nonlinear: tuple[str, ...] = ("lambda_m",)
+
+    def axes(self, extent: Extent) -> list[Axis]:
+        """The locking stretch lies beyond the data's chain stretch, and above 1."""
+        chain = (1.0 + extent.x / 3.0) ** 0.5
+        return [log_axis(1e-4 * chain, 100.0 * chain, beyond=chain)]
+
+    def refusal(self, parameters: Mapping[str, float]) -> str | None:
+        """lambda_m is above 1: at rest the chains are not locked."""
+        return None if parameters["lambda_m"] > 1.0 else "lambda_m is not above 1"
+
+    def terms(self, sheet: Sheet, theta: Sequence[Value]) -> list[InvariantTerm]:
+        """Return the one term of mu."""
+        return [chain_term(sheet, theta[0])]
+
+
+class ArrudaBoyceLogI2(ArrudaBoyceLangevin):
+    """The eight chains with a logarithm of I2."""
+
+    name = "arruda-boyce-lni2"
+    title = "eight chains and the second invariant"
+    source = "doi:10.1016/0022-5096(93)90013-6, doi:10.1002/pol.1958.1202811814"
+    equation = "W = arruda-boyce-langevin + C2 ln(I2/3)"
+    linear: tuple[str, ...] = ("mu_MPa", "C2_MPa")
+
+    def terms(self, sheet: Sheet, theta: Sequence[Value]) -> list[InvariantTerm]:
+        """Return the terms of mu and C2."""
+        return [chain_term(sheet, theta[0]), log_I2(sheet)]
+
+
+def chain_term(sheet: Sheet, lambda_m: Value) -> InvariantTerm:
+    """Return the energy of eight chains over mu; ``dW/dI1 = b/(6 r)``."""
+    I1 = 3.0 + sheet.x
+    N = lambda_m**2.0
+    r = np.sqrt(I1 / (3.0 * N))
+    b = inverse_langevin(r)
+    ratio = b / r
+
+    def energy() -> Value:
+        rest = inverse_langevin(1.0 / lambda_m)
+        return N * (b * r - rest / lambda_m + _log_ratio(b) - _log_ratio(rest))
+
+    return of_I1(W=energy, W1=ratio / 6.0, W11=(1.0 / langevin(b)[1] - ratio) / (12.0 * I1))
+
+
+def _log_ratio(b: Value) -> Value:
+    """Return ln(b/sinh b) without overflow."""
+    return np.log(2.0 * b / -np.expm1(-2.0 * b)) - b
+
+
+LAWS = (ArrudaBoyceLangevin(), ArrudaBoyceLogI2())

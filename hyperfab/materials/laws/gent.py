@@ -1,0 +1,50 @@
+"""Gent's law: ``W = -(mu Im/2) ln(1 - (I1 - 3)/Im)``, shear modulus mu, limit I1 - 3 < Im.
+
+Gent (1996), Rubber Chem. Technol. 69, 59, doi:10.5254/1.3538357.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from hyperfab.materials.kinematics import Sheet
+from hyperfab.materials.law import Axis, Extent, Law, distance_to, log_axis, positive
+from hyperfab.materials.term import InvariantTerm, Value, of_I1
+
+
+class Gent(Law):
+    """Chains of limited length: the stress grows beyond all bounds as I1 - 3 comes near Im."""
+
+    name = "gent"
+    title = "limited chain length"
+    source = "doi:10.5254/1.3538357"
+    equation = "W = -(mu Im/2) ln(1 - (I1 - 3)/Im)"
+    linear: tuple[str, ...] = ("mu_MPa",)
+    nonlinear: tuple[str, ...] = ("Im",)
+
+    def axes(self, extent: Extent) -> list[Axis]:
+        """Im lies beyond the data."""
+        return [log_axis(1e-4 * extent.x, 1e4 * extent.x, beyond=extent.x)]
+
+    def refusal(self, parameters: Mapping[str, float]) -> str | None:
+        """Im is above zero."""
+        return positive(parameters, "Im")
+
+    def terms(self, sheet: Sheet, theta: Sequence[Value]) -> list[InvariantTerm]:
+        """Return the one term of mu."""
+        return [gent_term(sheet, theta[0])]
+
+
+def gent_term(sheet: Sheet, Im: Value) -> InvariantTerm:
+    """Return ``-(Im/2) ln(1 - (I1 - 3)/Im)``."""
+    left = distance_to(Im, sheet.x)
+    return of_I1(
+        W=lambda: -0.5 * Im * np.log1p(-sheet.x / np.where(left == left, Im, np.nan)),
+        W1=0.5 * Im / left,
+        W11=0.5 * Im / left**2,
+    )
+
+
+LAWS = (Gent(),)

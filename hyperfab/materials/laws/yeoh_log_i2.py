@@ -1,0 +1,28 @@
+"""Yeoh's third-order law with a logarithm of I2: ``W = sum Ci0 (I1 - 3)^i + C2 ln(I2/3)``, mu = 2 C10 + 2 C2/3."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from hyperfab.materials.kinematics import Sheet
+from hyperfab.materials.log_i2 import log_I2
+from hyperfab.materials.polynomial import Polynomial
+from hyperfab.materials.term import InvariantTerm, Value
+
+
+class YeohLogI2(Polynomial):
+    """Yeoh's cubic, with the second invariant in the weakest form it takes; linear in all four constants."""
+
+    source = "doi:10.5254/1.3538343, doi:10.1002/pol.1958.1202811814"
+    equation = "W = C10 (I1 - 3) + C20 (I1 - 3)^2 + C30 (I1 - 3)^3 + C2 ln(I2/3)"
+
+    def __init__(self) -> None:
+        super().__init__("yeoh-3-lni2", "Yeoh's cubic and the second invariant", (1, 0), (2, 0), (3, 0))
+        self.linear = (*self.linear, "C2_MPa")
+
+    def terms(self, sheet: Sheet, theta: Sequence[Value]) -> list[InvariantTerm]:
+        """Return the three powers and the logarithm."""
+        return [*super().terms(sheet, theta), log_I2(sheet)]
+
+
+LAWS = (YeohLogI2(),)
