@@ -53,9 +53,9 @@ class Document(BaseModel):
 
     def to_json(self) -> dict[str, Any]:
         """Return the document as plain data: what was not computed is absent, provenance comes last."""
-        data = self.model_dump(mode="json", exclude_none=True, by_alias=True)
+        data: dict[str, Any] = self.model_dump(mode="json", exclude_none=True, by_alias=True)
         data["format"] = self.format_name()
-        tail = {key: data.pop(key) for key in ("files", "provenance") if key in data}
+        tail: dict[str, Any] = {key: data.pop(key) for key in ("files", "provenance") if key in data}
         return {"format": data.pop("format"), **data, **tail}
 
 
