@@ -65,6 +65,8 @@ class Law(ABC):
     nonlinear: tuple[str, ...] = ()
     #: Constants, by these names, that a fit leaves at a value.
     held: Mapping[str, float] = MappingProxyType({})
+    #: Whether the terms are alike and differ by one nonlinear constant each, as in Ogden's law.
+    exchangeable: bool = False
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -22,6 +22,7 @@ class Ogden(Law):
 
     source = "doi:10.1098/rspa.1972.0026"
     equation = "W = sum mu_r/alpha_r (l1^alpha_r + l2^alpha_r + l3^alpha_r - 3)"
+    exchangeable = True
 
     def __init__(self, order: int) -> None:
         numbers = range(1, order + 1)

@@ -1,0 +1,107 @@
+"""The constants of one law that fit a set of rows best."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hyperfab.materials.identification.design import Problem
+from hyperfab.materials.identification.linear import project
+from hyperfab.materials.identification.polish import polish
+from hyperfab.materials.identification.search import starts
+from hyperfab.materials.kinematics import Array
+from hyperfab.materials.material import Material
+
+
+@dataclass(frozen=True)
+class Fit:
+    """The optimum: weighted square sum ``sse``, one Material a group of rows, and where it lies in the box.
+
+    ``jacobian`` has the weighted derivative of the rows' stresses by each free constant, linear ones (of every
+    group) first. ``at_bound`` names nonlinear constants at the edge of their box.
+    """
+
+    problem: Problem
+    materials: tuple[Material, ...]
+    sse: float
+    residual: Array
+    jacobian: Array
+    at_bound: tuple[str, ...]
+
+    @property
+    def material(self) -> Material:
+        """The material of the first group."""
+        return self.materials[0]
+
+
+def fit_law(law_problem: Problem) -> Fit | None:
+    """Return the global optimum of the weighted least squares; None where the law cannot carry the rows at all.
+
+    Laws linear in their constants are solved by QR of the scaled design matrix; the others by variable
+    projection, from a scan of the box, polished.
+
+    >>> from hyperfab.materials import law
+    >>> from hyperfab.materials.identification.rows import Curve
+    >>> lam = np.linspace(1.1, 2.0, 10)
+    >>> curve = Curve("shear", lam, 0.8 * (lam - lam**-3), np.ones(10))
+    >>> found = fit_law(Problem(law("neo-hookean"), Rows.of([curve])))
+    >>> {name: round(value, 12) for name, value in found.material.parameters.items()}
+    {'C10_MPa': 0.4}
+    """
+    problem = law_problem
+    if not problem.axes:
+        u = np.zeros(0)
+        with np.errstate(all="ignore"):
+            A = problem.design(u)
+        if not np.isfinite(A).all():
+            return None
+        c = project(A, problem.b).c
+        return _fit(problem, u, c)
+    state = polish(problem, starts(problem))
+    if not np.isfinite(state.sse).any():
+        return None
+    return _fit(problem, state.u[0], state.projection.c[0])
+
+
+def _fit(problem: Problem, u: Array, c: Array) -> Fit:
+    theta = [float(value) for value in problem.theta(list(u))]
+    with np.errstate(all="ignore"):
+        A = problem.design(u)
+        slopes = [
+            (slope @ c) / derivative
+            for slope, derivative in zip(problem.slopes(u), _value_slopes(problem, u), strict=True)
+        ]
+    residual = problem.b - A @ c
+    jacobian = np.column_stack([A, *slopes]) if slopes else A
+    width = len(problem.free)
+    materials = tuple(
+        Material(problem.law, tuple(_with_held(problem, c[g * width : (g + 1) * width])), tuple(theta))
+        for g in range(problem.rows.groups)
+    )
+    at_bound = tuple(
+        name
+        for name, value, axis in zip(_free_names(problem), u, problem.axes, strict=True)
+        if min(value - axis.low, axis.high - value) <= 1e-9 * (axis.high - axis.low)
+    )
+    return Fit(problem, materials, float(residual @ residual), residual, jacobian, at_bound)
+
+
+def _free_names(problem: Problem) -> list[str]:
+    return [name for name in problem.law.nonlinear if name not in problem.law.held]
+
+
+def _value_slopes(problem: Problem, u: Array) -> list[float]:
+    """d theta / d u of each free nonlinear constant."""
+    return [
+        float(np.imag(axis.value(value + 1e-40j)) / 1e-40)
+        for axis, value in zip(problem.axes, u, strict=True)
+    ]
+
+
+def _with_held(problem: Problem, free: Array) -> list[float]:
+    values = iter(free)
+    return [
+        float(problem.law.held[name]) if name in problem.law.held else float(next(values))
+        for name in problem.law.linear
+    ]

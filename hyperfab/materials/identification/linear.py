@@ -1,0 +1,82 @@
+"""Least squares with scaled columns: alone, for a stack of matrices, and with constants of a given sign."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hyperfab.materials.kinematics import Array
+
+#: A column this small beside the first one after elimination is a copy of the others.
+_RANK = 1e-14
+
+
+@dataclass(frozen=True)
+class Projection:
+    """min |b - A c| for a stack of matrices: constants ``c``, residual, its square sum, and the basis Q of A."""
+
+    c: Array
+    residual: Array
+    sse: Array
+    Q: Array
+
+
+def project(A: Array, b: Array) -> Projection:
+    """Solve min |b - A c| by QR of A with columns of length one; A has shape (..., rows, constants).
+
+    >>> project(np.array([[1.0], [1.0]]), np.array([1.0, 3.0])).c
+    array([2.])
+    """
+    length = np.sqrt(np.einsum("...ij,...ij->...j", A, A))
+    length = np.where(length > 0.0, length, 1.0)
+    Q, R = np.linalg.qr(A / length[..., None, :])
+    diagonal = np.einsum("...jj->...j", R)
+    weak = np.abs(diagonal) < _RANK
+    if weak.any():
+        R = R + weak[..., None] * np.eye(R.shape[-1]) * _RANK
+    beta = np.einsum("...ij,i->...j", Q, b)
+    c = np.linalg.solve(R, beta[..., None])[..., 0]
+    residual = b - np.einsum("...ij,...j->...i", Q, beta)
+    # One step of refinement: what rounding left along Q is taken out too.
+    correction = np.einsum("...ij,...i->...j", Q, residual)
+    residual = residual - np.einsum("...ij,...j->...i", Q, correction)
+    return Projection(c / length, residual, np.einsum("...i,...i->...", residual, residual), Q)
+
+
+def nonnegative(A: Array, b: Array) -> Array:
+    """Return c >= 0 that minimises |b - A c| (Lawson & Hanson's active set, on columns of length one).
+
+    >>> nonnegative(np.eye(2), np.array([1.0, -1.0]))
+    array([1., 0.])
+    """
+    length = np.sqrt((A * A).sum(axis=0))
+    length = np.where(length > 0.0, length, 1.0)
+    A = A / length
+    count = A.shape[1]
+    c = np.zeros(count)
+    passive = np.zeros(count, dtype=bool)
+    gradient = A.T @ b
+    tolerance = 1e-13 * max(float(np.abs(gradient).max(initial=0.0)), 1e-300)
+    for _ in range(10 * count + 10):
+        candidates = np.where(passive, -np.inf, gradient)
+        entering = int(np.argmax(candidates))
+        if passive.all() or candidates[entering] <= tolerance:
+            break
+        passive[entering] = True
+        while True:
+            trial = np.zeros(count)
+            trial[passive] = np.linalg.lstsq(A[:, passive], b, rcond=None)[0]
+            negative = passive & (trial <= 0.0)
+            if not negative.any():
+                break
+            share = float(np.min(c[negative] / (c[negative] - trial[negative])))
+            c = c + share * (trial - c)
+            passive &= c > 1e-15 * np.abs(c).max()
+            c[~passive] = 0.0
+            if not passive.any():
+                trial = np.zeros(count)
+                break
+        c = trial
+        gradient = A.T @ (b - A @ c)
+    return c / length

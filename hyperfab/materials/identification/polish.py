@@ -1,0 +1,116 @@
+"""From starts to the optimum: variable projection with Levenberg-Marquardt steps, all starts at once.
+
+The linear constants are eliminated at every point; the step uses Kaufman's form of the derivative of the
+projected residual. Golub & Pereyra (1973), SIAM J. Numer. Anal. 10, 413, doi:10.1137/0710036; Kaufman (1975),
+BIT 15, 49, doi:10.1007/BF01932995.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hyperfab.materials.identification.design import Problem
+from hyperfab.materials.identification.linear import Projection, project
+from hyperfab.materials.kinematics import Array
+
+_ROUGH_STEPS = 25
+_FINE_STEPS = 200
+#: A step this small beside the box is no step.
+_TINY = 1e-15
+
+
+@dataclass(frozen=True)
+class State:
+    """A stack of points: coordinates ``u`` (points, axes), their projection, whether they are admissible."""
+
+    u: Array
+    projection: Projection
+    sse: Array
+
+
+def evaluate(problem: Problem, u: Array) -> State:
+    """Return the best linear constants at each point; the square sum is infinite where a point is not allowed."""
+    with np.errstate(all="ignore"):
+        A = problem.design(u)
+        bad = np.asarray(~np.isfinite(A).all(axis=(-2, -1)))
+        A = np.where(bad[..., None, None], 0.0, A)
+        found = project(A, problem.b)
+    signs = problem.signs(u)
+    if signs is not None:
+        bad = bad | (found.c * signs < 0.0).any(axis=-1)
+    return State(u, found, np.where(bad, np.inf, found.sse))
+
+
+def polish(problem: Problem, points: Array) -> State:
+    """Improve all ``points`` together, keep the best, and drive it to where no step is left."""
+    state = _descend(problem, evaluate(problem, points), _ROUGH_STEPS)
+    if not np.isfinite(state.sse).any():
+        return state
+    best = int(np.argmin(state.sse))
+    one = _pick(state, [best])
+    return _descend(problem, one, _FINE_STEPS)
+
+
+def _pick(state: State, numbers: list[int]) -> State:
+    p = state.projection
+    chosen = Projection(p.c[numbers], p.residual[numbers], p.sse[numbers], p.Q[numbers])
+    return State(state.u[numbers], chosen, state.sse[numbers])
+
+
+def _descend(problem: Problem, state: State, steps: int) -> State:
+    low = np.array([axis.low for axis in problem.axes])
+    high = np.array([axis.high for axis in problem.axes])
+    damping = np.full(len(state.u), 1e-3)
+    resting = np.zeros(len(state.u), dtype=np.int64)
+    for _ in range(steps):
+        step, fixed = _step(problem, state, damping, low, high)
+        moved = np.clip(state.u + step, low, high)
+        size = np.abs(moved - state.u).max(axis=1) / (high - low).max()
+        trial = evaluate(problem, moved)
+        better = trial.sse < state.sse
+        resting = np.where(better & (size > _TINY), 0, resting + 1)
+        damping = np.where(better, damping * 0.2, damping * 6.0).clip(1e-14, 1e12)
+        state = _merge(better, trial, state)
+        if (resting >= 8).all() or fixed.all():
+            break
+    return state
+
+
+def _step(problem: Problem, state: State, damping: Array, low: Array, high: Array) -> tuple[Array, Array]:
+    """Return the Levenberg-Marquardt step of each point, and which points have no direction left."""
+    p = state.projection
+    with np.errstate(all="ignore"):
+        slopes = problem.slopes(state.u)
+        columns = []
+        for slope in slopes:
+            change = np.einsum("sij,sj->si", np.nan_to_num(slope), p.c)
+            inside = np.einsum("sij,si->sj", p.Q, change)
+            columns.append(change - np.einsum("sij,sj->si", p.Q, inside))
+        J = np.stack(columns, axis=-1)
+        g = np.einsum("sij,si->sj", J, p.residual)
+        H = np.einsum("sij,sik->sjk", J, J)
+        # At an edge of the box a constant that pushes outward rests.
+        rests = ((state.u <= low) & (g < 0.0)) | ((state.u >= high) & (g > 0.0))
+        scale = np.einsum("sjj->sj", H)
+        scale = np.where(scale > 0.0, scale, 1.0)
+        H = H + (damping[:, None] * scale)[..., None] * np.eye(H.shape[-1])
+        H = np.where(rests[:, :, None] | rests[:, None, :], np.eye(H.shape[-1]), H)
+        finite = np.isfinite(H).all(axis=(1, 2)) & np.isfinite(g).all(axis=1) & np.isfinite(state.sse)
+        H = np.where(finite[:, None, None], H, np.eye(H.shape[-1]))
+        g = np.where(finite[:, None] & ~rests, g, 0.0)
+        step = np.linalg.solve(H, g[..., None])[..., 0]
+    return step, ~finite | rests.all(axis=1)
+
+
+def _merge(better: Array, new: State, old: State) -> State:
+    def choose(a: Array, b: Array) -> Array:
+        return np.where(better.reshape(-1, *(1,) * (a.ndim - 1)), a, b)
+
+    n, o = new.projection, old.projection
+    return State(
+        choose(new.u, old.u),
+        Projection(choose(n.c, o.c), choose(n.residual, o.residual), choose(n.sse, o.sse), choose(n.Q, o.Q)),
+        choose(new.sse, old.sse),
+    )

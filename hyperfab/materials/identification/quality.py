@@ -1,0 +1,115 @@
+"""How well constants carry readings, and how sure the constants are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hyperfab.materials.identification.fit import Fit
+from hyperfab.materials.kinematics import Array
+
+
+@dataclass(frozen=True)
+class Figures:
+    """``E2 = sum((1 - model/measured)^2)``, its root mean square, and the rms error over the largest stress."""
+
+    E2: float
+    relative_rms: float
+    nrmse: float
+    points: int
+
+
+def figures(measured: Array, model: Array) -> Figures | None:
+    """Return the figures of a test; rows measured as zero count in ``nrmse`` alone. None without a model value.
+
+    >>> figures(np.array([1.0, 2.0]), np.array([1.1, 2.0])).relative_rms.round(12)
+    np.float64(0.070710678119)
+    """
+    if not len(measured) or not np.isfinite(model).all():
+        return None
+    seen = measured != 0.0
+    ratio = 1.0 - model[seen] / measured[seen]
+    E2 = float(ratio @ ratio)
+    error = model - measured
+    peak = float(np.abs(measured).max())
+    return Figures(
+        E2=E2,
+        relative_rms=float(np.sqrt(E2 / max(int(seen.sum()), 1))),
+        nrmse=float(np.sqrt(error @ error / len(measured)) / peak) if peak > 0.0 else 0.0,
+        points=len(measured),
+    )
+
+
+@dataclass(frozen=True)
+class Certainty:
+    """Standard deviations and correlations of the constants, in the order of ``names``, and the condition number.
+
+    The condition number is that of the Jacobian with columns of length one: 1 where the constants do not disturb
+    each other. ``leverage`` is each row's share in its own prediction, ``studentised`` its residual over the
+    residual's own standard deviation with the row left out.
+    """
+
+    names: tuple[str, ...]
+    sd: Array
+    correlation: Array
+    condition_number: float
+    leverage: Array
+    studentised: Array
+
+
+def certainty(fit: Fit, group: int = 0) -> Certainty:
+    """Return how sure the constants of one group of rows are, from the curvature at the optimum."""
+    J = fit.jacobian
+    rows, count = J.shape
+    length = np.sqrt((J * J).sum(axis=0))
+    length = np.where(length > 0.0, length, 1.0)
+    U, s, Vt = np.linalg.svd(J / length, full_matrices=False)
+    kept = s > 1e-14 * s[0] if len(s) else s > 0
+    inverse = np.where(kept, 1.0 / np.where(kept, s, 1.0), 0.0)
+    freedom = max(rows - count, 1)
+    variance = fit.sse / freedom if rows > count else np.nan
+    root = (Vt.T * inverse) / length[:, None]
+    leverage = (U[:, kept] ** 2).sum(axis=1)
+    change = _by_parameter(fit, group)
+    spread = change @ root
+    covariance = spread @ spread.T * variance
+    sd = np.sqrt(np.diag(covariance))
+    with np.errstate(all="ignore"):
+        correlation = covariance / np.outer(sd, sd)
+    return Certainty(
+        names=fit.material.law.names,
+        sd=sd,
+        correlation=correlation,
+        condition_number=float(s[0] / s[-1]) if len(s) and s[-1] > 0.0 else np.inf,
+        leverage=leverage,
+        studentised=_studentised(fit.residual, leverage, fit.sse, freedom),
+    )
+
+
+def _studentised(residual: Array, leverage: Array, sse: float, freedom: int) -> Array:
+    open_share = np.clip(1.0 - leverage, 1e-12, None)
+    without = np.clip(sse - residual**2 / open_share, 1e-300, None) / max(freedom - 1, 1)
+    return np.asarray(residual / np.sqrt(without * open_share))
+
+
+def _by_parameter(fit: Fit, group: int) -> Array:
+    """Derivative of the published constants of a group by the free constants of the Jacobian's columns."""
+    problem, law = fit.problem, fit.problem.law
+    width, total = len(problem.free), fit.jacobian.shape[1]
+    material = fit.materials[group]
+    free_theta = [number for number, name in enumerate(law.nonlinear) if name not in law.held]
+    base = np.array(list(material.parameters.values()))
+    change = np.zeros((len(base), total))
+    moves = [(0, number, group * width + k) for k, number in enumerate(problem.free)]
+    moves += [(1, number, total - len(free_theta) + k) for k, number in enumerate(free_theta)]
+    for which, number, column in moves:
+        values = [list(material.c), list(material.theta)]
+        step = 1e-6 * max(abs(values[which][number]), 1e-12)
+        sides = []
+        for sign in (1.0, -1.0):
+            moved = [list(part) for part in values]
+            moved[which][number] += sign * step
+            sides.append(np.array(list(law.join(*moved).values())))
+        change[:, column] = (sides[0] - sides[1]) / (2.0 * step)
+    return change

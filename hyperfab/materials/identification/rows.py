@@ -1,0 +1,104 @@
+"""The readings a fit sees: one row a stress, whatever test it comes from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.materials.kinematics import Array, Sheet
+from hyperfab.materials.law import Extent
+from hyperfab.materials.modes import second_stretch
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Readings of one test: ``stretch`` and nominal ``stress`` [MPa] of the loading direction, one entry a row.
+
+    ``mode`` is uniaxial, shear, biaxial or biaxial-general; the last has ``stretch2`` and ``stress2`` too.
+    ``weight`` multiplies the residual of each row [1/MPa]: 1/stress makes the fit relative.
+    """
+
+    mode: str
+    stretch: Array
+    stress: Array
+    weight: Array
+    stretch2: Array | None = None
+    stress2: Array | None = None
+    weight2: Array | None = None
+
+
+@dataclass(frozen=True)
+class Rows:
+    """All rows of a fit: loading stretch, second stretch where it is measured, stress, weight.
+
+    ``curve`` is the number of the curve a row belongs to, ``along`` is 0 for the stress along the first stretch and
+    1 for the second, ``group`` numbers the sets of rows with linear constants of their own.
+    """
+
+    stretch: Array
+    second: Array
+    stress: Array
+    weight: Array
+    uniaxial: NDArray[np.bool_]
+    along: NDArray[np.int64]
+    curve: NDArray[np.int64]
+    group: NDArray[np.int64]
+    _cache: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
+
+    @classmethod
+    def of(cls, curves: Sequence[Curve], groups: Sequence[int] | None = None) -> Rows:
+        """Gather the rows of ``curves``; ``groups`` numbers the group of each curve (default: one group)."""
+        parts: list[tuple[Any, ...]] = []
+        for number, curve in enumerate(curves):
+            group = groups[number] if groups is not None else 0
+            uniaxial = curve.mode == "uniaxial"
+            if curve.mode == "biaxial-general":
+                if curve.stretch2 is None or curve.stress2 is None or curve.weight2 is None:
+                    raise ValueError("a general biaxial curve needs stretch2, stress2 and weight2")
+                one, two = curve.stretch, curve.stretch2
+                parts.append((one, two, curve.stress, curve.weight, False, 0, number, group))
+                parts.append((one, two, curve.stress2, curve.weight2, False, 1, number, group))
+            else:
+                second = second_stretch(curve.mode, curve.stretch)
+                parts.append((curve.stretch, second, curve.stress, curve.weight, uniaxial, 0, number, group))
+        kinds = (float, float, float, float, bool, np.int64, np.int64, np.int64)
+        columns: list[Any] = [
+            np.concatenate(
+                [np.broadcast_to(np.asarray(part[i], dtype=kind), part[0].shape) for part in parts]
+            )
+            for i, kind in enumerate(kinds)
+        ]
+        return cls(*columns)
+
+    def __len__(self) -> int:
+        return len(self.stretch)
+
+    @property
+    def groups(self) -> int:
+        """How many sets of linear constants the rows ask for."""
+        return int(self.group.max()) + 1 if len(self) else 0
+
+    @property
+    def extent(self) -> Extent:
+        """Largest I1 - 3 and I2 - 3 of the rows, for a sheet that keeps its volume."""
+        sheet = self.sheet(0.5)
+        return Extent(float(sheet.x.max()), float(sheet.y.max()))
+
+    def sheet(self, contraction: Any) -> Sheet:
+        """Return the state of each row for a law that contracts by ``stretch^-contraction`` in uniaxial tension."""
+        if isinstance(contraction, float) and contraction == 0.5:
+            if "sheet" not in self._cache:
+                self._cache["sheet"] = Sheet.of(self.stretch, self.second)
+            found: Sheet = self._cache["sheet"]
+            return found
+        lateral = np.where(self.uniaxial, self.stretch**-contraction, self.second)
+        return Sheet.of(self.stretch, lateral)
+
+    def take(self, chosen: NDArray[Any]) -> Rows:
+        """Return some of the rows."""
+        names = ("stretch", "second", "stress", "weight", "uniaxial", "along", "curve", "group")
+        return Rows(*(getattr(self, name)[chosen] for name in names))
