@@ -35,6 +35,22 @@ def press_contact(
     drape: Annotated[
         str | None, typer.Option(metavar="DRAPE.json", help="Fabric thickness from hf drape.")
     ] = None,
+    zero: Annotated[
+        str,
+        typer.Option(
+            metavar="WHEN", help="Whether --gap was set cold or again on the hot molds: cold or hot."
+        ),
+    ] = "cold",
+    min_spotted: Annotated[
+        float | None,
+        typer.Option(metavar="PERCENT", help="Exit 1 where less of the molding surface touches."),
+    ] = None,
+    facets: Annotated[
+        str,
+        typer.Option(
+            metavar="KIND", help="STL facets stand for a smooth surface, or are flat: smooth or flat."
+        ),
+    ] = "smooth",
     stl_unit: StlUnit = "mm",
     output: Target = "-",
     quiet: Quiet = False,

@@ -1,0 +1,269 @@
+"""What `hf press-contact` reads: the two molds, the sandwich, how hot each mold is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hyperfab.chapters.job import Job
+from hyperfab.documents.base import document_class, read_document
+from hyperfab.documents.drape import DrapeDocument
+from hyperfab.documents.foam import (
+    FoamDocument,
+    HyperfoamLaw,
+    LinearLaw,
+    PlateauLaw,
+    TableFile,
+    TableLaw,
+)
+from hyperfab.documents.heat import HeatDocument
+from hyperfab.errors import InputError, UsageError
+from hyperfab.io.csv_table import read_table
+from hyperfab.io.inputs import Inputs
+from hyperfab.io.stl import read_stl
+from hyperfab.io.units import quantity
+from hyperfab.io.vtu_read import read_vtu
+from hyperfab.pressing import foam_law
+from hyperfab.pressing.foam_law import FoamLaw
+from hyperfab.pressing.growth import Expansion
+from hyperfab.pressing.mold import PressFrame
+from hyperfab.pressing.placement import closing_frame
+from hyperfab.pressing.thinning import thinning_at
+from hyperfab.surface import Surface, consistently_wound
+
+#: Aluminium 6061: mean coefficients of expansion from 20 degC to 100 and to 300 degC (ASM Handbook, volume 2).
+ALUMINIUM = ((100.0, 300.0), (23.6e-6, 25.2e-6))
+_REFERENCE_RANGE = (-50.0, 60.0)
+
+
+@dataclass(frozen=True)
+class Heating:
+    """How hot a mold is: one temperature [degC], and how it is known."""
+
+    temperature: float
+    known_from: str
+
+
+def read_molds(
+    job: Job, male: str, female: str, axis: str, stl_unit: str
+) -> tuple[Surface, Surface, PressFrame]:
+    """Read both molds and find how they close. Winding is mended and said; what cannot be mended is refused."""
+    if axis not in ("x", "y", "z"):
+        raise UsageError(f"--axis {axis}: the closing axis is x, y or z")
+    if male == female and male != "-":
+        raise UsageError(f"--male and --female name the same file, {male}")
+    one, two = (_read_mold(job, name, stl_unit) for name in (male, female))
+    failure: InputError | None = None
+    # Open surfaces do not tell their outside: try as they are, then turned.
+    for turn_one in (False, True) if one.open else (False,):
+        for turn_two in (False, True) if two.open else (False,):
+            surfaces = one.turned(turn_one), two.turned(turn_two)
+            try:
+                frame = closing_frame(*surfaces, axis)
+            except InputError as error:
+                failure = failure or error
+                continue
+            for name, turned in ((male, turn_one), (female, turn_two)):
+                if turned:
+                    job.console.warn(
+                        f"{name}: all facets face away from the other mold; they were turned over"
+                    )
+            return *surfaces, frame
+    raise failure or InputError("the molds do not face each other")
+
+
+def read_foam(inputs: Inputs, name: str) -> FoamDocument:
+    """Read the sandwich."""
+    if not name.endswith(".toml"):
+        raise InputError("is no .toml document", file=name, remedy="write the sandwich as foam.toml")
+    return read_document(inputs, name, FoamDocument)
+
+
+def compression_law(inputs: Inputs, name: str, document: FoamDocument) -> FoamLaw:
+    """Return the law of ``compression``; a table is read from beside the document."""
+    given = document.compression
+    if isinstance(given, LinearLaw):
+        return foam_law.linear(given.modulus)
+    if isinstance(given, PlateauLaw):
+        return foam_law.plateau(given.plateau, given.modulus, given.densification, given.power)
+    if isinstance(given, HyperfoamLaw):
+        return foam_law.hyperfoam(given.mu, given.alpha, given.nu)
+    return _table_law(inputs, Inputs.beside(name, given.table), given)
+
+
+def fabric_thickness(inputs: Inputs, name: str, document: FoamDocument) -> float:
+    """Return the thickness [mm] of both fabric layers together; a material document gives its own."""
+    total = 0.0
+    for side, layer in (("above", document.fabric.above), ("below", document.fabric.below)):
+        if isinstance(layer, str):
+            material = read_document(inputs, Inputs.beside(name, layer), document_class("material"))
+            thickness = getattr(material, "thickness_mm", None)
+            if thickness is None:
+                raise InputError(
+                    f"the material document {layer} states no thickness",
+                    file=name,
+                    key=f"fabric.{side}",
+                    remedy='write the thickness itself, as "0.5 mm"',
+                )
+            total += float(thickness)
+        else:
+            total += layer
+    return total
+
+
+def expansions(inputs: Inputs, name: str, document: FoamDocument) -> tuple[Expansion, Expansion]:
+    """Return the expansion of the male and of the female mold."""
+    section = document.expansion
+    if not _REFERENCE_RANGE[0] <= section.reference <= _REFERENCE_RANGE[1]:
+        raise InputError(
+            f"{section.reference:g} degC is no room temperature",
+            file=name,
+            key="expansion.reference",
+            remedy='give the temperature at which the STL files hold, as "20 degC"',
+        )
+    male, female = (
+        _expansion(inputs, name, value, section.reference) for value in (section.male, section.female)
+    )
+    return male, female
+
+
+def heatings(
+    inputs: Inputs, temperature: str | None, male_heat: str | None, female_heat: str | None, reference: float
+) -> tuple[Heating, Heating]:
+    """Return how hot each mold is, from ``--temperature`` or from heat documents; cold where nothing is given."""
+    if temperature is not None and (male_heat or female_heat):
+        raise UsageError("--temperature and heat documents exclude each other; give one of them")
+    if temperature is not None:
+        value = quantity(temperature, "temperature", option="--temperature")
+        return (Heating(value, "uniform, as given"),) * 2
+    male, female = (
+        Heating(reference, "cold: the reference temperature") if name is None else _heating(inputs, name)
+        for name in (male_heat, female_heat)
+    )
+    return male, female
+
+
+@dataclass(frozen=True)
+class _MoldFile:
+    vertices: np.ndarray
+    faces: np.ndarray
+    open: bool
+
+    def turned(self, turn: bool) -> Surface:
+        return Surface(self.vertices, self.faces[:, ::-1] if turn else self.faces)
+
+
+def _read_mold(job: Job, name: str, stl_unit: str) -> _MoldFile:
+    mesh = read_stl(job.inputs.read(name), name, stl_unit)
+    for question in mesh.questions:
+        job.console.warn(question)
+    vertices, faces = mesh.vertices, mesh.faces
+    found = Surface(vertices, faces).soundness()
+    if len(found.degenerate_facets):
+        faces = np.delete(faces, found.degenerate_facets, axis=0)
+        job.console.warn(f"{name}: {len(found.degenerate_facets)} facets without area were left out")
+        if not len(faces):
+            raise InputError("has no facet with an area", file=name, remedy="export the surface again")
+    if not found.consistent:
+        faces, turned = consistently_wound(vertices, faces)
+        found = Surface(vertices, faces).soundness()
+        if not found.consistent:
+            raise InputError(
+                "has facets whose outside cannot be told: the surface has only one side",
+                file=name,
+                facet=int(found.flipped_facets[0]) + 1,
+                remedy="repair the surface in the CAD program",
+            )
+        job.console.warn(
+            f"{name}: {len(turned)} facets were wound against their neighbours; they were turned over"
+        )
+    if found.closed and found.volume_mm3 < 0.0:
+        faces = faces[:, ::-1]
+        job.console.warn(f"{name}: the facets face inward; they were turned over")
+    return _MoldFile(vertices, np.ascontiguousarray(faces), not found.closed)
+
+
+def _table_law(inputs: Inputs, path: str, given: TableLaw) -> FoamLaw:
+    table = read_table(
+        inputs.read(path), path, {"strain": "dimensionless", "stress": "stress"}, increasing="strain"
+    )
+    strain, stress = table["strain"], table["stress"]
+
+    def refuse(row: int, message: str, remedy: str, column: str = "strain") -> None:
+        raise InputError(message, file=path, line=int(table.lines[row]), column=column, remedy=remedy)
+
+    if len(strain) < 2:
+        refuse(0, "one row is no curve", "give at least two rows")
+    if strain[0] < 0.0:
+        refuse(0, "compression strain is negative", "give compression as positive strain and stress")
+    if strain[-1] >= 1.0:
+        refuse(
+            len(strain) - 1, "foam cannot be compressed by 100 % or more", "give strain as a fraction below 1"
+        )
+    if stress[0] < 0.0:
+        refuse(
+            0, "compression stress is negative", "give compression as positive strain and stress", "stress"
+        )
+    falling = np.flatnonzero(np.diff(stress) < 0.0)
+    if len(falling):
+        message = f"stress falls from {stress[falling[0]]:g} to {stress[falling[0] + 1]:g} MPa"
+        refuse(int(falling[0]) + 1, message, "smooth the curve so that stress never falls", "stress")
+    if stress[-1] <= 0.0:
+        refuse(len(strain) - 1, "the foam bears nothing", "check the column and its unit", "stress")
+    return foam_law.table(strain, stress)
+
+
+def _expansion(inputs: Inputs, name: str, value: float | TableFile | None, reference: float) -> Expansion:
+    if value is None:
+        return Expansion(reference, *ALUMINIUM)
+    if isinstance(value, float):
+        return Expansion.constant(value, reference)
+    path = Inputs.beside(name, value.table)
+    columns = {"temperature": "temperature", "expansion": "thermal-expansion"}
+    table = read_table(inputs.read(path), path, columns, increasing="temperature")
+    return Expansion(reference, tuple(table["temperature"].tolist()), tuple(table["expansion"].tolist()))
+
+
+def _heating(inputs: Inputs, name: str) -> Heating:
+    heat = read_document(inputs, name, HeatDocument)
+    if heat.work_surface is None:
+        raise InputError(
+            "has no work surface, so the mold's temperature is not known",
+            file=name,
+            key="work_surface",
+            remedy="name [work_surface] in mold.toml and run hf mold-heat again, or use --temperature",
+        )
+    return Heating(heat.work_surface.at_end.mean_degC, "mean of the work surface in the heat document")
+
+
+def thinning(job: Job, drape: str, male: str, vertices: np.ndarray) -> np.ndarray:
+    """Return how much thinner the draped sheet is at each of the male's ``vertices`` (n, 3), as drawn."""
+    document = read_document(job.inputs, drape, DrapeDocument)
+    if not document.converged:
+        job.console.warn(f"{drape}: the drape did not converge; its thickness is taken as it is")
+    if drape == "-":
+        raise InputError(
+            "the thickness lies in the .vtu beside the document",
+            file="-",
+            remedy="name the drape document's file",
+        )
+    grids = [name for name in document.files if name.endswith(".vtu")]
+    if len(grids) != 1:
+        raise InputError(
+            "names no .vtu", file=drape, key="files", remedy="write the drape to a file: -o drape.json"
+        )
+    path = Inputs.beside(drape, grids[0])
+    grid = read_vtu(job.inputs.read(path), path)
+    if "quad" not in grid.cells or "thickness_mm" not in grid.cell_data:
+        raise InputError("holds no quads with thickness_mm", file=path, remedy="make it with hf drape")
+    _check_same_mold(job, document, drape, male)
+    factor = grid.cell_data["thickness_mm"] / document.thickness_mm
+    return thinning_at(vertices + np.array(document.mold.shift_mm), grid.points, grid.cells["quad"], factor)
+
+
+def _check_same_mold(job: Job, document: DrapeDocument, drape: str, male: str) -> None:
+    known = {item.sha256 for item in document.provenance.inputs} if document.provenance else set()
+    ours = {item.sha256 for item in job.inputs.files if item.name == male}
+    if known and not ours & known:
+        job.console.warn(f"{drape}: was draped on another mold than {male}")

@@ -1,0 +1,217 @@
+"""What `hf press-contact` writes: the document, the field on the male's surface, the curve, the picture."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.chapters.press_inputs import Heating
+from hyperfab.documents.press import GapRange, MoldPart, PressDocument, RegionPart, StateAreas
+from hyperfab.io import vtu
+from hyperfab.pressing.closing import Closed
+from hyperfab.pressing.gap import vertex_areas
+from hyperfab.pressing.growth import Expansion
+from hyperfab.pressing.mold import Mold, PressFrame
+from hyperfab.pressing.regions import regions
+from hyperfab.pressing.sandwich import State
+
+Array = NDArray[np.float64]
+
+_CURVE_HEADER = "stroke_mm,force_N,pressed_area_mm2,gap_min_mm,energy_J"
+_SIGNS = {1: "+", -1: "-"}
+
+
+@dataclass(frozen=True)
+class Told:
+    """All that the outputs tell: the closed press and what was assumed of it."""
+
+    closed: Closed
+    frame: PressFrame
+    curve: Array
+    reference: float
+    expansions: tuple[Expansion, Expansion]
+    heatings: tuple[Heating, Heating]
+    draped: bool
+
+
+def document_of(told: Told) -> PressDocument:
+    """Return the document, without provenance."""
+    closed, frame = told.closed, told.frame
+    front, contact = closed.front, closed.contact
+    molding = ~front.flange
+    area = vertex_areas(front, molding)
+    molded = area > 0.0
+    lowest = int(np.argmin(contact.gap))
+    touching = float(closed.touching.sum())
+    thickness = np.broadcast_to(np.asarray(closed.press.sandwich.thickness), area.shape)
+    states = closed.press.sandwich.state(contact.gap)
+    found = regions(front, closed.touch, contact, closed.press.sandwich)
+    shift = closed.cold - front.vertices
+    male_part, female_part = (
+        _mold_part(mold, told, index) for index, mold in enumerate((closed.case.male, closed.case.female))
+    )
+    return PressDocument(
+        converged=True,
+        gap_min_mm=float(contact.gap[lowest]),
+        gap_mean_mm=float(np.average(contact.gap, weights=area)),
+        gap_max_mm=float(contact.gap[molded].max()),
+        gap_min_at_mm=_place(frame, closed.cold[lowest]),
+        gap_normal=_gap_range(closed.normal, area),
+        gap_axial=_gap_range(closed.axial, area),
+        contact_area_mm2=touching,
+        contact_fraction=float(closed.touching[molding].sum() / front.areas[molding].sum()),
+        molding_area_mm2=float(front.areas[molding].sum()),
+        flange_area_mm2=float(front.areas[~molding].sum()),
+        force_N=contact.closing_force,
+        pressure_max_MPa=float(contact.pressure.max()),
+        pressure_mean_MPa=contact.load / touching if touching > 0.0 else 0.0,
+        stroke_mm=closed.stroke,
+        tilt_deg=0.0,
+        energy_J=1e-3 * contact.energy,
+        regions=[
+            RegionPart(
+                contact=region.contact,
+                area_mm2=region.area,
+                # Regions are found on the hot male; their place is told on the drawing.
+                centroid_mm=_place(frame, region.centroid + _near(front.vertices, shift, region.centroid)),
+                gap_mean_mm=region.gap,
+                pressure_mean_MPa=region.pressure,
+                force_N=region.load,
+            )
+            for region in found
+        ],
+        states=_state_areas(states, area, closed, molding),
+        clearance_cold_mm=closed.clearance_cold,
+        clearance_hot_mm=closed.clearance_hot,
+        datum_mm=_place(frame, closed.datum.at),
+        zero="hot" if closed.case.zero_hot else "cold",
+        axis=f"{frame.axis}{_SIGNS[frame.sign]}",
+        reference_temperature_degC=told.reference,
+        male=male_part,
+        female=female_part,
+        sandwich_mm=float(np.average(thickness, weights=area)),
+        sandwich_min_mm=float(thickness[molded].min()) if told.draped else None,
+        sandwich_max_mm=float(thickness[molded].max()) if told.draped else None,
+        chord_error_mm=_chord_error(closed.case.male) + _chord_error(closed.case.female),
+        border_area_fraction=float(area[closed.at_border].sum() / area.sum()),
+        oblique_area_fraction=float(area[closed.oblique].sum() / area.sum()),
+        force_stroke=[(float(row[0]), float(row[1])) for row in told.curve],
+        left_out=_left_out(told),
+    )
+
+
+def grid_of(told: Told) -> bytes:
+    """Return the male's front, where its drawing has it, with the gap and what the sandwich does, as .vtu."""
+    closed = told.closed
+    front, contact, sandwich = closed.front, closed.contact, closed.press.sandwich
+    return vtu.unstructured(
+        told.frame.outward(closed.cold),
+        {"triangle": front.faces},
+        {
+            "gap_mm": contact.gap,
+            "gap_normal_mm": closed.normal,
+            "gap_axial_mm": closed.axial,
+            "sandwich_mm": np.broadcast_to(np.asarray(sandwich.thickness), contact.gap.shape),
+            "compression": sandwich.strain(contact.gap),
+            "pressure_MPa": contact.pressure,
+            "contact": (closed.touch < sandwich.thickness).astype(np.uint8),
+            "state": sandwich.state(contact.gap).astype(np.uint8),
+            "growth_mm": told.frame.outward(front.vertices - closed.cold),
+        },
+        {"contact_share": closed.touching / front.areas, "flange": front.flange},
+    )
+
+
+def curve_csv(curve: Array) -> bytes:
+    """Return the force-stroke curve as CSV."""
+    rows = [",".join(repr(float(value)) for value in row) for row in curve]
+    return ("\n".join([_CURVE_HEADER, *rows]) + "\n").encode("ascii")
+
+
+def picture_of(told: Told, document: PressDocument) -> bytes:
+    """Return the picture: the spotted male, the gap's histogram, force over stroke."""
+    from hyperfab.report.figures_press import SpottedMold, spotting
+
+    closed = told.closed
+    front, sandwich = closed.front, closed.press.sandwich
+    turned = told.frame.inward(np.arange(3.0))
+    mold = SpottedMold(
+        vertices=front.vertices,
+        faces=front.faces,
+        normals=front.normals,
+        gap=closed.contact.gap,
+        pressure=closed.contact.pressure,
+        level=np.asarray(sandwich.thickness - closed.touch),
+        areas=vertex_areas(front, ~front.flange),
+        thickness=document.sandwich_mm,
+        axes=("xyz"[abs(int(turned[0]))], "xyz"[abs(int(turned[1]))]),
+    )
+    title = (
+        f"touching {100 * document.contact_fraction:.1f} %, gap {document.gap_min_mm:.2f} to "
+        f"{document.gap_max_mm:.2f} mm, closing force {document.force_N:.3g} N"
+    )
+    return spotting(mold, told.curve[:, :2], title)
+
+
+def _gap_range(gap: Array, area: Array) -> GapRange:
+    met = np.isfinite(gap) & (area > 0.0)
+    if not met.any():
+        return GapRange(missed_area_fraction=1.0)
+    return GapRange(
+        min_mm=float(gap[met].min()),
+        mean_mm=float(np.average(gap[met], weights=area[met])),
+        max_mm=float(gap[met].max()),
+        missed_area_fraction=float(1.0 - area[met].sum() / area.sum()),
+    )
+
+
+def _place(frame: PressFrame, point: Array) -> tuple[float, float, float]:
+    x, y, z = (float(value) for value in frame.outward(point))
+    return x, y, z
+
+
+def _near(vertices: Array, values: Array, point: Array) -> Array:
+    return np.asarray(values[int(np.argmin(((vertices - point) ** 2).sum(axis=1)))])
+
+
+def _state_areas(
+    states: NDArray[np.int64], area: Array, closed: Closed, molding: NDArray[np.bool_]
+) -> StateAreas:
+    touching = float(closed.touching[molding].sum())
+    bottomed = float(area[states == State.BOTTOMED].sum())
+    interfering = float(area[states == State.INTERFERING].sum())
+    return StateAreas(
+        open_mm2=max(float(area.sum()) - touching, 0.0),
+        touching_mm2=max(touching - bottomed - interfering, 0.0),
+        bottomed_mm2=bottomed,
+        interfering_mm2=interfering,
+    )
+
+
+def _mold_part(mold: Mold, told: Told, index: int) -> MoldPart:
+    expansion, heating = told.expansions[index], told.heatings[index]
+    strain = float(expansion.strain(heating.temperature))
+    return MoldPart(
+        temperature_degC=heating.temperature,
+        temperature_from=heating.known_from,
+        expansion_1_K=float(np.interp(heating.temperature, expansion.temperatures, expansion.coefficient)),
+        growth_strain=strain,
+        mount_mm=told.frame.sign * mold.mount,
+    )
+
+
+def _chord_error(mold: Mold) -> float:
+    """How far the smooth surface stands off 95 % of the area of the facets that look at the other mold [mm]."""
+    height = np.abs(mold.front_curving.rise).max(axis=1) / 4.0
+    order = np.argsort(height)
+    share = np.cumsum(mold.front.areas[order])
+    return float(height[order][np.searchsorted(share, 0.95 * share[-1])])
+
+
+def _left_out(told: Told) -> list[str]:
+    out = ["tilt: the molds are guided and stay parallel"]
+    if any("mean" in heating.known_from for heating in told.heatings):
+        out.append("uneven temperature: each mold grows with one mean temperature")
+    return out

@@ -1,0 +1,178 @@
+"""``foam.toml``: the fabric-foam-fabric sandwich between the molds, and how much the molds grow."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    WithJsonSchema,
+    model_validator,
+)
+
+from hyperfab.documents.base import HandWritten
+from hyperfab.documents.quantity import PositiveLength, parsed, written
+from hyperfab.io.units import KINDS
+
+Terms = Annotated[list[float], Field(min_length=1, max_length=9)]
+
+
+def _positive(kind: str) -> Any:
+    shown = {"type": "string", "description": f"a {kind} with its unit", "examples": [KINDS[kind].example]}
+    return Annotated[
+        float, BeforeValidator(parsed(kind, 0.0, open_end=True)), written(kind), WithJsonSchema(shown)
+    ]
+
+
+if TYPE_CHECKING:
+    Stress = float
+else:
+    Stress = _positive("stress")
+Stresses = Annotated[list[Stress], Field(min_length=1, max_length=9)]
+
+
+class Section(BaseModel):
+    """A table of the document: keys it does not know are refused."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+
+class TableFile(Section):
+    """A table in a CSV file beside the document."""
+
+    table: str
+
+
+class TableLaw(TableFile):
+    """Measured compression: strain [-], stress [MPa]."""
+
+
+class LinearLaw(Section):
+    """Stress proportional to strain."""
+
+    law: Literal["linear"]
+    modulus: Stress
+
+
+class PlateauLaw(Section):
+    """Plateau and densification: s (1 - exp(-E e / s)) + B (e / (1 - e))^m."""
+
+    law: Literal["plateau"]
+    plateau: Stress
+    modulus: Stress
+    densification: Stress
+    power: Annotated[float, Field(ge=1.0, le=20.0)] = 2.0
+
+
+class HyperfoamLaw(Section):
+    """Ogden-Storakers foam, its sides held: one mu, alpha and nu a term."""
+
+    law: Literal["hyperfoam"]
+    mu: Stresses
+    alpha: Terms
+    nu: Annotated[list[Annotated[float, Field(ge=0.0, lt=0.5)]], Field(min_length=1, max_length=9)]
+
+    @model_validator(mode="after")
+    def _terms_fit(self) -> HyperfoamLaw:
+        if not len(self.mu) == len(self.alpha) == len(self.nu):
+            raise ValueError("mu, alpha and nu need one value a term each")
+        if 0.0 in self.alpha:
+            raise ValueError("alpha must not be 0")
+        return self
+
+
+LAWS: dict[str, type[Section]] = {"linear": LinearLaw, "plateau": PlateauLaw, "hyperfoam": HyperfoamLaw}
+
+
+def _compression(value: object) -> object:
+    """Choose the kind of law by its key, so that the message speaks of that law alone."""
+    if not isinstance(value, dict):
+        return value
+    if "table" in value:
+        return TableLaw.model_validate(value)
+    name = value.get("law")
+    if name not in LAWS:
+        known = ", ".join(f'"{law}"' for law in LAWS)
+        raise ValueError(f'write {{ table = "foam.csv" }} or {{ law = ... }} with one of {known}')
+    return LAWS[str(name)].model_validate(value)
+
+
+Compression = Annotated[
+    TableLaw | LinearLaw | PlateauLaw | HyperfoamLaw,
+    BeforeValidator(_compression),
+]
+
+
+def _layer(value: object) -> object:
+    if isinstance(value, str) and value.endswith(".json"):
+        return value
+    return parsed("length", 0.0)(value)
+
+
+Layer = Annotated[
+    float | str,
+    BeforeValidator(_layer),
+    PlainSerializer(lambda v: v if isinstance(v, str) else f"{v!r} mm", return_type=Any),
+    WithJsonSchema({"type": "string", "description": "a thickness, or a material document (.json)"}),
+]
+
+
+class Fabric(Section):
+    """The fabric layers: above the foam (female side) and below it (male side)."""
+
+    above: Layer = 0.0
+    below: Layer = 0.0
+
+
+def _coefficient(value: object) -> object:
+    return (
+        TableFile.model_validate(value)
+        if isinstance(value, dict)
+        else parsed("thermal-expansion", 0.0)(value)
+    )
+
+
+Coefficient = Annotated[
+    float | TableFile,
+    BeforeValidator(_coefficient),
+    PlainSerializer(lambda v: v.model_dump() if isinstance(v, TableFile) else f"{v!r} 1/K", return_type=Any),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {"type": "string", "examples": ["23.6e-6 1/K"]},
+                {"type": "object", "properties": {"table": {"type": "string"}}, "required": ["table"]},
+            ],
+            "description": "mean coefficient from the reference temperature on, or a table of it against temperature",
+        }
+    ),
+]
+
+
+class ExpansionSection(Section):
+    """Linear thermal expansion of the molds; where left out, that of aluminium 6061."""
+
+    male: Coefficient | None = None
+    female: Coefficient | None = None
+    reference: Annotated[
+        float,
+        BeforeValidator(parsed("temperature")),
+        written("temperature"),
+        WithJsonSchema(
+            {"type": "string", "description": "where the STL files hold", "examples": ["20 degC"]}
+        ),
+    ] = 20.0
+
+
+class FoamDocument(HandWritten):
+    """The sandwich that is pressed."""
+
+    KIND: ClassVar[str] = "foam"
+
+    thickness: PositiveLength
+    compression: Compression
+    fabric: Fabric = Fabric()
+    expansion: ExpansionSection = ExpansionSection()

@@ -1,0 +1,111 @@
+"""``press.json``: where two hot molds touch through the sandwich, and how hard."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from hyperfab.documents.base import Document
+
+Place = tuple[float, float, float]
+
+
+class Part(BaseModel):
+    """A table of the document."""
+
+    model_config = ConfigDict(extra="allow", allow_inf_nan=False)
+
+
+class GapRange(Part):
+    """A gap over the molding surface."""
+
+    min_mm: float | None = None
+    mean_mm: float | None = None
+    max_mm: float | None = None
+    missed_area_fraction: float = Field(
+        default=0.0, description="share of the area whose ray misses the female"
+    )
+
+
+class RegionPart(Part):
+    """A connected touching or open region of the male surface."""
+
+    contact: bool
+    area_mm2: float
+    centroid_mm: Place
+    gap_mean_mm: float
+    pressure_mean_MPa: float
+    force_N: float
+
+
+class MoldPart(Part):
+    """What was assumed of one mold."""
+
+    temperature_degC: float
+    temperature_from: str = Field(description="how the temperature is known")
+    expansion_1_K: float = Field(description="mean coefficient up to that temperature")
+    growth_strain: float
+    mount_mm: float = Field(description="coordinate of the mounting face along the axis; it grows from there")
+
+
+class StateAreas(Part):
+    """Area of the molding surface by what happens there."""
+
+    open_mm2: float
+    touching_mm2: float
+    bottomed_mm2: float
+    interfering_mm2: float
+
+
+class PressDocument(Document):
+    """The result of ``hf press-contact``."""
+
+    KIND: ClassVar[str] = "press"
+
+    converged: bool
+    status: str | None = None
+
+    gap_min_mm: float = Field(description="hot, nearest distance; negative: metal in metal")
+    gap_mean_mm: float
+    gap_max_mm: float
+    gap_min_at_mm: Place
+    gap_normal: GapRange = Field(description="along the male's normal: what a gauge reads")
+    gap_axial: GapRange = Field(description="along the closing axis")
+    contact_area_mm2: float
+    contact_fraction: float = Field(description="of the molding area")
+    molding_area_mm2: float = Field(description="male surface that faces the female, without the flat flange")
+    flange_area_mm2: float
+    force_N: float = Field(description="closing force")
+    pressure_max_MPa: float
+    pressure_mean_MPa: float = Field(description="over the touching area")
+    stroke_mm: float = Field(
+        description="travel from the first touch of the sandwich; negative: not yet touched"
+    )
+    tilt_deg: float
+    energy_J: float
+    regions: list[RegionPart]
+    states: StateAreas
+
+    clearance_cold_mm: float = Field(description="axial clearance at the datum, cold")
+    clearance_hot_mm: float = Field(description="axial clearance at the datum of the hot molds")
+    datum_mm: Place = Field(description="the datum: closest pair along the axis, on the male, cold")
+    zero: str = Field(description="whether the clearance was set cold or hot")
+    axis: str = Field(description="closing axis, signed from the male to the female")
+    reference_temperature_degC: float
+    male: MoldPart
+    female: MoldPart
+    sandwich_mm: float = Field(description="thickness of foam and fabric, unpressed; the mean where draped")
+    sandwich_min_mm: float | None = Field(default=None, description="where the drape thins it most")
+    sandwich_max_mm: float | None = None
+    chord_error_mm: float = Field(
+        description="how far the facets stand off the smooth molds (95 % of the area)"
+    )
+    border_area_fraction: float = Field(description="area whose nearest point is an open edge of the female")
+    oblique_area_fraction: float = Field(
+        description="area where nearest and normal direction part by over 30 deg"
+    )
+    force_stroke: list[tuple[float, float]] = Field(
+        description="[stroke_mm, force_N] from the first touch on"
+    )
+    left_out: list[str] = Field(default_factory=list, description="what this result does not contain")

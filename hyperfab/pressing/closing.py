@@ -1,0 +1,133 @@
+"""Closing the press: cold clearance, growth of both molds, the position asked for, and what is found there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.pressing.clip import positive_part
+from hyperfab.pressing.contact import Contact
+from hyperfab.pressing.gap import (
+    Front,
+    axial_gap,
+    molding_front,
+    nearest_gap,
+    normal_gap,
+    oblique,
+    touch_gap,
+)
+from hyperfab.pressing.mold import Mold
+from hyperfab.pressing.placement import Clearance, clearance
+from hyperfab.pressing.press import Press
+from hyperfab.pressing.sandwich import Sandwich
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Case:
+    """Everything that decides the answer, in the press frame.
+
+    ``male`` and ``female`` are cold and as drawn; ``male_growth`` and ``female_growth`` the displacements (n, 3) [mm]
+    of their vertices when hot, zero at the mounting face. Either ``gap`` [mm], the axial clearance at the datum, or
+    ``force`` [N] is given; the clearance is set cold, or, with ``zero_hot``, again on the hot molds. The ``sandwich``
+    has one value for all or one a vertex of the whole male.
+    """
+
+    male: Mold
+    female: Mold
+    sandwich: Sandwich
+    male_growth: Array
+    female_growth: Array
+    gap: float | None = None
+    force: float | None = None
+    zero_hot: bool = False
+
+
+@dataclass(frozen=True)
+class Closed:
+    """The press at its answer.
+
+    ``press`` stands at its position with opening ``opening`` [mm]; ``contact`` is what the sandwich does there. At
+    the vertices of ``front`` (hot): ``normal`` and ``axial`` gaps, NaN where they miss, ``touch`` the gap that
+    decides what touches, flags for feet on an open edge and for oblique ones. ``cold`` (n, 3) are the same vertices
+    cold. ``stroke`` [mm] counts from the first touch. ``touching`` (m,) [mm^2] is each face's touching area.
+    """
+
+    case: Case
+    press: Press
+    opening: float
+    contact: Contact
+    cold: Array
+    normal: Array
+    axial: Array
+    touch: Array
+    at_border: Flags
+    oblique: Flags
+    touching: Array
+    first_touch: float
+    datum: Clearance
+    clearance_cold: float
+    clearance_hot: float
+
+    @property
+    def front(self) -> Front:
+        """The molding part of the hot male."""
+        return self.press.front
+
+    @property
+    def stroke(self) -> float:
+        """Travel [mm] from the first touch of the sandwich to the answer; negative where it is not touched yet."""
+        return self.first_touch - self.opening
+
+
+def close_press(case: Case) -> Closed:
+    """Close the press and look at the sandwich.
+
+    Raises InputError where the molds do not lie over each other, or where the force cannot be reached.
+    """
+    datum = clearance(case.male, case.female)
+    # With a force the position is solved below; where the molds start from does not matter.
+    start = 0.0 if case.gap is None else case.gap - datum.gap
+    male = case.male.moved(case.male.vertices + case.male_growth)
+    female = case.female.moved(case.female.vertices + case.female_growth).raised(start)
+    if case.gap is not None and case.zero_hot:
+        shift = case.gap - clearance(male, female).gap
+        female, start = female.raised(shift), start + shift
+
+    front = molding_front(male, female)
+    sandwich = case.sandwich.of_vertices(front.of_mold)
+    press = Press(front, female, sandwich)
+    opening = 0.0 if case.force is None else press.opening_for(case.force)
+    result = press.at(opening)
+    return _look(case, press, opening, result, male, datum, start)
+
+
+def _look(
+    case: Case, press: Press, opening: float, result: Contact, male: Mold, datum: Clearance, start: float
+) -> Closed:
+    front, female = press.front, press.female.raised(opening)
+    nearest = nearest_gap(front.vertices, female, result.face)
+    along = normal_gap(front.vertices, front.normals, female)
+    touch = touch_gap(front, nearest.nearest, along)
+    part = positive_part(np.asarray(press.sandwich.thickness - touch), front.faces, front.areas)
+    return Closed(
+        case=case,
+        press=press,
+        opening=opening,
+        contact=result,
+        cold=case.male.vertices[front.of_mold],
+        normal=along,
+        axial=axial_gap(front.vertices, female),
+        touch=touch,
+        at_border=nearest.at_border,
+        oblique=oblique(front, nearest),
+        touching=part.per_face(np.ones(part.area.shape), len(front.faces)),
+        first_touch=press.first_touch(),
+        datum=datum,
+        clearance_cold=datum.gap + start + opening,
+        clearance_hot=clearance(male, female).gap,
+    )

@@ -1,0 +1,85 @@
+"""One position of the press: pressure, force, moments and the area that touches."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.pressing.clip import Quadrature, positive_part
+from hyperfab.pressing.gap import Front, Gap
+from hyperfab.pressing.sandwich import Sandwich
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Contact:
+    """What the sandwich does at one position.
+
+    ``gap`` (n,) [mm], its ``direction`` (n, 3) and the ``pressure`` (n,) [MPa] at the vertices of the front, from the
+    nearest distance. ``force`` (3,) [N] and ``moment`` (3,) [N mm] about the origin act on the male, ``load`` [N] is
+    the pressure's integral whatever its direction, ``energy`` [N mm] what the sandwich stores. ``pressed`` are the
+    quadrature points of all that, ``face`` (n,) the female's nearest faces.
+    """
+
+    gap: Array
+    direction: Array
+    face: Ints
+    pressure: Array
+    force: Array
+    moment: Array
+    load: float
+    energy: float
+    pressed: Quadrature
+
+    @property
+    def closing_force(self) -> float:
+        """Force [N] that holds the molds at this position, along the closing axis."""
+        return float(-self.force[2])
+
+    @property
+    def pressed_area(self) -> float:
+        """Area [mm^2] of the male whose nearest gap is less than the sandwich."""
+        return float(self.pressed.area.sum())
+
+
+def contact(front: Front, gap: Gap, sandwich: Sandwich) -> Contact:
+    """Press the sandwich: the pressure acts along the direction to the nearest point, on the male's area.
+
+    That direction is the gradient of the nearest gap, so the force is exactly the rate at which the stored energy
+    grows with the travel.
+    """
+    points = positive_part(np.asarray(sandwich.thickness - gap.nearest), front.faces, front.areas)
+    there = sandwich.at(front.faces[points.face], points.weights)
+    gap_there = points.at_corners(front.faces, gap.nearest)
+    place = points.at_corners(front.faces, front.vertices)
+    pressure = there.pressure(gap_there)
+    # The gap's gradient points from the female to the male: so does the push on the male.
+    push = (pressure * points.area)[..., None] * points.at_corners(front.faces, gap.direction)
+    return Contact(
+        gap=gap.nearest,
+        direction=gap.direction,
+        face=gap.face,
+        pressure=sandwich.pressure(gap.nearest),
+        force=push.sum(axis=(0, 1)),
+        moment=np.cross(place, push).sum(axis=(0, 1)),
+        load=float((pressure * points.area).sum()),
+        energy=float((there.energy(gap_there) * points.area).sum()),
+        pressed=points,
+    )
+
+
+def stiffness(front: Front, result: Contact, sandwich: Sandwich, modes: Array) -> Array:
+    """Return the tangent (d, d) of the force along ``modes`` (n, 3, d): displacements of the male per unit.
+
+    The term of the turning directions is left out: it is small beside the foam's own, and without it the tangent
+    is symmetric and never negative.
+    """
+    points = result.pressed
+    gap = points.at_corners(front.faces, result.gap)
+    rate = sandwich.at(front.faces[points.face], points.weights).stiffness(gap) * points.area
+    closing = points.at_corners(front.faces, np.einsum("nc,ncd->nd", result.direction, modes))
+    return np.asarray(np.einsum("kq,kqd,kqe->de", rate, closing, closing))

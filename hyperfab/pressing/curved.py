@@ -1,0 +1,75 @@
+"""The smooth surface behind the facets: how far it stands off them.
+
+A mold's STL has its vertices on the machined surface and its facets as chords below it, by about h^2 kappa / 8. Left
+alone that shifts every gap to one side by hundredths of a millimetre. Each facet is therefore curved with the
+quadratic that its three vertex normals ask for; edges that are creases, by more than CREASE_DEG, stay straight.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.surface import Surface
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+CREASE_DEG = 25.0
+
+
+@dataclass(frozen=True)
+class Curving:
+    """What curves the facets of a surface: ``rise`` (m, 3), four times the rise [mm] of the smooth surface over the
+    middle of each edge ab, bc, ca (``e^2 / (2 R)`` on a sphere), zero where an end lies on a crease; ``smooth`` (m,)
+    facets without a corner on a crease."""
+
+    surface: Surface
+    rise: Array
+    smooth: NDArray[np.bool_]
+
+    def height(self, face: Ints, points: Array) -> Array:
+        """How far (n,) [mm] the smooth surface stands off the facets ``face`` (n,) at ``points`` (n, 3) on them."""
+        weights = _barycentric(self.surface, face, points)
+        return np.asarray((weights * np.roll(weights, -1, axis=1) * self.rise[face]).sum(axis=1))
+
+    def normal(self, face: Ints, points: Array, facet: Array) -> Array:
+        """Unit normals (n, 3) of the smooth surface there; beside a crease those of the ``facet`` (n, 3)."""
+        weights = _barycentric(self.surface, face, points)
+        corners = self.surface.vertex_normals[self.surface.faces[face]]
+        mean = (weights[..., None] * corners).sum(axis=1)
+        mean = mean / np.linalg.norm(mean, axis=1, keepdims=True)
+        return np.where(self.smooth[face, None], mean, facet)
+
+    def part(self, surface: Surface, faces: NDArray[np.bool_]) -> Curving:
+        """The curving of some faces, which are all of ``surface``."""
+        return Curving(surface, self.rise[faces], self.smooth[faces])
+
+
+def curving(surface: Surface, smooth: bool = True) -> Curving:
+    """Return how the facets of a surface curve; with ``smooth`` false they are taken as flat."""
+    if not smooth:
+        return Curving(surface, np.zeros(surface.faces.shape), np.zeros(len(surface.faces), dtype=bool))
+    creased = np.zeros(len(surface.vertices), dtype=bool)
+    for edge in range(3):
+        sharp = np.abs(surface.edge_turn[:, edge]) > np.radians(CREASE_DEG)
+        creased[surface.faces[sharp][:, [edge, (edge + 1) % 3]]] = True
+    rise = np.zeros(surface.faces.shape)
+    for edge in range(3):
+        a, b = surface.faces[:, edge], surface.faces[:, (edge + 1) % 3]
+        chord = surface.vertices[b] - surface.vertices[a]
+        turn = surface.vertex_normals[b] - surface.vertex_normals[a]
+        rise[:, edge] = np.where(creased[a] | creased[b], 0.0, 0.5 * (chord * turn).sum(axis=1))
+    return Curving(surface, rise, np.asarray(~creased[surface.faces].any(axis=1)))
+
+
+def _barycentric(surface: Surface, face: Ints, points: Array) -> Array:
+    a, b, c = (surface.vertices[surface.faces[face, k]] for k in range(3))
+    normal = np.cross(b - a, c - a)
+    double = (normal * normal).sum(axis=1)
+    double = np.where(double == 0.0, 1.0, double)
+    wb = (np.cross(points - a, c - a) * normal).sum(axis=1) / double
+    wc = (np.cross(b - a, points - a) * normal).sum(axis=1) / double
+    return np.clip(np.stack([1.0 - wb - wc, wb, wc], axis=1), 0.0, 1.0)

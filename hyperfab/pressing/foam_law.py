@@ -1,0 +1,168 @@
+"""Compression laws of foam: nominal stress against engineering strain, both positive in compression."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class FoamLaw:
+    """A compression law up to ``limit``, the strain at which the foam counts as bottomed.
+
+    ``raw_stress`` [MPa], ``raw_slope`` [MPa] and ``raw_energy`` [MPa, that is mJ/mm^3] take strains in 0..limit.
+    Beyond the limit the stress goes on along its last slope, so that a force can still be balanced; how much area
+    is there is for the caller to say.
+
+    >>> law = linear(0.05)
+    >>> law.stress(np.array([-0.1, 0.0, 0.5])).tolist(), float(law.energy(np.array(0.5)))
+    ([0.0, 0.0, 0.025], 0.00625)
+    """
+
+    name: str
+    limit: float
+    raw_stress: Callable[[Array], Array]
+    raw_slope: Callable[[Array], Array]
+    raw_energy: Callable[[Array], Array]
+
+    def stress(self, strain: ArrayLike) -> Array:
+        """Nominal stress [MPa]; zero where the foam is not compressed."""
+        inside, beyond = self._split(strain)
+        return self.raw_stress(inside) + self.raw_slope(np.asarray(self.limit)) * beyond
+
+    def slope(self, strain: ArrayLike) -> Array:
+        """Tangent modulus [MPa]; zero where the foam is not compressed."""
+        inside, _ = self._split(strain)
+        return np.where(np.asarray(strain) > 0.0, self.raw_slope(inside), 0.0)
+
+    def energy(self, strain: ArrayLike) -> Array:
+        """Stored energy per undeformed volume [MPa]: the integral of the stress over the strain."""
+        inside, beyond = self._split(strain)
+        top = np.asarray(self.limit)
+        return self.raw_energy(inside) + self.raw_stress(top) * beyond + 0.5 * self.raw_slope(top) * beyond**2
+
+    def _split(self, strain: ArrayLike) -> tuple[Array, Array]:
+        strain = np.asarray(strain, dtype=float)
+        inside = np.clip(strain, 0.0, self.limit)
+        return inside, np.maximum(strain - self.limit, 0.0)
+
+
+def linear(modulus: float) -> FoamLaw:
+    """Stress = modulus x strain, modulus in MPa; bottomed at full compression."""
+    return FoamLaw(
+        "linear",
+        1.0,
+        lambda e: modulus * e,
+        lambda e: modulus + 0.0 * e,
+        lambda e: 0.5 * modulus * e * e,
+    )
+
+
+def table(strain: ArrayLike, stress: ArrayLike) -> FoamLaw:
+    """Straight lines between measured points; both columns must rise.
+
+    ``strain`` (n,) and ``stress`` (n,) [MPa]. A first point above zero strain is joined to the origin. The foam is
+    bottomed at the last strain. Raises ValueError naming the first row that does not rise.
+
+    >>> law = table([0.0, 0.5, 0.8], [0.0, 0.01, 0.05])
+    >>> law.stress(0.25).item(), round(law.energy(0.8).item(), 9)
+    (0.005, 0.0115)
+    """
+    x, y = np.asarray(strain, dtype=float), np.asarray(stress, dtype=float)
+    for row in range(len(x)):
+        before = (x[row - 1], y[row - 1]) if row else (-np.inf, -np.inf)
+        if not (x[row] > before[0] and y[row] >= before[1]):
+            raise ValueError(f"row {row + 1}: strain and stress must rise from row to row")
+    if len(x) < 2 or x[0] < 0.0 or y[0] < 0.0 or x[-1] >= 1.0:
+        raise ValueError(
+            "strain must run from 0 to less than 1 in at least two rows, with stress of 0 or more"
+        )
+    if x[0] > 0.0:
+        x, y = np.concatenate([[0.0], x]), np.concatenate([[0.0], y])
+    slopes = np.diff(y) / np.diff(x)
+    areas = np.concatenate([[0.0], np.cumsum(0.5 * (y[1:] + y[:-1]) * np.diff(x))])
+
+    def segment(e: Array) -> NDArray[np.intp]:
+        return np.clip(np.searchsorted(x, e, side="right") - 1, 0, len(slopes) - 1)
+
+    def energy(e: Array) -> Array:
+        i = segment(e)
+        d = e - x[i]
+        return np.asarray(areas[i] + y[i] * d + 0.5 * slopes[i] * d * d)
+
+    return FoamLaw(
+        "table",
+        float(x[-1]),
+        lambda e: np.interp(e, x, y),
+        lambda e: np.asarray(slopes[segment(e)]),
+        energy,
+    )
+
+
+def plateau(plateau_stress: float, modulus: float, densification: float, power: float = 2.0) -> FoamLaw:
+    """Plateau and densification: ``s (1 - exp(-E e / s)) + B (e / (1 - e))^m``, bottomed at a strain of 0.95.
+
+    ``plateau_stress`` s, ``modulus`` E and ``densification`` B in MPa, ``power`` m of 1 or more. The form of Avalle,
+    Belingardi and Montanini (Int. J. Impact Eng. 25 (2001) 455) with a plateau that never falls.
+    """
+    s, E, B, m = plateau_stress, modulus, densification, power
+
+    def packed(e: Array) -> Array:
+        return e / (1.0 - e)
+
+    return FoamLaw(
+        "plateau",
+        0.95,
+        lambda e: s * -np.expm1(-E * e / s) + B * packed(e) ** m,
+        lambda e: E * np.exp(-E * e / s) + B * m * packed(e) ** (m - 1.0) / (1.0 - e) ** 2,
+        lambda e: s * (e + s / E * np.expm1(-E * e / s)) + B * _packed_integral(e, m),
+    )
+
+
+def hyperfoam(mu: ArrayLike, alpha: ArrayLike, nu: ArrayLike) -> FoamLaw:
+    """Ogden-Storakers hyperfoam between wide plates, its sideways stretch held at one; bottomed at 0.95.
+
+    ``W = sum 2 mu / alpha^2 (l1^alpha + l2^alpha + l3^alpha - 3 + (J^(-alpha beta) - 1) / beta)`` with
+    ``beta = nu / (1 - 2 nu)``: shear moduli ``mu`` [MPa], exponents ``alpha`` and ``nu``, one a term. Source:
+    B. Storakers, J. Mech. Phys. Solids 34 (1986) 125.
+    """
+    terms = np.broadcast_arrays(*(np.atleast_1d(np.asarray(v, dtype=float)) for v in (mu, alpha, nu)))
+    rows = [(m, a, v / (1.0 - 2.0 * v)) for m, a, v in zip(*terms, strict=True)]
+
+    def stress(e: Array) -> Array:
+        lam = 1.0 - e
+        return np.asarray(-sum(2 * m / a * (lam ** (a - 1) - lam ** (-a * b - 1)) for m, a, b in rows))
+
+    def slope(e: Array) -> Array:
+        lam = 1.0 - e
+        pieces = (
+            2 * m / a * ((a - 1) * lam ** (a - 2) + (a * b + 1) * lam ** (-a * b - 2)) for m, a, b in rows
+        )
+        return np.asarray(sum(pieces))
+
+    def energy(e: Array) -> Array:
+        lam = 1.0 - e
+        pieces = (
+            2 * m / a**2 * (lam**a - 1 + ((lam ** (-a * b) - 1) / b if b else -a * np.log(lam)))
+            for m, a, b in rows
+        )
+        return np.asarray(sum(pieces))
+
+    return FoamLaw("hyperfoam", 0.95, stress, slope, energy)
+
+
+def _packed_integral(e: Array, power: float) -> Array:
+    """Integral of ``(x / (1 - x))^power`` from 0 to ``e``, by 24 Gauss points on two graded halves.
+
+    With ``x = 1 - (1 - e)^s`` the steep end is stretched out, so that the rule is exact to rounding here.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(24)
+    s = 0.5 * (nodes + 1.0)
+    log = np.log1p(-np.asarray(e, dtype=float))[..., None]
+    x = -np.expm1(log * s)
+    return np.asarray((0.5 * weights * (x / (1.0 - x)) ** power * -log * (1.0 - x)).sum(-1))

@@ -1,0 +1,189 @@
+"""The gap from each point of the male to the female: nearest, along the male's normal, along the closing axis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.pressing.curved import CREASE_DEG
+from hyperfab.pressing.mold import Mold
+from hyperfab.surface import Surface
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+#: Beyond this angle between the male's normal and the direction to the nearest point the three gaps part company.
+OBLIQUE_DEG = 30.0
+
+
+@dataclass(frozen=True)
+class Front:
+    """The molding part of the male: its own vertex numbering.
+
+    ``vertices`` (n, 3), ``faces`` (m, 3), unit vertex ``normals`` (n, 3), face ``areas`` (m,), ``of_mold`` (n,) the
+    vertices' numbers in the whole mold, ``flange`` (m,) the faces of the flat rim around the molding surface.
+    """
+
+    vertices: Array
+    faces: Ints
+    normals: Array
+    areas: Array
+    of_mold: Ints
+    flange: Flags
+
+
+@dataclass(frozen=True)
+class Gap:
+    """The gap at n points: ``nearest`` [mm], negative inside the female; ``direction`` (n, 3), the unit vector from
+    the female's nearest point to the point, which is the gradient of ``nearest``; the ``face`` of the female that is
+    nearest; ``at_border`` where that is an open edge of the female.
+    """
+
+    nearest: Array
+    direction: Array
+    face: Ints
+    at_border: Flags
+
+
+def nearest_gap(points: Array, female: Mold, hint: Ints | None = None) -> Gap:
+    """Return the nearest signed gap at ``points`` (n, 3); ``hint`` (n,) are faces expected to be nearest."""
+    surface = female.surface
+    near = surface.nearest(points, hint=hint)
+    facet = surface.normals[near.face]
+    height = female.curving.height(near.face, near.point) * (near.normal * facet).sum(axis=1)
+    border = _at_border(surface, near.face, near.feature)
+    # At an open edge, or far beside a face, the direction is that of the distance itself.
+    square = (near.normal * facet).sum(axis=1) > np.cos(np.radians(CREASE_DEG))
+    smooth = female.curving.normal(near.face, near.point, near.normal)
+    direction = np.where((square & ~border)[:, None], smooth, near.normal)
+    return Gap(near.distance - height, direction, near.face, border)
+
+
+def normal_gap(points: Array, normals: Array, female: Mold) -> Array:
+    """Return the gap (n,) [mm] along the male's ``normals``; NaN where the normal misses the female.
+
+    Points inside the female (overlap) find it backwards, with a negative gap.
+    """
+    gap, face = _first_hit(points, normals, female)
+    lost = np.flatnonzero(face < 0)
+    if len(lost):
+        # From the other side: a ray back from inside the female's material leaves it through a face's front.
+        gap[lost] = -_first_hit(points[lost], -normals[lost], female, leaving=True)[0]
+    return gap
+
+
+def axial_gap(points: Array, female: Mold) -> Array:
+    """Return the gap (n,) [mm] along the closing axis; NaN where no female lies above."""
+    up = np.broadcast_to(np.array([0.0, 0.0, 1.0]), points.shape)
+    far = 1.0 + max(0.0, float(points[:, 2].max() - female.front.vertices[:, 2].min()))
+    t, face = female.front.ray(points - far * up, up)
+    hit = np.flatnonzero(face >= 0)
+    gap = np.full(len(points), np.nan)
+    ends = points[hit] + (t[hit] - far)[:, None] * up[hit]
+    height = female.front_curving.height(face[hit], ends)
+    gap[hit] = t[hit] - far + height / female.front.normals[face[hit], 2]
+    return gap
+
+
+def molding_front(male: Mold, female: Mold) -> Front:
+    """Return the part of the male that molds: the faces that look at the female, and upright walls opposite to it."""
+    surface = male.surface
+    upright = np.flatnonzero(np.abs(surface.normals[:, 2]) <= 0.02)
+    chosen = male.looking.copy()
+    if len(upright):
+        centres = male.vertices[male.faces[upright]].mean(axis=1)
+        normals = surface.normals[upright]
+        t, face = female.surface.ray(centres + 1e-6 * normals, normals)
+        opposed = (face >= 0) & ((female.surface.normals[face] * normals).sum(axis=1) < 0.0)
+        own, _ = surface.ray(centres + 1e-6 * normals, normals)
+        chosen[upright[opposed & (t < own)]] = True
+    faces = male.faces[chosen]
+    used, renumbered = np.unique(faces, return_inverse=True)
+    faces = renumbered.reshape(-1, 3)
+    part = Surface(male.vertices[used], faces)
+    return Front(part.vertices, faces, part.vertex_normals, part.areas, used, _flange(part))
+
+
+def touch_gap(front: Front, nearest: Array, along_normal: Array) -> Array:
+    """Return the gap (n,) [mm] that decides whether the sandwich is touched: the one its column meets.
+
+    The sandwich stands on the male along its normal. Where the normal misses the female, or is no single direction
+    because the vertex lies on a crease, the nearest gap takes its place.
+    """
+    corner = front.normals[front.faces]
+    a, b, c = (front.vertices[front.faces[:, k]] for k in range(3))
+    flat = np.cross(b - a, c - a)
+    length = np.linalg.norm(flat, axis=1)
+    cosine = (corner * flat[:, None]).sum(axis=2) / np.where(length > 0.0, length, 1.0)[:, None]
+    creased = np.zeros(len(front.vertices), dtype=bool)
+    creased[front.faces[cosine < np.cos(np.radians(CREASE_DEG))]] = True
+    return np.where(np.isnan(along_normal) | creased, nearest, along_normal)
+
+
+def oblique(front: Front, gap: Gap) -> Flags:
+    """Points whose nearest direction leaves the male's normal by more than OBLIQUE_DEG."""
+    cosine = -(front.normals * gap.direction).sum(axis=1)
+    return np.asarray(cosine < np.cos(np.radians(OBLIQUE_DEG)))
+
+
+def vertex_areas(front: Front, faces: Flags) -> Array:
+    """Return the area (n,) [mm^2] that belongs to each vertex: a third of its faces, of those chosen."""
+    share = np.where(faces, front.areas, 0.0) / 3.0
+    areas = np.bincount(front.faces.ravel(), weights=np.repeat(share, 3), minlength=len(front.vertices))
+    return np.asarray(areas, dtype=float)
+
+
+def _first_hit(points: Array, directions: Array, female: Mold, leaving: bool = False) -> tuple[Array, Ints]:
+    """Distance to the female along each ray and the face hit; NaN and -1 where none is hit from the right side."""
+    t, face = female.surface.ray(points, directions)
+    cosine = -(female.surface.normals[face] * directions).sum(axis=1)
+    hit = np.flatnonzero((face >= 0) & ((cosine < 0.0) if leaving else (cosine > 0.0)))
+    gap, found = np.full(len(points), np.nan), np.full(len(points), -1)
+    ends = points[hit] + t[hit, None] * directions[hit]
+    gap[hit] = t[hit] - female.curving.height(face[hit], ends) / cosine[hit]
+    found[hit] = face[hit]
+    return gap, found
+
+
+def _at_border(female: Surface, face: Ints, feature: Ints) -> Flags:
+    """Whether the nearest feature is an open edge, or a vertex of one."""
+    open_edge = female.twins < 0
+    border_vertex = np.zeros(len(female.vertices), dtype=bool)
+    for edge in range(3):
+        ends = female.faces[open_edge[:, edge]][:, [edge, (edge + 1) % 3]]
+        border_vertex[ends] = True
+    on_edge = (feature >= 1) & (feature <= 3)
+    at_vertex = feature >= 4
+    found = np.zeros(len(face), dtype=bool)
+    found[on_edge] = open_edge[face[on_edge], feature[on_edge] - 1]
+    found[at_vertex] = border_vertex[female.faces[face[at_vertex], feature[at_vertex] - 4]]
+    return found
+
+
+def _flange(front: Surface) -> Flags:
+    """Faces of the flat rim: at the front's lowest level, flat across the axis, while the rest rises clearly above.
+
+    Its share must be worth mentioning (3 %); a front that is flat throughout has no flange. A mesh need not follow
+    the line where the rim begins to rise. Of the faces across it those count as rim whose slope is less than an
+    eighth of that of the next faces inward: where a blend of constant curvature begins in the middle of a face of
+    width h, its slope is kappa h / 8, and that of the next ones kappa h on average.
+    """
+    heights = front.vertices[front.faces][..., 2]
+    low, rise = float(heights.min()), float(np.ptp(heights))
+    span = float(np.ptp(front.vertices[:, :2], axis=0).max())
+    ground = front.vertices[:, 2] <= low + 1e-5 * span
+    on_ground = ground[front.faces].sum(axis=1)
+    flat = on_ground == 3
+    if rise < 0.05 * span or front.areas[flat].sum() < 0.03 * front.areas.sum():
+        return np.zeros(len(front.faces), dtype=bool)
+    slope = np.arccos(np.clip(front.normals[:, 2], -1.0, 1.0))
+    across = (on_ground > 0) & ~flat
+    rising = np.zeros(len(front.vertices), dtype=bool)
+    rising[front.faces[across]] = True
+    next_inward = (on_ground == 0) & (rising[front.faces].any(axis=1))
+    if next_inward.any():
+        flat |= across & (slope < np.median(slope[next_inward]) / 8.0)
+    return np.asarray(flat)

@@ -1,0 +1,110 @@
+"""A mold as the press sees it: closing direction upward, mounting face, and the faces that mold."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.pressing.curved import Curving, curving
+from hyperfab.surface import Surface
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+#: Columns of the press frame's coordinates for each closing axis: a cyclic change keeps right-handedness.
+AXES = {"x": (1, 2, 0), "y": (2, 0, 1), "z": (0, 1, 2)}
+#: A face looks along the closing direction when its normal's share along it exceeds this (about 1 degree).
+LOOKING = 0.02
+
+
+@dataclass(frozen=True)
+class PressFrame:
+    """Coordinates whose third axis is the closing direction, from the male to the female.
+
+    >>> frame = PressFrame("x", -1)
+    >>> import numpy as np
+    >>> frame.inward(np.array([[1.0, 2.0, 3.0]])).tolist(), frame.outward(np.array([[2.0, -3.0, -1.0]])).tolist()
+    ([[2.0, -3.0, -1.0]], [[1.0, 2.0, 3.0]])
+    """
+
+    axis: str
+    sign: int
+
+    @property
+    def direction(self) -> Array:
+        """The closing direction in the STL's own coordinates."""
+        vector = np.zeros(3)
+        vector["xyz".index(self.axis)] = self.sign
+        return vector
+
+    def inward(self, points: Array) -> Array:
+        """Carry points (..., 3) from the STL's coordinates into the press frame."""
+        turned = np.asarray(points)[..., AXES[self.axis]]
+        return turned if self.sign > 0 else turned * np.array([1.0, -1.0, -1.0])
+
+    def outward(self, points: Array) -> Array:
+        """Carry points (..., 3) back."""
+        turned = np.asarray(points) if self.sign > 0 else np.asarray(points) * np.array([1.0, -1.0, -1.0])
+        back = np.argsort(AXES[self.axis])
+        return np.asarray(turned[..., back])
+
+
+@dataclass(frozen=True)
+class Mold:
+    """One mold in the press frame: ``vertices`` (n, 3) [mm], ``faces`` (m, 3), outward normals.
+
+    ``side`` is +1 for the male, which looks up, and -1 for the female. ``mount`` is the height [mm] of its mounting
+    face, about which it grows when it is heated. With ``smooth`` the facets stand for the smooth surface through
+    their vertices (see ``curved``), else for themselves.
+    """
+
+    vertices: Array
+    faces: Ints
+    side: int
+    mount: float
+    smooth: bool = True
+
+    @cached_property
+    def surface(self) -> Surface:
+        """All of the mold, for nearest points and rays."""
+        return Surface(self.vertices, self.faces)
+
+    @cached_property
+    def looking(self) -> Flags:
+        """Which faces look at the other mold, (m,)."""
+        return self.surface.normals[:, 2] * self.side > LOOKING
+
+    @cached_property
+    def front(self) -> Surface:
+        """The faces that look at the other mold, as a surface of its own (for heights along the axis)."""
+        return Surface(self.vertices, self.faces[self.looking])
+
+    @cached_property
+    def curving(self) -> Curving:
+        """How the smooth surface stands off the facets of ``surface``."""
+        return curving(self.surface, self.smooth)
+
+    @cached_property
+    def front_curving(self) -> Curving:
+        """The same for the facets of ``front``."""
+        return self.curving.part(self.front, self.looking)
+
+    def moved(self, vertices: Array, mount: float | None = None) -> Mold:
+        """The same mold with its vertices elsewhere."""
+        return replace(self, vertices=vertices, mount=self.mount if mount is None else mount)
+
+    def raised(self, height: float) -> Mold:
+        """The same mold, ``height`` [mm] further along the closing axis."""
+        shift = np.array([0.0, 0.0, height])
+        return self.moved(self.vertices + shift, self.mount + height)
+
+
+def mold(vertices: Array, faces: Ints, side: int, mount: float | None = None, smooth: bool = True) -> Mold:
+    """Return the mold; its mounting face is the end that is turned away from the other mold, unless given."""
+    heights = vertices[:, 2]
+    back = float(heights.min() if side > 0 else heights.max())
+    return Mold(vertices, faces, side, back if mount is None else mount, smooth)

@@ -1,0 +1,92 @@
+"""The press: positions of the female over the male, and the position that balances a force."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from hyperfab.errors import InputError
+from hyperfab.pressing.contact import Contact, contact
+from hyperfab.pressing.gap import Front, nearest_gap
+from hyperfab.pressing.mold import Mold
+from hyperfab.pressing.sandwich import Sandwich
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+#: Positions are solved to this [mm]; forces follow to about 1e-9 of their stiffness.
+_POSITION_TOLERANCE = 1e-9
+
+
+@dataclass
+class Press:
+    """A male's front, the female over it, and the sandwich between them.
+
+    A position is an ``opening`` [mm]: how much further the female stands from the male than where it was given.
+    """
+
+    front: Front
+    female: Mold
+    sandwich: Sandwich
+    _hint: Ints | None = field(default=None, repr=False)
+
+    def at(self, opening: float) -> Contact:
+        """Return what the sandwich does with the female raised by ``opening``."""
+        # Not the female is moved but the points against it: its search tree stays as it is.
+        points = self.front.vertices - np.array([0.0, 0.0, opening])
+        gap = nearest_gap(points, self.female, self._hint)
+        self._hint = gap.face
+        return contact(self.front, gap, self.sandwich)
+
+    def first_touch(self) -> float:
+        """Return the opening at which the sandwich is first touched when the press closes."""
+        return self._opening_where(lambda gap: float(np.min(gap - self.sandwich.thickness)))
+
+    def metal_contact(self) -> float:
+        """Return the opening at which the bare molds would touch."""
+        return self._opening_where(lambda gap: float(np.min(gap)))
+
+    def opening_for(self, force: float) -> float:
+        """Return the opening at which the sandwich carries ``force`` [N].
+
+        Raises InputError where the molds touch before, naming the largest force the sandwich can carry.
+        """
+        low, high = self.metal_contact(), self.first_touch()
+        largest = self.at(low).closing_force
+        if force > largest:
+            raise InputError(
+                f"--force {force:.6g} N is out of reach: the molds touch at {largest:.6g} N",
+                remedy=f"the largest force the sandwich can carry is {largest:.6g} N",
+            )
+        return float(
+            brentq(
+                lambda s: self.at(s).closing_force - force, low, high, xtol=_POSITION_TOLERANCE, rtol=1e-14
+            )
+        )
+
+    def _opening_where(self, margin: Callable[[Array], float]) -> float:
+        """Return the opening at which a margin of the gaps, growing with the opening, is zero."""
+
+        def value(opening: float) -> float:
+            return margin(self.at(opening).gap)
+
+        start = value(0.0)
+        if start == 0.0:
+            return 0.0
+        # A gap changes by no more than the travel, so the first guess never passes the zero.
+        near, step = 0.0, -start
+        far = near + step
+        size = float(np.ptp(self.female.vertices, axis=0).max())
+        while value(far) * start > 0.0:
+            near, step = far, 2.0 * step
+            far = near + step
+            if abs(far) > 4.0 * size:
+                raise InputError(
+                    "the molds never part along the closing axis" if start < 0.0 else "the molds never touch",
+                    remedy="check --axis and the two STL files",
+                )
+        return float(brentq(value, *sorted((near, far)), xtol=_POSITION_TOLERANCE, rtol=1e-14))
