@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hyperfab.chapters.press_inputs import Heating
+from hyperfab.chapters.press_contact.inputs import Heating
 from hyperfab.documents.press import GapRange, MoldPart, PressDocument, RegionPart, StateAreas
 from hyperfab.io import vtu
 from hyperfab.pressing.closing import Closed

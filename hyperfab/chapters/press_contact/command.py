@@ -1,13 +1,13 @@
-"""`hf press-contact`: where two hot molds touch through the fabric-foam-fabric sandwich, and how hard."""
+"""The command as a recipe: read, place, heat, close, judge, write."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from hyperfab.chapters import press_inputs
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.press_inputs import Heating
-from hyperfab.chapters.press_result import Told, curve_csv, document_of, grid_of, picture_of
+from hyperfab.chapters.press_contact import inputs as read
+from hyperfab.chapters.press_contact.inputs import Heating
+from hyperfab.chapters.press_contact.result import Told, curve_csv, document_of, grid_of, picture_of
 from hyperfab.console import NEGATIVE_VERDICT
 from hyperfab.documents.press import PressDocument
 from hyperfab.errors import UsageError
@@ -51,15 +51,15 @@ def run(
     if min_spotted is not None and not 0.0 <= min_spotted <= 100.0:
         raise UsageError(f"--min-spotted {min_spotted:g}: a share in percent is between 0 and 100")
 
-    document = press_inputs.read_foam(job.inputs, foam)
-    law = press_inputs.compression_law(job.inputs, foam, document)
-    sandwich = Sandwich(document.thickness, press_inputs.fabric_thickness(job.inputs, foam, document), law)
-    expansions = press_inputs.expansions(job.inputs, foam, document)
+    document = read.read_foam(job.inputs, foam)
+    law = read.compression_law(job.inputs, foam, document)
+    sandwich = Sandwich(document.thickness, read.fabric_thickness(job.inputs, foam, document), law)
+    expansions = read.expansions(job.inputs, foam, document)
     reference = document.expansion.reference
-    heatings = press_inputs.heatings(job.inputs, temperature, male_heat, female_heat, reference)
-    one, two, frame = press_inputs.read_molds(job, male, female, axis, stl_unit)
+    heatings = read.heatings(job.inputs, temperature, male_heat, female_heat, reference)
+    one, two, frame = read.read_molds(job, male, female, axis, stl_unit)
     if drape is not None:
-        sandwich = sandwich.thinned(press_inputs.thinning(job, drape, male, one.vertices))
+        sandwich = sandwich.thinned(read.thinning(job, drape, male, one.vertices))
     out.refuse_inputs(job.inputs)
 
     with job.console.progress("Closing the press") as advance:
