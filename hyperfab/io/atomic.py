@@ -72,7 +72,7 @@ class _Batch:
             target = _target(name)
             if any(target == other for _, other, _ in self._staged):
                 raise ValueError(f"{name} stands twice among the files to write")
-            descriptor, temporary = _create_hidden(target, "tmp")
+            descriptor, temporary = _create_hidden(target)
             self._staged.append((name, target, temporary))
             try:
                 view = memoryview(data)
@@ -99,15 +99,16 @@ class _Batch:
         """Give the file that will be replaced a second, hidden name, to put it back should a later file fail."""
         if not target.exists():
             return
-        descriptor, backup = _create_hidden(target, "old")
-        os.close(descriptor)
-        os.unlink(backup)
-        try:
-            os.link(target, backup)
-        except OSError:  # no hard links here (FAT, some network shares): copy
+        for backup in _hidden_names(target, "old"):
+            try:
+                os.link(target, backup)
+            except FileExistsError:
+                continue
+            except OSError:  # no hard links here (FAT, some network shares): copy
+                self._backups[target] = backup
+                backup.write_bytes(target.read_bytes())
             self._backups[target] = backup
-            backup.write_bytes(target.read_bytes())
-        self._backups[target] = backup
+            return
 
     def undo(self) -> None:
         for target in self._placed:
@@ -133,13 +134,17 @@ def _target(name: Path) -> Path:
     return target
 
 
-def _create_hidden(target: Path, ending: str) -> tuple[int, Path]:
+def _create_hidden(target: Path) -> tuple[int, Path]:
     """Create a file of a name nobody has, in the target's folder; the umask decides its mode."""
-    for attempt in range(1000):
-        path = target.with_name(f".{target.name[:50]}.{os.getpid()}-{attempt}.{ending}")
+    for path in _hidden_names(target, "tmp"):
         with contextlib.suppress(FileExistsError):
             return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666), path
     raise OSError(errno.EEXIST, "too many temporary files were left in the folder")
+
+
+def _hidden_names(target: Path, ending: str) -> Iterator[Path]:
+    for attempt in range(1000):
+        yield target.with_name(f".{target.name[:50]}.{os.getpid()}-{attempt}.{ending}")
 
 
 def _sync_folder(folder: Path) -> None:

@@ -14,6 +14,7 @@ from hyperfab.io.units import is_unit
 MAX_BYTES = 32 * 2**20
 MAX_ROWS = 400_000
 MAX_COLUMNS = 256
+MAX_LINE = 32_768
 MAX_CELLS = 4_000_000
 
 _BOMS = ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"))
@@ -26,12 +27,17 @@ _NAMES = {"\t": "tab", ";": "semicolon", ",": "comma"}
 
 @dataclass(frozen=True)
 class Heading:
-    """One column's heading: ``title`` as written, ``name`` folded to lower case, ``unit`` or None, its place."""
+    """One column's heading: ``title`` as written, its ``label`` without the unit, ``unit`` or None, its place."""
 
     title: str
-    name: str
+    label: str
     unit: str | None
     index: int
+
+    @property
+    def name(self) -> str:
+        """The label as it is compared."""
+        return fold(self.label)
 
 
 @dataclass(frozen=True)
@@ -178,7 +184,16 @@ def _lines(text: str, name: str) -> list[str]:
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     if text.count("\n") > MAX_ROWS + 1000:
         raise InputError(f"has more than {MAX_ROWS} rows", file=name, remedy="thin the recording out")
-    return text.split("\n")
+    lines = text.split("\n")
+    long = next((number for number, line in enumerate(lines, 1) if len(line) > MAX_LINE), None)
+    if long is not None:
+        raise InputError(
+            f"is longer than {MAX_LINE} characters",
+            file=name,
+            line=long,
+            remedy="is this a table with line ends?",
+        )
+    return lines
 
 
 def _preamble(lines: list[str]) -> tuple[dict[str, list[Entry]], list[tuple[int, str]], str | None]:
@@ -193,7 +208,9 @@ def _preamble(lines: list[str]) -> tuple[dict[str, list[Entry]], list[tuple[int,
         if stripped.startswith(("#", '"#')):
             key, colon, value = stripped.strip(";,\t").strip('"').lstrip("#").partition(":")
             if colon and not body:
-                metadata.setdefault(fold(key), []).append(Entry(value.strip(), number))
+                name = _heading(key.strip(), 0)  # also "# width [mm]: 25"
+                stated = f"{value.strip()} {name.unit}" if name.unit else value.strip()
+                metadata.setdefault(name.name, []).append(Entry(stated, number))
         elif not body and re.fullmatch(r'"?sep=[;,\t]"?', stripped or line):
             separator = line.strip(' "\r\n')[4:5]
         else:
@@ -266,13 +283,13 @@ def _ragged_remedy(count: int, width: int, separator: str) -> str:
 
 
 def _heading(title: str, index: int) -> Heading:
-    match = _BRACKETED.fullmatch(title)
+    match = _BRACKETED.fullmatch(title) if len(title) <= 200 else None
     if match is None:
-        return Heading(title, fold(title), None, index)
+        return Heading(title, title, None, index)
     unit = match[2] if match[2] is not None else match[3]
     if match[2] is None and not is_unit(unit):  # a remark in parentheses
-        return Heading(title, fold(match[1]), None, index)
-    return Heading(title, fold(match[1]), unit.strip() or "-", index)
+        return Heading(title, match[1], None, index)
+    return Heading(title, match[1].strip(), unit.strip() or "-", index)
 
 
 def fold(text: str) -> str:
@@ -290,7 +307,7 @@ def suffixed(heading: Heading) -> Heading:
     for cut in range(1, len(parts)):
         unit = "/".join(parts[cut:])
         if heading.unit is None and not unit.isdigit() and is_unit(unit):
-            return Heading(heading.title, fold(" ".join(parts[:cut])), unit, heading.index)
+            return Heading(heading.title, "_".join(parts[:cut]), unit, heading.index)
     return heading
 
 
@@ -314,5 +331,5 @@ def _with_units(headings: tuple[Heading, ...], row: tuple[int, list[str]], name:
                 column=heading.title,
                 remedy="keep one of them",
             )
-        found.append(Heading(heading.title, heading.name, heading.unit or unit, heading.index))
+        found.append(Heading(heading.title, heading.label, heading.unit or unit, heading.index))
     return tuple(found)

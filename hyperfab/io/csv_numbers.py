@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
+from decimal import Decimal
+from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,6 +46,10 @@ def settle_decimal(sheet: Sheet, headings: Iterable[Heading], given: str | None 
         return given
     seen: dict[str, tuple[str, int, Heading]] = {}  # what speaks for a mark, and for a grouping mark
     undecided: dict[str, tuple[str, int, Heading]] = {}
+    headings = list(headings)
+    mixed = all(
+        any(mark in cell for heading in headings for cell in sheet.columns[heading.index]) for mark in ".,"
+    )
     for heading in headings:
         cells = sheet.columns[heading.index]
         joined = "\n".join(cells)
@@ -56,11 +62,14 @@ def settle_decimal(sheet: Sheet, headings: Iterable[Heading], given: str | None 
                 continue
             mark = _speaks_for(cell)
             if mark in _OTHER:
-                seen.setdefault(mark, (cell, line, heading))
+                if mark not in seen or (_groups(cell) and not _groups(seen[mark][0])):
+                    seen[mark] = (cell, line, heading)
             elif mark:
                 undecided.setdefault(mark[1], (cell, line, heading))
-        if "," in seen and "." in seen:
-            break
+            if (
+                seen and not mixed
+            ):  # nothing can contradict; a cell that does not fit is found when it is read
+                return next(iter(seen))
     return _verdict(sheet, seen, undecided)
 
 
@@ -125,8 +134,8 @@ def _mark_in(cell: str) -> str:
     return "," if "," in cell else "."
 
 
-def numbers(sheet: Sheet, heading: Heading, decimal: str) -> NDArray[np.float64]:
-    """Return the cells under ``heading`` as doubles, each the nearest to what is written.
+def numbers(sheet: Sheet, heading: Heading, decimal: str, shift: int = 0) -> NDArray[np.float64]:
+    """Return the cells under ``heading``, times ten to the power ``shift``, each the nearest double to what is written.
 
     Raises InputError naming line and column for a cell that is empty, text, NaN, infinite or too large.
     """
@@ -134,6 +143,8 @@ def numbers(sheet: Sheet, heading: Heading, decimal: str) -> NDArray[np.float64]
     joined = "\n".join(cells).replace("\N{MINUS SIGN}", "-")
     if decimal == "," and "." not in joined:
         joined = joined.replace(",", ".")
+    if shift:
+        joined = joined.replace("\n", f"e{shift}\n") + f"e{shift}"
     values = None
     if not _NOT_PLAIN.search(joined):
         try:
@@ -141,7 +152,9 @@ def numbers(sheet: Sheet, heading: Heading, decimal: str) -> NDArray[np.float64]
         except ValueError:
             values = None
     if values is None:
-        values = np.array([_number(cell, sheet, heading, row, decimal) for row, cell in enumerate(cells)])
+        values = np.array(
+            [_number(cell, sheet, heading, row, decimal, shift) for row, cell in enumerate(cells)]
+        )
     if not np.isfinite(values).all():
         row = int(np.flatnonzero(~np.isfinite(values))[0])
         raise _bad_cell("is larger than any double", cells[row], sheet, heading, row)
@@ -163,7 +176,7 @@ def quantities(sheet: Sheet, heading: Heading, kind: str, decimal: str) -> NDArr
             remedy=f'write it behind the name, as in "{heading.title} [{wanted.unit}]"',
         )
     try:
-        times, over, plus = column_factor(heading.unit or "-", kind)
+        factor, offset = column_factor(heading.unit or "-", kind)
     except UnitError as error:
         message, _, _ = str(error).partition("; ")
         raise InputError(
@@ -173,20 +186,22 @@ def quantities(sheet: Sheet, heading: Heading, kind: str, decimal: str) -> NDArr
             column=heading.title,
             remedy=f'write it as in "{heading.name} [{wanted.unit}]"',
         ) from None
-    values = numbers(sheet, heading, decimal)
-    return scaled(values, times, over, plus)
+    shift = _power_of_ten(factor)
+    values = numbers(sheet, heading, decimal, shift or 0)
+    if shift is None:
+        values = values * float(factor)
+    return values + float(offset) if offset else values
 
 
-def scaled(values: NDArray[np.float64], times: float, over: float, plus: float) -> NDArray[np.float64]:
-    """Return ``values * times / over + plus``, leaving out what would not change a bit."""
-    if times != 1.0:
-        values = values * times
-    if over != 1.0:
-        values = values / over
-    return values + plus if plus else values
+def _power_of_ten(factor: Fraction) -> int | None:
+    """Return n where ``factor`` is ten to the n: such a unit moves the decimal mark and rounds nothing."""
+    for power in range(-12, 13):
+        if factor == Fraction(10) ** power:
+            return power
+    return None
 
 
-def _number(cell: str, sheet: Sheet, heading: Heading, row: int, decimal: str) -> float:
+def _number(cell: str, sheet: Sheet, heading: Heading, row: int, decimal: str, shift: int) -> float:
     """The slow way, for cells with thousands separators or worse."""
     text = _SPACES.sub("", cell.replace("\N{MINUS SIGN}", "-"))
     other = _OTHER[decimal]
@@ -197,7 +212,7 @@ def _number(cell: str, sheet: Sheet, heading: Heading, row: int, decimal: str) -
     if decimal == ",":
         text = text.replace(".", "?").replace(",", ".")
     if _NUMBER.fullmatch(text):
-        return float(text)
+        return float(text) if not shift else float(Decimal(text).scaleb(shift))
     if not cell:
         raise _bad_cell("is empty", "", sheet, heading, row)
     if cell.casefold().strip("+-") in ("nan", "inf", "infinity", "n/a", "na", "#n/a", "null", "none"):

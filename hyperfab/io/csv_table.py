@@ -45,7 +45,7 @@ def read_table(
 
     ``optional`` columns are read where present. ``increasing`` names a column whose values must rise from row to
     row, as the argument of a curve does. ``rest`` is the kind of all other columns that carry a unit of that kind
-    (thermocouples: one temperature column a probe); they are found under their titles. Names are compared without
+    (thermocouples: one temperature column a probe); they are found under their labels. Names are compared without
     case.
 
     Raises InputError with file, line and column.
@@ -67,7 +67,7 @@ def read_table(
     if rest is not None:
         taken = {heading.index for heading, _ in wanted.values()}
         for heading in _others(sheet, taken, rest):
-            wanted[heading.title.rsplit("[", 1)[0].rsplit("(", 1)[0].strip()] = (heading, rest)
+            wanted[heading.label] = (heading, rest)
         if len(wanted) == len(taken):
             raise InputError(
                 f"has no column of a {rest}",

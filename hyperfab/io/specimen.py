@@ -76,7 +76,11 @@ def read_geometry(sheet: Sheet, options: Geometry) -> Geometry:
                 ) from None
             if value <= 0.0:
                 raise InputError(
-                    "is not positive", file=sheet.name, line=entry.line, key=key.replace("_", " ")
+                    "is not positive",
+                    file=sheet.name,
+                    line=entry.line,
+                    key=key.replace("_", " "),
+                    remedy="write the size of the undeformed specimen",
                 )
         found[key] = value
     return Geometry(**found)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,7 +59,7 @@ def read_stl(data: bytes, name: str, unit: str = "mm") -> SurfaceMesh:
     >>> mesh.vertices.max(), mesh.faces
     (np.float64(200.0), array([[0, 1, 2]]))
     """
-    times, over = _unit(unit)
+    factor = _unit(unit)
     corners, questions = _corners(data, name)
     _check_finite(corners, name)
     vertices, faces = _merge(corners)
@@ -73,17 +74,17 @@ def read_stl(data: bytes, name: str, unit: str = "mm") -> SurfaceMesh:
         questions.append(
             f"{name}: {collapsed} of {facets} facets have two corners in one place and were left out"
         )
-    vertices = vertices.astype(np.float64) * times / over
+    vertices = vertices.astype(np.float64) * float(factor)
     questions += _size_questions(vertices, name, unit)
     return SurfaceMesh(vertices, faces[whole], facets, np.flatnonzero(whole), tuple(questions))
 
 
-def _unit(unit: str) -> tuple[float, float]:
+def _unit(unit: str) -> Fraction:
     try:
-        times, over, _ = column_factor(unit, "length")
+        factor, _ = column_factor(unit, "length")
     except UnitError:
         raise UsageError(f"--stl-unit {unit[:40]}: is no length; write mm, cm, m or inch") from None
-    return times, over
+    return factor
 
 
 def _corners(data: bytes, name: str) -> tuple[NDArray, list[str]]:

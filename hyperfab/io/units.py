@@ -5,7 +5,6 @@ Every factor is an exact fraction and every conversion is rounded once, so that 
 
 from __future__ import annotations
 
-import math
 import re
 from dataclasses import dataclass
 from fractions import Fraction
@@ -102,17 +101,15 @@ def size(
     return sides[0], sides[-1]
 
 
-def column_factor(unit: str, kind: str) -> tuple[float, float, float]:
-    """Return (a, b, c) so that a value in ``unit`` is ``a * value / b + c`` in the unit of ``kind``.
+def column_factor(unit: str, kind: str) -> tuple[Fraction, Fraction]:
+    """Return exact (a, b) so that a value in ``unit`` is ``a * value + b`` in the unit of ``kind``.
 
-    Numerator and denominator are apart because 123.4 / 1000 is the double nearest to 0.1234 and 123.4 * 0.001 is not.
     Raises UnitError where ``unit`` is none of the kind.
 
     >>> column_factor("kPa", "stress"), column_factor("K", "temperature")
-    ((1.0, 1000.0, 0.0), (1.0, 1.0, -273.15))
+    ((Fraction(1, 1000), Fraction(0, 1)), (Fraction(1, 1), Fraction(-5463, 20)))
     """
-    factor, offset = _linear(parse_unit(unit), KINDS[kind], unit)
-    return float(factor.numerator), float(factor.denominator), float(offset)
+    return _linear(parse_unit(unit), KINDS[kind], unit)
 
 
 def is_unit(text: str) -> bool:
@@ -126,8 +123,10 @@ def is_unit(text: str) -> bool:
 
 def _convert(value: object, kind: Kind) -> float:
     if isinstance(value, (int, float)) and not isinstance(value, bool):
-        if kind.unit == "1" and math.isfinite(value):
-            return float(value)
+        if kind.unit == "1":
+            if abs(value) < 1e300:
+                return float(value)
+            raise UnitError(f"is no finite number; write it like {kind.example}")
         raise UnitError(f'{_article(kind)} needs its unit; write "{_form(repr(value), kind)}"')
     if not isinstance(value, str):
         raise UnitError(f"{_article(kind)} is written {kind.example}")

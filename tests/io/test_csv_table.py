@@ -1,0 +1,123 @@
+"""Small tables with named columns, in any dialect and unit."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+
+from hyperfab.errors import InputError
+from hyperfab.io.csv_dialect import MAX_ROWS
+from hyperfab.io.csv_table import read_table
+
+FILM = {"temperature": "temperature", "h": "film-coefficient"}
+
+
+def test_columns_are_found_by_name_and_converted() -> None:
+    table = read_table(
+        b"# source: handbook\nH [W/cm^2/K];Temperature [K]\n0,0005;298,15\n0,0007;323,15\n", "film.csv", FILM
+    )
+    assert table["temperature"] == pytest.approx([25.0, 50.0], abs=1e-13)
+    assert table["h"].tolist() == [5.0, 7.0]
+    assert table.lines.tolist() == [3, 4]
+    assert table.metadata == {"source": "handbook"}
+
+
+def test_columns_may_be_asked_for_by_their_unit() -> None:
+    table = read_table(
+        b"strain [%],stress [kPa]\n0,0\n50,12.5\n", "foam.csv", {"strain": "-", "stress": "MPa"}
+    )
+    assert table["strain"].tolist() == [0.0, 0.5]
+    assert table["stress"].tolist() == [0.0, 0.0125]
+
+
+def test_names_as_this_program_writes_them_are_read() -> None:
+    table = read_table(
+        b"time_s,centre_degC\n0,25\n60,31.5\n", "heat.csv", {"time": "time"}, rest="temperature"
+    )
+    assert table["time"].tolist() == [0.0, 60.0]
+    assert table["centre"].tolist() == [25.0, 31.5]
+    table = read_table(b"depth_mm,force_N\n0,0\n1,2\n", "contact.csv", {"depth": "length", "force": "force"})
+    assert table["force"].tolist() == [0.0, 2.0]
+    markers = dict.fromkeys(("x0", "y0", "x", "y", "z"), "length")
+    table = read_table(b"x0 [mm],y0 [mm],x [mm],y [mm],z [cm]\n0,0,1,2,.3\n", "markers.csv", markers)
+    assert table["z"].tolist() == [3.0]
+
+
+def test_thermocouples_are_one_column_a_probe() -> None:
+    table = read_table(
+        b"time [min],T1 [degC],T2 (K),heater [%]\n0,20,293.15,0\n1,21,294.15,50\n",
+        "t.csv",
+        {"time": "time"},
+        rest="temperature",
+        increasing="time",
+    )
+    assert list(table.columns) == ["time", "T1", "T2"]
+    assert table["time"].tolist() == [0.0, 60.0]
+    assert table["T2"] == pytest.approx([20.0, 21.0], abs=1e-12)
+
+
+def test_optional_columns_are_read_where_they_are() -> None:
+    both = {"optional": {"contact": "dimensionless", "thickness": "length"}}
+    table = read_table(b"x [mm],contact\n1,0\n2,1\n", "press.csv", {"x": "length"}, **both)
+    assert "contact" in table
+    assert "thickness" not in table
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (
+            "temperature [degC],k [W/m/K]\n1,2\n2,3\n",
+            r'line 1: has no column h; its columns are .*"h \[W/m\^2/K\]"',
+        ),
+        ("temperature [degC],h [W/m^2/K]\n100,2\n50,3\n", r"line 3, column .*50 does not follow 100"),
+        ("temperature [degC],h [W/m^2/K]\n50,2\n50,3\n", r"line 3, column .*50 does not follow 50"),
+        ("temperature,h [W/m^2/K]\n50,2\n60,3\n", r"line 1.*has no unit"),
+        ("temperature [degC],h [W/m/K]\n50,2\n60,3\n", r"line 1.*W/m/K is no unit of film coefficient"),
+        ("temperature [degC],h [W/m^2/K]\n50,2\n60,\n", r"line 3.*empty"),
+        ("temperature [degC],h [W/m^2/K]\n", r"no rows"),
+    ],
+)
+def test_tables_that_cannot_be_used_are_refused_with_their_place(text: str, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        read_table(text.encode(), "film.csv", FILM, increasing="temperature")
+
+
+def test_no_probe_is_told() -> None:
+    with pytest.raises(InputError, match="one a probe"):
+        read_table(b"time [s],heater [%]\n0,0\n1,50\n", "t.csv", {"time": "time"}, rest="temperature")
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"\n" * (MAX_ROWS + 5000),
+        b"a,b\n" + b"1,2\n" * (MAX_ROWS + 5000),
+        b"," * 30_000_000,
+        b"a\n" + b"1" * 30_000_000,
+        b'a,b\n"' + b"," * 30_000_000,
+        b"time [s],h [W/m^2/K]\n" + b"9" * 4000 + b",1\n",
+        b"#" * 30_000_000,
+        b"(" * 30_000_000,
+        b"[" * 100_000 + b",b\n1,2\n",
+        b"a,b\n" + b'"' * 5_000_001,
+        b"1;" * 5_000_000 + b"\n" + b"1;" * 5_000_000,
+        b"\xff\xfe" + b"\x00\xd8" * 1_000_000,
+        bytes(30_000_000),
+    ],
+    ids=lambda data: repr(data[:12]),
+)
+def test_hostile_tables_are_refused_in_time(data: bytes) -> None:
+    start = time.perf_counter()
+    with pytest.raises(InputError):
+        read_table(data, "a.csv", FILM)
+    assert time.perf_counter() - start < 2.0
+
+
+def test_a_large_recording_is_read_in_time() -> None:
+    rows = "".join(f"{i / 100:.2f};{20 + i / 1e4:.4f}\n" for i in range(300_000)).replace(".", ",")
+    start = time.perf_counter()
+    table = read_table(b"time [s];T1 [degC]\n" + rows.encode(), "t.csv", {"time": "time"}, rest="temperature")
+    assert time.perf_counter() - start < 3.0
+    assert len(table["time"]) == 300_000

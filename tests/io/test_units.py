@@ -1,0 +1,178 @@
+"""Quantities carry their unit; factors are exact; what is no quantity is refused with the right form."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from fractions import Fraction
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hyperfab.errors import InputError, UsageError
+from hyperfab.io.unit_table import UnitError, parse_unit
+from hyperfab.io.units import KINDS, column_factor, quantity, size
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "value"),
+    [
+        # NIST SP 811, appendix B.8: exact conversions, rounded once to the nearest double
+        ("1 in", "length", 25.4),
+        ("1 ft", "length", 304.8),
+        ("1 mil", "length", 0.0254),
+        ("0.6mm", "length", 0.6),
+        ("60 µm", "length", 0.06),
+        ("1 lbf", "force", 4.4482216152605),
+        ("1 kgf", "force", 9.80665),
+        ("250 cN", "force", 2.5),
+        ("1 psi", "stress", 6.894757293168361336722673e-3),
+        ("1 ksi", "stress", 6.894757293168361336722673),
+        ("1 N/mm^2", "stress", 1.0),
+        ("1 N/mm²", "stress", 1.0),
+        ("1e6 Pa", "stress", 1.0),
+        ("1 bar", "stress", 0.1),
+        ("1 lbf/in", "membrane-stress", 0.175126835246476377952755905),
+        ("25 degC", "temperature", 25.0),
+        ("25°C", "temperature", 25.0),
+        ("298.15 K", "temperature", 25.0),
+        ("77 degF", "temperature", 25.0),
+        ("-40 °F", "temperature", -40.0),
+        ("9 degF", "temperature-difference", 5.0),
+        ("2 degC", "temperature-difference", 2.0),
+        ("2 delta_degC", "temperature-difference", 2.0),
+        ("1 h", "time", 3600.0),
+        ("50 min", "time", 3000.0),
+        ("1 BTU", "energy", 1055.05585262),
+        ("2.5 kWh", "energy", 9.0e6),
+        ("3 kW", "power", 3000.0),
+        ("1 hp", "power", 745.69987158227022),
+        ("2 W/cm^2", "heat-flux", 20000.0),
+        ("12 W/m^2/K", "film-coefficient", 12.0),
+        ("12 W/(m² K)", "film-coefficient", 12.0),
+        ("12 W m^-2 K^-1", "film-coefficient", 12.0),
+        ("12 W/m2K", "film-coefficient", 12.0),
+        ("1 BTU/h/ft^2/degF", "film-coefficient", 5.67826334111348778253),
+        ("2.702 g/cm^3", "density", 2702.0),
+        ("237 W/m/K", "conductivity", 237.0),
+        ("0.903 kJ/kg/K", "specific-heat", 903.0),
+        ("903 J/(kg*K)", "specific-heat", 903.0),
+        ("903 J/kg K", "specific-heat", 903.0),
+        ("23e-6/K", "thermal-expansion", 23e-6),
+        ("180 gsm", "mass-per-area", 180.0),
+        ("0.18 kg/m^2", "mass-per-area", 180.0),
+        ("10 %", "dimensionless", 0.1),
+        ("0.3", "dimensionless", 0.3),
+        (0.3, "dimensionless", 0.3),
+        ("0.5 mm/mm", "dimensionless", 0.5),
+        ("1 rad", "angle", 57.29577951308232),
+        ("10 mm/min", "velocity", 1 / 6),
+        ("6 %/min", "rate", 0.001),
+    ],
+)
+def test_units_convert_to_the_nearest_double(text: object, kind: str, value: float) -> None:
+    assert quantity(text, kind) == value
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_example_of_each_kind_is_one(kind: str) -> None:
+    assert quantity(KINDS[kind].example, kind, option="--x") is not None
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "said"),
+    [
+        ("60", "length", "write 60mm"),
+        (60, "length", 'write "60mm"'),
+        ("12", "film-coefficient", "write 12 W/m^2/K"),
+        ("60 MPa", "length", "write it like 60mm"),
+        ("60 mm", "temperature", "25 degC"),
+        ("60 mpa", "stress", "write MPa"),
+        ("60 furlong", "length", "is no unit"),
+        ("1,5 mm", "length", "decimal point"),
+        ("mm", "length", "a number and its unit"),
+        ("", "length", "a number and its unit"),
+        ("nan mm", "length", "is no length"),
+        ("inf mm", "length", "is no length"),
+        ("1_000 mm", "length", "is no"),
+        ("١ mm", "length", "is no length"),
+        ("1e400 mm", "length", "larger than any number"),
+        ("1e999999999 mm", "length", "is no"),
+        ("-300 degC", "temperature", "absolute zero"),
+        ("5 degC/m", "temperature", "no unit of temperature"),
+        ("5 m^7", "length", "is no unit"),
+        (True, "length", "is written 60mm"),
+        (None, "length", "is written 60mm"),
+        (["60mm"], "length", "is written 60mm"),
+        (float("nan"), "dimensionless", "no finite number"),
+        (10**400, "dimensionless", "no finite number"),
+    ],
+)
+def test_what_is_no_quantity_is_refused_with_the_right_form(text: object, kind: str, said: str) -> None:
+    with pytest.raises(UsageError) as usage:
+        quantity(text, kind, option="--depth")
+    assert str(usage.value).startswith("--depth")
+    assert said in str(usage.value)
+    with pytest.raises(InputError) as bad:
+        quantity(text, kind, key="run.until", file="mold.toml")
+    assert "mold.toml, key run.until" in str(bad.value)
+    assert said in str(bad.value)
+
+
+@pytest.mark.parametrize(
+    "unit",
+    [
+        "m**(9**9**9)",
+        "m^9^9^9",
+        "m" * 10**6,
+        "m*" * 10**5,
+        "(" * 10**5,
+        "m/" * 10**5,
+        "m^" + "9" * 10**5,
+        " " * 10**6,
+    ],
+)
+def test_hostile_units_are_refused_at_once(unit: str) -> None:
+    start = time.perf_counter()
+    with pytest.raises(UsageError):
+        quantity(f"60 {unit}", "length", option="--x")
+    with pytest.raises(UsageError):
+        quantity(f"{unit}", "length", option="--x")
+    assert time.perf_counter() - start < 0.3
+
+
+@given(st.text(max_size=30), st.sampled_from(sorted(KINDS)))
+def test_any_text_is_a_number_or_a_usage_error(text: str, kind: str) -> None:
+    with contextlib.suppress(UsageError):
+        assert isinstance(quantity(text, kind, option="--x"), float)
+
+
+@given(st.text(alphabet="mkgsNPaJWhKCF°degin²³^*/()-1 %·", max_size=16))
+def test_any_unit_text_is_a_unit_or_a_unit_error(text: str) -> None:
+    with contextlib.suppress(UnitError):
+        assert parse_unit(text).factor > 0
+
+
+@given(st.decimals(-10000, 10000, places=6), st.sampled_from(["mm", "inch", "um", "yd", "m"]))
+def test_lengths_are_rounded_once(number: object, unit: str) -> None:
+    exact = Fraction(str(number)) * {
+        "mm": 1, "inch": Fraction(254, 10), "um": Fraction(1, 1000), "yd": Fraction(9144, 10), "m": 1000,
+    }[unit]  # fmt: skip
+    assert quantity(f"{number:f} {unit}", "length") == float(exact)
+
+
+def test_sizes_have_one_side_or_two() -> None:
+    assert size("220mmx180mm") == (220.0, 180.0)
+    assert size("22cm x 7in") == (220.0, 177.8)
+    assert size("200mm") == (200.0, 200.0)
+    for text in ("220x220", "220mmx220", "1mmx2mmx3mm", "", "x"):
+        with pytest.raises(UsageError, match="--size"):
+            size(text, option="--size")
+
+
+def test_column_factors_are_exact() -> None:
+    assert column_factor("kPa", "stress") == (Fraction(1, 1000), 0)
+    assert column_factor("degF", "temperature") == (Fraction(5, 9), Fraction(-160, 9))
+    with pytest.raises(UnitError):
+        column_factor("mm", "stress")
