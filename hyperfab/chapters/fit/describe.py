@@ -1,0 +1,141 @@
+"""Results of a fit as the parts of a material document, and as a table for a person."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+from hyperfab.chapters.fit.identify import Identified, Setting
+from hyperfab.documents.material import (
+    AtTemperature,
+    Direction,
+    FitFigures,
+    ModelRow,
+    StableRange,
+    TestFigures,
+    Unpredicted,
+)
+from hyperfab.materials.identification.quality import Figures
+
+Reach = Mapping[str, tuple[float, float]]
+
+
+def fit_figures(found: Identified) -> FitFigures:
+    """Return the figures of a fit, test by test."""
+    sure = found.certainty
+    sd = {name: float(value) for name, value in zip(sure.names, sure.sd, strict=True) if math.isfinite(value)}
+    tests: dict[str, TestFigures | Unpredicted] = {}
+    for mode, (figures, points, predicted) in found.tests.items():
+        flag = True if predicted else None
+        if figures is None or not math.isfinite(figures.E2):
+            status = "the test reaches beyond the limiting stretch of the law"
+            tests[mode] = Unpredicted(points=points, predicted=flag, status=status)
+        else:
+            tests[mode] = TestFigures(**vars(figures), predicted=flag)
+    return FitFigures(
+        **vars(found.total),
+        parameters_sd=sd or None,
+        condition_number=sure.condition_number if math.isfinite(sure.condition_number) else None,
+        tests=tests,
+    )
+
+
+def stability(found: Identified, reach: Reach) -> dict[str, StableRange]:
+    """Return the stable range of each mode, and whether it covers the data."""
+    described = {}
+    for mode, stable in found.ranges.items():
+        covers = None
+        if mode in reach:
+            low, high = reach[mode]
+            covers = stable.low <= low + 1e-9 and stable.high >= high - 1e-9
+        described[mode] = StableRange(
+            stretch_min=stable.low,
+            stretch_max=stable.high,
+            ended_by=stable.ended_by,
+            first_unstable_stretch=stable.first_unstable,
+            stable_over_data=covers,
+        )
+    return described
+
+
+def temperatures(found: Identified) -> list[AtTemperature] | None:
+    """Return the constants against temperature, None where there is one temperature or none."""
+    if len(found.materials) < 2:
+        return None
+    return [
+        AtTemperature(
+            temperature_degC=temperature,
+            parameters=material.parameters,
+            fit=None if figures is None else FitFigures(**vars(figures)),
+        )
+        for temperature, material, figures in zip(
+            found.temperatures, found.materials, found.per_temperature, strict=True
+        )
+        if temperature is not None
+    ]
+
+
+def direction(found: Identified, reach: Reach) -> Direction:
+    """Return one direction of the fabric."""
+    return Direction(
+        parameters=found.material.parameters,
+        fit=fit_figures(found),
+        stability=stability(found, reach),
+        stable=found.stable,
+        temperatures=temperatures(found),
+    )
+
+
+def model_row(
+    name: str, found: Identified | str, carry_over: float | None, stable: bool, accepted: bool, reach: Reach
+) -> ModelRow:
+    """Return a law's row in the table of all."""
+    if isinstance(found, str):
+        return ModelRow(model=name, status=found, accepted=False)
+    return ModelRow(
+        model=name,
+        E2=found.total.E2,
+        relative_rms=found.total.relative_rms,
+        parameters=found.material.parameters,
+        fit=fit_figures(found),
+        stability=stability(found, reach),
+        carry_over=carry_over if carry_over is not None and math.isfinite(carry_over) else None,
+        stable=stable,
+        accepted=accepted,
+    )
+
+
+def figures_cells(figures: Figures | None) -> list[str]:
+    """Return E2, relative rms and NRMSE for the table, dashes where there are none."""
+    if figures is None or not math.isfinite(figures.E2):
+        return ["-", "-", "-"]
+    return [f"{figures.E2:.6g}", f"{figures.relative_rms:.4g}", f"{figures.nrmse:.4g}"]
+
+
+def table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Return a plain table: the first column left-aligned, the others right-aligned.
+
+    >>> print(table(["model", "E2"], [["gent", "1.5"]]))
+    model   E2
+    gent   1.5
+    """
+    widths = [max(len(row[k]) for row in [columns, *rows]) for k in range(len(columns))]
+    lines = []
+    for row in [columns, *rows]:
+        cells = [
+            row[0].ljust(widths[0]),
+            *(cell.rjust(width) for cell, width in zip(row[1:], widths[1:], strict=True)),
+        ]
+        lines.append("  ".join(cells).rstrip())
+    return "\n".join(lines)
+
+
+def parameters_line(found: Identified, setting: Setting) -> str:
+    """Return the constants in one line, with their standard deviations where known."""
+    parts = []
+    for name, value, sd in zip(
+        found.certainty.names, found.material.parameters.values(), found.certainty.sd, strict=True
+    ):
+        spread = f" ± {sd:.2g}" if math.isfinite(sd) and sd > 0.0 else ""
+        parts.append(f"{name} {value:.6g}{spread}")
+    return ", ".join(parts)

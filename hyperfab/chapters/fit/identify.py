@@ -1,0 +1,183 @@
+"""The constants of one law for a set of curves, and what they say about every test at hand."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.chapters.fit.readings import Reading
+from hyperfab.materials import Material
+from hyperfab.materials.identification import Curve, Fit, Problem, Rows, fit_law
+from hyperfab.materials.identification.quality import Certainty, Figures, certainty, figures
+from hyperfab.materials.law import Law
+from hyperfab.materials.modes import MODES, nominal_stress
+from hyperfab.materials.stability import Range, stable_over, stable_ranges
+
+Array = NDArray[np.float64]
+
+#: The temperature [degC] a material is described at, where tests were made at several.
+ROOM = 23.0
+
+
+@dataclass(frozen=True)
+class Setting:
+    """How constants are sought: the tests that take part, and what is minimised."""
+
+    fit_on: tuple[str, ...]
+    relative: bool
+    stable: bool
+    accept: float
+
+
+@dataclass(frozen=True)
+class Identified:
+    """One law on one set of curves.
+
+    ``materials`` are the constants at each of ``temperatures`` (one, None, where the tests tell none); ``reference``
+    is the number of the one the material is described at. ``tests`` has the figures of every test, None where it
+    reaches beyond the law's limit.
+    """
+
+    law: Law
+    fit: Fit
+    materials: tuple[Material, ...]
+    temperatures: tuple[float | None, ...]
+    reference: int
+    total: Figures
+    per_temperature: tuple[Figures | None, ...]
+    tests: dict[str, tuple[Figures | None, int, bool]]
+    certainty: Certainty
+    ranges: dict[str, Range]
+    stable: bool
+
+    @property
+    def material(self) -> Material:
+        """The constants at the reference temperature."""
+        return self.materials[self.reference]
+
+    def material_at(self, temperature: float | None) -> Material:
+        """Return the constants of the nearest temperature that was fitted."""
+        if temperature is None:
+            return self.material
+        known = [(abs(temperature - t), k) for k, t in enumerate(self.temperatures) if t is not None]
+        return self.materials[min(known)[1]] if known else self.material
+
+
+def identify(law: Law, curves: Sequence[Reading], setting: Setting) -> Identified | str:
+    """Return the best constants of ``law`` for ``curves``, or why there are none."""
+    used = [curve for curve in curves if curve.mode in setting.fit_on]
+    temperatures = tuple(sorted({t for t in (curve.temperature for curve in used) if t is not None})) or (
+        None,
+    )
+    reference = _reference(temperatures)
+    groups = [
+        temperatures.index(curve.temperature) if curve.temperature is not None else reference
+        for curve in used
+    ]
+    rows = Rows.of([_curve(curve, setting.relative) for curve in used], groups)
+    problem = Problem(law, rows)
+    wanted = len(problem.free) * rows.groups + len(problem.axes)
+    if len(rows) < wanted:
+        return f"{wanted} constants need as many rows, the tests fitted have {len(rows)}"
+    fit = fit_law(problem)
+    if fit is None:
+        return "the law cannot carry these stretches with constants in its box"
+    measured, model = rows.stress, _model_stress(fit, rows)
+    total = figures(measured, model)
+    if total is None:
+        return "the law has no finite stress on these rows"
+    ranges = stable_ranges(fit.materials[reference])
+    found = Identified(
+        law=law,
+        fit=fit,
+        materials=fit.materials,
+        temperatures=temperatures,
+        reference=reference,
+        total=total,
+        per_temperature=tuple(
+            figures(measured[rows.group == g], model[rows.group == g]) for g in range(rows.groups)
+        ),
+        tests={},
+        certainty=certainty(fit, reference),
+        ranges=ranges,
+        stable=stable_over(ranges, reach(curves)),
+    )
+    found.tests.update({mode: _test(found, mode, curves, setting) for mode in _modes(curves)})
+    return found
+
+
+def predict(found: Identified, curve: Reading) -> tuple[Array, Array | None]:
+    """Return the stress [MPa] the constants give at the rows of a curve, along both directions where both are known."""
+    material = found.material_at(curve.temperature)
+    if curve.stretch2 is not None and curve.mode == "biaxial-general":
+        answer = material.membrane(curve.stretch, curve.stretch2)
+        return answer.P1, answer.P2
+    return nominal_stress(material, curve.mode, curve.stretch), None
+
+
+def reach(curves: Sequence[Reading]) -> dict[str, tuple[float, float]]:
+    """Return the smallest and largest stretch of each mode at hand, rest included."""
+    found: dict[str, tuple[float, float]] = {}
+    for curve in curves:
+        if curve.mode in MODES:
+            low, high = found.get(curve.mode, (1.0, 1.0))
+            found[curve.mode] = (
+                min(low, float(curve.stretch.min())),
+                max(high, float(curve.stretch.max())),
+            )
+    return found
+
+
+def _curve(reading: Reading, relative: bool) -> Curve:
+    def weight(stress: Array) -> Array:
+        return 1.0 / np.abs(stress) if relative else np.ones_like(stress)
+
+    return Curve(
+        mode=reading.mode,
+        stretch=reading.stretch,
+        stress=reading.stress,
+        weight=weight(reading.stress),
+        stretch2=reading.stretch2,
+        stress2=reading.stress2,
+        weight2=None if reading.stress2 is None else weight(reading.stress2),
+    )
+
+
+def _reference(temperatures: tuple[float | None, ...]) -> int:
+    distances = [abs((t if t is not None else ROOM) - ROOM) for t in temperatures]
+    return distances.index(min(distances))
+
+
+def _modes(curves: Sequence[Reading]) -> list[str]:
+    return list(dict.fromkeys(curve.mode for curve in curves))
+
+
+def _model_stress(fit: Fit, rows: Rows) -> Array:
+    """Return the stress of each row, from the very constants that are written."""
+    stress = np.full(len(rows), np.nan)
+    for number, material in enumerate(fit.materials):
+        own = rows.group == number
+        sheet = rows.take(np.flatnonzero(own)).sheet(material.law.contraction(material.theta))
+        answer = material.membrane(sheet.l1, sheet.l2)
+        stress[own] = np.where(rows.along[own] == 1, answer.P2, answer.P1)
+    return stress
+
+
+def _test(
+    found: Identified, mode: str, curves: Sequence[Reading], setting: Setting
+) -> tuple[Figures | None, int, bool]:
+    measured, model = [], []
+    for curve in curves:
+        if curve.mode != mode:
+            continue
+        one, two = predict(found, curve)
+        measured.append(curve.stress)
+        model.append(one)
+        if two is not None and curve.stress2 is not None:
+            measured.append(curve.stress2)
+            model.append(two)
+    rows = np.concatenate(measured)
+    return figures(rows, np.concatenate(model)), len(rows), mode not in setting.fit_on

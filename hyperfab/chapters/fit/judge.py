@@ -1,0 +1,95 @@
+"""How a law carries over to tests its constants have not seen, and which law is best by that."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from hyperfab.chapters.fit.identify import Identified, Setting, identify
+from hyperfab.chapters.fit.readings import Reading
+from hyperfab.materials.identification.quality import Figures
+from hyperfab.materials.identification.transfer import transfer_risk
+from hyperfab.materials.law import Law
+
+#: Curves of each direction of the fabric; None is the fabric as a whole.
+Sets = Mapping[str | None, Sequence[Reading]]
+
+
+@dataclass(frozen=True)
+class Judged:
+    """One law on all sets of curves, with its verdict.
+
+    ``carry_over`` is the relative rms expected in tests the constants have not seen: measured on the tests that took
+    no part, else on each fitted test left out in turn, else estimated from the law (one test alone).
+    """
+
+    law: Law
+    results: Mapping[str | None, Identified | str]
+    carry_over: float
+    stable: bool
+    accepted: bool
+
+    @property
+    def failure(self) -> str | None:
+        """Why the law has no constants, or None."""
+        return next((found for found in self.results.values() if isinstance(found, str)), None)
+
+    @property
+    def best_first(self) -> tuple[bool, float, float, int]:
+        """Sorting key: accepted and stable laws first, then by what is expected in unseen tests."""
+        found = self.results[None]
+        error = found.total.relative_rms if isinstance(found, Identified) else math.inf
+        return (not (self.accepted and self.stable), self.carry_over, error, len(self.law.names))
+
+
+def judge(law: Law, sets: Sets, setting: Setting, ranked: bool) -> Judged:
+    """Fit ``law`` to every set of curves; with ``ranked``, find how it carries over."""
+    results = {name: identify(law, curves, setting) for name, curves in sets.items()}
+    parts = [results[name] for name in sets if name is not None] or [results[None]]
+    good = [part for part in parts if isinstance(part, Identified)]
+    if len(good) < len(parts) or isinstance(results[None], str):
+        return Judged(law, results, math.inf, False, False)
+    carry = math.inf
+    if ranked:
+        names: list[str | None] = [name for name in sets if name is not None]
+        names = names or [None]
+        carry = max(_carry_over(law, sets[name], setting, results[name]) for name in names)
+    return Judged(
+        law,
+        results,
+        carry_over=carry,
+        stable=all(part.stable for part in good),
+        accepted=all(part.total.relative_rms <= setting.accept for part in good),
+    )
+
+
+def _carry_over(law: Law, curves: Sequence[Reading], setting: Setting, found: Identified | str) -> float:
+    if isinstance(found, str):
+        return math.inf
+    unseen = {mode: part for mode, part in found.tests.items() if part[2]}
+    if unseen:
+        return _pooled(unseen.values())
+    fitted = [mode for mode in found.tests if mode in setting.fit_on]
+    if len(fitted) > 1:
+        left = {}
+        for mode in fitted:
+            others = tuple(other for other in fitted if other != mode)
+            again = identify(law, curves, replace(setting, fit_on=others))
+            if isinstance(again, str):
+                return math.inf
+            left[mode] = again.tests[mode]
+        return _pooled(left.values())
+    if fitted[0] not in ("uniaxial", "shear", "biaxial"):
+        return found.total.relative_rms
+    return math.hypot(found.total.relative_rms, transfer_risk(found.fit, fitted[0]))
+
+
+def _pooled(parts: Iterable[tuple[Figures | None, int, bool]]) -> float:
+    total, points = 0.0, 0
+    for figures, _, _ in parts:
+        if figures is None or not math.isfinite(figures.E2):
+            return math.inf
+        total += figures.E2
+        points += figures.points
+    return math.sqrt(total / points)

@@ -1,0 +1,217 @@
+"""From test files to the readings a fit sees: what is kept, what is left out and why."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.errors import InputError, UsageError
+from hyperfab.io.csv_tests import TestData, read_tests
+from hyperfab.io.specimen import Geometry
+
+if TYPE_CHECKING:
+    from hyperfab.chapters.job import Job
+
+Array = NDArray[np.float64]
+
+#: Tests closer than this in temperature [K] are tests at one temperature.
+SAME_TEMPERATURE = 5.0
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One curve: a test in one direction at one temperature [degC], nominal stress in MPa."""
+
+    mode: str
+    source: str
+    stretch: Array
+    stress: Array
+    direction: str | None = None
+    temperature: float | None = None
+    specimen: str | None = None
+    stretch2: Array | None = None
+    stress2: Array | None = None
+    sd: Array | None = None
+    lines: NDArray[np.int64] | None = None
+
+    def take(self, rows: Any) -> Reading:
+        """Return the same curve with some of its rows."""
+
+        def pick(column: Any) -> Any:
+            return None if column is None else column[rows]
+
+        return replace(
+            self,
+            stretch=self.stretch[rows],
+            stress=self.stress[rows],
+            stretch2=pick(self.stretch2),
+            stress2=pick(self.stress2),
+            sd=pick(self.sd),
+            lines=pick(self.lines),
+        )
+
+
+@dataclass
+class Readings:
+    """All curves of a fit, and what is to be said about them."""
+
+    curves: list[Reading]
+    volumetric: list[TestData]
+    thickness: float | None
+    nominal: bool
+    left_out: Counter[str] = field(default_factory=Counter)
+    preparation: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+
+    @property
+    def modes(self) -> list[str]:
+        """The tests at hand, in the order of the options."""
+        return list(dict.fromkeys(curve.mode for curve in self.curves))
+
+
+def read_all(
+    job: Job, files: Mapping[str, Sequence[str]], geometry: Geometry, decimal: str | None
+) -> list[TestData]:
+    """Read every file as the test its option says; UsageError where there is none, or one is given twice."""
+    names = [name for group in files.values() for name in group]
+    if not any(files[test] for test in ("uniaxial", "shear", "biaxial")):
+        raise UsageError("no test to fit; give one with --uniaxial, --shear or --biaxial")
+    twice = [name for name, count in Counter(names).items() if count > 1]
+    if twice:
+        raise UsageError(f"{twice[0]} is given twice; its rows would count double")
+    found = []
+    for test, group in files.items():
+        for name in group:
+            found += read_tests(job.inputs.read(name), name, test=test, geometry=geometry, decimal=decimal)
+    return found
+
+
+def gather(tests: Sequence[TestData], relative: bool) -> Readings:
+    """Return the curves of ``tests``: one thickness, nominal stress in MPa, one temperature each.
+
+    With ``relative``, rows whose measured stress says nothing about a ratio are left out and counted.
+    """
+    sheets = [test for test in tests if test.test != "volumetric"]
+    volumetric = [test for test in tests if test.test == "volumetric"]
+    thickness, nominal = _thickness(sheets)
+    found = Readings([], volumetric, thickness, nominal)
+    per_file = {test.source: test.left_out for test in tests}
+    for counts in per_file.values():
+        found.left_out.update(counts)
+    clusters = _temperatures(sheets)
+    for test in sheets:
+        for temperature, rows in _by_temperature(test, clusters):
+            curve = Reading(
+                mode=test.test,
+                source=test.source,
+                stretch=test.stretch,
+                stress=test.stress,
+                direction=test.direction_name,
+                temperature=temperature,
+                specimen=test.specimen,
+                stretch2=test.stretch2,
+                stress2=test.stress2,
+                sd=test.stress_sd,
+                lines=test.lines,
+            ).take(rows)
+            if relative:
+                curve = _without_zeros(curve, found.left_out)
+            if len(curve.stretch):
+                found.curves.append(curve)
+    if not found.curves:
+        raise InputError(
+            "no row is left to fit", file=tests[0].source, remedy="is the stress zero in all rows?"
+        )
+    _remarks(sheets, found)
+    return found
+
+
+def _thickness(tests: Sequence[TestData]) -> tuple[float | None, bool]:
+    """Return the thickness of all tests, and whether it is the nominal 1 mm of tests in N/mm."""
+    per_width = [test for test in tests if test.membrane]
+    known = [test for test in tests if test.thickness_mm is not None]
+    if per_width and len(per_width) < len(tests):
+        other = next(test for test in tests if not test.membrane)
+        raise InputError(
+            f"is in N/mm of width, {other.source} in MPa",
+            file=per_width[0].source,
+            remedy="give --thickness, so that all tests are in MPa",
+        )
+    if per_width:
+        return 1.0, True
+    sizes = sorted({test.thickness_mm for test in known if test.thickness_mm is not None})
+    if len(sizes) > 1 and sizes[-1] > 1.02 * sizes[0]:
+        thin, thick = (
+            next(test.source for test in known if test.thickness_mm == size) for size in (sizes[0], sizes[-1])
+        )
+        raise InputError(
+            f"is {sizes[-1]:g} mm thick, {thin} {sizes[0]:g} mm",
+            file=thick,
+            key="thickness",
+            remedy="fit specimens of one fabric together, or give --thickness",
+        )
+    return (float(np.mean(sizes)) if sizes else None), False
+
+
+def _temperatures(tests: Sequence[TestData]) -> list[tuple[float, float]]:
+    """Return the clusters of temperatures met in the tests: the upper end and the mean of each."""
+    every = [test.temperature_degC for test in tests if test.temperature_degC is not None]
+    if not every:
+        return []
+    values = np.sort(np.concatenate(every))
+    parts = np.split(values, np.flatnonzero(np.diff(values) > SAME_TEMPERATURE) + 1)
+    return [(float(part[-1]), round(float(part.mean()), 1)) for part in parts]
+
+
+def _by_temperature(
+    test: TestData, clusters: Sequence[tuple[float, float]]
+) -> list[tuple[float | None, NDArray[np.int64]]]:
+    if test.temperature_degC is None:
+        return [(None, np.arange(len(test.stretch)))]
+    number = np.searchsorted([end for end, _ in clusters], test.temperature_degC)
+    split = [(mean, np.flatnonzero(number == k)) for k, (_, mean) in enumerate(clusters)]
+    return [(mean, rows) for mean, rows in split if len(rows)]
+
+
+def _without_zeros(curve: Reading, left_out: Counter[str]) -> Reading:
+    """Leave out rows that have no ratio of model to measured stress."""
+    zero = curve.stress == 0.0
+    rest = (curve.stretch == 1.0) & ~zero
+    against = ~zero & ~rest & ((curve.stretch - 1.0) * curve.stress < 0.0)
+    if curve.mode == "biaxial-general":
+        assert curve.stress2 is not None
+        assert curve.stretch2 is not None
+        zero |= curve.stress2 == 0.0
+        rest = (curve.stretch == 1.0) & (curve.stretch2 == 1.0) & ~zero
+        against = np.zeros_like(zero)
+    for reason, rows in (
+        ("stress is zero, a relative error has no meaning", zero),
+        ("stretch is 1, every law gives zero stress", rest),
+        ("stress against the stretch, no elastic law gives that", against),
+    ):
+        if rows.any():
+            left_out[reason] += int(rows.sum())
+    bad = zero | rest | against
+    return curve.take(np.flatnonzero(~bad)) if bad.any() else curve
+
+
+def _remarks(tests: Sequence[TestData], found: Readings) -> None:
+    """Say what the user should know about the data."""
+    if found.nominal:
+        found.preparation.append(
+            "no thickness is known: 1 mm is taken, and a constant in MPa is force per width in N/mm"
+        )
+    unloading = sum(int((test.branch == -1).sum()) for test in tests if test.branch is not None)
+    if unloading:
+        found.warnings.append(
+            f"{unloading} rows are unloading; an elastic law takes the middle of loading and unloading"
+        )
+    for note in dict.fromkeys(f"{test.source}: {note}" for test in tests for note in test.notes):
+        found.preparation.append(note)
+    if any(test.test == "uniaxial" and test.stretch2 is not None for test in tests):
+        found.preparation.append("the measured contraction of the uniaxial tests takes no part in the fit")

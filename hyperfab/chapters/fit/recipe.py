@@ -1,0 +1,234 @@
+"""The recipe of ``hf fit``: read, prepare, identify, judge, write."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from hyperfab.chapters.fit import describe
+from hyperfab.chapters.fit.identify import Identified, Setting, reach
+from hyperfab.chapters.fit.judge import Judged, Sets, judge
+from hyperfab.chapters.fit.readings import Readings, gather, read_all
+from hyperfab.chapters.job import Job
+from hyperfab.console import NEGATIVE_VERDICT
+from hyperfab.documents.material import MaterialDocument
+from hyperfab.errors import InputError, UsageError
+from hyperfab.io.output import Output
+from hyperfab.io.specimen import Geometry
+from hyperfab.io.units import quantity
+from hyperfab.materials import law, laws
+from hyperfab.materials.law import Law
+
+
+def run(
+    job: Job,
+    *,
+    uniaxial: Sequence[str] = (),
+    shear: Sequence[str] = (),
+    biaxial: Sequence[str] = (),
+    volumetric: Sequence[str] = (),
+    model: str = "all",
+    fit_on: str | None = None,
+    objective: str = "relative",
+    stable: bool = False,
+    accept: float = 0.30,
+    thickness: str | None = None,
+    decimal: str | None = None,
+    output: str = "-",
+) -> int:
+    """Identify constants and write the material document; 1 where no law is accepted."""
+    out = Output(output, (".csv", ".png"))
+    if objective not in ("relative", "absolute"):
+        raise UsageError(f"--objective {objective}: it is relative or absolute")
+    if not accept > 0.0:
+        raise UsageError(f"--accept {accept}: a relative rms above zero is needed, as 0.30")
+    candidates = list(laws().values()) if model == "all" else [law(model)]
+    files = {"uniaxial": uniaxial, "shear": shear, "biaxial": biaxial, "volumetric": volumetric}
+    tests = read_all(job, files, Geometry(thickness=_length(thickness, "--thickness")), decimal)
+    out.refuse_inputs(job.inputs)
+    readings = gather(tests, relative=objective == "relative")
+    chosen = _chosen(fit_on, readings)
+    setting = Setting(chosen, objective == "relative", stable, accept)
+    sets = _sets(readings)
+    judged = _judge_all(job, candidates, sets, setting)
+    best = judged[0]
+    if best.failure is not None:
+        raise InputError(
+            f"no constants of {best.law.name}: {best.failure}",
+            file=readings.curves[0].source,
+            remedy="give more rows or tests, or a law with fewer constants",
+        )
+    document = _document(best, judged if model == "all" else None, readings, sets, setting)
+    _tell(job, judged, document, setting)
+    if out.wants_files:
+        from hyperfab.chapters.fit.siblings import curves_csv, picture
+
+        out.add(".csv", curves_csv(best, sets, setting))
+        out.add(".png", picture(best, sets, setting))
+    job.write(out, document)
+    return 0 if best.accepted else NEGATIVE_VERDICT
+
+
+def _length(text: str | None, option: str) -> float | None:
+    if text is None:
+        return None
+    try:
+        value = quantity(text, "length")
+    except InputError as error:
+        raise UsageError(f"{option} {text}: {error}") from None
+    if not value > 0.0:
+        raise UsageError(f"{option} {text}: a length above zero is needed, as 0.6mm")
+    return value
+
+
+def _chosen(fit_on: str | None, readings: Readings) -> tuple[str, ...]:
+    """Return the tests that take part, as the data name them."""
+    if fit_on is None:
+        return tuple(readings.modes)
+    wanted = [word.strip() for word in fit_on.split(",") if word.strip()]
+    found: list[str] = []
+    for word in wanted:
+        same = [
+            mode for mode in readings.modes if mode.removesuffix("-general") == word.removesuffix("-general")
+        ]
+        if not same:
+            raise UsageError(
+                f"--fit-on {fit_on}: no {word} test is given; there is {', '.join(readings.modes)}"
+            )
+        found += [mode for mode in same if mode not in found]
+    if not found:
+        raise UsageError("--fit-on: name at least one test, as uniaxial,shear")
+    return tuple(found)
+
+
+def _sets(readings: Readings) -> Sets:
+    """Return all curves, and those of each direction where tests were cut both ways.
+
+    A test without a direction belongs to each.
+    """
+    names = list(dict.fromkeys(curve.direction for curve in readings.curves if curve.direction is not None))
+    if len(names) < 2:
+        return {None: readings.curves}
+    return {
+        None: readings.curves,
+        **{name: [c for c in readings.curves if c.direction in (name, None)] for name in names},
+    }
+
+
+def _judge_all(job: Job, candidates: Sequence[Law], sets: Sets, setting: Setting) -> list[Judged]:
+    judged = []
+    with job.console.progress("Identifying") as advance:
+        for number, candidate in enumerate(candidates):
+            advance(number / len(candidates), candidate.name)
+            judged.append(judge(candidate, sets, setting, ranked=len(candidates) > 1))
+    return sorted(judged, key=lambda one: one.best_first)
+
+
+def _document(
+    best: Judged, ranking: Sequence[Judged] | None, readings: Readings, sets: Sets, setting: Setting
+) -> MaterialDocument:
+    whole = best.results[None]
+    assert isinstance(whole, Identified)
+    directions = {
+        name: describe.direction(found, reach(sets[name]))
+        for name, found in best.results.items()
+        if name is not None and isinstance(found, Identified)
+    }
+    data_reach = reach(sets[None])
+    return MaterialDocument(
+        model=best.law.name,
+        parameters=whole.material.parameters,
+        thickness_mm=readings.thickness,
+        thickness_nominal=readings.nominal or None,
+        temperature_degC=whole.temperatures[whole.reference],
+        directions=directions or None,
+        temperatures=describe.temperatures(whole),
+        fit=describe.fit_figures(whole),
+        stability=describe.stability(whole, data_reach),
+        stable=best.stable,
+        accepted=best.accepted,
+        objective="relative" if setting.relative else "absolute",
+        fit_on=list(setting.fit_on),
+        left_out=dict(sorted(readings.left_out.items())) or None,
+        preparation=readings.preparation or None,
+        warnings=[*readings.warnings, *_doubts(best, setting)] or None,
+        models=None
+        if ranking is None
+        else [
+            describe.model_row(
+                one.law.name,
+                one.failure or one.results[None],
+                one.carry_over,
+                one.stable,
+                one.accepted,
+                data_reach,
+            )
+            for one in ranking
+        ],
+        effects=[],
+    )
+
+
+def _doubts(best: Judged, setting: Setting) -> list[str]:
+    """Say why the constants should be used with care."""
+    found = []
+    for name, part in best.results.items():
+        if isinstance(part, str) or (name is None and len(best.results) > 1):
+            continue
+        where = f" ({name})" if name else ""
+        if not part.stable:
+            ends = {m: r.first_unstable for m, r in part.ranges.items() if r.first_unstable is not None}
+            first = ", ".join(f"{mode} {stretch:.3f}" for mode, stretch in ends.items())
+            found.append(f"not Drucker-stable over the data{where}: first unstable stretch {first}")
+        if part.fit.at_bound:
+            found.append(
+                f"at the edge of its box{where}: {', '.join(part.fit.at_bound)}; the tests do not bound it"
+            )
+        sure = part.certainty
+        weak = [
+            f"{constant} ± {100 * sd / abs(value):.0f} %"
+            for constant, value, sd in zip(
+                sure.names, part.material.parameters.values(), sure.sd, strict=True
+            )
+            if value != 0.0 and sd > 0.5 * abs(value)
+        ]
+        if weak:
+            found.append(f"constants the tests hardly determine{where}: {', '.join(weak)}")
+        if sure.condition_number > 1e4:
+            found.append(f"ill-conditioned{where}: the condition number is {sure.condition_number:.1e}")
+        found += _wild(part, setting, where)
+    return found
+
+
+def _wild(part: Identified, setting: Setting, where: str) -> list[str]:
+    wild = [
+        mode
+        for mode, (figures, _, predicted) in part.tests.items()
+        if predicted and (figures is None or not figures.relative_rms <= 1.0)
+    ]
+    if not wild:
+        return []
+    return [
+        f"not identifiable from {' and '.join(setting.fit_on)} data alone{where}: "
+        f"the prediction for {' and '.join(wild)} is wild"
+    ]
+
+
+def _tell(job: Job, judged: Sequence[Judged], document: MaterialDocument, setting: Setting) -> None:
+    for text in document.warnings or ():
+        job.console.warn(text)
+    for reason, count in (document.left_out or {}).items():
+        job.console.note(f"{count} rows left out: {reason}")
+    columns = ["model", "E2", "rel. rms", "NRMSE", "unseen", "stable", "accepted"]
+    rows = []
+    for one in judged:
+        found = one.results[None]
+        cells = describe.figures_cells(found.total if isinstance(found, Identified) else None)
+        unseen = f"{one.carry_over:.4g}" if one.carry_over < 1e300 else "-"
+        flags = (
+            ["-", "-"] if one.failure else ["yes" if one.stable else "no", "yes" if one.accepted else "no"]
+        )
+        rows.append([one.law.name, *cells, unseen, *flags])
+    job.console.note(describe.table(columns, rows))
+    for name, part in judged[0].results.items():
+        if isinstance(part, Identified) and (name is not None or len(judged[0].results) == 1):
+            job.console.note(f"{name + ': ' if name else ''}{describe.parameters_line(part, setting)}")

@@ -1,0 +1,195 @@
+"""The material document: a strain-energy law, its constants, and how far they can be trusted."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any, ClassVar, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from hyperfab.documents.base import Document
+from hyperfab.errors import UsageError
+
+Parameters = dict[str, float]
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="allow", allow_inf_nan=False)
+
+
+class TestFigures(_Part):
+    """How well the constants carry one test."""
+
+    __test__ = False  # no test class for pytest
+
+    E2: float = Field(description="sum of (1 - model/measured)^2 over the rows whose stress is not zero")
+    relative_rms: float = Field(description="root of the mean of (1 - model/measured)^2")
+    nrmse: float = Field(description="root-mean-square error of the stress over the largest measured stress")
+    points: int = Field(description="rows")
+    predicted: bool | None = Field(default=None, description="true where the test took no part in the fit")
+
+
+class FitFigures(_Part):
+    """How well the constants carry the tests, and how sure they are. The totals are over the rows fitted."""
+
+    E2: float
+    relative_rms: float
+    nrmse: float
+    points: int
+    parameters_sd: Parameters | None = Field(
+        default=None, description="standard deviation of each constant, in its unit"
+    )
+    condition_number: float | None = Field(
+        default=None,
+        description="of the Jacobian with columns of length one: 1 where constants are independent",
+    )
+    tests: dict[str, TestFigures | Unpredicted] = Field(
+        default_factory=dict, description="the same figures for each test"
+    )
+
+
+class Unpredicted(_Part):
+    """A test that the constants cannot speak of: its stretches lie beyond the law's limit."""
+
+    points: int
+    predicted: bool | None = None
+    status: str
+
+
+class StableRange(_Part):
+    """The stretches of a mode over which the constants are Drucker-stable."""
+
+    stretch_min: float
+    stretch_max: float
+    ended_by: Literal["instability", "limit", "scan"] = Field(
+        description="what ends the range above: instability, the limiting stretch of the law, or the scan"
+    )
+    first_unstable_stretch: float | None = None
+    stable_over_data: bool | None = Field(
+        default=None, description="whether the range covers the stretches of the test; absent without one"
+    )
+
+
+class AtTemperature(_Part):
+    """The constants at one temperature."""
+
+    temperature_degC: float
+    parameters: Parameters
+    fit: FitFigures | None = None
+
+
+class Direction(_Part):
+    """The constants of one direction of the fabric."""
+
+    parameters: Parameters
+    fit: FitFigures | None = None
+    stability: dict[str, StableRange] | None = None
+    stable: bool | None = None
+    temperatures: list[AtTemperature] | None = None
+
+
+class ModelRow(_Part):
+    """One law in the table of all: a row without constants says in ``status`` why there are none."""
+
+    model: str
+    E2: float | None = None
+    relative_rms: float | None = None
+    parameters: Parameters | None = None
+    fit: FitFigures | None = None
+    stability: dict[str, StableRange] | None = None
+    carry_over: float | None = Field(
+        default=None,
+        description="relative rms expected for tests the constants have not seen; ranks the table",
+    )
+    stable: bool | None = None
+    accepted: bool | None = None
+    status: str | None = None
+
+
+class MaterialDocument(Document):
+    """What ``hf fit`` writes and every later command takes; a short one can be written by hand.
+
+    ``model`` and ``parameters`` are enough for a forward command.
+    """
+
+    KIND: ClassVar[str] = "material"
+
+    model: str = Field(description="name of the strain-energy law")
+    parameters: Parameters = Field(
+        description="constants of the law in its usual notation, names ending in their unit; "
+        "of both directions together where directions are given"
+    )
+    thickness_mm: float | None = Field(default=None, gt=0.0, description="undeformed thickness")
+    thickness_nominal: bool | None = Field(
+        default=None,
+        description="true where no thickness is known: 1 mm is taken, and constants in MPa are N/mm of width",
+    )
+    temperature_degC: float | None = Field(
+        default=None, description="temperature at which parameters hold, where the tests state theirs"
+    )
+    directions: dict[str, Direction] | None = Field(
+        default=None, description="warp and weft, each with its own constants, where tests were cut both ways"
+    )
+    temperatures: list[AtTemperature] | None = Field(
+        default=None, description="constants against temperature, to be interpolated linearly"
+    )
+    fit: FitFigures | None = None
+    stability: dict[str, StableRange] | None = None
+    stable: bool | None = Field(default=None, description="Drucker-stable over the stretches of the tests")
+    accepted: bool | None = Field(default=None, description="whether the relative rms is within --accept")
+    objective: str | None = Field(default=None, description="relative or absolute least squares")
+    fit_on: list[str] | None = Field(default=None, description="tests that took part in the fit")
+    left_out: dict[str, int] | None = Field(default=None, description="rows left out, by reason")
+    preparation: list[str] | None = Field(
+        default=None, description="what was done to the data before the fit"
+    )
+    bulk_modulus_MPa: float | None = Field(default=None, description="from the volumetric test")
+    warnings: list[str] | None = None
+    models: list[ModelRow] | None = Field(default=None, description="all laws, best first (--model all)")
+    effects: list[dict[str, Any]] | None = Field(
+        default=None, description="physical terms beyond the law, as hf close-loop adds them"
+    )
+
+    def constants(self, direction: str | None = None, temperature_degC: float | None = None) -> Parameters:
+        """Return the constants to compute with.
+
+        ``direction`` is ``warp`` or ``weft``; where the document has no directions, or without one, those of the
+        whole fabric. ``temperature_degC`` interpolates linearly between the temperatures of the tests and keeps
+        the nearest beyond them; where the document has none, or without one, those of its own temperature.
+
+        >>> cold = {"temperature_degC": 20.0, "parameters": {"C10_MPa": 0.2}}
+        >>> hot = {"temperature_degC": 80.0, "parameters": {"C10_MPa": 0.1}}
+        >>> fabric = MaterialDocument(model="neo-hookean", parameters={"C10_MPa": 0.2}, temperatures=[cold, hot])
+        >>> round(fabric.constants(temperature_degC=50.0)["C10_MPa"], 12)
+        0.15
+        """
+        if self.directions is None or direction is None:
+            own, table = self.parameters, self.temperatures
+        elif direction in self.directions:
+            own, table = self.directions[direction].parameters, self.directions[direction].temperatures
+        else:
+            raise UsageError(
+                f"the material has no direction {direction}; it has {', '.join(self.directions)}"
+            )
+        if temperature_degC is None or not table:
+            return dict(own)
+        return interpolated(table, temperature_degC)
+
+
+def interpolated(table: list[AtTemperature], temperature_degC: float) -> Parameters:
+    """Return the constants at a temperature, linearly between the two nearest, kept beyond the ends."""
+    table = sorted(table, key=lambda row: row.temperature_degC)
+    if temperature_degC <= table[0].temperature_degC:
+        return dict(table[0].parameters)
+    for low, high in pairwise(table):
+        if temperature_degC <= high.temperature_degC:
+            span = high.temperature_degC - low.temperature_degC
+            share = (temperature_degC - low.temperature_degC) / span
+            return {
+                name: value + share * (high.parameters[name] - value)
+                for name, value in low.parameters.items()
+            }
+    return dict(table[-1].parameters)
+
+
+FitFigures.model_rebuild()

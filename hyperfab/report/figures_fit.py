@@ -1,0 +1,71 @@
+"""The picture of a fit: readings, the curves of the constants, unseen tests dashed, the unstable range shaded."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+#: Okabe and Ito's colours, told apart by everyone.
+_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+_MARKS = "os^Dv<>"
+
+
+@dataclass(frozen=True)
+class Line:
+    """One test: its readings, the curve of the constants, whether it was predicted, where it turns unstable."""
+
+    label: str
+    mode: str
+    stretch: NDArray[np.float64]
+    stress: NDArray[np.float64]
+    grid: NDArray[np.float64]
+    model: NDArray[np.float64]
+    predicted: bool
+    unstable_from: float | None
+
+
+def fit_figure(panels: Sequence[tuple[str, Sequence[Line]]]) -> bytes:
+    """Return the PNG of ``panels``, each a title and its tests."""
+    figure = Figure(figsize=(6.2 * len(panels), 4.6), dpi=120, layout="constrained")
+    FigureCanvasAgg(figure)
+    for number, (title, lines) in enumerate(panels, start=1):
+        _panel(figure.add_subplot(1, len(panels), number), title, lines)
+    stream = io.BytesIO()
+    figure.savefig(stream, format="png", metadata={"Software": None})
+    return stream.getvalue()
+
+
+def _panel(axes: Axes, title: str, lines: Sequence[Line]) -> None:
+    for number, line in enumerate(lines):
+        colour = _COLOURS[number % len(_COLOURS)]
+        axes.plot(
+            line.stretch,
+            line.stress,
+            _MARKS[number % len(_MARKS)],
+            color=colour,
+            markersize=4,
+            markerfacecolor="none",
+        )
+        label = f"{line.label} (predicted)" if line.predicted else line.label
+        axes.plot(
+            line.grid, line.model, "--" if line.predicted else "-", color=colour, linewidth=1.6, label=label
+        )
+        if line.unstable_from is not None and line.unstable_from < line.grid[-1]:
+            axes.axvspan(line.unstable_from, line.grid[-1], color=colour, alpha=0.08, linewidth=0)
+    measured = np.concatenate([line.stress for line in lines]) if lines else np.zeros(1)
+    low, high = min(0.0, float(measured.min())), float(measured.max())
+    # A wild prediction must not squeeze the readings flat.
+    axes.set_ylim(1.1 * low - 0.02 * (high - low), 1.25 * high + 1e-12)
+    axes.set_xlabel("stretch")
+    axes.set_ylabel("nominal stress [MPa]")
+    axes.set_title(title, fontsize=10)
+    axes.grid(alpha=0.3)
+    if lines:
+        axes.legend(fontsize=8)
