@@ -1,0 +1,113 @@
+"""``heat.json``: what a heated mold does: warm-up time, evenness of the work surface, probes, account of heat."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from hyperfab.documents.base import Document
+
+
+class Part(BaseModel):
+    """A table of the document."""
+
+    model_config = ConfigDict(extra="allow", allow_inf_nan=False)
+
+
+class ProbeResult(Part):
+    """One probe; its curve is a column of the CSV."""
+
+    final_degC: float
+    max_degC: float
+
+
+class Evenness(Part):
+    """Temperatures of the work surface."""
+
+    mean_degC: float
+    min_degC: float
+    max_degC: float
+    spread_K: float = Field(description="greatest less least")
+
+
+class WorkSurface(Evenness):
+    """The work surface at the end of the run, and when the target was reached."""
+
+    area_mm2: float
+    at_end: Evenness
+    at_warmup: Evenness | None = None
+
+
+class Energy(Part):
+    """The account of heat from the start to the end."""
+
+    supplied_J: float | None = Field(
+        default=None, description="given by the heaters; absent in a steady state"
+    )
+    lost_J: float | None = Field(default=None, description="left through all other conditions")
+    stored_J: float = Field(description="gained by the parts")
+    imbalance_relative: float = Field(
+        description="largest |supplied - lost - stored| after any step, over the heat turned over by then"
+    )
+    by_condition_J: dict[str, float] = Field(
+        default_factory=dict, description="heat that entered through each condition; lost heat is negative"
+    )
+    at_warmup: dict[str, float] | None = Field(
+        default=None, description="supplied_J, lost_J, stored_J when the target was reached"
+    )
+
+
+class Extreme(Part):
+    """The hottest or coldest node of all parts at the end."""
+
+    temperature_degC: float
+    at_mm: tuple[float, float, float]
+
+
+class FaceUse(Part):
+    """What a condition was applied to."""
+
+    area_mm2: float | None = None
+    power_W: float | None = None
+
+
+class HeatDocument(Document):
+    """The result of ``hf mold-heat``."""
+
+    KIND: ClassVar[str] = "heat"
+
+    converged: bool
+    status: str | None = Field(default=None, description="why not, where converged is false; or a remark")
+    steady: bool = False
+    steps: int
+    rejected_steps: int | None = None
+    unknowns: int
+    elements: int | None = None
+    solver: str | None = None
+    linear_iterations: int | None = None
+    residual_max: float | None = Field(default=None, description="largest relative residual of a stage")
+    end_time_s: float | None = None
+    warmup_time_s: float | None = None
+    target_degC: float | None = None
+    target_reached: bool | None = None
+    probes: dict[str, ProbeResult] = Field(default_factory=dict)
+    work_surface: WorkSurface | None = None
+    energy: Energy
+    efficiency: float | None = Field(
+        default=None,
+        description="stored over supplied heat, at the warm-up where it was reached, else at the end",
+    )
+    power_supplied_W: float | None = Field(default=None, description="power of the heaters at the end")
+    power_lost_W: dict[str, float] = Field(
+        default_factory=dict, description="heat leaving through each condition at the end"
+    )
+    conditions: dict[str, FaceUse] = Field(default_factory=dict)
+    mass_kg: float
+    mass_by_part_kg: dict[str, float] = Field(default_factory=dict)
+    heat_capacity_J_K: float | None = Field(default=None, description="heat to warm all parts by one kelvin")
+    hottest: Extreme | None = None
+    coldest: Extreme | None = None
+    flux_max_W_m2: float | None = None
+    notes: list[str] = Field(default_factory=list, description="what was doubted, repaired or meshed anew")
+    switches_s: list[float] | None = None

@@ -1,0 +1,359 @@
+"""``mold.toml``: the parts of a heated mold, what they are made of, and what heats and cools them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated, Any, ClassVar, Literal, Protocol
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    WithJsonSchema,
+    field_validator,
+    model_validator,
+)
+
+from hyperfab.documents.base import HandWritten
+from hyperfab.documents.quantity import (
+    Conductivity,
+    Density,
+    Film,
+    FilmCoefficient,
+    HeatFlux,
+    HeldTemperature,
+    Length,
+    PositiveLength,
+    Power,
+    SpecificHeat,
+    Temperature,
+    TemperatureDifference,
+    Time,
+    parsed,
+)
+
+Way = Literal["x-", "x+", "y-", "y+", "z-", "z+"]
+Point = tuple[Length, Length, Length]
+
+
+class Section(BaseModel):
+    """A table of the document: keys it does not know are refused."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+
+class MaterialSection(Section):
+    """What parts are made of; conductivity and specific heat may be tables against temperature."""
+
+    density: Density
+    conductivity: Conductivity
+    specific_heat: SpecificHeat
+
+
+class BoxSection(Section):
+    """A box: its corner with the least coordinates, and its edges."""
+
+    origin: Point
+    size: tuple[PositiveLength, PositiveLength, PositiveLength]
+
+
+class CylinderSection(Section):
+    """A cylinder from the middle of its first end along an axis; ``semi_axes`` make it elliptic.
+
+    ``semi_axes`` are along x and y for axis z, y and z for axis x, z and x for axis y.
+    """
+
+    origin: Point
+    axis: Literal["x", "y", "z"]
+    length: PositiveLength
+    radius: PositiveLength | None = None
+    semi_axes: tuple[PositiveLength, PositiveLength] | None = None
+
+    @model_validator(mode="after")
+    def _one_section(self) -> CylinderSection:
+        if (self.radius is None) == (self.semi_axes is None):
+            raise ValueError("a cylinder has either radius or semi_axes")
+        return self
+
+
+class EllipsoidSection(Section):
+    """An ellipsoid, or the half of it on one side of its centre."""
+
+    centre: Point
+    semi_axes: tuple[PositiveLength, PositiveLength, PositiveLength]
+    half: Way | None = None
+
+
+class ShapeSection(Section):
+    """One shape, with a name where its faces are wanted."""
+
+    name: str | None = None
+    box: BoxSection | None = None
+    cylinder: CylinderSection | None = None
+    ellipsoid: EllipsoidSection | None = None
+    stl: str | None = None
+
+    @model_validator(mode="after")
+    def _one_shape(self) -> ShapeSection:
+        if sum(s is not None for s in (self.box, self.cylinder, self.ellipsoid, self.stl)) != 1:
+            raise ValueError("a shape is one of box, cylinder, ellipsoid, stl")
+        return self
+
+
+class BodySection(Section):
+    """A part or cavity: one shape, or ``shapes``, their union."""
+
+    name: Annotated[str, Field(min_length=1)]
+    box: BoxSection | None = None
+    cylinder: CylinderSection | None = None
+    ellipsoid: EllipsoidSection | None = None
+    stl: str | None = None
+    shapes: Annotated[list[ShapeSection], Field(min_length=1)] | None = None
+
+    @field_validator("name")
+    @classmethod
+    def _plain_name(cls, value: str) -> str:
+        if "." in value:
+            raise ValueError("a name has no dot in it: NAME.z+ is a face")
+        return value
+
+    @model_validator(mode="after")
+    def _one_way(self) -> BodySection:
+        given = (self.box, self.cylinder, self.ellipsoid, self.stl, self.shapes)
+        if sum(s is not None for s in given) != 1:
+            raise ValueError(f"{self.name!r} is one of box, cylinder, ellipsoid, stl, shapes")
+        return self
+
+
+class PartSection(BodySection):
+    """A part: a body of one material, by the name of its table."""
+
+    material: str
+
+
+class FacesInBox(Section):
+    """The faces of a part that lie inside a box."""
+
+    part: str
+    box: BoxSection
+
+
+Place = str | FacesInBox
+
+
+def _places(value: object) -> object:
+    """Take one place or a list of them; check each by hand, so that a mistake has one message."""
+    items = value if isinstance(value, list) else [value]
+    found: list[Place] = []
+    for item in items:
+        if isinstance(item, (str, FacesInBox)):
+            found.append(item)
+        elif isinstance(item, dict):
+            found.append(FacesInBox.model_validate(item))
+        else:
+            raise ValueError("a place is NAME.WAY, exposed, or { part, box }, or a list of them")
+    if not found:
+        raise ValueError("names no face")
+    return found
+
+
+Places = Annotated[list[Place], BeforeValidator(_places)]
+
+
+class HasPlaces(Protocol):
+    """A section that acts on faces."""
+
+    @property
+    def on(self) -> list[Place] | None:
+        """Return the faces."""
+
+
+class ControlSection(Section):
+    """A thermostat: off at set + band/2, on at set - band/2."""
+
+    model_config = ConfigDict(extra="forbid", populate_by_name=True)
+
+    probe: str
+    set_point: Temperature = Field(alias="set")
+    band: TemperatureDifference
+
+
+class HeaterSection(Section):
+    """A heater on faces or in the volume of a part."""
+
+    on: Places | None = None
+    volume: str | None = None
+    power: Power | None = None
+    flux: HeatFlux | None = None
+    schedule: str | None = None
+    control: ControlSection | None = None
+
+    @model_validator(mode="after")
+    def _one_source(self) -> HeaterSection:
+        if (self.on is None) == (self.volume is None):
+            raise ValueError("a heater is on faces or in a volume: give either on or volume")
+        if self.power is not None and self.flux is not None:
+            raise ValueError("a heater has either power or flux")
+        if self.power is None and self.flux is None and self.schedule is None:
+            raise ValueError("a heater needs power, flux or schedule")
+        if self.volume is not None and self.flux is not None:
+            raise ValueError("a heater in a volume has a power, not a flux")
+        if self.flux is not None and self.schedule is not None:
+            raise ValueError("a schedule gives the power: leave flux out")
+        return self
+
+
+class ConvectionSection(Section):
+    """A film of air or water on faces."""
+
+    on: Places
+    h: Film
+    ambient: Temperature
+
+
+class TemperatureSection(Section):
+    """Faces held at a temperature."""
+
+    on: Places
+    value: HeldTemperature
+
+
+class RadiationSection(Section):
+    """Faces that radiate to large surroundings."""
+
+    on: Places
+    emissivity: Annotated[float, Field(ge=0.0, le=1.0)]
+    ambient: Temperature
+
+
+class InsulatedSection(Section):
+    """Faces that ``exposed`` shall leave out."""
+
+    on: Places
+
+
+class ContactSection(Section):
+    """Thermal contact conductance of two parts that touch; ``schedule`` opens and closes it."""
+
+    between: tuple[str, str]
+    h: FilmCoefficient
+    schedule: str | None = None
+
+
+class ProbeSection(Section):
+    """A thermometer in the mold."""
+
+    name: Annotated[str, Field(min_length=1)]
+    at: Point
+
+
+class WorkSurfaceSection(Section):
+    """The faces that must become hot, and even."""
+
+    on: Places
+
+
+class EarlierField(Section):
+    """The final temperatures of an earlier run."""
+
+    document: str
+
+
+def _start(value: object) -> object:
+    if isinstance(value, dict):
+        return EarlierField.model_validate(value)
+    return value if isinstance(value, EarlierField) else parsed("temperature")(value)
+
+
+class RunSection(Section):
+    """How long, from where, how fine."""
+
+    start: Annotated[
+        float | EarlierField,
+        BeforeValidator(_start),
+        PlainSerializer(
+            lambda v: {"document": v.document} if isinstance(v, EarlierField) else f"{v!r} degC",
+            return_type=Any,
+        ),
+        WithJsonSchema(
+            {
+                "anyOf": [
+                    {"type": "string", "examples": ["25 degC"]},
+                    {"type": "object", "properties": {"document": {"type": "string"}}},
+                ]
+            }
+        ),
+    ] = 25.0
+    target: Temperature | None = None
+    until: Time | None = None
+    mesh_size: PositiveLength
+    steady: bool = False
+    tolerance: TemperatureDifference = 0.1
+
+
+class MoldDocument(HandWritten):
+    """A heated mold."""
+
+    KIND: ClassVar[str] = "mold"
+
+    material: Annotated[dict[str, MaterialSection], Field(min_length=1)]
+    part: Annotated[list[PartSection], Field(min_length=1)]
+    cavity: list[BodySection] = Field(default_factory=list)
+    heater: list[HeaterSection] = Field(default_factory=list)
+    convection: list[ConvectionSection] = Field(default_factory=list)
+    temperature: list[TemperatureSection] = Field(default_factory=list)
+    radiation: list[RadiationSection] = Field(default_factory=list)
+    insulated: list[InsulatedSection] = Field(default_factory=list)
+    contact: list[ContactSection] = Field(default_factory=list)
+    probe: list[ProbeSection] = Field(default_factory=list)
+    work_surface: WorkSurfaceSection | None = None
+    run: RunSection
+
+    def places(self) -> list[tuple[str, Place]]:
+        """Return every place a section acts on, with the section's key."""
+        kinds: dict[str, Sequence[HasPlaces]] = {
+            "heater": self.heater,
+            "convection": self.convection,
+            "temperature": self.temperature,
+            "radiation": self.radiation,
+            "insulated": self.insulated,
+        }
+        found = [
+            (f"{kind}.{number}.on", place)
+            for kind, sections in kinds.items()
+            for number, section in enumerate(sections)
+            for place in section.on or []
+        ]
+        work = self.work_surface.on if self.work_surface is not None else []
+        return found + [("work_surface.on", place) for place in work]
+
+    @model_validator(mode="after")
+    def _names_fit(self) -> MoldDocument:
+        for part in self.part:
+            if part.material not in self.material:
+                known = ", ".join(self.material)
+                raise ValueError(
+                    f"part {part.name!r} is of {part.material!r}, which is no [material]; there is {known}"
+                )
+        bodies: list[BodySection] = [*self.part, *self.cavity]
+        names = [b.name for b in bodies] + [s.name for b in bodies for s in b.shapes or [] if s.name]
+        for name in names:
+            if names.count(name) > 1:
+                raise ValueError(f"the name {name!r} stands for two bodies or shapes; rename one")
+        probes = [probe.name for probe in self.probe]
+        for name in probes:
+            if probes.count(name) > 1:
+                raise ValueError(f"two probes are called {name!r}; rename one")
+        for heater in self.heater:
+            if heater.control is not None and heater.control.probe not in probes:
+                known = ", ".join(probes) or "none"
+                raise ValueError(
+                    f"a heater's control asks probe {heater.control.probe!r}; the probes: {known}"
+                )
+        if self.run.target is not None and self.work_surface is None:
+            raise ValueError("run.target waits for the mean of [work_surface]; add that table")
+        if self.run.until is None and self.run.target is None and not self.run.steady:
+            raise ValueError('[run] has no end: give until = "3600 s", target, or steady = true')
+        return self

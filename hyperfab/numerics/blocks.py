@@ -1,0 +1,75 @@
+"""Sparse matrices of small dense blocks, of which some rows and columns are held fixed.
+
+The pattern is found once; new values only have to be copied into place.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sparse
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+class BlockPattern:
+    """The pattern of a matrix that couples the nodes of each element through ``size`` × ``size`` blocks.
+
+    ``elements`` (m, a) are node numbers below ``nodes``; ``free`` (nodes, size) marks the unknowns that stay.
+    ``block_of`` (m, a, a) is the block of each pair of element nodes, ``diagonal`` (nodes,) that of each node.
+
+    >>> free = np.array([[False], [True], [True]])
+    >>> pattern = BlockPattern(np.array([[0, 1], [1, 2]]), 3, free)
+    >>> blocks = np.ones((pattern.blocks, 1, 1))
+    >>> pattern.matrix(blocks).toarray()
+    array([[1., 1.],
+           [1., 1.]])
+    """
+
+    def __init__(self, elements: Indices, nodes: int, free: NDArray[np.bool_]) -> None:
+        count, shapes = elements.shape
+        rows = np.repeat(elements, shapes, axis=1).ravel()
+        columns = np.tile(elements, (1, shapes)).ravel()
+        keys, inverse = np.unique(rows * nodes + columns, return_inverse=True)
+        self.blocks = len(keys)
+        self.block_of: Indices = inverse.reshape(count, shapes, shapes).astype(np.int64)
+        self.diagonal: Indices = np.searchsorted(keys, np.arange(nodes) * (nodes + 1)).astype(np.int64)
+        self.free = free
+        self.size = free.shape[1]
+        self._index(keys // nodes, keys % nodes, nodes)
+
+    @property
+    def unknowns(self) -> int:
+        """Number of rows of the matrix."""
+        return int(self.free.sum())
+
+    def _index(self, rows: Indices, columns: Indices, nodes: int) -> None:
+        """Find, for each entry of the compressed columns, its place in the array of blocks."""
+        s = self.size
+        place = np.arange(s)
+        full_rows = rows[:, None, None] * s + place[None, :, None] + 0 * place[None, None, :]
+        full_columns = columns[:, None, None] * s + 0 * place[None, :, None] + place[None, None, :]
+        number = np.cumsum(self.free.ravel()) - 1
+        kept = self.free.ravel()[full_rows] & self.free.ravel()[full_columns]
+        source = np.flatnonzero(kept.ravel())
+        i, j = number[full_rows.ravel()[source]], number[full_columns.ravel()[source]]
+        # The entries carry their own place through the sorting of the columns.
+        sorted_ = sparse.csc_matrix((source, (i, j)), shape=(self.unknowns, self.unknowns))
+        sorted_.sort_indices()
+        self._source, self._indices, self._indptr = sorted_.data, sorted_.indices, sorted_.indptr
+
+    def matrix(self, blocks: Array) -> sparse.csc_matrix:
+        """Return the matrix of the free unknowns for block values (blocks, size, size)."""
+        n = self.unknowns
+        return sparse.csc_matrix((blocks.ravel()[self._source], self._indices, self._indptr), shape=(n, n))
+
+    def restrict(self, values: Array) -> Array:
+        """Return the free entries of nodal values (nodes, size), as a vector."""
+        return np.asarray(values[self.free])
+
+    def extend(self, vector: Array) -> Array:
+        """Return nodal values (nodes, size) with zeros where the unknowns are fixed."""
+        values = np.zeros(self.free.shape)
+        values[self.free] = vector
+        return values

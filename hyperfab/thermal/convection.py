@@ -1,0 +1,46 @@
+"""Convection: heat leaves through a face as h(T) (T - T_ambient)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.thermal.facet_operator import FacetOperator
+from hyperfab.thermal.tables import Table
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+class Convection:
+    """A film on ``facets``.
+
+    ``film`` [W/m^2/K] is a function of the surface temperature, ``ambient`` [degC] of time.
+    """
+
+    def __init__(self, name: str, facets: FacetOperator, film: Table, ambient: Table) -> None:
+        self.name = name
+        self.facets = facets
+        self.film = film
+        self.ambient = ambient
+
+    @property
+    def nodes(self) -> Index:
+        """Return the facets' nodes."""
+        return self.facets.nodes
+
+    @property
+    def linear(self) -> bool:
+        """Whether the film coefficient is constant."""
+        return self.film.is_constant
+
+    def flow(self, time: float, temperature: Array) -> Array:
+        """Return the nodal heat flow into the body [W]."""
+        at = self.facets.at_points(temperature)
+        return self.facets.load(-self.film(at) * (at - self.ambient.at(time)))
+
+    def tangent(self, time: float, temperature: Array) -> Array:
+        """Return minus the derivative of the flow; a film that falls steeply counts as insulated, never negative."""
+        at = self.facets.at_points(temperature)
+        rate = self.film(at) + self.film.slope(at) * (at - self.ambient.at(time))
+        return self.facets.matrices(np.maximum(rate, 0.0))

@@ -1,0 +1,221 @@
+"""Faces by name: which facets of the mesh ``mold.z+``, ``pocket.all`` or the faces inside a box are.
+
+A facet belongs to a body because it lies on the body's formula, so the names do not depend on the mesher.
+"""
+
+from __future__ import annotations
+
+import difflib
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.errors import InputError
+from hyperfab.thermal.elements import facet_weights
+from hyperfab.thermal.geometry import DIRECTIONS, Body, Box, Geometry, Shape, Stl
+from hyperfab.thermal.mesh import HeatMesh
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+#: A face looks a way where its normal has at least this component in it (edge-on faces do not).
+FACING = 0.01
+
+#: The middle of a flat facet on a curved surface may be this share of its size away from the surface.
+SAGITTA = 0.08
+
+
+@dataclass(frozen=True)
+class FaceSet:
+    """Facets of one name: ``mask`` (f,) over the mesh's facets, ``flip`` where the far side is the named one."""
+
+    name: str
+    mask: Mask
+    flip: Mask
+
+    def near(self, outer: Mask) -> FaceSet:
+        """Return the facets of the set that are outer faces."""
+        return FaceSet(self.name, self.mask & outer, self.flip)
+
+
+class Faces:
+    """The faces of a meshed geometry.
+
+    ``mesh`` must be the mesh of ``geometry`` (lengths in m, the geometry's in mm).
+    """
+
+    def __init__(self, mesh: HeatMesh, geometry: Geometry) -> None:
+        self.mesh = mesh
+        self.geometry = geometry
+        nodes = mesh.points[mesh.facet_nodes(np.ones(len(mesh.facets.element), dtype=bool))] * 1e3
+        self._corners = nodes[:, :3]
+        #: Value at the centre of a six-node triangle: -1/9 of the corners plus 4/9 of the edges.
+        self._centre = (4 * nodes[:, 3:].sum(axis=1) - nodes[:, :3].sum(axis=1)) / 9
+        cross = np.cross(nodes[:, 1] - nodes[:, 0], nodes[:, 2] - nodes[:, 0])
+        self._size = np.sqrt(np.linalg.norm(cross, axis=1))
+        self._normal = cross / np.linalg.norm(cross, axis=1)[:, None]
+        low, high = geometry.bounds
+        self._tight = 1e-6 * float(np.linalg.norm(high - low))
+
+    @cached_property
+    def areas(self) -> Array:
+        """Area of each facet [m^2]."""
+        everything = np.ones(len(self.mesh.facets.element), dtype=bool)
+        return facet_weights(self.mesh.points[self.mesh.facet_nodes(everything)]).sum(axis=1)
+
+    def area(self, found: FaceSet) -> float:
+        """Return the area of a set of facets [m^2]."""
+        return float(self.areas[found.mask].sum())
+
+    @cached_property
+    def cavity(self) -> Mask:
+        """Facets on the walls of cavities."""
+        found = np.zeros(len(self.mesh.facets.element), dtype=bool)
+        for body in self.geometry.cavities:
+            found |= self._on_body(body)
+        return found
+
+    @cached_property
+    def names(self) -> list[str]:
+        """All names faces can be called by, without the direction."""
+        bodies = (*self.geometry.parts, *self.geometry.cavities)
+        return [body.name for body in bodies] + [s.name for b in bodies for s in b.shapes if s.name]
+
+    def named(self, text: str) -> FaceSet:
+        """Return the facets called ``text`` (``plate.z+``, ``pocket.all``).
+
+        Raises InputError with the nearest names where there is no such face, or no facet is left of it.
+        """
+        name, _, way = text.rpartition(".")
+        if not name or way not in (*DIRECTIONS, "all"):
+            ways = ", ".join((*DIRECTIONS, "all"))
+            raise InputError(f"{text!r} names no face", remedy=f"write NAME.WAY with WAY one of {ways}")
+        if name not in self.names:
+            near = difflib.get_close_matches(name, self.names, 3, 0.4) or self.names
+            offered = ", ".join(f"{other}.{way}" for other in near[:8])
+            raise InputError(f"there is no face {text!r}", remedy=f"the nearest names are {offered}")
+        mask, flip = self._of(name)
+        if way != "all":
+            mask = self._that_way(mask, flip, np.asarray(DIRECTIONS[way]))
+        if not mask.any():
+            raise InputError(
+                f"no face of {name!r} looks {way}" if way != "all" else f"{name!r} has no face",
+                remedy="it is covered or open there; name another face",
+            )
+        return FaceSet(text, mask, flip)
+
+    def inside(self, part: str, box: Box) -> FaceSet:
+        """Return the facets of a part, walls of cavities included, that lie inside a box."""
+        names = [body.name for body in self.geometry.parts]
+        if part not in names:
+            near = ", ".join(difflib.get_close_matches(part, names, 3, 0.4) or names[:8])
+            raise InputError(f"there is no part {part!r}", remedy=f"the nearest names are {near}")
+        mask, flip = self._of_part(names.index(part))
+        low, high = box.bounds
+        within = (self._centre >= low - self._tight) & (self._centre <= high + self._tight)
+        mask &= within.all(axis=1)
+        if not mask.any():
+            raise InputError(
+                f"no face of part {part!r} lies inside the box", remedy="move or enlarge the box"
+            )
+        return FaceSet(f"{part} in a box", mask, flip)
+
+    def interface(self, first: str, second: str) -> FaceSet:
+        """Return the facets where two parts touch; the near side is the first part's."""
+        names = [body.name for body in self.geometry.parts]
+        for name in (first, second):
+            if name not in names:
+                near = ", ".join(difflib.get_close_matches(name, names, 3, 0.4) or names[:8])
+                raise InputError(f"there is no part {name!r}", remedy=f"the nearest names are {near}")
+        f = self.mesh.facets
+        near_part = self.mesh.parts[f.element]
+        far_part = np.where(f.outer, -1, self.mesh.parts[f.other])
+        i, j = names.index(first), names.index(second)
+        mask = ((near_part == i) & (far_part == j)) | ((near_part == j) & (far_part == i))
+        if not mask.any():
+            raise InputError(f"parts {first!r} and {second!r} do not touch", remedy="check their places")
+        return FaceSet(f"{first}/{second}", mask, near_part == j)
+
+    def _of(self, name: str) -> tuple[Mask, Mask]:
+        """Return the facets of a part, cavity or shape, and where its outside is the facet's far side."""
+        never = np.zeros(len(self.mesh.facets.element), dtype=bool)
+        for number, body in enumerate(self.geometry.parts):
+            if body.name == name:
+                mask, flip = self._of_part(number)
+                return mask & ~self.cavity, flip
+            for shape in body.shapes:
+                if shape.name == name:
+                    mask, flip = self._of_part(number)
+                    return mask & ~self.cavity & self._on_shape(shape), flip
+        for body in self.geometry.cavities:
+            if body.name == name:
+                return self._on_body(body), never
+            for shape in body.shapes:
+                if shape.name == name:
+                    return self._on_body(body) & self._on_shape(shape), never
+        raise InputError(f"there is no face {name!r}")
+
+    def _of_part(self, number: int) -> tuple[Mask, Mask]:
+        f = self.mesh.facets
+        near = self.mesh.parts[f.element] == number
+        far = ~f.outer & (self.mesh.parts[f.other] == number)
+        return near | far, far & ~near
+
+    def _on_body(self, body: Body) -> Mask:
+        found = np.zeros(len(self.mesh.facets.element), dtype=bool)
+        for shape in body.shapes:
+            found |= self._on_shape(shape)
+        return found & self.mesh.facets.outer
+
+    def _on_shape(self, shape: Shape) -> Mask:
+        if isinstance(shape, Stl):
+            raise InputError("an STL shape among others has no faces of its own", remedy="name its part")
+        at_centre = shape.distance(self._centre)
+        at_corners = shape.distance(self._corners.reshape(-1, 3)).reshape(-1, 3)
+        exact: Mask = at_centre <= self._tight
+        curved: Mask = (at_corners <= self._tight).all(axis=1) & (at_centre <= SAGITTA * self._size)
+        return exact | curved
+
+    def _that_way(self, mask: Mask, flip: Mask, way: Array) -> Mask:
+        """Keep facets that look ``way`` with nothing of the same body in front of them."""
+        inward = np.zeros(len(mask), dtype=bool)
+        on_cavity = self.cavity & mask
+        inward[on_cavity] = True  # a cavity's outside is the part's inside
+        facing = (self._normal @ way) * np.where(flip ^ inward, -1.0, 1.0)
+        candidates = np.flatnonzero(mask & (facing > FACING))
+        height = self._centre @ way
+        blockers = np.flatnonzero(mask & (facing < -FACING))
+        if len(candidates) == 0:
+            return np.zeros_like(mask)
+        blockers = blockers[(self._corners[blockers] @ way).max(axis=1) > height[candidates].min()]
+        across = [axis for axis in range(3) if way[axis] == 0]
+        hidden = _covered(
+            self._centre[candidates][:, across],
+            height[candidates] + 1e-3 * self._size[candidates],
+            self._corners[blockers][:, :, across],
+            height[blockers],
+        )
+        kept = np.zeros_like(mask)
+        kept[candidates[~hidden]] = True
+        return kept
+
+
+def _covered(points: Array, heights: Array, triangles: Array, triangle_heights: Array) -> Mask:
+    """Whether a triangle (t, 3, 2) stands higher and over each point (p, 2)."""
+    covered = np.zeros(len(points), dtype=bool)
+    for start in range(0, len(triangles), 256):
+        t = triangles[start : start + 256]
+        inside = np.ones((len(points), len(t)), dtype=bool)
+        turn = _cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0])
+        for i in range(3):
+            edge = t[:, (i + 1) % 3] - t[:, i]
+            inside &= _cross(edge[None], points[:, None] - t[None, :, i]) * np.sign(turn) > 0
+        higher = triangle_heights[start : start + 256][None] > heights[:, None]
+        covered |= (inside & higher).any(axis=1)
+    return covered
+
+
+def _cross(a: Array, b: Array) -> Array:
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]

@@ -1,0 +1,136 @@
+"""The conducting, heat-storing volume: its stored heat, its conduction, and their derivatives by temperature.
+
+What does not depend on temperature is assembled once. Parts whose constants do are integrated anew, on the metric
+of their elements that was kept, into the same pattern.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.thermal import elements
+from hyperfab.thermal.assembly import Pattern
+from hyperfab.thermal.material import ThermalMaterial
+from hyperfab.thermal.mesh import HeatMesh
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+#: Elements integrated at a time: keeps the temporary arrays below some 100 MB.
+CHUNK = 8192
+
+
+class Medium:
+    """The parts of ``mesh`` with one material each (``materials[i]`` is part i's); ``pattern`` holds all matrices."""
+
+    def __init__(self, mesh: HeatMesh, materials: Sequence[ThermalMaterial], pattern: Pattern) -> None:
+        self.mesh = mesh
+        self.materials = tuple(materials)
+        self.pattern = pattern
+        varying_k = np.array([not m.conductivity.is_constant for m in materials])[mesh.parts]
+        varying_c = np.array([not m.specific_heat.is_constant for m in materials])[mesh.parts]
+        self._conducting = np.zeros(pattern.entries)
+        self._storing = np.zeros(pattern.entries)
+        conductivity = np.array([m.conductivity.y[0] for m in materials])[mesh.parts]
+        capacity = np.array([m.density * m.specific_heat.y[0] for m in materials])[mesh.parts]
+        conductivity[varying_k] = 0.0
+        capacity[varying_c] = 0.0
+        self._volume = np.zeros(len(mesh.elements))
+        self._unit_load = np.zeros(len(mesh.points))
+        for chunk in self._chunks(np.arange(len(mesh.elements))):
+            nodes = mesh.elements[chunk]
+            found = elements.metric(mesh.points[nodes])
+            self._volume[chunk] = found.volume.sum(axis=1)
+            k = elements.stiffness(found, conductivity[chunk][:, None])
+            pattern.scatter(nodes, k, self._conducting)
+            pattern.scatter(nodes, elements.mass(found, capacity[chunk][:, None]), self._storing)
+        self._k_elements = np.flatnonzero(varying_k)
+        self._c_elements = np.flatnonzero(varying_c)
+
+    @property
+    def linear(self) -> bool:
+        """Whether no material depends on temperature."""
+        return len(self._k_elements) == 0 and len(self._c_elements) == 0
+
+    @property
+    def masses(self) -> Array:
+        """Mass of each part [kg]."""
+        volume = np.bincount(self.mesh.parts, self._volume, len(self.materials))
+        return volume * np.array([material.density for material in self.materials])
+
+    def volume_load(self, part: int) -> Array:
+        """Return nodal loads (n,) of a unit heat source spread evenly over a part; they sum to 1."""
+        chosen = np.flatnonzero(self.mesh.parts == part)
+        total = np.zeros(len(self.mesh.points))
+        for chunk in self._chunks(chosen):
+            nodes = self.mesh.elements[chunk]
+            found = elements.metric(self.mesh.points[nodes])
+            _add(total, nodes, elements.load(found, np.ones_like(found.volume)))
+        return total / total.sum()
+
+    def conduction(self, temperature: Array) -> Array:
+        """Return the data of the conduction matrix [W/K] at nodal temperatures."""
+        if len(self._k_elements) == 0:
+            return self._conducting
+        data = self._conducting.copy()
+        for part, nodes, found, at in self._points(self._k_elements, temperature):
+            block = elements.stiffness(found, self.materials[part].conductivity(at))
+            self.pattern.scatter(nodes, block, data)
+        return data
+
+    def capacity(self, temperature: Array) -> Array:
+        """Return the data of the capacity matrix [J/K], d(stored heat)/dT, at nodal temperatures."""
+        if len(self._c_elements) == 0:
+            return self._storing
+        data = self._storing.copy()
+        for part, nodes, found, at in self._points(self._c_elements, temperature):
+            material = self.materials[part]
+            block = elements.mass(found, material.density * material.specific_heat(at))
+            self.pattern.scatter(nodes, block, data)
+        return data
+
+    def stored(self, temperature: Array) -> Array:
+        """Return the nodal heat content (n,) [J], counted from 0 degC; its sum is the heat in the body."""
+        heat = self.pattern.matrix(self._storing) @ temperature
+        for part, nodes, found, at in self._points(self._c_elements, temperature):
+            material = self.materials[part]
+            _add(heat, nodes, elements.load(found, material.density * material.specific_heat.integral(at)))
+        return heat
+
+    def flux(self, temperature: Array) -> Array:
+        """Return the heat flux vector at the middle of each element (m, 3) [W/m^2]."""
+        middle = np.full((1, 3), 0.25)
+        values, gradients = elements.TETRAHEDRON.tabulate(middle)
+        result = np.empty((len(self.mesh.elements), 3))
+        for chunk in self._chunks(np.arange(len(self.mesh.elements))):
+            nodes = self.mesh.elements[chunk]
+            jacobian = np.einsum("mid,ik->mdk", self.mesh.points[nodes], gradients[0])
+            reference = np.einsum("mi,ik->mk", temperature[nodes], gradients[0])
+            gradient = np.einsum("mk,mkd->md", reference, np.linalg.inv(jacobian))
+            at = temperature[nodes] @ values[0]
+            k = np.empty(len(at))
+            for part, material in enumerate(self.materials):
+                mine = self.mesh.parts[chunk] == part
+                k[mine] = material.conductivity(at[mine])
+            result[chunk] = -k[:, None] * gradient
+        return result
+
+    def _points(self, chosen: Index, temperature: Array):  # type: ignore[no-untyped-def]
+        """Yield part, nodes, metric and temperatures at quadrature points, some at a time."""
+        values, _ = elements.TETRAHEDRON.tables
+        for part in range(len(self.materials)):
+            for chunk in self._chunks(chosen[self.mesh.parts[chosen] == part]):
+                nodes = self.mesh.elements[chunk]
+                found = elements.metric(self.mesh.points[nodes])
+                yield part, nodes, found, temperature[nodes] @ values.T
+
+    @staticmethod
+    def _chunks(chosen: Index) -> list[Index]:
+        return [chosen[start : start + CHUNK] for start in range(0, len(chosen), CHUNK)]
+
+
+def _add(total: Array, nodes: Index, loads: Array) -> None:
+    total += np.bincount(nodes.ravel(), loads.ravel(), len(total))

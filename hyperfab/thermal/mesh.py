@@ -1,0 +1,262 @@
+"""The tetrahedra a temperature field lives on: nodes, elements, facets, and nodes doubled across a contact."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+#: Local vertex numbers of the six edges, in the order of the edge nodes 4 to 9 (VTK's and scikit-fem's order).
+EDGES = np.array([[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]])
+
+#: Local node numbers of the four facets (three vertices, then the middles of their edges 01 12 20), seen from
+#: outside counter-clockwise.
+FACETS = np.array([[1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6], [0, 1, 3, 4, 8, 7], [0, 2, 1, 6, 5, 4]])
+
+
+@dataclass(frozen=True)
+class Facets:
+    """Triangles of the mesh where something may happen: outer faces, and interfaces between parts.
+
+    ``element`` (f,) and ``local`` (f,) name the facet's element and its number there; ``other`` and
+    ``other_local`` the element on the other side of an interface, -1 on outer faces; ``face`` (f,) numbers the
+    geometric faces they lie on.
+    """
+
+    element: Index
+    local: Index
+    other: Index
+    other_local: Index
+    face: Index
+
+    @property
+    def outer(self) -> NDArray[np.bool_]:
+        """Whether a facet has nothing on its other side."""
+        return self.other < 0
+
+
+@dataclass(frozen=True)
+class HeatMesh:
+    """Ten-node tetrahedra. Lengths in m.
+
+    ``points`` (n, 3): first the ``vertices`` vertices, then the edge nodes; ``elements`` (m, 10); ``parts`` (m,)
+    the part of each element; ``edge_ends`` (n - vertices, 2) the vertices an edge node lies between; ``curved``
+    (m,) whether an edge node lies off the middle of its edge.
+    """
+
+    points: Array
+    elements: Index
+    parts: Index
+    vertices: int
+    edge_ends: Index
+    curved: NDArray[np.bool_]
+    facets: Facets
+
+    def facet_nodes(self, which: NDArray[np.bool_] | Index, other_side: bool = False) -> Index:
+        """Return the six nodes of facets (f, 6); of the ``other_side`` they are paired with the first ones."""
+        f = self.facets
+        nodes = self.elements[f.element[which][:, None], FACETS[f.local[which]]]
+        if not other_side:
+            return nodes
+        far = self.elements[f.other[which][:, None], FACETS[f.other_local[which]]]
+        paired = _pairing(self.points[nodes[:, :3]], self.points[far[:, :3]])
+        return np.take_along_axis(far, np.concatenate([paired, _edge_of(paired)], axis=1), axis=1)
+
+
+def build_mesh(
+    points: Array,
+    elements: Index,
+    parts: Index,
+    surface: Index | None = None,
+    surface_face: Index | None = None,
+) -> HeatMesh:
+    """Number the nodes, straighten what curves too far, find outer facets and interfaces.
+
+    ``points`` in m. Facets that are not in ``surface`` (three vertices each) get face number -1; without
+    ``surface`` all do.
+    """
+    elements = _oriented(points, elements)
+    elements, points, vertices, edge_ends = _renumber(points, elements)
+    points, curved = _straightened(points, elements, edge_ends, vertices)
+    facets = _facets(elements, parts)
+    if surface is not None and surface_face is not None:
+        old_to_new = _vertex_map(points, elements, surface)
+        facets = _with_faces(facets, elements, old_to_new, surface_face)
+    return HeatMesh(points, elements, parts, vertices, edge_ends, curved, facets)
+
+
+def split_contacts(mesh: HeatMesh, contact: NDArray[np.bool_]) -> HeatMesh:
+    """Double the nodes on the interface facets marked in ``contact``: the temperature may jump there.
+
+    Nodes of two elements are one where a chain of facets without contact links them.
+    """
+    f = mesh.facets
+    if not contact.any():
+        return mesh
+    m = len(mesh.elements)
+    pairs = _interior_pairs(mesh.elements)
+    key = np.sort(np.stack([f.element[contact], f.other[contact]], axis=1), axis=1)
+    broken = np.isin(_pair_key(pairs[:, [0, 2]], m), key[:, 0] * m + key[:, 1])
+    pairs = pairs[~broken]
+    near = pairs[:, 0, None] * 10 + FACETS[pairs[:, 1]]
+    far = pairs[:, 2, None] * 10 + FACETS[pairs[:, 3]]
+    order_near = np.argsort(mesh.elements.ravel()[near], axis=1)
+    order_far = np.argsort(mesh.elements.ravel()[far], axis=1)
+    i = np.take_along_axis(near, order_near, axis=1).ravel()
+    j = np.take_along_axis(far, order_far, axis=1).ravel()
+    graph = sparse.coo_matrix((np.ones(len(i), dtype=np.int8), (i, j)), shape=(10 * m, 10 * m)).tocsr()
+    _, label = connected_components(graph, directed=False)
+    is_vertex = np.tile(np.arange(10) < 4, m)
+    _, first, dense = np.unique(
+        np.where(is_vertex, 0, 10 * m) + label, return_index=True, return_inverse=True
+    )
+    elements = dense.reshape(m, 10).astype(np.int64)
+    points = mesh.points[mesh.elements.ravel()[first]]
+    vertices = int(is_vertex[first].sum())
+    return HeatMesh(
+        points, elements, mesh.parts, vertices, _edge_ends(elements, len(points), vertices), mesh.curved, f
+    )
+
+
+def _oriented(points: Array, elements: Index) -> Index:
+    """Turn elements of negative volume over."""
+    a, b, c, d = (points[elements[:, i]] for i in range(4))
+    volume = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a)
+    flipped = elements[:, [0, 2, 1, 3, 6, 5, 4, 7, 9, 8]]
+    return np.where((volume < 0)[:, None], flipped, elements)
+
+
+def _renumber(points: Array, elements: Index) -> tuple[Index, Array, int, Index]:
+    """Put vertices first and drop points no element uses."""
+    vertex_ids = np.unique(elements[:, :4])
+    edge_ids = np.setdiff1d(np.unique(elements[:, 4:]), vertex_ids)
+    order = np.concatenate([vertex_ids, edge_ids])
+    place = np.full(len(points), -1, dtype=np.int64)
+    place[order] = np.arange(len(order))
+    renumbered = place[elements]
+    return renumbered, points[order], len(vertex_ids), _edge_ends(renumbered, len(order), len(vertex_ids))
+
+
+def _edge_ends(elements: Index, count: int, vertices: int) -> Index:
+    ends = np.zeros((count - vertices, 2), dtype=np.int64)
+    ends[elements[:, 4:].ravel() - vertices] = elements[:, EDGES].reshape(-1, 2)
+    return np.sort(ends, axis=1)
+
+
+def _straightened(
+    points: Array, elements: Index, edge_ends: Index, vertices: int
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Move edge nodes back to the middle where a curved element would turn inside out."""
+    middle = points[edge_ends].mean(axis=1)
+    length = np.linalg.norm(points[edge_ends[:, 0]] - points[edge_ends[:, 1]], axis=1)
+    off = np.linalg.norm(points[vertices:] - middle, axis=1) > 1e-9 * length
+    points = points.copy()
+    points[vertices:][~off] = middle[~off]
+    for _ in range(20):
+        bent = off[elements[:, 4:] - vertices].any(axis=1)
+        bad = np.flatnonzero(bent)[_twisted(points[elements[bent]])]
+        if len(bad) == 0:
+            break
+        straight = np.unique(elements[bad, 4:] - vertices)
+        points[vertices + straight] = middle[straight]
+        off[straight] = False
+    return points, off[elements[:, 4:] - vertices].any(axis=1)
+
+
+def _twisted(nodes: Array) -> NDArray[np.bool_]:
+    """Whether the Jacobian somewhere falls below a fifth of the straight element's (nodes (m, 10, 3))."""
+    from hyperfab.thermal.elements import TETRAHEDRON
+
+    points = np.concatenate([TETRAHEDRON.points, TETRAHEDRON.corners])
+    _, gradients = TETRAHEDRON.tabulate(points)
+    jacobian = np.einsum("mid,qik->mqdk", nodes, gradients)
+    straight = np.einsum(
+        "ij,ij->i",
+        np.cross(nodes[:, 1] - nodes[:, 0], nodes[:, 2] - nodes[:, 0]),
+        nodes[:, 3] - nodes[:, 0],
+    )
+    least: NDArray[np.bool_] = np.linalg.det(jacobian).min(axis=1) < 0.2 * straight
+    return least
+
+
+def _interior_pairs(elements: Index) -> Index:
+    """Return (element, local facet, other element, its local facet) of all facets between two elements."""
+    owner, local, _, start, count = _sorted_facets(elements)
+    two = start[count == 2]
+    return np.stack([owner[two], local[two], owner[two + 1], local[two + 1]], axis=1)
+
+
+def _sorted_facets(elements: Index) -> tuple[Index, Index, Index, Index, Index]:
+    m = len(elements)
+    corners = np.sort(elements[:, FACETS[:, :3]].reshape(-1, 3), axis=1)
+    order = np.lexsort((corners[:, 2], corners[:, 1], corners[:, 0]))
+    corners = corners[order]
+    new = np.ones(len(corners), dtype=bool)
+    new[1:] = (corners[1:] != corners[:-1]).any(axis=1)
+    start = np.flatnonzero(new)
+    count = np.diff(np.append(start, len(corners)))
+    owner = np.repeat(np.arange(m), 4)[order]
+    local = np.tile(np.arange(4), m)[order]
+    return owner, local, corners, start, count
+
+
+def _facets(elements: Index, parts: Index) -> Facets:
+    owner, local, _, start, count = _sorted_facets(elements)
+    one = start[count == 1]
+    two = start[count == 2]
+    between = two[parts[owner[two]] != parts[owner[two + 1]]]
+    swap = parts[owner[between]] > parts[owner[between + 1]]
+    low, high = between + swap, between + 1 - swap
+    nothing = np.full(len(one), -1, dtype=np.int64)
+    return Facets(
+        element=np.concatenate([owner[one], owner[low]]),
+        local=np.concatenate([local[one], local[low]]),
+        other=np.concatenate([nothing, owner[high]]),
+        other_local=np.concatenate([nothing, local[high]]),
+        face=np.full(len(one) + len(between), -1, dtype=np.int64),
+    )
+
+
+def _vertex_map(points: Array, elements: Index, surface: Index) -> Index:
+    """The mesher's vertices are all used and come first, so their order is kept."""
+    if surface.max() >= elements[:, :4].max() + 1:
+        raise ValueError("the mesher's vertices do not come first")
+    return surface
+
+
+def _with_faces(facets: Facets, elements: Index, surface: Index, face: Index) -> Facets:
+    corners = np.sort(elements[facets.element[:, None], FACETS[facets.local][:, :3]], axis=1)
+    known = np.sort(surface, axis=1)
+    size = int(max(corners.max(), known.max())) + 1
+    known_key = (known[:, 0] * size + known[:, 1]) * size + known[:, 2]
+    order = np.argsort(known_key, kind="stable")
+    key = (corners[:, 0] * size + corners[:, 1]) * size + corners[:, 2]
+    at = np.searchsorted(known_key[order], key)
+    at = np.minimum(at, len(order) - 1)
+    found = known_key[order][at] == key
+    number = np.where(found, face[order][at], -1)
+    return Facets(facets.element, facets.local, facets.other, facets.other_local, number)
+
+
+def _pair_key(pairs: Index, size: int) -> Index:
+    low = np.sort(pairs, axis=1)
+    return low[:, 0] * size + low[:, 1]
+
+
+def _pairing(near: Array, far: Array) -> Index:
+    """For each near corner (f, 3, 3) the number of the far corner at the same place."""
+    gap = np.linalg.norm(near[:, :, None, :] - far[:, None, :, :], axis=3)
+    return np.argmin(gap, axis=2)
+
+
+def _edge_of(corner: Index) -> Index:
+    """Numbers of the edge nodes 3, 4, 5 (edges 01, 12, 20) for corners permuted as ``corner`` (f, 3)."""
+    table = np.array([[-1, 3, 5], [3, -1, 4], [5, 4, -1]])
+    following = np.roll(corner, -1, axis=1)
+    return table[corner, following]

@@ -1,0 +1,166 @@
+"""The door to the mesher: a geometry goes in, conforming ten-node tetrahedra come out, or a reason why not.
+
+Netgen (LGPL) with its OpenCASCADE kernel was chosen for exact booleans of boxes, cylinders and ellipsoids, for
+conforming interfaces and for the quality of its tetrahedra. It runs in a process of its own under a watchdog: a
+mesher that crashes or never returns ends with a message, Ctrl-C works at once, and no child is left behind.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.errors import InputError, NotConverged
+from hyperfab.surface import Surface
+from hyperfab.thermal.geometry import Body, Box, Cylinder, Ellipsoid, Geometry, Shape, Stl
+
+#: Seconds a mesh may take: a base, and so much per tetrahedron expected (Netgen makes some 15 000 a second).
+PATIENCE_BASE = 120.0
+PATIENCE_PER_TETRAHEDRON = 1e-3
+
+#: A tetrahedron of edge h in a Netgen mesh has about this share of h cubed.
+TETRAHEDRON_SHARE = 0.12
+
+#: How fast elements may grow away from small features; 0.3 is Netgen's moderate setting.
+GRADING = 0.3
+
+_KINDS: dict[type, str] = {Box: "box", Cylinder: "cylinder", Ellipsoid: "ellipsoid", Stl: "stl"}
+
+
+@dataclass(frozen=True)
+class RawMesh:
+    """What the mesher made, lengths in mm.
+
+    ``points`` (n, 3); ``elements`` (m, 10): four vertices, then the middles of edges 01 12 02 03 13 23; ``parts``
+    (m,) the part of each element; ``surface`` (s, 3) vertices of the facets on faces and interfaces, with
+    ``surface_face`` (s,) the number of the face each lies on; ``volumes`` the exact volume of each part [mm^3].
+    """
+
+    points: NDArray[np.float64]
+    elements: NDArray[np.int64]
+    parts: NDArray[np.int64]
+    surface: NDArray[np.int64]
+    surface_face: NDArray[np.int64]
+    volumes: NDArray[np.float64]
+
+
+def expected_tetrahedra(geometry: Geometry, mesh_size: float) -> float:
+    """Estimate the number of tetrahedra from the bounding boxes, from above."""
+    volume = 0.0
+    for part in geometry.parts:
+        low, high = part.bounds
+        volume += float(np.prod(high - low))
+    return volume / (TETRAHEDRON_SHARE * mesh_size**3)
+
+
+def make_mesh(
+    geometry: Geometry,
+    mesh_size: float,
+    *,
+    grading: float = GRADING,
+    patience: float | None = None,
+    waiting: Callable[[float], None] = lambda seconds: None,
+) -> RawMesh:
+    """Mesh the parts with tetrahedra of edge ``mesh_size`` [mm], smaller at small features.
+
+    ``waiting`` is called some times a second with the seconds gone by. Raises InputError where the geometry makes
+    no sense (parts that overlap, a cavity outside the parts), NotConverged where the mesher fails or takes longer
+    than ``patience`` seconds.
+    """
+    limit = patience
+    if limit is None:
+        limit = PATIENCE_BASE + PATIENCE_PER_TETRAHEDRON * expected_tetrahedra(geometry, mesh_size)
+    job = {
+        "task": "mesh",
+        "parts": [_body(part) for part in geometry.parts],
+        "cavities": [_body(cavity) for cavity in geometry.cavities],
+        "patches": [{"part": patch.part, "box": _shape(patch.box)} for patch in geometry.patches],
+        "mesh_size": mesh_size,
+        "grading": grading,
+    }
+    return RawMesh(**_ask(job, limit, waiting))
+
+
+def remesh_surface(
+    surface: Stl, mesh_size: float, *, waiting: Callable[[float], None] = lambda seconds: None
+) -> tuple[Stl, float]:
+    """Mesh a closed surface anew with triangles of edge ``mesh_size`` [mm], so that it makes no tiny tetrahedra.
+
+    Returns the new surface and how far the old vertices lie from it at most [mm]. Raises as ``make_mesh`` does.
+    """
+    job = {
+        "task": "surface",
+        "vertices": surface.vertices.tolist(),
+        "triangles": surface.triangles.tolist(),
+        "mesh_size": mesh_size,
+        "grading": GRADING,
+    }
+    arrays = _ask(job, PATIENCE_BASE, waiting)
+    near = Surface(arrays["vertices"], arrays["triangles"]).nearest(surface.vertices)
+    deviation = float(np.abs(near.distance).max())
+    return Stl(arrays["vertices"], arrays["triangles"], surface.name), deviation
+
+
+def _ask(job: dict[str, Any], limit: float, waiting: Callable[[float], None]) -> dict[str, Any]:
+    """Give the worker a job and return its arrays."""
+    status, answer = _run(json.dumps(job).encode(), limit, waiting)
+    if status is None:
+        raise NotConverged(
+            f"the mesher did not come back within {limit:.0f} s and was stopped",
+            remedy="take a coarser mesh_size, or simplify the geometry where faces nearly touch",
+        )
+    if status != 0 or not answer:
+        raise NotConverged(
+            "the mesher failed on this geometry",
+            remedy="avoid faces that nearly coincide, or change mesh_size a little",
+        )
+    with np.load(io.BytesIO(answer), allow_pickle=False) as archive:
+        arrays = dict(archive)
+    if "refused" in arrays:
+        raise InputError(str(arrays["refused"]))
+    return arrays
+
+
+def _run(job: bytes, limit: float, waiting: Callable[[float], None]) -> tuple[int | None, bytes]:
+    """Run the worker; the status is None where it had to be stopped."""
+    start = time.monotonic()
+    with subprocess.Popen(
+        [sys.executable, "-m", "hyperfab.thermal.netgen_worker"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,  # Ctrl-C reaches the parent alone, which then stops the worker
+    ) as process:
+        try:
+            pending: bytes | None = job
+            while True:
+                try:
+                    answer, _ = process.communicate(pending, timeout=0.2)
+                    return process.returncode, answer
+                except subprocess.TimeoutExpired:
+                    pending = None
+                gone = time.monotonic() - start
+                if gone > limit:
+                    return None, b""
+                waiting(gone)
+        finally:
+            process.kill()
+
+
+def _body(body: Body) -> dict[str, Any]:
+    return {"name": body.name, "shapes": [_shape(shape) for shape in body.shapes]}
+
+
+def _shape(shape: Shape) -> dict[str, Any]:
+    if isinstance(shape, Stl):
+        return {"kind": "stl", "vertices": shape.vertices.tolist(), "triangles": shape.triangles.tolist()}
+    return {"kind": _KINDS[type(shape)], **asdict(shape)}

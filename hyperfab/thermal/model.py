@@ -1,0 +1,205 @@
+"""The heated mold as a system of equations: stored heat, heat flow, and the linear systems of a time step.
+
+With nodal temperatures T the model is dE/dt = f(t, T): E the heat stored at each node, f the heat that flows to it
+by conduction and through the boundary conditions. Held nodes follow their table instead, and the flow that this
+takes is read off the balance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from hyperfab.errors import NotConverged
+from hyperfab.numerics.multilevel import Direct, Preconditioner, TwoLevel, conjugate_gradients
+from hyperfab.numerics.vectors import dot, norm
+from hyperfab.thermal.assembly import Pattern
+from hyperfab.thermal.condition import Condition
+from hyperfab.thermal.heater import Heater
+from hyperfab.thermal.material import ThermalMaterial
+from hyperfab.thermal.medium import Medium
+from hyperfab.thermal.mesh import HeatMesh
+from hyperfab.thermal.prescribed import Prescribed
+
+Array = NDArray[np.float64]
+
+#: Below this number of unknowns a factorisation of the whole matrix is cheaper than the two-level cycle.
+SMALL = 2000
+#: A stage is solved when its residual has fallen to this share, or a Newton step moves no node by more than STILL.
+RESIDUAL = 1e-9
+STILL = 1e-9
+NEWTON_STEPS = 40
+
+
+@dataclass
+class Work:
+    """What was spent: linear solves, conjugate-gradient steps, preconditioners made."""
+
+    solves: int = 0
+    iterations: int = 0
+    setups: int = 0
+
+
+@dataclass
+class HeatModel:
+    """A mesh, its materials (one a part), and what happens on faces, in volumes and at joints."""
+
+    mesh: HeatMesh
+    materials: Sequence[ThermalMaterial]
+    conditions: Sequence[Condition]
+    prescribed: Sequence[Prescribed] = ()
+    work: Work = field(default_factory=Work)
+
+    def __post_init__(self) -> None:
+        groups = [c.nodes for c in self.conditions if len(c.nodes) and c.nodes.shape[1] != 6]
+        self.pattern = Pattern(len(self.mesh.points), [self.mesh.elements, *groups])
+        self.medium = Medium(self.mesh, self.materials, self.pattern)
+        self.free = np.ones(len(self.mesh.points), dtype=bool)
+        for held in self.prescribed:
+            self.free[held.nodes] = False
+        self.linear = self.medium.linear and all(c.linear for c in self.conditions)
+        self._prolongation = _degree_two_on_one(self.mesh, self.free)
+        self._capacity = self.pattern.matrix(self.medium.capacity(np.zeros(self.size)))
+        diagonal = self._capacity.diagonal()
+        self._total_capacity = float(self._capacity.sum())
+        #: Heat capacity of each node [J/K], all positive (diagonal scaling: row sums of degree 2 are not).
+        self.lumped_capacity = diagonal * (self._total_capacity / diagonal.sum())
+        self.last_matrix: sparse.csr_matrix | None = None
+        self._prepared: tuple[float, float] | None = None
+        self._preconditioner: Preconditioner | None = None
+
+    @property
+    def size(self) -> int:
+        """Number of nodes."""
+        return len(self.mesh.points)
+
+    @property
+    def heaters(self) -> list[Heater]:
+        """The heaters among the conditions."""
+        return [c for c in self.conditions if isinstance(c, Heater)]
+
+    @property
+    def solver_name(self) -> str:
+        """What solves the linear systems."""
+        small = int(self.free.sum()) <= SMALL
+        return "sparse factorisation" if small else "conjugate gradients, degree 2 on degree 1"
+
+    def total_capacity(self, temperature: Array) -> float:
+        """Return the heat capacity of all parts at nodal temperatures [J/K]."""
+        return float(self.medium.capacity(temperature).sum())
+
+    def hold(self, time: float, temperature: Array) -> Array:
+        """Return the temperatures with the held nodes set to their values at ``time``."""
+        result = temperature.copy()
+        for held in self.prescribed:
+            held.apply(time, result)
+        return result
+
+    def flow(self, time: float, temperature: Array) -> Array:
+        """Return the heat flow to each node (n,) [W]."""
+        total = -(self.pattern.matrix(self.medium.conduction(temperature)) @ temperature)
+        for condition in self.conditions:
+            total += condition.flow(time, temperature)
+        return total
+
+    def tangent(self, time: float, temperature: Array) -> Array:
+        """Return the data of minus the flow's derivative (its symmetric part in k(T)) [W/K]."""
+        data = self.medium.conduction(temperature).copy()
+        for condition in self.conditions:
+            if len(condition.nodes):
+                self.pattern.scatter(condition.nodes, condition.tangent(time, temperature), data)
+        return data
+
+    def solve_stage(
+        self, time: float, interval: float, target: Array, guess: Array, storage: float = 1.0
+    ) -> tuple[Array, float]:
+        """Solve storage E(T) - interval f(time, T) = target for T, from a guess with the held nodes set.
+
+        ``interval`` [s]; ``storage`` is 1 in a time step and 0 in the steady state. Returns the temperatures and
+        the residual, relative to what the step began with. The last thing done is a uniform shift that makes the
+        residuals of the free nodes sum to zero: it closes the energy balance, which the iteration leaves open by
+        its tolerance.
+        """
+        temperature = guess.copy()
+        matrix = self._step_matrix(time, interval, storage, temperature)
+        self._prepare(matrix, interval, storage)
+        scale = norm(matrix.diagonal() * self.free)
+        self.last_matrix = matrix
+        start, size, moved = None, np.inf, np.inf
+        for step in range(NEWTON_STEPS):
+            residual = target + interval * self.flow(time, temperature)
+            if storage:
+                residual -= storage * self.medium.stored(temperature)
+            residual[~self.free] = 0.0
+            size = norm(residual)
+            start = size if start is None else start
+            if size <= max(RESIDUAL * start, 1e-13 * scale) or moved <= STILL:
+                return self._balanced(matrix, residual, temperature), size / start if start else 0.0
+            if step and not self.linear:
+                matrix = self._step_matrix(time, interval, storage, temperature)
+            tolerance = 0.3 * RESIDUAL if self.linear else 1e-5
+            change = self.solve(matrix, residual, tolerance)
+            temperature += change
+            moved = float(np.abs(change).max())
+            if not np.isfinite(moved) or moved > 1e7:
+                break
+        raise NotConverged(
+            f"the temperatures at {time:.6g} s did not settle (residual {size:.2g})",
+            remedy="check film coefficients and material tables for jumps",
+        )
+
+    def solve_steady(self, time: float, guess: Array) -> tuple[Array, float]:
+        """Solve f(time, T) = 0 from a guess with the held nodes set; the body must lose heat somewhere."""
+        return self.solve_stage(time, 1.0, np.zeros(self.size), guess, storage=0.0)
+
+    def capacity_norm(self, field: Array) -> float:
+        """Return the root of the mean square of a nodal field, weighted with the heat capacity."""
+        return float(np.sqrt(max(dot(field, self._capacity @ field), 0.0) / self._total_capacity))
+
+    def solve(self, matrix: sparse.csr_matrix, right: Array, tolerance: float) -> Array:
+        """Solve with the step's matrix by preconditioned conjugate gradients."""
+        assert self._preconditioner is not None
+        found = conjugate_gradients(matrix, right, self._preconditioner, self.free, tolerance=tolerance)
+        self.work.solves += 1
+        self.work.iterations += found.iterations
+        return found.x
+
+    def _step_matrix(
+        self, time: float, interval: float, storage: float, temperature: Array
+    ) -> sparse.csr_matrix:
+        data = interval * self.tangent(time, temperature)
+        if storage:
+            data += storage * self.medium.capacity(temperature)
+        return self.pattern.matrix(data)
+
+    def _prepare(self, matrix: sparse.csr_matrix, interval: float, storage: float) -> None:
+        """Make the preconditioner for a step length; a matrix that only drifts keeps it."""
+        if self._prepared == (interval, storage):
+            return
+        if int(self.free.sum()) <= SMALL:
+            self._preconditioner = Direct(matrix, self.free)
+        else:
+            p = self._prolongation
+            coarse = Direct(sparse.csr_matrix(p.T @ (matrix @ p)))
+            self._preconditioner = TwoLevel(matrix, p, coarse, self.free)
+        self._prepared = (interval, storage)
+        self.work.setups += 1
+
+    def _balanced(self, matrix: sparse.csr_matrix, residual: Array, temperature: Array) -> Array:
+        uniform = self.free.astype(float)
+        temperature[self.free] += float(residual.sum()) / dot(uniform, matrix @ uniform)
+        return temperature
+
+
+def _degree_two_on_one(mesh: HeatMesh, free: NDArray[np.bool_]) -> sparse.csr_matrix:
+    """Return the prolongation from free vertices to free nodes: edge nodes are the mean of their ends."""
+    n, v = len(mesh.points), mesh.vertices
+    rows = np.concatenate([np.arange(v), np.repeat(np.arange(v, n), 2)])
+    columns = np.concatenate([np.arange(v), mesh.edge_ends.ravel()])
+    entries = np.concatenate([np.ones(v), np.full(2 * (n - v), 0.5)])
+    whole = sparse.csr_matrix((entries * free[rows], (rows, columns)), shape=(n, v))
+    return sparse.csr_matrix(whole[:, np.flatnonzero(free[:v])])

@@ -1,0 +1,44 @@
+"""Radiation of a grey face to large surroundings: heat leaves as emissivity sigma (T^4 - T_ambient^4)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.thermal.facet_operator import FacetOperator
+from hyperfab.thermal.tables import Table
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+#: Stefan-Boltzmann constant [W/m^2/K^4] (CODATA 2018, exact).
+SIGMA = 5.670374419e-8
+#: 0 degC [K].
+ZERO_CELSIUS = 273.15
+
+
+class Radiation:
+    """A radiating face: ``emissivity`` 0 to 1, ``ambient`` [degC] against time."""
+
+    def __init__(self, name: str, facets: FacetOperator, emissivity: float, ambient: Table) -> None:
+        self.name = name
+        self.facets = facets
+        self.emissivity = emissivity
+        self.ambient = ambient
+        self.linear = emissivity == 0.0
+
+    @property
+    def nodes(self) -> Index:
+        """Return the facets' nodes."""
+        return self.facets.nodes
+
+    def flow(self, time: float, temperature: Array) -> Array:
+        """Return the nodal heat flow into the body [W]."""
+        at = np.maximum(self.facets.at_points(temperature) + ZERO_CELSIUS, 0.0)
+        ambient = self.ambient.at(time) + ZERO_CELSIUS
+        return self.facets.load(-self.emissivity * SIGMA * (at**4 - ambient**4))
+
+    def tangent(self, time: float, temperature: Array) -> Array:
+        """Return minus the derivative of the flow, 4 emissivity sigma T^3."""
+        at = np.maximum(self.facets.at_points(temperature) + ZERO_CELSIUS, 0.0)
+        return self.facets.matrices(4.0 * self.emissivity * SIGMA * at**3)

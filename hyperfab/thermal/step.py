@@ -1,0 +1,99 @@
+"""One time step: Alexander's SDIRK2 (SIAM J. Numer. Anal. 14 (1977) 1006), L-stable, of second order.
+
+Both stages have the same matrix. The error estimate compares with weights of third order (for linear problems) on
+the two stages and the flow at the start, filtered through the stage matrix so that stiff parts do not spoil it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.thermal.model import HeatModel
+
+Array = NDArray[np.float64]
+
+GAMMA = 1.0 - 1.0 / math.sqrt(2.0)
+
+#: Weights of third order on (start, stage 1, stage 2): they satisfy sum b = 1, sum b c = 1/2, sum b a c = 1/6.
+_B1 = (1.0 / 6.0 - 0.25) / (GAMMA**2 - 0.5 * GAMMA)
+_B2 = 0.5 - GAMMA * _B1
+_ERROR = (1.0 - _B1 - _B2, _B1 - (1.0 - GAMMA), _B2 - GAMMA)
+
+
+@dataclass(frozen=True)
+class State:
+    """Temperatures (n,) [degC], the heat stored at each node and its rate of change [J, W] at ``time`` [s]."""
+
+    time: float
+    temperature: Array
+    stored: Array
+    rate: Array
+
+
+@dataclass(frozen=True)
+class Step:
+    """A step taken: the state at its end, the estimated error [K], and its account of heat [J].
+
+    ``heat`` is the heat that entered through each condition, in the model's order, then through each group of
+    held nodes; ``residual`` the largest relative residual of its stages; ``slopes`` the rates of temperature
+    change at the two stages [K/s].
+    """
+
+    state: State
+    error: float
+    heat: Array
+    residual: float
+    slopes: tuple[Array, Array]
+
+
+def initial_state(model: HeatModel, time: float, temperature: Array) -> State:
+    """Return the state at the start; held nodes keep their start temperature until the first step."""
+    rate = model.flow(time, temperature)
+    return State(time, temperature, model.medium.stored(temperature), rate)
+
+
+def take_step(model: HeatModel, start: State, length: float) -> Step:
+    """Advance by ``length`` [s]; raises NotConverged where a stage does not settle."""
+    g = GAMMA * length
+    t1, t2 = start.time + g, start.time + length
+    guess = model.hold(t1, start.temperature)
+    first, residual1 = model.solve_stage(t1, g, start.stored, guess)
+    stored1 = model.medium.stored(first)
+    rate1 = (stored1 - start.stored) / g
+    slope1 = (first - start.temperature) / g
+    target = start.stored + (length - g) * rate1
+    guess = model.hold(t2, start.temperature + length * slope1)
+    second, residual2 = model.solve_stage(t2, g, target, guess)
+    stored2 = model.medium.stored(second)
+    rate2 = (stored2 - target) / g
+    slope2 = (second - start.temperature - (length - g) * slope1) / g
+    heat = (length - g) * _entering(model, t1, first, rate1) + g * _entering(model, t2, second, rate2)
+    error = _error(model, start, length, rate1, rate2)
+    state = State(t2, second, stored2, rate2)
+    return Step(state, error, heat, max(residual1, residual2), (slope1, slope2))
+
+
+def _entering(model: HeatModel, time: float, temperature: Array, rate: Array) -> Array:
+    """Return the power through each condition, and through each group of held nodes as their imbalance."""
+    through = [float(condition.flow(time, temperature).sum()) for condition in model.conditions]
+    if model.prescribed:
+        reaction = rate - model.flow(time, temperature)
+        done = model.free.copy()
+        for held in model.prescribed:
+            mine = held.nodes[~done[held.nodes]]
+            through.append(float(reaction[mine].sum()))
+            done[mine] = True
+    return np.array(through)
+
+
+def _error(model: HeatModel, start: State, length: float, rate1: Array, rate2: Array) -> float:
+    """Return the estimated error of the step, root of the mean square over the heat capacity [K]."""
+    right = length * (_ERROR[0] * start.rate + _ERROR[1] * rate1 + _ERROR[2] * rate2)
+    right[~model.free] = 0.0
+    assert model.last_matrix is not None
+    difference = model.solve(model.last_matrix, right, 1e-3)
+    return model.capacity_norm(difference)

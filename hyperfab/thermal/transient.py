@@ -1,0 +1,257 @@
+"""The warm-up: adaptive steps, events hit exactly, and the account of heat kept at every step."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.errors import NotConverged
+from hyperfab.numerics.vectors import dot
+from hyperfab.thermal.ledger import Ledger
+from hyperfab.thermal.model import HeatModel
+from hyperfab.thermal.step import State, Step, initial_state, take_step
+from hyperfab.thermal.thermostat import Thermostat
+
+Array = NDArray[np.float64]
+
+#: Step-size control: the error of a step falls with the third power of its length.
+ORDER = 3
+SAFETY = 0.85
+LEAST_FACTOR, GREATEST_FACTOR = 0.2, 5.0
+
+#: An event is hit when its quantity is this near [K], or the step is known to this share.
+EVENT_TEMPERATURE = 1e-7
+EVENT_TIME = 1e-12
+
+#: Without an end time the run stops where the watched temperature would change less than this in all time left [K].
+SETTLED = 1e-3
+
+
+@dataclass(frozen=True)
+class Target:
+    """``sensor`` (n,) weighs nodal temperatures into the watched mean; ``value`` [degC] is waited for."""
+
+    sensor: Array
+    value: float
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """How long to run: to ``until`` [s], or to the target where that is None; ``corners`` are hit exactly."""
+
+    until: float | None
+    corners: Sequence[float] = ()
+    tolerance: float = 0.1
+    most_steps: int = 100_000
+
+
+@dataclass
+class History:
+    """All accepted states, the step that led to each (None for the first), and the account of heat."""
+
+    states: list[State]
+    steps: list[Step | None]
+    ledger: Ledger
+    reached: int | None = None
+    rejected: int = 0
+    settled: bool = False
+    switches: list[float] = field(default_factory=list)
+    jumps: list[int] = field(default_factory=list)
+
+    @property
+    def reached_time(self) -> float | None:
+        """Time at which the target was reached [s]."""
+        return None if self.reached is None else self.states[self.reached].time
+
+
+def run(
+    model: HeatModel,
+    start: Array,
+    schedule: Schedule,
+    *,
+    target: Target | None = None,
+    thermostats: Sequence[Thermostat] = (),
+    advance: Callable[[float, Array], None] = lambda time, temperature: None,
+) -> History:
+    """Follow the temperatures from ``start`` (n,) [degC] at time 0.
+
+    ``advance`` is told time and temperatures after every step. Raises NotConverged where the step falls below any
+    use or more than ``most_steps`` are taken.
+    """
+    state = initial_state(model, 0.0, start)
+    history = History([state], [None], Ledger.begin(model, state.stored))
+    _preset(thermostats, start)
+    corners = sorted({t for t in schedule.corners if t > 0.0})
+    end = schedule.until
+    length = _first_length(model, state, schedule)
+    if target is not None and dot(target.sensor, start) >= target.value:
+        history.reached = 0
+    while end is None or state.time < end:
+        stop = min([c for c in corners if c > state.time] + ([end] if end is not None else []), default=None)
+        length, last = _fit(length, state.time, stop)
+        step, length, rejected = _accepted(model, state, length, schedule.tolerance)
+        last = last and rejected == 0
+        history.rejected += rejected
+        following = length * _factor(step.error, schedule.tolerance)
+        step, event, hit_target = _stop_at_event(
+            model, state, step, target, history.reached is None, thermostats
+        )
+        if event is None and last and stop is not None:
+            step = _at(step, stop)
+        state = step.state
+        history.states.append(state)
+        history.steps.append(step)
+        history.ledger.add(step.heat, state.stored)
+        advance(state.time, state.temperature)
+        if hit_target:
+            history.reached = len(history.states) - 1
+            if end is None:
+                break
+        jump = event is not None or (stop is not None and state.time == stop)
+        if event is not None:
+            event.switch()
+            history.switches.append(state.time)
+        if jump:
+            history.jumps.append(len(history.states) - 1)
+            before = state.rate
+            state = State(
+                state.time, state.temperature, state.stored, model.flow(state.time, state.temperature)
+            )
+            following = min(following, _length_after_jump(model, before, state, schedule, following))
+        if end is None and target is not None and _never(history, target):
+            history.settled = True
+            break
+        length = following
+        if len(history.states) > schedule.most_steps:
+            raise NotConverged(
+                f"{schedule.most_steps} time steps did not reach the end",
+                remedy="widen the thermostat's band or the tolerance",
+            )
+    return history
+
+
+def _preset(thermostats: Sequence[Thermostat], start: Array) -> None:
+    for thermostat in thermostats:
+        thermostat.heater.on = True
+        if thermostat.excess(start) >= 0.0:
+            thermostat.switch()
+
+
+def _first_length(model: HeatModel, state: State, schedule: Schedule) -> float:
+    """Guess a first step: ten times the time in which the fastest mean change makes the allowed error."""
+    speed = model.capacity_norm(state.rate / model.lumped_capacity)
+    guess = 10.0 * schedule.tolerance / speed if speed > 0 else np.inf
+    if schedule.until is not None:
+        guess = min(guess, schedule.until / 20)
+    return guess if np.isfinite(guess) else 1.0
+
+
+def _length_after_jump(
+    model: HeatModel, before: Array, state: State, schedule: Schedule, following: float
+) -> float:
+    speed = model.capacity_norm((state.rate - before) * model.free / model.lumped_capacity)
+    return 10.0 * schedule.tolerance / speed if speed > 0 else following
+
+
+def _fit(length: float, time: float, stop: float | None) -> tuple[float, bool]:
+    """Shorten or stretch a step so that it ends at ``stop``, or halves the way to it when it is near."""
+    if stop is None:
+        return length, False
+    left = stop - time
+    if length >= left * (1.0 - 1e-9):
+        return left, True
+    return (left / 2, False) if length > left / 2 else (length, False)
+
+
+def _accepted(model: HeatModel, state: State, length: float, tolerance: float) -> tuple[Step, float, int]:
+    """Take a step, shorter until its error is allowed."""
+    for rejected in range(40):
+        step = take_step(model, state, length)
+        if step.error <= tolerance:
+            return step, length, rejected
+        length *= min(_factor(step.error, tolerance), 0.9)
+        if length <= 1e-12 * max(state.time, 1e-6):
+            break
+    raise NotConverged(
+        f"the time step at {state.time:.6g} s falls below any use", remedy="check tables for jumps"
+    )
+
+
+def _factor(error: float, tolerance: float) -> float:
+    if error <= 0.0:
+        return GREATEST_FACTOR
+    return float(np.clip(SAFETY * (tolerance / error) ** (1.0 / ORDER), LEAST_FACTOR, GREATEST_FACTOR))
+
+
+def _at(step: Step, time: float) -> Step:
+    """Write the end of the step as exactly the time it was aimed at."""
+    s = step.state
+    return Step(
+        State(time, s.temperature, s.stored, s.rate), step.error, step.heat, step.residual, step.slopes
+    )
+
+
+def _stop_at_event(
+    model: HeatModel,
+    start: State,
+    step: Step,
+    target: Target | None,
+    waiting: bool,
+    thermostats: Sequence[Thermostat],
+) -> tuple[Step, Thermostat | None, bool]:
+    """Shorten the step to the first event inside it: a thermostat that switches, or the target reached."""
+    event: Thermostat | None = None
+    hit = False
+    if target is not None and waiting:
+        wanted = target
+
+        def missing(temperature: Array) -> float:
+            return dot(wanted.sensor, temperature) - wanted.value
+
+        if missing(step.state.temperature) >= 0.0:
+            step = _shorten(model, start, step, missing)
+            hit = True
+    for thermostat in thermostats:
+        if thermostat.excess(step.state.temperature) >= 0.0 > thermostat.excess(start.temperature):
+            shorter = _shorten(model, start, step, thermostat.excess)
+            hit = hit and shorter.state.time >= step.state.time
+            step, event = shorter, thermostat
+    return step, event, hit
+
+
+def _shorten(model: HeatModel, start: State, step: Step, excess: Callable[[Array], float]) -> Step:
+    """Find the step length at which ``excess`` of the end temperatures is zero (Illinois false position)."""
+    low, high = 0.0, step.state.time - start.time
+    low_value, high_value = excess(start.temperature), excess(step.state.temperature)
+    side = 0
+    while abs(high_value) > EVENT_TEMPERATURE and high - low > EVENT_TIME * max(high, start.time):
+        length = high - high_value * (high - low) / (high_value - low_value)
+        found = take_step(model, start, length)
+        value = excess(found.state.temperature)
+        if value >= 0.0 or abs(value) <= EVENT_TEMPERATURE:
+            high, high_value, step = length, value, found
+            low_value *= 0.5 if side == 1 else 1.0
+            side = 1
+        else:
+            low, low_value = length, value
+            high_value *= 0.5 if side == -1 else 1.0
+            side = -1
+    return step
+
+
+def _never(history: History, target: Target) -> bool:
+    """Whether the watched mean has come to rest short of the target: its geometric rest is below SETTLED."""
+    if len(history.states) < 4:
+        return False
+    a, b, c = (dot(target.sensor, s.temperature) for s in history.states[-3:])
+    t = [s.time for s in history.states[-3:]]
+    fast, slow = (b - a) / (t[1] - t[0]), (c - b) / (t[2] - t[1])
+    if abs(slow) * (t[2] - t[1]) < 1e-9:
+        return True
+    if not 0.0 < slow / fast < 1.0:
+        return slow < 0.0 and t[2] > 30 * 86400.0
+    decay = np.log(fast / slow) / (0.5 * (t[2] - t[0]))
+    return bool(c + slow / decay < target.value and slow / decay < SETTLED)
