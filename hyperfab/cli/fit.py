@@ -38,6 +38,15 @@ def fit(
     thickness: Annotated[
         str | None, typer.Option(metavar="LENGTH", help="Thickness of the fabric, as 0.6mm.")
     ] = None,
+    gauge_length: Annotated[
+        str | None, typer.Option(metavar="LENGTH", help="First length, where a file has extensions.")
+    ] = None,
+    width: Annotated[
+        str | None, typer.Option(metavar="LENGTH", help="Width of the specimen, where a file has forces.")
+    ] = None,
+    diameter: Annotated[
+        str | None, typer.Option(metavar="LENGTH", help="Diameter of a biaxial disc, where it has forces.")
+    ] = None,
     decimal: Annotated[
         str | None, typer.Option(metavar="MARK", help="Decimal mark of the files: . or ,")
     ] = None,

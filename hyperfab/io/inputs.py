@@ -13,7 +13,7 @@ from pathlib import Path
 from hyperfab.errors import InputError
 
 #: No input of the toolchain is larger; a device or a runaway pipe must not fill the memory.
-MAX_BYTES = 512 * 2**20
+MAX_BYTES = 256 * 2**20
 
 
 @dataclass(frozen=True)
@@ -56,9 +56,11 @@ class Inputs:
             # O_NONBLOCK: a named pipe nobody writes to must not hang the command while it is opened.
             descriptor = os.open(name, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
             with os.fdopen(descriptor, "rb") as stream:
-                mode = os.fstat(descriptor).st_mode
-                if stat.S_ISDIR(mode):
+                found = os.fstat(descriptor)
+                if stat.S_ISDIR(found.st_mode):
                     raise InputError("is a folder, not a file", file=name, remedy="name a file in it")
+                if found.st_size > limit:
+                    raise _too_large(name, limit)
                 os.set_blocking(descriptor, True)
                 data = stream.read(limit + 1)
         except FileNotFoundError as error:
@@ -79,11 +81,7 @@ class Inputs:
 
     def _take(self, name: str, data: bytes, limit: int) -> bytes:
         if len(data) > limit:
-            raise InputError(
-                f"is larger than {limit // 2**20} MiB",
-                file=name,
-                remedy="split or thin it out; nothing was read",
-            )
+            raise _too_large(name, limit)
         self._files.setdefault(name, InputFile(name, hashlib.sha256(data).hexdigest()))
         return data
 
@@ -93,6 +91,12 @@ class Inputs:
         if document == "-" or os.path.isabs(relative):
             return relative
         return os.path.normpath(os.path.join(os.path.dirname(document), relative))
+
+
+def _too_large(name: str, limit: int) -> InputError:
+    return InputError(
+        f"is larger than {limit // 2**20} MiB", file=name, remedy="split or thin it out; nothing was read"
+    )
 
 
 def _nearby(name: str) -> str:

@@ -147,7 +147,7 @@ def _stretch(sheet: Sheet, place: str, test: str, sizes: Geometry, decimal: str)
                 "needs the gauge length to become a stretch",
                 file=sheet.name,
                 column=extension.title,
-                remedy='add a line "# gauge length: 50 mm" on top',
+                remedy='give --gauge-length, or add a line "# gauge length: 50 mm" on top',
             )
         found, heading = 1.0 + quantities(sheet, extension, "length", decimal) / length, extension
     else:
@@ -212,7 +212,7 @@ def _stress(
                     "needs the thickness",
                     file=sheet.name,
                     column=deviation.title,
-                    remedy='add a line "# thickness: 0.6 mm" on top',
+                    remedy='give --thickness, or add a line "# thickness: 0.6 mm" on top',
                 )
     else:
         return None, False, None
@@ -230,7 +230,7 @@ def _width(sheet: Sheet, force: Heading, test: str, sizes: Geometry) -> float:
             f"needs the width{disc} of the specimen to become a stress",
             file=sheet.name,
             column=force.title,
-            remedy='add a line "# width: 25 mm" on top',
+            remedy='give --width, or add a line "# width: 25 mm" on top',
         )
     return sizes.width
 

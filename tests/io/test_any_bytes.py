@@ -22,18 +22,60 @@ from hyperfab.io.toml_io import load_toml
 GARBAGE = st.binary(max_size=300)
 LINE_ENDS = st.sampled_from(["\n", "\r\n", "\r", "\n\n", ""])
 CELLS = st.one_of(
-    st.sampled_from(["", "1.1", "1,2", "0,125", "1.234", "1.234,5", "nan", "-inf", "1e999", "−1.5", '"1.2"', '"', "-", "%", "x", "1_0"]),
-    st.sampled_from(["load", "unload", "warp", "weft", "45", "uniaxial", "shear", "[MPa]", "MPa", "(N)", "mm", "1 234,5"]),
+    st.sampled_from(
+        [
+            "",
+            "1.1",
+            "1,2",
+            "0,125",
+            "1.234",
+            "1.234,5",
+            "nan",
+            "-inf",
+            "1e999",
+            "−1.5",
+            '"1.2"',
+            '"',
+            "-",
+            "%",
+            "x",
+            "1_0",
+        ]
+    ),
+    st.sampled_from(
+        ["load", "unload", "warp", "weft", "45", "uniaxial", "shear", "[MPa]", "MPa", "(N)", "mm", "1 234,5"]
+    ),
     st.floats(-1e3, 1e3).map(repr),
     st.text(max_size=5),
-)  # fmt: skip
+)
 HEADINGS = st.sampled_from(
     [
-        "stretch", "strain [%]", "stress [MPa]", "stress (kPa)", "true stress [psi]", "membrane stress [N/mm]", "force [N]",
-        "extension [mm]", "stretch 2", "stress 2 [MPa]", "time [s]", "temperature [degC]", "rate [1/s]", "direction", "cycle",
-        "branch", "specimen", "test", "stress sd [MPa]", "stress_MPa", "stress", "", "x [furlong]", "volume ratio",
+        "stretch",
+        "strain [%]",
+        "stress [MPa]",
+        "stress (kPa)",
+        "true stress [psi]",
+        "membrane stress [N/mm]",
+        "force [N]",
+        "extension [mm]",
+        "stretch 2",
+        "stress 2 [MPa]",
+        "time [s]",
+        "temperature [degC]",
+        "rate [1/s]",
+        "direction",
+        "cycle",
+        "branch",
+        "specimen",
+        "test",
+        "stress sd [MPa]",
+        "stress_MPa",
+        "stress",
+        "",
+        "x [furlong]",
+        "volume ratio",
     ]
-)  # fmt: skip
+)
 COMMENTS = st.sampled_from(
     [
         "# test: shear",
@@ -84,7 +126,8 @@ def surfaces(draw: st.DrawFn) -> bytes:
     else:
         word = draw(st.sampled_from(["vertex", "VERTEX", "vertx", ""]))
         body = "".join(
-            f"facet normal 0 0 1\nouter loop\n{word} {a} {b} {c}\nvertex {d} {e} {f}\nvertex {g} {h} {i}\nendloop\nendfacet\n"
+            f"facet normal 0 0 1\nouter loop\n{word} {a} {b} {c}\n"
+            f"vertex {d} {e} {f}\nvertex {g} {h} {i}\nendloop\nendfacet\n"
             for a, b, c, d, e, f, g, h, i in rows
         )
         data = f"solid a\n{body}endsolid a\n".encode()
@@ -94,18 +137,35 @@ def surfaces(draw: st.DrawFn) -> bytes:
 
 JSON_LIKE = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
-    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=4), inner, max_size=4),
+    lambda inner: st.one_of(
+        st.lists(inner, max_size=4), st.dictionaries(st.text(max_size=4), inner, max_size=4)
+    ),
     max_leaves=12,
 ).map(lambda value: json.dumps(value).encode())
 TOML_LIKE = st.lists(
     st.sampled_from(
         [
-            "[run]", "[[part]]", "[a.b.c]", "x = 1", 'until = "3600 s"', "y = nan", "z = 1e999", "d = 1979-05-27T07:32:00Z",
-            "a.b = {c = [1, 2]}", "s = '''", 'm = """', "x = 0x_1", "# comment", "[part", "= 1", "k = inf # c", "h = [[[]]]",
+            "[run]",
+            "[[part]]",
+            "[a.b.c]",
+            "x = 1",
+            'until = "3600 s"',
+            "y = nan",
+            "z = 1e999",
+            "d = 1979-05-27T07:32:00Z",
+            "a.b = {c = [1, 2]}",
+            "s = '''",
+            'm = """',
+            "x = 0x_1",
+            "# comment",
+            "[part",
+            "= 1",
+            "k = inf # c",
+            "h = [[[]]]",
         ]
     ),
     max_size=8,
-).map(lambda lines: "\n".join(lines).encode())  # fmt: skip
+).map(lambda lines: "\n".join(lines).encode())
 
 
 def damaged(strategy: st.SearchStrategy[bytes]) -> st.SearchStrategy[bytes]:

@@ -75,7 +75,8 @@ def test_units_scale_and_odd_sizes_are_questioned() -> None:
     assert read_stl(CUBE, "cube.stl", unit="inch").vertices.max() == 508.0
     [question] = read_stl(CUBE, "cube.stl", unit="m").questions
     assert question == (
-        "cube.stl: measures 2e+04 x 2e+04 x 2e+04 mm when read in m; if that is not so, say --stl-unit (mm, cm, m, inch)"
+        "cube.stl: measures 2e+04 x 2e+04 x 2e+04 mm when read in m; "
+        "if that is not so, say --stl-unit (mm, cm, m, inch)"
     )
     [question] = read_stl(CUBE, "cube.stl", unit="um").questions
     assert "0.02 x 0.02 x 0.02 mm" in question

@@ -32,6 +32,9 @@ def run(
     stable: bool = False,
     accept: float = 0.30,
     thickness: str | None = None,
+    gauge_length: str | None = None,
+    width: str | None = None,
+    diameter: str | None = None,
     decimal: str | None = None,
     output: str = "-",
 ) -> int:
@@ -43,7 +46,13 @@ def run(
         raise UsageError(f"--accept {accept}: a relative rms above zero is needed, as 0.30")
     candidates = list(laws().values()) if model == "all" else [law(model)]
     files = {"uniaxial": uniaxial, "shear": shear, "biaxial": biaxial, "volumetric": volumetric}
-    tests = read_all(job, files, Geometry(thickness=_length(thickness, "--thickness")), decimal)
+    geometry = Geometry(
+        gauge_length=_length(gauge_length, "--gauge-length"),
+        width=_length(width, "--width"),
+        thickness=_length(thickness, "--thickness"),
+        diameter=_length(diameter, "--diameter"),
+    )
+    tests = read_all(job, files, geometry, decimal)
     out.refuse_inputs(job.inputs)
     readings = gather(tests, relative=objective == "relative")
     chosen = _chosen(fit_on, readings)
@@ -71,10 +80,7 @@ def run(
 def _length(text: str | None, option: str) -> float | None:
     if text is None:
         return None
-    try:
-        value = quantity(text, "length")
-    except InputError as error:
-        raise UsageError(f"{option} {text}: {error}") from None
+    value = quantity(text, "length", option=option)
     if not value > 0.0:
         raise UsageError(f"{option} {text}: a length above zero is needed, as 0.6mm")
     return value
