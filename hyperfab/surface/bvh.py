@@ -97,7 +97,7 @@ def build(corners: Floats) -> tuple[Ints, Floats, Ints, Ints, Ints]:
     return order, bounds[:nodes].copy(), right[:nodes].copy(), start[:nodes].copy(), count[:nodes].copy()
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True)
 def _box_distance2(bounds: Floats, node: int, x: float, y: float, z: float) -> Any:
     dx = max(max(bounds[node, 0] - x, x - bounds[node, 3]), 0.0)
     dy = max(max(bounds[node, 1] - y, y - bounds[node, 4]), 0.0)
@@ -240,6 +240,30 @@ def nearest_many(
 
 
 @njit(cache=True)
+def _hit(tri: Floats, o: Floats, d: Floats) -> float:
+    """Distance along the ray to a triangle, in lengths of d; -1: none.
+
+    Moller and Trumbore's test (J. Graphics Tools 2, 1997), its edges widened by 1e-12 so that no ray slips between
+    two neighbours.
+    """
+    ax, ay, az = tri[1, 0] - tri[0, 0], tri[1, 1] - tri[0, 1], tri[1, 2] - tri[0, 2]
+    bx, by, bz = tri[2, 0] - tri[0, 0], tri[2, 1] - tri[0, 1], tri[2, 2] - tri[0, 2]
+    hx, hy, hz = d[1] * bz - d[2] * by, d[2] * bx - d[0] * bz, d[0] * by - d[1] * bx
+    det = ax * hx + ay * hy + az * hz
+    if det == 0.0:
+        return -1.0
+    sx, sy, sz = o[0] - tri[0, 0], o[1] - tri[0, 1], o[2] - tri[0, 2]
+    u = (sx * hx + sy * hy + sz * hz) / det
+    if u < -1e-12 or u > 1.0 + 1e-12:
+        return -1.0
+    qx, qy, qz = sy * az - sz * ay, sz * ax - sx * az, sx * ay - sy * ax
+    v = (d[0] * qx + d[1] * qy + d[2] * qz) / det
+    if v < -1e-12 or u + v > 1.0 + 1e-12:
+        return -1.0
+    return float((bx * qx + by * qy + bz * qz) / det)
+
+
+@njit(cache=True)
 def ray_many(
     origins: Floats,
     directions: Floats,
@@ -251,11 +275,7 @@ def ray_many(
     hit: Floats,
     slots: Ints,
 ) -> None:
-    """First hit along each ray, either side of a triangle; ``hit`` is inf and the slot -1 where there is none.
-
-    Moller and Trumbore's test (J. Graphics Tools 2, 1997), its edges widened by 1e-12 so that no ray slips between
-    two neighbours.
-    """
+    """First hit along each ray, either side of a triangle; ``hit`` is inf and the slot -1 where there is none."""
     stack = np.empty(DEPTH, np.int64)
     for i in range(origins.shape[0]):
         best, slot = np.inf, -1
@@ -283,21 +303,7 @@ def ray_many(
                 top += 2
                 continue
             for t in range(start[node], start[node] + count[node]):
-                e1 = corners[t, 1] - corners[t, 0]
-                e2 = corners[t, 2] - corners[t, 0]
-                h = np.cross(directions[i], e2)
-                det = e1[0] * h[0] + e1[1] * h[1] + e1[2] * h[2]
-                if det == 0.0:
-                    continue
-                s = origins[i] - corners[t, 0]
-                u = (s[0] * h[0] + s[1] * h[1] + s[2] * h[2]) / det
-                if u < -1e-12 or u > 1.0 + 1e-12:
-                    continue
-                q = np.cross(s, e1)
-                v = (directions[i, 0] * q[0] + directions[i, 1] * q[1] + directions[i, 2] * q[2]) / det
-                if v < -1e-12 or u + v > 1.0 + 1e-12:
-                    continue
-                along = (e2[0] * q[0] + e2[1] * q[1] + e2[2] * q[2]) / det
+                along = _hit(corners[t], origins[i], directions[i])
                 if 0.0 <= along < best:
                     best, slot = along, t
         hit[i], slots[i] = best, slot

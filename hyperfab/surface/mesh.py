@@ -123,7 +123,8 @@ class Surface:
         return out
 
     @cached_property
-    def _incident(self) -> tuple[Ints, Ints]:
+    def incident(self) -> tuple[Ints, Ints]:
+        """Facets at vertex v: ``facets[first[v] : first[v + 1]]`` of (first, facets)."""
         flat = self.faces.ravel()
         order = np.argsort(flat, kind="stable")
         first = np.searchsorted(flat[order], np.arange(len(self.vertices) + 1))
@@ -142,7 +143,7 @@ class Surface:
             other = self.twins[face, feature - 1]
             return self.normals[[face] if other < 0 else [face, other]]
         vertex = self.faces[face, feature - 4]
-        first, incident = self._incident
+        first, incident = self.incident
         return self.normals[incident[first[vertex] : first[vertex + 1]]]
 
     def nearest(self, points: object, *, hint: Ints | None = None) -> Nearest:

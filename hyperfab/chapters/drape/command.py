@@ -1,0 +1,182 @@
+"""``hf drape``: a sheet of fabric at equilibrium on a mold."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from hyperfab.chapters.drape import files
+from hyperfab.chapters.drape.fabric import Fabric, read_fabric, use_of
+from hyperfab.chapters.drape.mold import PlacedMold, read_mold
+from hyperfab.chapters.job import Job
+from hyperfab.cloth import Answers, Equilibrium, HeldNodeInside, Sheet, Step, answers, drape, mold_of
+from hyperfab.cloth.cascade import grid_sizes
+from hyperfab.cloth.mold import FREE
+from hyperfab.cloth.net import FIXED
+from hyperfab.documents.drape import DrapeDocument, DrapeMold
+from hyperfab.errors import InputError, UsageError
+from hyperfab.io import units
+from hyperfab.io.output import Output
+
+SIDES = ("x-", "x+", "y-", "y+")
+MOST_NODES = 4_000_000
+LEFT_OUT = ["friction", "shear stiffness", "gravity", "pre-tension", "draw-in"]
+
+
+def run(
+    job: Job,
+    *,
+    material: str,
+    mold: str,
+    grid: str,
+    size: str,
+    depth: str,
+    thickness: str | None,
+    clamp: str,
+    tolerance: float,
+    stl_unit: str,
+    output: str,
+) -> int:
+    """Relax a sheet onto a mold and write where it rests; 4 where no equilibrium was found."""
+    out = Output(output, (".vtu", ".csv", ".png"))
+    n, m = _grid(grid)
+    sides = units.size(size, option="--size")
+    rise = units.quantity(depth, "length", option="--depth")
+    edges = _edges(clamp)
+    if min(sides) <= 0.0:
+        raise UsageError(f"--size {size}: both sides must be longer than 0")
+    if rise < 0.0:
+        raise UsageError(f"--depth {depth}: the mold is pushed up by 0mm or more")
+    if not 1e-12 <= tolerance <= 1e-2:
+        raise UsageError(f"--tolerance {tolerance:g}: choose between 1e-12 and 1e-2; 1e-6 is usual")
+    fabric = read_fabric(job, material, thickness)
+    placed = read_mold(job, mold, stl_unit, rise)
+    out.refuse_inputs(job.inputs)
+
+    sheet = Sheet(n, m, sides, fabric.thickness, fabric.warp, fabric.weft, edges=_held(edges))
+    surface = mold_of(placed.surface, placed.shift)
+    with job.console.progress("Draping") as advance:
+        total = sum(a * b for a, b in grid_sizes(n, m))
+
+        def report(step: Step) -> None:
+            a, b = step.nodes
+            done = sum(p * q for p, q in grid_sizes(n, m) if p * q < a * b)
+            share = float(np.log(max(step.residual, tolerance)) / np.log(tolerance))
+            advance((done + max(share, 0.0) * a * b) / total, f"{a}x{b} nodes, residual {step.residual:.1e}")
+
+        try:
+            found = drape(sheet, surface, tolerance, report)
+        except HeldNodeInside as error:
+            raise _held_inside(error, sheet, placed) from None
+    fields = answers(sheet, surface, found)
+    document = _document(fabric, sheet, placed, found, fields, tolerance)
+    document.depth_mm, document.clamp = rise, edges
+    sound = _judge(job, document)
+    if out.wants_files:
+        out.add(".vtu", files.field(sheet, found, fields))
+        out.add(".csv", files.history(found))
+        out.add(".png", files.picture(sheet, found, fields))
+    job.write(out, document)
+    return 0 if sound else 4
+
+
+def _grid(text: str) -> tuple[int, int]:
+    match = re.fullmatch(r"\s*(\d{1,5})\s*[x×]\s*(\d{1,5})\s*", text)
+    if match is None:
+        raise UsageError(f"--grid {text}: give the nodes along warp and weft; write 100x100")
+    n, m = int(match[1]), int(match[2])
+    if min(n, m) < 3:
+        raise UsageError(f"--grid {text}: at least 3 nodes a side")
+    if n * m > MOST_NODES:
+        raise UsageError(f"--grid {text}: {n * m} nodes are more than the {MOST_NODES} that fit; take fewer")
+    return n, m
+
+
+def _edges(text: str) -> list[str]:
+    names = list(SIDES) if text.strip() == "edges" else [part.strip() for part in text.split(",")]
+    wrong = [name for name in names if name not in SIDES]
+    if wrong or not names:
+        raise UsageError(f"--clamp {text}: {wrong[0]!r} is no edge; write edges, or some of x-,x+,y-,y+")
+    return [side for side in SIDES if side in names]
+
+
+def _held(edges: list[str]) -> tuple[int, int, int, int]:
+    a, b, c, d = (FIXED if side in edges else 0 for side in SIDES)
+    return a, b, c, d
+
+
+def _held_inside(error: HeldNodeInside, sheet: Sheet, placed: PlacedMold) -> InputError:
+    x, y, _ = sheet.flat()[error.node]
+    return InputError(
+        f"the clamped edge of the sheet at ({x:.4g}, {y:.4g}) mm is {error.depth:.3g} mm inside the mold",
+        file=placed.name,
+        remedy="make --size larger or --depth smaller, or leave that edge out of --clamp",
+    )
+
+
+def _document(
+    fabric: Fabric, sheet: Sheet, placed: PlacedMold, found: Equilibrium, fields: Answers, tolerance: float
+) -> DrapeDocument:
+    warp, weft = use_of(fabric, fields.stretch_warp, fields.stretch_weft)
+    status = None
+    if not found.converged:
+        x, y, _ = sheet.flat()[found.worst]
+        status = (
+            f"{found.status}: residual {found.residual_relative:.2e} above {tolerance:g}, "
+            f"worst at the node that lies at ({x:.4g}, {y:.4g}) mm of the flat sheet"
+        )
+    return DrapeDocument(
+        converged=found.converged,
+        status=status,
+        iterations=sum(1 for step in found.history if step.iteration > 0),
+        iterations_finest=found.history[-1].iteration,
+        residual_max_N=found.residual_max,
+        residual_relative=found.residual_relative,
+        tolerance=tolerance,
+        energy_J=found.energy * 1e-3,
+        force_N=fields.press_force,
+        imbalance_N=fields.imbalance,
+        contact_nodes=int(np.count_nonzero(found.state.contact != FREE)),
+        penetration_max_mm=max(fields.node_penetration, fields.edge_penetration),
+        penetration_nodes_mm=fields.node_penetration,
+        penetration_edges_mm=fields.edge_penetration,
+        penetration_edges_at_mm=list(fields.edge_at) if fields.edge_penetration > 0.0 else None,
+        slack_springs=fields.slack_springs,
+        stress_warp_max_MPa=float(fields.stress_warp.max()),
+        stress_weft_max_MPa=float(fields.stress_weft.max()),
+        thickness_min_mm=float(fields.cell_thickness.min()),
+        thickness_mm=sheet.thickness,
+        grid=[sheet.n, sheet.m],
+        size_mm=list(sheet.size),
+        depth_mm=0.0,
+        clamp=[],
+        warp=warp,
+        weft=weft,
+        mold=DrapeMold(
+            facets=len(placed.surface.faces), closed=placed.soundness.closed, shift_mm=list(placed.shift)
+        ),
+        left_out=LEFT_OUT,
+    )
+
+
+def _judge(job: Job, document: DrapeDocument) -> bool:
+    """Say what the user must know before trusting the answer; False where it is no equilibrium to rely on."""
+    sound = document.converged
+    if document.status is not None:
+        job.console.warn(document.status)
+    for name, use in (("warp", document.warp), ("weft", document.weft)):
+        if use.beyond_tested:
+            job.console.warn(
+                f"{use.beyond_tested} {name} springs are stretched up to {use.stretch_max:.3f}, beyond the tests "
+                f"of the fabric (up to {use.tested_stretch_max:.3f}): their stress is extrapolated"
+            )
+        if use.softens_at is not None:
+            sound = False
+            text = (
+                f"the constants along {name} are unstable where they are used: the stress falls beyond stretch "
+                f"{use.softens_at:.3f}, and springs reach {use.stretch_max:.3f}; fit the fabric again with --stable"
+            )
+            document.status = text if document.status is None else f"{document.status}; {text}"
+            job.console.warn(text)
+    return sound

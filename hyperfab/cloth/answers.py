@@ -1,0 +1,178 @@
+"""What an equilibrium says: stretches, stresses, thickness, slack, forces, and how deep anything is in the mold."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+from hyperfab.surface.bvh import DEPTH, nearest_one
+
+from .law import Floats, SpringLaw
+from .mold import FREE, Mold
+from .net import Sheet
+from .newton import ROWS, Equilibrium, State
+
+#: A spring shorter than its rest length by more than this share is slack (below it: rounding).
+SLACK = 1e-9
+
+
+@dataclass(frozen=True)
+class Answers:
+    """Fields of the draped sheet; nodes (n, m), cells (n - 1, m - 1), springs by direction.
+
+    Stresses are nominal (force per undeformed section), at a node the mean of its springs of that direction.
+    """
+
+    stretch_warp: Floats  # (n - 1, m) springs
+    stretch_weft: Floats  # (n, m - 1)
+    stress_warp: Floats  # (n, m) MPa
+    stress_weft: Floats  # (n, m) MPa
+    cell_stretch_warp: Floats  # (n - 1, m - 1)
+    cell_stretch_weft: Floats
+    cell_shear: Floats  # degrees off the right angle
+    cell_thickness: Floats  # mm
+    cell_slack: npt.NDArray[np.bool_]
+    slack_springs: int
+    contact_force: Floats  # (n, m, 3) N, of the mold on the sheet
+    reaction: Floats  # (n, m, 3) N, of the clamps on the sheet
+    press_force: float  # N, along z
+    imbalance: float  # N, clamp reactions + contact forces + weight
+    node_penetration: float  # mm
+    edge_penetration: float  # mm
+    edge_at: tuple[float, float]  # place on the flat sheet of the deepest edge
+
+
+def answers(sheet: Sheet, mold: Mold, found: Equilibrium) -> Answers:
+    """Fields and figures of an equilibrium."""
+    x = found.state.x
+    hx, hy = sheet.spacing
+    rest = sheet.arrays.rest
+    along = np.linalg.norm(np.diff(x, axis=0), axis=2)
+    across = np.linalg.norm(np.diff(x, axis=1), axis=2)
+    warp, weft = along / rest[0], across / rest[1]
+    slack_warp, slack_weft = warp < 1.0 - SLACK, weft < 1.0 - SLACK
+    diagonal = (x[1:, 1:] - x[:-1, :-1], x[:-1, 1:] - x[1:, :-1])
+    area = 0.5 * np.linalg.norm(np.cross(*diagonal), axis=2)
+    side_x, side_y = 0.5 * (diagonal[0] - diagonal[1]), 0.5 * (diagonal[0] + diagonal[1])
+    cosine = (side_x * side_y).sum(2) / np.maximum(
+        np.linalg.norm(side_x, axis=2) * np.linalg.norm(side_y, axis=2), 1e-300
+    )
+    cell_slack = slack_warp[:, :-1] | slack_warp[:, 1:] | slack_weft[:-1] | slack_weft[1:]
+    touching = (found.state.contact != FREE)[:, :, None]
+    unbalanced = found.residual
+    held = np.zeros_like(x)
+    for axis in range(3):
+        held[:, :, axis] = (sheet.fixed >> axis) & 1
+    contact = np.where(touching, (unbalanced - found.force) * (1.0 - held), 0.0)
+    reaction = -found.force * held
+    weight = sheet.arrays.weight.sum()
+    total = contact.sum((0, 1)) + reaction.sum((0, 1)) - [0.0, 0.0, weight]
+    inside, edge, at = penetration(x, sheet, mold, found.state)
+    return Answers(
+        warp,
+        weft,
+        _at_nodes(sheet.warp, warp, 0),
+        _at_nodes(sheet.weft, weft, 1),
+        0.5 * (warp[:, :-1] + warp[:, 1:]),
+        0.5 * (weft[:-1] + weft[1:]),
+        np.degrees(np.arcsin(np.clip(cosine, -1.0, 1.0))),
+        sheet.thickness * hx * hy / np.maximum(area, 1e-300),
+        cell_slack,
+        int(slack_warp.sum() + slack_weft.sum()),
+        contact,
+        reaction,
+        float(contact[:, :, 2].sum()),
+        float(np.abs(total).max()),
+        inside,
+        edge,
+        at,
+    )
+
+
+def _at_nodes(law: SpringLaw, stretch: Floats, axis: int) -> Floats:
+    stress = law(stretch)[1]
+    pad = [(0, 0), (0, 0)]
+    pad[axis] = (1, 1)
+    padded = np.pad(stress, pad, mode="edge")
+    n = padded.shape[axis]
+    return np.asarray(0.5 * (padded.take(range(n - 1), axis) + padded.take(range(1, n), axis)))
+
+
+@njit(cache=True)
+def _deepest(
+    x: Floats, mold: Mold, clear: Floats, slot: npt.NDArray[np.int64], samples: int, first: int, last: int
+) -> tuple[float, float, int, int, int]:
+    """Depth of nodes and of springs of rows ``first:last`` in the mold, and the deepest spring (i, j, direction)."""
+    n, m = x.shape[0], x.shape[1]
+    stack, stack_d = np.empty(DEPTH, np.int64), np.empty(DEPTH)
+    node, edge, bi, bj, bd = 0.0, 0.0, 0, 0, 0
+    for i in range(first, last):
+        for j in range(m):
+            for d in range(2):
+                k, l = (i + 1, j) if d == 0 else (i, j + 1)
+                if k >= n or l >= m:
+                    k, l = i, j
+                dx, dy, dz = x[k, l, 0] - x[i, j, 0], x[k, l, 1] - x[i, j, 1], x[k, l, 2] - x[i, j, 2]
+                if clear[i, j] + clear[k, l] > np.sqrt(dx * dx + dy * dy + dz * dz):
+                    continue
+                last_sample = samples if k != i or l != j else 1
+                for s in range(last_sample):
+                    if s == 0 and d == 1:
+                        continue
+                    t = s / samples
+                    px, py, pz = x[i, j, 0] + t * dx, x[i, j, 1] + t * dy, x[i, j, 2] + t * dz
+                    cx, cy, cz, near, feature = nearest_one(
+                        px,
+                        py,
+                        pz,
+                        slot[i, j],
+                        mold.corners,
+                        mold.bounds,
+                        mold.right,
+                        mold.start,
+                        mold.number,
+                        stack,
+                        stack_d,
+                    )
+                    v = mold.normals[near, feature]
+                    if (px - cx) * v[0] + (py - cy) * v[1] + (pz - cz) * v[2] < 0.0:
+                        depth = np.sqrt((px - cx) ** 2 + (py - cy) ** 2 + (pz - cz) ** 2)
+                        if s == 0:
+                            node = max(node, depth)
+                        elif depth > edge:
+                            edge, bi, bj, bd = depth, i, j, d
+    return node, edge, bi, bj, bd
+
+
+def penetration(
+    x: Floats, sheet: Sheet, mold: Mold, state: State, samples: int = 4
+) -> tuple[float, float, tuple[float, float]]:
+    """Greatest depth in mm of a node and of a spring between its nodes in the mold, and where on the flat sheet.
+
+    Springs are probed at ``samples`` - 1 points, the deepest one again at 64.
+    """
+    node, edge, where = 0.0, 0.0, (0, 0, 0)
+    rows = max(1, ROWS // (8 * sheet.m))
+    for i in range(0, sheet.n, rows):
+        a, b, *at = _deepest(x, mold, state.clear, state.slot, samples, i, min(i + rows, sheet.n))
+        node = max(node, a)
+        if b > edge:
+            edge, where = b, (at[0], at[1], at[2])
+    i, j, d = where
+    if edge > 0.0:
+        two = np.s_[i : i + 2, j : j + 1] if d == 0 else np.s_[i : i + 1, j : j + 2]
+        fine = _deepest(
+            np.ascontiguousarray(x[two]),
+            mold,
+            np.zeros((2, 2)),
+            np.ascontiguousarray(state.slot[two]),
+            64,
+            0,
+            1,
+        )
+        edge = max(edge, fine[1])
+    flat = sheet.flat()[i, j]
+    return node, edge, (float(flat[0]), float(flat[1]))

@@ -1,0 +1,58 @@
+"""Equilibrium from a coarse grid to the fine one: each grid starts from the interpolated answer of the one before."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from .mold import Mold
+from .net import Sheet
+from .newton import Equilibrium, Step, equilibrium
+from .start import lowered, refined
+
+#: The first grid has at most this many nodes a side; a few hundred unknowns find the contact at no cost.
+COARSEST = 24
+#: Residual to which the coarse grids are brought; their error of discretisation is far above it.
+COARSE_TOLERANCE = 1e-4
+
+
+def grid_sizes(n: int, m: int) -> list[tuple[int, int]]:
+    """Grids from the coarsest to n by m nodes, each with about half the spacing of the one before.
+
+    >>> grid_sizes(100, 50)
+    [(25, 13), (50, 25), (100, 50)]
+    """
+    sizes = [(n, m)]
+    while max(n, m) > COARSEST + 1:
+        n, m = (max((k + 1) // 2, min(k, 3)) for k in (n, m))
+        sizes.append((n, m))
+    return sizes[::-1]
+
+
+def drape(
+    sheet: Sheet, mold: Mold, tolerance: float = 1e-6, report: Callable[[Step], None] | None = None
+) -> Equilibrium:
+    """Equilibrium of a flat sheet lowered onto a mold from above.
+
+    Returns the state on the sheet's own grid, with the history of all grids.
+    Raises HeldNodeInside where the mold reaches a clamped node.
+
+    >>> from hyperfab.cloth import Sheet, drape, mold_of, piecewise_linear
+    >>> from hyperfab.surface import Surface
+    >>> tip = Surface([[0, 0, 5], [30, 0, -20], [-15, 26, -20], [-15, -26, -20]],
+    ...               [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    >>> law = piecewise_linear([1.0, 2.0], [0.0, 1.0])
+    >>> found = drape(Sheet(11, 11, (100.0, 100.0), 1.0, law, law), mold_of(tip))
+    >>> found.converged, int((found.state.contact != 0).sum())
+    (True, 1)
+    """
+    state, history = None, []
+    sizes = grid_sizes(sheet.n, sheet.m)
+    for n, m in sizes:
+        grid = sheet.coarser(n, m)
+        start = lowered(grid, mold) if state is None else refined(state, grid, mold)
+        goal = tolerance if (n, m) == sizes[-1] else max(tolerance, COARSE_TOLERANCE)
+        found = equilibrium(grid, mold, start, goal, report=report)
+        history += found.history
+        state = found.state
+    found.history = history
+    return found

@@ -1,0 +1,205 @@
+"""Contact of the net's nodes with a mold, decided and not penalised: a node is outside or on the surface.
+
+A node on a face keeps the tangential part of its force; on an edge or vertex the cone of normals decides: it rests
+there while the force presses into the cone of the facets' normals, else it goes on to the facet that lets it follow
+the force, or leaves. A node leaves when the force points outward.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+from hyperfab.surface.bvh import DEPTH, nearest_one
+
+from .law import Floats
+from .mold import FREE, ON_FACE, SHARP, Ints, Mold, States, copy, decide, dot, edge_reached, outward, valley
+
+
+@njit(cache=True)
+def move(
+    x: Floats,
+    d: Floats,
+    alpha: float,
+    mold: Mold,
+    state: States,
+    slot: Ints,
+    clear: Floats,
+    xt: Floats,
+    state_t: States,
+    slot_t: Ints,
+    clear_t: Floats,
+    first: int,
+    last: int,
+) -> None:
+    """Nodes of rows ``first:last`` moved by ``alpha d`` and set back onto the mold where they are on or in it.
+
+    ``clear`` is a distance below which a free node's ball holds no part of the mold: most free nodes need no search.
+    """
+    m = x.shape[1]
+    stack, stack_d = np.empty(DEPTH, np.int64), np.empty(DEPTH)
+    y, u = np.empty(3), np.empty(3)
+    for i in range(first, last):
+        for j in range(m):
+            way = 0.0
+            for k in range(3):
+                step = alpha * d[i, j, k]
+                way += step * step
+                y[k] = x[i, j, k] + step
+                xt[i, j, k] = y[k]
+            state_t[i, j], slot_t[i, j], clear_t[i, j] = state[i, j], slot[i, j], clear[i, j]
+            if way == 0.0:
+                continue
+            way = np.sqrt(way)
+            if state[i, j] == FREE and clear[i, j] > way:
+                clear_t[i, j] -= way
+                continue
+            if state[i, j] == ON_FACE:
+                edge, s = edge_reached(mold, slot[i, j], x[i, j], y, u)
+                if edge < 0:  # it stays on its flat facet
+                    a, n = mold.corners[slot[i, j], 0], mold.normals[slot[i, j], 0]
+                    off = (y[0] - a[0]) * n[0] + (y[1] - a[1]) * n[1] + (y[2] - a[2]) * n[2]
+                    for k in range(3):
+                        xt[i, j, k] = y[k] - off * n[k]
+                    continue
+                if edge >= 0 and mold.turn[slot[i, j], edge] > SHARP:
+                    for k in range(3):
+                        xt[i, j, k] = x[i, j, k] + s * (y[k] - x[i, j, k])
+                    state_t[i, j] = ON_FACE + 1 + edge
+                    continue
+            cx, cy, cz, near, feature = nearest_one(
+                y[0],
+                y[1],
+                y[2],
+                slot[i, j],
+                mold.corners,
+                mold.bounds,
+                mold.right,
+                mold.start,
+                mold.number,
+                stack,
+                stack_d,
+            )
+            n = mold.normals[near, feature]
+            slot_t[i, j] = near
+            if state[i, j] == FREE:
+                height = (y[0] - cx) * n[0] + (y[1] - cy) * n[1] + (y[2] - cz) * n[2]
+                if height > 0.0:
+                    clear_t[i, j] = np.sqrt((y[0] - cx) ** 2 + (y[1] - cy) ** 2 + (y[2] - cz) ** 2)
+                    continue
+            xt[i, j, 0], xt[i, j, 1], xt[i, j, 2] = cx, cy, cz
+            state_t[i, j], clear_t[i, j] = ON_FACE + feature, 0.0
+
+
+@njit(cache=True)
+def _projector(bits: int, normals: Floats, count: int, q: Floats) -> None:
+    """q (6): projector off the fixed axes and off the first ``count`` of ``normals`` (overwritten)."""
+    q[0], q[1], q[2], q[3], q[4], q[5] = 1.0, 0.0, 0.0, 1.0, 0.0, 1.0
+    v = np.empty(3)
+    for c in range(3 + count):
+        if c < 3:
+            if not (bits >> c) & 1:
+                continue
+            v[0], v[1], v[2] = 0.0, 0.0, 0.0
+            v[c] = 1.0
+        else:
+            copy(normals[c - 3], v)
+        a = q[0] * v[0] + q[1] * v[1] + q[2] * v[2]
+        b = q[1] * v[0] + q[3] * v[1] + q[4] * v[2]
+        d = q[2] * v[0] + q[4] * v[1] + q[5] * v[2]
+        length2 = a * a + b * b + d * d
+        if length2 < 1e-18:
+            continue
+        q[0] -= a * a / length2
+        q[1] -= a * b / length2
+        q[2] -= a * d / length2
+        q[3] -= b * b / length2
+        q[4] -= b * d / length2
+        q[5] -= d * d / length2
+    if q[0] + q[3] + q[5] < 0.5:
+        for k in range(6):
+            q[k] = 0.0
+
+
+@njit(cache=True)
+def settle(
+    x: Floats,
+    f: Floats,
+    mold: Mold,
+    fixed: npt.NDArray[np.uint8],
+    slack: float,
+    state: States,
+    slot: Ints,
+    before: Ints,
+    clear: Floats,
+    q: Floats,
+    r: Floats,
+    press: Floats,
+) -> tuple[float, int, int, int]:
+    """Decide the contact of every node under the forces f.
+
+    Fills the projectors ``q``, the unbalanced force ``r`` and the normal force ``press`` (n, m) N; nodes are let go
+    when the force points outward by more than ``slack`` N. ``before`` is the slot of each node before the last move.
+    Returns the largest unbalanced force, its node (flat index), the number of nodes on the mold, and how many
+    changed between free and contact.
+    """
+    n, m = x.shape[0], x.shape[1]
+    slots = np.empty(64, np.int64)
+    t, u = np.empty(3), np.empty(3)
+    normals = np.empty((2, 3))
+    worst, where, contacts, changed = 0.0, 0, 0, 0
+    for i in range(n):
+        for j in range(m):
+            press[i, j] = 0.0
+            bits = int(fixed[i, j])
+            if bits == 7:
+                for k in range(6):
+                    q[i, j, k] = 0.0
+                r[i, j, 0], r[i, j, 1], r[i, j, 2] = 0.0, 0.0, 0.0
+                continue
+            s = int(state[i, j])
+            if s == ON_FACE:
+                if before[i, j] != slot[i, j] and before[i, j] >= 0:
+                    e = valley(mold, x[i, j], f[i, j], slot[i, j], before[i, j], u, t)
+                    if e >= 0:
+                        s = ON_FACE + 1 + e
+                        state[i, j] = s
+                if s == ON_FACE and dot(f[i, j], mold.normals[slot[i, j], 0]) > slack:
+                    s = FREE
+            elif s > ON_FACE:
+                s, slot[i, j] = decide(mold, x[i, j], f[i, j], slot[i, j], s, slots, t, u)
+                if s == ON_FACE and dot(f[i, j], mold.normals[slot[i, j], 0]) > slack:
+                    s = FREE
+            if s == FREE and state[i, j] != FREE:
+                changed += 1
+                clear[i, j] = 0.0
+            state[i, j] = s
+            count = 0
+            if s == ON_FACE:
+                copy(mold.normals[slot[i, j], 0], normals[0])
+                count = 1
+            elif s > ON_FACE and s <= ON_FACE + 3:
+                e = s - ON_FACE - 1
+                copy(mold.normals[slot[i, j], 0], normals[0])
+                outward(mold, slot[i, j], e, normals[1])
+                count = 2
+            p = q[i, j]
+            if s > ON_FACE + 3:
+                for k in range(6):
+                    p[k] = 0.0
+            elif count == 0 and bits == 0:
+                p[0], p[1], p[2], p[3], p[4], p[5] = 1.0, 0.0, 0.0, 1.0, 0.0, 1.0
+            else:
+                _projector(bits, normals, count, p)
+            v = f[i, j]
+            r[i, j, 0] = p[0] * v[0] + p[1] * v[1] + p[2] * v[2]
+            r[i, j, 1] = p[1] * v[0] + p[3] * v[1] + p[4] * v[2]
+            r[i, j, 2] = p[2] * v[0] + p[4] * v[1] + p[5] * v[2]
+            if s != FREE:
+                contacts += 1
+                press[i, j] = np.sqrt(max(dot(v, v) - dot(r[i, j], r[i, j]), 0.0))
+            size = np.sqrt(dot(r[i, j], r[i, j]))
+            if size > worst:
+                worst, where = size, i * m + j
+    return worst, where, contacts, changed

@@ -1,0 +1,251 @@
+"""Operators of the multigrid hierarchy: sandwiched 3x3 blocks of the finest grid, and Galerkin products below."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+from .law import Floats
+
+Singles = npt.NDArray[np.float32]
+Ints = npt.NDArray[np.int64]
+
+# Offsets of the stored (forward) neighbours: next in x, next in y, and the two diagonals.
+OX = np.array([1, 0, 1, 1])
+OY = np.array([0, 1, 1, -1])
+
+
+@njit(cache=True)
+def _sandwich(q: Floats, b: Floats, r: Floats, sign: float, out: Singles) -> None:
+    """out (9) = sign * Q B R with symmetric Q, R (6) and full B (3, 3)."""
+    t = np.empty((3, 3))
+    for k in range(3):
+        t[0, k] = q[0] * b[0, k] + q[1] * b[1, k] + q[2] * b[2, k]
+        t[1, k] = q[1] * b[0, k] + q[3] * b[1, k] + q[4] * b[2, k]
+        t[2, k] = q[2] * b[0, k] + q[4] * b[1, k] + q[5] * b[2, k]
+    for k in range(3):
+        out[3 * k] = sign * (t[k, 0] * r[0] + t[k, 1] * r[1] + t[k, 2] * r[2])
+        out[3 * k + 1] = sign * (t[k, 0] * r[1] + t[k, 1] * r[3] + t[k, 2] * r[4])
+        out[3 * k + 2] = sign * (t[k, 0] * r[2] + t[k, 1] * r[4] + t[k, 2] * r[5])
+
+
+@njit(cache=True)
+def _full(s: Floats, b: Floats) -> None:
+    b[0, 0], b[0, 1], b[0, 2] = s[0], s[1], s[2]
+    b[1, 0], b[1, 1], b[1, 2] = s[1], s[3], s[4]
+    b[2, 0], b[2, 1], b[2, 2] = s[2], s[4], s[5]
+
+
+@njit(cache=True)
+def _add6(a: Floats, b: Floats) -> None:
+    for k in range(6):
+        a[k] += b[k]
+
+
+@njit(cache=True)
+def assemble(
+    warp: Floats,
+    weft: Floats,
+    one: Floats,
+    two: Floats,
+    extra: Floats,
+    q: Floats,
+    diag: Singles,
+    off: Singles,
+) -> None:
+    """Finest operator, sandwiched, from the springs' blocks and a node's own block ``extra``."""
+    n, m = q.shape[0], q.shape[1]
+    b = np.empty((3, 3))
+    s = np.empty(6)
+    o = np.empty(9, np.float32)
+    sheared = off.shape[2] == 4
+    for i in range(n):
+        for j in range(m):
+            for k in range(6):
+                s[k] = extra[i, j, k]
+            if i > 0:
+                _add6(s, warp[i - 1, j])
+            if i + 1 < n:
+                _add6(s, warp[i, j])
+            if j > 0:
+                _add6(s, weft[i, j - 1])
+            if j + 1 < m:
+                _add6(s, weft[i, j])
+            if sheared:
+                if i + 1 < n and j + 1 < m:
+                    _add6(s, one[i, j])
+                if i > 0 and j > 0:
+                    _add6(s, one[i - 1, j - 1])
+                if i + 1 < n and j > 0:
+                    _add6(s, two[i, j - 1])
+                if i > 0 and j + 1 < m:
+                    _add6(s, two[i - 1, j])
+            _full(s, b)
+            _sandwich(q[i, j], b, q[i, j], 1.0, o)
+            diag[i, j, 0], diag[i, j, 1], diag[i, j, 2] = o[0], o[1], o[2]
+            diag[i, j, 3], diag[i, j, 4], diag[i, j, 5] = o[4], o[5], o[8]
+            if i + 1 < n:
+                _full(warp[i, j], b)
+                _sandwich(q[i, j], b, q[i + 1, j], -1.0, off[i, j, 0])
+            if j + 1 < m:
+                _full(weft[i, j], b)
+                _sandwich(q[i, j], b, q[i, j + 1], -1.0, off[i, j, 1])
+            if sheared and i + 1 < n and j + 1 < m:
+                _full(one[i, j], b)
+                _sandwich(q[i, j], b, q[i + 1, j + 1], -1.0, off[i, j, 2])
+                _full(two[i, j], b)  # joins (i + 1, j) and (i, j + 1)
+                _sandwich(q[i, j + 1], b, q[i + 1, j], -1.0, off[i, j + 1, 3])
+
+
+@njit(cache=True)
+def invert(diag: Singles, q: Floats, inverse: Singles) -> None:
+    """Pseudo-inverse of each diagonal block on its node's subspace."""
+    n, m = q.shape[0], q.shape[1]
+    for i in range(n):
+        for j in range(m):
+            rank = q[i, j, 0] + q[i, j, 3] + q[i, j, 5]
+            if rank < 0.5:
+                for k in range(6):
+                    inverse[i, j, k] = 0.0
+                continue
+            # Complete the block by its mean stiffness off the subspace, invert, project.
+            d0, d1, d2 = float(diag[i, j, 0]), float(diag[i, j, 1]), float(diag[i, j, 2])
+            d3, d4, d5 = float(diag[i, j, 3]), float(diag[i, j, 4]), float(diag[i, j, 5])
+            s = (d0 + d3 + d5) / rank
+            if s <= 0.0:
+                for k in range(6):
+                    inverse[i, j, k] = 0.0
+                continue
+            tiny = 1e-6 * s  # a node whose springs are all in one plane keeps a little stiffness across
+            a0, a1, a2 = d0 + s * (1.0 - q[i, j, 0]) + tiny, d1 - s * q[i, j, 1], d2 - s * q[i, j, 2]
+            a3, a4, a5 = (
+                d3 + s * (1.0 - q[i, j, 3]) + tiny,
+                d4 - s * q[i, j, 4],
+                d5 + s * (1.0 - q[i, j, 5]) + tiny,
+            )
+            c0, c1, c2 = a3 * a5 - a4 * a4, a2 * a4 - a1 * a5, a1 * a4 - a2 * a3
+            det = a0 * c0 + a1 * c1 + a2 * c2
+            inv = 1.0 / det
+            s2 = 1.0 / (s + tiny)  # what the completion contributes, to be taken off again
+            inverse[i, j, 0] = c0 * inv - s2 * (1.0 - q[i, j, 0])
+            inverse[i, j, 1] = c1 * inv + s2 * q[i, j, 1]
+            inverse[i, j, 2] = c2 * inv + s2 * q[i, j, 2]
+            inverse[i, j, 3] = (a0 * a5 - a2 * a2) * inv - s2 * (1.0 - q[i, j, 3])
+            inverse[i, j, 4] = (a1 * a2 - a0 * a4) * inv + s2 * q[i, j, 4]
+            inverse[i, j, 5] = (a0 * a3 - a1 * a1) * inv - s2 * (1.0 - q[i, j, 5])
+
+
+@njit(cache=True)
+def _accumulate(
+    cd: Singles, co: Singles, ci: int, cj: int, di: int, dj: int, w: float, a: Singles, both: bool
+) -> None:
+    """Add w A (9) that couples coarse nodes (ci, cj) and (di, dj); ``both``: its transpose too (A off the diagonal)."""
+    oi, oj = di - ci, dj - cj
+    if oi == 0 and oj == 0:
+        v = 2.0 * w if both else w
+        h = 0.5 * v
+        cd[ci, cj, 0] += v * a[0]
+        cd[ci, cj, 1] += h * (a[1] + a[3])
+        cd[ci, cj, 2] += h * (a[2] + a[6])
+        cd[ci, cj, 3] += v * a[4]
+        cd[ci, cj, 4] += h * (a[5] + a[7])
+        cd[ci, cj, 5] += v * a[8]
+        return
+    if oi > 0 or (oi == 0 and oj > 0):
+        d = 0
+        if oi == 0:
+            d = 1
+        elif oj == 1:
+            d = 2
+        elif oj == -1:
+            d = 3
+        for k in range(9):
+            co[ci, cj, d, k] += w * a[k]
+        return
+    if not both:
+        return  # the diagonal block of a fine node meets the mirrored pair of its parents too
+    d = 0
+    if oi == 0:
+        d = 1
+    elif oj == -1:
+        d = 2
+    elif oj == 1:
+        d = 3
+    for r in range(3):
+        for c in range(3):
+            co[di, dj, d, 3 * c + r] += w * a[3 * r + c]
+
+
+@njit(cache=True)
+def galerkin(
+    diag: Singles,
+    off: Singles,
+    pi: Ints,
+    wi: Floats,
+    pj: Ints,
+    wj: Floats,
+    cd: Singles,
+    co: Singles,
+    first: int,
+    last: int,
+) -> None:
+    """Add fine rows ``first:last`` to the coarse operator P^T A P (not yet sandwiched)."""
+    n, m = diag.shape[0], diag.shape[1]
+    a = np.empty(9, np.float32)
+    for i in range(first, last):
+        for j in range(m):
+            for d in range(-1, off.shape[2]):
+                ni, nj = i, j
+                if d < 0:
+                    s = diag[i, j]
+                    a[0], a[1], a[2], a[3], a[4] = s[0], s[1], s[2], s[1], s[3]
+                    a[5], a[6], a[7], a[8] = s[4], s[2], s[4], s[5]
+                else:
+                    ni, nj = i + OX[d], j + OY[d]
+                    if ni >= n or nj >= m or nj < 0:
+                        continue
+                    for k in range(9):
+                        a[k] = off[i, j, d, k]
+                for p in range(4):
+                    w1 = wi[i, p // 2] * wj[j, p % 2]
+                    if w1 == 0.0:
+                        continue
+                    for r in range(4):
+                        w2 = w1 * wi[ni, r // 2] * wj[nj, r % 2]
+                        if w2 != 0.0:
+                            _accumulate(
+                                cd,
+                                co,
+                                pi[i, p // 2],
+                                pj[j, p % 2],
+                                pi[ni, r // 2],
+                                pj[nj, r % 2],
+                                w2,
+                                a,
+                                d >= 0,
+                            )
+
+
+@njit(cache=True)
+def sandwich_all(q: Floats, diag: Singles, off: Singles) -> None:
+    """Put the projectors of the coarse nodes around a coarse operator."""
+    n, m = q.shape[0], q.shape[1]
+    b = np.empty((3, 3))
+    o = np.empty(9, np.float32)
+    for i in range(n):
+        for j in range(m):
+            for k in range(6):
+                o[k] = diag[i, j, k]
+            b[0, 0], b[0, 1], b[0, 2], b[1, 1], b[1, 2], b[2, 2] = o[0], o[1], o[2], o[3], o[4], o[5]
+            b[1, 0], b[2, 0], b[2, 1] = b[0, 1], b[0, 2], b[1, 2]
+            _sandwich(q[i, j], b, q[i, j], 1.0, o)
+            diag[i, j, 0], diag[i, j, 1], diag[i, j, 2] = o[0], o[1], o[2]
+            diag[i, j, 3], diag[i, j, 4], diag[i, j, 5] = o[4], o[5], o[8]
+            for d in range(4):
+                ni, nj = i + OX[d], j + OY[d]
+                if ni < n and 0 <= nj < m:
+                    for r in range(3):
+                        for c in range(3):
+                            b[r, c] = off[i, j, d, 3 * r + c]
+                    _sandwich(q[i, j], b, q[ni, nj], 1.0, off[i, j, d])

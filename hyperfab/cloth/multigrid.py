@@ -1,0 +1,265 @@
+"""Geometric multigrid for the net's tangent: 3x3 blocks on an n by m grid, nine-point Galerkin coarse operators.
+
+The unknown of a node is its displacement in the node's allowed subspace, given by a projector Q (free: identity; on
+the mold: tangent plane; on a sharp edge: a line; held: zero). All operators are kept sandwiched between projectors,
+so that contact needs neither rotation nor renumbering. Blocks are stored in single precision: they only serve as a
+preconditioner.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+from .galerkin import OX, OY, Ints, Singles, assemble, galerkin, invert, sandwich_all
+from .law import Floats
+
+SMALLEST = 4  # grids of at most this many nodes a side are not coarsened further
+
+
+@dataclass
+class Level:
+    """Operator of one grid: projectors, diagonal blocks, forward blocks, inverse diagonals, and the way up."""
+
+    q: Floats  # (n, m, 6)
+    diag: Singles  # (n, m, 6)
+    off: Singles  # (n, m, 2 or 4, 9)
+    inverse: Singles  # (n, m, 6)
+    parents: tuple[Ints, Floats, Ints, Floats]  # per fine row: coarse rows and weights, then columns
+    vectors: Floats  # (3, n, m, 3) right side, solution, residual
+
+
+def coarse_size(n: int) -> int:
+    """Nodes of the next coarser grid: every second one and the last.
+
+    >>> [coarse_size(n) for n in (9, 10, 4, 3)]
+    [5, 6, 4, 3]
+    """
+    return n if n <= SMALLEST else n // 2 + 1
+
+
+def parents_of(n: int) -> tuple[Ints, Floats]:
+    """Coarse neighbours (n, 2) of each fine node of a line, and their weights."""
+    nc = coarse_size(n)
+    index, weight = np.zeros((n, 2), np.int64), np.zeros((n, 2))
+    fine = np.arange(n)
+    if nc == n:
+        index[:, 0], index[:, 1], weight[:, 0] = fine, fine, 1.0
+        return index, weight
+    index[:, 0], index[:, 1] = fine // 2, np.minimum(fine // 2 + 1, nc - 1)
+    weight[:, 0] = np.where(fine % 2 == 0, 1.0, 0.5)
+    weight[:, 1] = 1.0 - weight[:, 0]
+    index[-1], weight[-1] = (nc - 1, nc - 1), (1.0, 0.0)
+    return index, weight
+
+
+def injected(n: int) -> Ints:
+    """Fine index of each coarse node."""
+    nc = coarse_size(n)
+    return np.arange(n) if nc == n else np.minimum(2 * np.arange(nc), n - 1)
+
+
+@njit(cache=True, inline="always")
+def _add(a: Singles, u: Floats, s: Floats) -> None:
+    s[0] -= a[0] * u[0] + a[1] * u[1] + a[2] * u[2]
+    s[1] -= a[3] * u[0] + a[4] * u[1] + a[5] * u[2]
+    s[2] -= a[6] * u[0] + a[7] * u[1] + a[8] * u[2]
+
+
+@njit(cache=True, inline="always")
+def _add_t(a: Singles, u: Floats, s: Floats) -> None:
+    s[0] -= a[0] * u[0] + a[3] * u[1] + a[6] * u[2]
+    s[1] -= a[1] * u[0] + a[4] * u[1] + a[7] * u[2]
+    s[2] -= a[2] * u[0] + a[5] * u[1] + a[8] * u[2]
+
+
+@njit(cache=True)
+def _gather(off: Singles, u: Floats, i: int, j: int, s: Floats) -> None:
+    """s -= sum over the neighbours of (i, j) of their block times u."""
+    n, m = u.shape[0], u.shape[1]
+    if i > 0:
+        _add_t(off[i - 1, j, 0], u[i - 1, j], s)
+    if i + 1 < n:
+        _add(off[i, j, 0], u[i + 1, j], s)
+    if j > 0:
+        _add_t(off[i, j - 1, 1], u[i, j - 1], s)
+    if j + 1 < m:
+        _add(off[i, j, 1], u[i, j + 1], s)
+    if off.shape[2] == 4:
+        if i > 0 and j > 0:
+            _add_t(off[i - 1, j - 1, 2], u[i - 1, j - 1], s)
+        if i + 1 < n and j + 1 < m:
+            _add(off[i, j, 2], u[i + 1, j + 1], s)
+        if i > 0 and j + 1 < m:
+            _add_t(off[i - 1, j + 1, 3], u[i - 1, j + 1], s)
+        if i + 1 < n and j > 0:
+            _add(off[i, j, 3], u[i + 1, j - 1], s)
+
+
+@njit(cache=True)
+def sweep(inverse: Singles, off: Singles, b: Floats, u: Floats, forward: bool) -> None:
+    """One Gauss-Seidel sweep over the nodes, in order or in reverse."""
+    n, m = u.shape[0], u.shape[1]
+    s = np.empty(3)
+    for a in range(n):
+        i = a if forward else n - 1 - a
+        for c in range(m):
+            j = c if forward else m - 1 - c
+            s[0], s[1], s[2] = b[i, j, 0], b[i, j, 1], b[i, j, 2]
+            _gather(off, u, i, j, s)
+            d = inverse[i, j]
+            u[i, j, 0] = d[0] * s[0] + d[1] * s[1] + d[2] * s[2]
+            u[i, j, 1] = d[1] * s[0] + d[3] * s[1] + d[4] * s[2]
+            u[i, j, 2] = d[2] * s[0] + d[4] * s[1] + d[5] * s[2]
+
+
+@njit(cache=True)
+def residual(diag: Singles, off: Singles, b: Floats, u: Floats, r: Floats) -> None:
+    """r = b - A u."""
+    n, m = u.shape[0], u.shape[1]
+    s = np.empty(3)
+    for i in range(n):
+        for j in range(m):
+            s[0], s[1], s[2] = b[i, j, 0], b[i, j, 1], b[i, j, 2]
+            _gather(off, u, i, j, s)
+            d, v = diag[i, j], u[i, j]
+            r[i, j, 0] = s[0] - (d[0] * v[0] + d[1] * v[1] + d[2] * v[2])
+            r[i, j, 1] = s[1] - (d[1] * v[0] + d[3] * v[1] + d[4] * v[2])
+            r[i, j, 2] = s[2] - (d[2] * v[0] + d[4] * v[1] + d[5] * v[2])
+
+
+@njit(cache=True)
+def project(q: Floats, v: Floats) -> None:
+    """v = Q v at every node."""
+    for i in range(v.shape[0]):
+        for j in range(v.shape[1]):
+            a, b, c, p = v[i, j, 0], v[i, j, 1], v[i, j, 2], q[i, j]
+            v[i, j, 0] = p[0] * a + p[1] * b + p[2] * c
+            v[i, j, 1] = p[1] * a + p[3] * b + p[4] * c
+            v[i, j, 2] = p[2] * a + p[4] * b + p[5] * c
+
+
+@njit(cache=True)
+def restrict(r: Floats, pi: Ints, wi: Floats, pj: Ints, wj: Floats, out: Floats) -> None:
+    """out += P^T r."""
+    for i in range(r.shape[0]):
+        for j in range(r.shape[1]):
+            for p in range(4):
+                w = wi[i, p // 2] * wj[j, p % 2]
+                if w != 0.0:
+                    a, b = pi[i, p // 2], pj[j, p % 2]
+                    for k in range(3):
+                        out[a, b, k] += w * r[i, j, k]
+
+
+@njit(cache=True)
+def prolong(e: Floats, pi: Ints, wi: Floats, pj: Ints, wj: Floats, q: Floats, u: Floats) -> None:
+    """u += Q P e."""
+    s = np.empty(3)
+    for i in range(u.shape[0]):
+        for j in range(u.shape[1]):
+            s[0], s[1], s[2] = 0.0, 0.0, 0.0
+            for p in range(4):
+                w = wi[i, p // 2] * wj[j, p % 2]
+                if w != 0.0:
+                    v = e[pi[i, p // 2], pj[j, p % 2]]
+                    s[0] += w * v[0]
+                    s[1] += w * v[1]
+                    s[2] += w * v[2]
+            p6 = q[i, j]
+            u[i, j, 0] += p6[0] * s[0] + p6[1] * s[1] + p6[2] * s[2]
+            u[i, j, 1] += p6[1] * s[0] + p6[3] * s[1] + p6[4] * s[2]
+            u[i, j, 2] += p6[2] * s[0] + p6[4] * s[1] + p6[5] * s[2]
+
+
+class Multigrid:
+    """V-cycles on a hierarchy of grids; the arrays are kept between Newton steps.
+
+    ``sheared``: the finest grid has diagonal springs too.
+    """
+
+    def __init__(self, n: int, m: int, sheared: bool = False) -> None:
+        self.levels: list[Level] = []
+        directions = 4 if sheared else 2
+        while True:
+            ni, wi = parents_of(n)
+            nj, wj = parents_of(m)
+            self.levels.append(
+                Level(
+                    np.empty((n, m, 6)),
+                    np.zeros((n, m, 6), np.float32),
+                    np.zeros((n, m, directions, 9), np.float32),
+                    np.zeros((n, m, 6), np.float32),
+                    (ni, wi, nj, wj),
+                    np.zeros((3, n, m, 3)),
+                )
+            )
+            directions = 4
+            if max(n, m) <= SMALLEST:
+                break
+            n, m = coarse_size(n), coarse_size(m)
+        self.direct: Floats = np.zeros((0, 0))
+
+    def build(self, blocks: tuple[Floats, Floats, Floats, Floats], extra: Floats, q: Floats) -> None:
+        """Set up all levels for springs' ``blocks`` (warp, weft, two diagonals), node blocks and projectors."""
+        top = self.levels[0]
+        top.q[:] = q
+        assemble(*blocks, extra, q, top.diag, top.off)
+        invert(top.diag, top.q, top.inverse)
+        for fine, coarse in zip(self.levels, self.levels[1:], strict=False):
+            n, m = fine.q.shape[:2]
+            coarse.q[:] = fine.q[np.ix_(injected(n), injected(m))]
+            coarse.diag[:] = 0.0
+            coarse.off[:] = 0.0
+            chunk = max(1, 200_000 // m)
+            for i in range(0, n, chunk):
+                galerkin(fine.diag, fine.off, *fine.parents, coarse.diag, coarse.off, i, min(i + chunk, n))
+            sandwich_all(coarse.q, coarse.diag, coarse.off)
+            invert(coarse.diag, coarse.q, coarse.inverse)
+        self.direct = _dense_inverse(self.levels[-1])
+
+    def __call__(self, r: Floats, out: Floats) -> None:
+        """out = approximate inverse of the operator applied to r: one symmetric V-cycle."""
+        self.levels[0].vectors[0] = r
+        self._cycle(0)
+        out[:] = self.levels[0].vectors[1]
+
+    def _cycle(self, k: int) -> None:
+        level = self.levels[k]
+        b, u, r = level.vectors
+        if k == len(self.levels) - 1:
+            u[:] = (self.direct @ b.ravel()).reshape(u.shape)
+            return
+        u[:] = 0.0
+        sweep(level.inverse, level.off, b, u, True)
+        residual(level.diag, level.off, b, u, r)
+        below = self.levels[k + 1]
+        below.vectors[0] = 0.0
+        restrict(r, *level.parents, below.vectors[0])
+        project(below.q, below.vectors[0])
+        self._cycle(k + 1)
+        prolong(below.vectors[1], *level.parents, level.q, u)
+        sweep(level.inverse, level.off, b, u, False)
+
+
+def _dense_inverse(level: Level) -> Floats:
+    """Pseudo-inverse of the coarsest operator."""
+    n, m = level.q.shape[:2]
+    a = np.zeros((n, m, 3, n, m, 3))
+    for i in range(n):
+        for j in range(m):
+            d: Any = level.diag[i, j]
+            a[i, j, :, i, j, :] = [[d[0], d[1], d[2]], [d[1], d[3], d[4]], [d[2], d[4], d[5]]]
+            for k in range(level.off.shape[2]):
+                p, q = i + OX[k], j + OY[k]
+                if p < n and 0 <= q < m:
+                    block = level.off[i, j, k].reshape(3, 3)
+                    a[i, j, :, p, q, :] = block
+                    a[p, q, :, i, j, :] = block.T
+    values, vectors = np.linalg.eigh(a.reshape(n * m * 3, -1))
+    largest = values[-1]
+    inverse = np.where(values > 1e-7 * largest, 1.0 / np.where(values > 0, values, 1.0), 0.0)
+    return np.asarray((vectors * inverse) @ vectors.T)

@@ -1,0 +1,217 @@
+"""The net: a rectangular grid of tension-only springs along warp (x), weft (y) and, if asked, the diagonals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+from .law import Floats, SpringLaw, evaluate, piecewise_linear
+
+Bytes = npt.NDArray[np.uint8]
+
+# Bits of ``Sheet.fixed``: the axes along which a node cannot move.
+X, Y, Z = 1, 2, 4
+FIXED = X | Y | Z
+
+#: Standard acceleration of gravity, m/s^2 (ISO 80000-3); g/m^2 * m/s^2 = 1e-9 N/mm^2.
+GRAVITY = 9.80665
+
+
+class Arrays(NamedTuple):
+    """A sheet as the kernels take it: rest lengths, cross-sections, laws, load per node."""
+
+    rest: Floats  # (3,) warp, weft, diagonal
+    warp_area: Floats  # (m,) by row of nodes
+    weft_area: Floats  # (n,)
+    shear_area: float
+    warp: Any
+    weft: Any
+    shear: Any
+    sheared: bool
+    weight: Floats  # (n, m) N, downward
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """Flat sheet of ``size`` mm held by n by m nodes.
+
+    Spring sections are width share times thickness, half at the border (so that the sections of all springs of a
+    direction add up to width times thickness). ``prestretch``: the springs' rest length is their length in the flat
+    sheet over this. ``fixed`` (n, m): bits X, Y, Z of the axes held at each node. ``shear``: law of the diagonals,
+    their section per unit of the cell's thickness and mean side; ``mass`` in g/m^2 loads the nodes downward.
+
+    >>> law = piecewise_linear([1.0, 2.0], [0.0, 1.0])
+    >>> sheet = Sheet(5, 3, (40.0, 20.0), 1.0, law, law)
+    >>> sheet.spacing, sheet.arrays.warp_area.tolist(), sheet.flat().shape
+    ((10.0, 10.0), [5.0, 10.0, 5.0], (5, 3, 3))
+    """
+
+    n: int
+    m: int
+    size: tuple[float, float]
+    thickness: float
+    warp: SpringLaw
+    weft: SpringLaw
+    prestretch: tuple[float, float] = (1.0, 1.0)
+    shear: SpringLaw | None = None
+    mass: float = 0.0
+    edges: tuple[int, int, int, int] = (FIXED, FIXED, FIXED, FIXED)  # x-, x+, y-, y+
+
+    @property
+    def spacing(self) -> tuple[float, float]:
+        """Distance of the nodes along x and y in the flat sheet, mm."""
+        return self.size[0] / (self.n - 1), self.size[1] / (self.m - 1)
+
+    @property
+    def fixed(self) -> Bytes:
+        """(n, m) bits of the held axes."""
+        out = np.zeros((self.n, self.m), np.uint8)
+        for bits, side in zip(self.edges, (out[0], out[-1], out[:, 0], out[:, -1]), strict=True):
+            side |= np.uint8(bits)
+        return out
+
+    def flat(self) -> Floats:
+        """Positions (n, m, 3) of the nodes in the flat sheet, centred at the origin."""
+        out = np.zeros((self.n, self.m, 3))
+        out[:, :, 0] = np.linspace(-0.5, 0.5, self.n)[:, None] * self.size[0]
+        out[:, :, 1] = np.linspace(-0.5, 0.5, self.m)[None, :] * self.size[1]
+        return out
+
+    @property
+    def arrays(self) -> Arrays:
+        """The sheet as the kernels take it."""
+        hx, hy = self.spacing
+        across, along = _shares(self.m) * hy, _shares(self.n) * hx
+        rest = np.array([hx / self.prestretch[0], hy / self.prestretch[1], np.hypot(hx, hy)])
+        shear = self.shear or _NONE
+        return Arrays(
+            rest,
+            across * self.thickness,
+            along * self.thickness,
+            0.5 * self.thickness * hx * hy / float(np.hypot(hx, hy)),
+            self.warp.arrays,
+            self.weft.arrays,
+            shear.arrays,
+            self.shear is not None,
+            along[:, None] * across[None, :] * (self.mass * GRAVITY * 1e-9),
+        )
+
+    def coarser(self, n: int, m: int) -> Sheet:
+        """The same sheet held by n by m nodes."""
+        return Sheet(
+            n,
+            m,
+            self.size,
+            self.thickness,
+            self.warp,
+            self.weft,
+            self.prestretch,
+            self.shear,
+            self.mass,
+            self.edges,
+        )
+
+
+def _shares(n: int) -> Floats:
+    out = np.ones(n)
+    out[[0, -1]] = 0.5
+    return out
+
+
+_NONE = piecewise_linear([1.0, 2.0], [0.0, 0.0])
+
+
+@njit(cache=True)
+def _spring(x: Floats, f: Floats, i: int, j: int, k: int, l: int, rest: float, area: float, law: Any) -> Any:
+    """Add a spring's force to its two nodes; (energy, force)."""
+    dx, dy, dz = x[k, l, 0] - x[i, j, 0], x[k, l, 1] - x[i, j, 1], x[k, l, 2] - x[i, j, 2]
+    length = np.sqrt(dx * dx + dy * dy + dz * dz)
+    if length <= rest:
+        return 0.0, 0.0
+    w, p, _ = evaluate(length / rest, law[0], law[1], law[2])
+    t = p * area
+    s = t / length
+    f[i, j, 0] += s * dx
+    f[i, j, 1] += s * dy
+    f[i, j, 2] += s * dz
+    f[k, l, 0] -= s * dx
+    f[k, l, 1] -= s * dy
+    f[k, l, 2] -= s * dz
+    return w * area * rest, t
+
+
+@njit(cache=True)
+def forces(x: Floats, net: Arrays, f: Floats) -> tuple[float, float]:
+    """Spring forces and weight on every node into ``f`` (n, m, 3) N; (energy in N mm, largest spring force in N)."""
+    n, m = x.shape[0], x.shape[1]
+    total, comp, largest = 0.0, 0.0, 0.0
+    loaded = net.weight[n // 2, m // 2] != 0.0
+    for i in range(n):
+        for j in range(m):
+            f[i, j, 0], f[i, j, 1], f[i, j, 2] = 0.0, 0.0, 0.0
+    for i in range(n):
+        row = 0.0
+        for j in range(m):
+            if i + 1 < n:
+                e, t = _spring(x, f, i, j, i + 1, j, net.rest[0], net.warp_area[j], net.warp)
+                row += e
+                largest = max(largest, t)
+            if j + 1 < m:
+                e, t = _spring(x, f, i, j, i, j + 1, net.rest[1], net.weft_area[i], net.weft)
+                row += e
+                largest = max(largest, t)
+            if net.sheared and i + 1 < n and j + 1 < m:
+                e, t = _spring(x, f, i, j, i + 1, j + 1, net.rest[2], net.shear_area, net.shear)
+                row += e
+                largest = max(largest, t)
+                e, t = _spring(x, f, i + 1, j, i, j + 1, net.rest[2], net.shear_area, net.shear)
+                row += e
+                largest = max(largest, t)
+            if loaded:
+                f[i, j, 2] -= net.weight[i, j]
+                row += net.weight[i, j] * x[i, j, 2]
+        y = row - comp  # Kahan's sum over the rows: energy differences matter near the end
+        s = total + y
+        comp = (s - total) - y
+        total = s
+    return total, largest
+
+
+@njit(cache=True)
+def _block(
+    x: Floats, i: int, j: int, k: int, l: int, rest: float, area: float, law: Any, floor: float, out: Floats
+) -> None:
+    """Stiffness of a spring between two nodes as xx, xy, xz, yy, yz, zz; at least ``floor`` along and across."""
+    dx, dy, dz = x[k, l, 0] - x[i, j, 0], x[k, l, 1] - x[i, j, 1], x[k, l, 2] - x[i, j, 2]
+    length = np.sqrt(dx * dx + dy * dy + dz * dz)
+    along, across = floor, floor
+    if length > rest:
+        _, p, a = evaluate(length / rest, law[0], law[1], law[2])
+        along = max(a * area / rest, floor)
+        across = max(p * area / length, floor)
+    inv = 1.0 / max(length, 1e-300)
+    tx, ty, tz = dx * inv, dy * inv, dz * inv
+    d = along - across
+    out[0], out[1], out[2] = across + d * tx * tx, d * tx * ty, d * tx * tz
+    out[3], out[4], out[5] = across + d * ty * ty, d * ty * tz, across + d * tz * tz
+
+
+@njit(cache=True)
+def stiffness(
+    x: Floats, net: Arrays, floor: float, warp: Floats, weft: Floats, one: Floats, two: Floats
+) -> None:
+    """Tangent blocks of all springs; ``one`` and ``two`` are the diagonals' (empty arrays without shear springs)."""
+    n, m = x.shape[0], x.shape[1]
+    for i in range(n):
+        for j in range(m):
+            if i + 1 < n:
+                _block(x, i, j, i + 1, j, net.rest[0], net.warp_area[j], net.warp, floor, warp[i, j])
+            if j + 1 < m:
+                _block(x, i, j, i, j + 1, net.rest[1], net.weft_area[i], net.weft, floor, weft[i, j])
+            if net.sheared and i + 1 < n and j + 1 < m:
+                _block(x, i, j, i + 1, j + 1, net.rest[2], net.shear_area, net.shear, 0.0, one[i, j])
+                _block(x, i + 1, j, i, j + 1, net.rest[2], net.shear_area, net.shear, 0.0, two[i, j])

@@ -1,0 +1,164 @@
+"""Equilibrium of a sheet on a mold on one grid: Newton's method on the energy with an active contact set."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .contact import move, settle
+from .law import Floats
+from .linear import Solver, Tangent, dot
+from .mold import FREE, Ints, Mold, States
+from .net import FIXED, Sheet, forces, stiffness
+
+ROWS = 200_000  # nodes handled by one call of a compiled kernel that searches the mold
+
+
+@dataclass
+class State:
+    """Where the nodes are, and how each stands to the mold."""
+
+    x: Floats  # (n, m, 3) mm
+    contact: States  # (n, m) FREE, or 1 + feature
+    slot: Ints  # (n, m) facet on or near
+    clear: Floats  # (n, m) mm, free of the mold at least this far
+
+    def copy(self) -> State:
+        """Arrays of its own."""
+        return State(self.x.copy(), self.contact.copy(), self.slot.copy(), self.clear.copy())
+
+
+@dataclass(frozen=True)
+class Step:
+    """One line of the energy history."""
+
+    nodes: tuple[int, int]
+    iteration: int
+    energy: float  # N mm
+    residual: float  # relative
+    contacts: int
+    step_length: float
+    inner: int  # conjugate gradient steps
+    set_changed: bool
+
+
+@dataclass
+class Equilibrium:
+    """What a solve ended with."""
+
+    state: State
+    converged: bool
+    energy: float  # N mm
+    residual_max: float  # N
+    residual_relative: float
+    worst: tuple[int, int]
+    press: Floats  # (n, m) N
+    force: Floats  # (n, m, 3) N spring forces and weight
+    residual: Floats  # (n, m, 3) N
+    largest_force: float
+    status: str = ""
+    history: list[Step] = field(default_factory=list)
+
+
+def step_to(x: Floats, d: Floats, alpha: float, mold: Mold, state: State, out: State) -> None:
+    """``out`` = nodes at ``x + alpha d``, back on the mold where they touch it."""
+    rows = max(1, ROWS // x.shape[1])
+    for i in range(0, x.shape[0], rows):
+        move(
+            x,
+            d,
+            alpha,
+            mold,
+            state.contact,
+            state.slot,
+            state.clear,
+            out.x,
+            out.contact,
+            out.slot,
+            out.clear,
+            i,
+            min(i + rows, x.shape[0]),
+        )
+
+
+def equilibrium(
+    sheet: Sheet,
+    mold: Mold,
+    start: State,
+    tolerance: float = 1e-6,
+    largest: int = 60,
+    report: Callable[[Step], None] | None = None,
+) -> Equilibrium:
+    """Move a sheet from ``start`` to where no node feels an unbalanced force.
+
+    At each step the contact set is decided by the forces (released where pulled outward, kept on edges by the cone of
+    normals), Newton's step is found in the allowed subspace of every node, and shortened until the energy has fallen.
+    Nodes that would enter the mold are set on it. Ends when the largest unbalanced nodal force is below ``tolerance``
+    times the largest spring force.
+    """
+    n, m = sheet.n, sheet.m
+    net, fixed = sheet.arrays, sheet.fixed
+    now, trial = start.copy(), start.copy()
+    tangent, solver = Tangent.empty(n, m, net.sheared), Solver(n, m, net.sheared)
+    f, ft = np.zeros((n, m, 3)), np.zeros((n, m, 3))
+    r, d, press = np.zeros((n, m, 3)), np.zeros((n, m, 3)), np.zeros((n, m))
+    before = np.full((n, m), -1)
+    reference = _stiffness_scale(sheet)
+    energy, strongest = forces(now.x, net, f)
+    history: list[Step] = []
+    alpha, inner, forcing, relative_old = 1.0, 0, 0.1, 1.0
+    status = "no equilibrium within the allowed steps"
+    for iteration in range(largest + 1):
+        slack = 1e-3 * tolerance * strongest
+        worst, where, contacts, changed = settle(
+            now.x, f, mold, fixed, slack, now.contact, now.slot, before, now.clear, tangent.q, r, press
+        )
+        relative = worst / strongest if strongest > 0.0 else 0.0
+        history.append(Step((n, m), iteration, energy, relative, contacts, alpha, inner, changed > 0))
+        if report:
+            report(history[-1])
+        if relative <= tolerance:
+            status = ""
+            break
+        if iteration == largest:
+            break
+        floor = reference * min(1e-3, 0.1 * relative)
+        stiffness(now.x, net, floor, *tangent.blocks)
+        forcing = min(0.1, max(1e-3, 0.5 * (relative / relative_old) ** 2)) if iteration else 0.1
+        forcing = min(0.1, max(forcing, 0.3 * tolerance / relative))
+        relative_old = relative
+        solver(tangent, r, d, forcing)
+        inner = solver.iterations
+        slope = dot(r, d)
+        alpha = 1.0
+        while True:
+            step_to(now.x, d, alpha, mold, now, trial)
+            energy_t, strongest_t = forces(trial.x, net, ft)
+            rounding = 1e-14 * abs(energy) + 1e-300
+            if energy_t <= energy - 1e-4 * alpha * slope + rounding:
+                break
+            alpha *= 0.5
+            if alpha < 1e-6:
+                break
+        if alpha < 1e-6:
+            status = "no step lowers the energy further"
+            break
+        before, old = now.slot, now
+        now, trial = trial, old
+        before = before.copy()
+        f, ft = ft, f
+        energy, strongest = energy_t, strongest_t
+    return Equilibrium(
+        now, not status, energy, worst, relative, divmod(where, m), press, f, r, strongest, status, history
+    )
+
+
+def _stiffness_scale(sheet: Sheet) -> float:
+    net = sheet.arrays
+    warp, weft = sheet.warp(1.0 + 1e-9)[2][0], sheet.weft(1.0 + 1e-9)[2][0]
+    return float(max(warp * net.warp_area.max() / net.rest[0], weft * net.weft_area.max() / net.rest[1]))
+
+
+__all__ = ["FIXED", "FREE", "Equilibrium", "State", "Step", "equilibrium", "step_to"]
