@@ -9,7 +9,7 @@ BUILD  := build
 SOURCES := $(shell find hyperfab -name '*.py' -o -name '*.toml' -o -name '*.csv')
 
 .DELETE_ON_ERROR:
-.PHONY: run test test-slow lint types bench fuzz samples clean distclean help
+.PHONY: run test test-slow lint types bench fuzz samples pictures clean distclean help
 
 help:
 	@echo "make run     the whole chain on the sample specimens and molds, with a summary and pictures in $(BUILD)/"
@@ -67,10 +67,10 @@ $(BUILD)/contact.json: $(BUILD)/case-a.json $(BUILD)/case-b.json
 
 # Chapter 3: the fabric on the cup.
 $(BUILD)/drape.json: $(BUILD)/fabric.json molds/cup-male.stl
-	$(HF) drape $< --mold molds/cup-male.stl --grid 100x100 --size 260mmx260mm --depth 60mm -o $@
+	$(HF) drape $< --mold molds/cup-male.stl --grid 100x100 --size 220mmx220mm --depth 60mm -o $@
 
 # Chapter 4: two designs of the heated mold.
-$(BUILD)/heat-%.json: molds/%.toml molds/film.csv
+$(BUILD)/heat-%.json: molds/%.toml specimens/film.csv
 	$(HF) mold-heat $< -o $@
 
 # Chapter 5: the hot molds on the foam sandwich, with the fabric as draped.
@@ -103,6 +103,12 @@ fuzz: $(VENV)/dev
 # Write the shipped samples anew; a test holds them equal to what `hf sample` makes.
 samples: $(VENV)/run
 	$(HF) sample . --force
+
+# The pictures of README.md, from the chain's own.
+pictures: $(DOCUMENTS)
+	@mkdir -p docs/images
+	cp $(BUILD)/case-b.png docs/images/fit.png
+	cp $(BUILD)/contact.png $(BUILD)/drape.png $(BUILD)/heat-proposed.png $(BUILD)/press.png docs/images/
 
 clean:
 	rm -rf $(BUILD)

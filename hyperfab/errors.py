@@ -40,8 +40,8 @@ class InputError(HyperfabError):
         remedy: str | None = None,
     ) -> None:
         places = [] if file is None else ["standard input" if file == "-" else file]
-        named = (("line", line), ("column", f'"{column}"' if column is not None else None))
-        named += (("key", key), ("facet", facet), ("cell", cell))
+        quoted = None if column is None else f'"{column}"'
+        named = [("line", line), ("column", quoted), ("key", key), ("facet", facet), ("cell", cell)]
         places += [f"{name} {value}" for name, value in named if value is not None]
         text = f"{', '.join(places)}: {message}" if places else message
         super().__init__(f"{text}; {remedy}" if remedy else text)

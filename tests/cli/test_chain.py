@@ -14,7 +14,7 @@ from hyperfab.documents.base import schema
 
 UNIAXIAL = "specimens/treloar-1944/uniaxial.csv"
 FIT = ["fit", "--uniaxial", UNIAXIAL, "--model", "yeoh-3"]
-DRAPE = ["--mold", "molds/cup-male.stl", "--grid", "24x24", "--size", "260mmx260mm", "--depth", "40mm"]
+DRAPE = ["--mold", "molds/cup-male.stl", "--grid", "24x24", "--size", "220mmx220mm", "--depth", "40mm"]
 CONTACT = ["--sphere-radius", "40mm", "--depth", "20mm", "--mesh-size", "20mm"]
 PRESS = ["press-contact", "--male", "molds/cup-male.stl", "--female", "molds/cup-female.stl", "--axis", "z"]
 PRESS += ["--foam", "specimens/foam.toml", "--gap", "3mm"]
