@@ -94,6 +94,10 @@ class Law(ABC):
         """Return the sign each linear constant must have (array, +1 or -1), or None where all are free."""
         return None
 
+    def order(self, theta: Sequence[float]) -> list[int]:
+        """Return the order in which exchangeable terms are written."""
+        return list(range(len(theta)))
+
     def refusal(self, parameters: Mapping[str, float]) -> str | None:
         """Say what is wrong with constants that have no meaning, or None."""
         return None

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hyperfab.materials.identification.design import Problem
-from hyperfab.materials.identification.linear import project
+from hyperfab.materials.identification.linear import least_norm
 from hyperfab.materials.identification.polish import polish
 from hyperfab.materials.identification.search import starts
 from hyperfab.materials.kinematics import Array
@@ -56,12 +56,16 @@ def fit_law(law_problem: Problem) -> Fit | None:
             A = problem.design(u)
         if not np.isfinite(A).all():
             return None
-        c = project(A, problem.b).c
+        c = least_norm(A, problem.b)
         return _fit(problem, u, c)
     state = polish(problem, starts(problem))
     if not np.isfinite(state.sse).any():
         return None
-    return _fit(problem, state.u[0], state.projection.c[0])
+    u, c = state.u[0], state.projection.c[0]
+    if problem.law.exchangeable:
+        order = problem.law.order([float(value) for value in problem.theta(list(u))])
+        u, c = u[order], c.reshape(problem.rows.groups, -1)[:, order].ravel()
+    return _fit(problem, u, c)
 
 
 def _fit(problem: Problem, u: Array, c: Array) -> Fit:

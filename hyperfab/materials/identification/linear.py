@@ -44,6 +44,21 @@ def project(A: Array, b: Array) -> Projection:
     return Projection(c / length, residual, np.einsum("...i,...i->...", residual, residual), Q)
 
 
+def least_norm(A: Array, b: Array) -> Array:
+    """Solve min |b - A c|; where columns are copies of each other, share the constants evenly among them.
+
+    >>> least_norm(np.ones((2, 2)), np.array([2.0, 2.0])).round(12)
+    array([1., 1.])
+    """
+    found = project(A, b)
+    length = np.sqrt((A * A).sum(axis=0))
+    length = np.where(length > 0.0, length, 1.0)
+    s = np.linalg.svd(A / length, compute_uv=False)
+    if s[-1] > 1e-13 * s[0]:
+        return found.c
+    return np.asarray(np.linalg.lstsq(A / length, b, rcond=1e-13)[0] / length)
+
+
 def nonnegative(A: Array, b: Array) -> Array:
     """Return c >= 0 that minimises |b - A c| (Lawson & Hanson's active set, on columns of length one).
 

@@ -94,7 +94,9 @@ def _scan_of_equals(problem: Problem) -> Array:
         G, h = A @ A.T, (A @ problem.b)[sets]
         c = _solve(G[sets[:, :, None], sets[:, None, :]], h)
         gain += np.where((c >= 0.0).all(axis=1), np.einsum("gj,gj->g", c, h), -np.inf)
-    ranked = np.argsort(-gain, kind="stable")
+    ranked = np.lexsort(
+        (-sets.sum(axis=1), -np.round(gain / np.abs(gain).max(where=np.isfinite(gain), initial=1e-300), 12))
+    )
     taken: list[int] = []
     for number in ranked[: 60 * STARTS]:
         if not np.isfinite(gain[number]):

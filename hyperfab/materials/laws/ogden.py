@@ -51,6 +51,10 @@ class Ogden(Law):
         """mu_r has the sign of alpha_r."""
         return np.sign(np.stack(np.broadcast_arrays(*theta)))
 
+    def order(self, theta: Sequence[float]) -> list[int]:
+        """Positive powers first, each sign by rising magnitude."""
+        return sorted(range(len(theta)), key=lambda r: (theta[r] < 0.0, abs(theta[r])))
+
     def refusal(self, parameters: Mapping[str, float]) -> str | None:
         """Refuse an exponent of zero: the term would be a constant."""
         zero = [name for name in self.nonlinear if parameters[name] == 0.0]

@@ -1,0 +1,212 @@
+"""``hf fit`` as a user calls it: the document, its siblings, refusals, verdicts."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import Run
+
+from hyperfab.materials import bind, laws
+from hyperfab.materials.modes import nominal_stress
+
+TRELOAR = "specimens/treloar-1944"
+ALL = (
+    "--uniaxial",
+    f"{TRELOAR}/uniaxial.csv",
+    "--shear",
+    f"{TRELOAR}/shear.csv",
+    "--biaxial",
+    f"{TRELOAR}/biaxial.csv",
+)
+
+
+def fit(hf: Run, *arguments: object, status: int = 0, **options: object) -> dict:
+    done = hf("fit", *arguments, **options)
+    assert done.returncode == status, done.stderr.decode()
+    assert b"Traceback" not in done.stderr
+    document = json.loads(done.stdout)
+    document["stderr"] = done.stderr.decode()
+    return document
+
+
+def test_case_A_predicts_the_tests_it_has_not_seen(hf: Run) -> None:
+    found = fit(hf, *ALL, "--model", "yeoh-3", "--fit-on", "uniaxial")
+    assert found["format"] == "hyperfab.material/1"
+    assert found["model"] == "yeoh-3"
+    assert list(found["parameters"]) == ["C10_MPa", "C20_MPa", "C30_MPa"]
+    tests = found["fit"]["tests"]
+    assert "predicted" not in tests["uniaxial"]
+    assert tests["shear"]["predicted"] is True
+    assert tests["biaxial"]["predicted"] is True
+    assert found["fit"]["points"] == tests["uniaxial"]["points"] == 24
+    assert found["fit"]["relative_rms"] == pytest.approx((found["fit"]["E2"] / 24) ** 0.5)
+    assert found["accepted"] is True
+    assert set(found["fit"]["parameters_sd"]) == set(found["parameters"])
+    assert found["stability"]["biaxial"]["stable_over_data"] is True
+
+
+def test_figures_are_those_of_the_written_constants(hf: Run, root: Path) -> None:
+    found = fit(hf, *ALL, "--model", "gent")
+    table = np.genfromtxt(root / TRELOAR / "shear.csv", delimiter=",", comments="#", skip_header=0)
+    table = table[np.isfinite(table).all(axis=1)]
+    model = nominal_stress(bind("gent", found["parameters"]), "shear", table[:, 0])
+    figures = found["fit"]["tests"]["shear"]
+    assert figures["E2"] == pytest.approx(((1 - model / table[:, 1]) ** 2).sum(), rel=1e-12)
+    assert figures["nrmse"] == pytest.approx(
+        np.sqrt(((model - table[:, 1]) ** 2).mean()) / table[:, 1].max(), rel=1e-12
+    )
+
+
+def test_all_models_are_ranked_by_how_they_carry_over(hf: Run) -> None:
+    found = fit(hf, *ALL, "--model", "all", "--fit-on", "uniaxial")
+    rows = found["models"]
+    assert {row["model"] for row in rows} == set(laws())
+    assert found["model"] == rows[0]["model"]
+    assert found["accepted"]
+    assert found["stable"]
+    good = [row["carry_over"] for row in rows if row["accepted"] and row["stable"] and "carry_over" in row]
+    assert good == sorted(good)
+    unseen = [found["fit"]["tests"][name] for name in ("shear", "biaxial")]
+    error = sum(test["E2"] for test in unseen) / sum(test["points"] for test in unseen)
+    assert rows[0]["carry_over"] == pytest.approx(error**0.5, rel=1e-12)
+
+
+def test_uniaxial_constants_of_the_chosen_law_carry_all_of_the_measured_points(
+    hf: Run, data_dir: Path
+) -> None:
+    files = [
+        word
+        for mode in ("uniaxial", "shear", "biaxial")
+        for word in (f"--{mode}", data_dir / f"treloar-1944/{mode}.csv")
+    ]
+    found = fit(hf, *files, "--model", "all", "--fit-on", "uniaxial")
+    tests = found["fit"]["tests"].values()
+    assert sum(test["points"] for test in tests) == 53
+    assert (sum(test["E2"] for test in tests) / 53) ** 0.5 <= 0.09
+
+
+def test_constants_that_one_test_cannot_tell_apart_draw_a_warning(hf: Run) -> None:
+    found = fit(hf, *ALL, "--model", "mooney-rivlin-9", "--fit-on", "uniaxial")
+    assert "not identifiable from uniaxial data alone" in found["stderr"]
+    assert "not Drucker-stable over the data" in found["stderr"]
+    assert found["stable"] is False
+
+
+def test_warp_and_weft_get_constants_of_their_own(hf: Run) -> None:
+    lycra = "specimens/lycra"
+    files = [f"{lycra}/{name}-23C.csv" for name in ("warp", "weft")]
+    found = fit(hf, "--uniaxial", files[0], "--uniaxial", files[1], "--model", "yeoh-3")
+    # The law behind the samples; three replicates scatter by 1.5 %.
+    truth = {"warp": (0.060951, 0.021463, 0.017258), "weft": (0.044, 0.0125, 0.0085)}
+    for name, constants in truth.items():
+        own = found["directions"][name]
+        assert own["fit"]["relative_rms"] < 0.03
+        strain = np.array([0.2, 0.5, 0.8])
+        law = bind("yeoh-3", dict(zip(own["parameters"], constants, strict=True)))
+        fitted = bind("yeoh-3", own["parameters"])
+        np.testing.assert_allclose(fitted.uniaxial(1 + strain).P, law.uniaxial(1 + strain).P, rtol=0.04)
+    assert found["thickness_mm"] == 0.5
+
+
+def test_several_temperatures_give_constants_against_temperature(hf: Run) -> None:
+    files = [f"specimens/lycra/warp-{t}C.csv" for t in (23, 80, 105)]
+    found = fit(
+        hf, *(word for name in files for word in ("--uniaxial", name)), "--model", "yeoh-1", "--accept", "0.5"
+    )
+    rows = found["temperatures"]
+    assert [row["temperature_degC"] for row in rows] == [23.0, 80.0, 105.0]
+    assert found["temperature_degC"] == 23.0
+    assert found["parameters"] == rows[0]["parameters"]
+    softening = [row["parameters"]["C10_MPa"] / rows[0]["parameters"]["C10_MPa"] for row in rows]
+    # 0.15 % a kelvin in the samples, replicates scatter by 1.5 %.
+    assert softening == pytest.approx([1.0, 1 - 0.0015 * 57, 1 - 0.0015 * 82], abs=0.03)
+
+
+def test_membrane_stress_needs_no_thickness(hf: Run, tmp_path: Path) -> None:
+    rows = "\n".join(f"{1 + k / 10:.1f},{0.3 * ((1 + k / 10) - (1 + k / 10) ** -2):.9f}" for k in range(1, 9))
+    (tmp_path / "t.csv").write_text(f"stretch [-],membrane stress [N/mm]\n{rows}\n")
+    found = fit(hf, "--uniaxial", "t.csv", "--model", "neo-hookean", cwd=tmp_path)
+    assert found["thickness_mm"] == 1.0
+    assert found["thickness_nominal"] is True
+    assert found["parameters"]["C10_MPa"] == pytest.approx(0.15, rel=1e-6)
+    thick = fit(hf, "--uniaxial", "t.csv", "--model", "neo-hookean", "--thickness", "0.5mm", cwd=tmp_path)
+    assert thick["parameters"]["C10_MPa"] == pytest.approx(0.30, rel=1e-6)
+    assert "thickness_nominal" not in thick
+
+
+def test_rows_without_a_ratio_are_counted_by_reason(hf: Run, tmp_path: Path) -> None:
+    (tmp_path / "t.csv").write_text(
+        "stretch [-],stress [MPa]\n1,0\n1,0.01\n1.1,-0.01\n1.2,0.2\n1.4,0.4\n1.6,0.5\n"
+    )
+    found = fit(hf, "--uniaxial", "t.csv", "--model", "neo-hookean", cwd=tmp_path)
+    assert sum(found["left_out"].values()) == 3
+    assert found["fit"]["points"] == 3
+    whole = fit(
+        hf, "--uniaxial", "t.csv", "--model", "neo-hookean", "--objective", "absolute", cwd=tmp_path, status=1
+    )
+    assert "left_out" not in whole
+    assert whole["fit"]["points"] == 6
+
+
+def test_siblings_hold_the_curves_and_a_picture(hf: Run, root: Path, tmp_path: Path) -> None:
+    files = [str(root / word) if word.endswith(".csv") else word for word in ALL]
+    done = hf("fit", *files, "--model", "yeoh-3", "-o", "fabric.json", cwd=tmp_path)
+    assert done.returncode == 0
+    assert done.stdout == b""
+    document = json.loads((tmp_path / "fabric.json").read_text())
+    assert document["files"] == ["fabric.csv", "fabric.png"]
+    assert (tmp_path / "fabric.png").read_bytes().startswith(b"\x89PNG")
+    rows = list(csv.DictReader(io.StringIO((tmp_path / "fabric.csv").read_text())))
+    assert len(rows) == document["fit"]["points"]
+    ratio = [1 - float(row["stress_model_MPa"]) / float(row["stress_MPa"]) for row in rows]
+    assert sum(value**2 for value in ratio) == pytest.approx(document["fit"]["E2"], rel=1e-9)
+
+
+def test_a_fit_that_is_not_accepted_is_written_and_ends_with_status_1(hf: Run) -> None:
+    found = fit(hf, *ALL, "--model", "neo-hookean", "--accept", "0.05", status=1)
+    assert found["accepted"] is False
+    assert found["fit"]["relative_rms"] > 0.05
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "words"),
+    [
+        (["--model", "yeoh-3"], 2, "--uniaxial"),
+        ([*ALL, "--model", "nonsense"], 2, "yeoh-3"),
+        ([*ALL, "--fit-on", "torsion"], 2, "uniaxial"),
+        ([*ALL, "--objective", "funny"], 2, "absolute"),
+        ([*ALL, "--accept", "0"], 2, "0.30"),
+        ([*ALL, "--thickness", "0.6"], 2, "mm"),
+        ([*ALL, "--uniaxial", f"{TRELOAR}/uniaxial.csv"], 2, "twice"),
+        (["--uniaxial", f"{TRELOAR}/shear.csv", "--model", "gent"], 3, "shear"),
+        (["--uniaxial", "nowhere.csv"], 3, "nowhere.csv"),
+    ],
+)
+def test_what_cannot_be_meant_is_refused_with_the_way_out(
+    hf: Run, arguments: list[str], status: int, words: str
+) -> None:
+    done = hf("fit", *arguments)
+    assert done.returncode == status
+    assert words in done.stderr.decode()
+    assert b"Traceback" not in done.stderr
+    assert done.stdout == b""
+
+
+def test_fewer_rows_than_constants_are_refused(hf: Run, tmp_path: Path) -> None:
+    (tmp_path / "t.csv").write_text("stretch,stress [MPa]\n1.2,0.2\n1.4,0.4\n1.6,0.5\n")
+    done = hf("fit", "--uniaxial", "t.csv", "--model", "mooney-rivlin-9", cwd=tmp_path)
+    assert done.returncode == 3
+    assert "9 constants need as many rows" in done.stderr.decode()
+
+
+def test_tests_in_different_units_need_the_thickness(hf: Run, tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("stretch,stress [MPa]\n1.2,0.2\n1.4,0.4\n")
+    (tmp_path / "b.csv").write_text("stretch,membrane stress [N/mm]\n1.2,0.2\n1.4,0.4\n")
+    done = hf("fit", "--uniaxial", "a.csv", "--uniaxial", "b.csv", "--model", "neo-hookean", cwd=tmp_path)
+    assert done.returncode == 3
+    assert "--thickness" in done.stderr.decode()

@@ -1,0 +1,179 @@
+"""The optimum of the report's objective on Treloar's rubber, from no start value, and what is said about it."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+
+import mpmath as mp
+import numpy as np
+import pytest
+from laws.laws_mp import stress
+
+from hyperfab.materials import laws
+from hyperfab.materials.identification import Curve, Fit, Problem, Rows, fit_law
+from hyperfab.materials.identification.linear import nonnegative
+from hyperfab.materials.identification.quality import certainty
+from hyperfab.materials.modes import MODES
+from hyperfab.materials.stability import stable_ranges
+
+#: E2 of case A (uniaxial alone) and case B (all three tests): variable projection from many starts, by two
+#: programs independent of this one.
+OPTIMUM = {
+    "neo-hookean": (1.90382, 2.64338),
+    "yeoh-1": (1.90382, 2.64338),
+    "yeoh-2": (0.670526, 1.76386),
+    "yeoh-3": (0.113156, 0.794655),
+    "mooney-rivlin-2": (1.75851, 2.43717),
+    "mooney-rivlin-3": (0.303209, 2.40735),
+    "mooney-rivlin-5": (0.0439695, 1.13709),
+    "mooney-rivlin-9": (0.00451907, 0.353217),
+    "ogden-1": (0.691436, 2.49860),
+    "ogden-2": (0.033398, 0.662707),
+    "ogden-3": (0.00543517, 0.289448),
+    "arruda-boyce": (0.352464, 1.38808),
+    "arruda-boyce-langevin": (0.286280, 1.31247),
+    "gent": (0.377488, 1.46532),
+    "blatz-ko": (12.4213, 15.9013),
+}
+#: These are known to fewer digits: (value, half of the last digit).
+ROUNDED = {
+    "gent-gent": (0.00549, 0.32706),
+    "yeoh-3-lni2": (0.025970, 0.337051),
+    "extended-tube": (0.00627, 0.28845),
+    "alexander": (0.00639, 0.22464),
+    "carroll": (0.03469, 0.46850),
+    "arruda-boyce-lni2": (0.02369, 0.37677),
+}
+
+
+def treloar(folder: Path) -> list[Curve]:
+    """The 53 points, each weighed by its own stress."""
+    curves = []
+    for mode in MODES:
+        table = np.genfromtxt(
+            folder / "treloar-1944" / f"{mode}.csv", delimiter=",", comments="#", skip_header=3
+        )
+        curves.append(Curve(mode, table[:, 0], table[:, 1], 1.0 / table[:, 1]))
+    return curves
+
+
+@pytest.fixture(scope="module")
+def curves(data_dir: Path) -> list[Curve]:
+    found = treloar(data_dir)
+    assert [len(curve.stretch) for curve in found] == [24, 13, 16]
+    return found
+
+
+def fitted(name: str, curves: list[Curve]) -> Fit:
+    found = fit_law(Problem(laws()[name], Rows.of(curves)))
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("case", [0, 1], ids=["case-A", "case-B"])
+@pytest.mark.parametrize("name", OPTIMUM)
+def test_the_global_optimum_is_found_without_a_start_value(name: str, case: int, curves: list[Curve]) -> None:
+    found = fitted(name, curves[:1] if case == 0 else curves)
+    assert found.sse == pytest.approx(OPTIMUM[name][case], rel=1e-4)
+
+
+@pytest.mark.parametrize("case", [0, 1], ids=["case-A", "case-B"])
+@pytest.mark.parametrize("name", ROUNDED)
+def test_the_optimum_of_the_richer_laws_is_no_worse_than_known(
+    name: str, case: int, curves: list[Curve]
+) -> None:
+    found = fitted(name, curves[:1] if case == 0 else curves)
+    assert found.sse < ROUNDED[name][case] + 0.6e-5
+
+
+@pytest.mark.parametrize("name", sorted({*OPTIMUM, *ROUNDED}))
+def test_E2_is_that_of_the_written_constants_in_fifty_digits(name: str, curves: list[Curve]) -> None:
+    found = fitted(name, curves)
+    parameters = found.material.parameters
+    exact = mp.mpf(0)
+    for curve in curves:
+        for lam, P in zip(curve.stretch, curve.stress, strict=True):
+            exact += (1 - stress(name, parameters, curve.mode, lam) / mp.mpf(P)) ** 2
+    assert abs(found.sse / exact - 1) < 1e-10
+
+
+def test_constants_do_not_depend_on_the_order_of_rows_or_tests(curves: list[Curve]) -> None:
+    turned = [Curve(c.mode, c.stretch[::-1], c.stress[::-1], c.weight[::-1]) for c in reversed(curves)]
+    for name in ("yeoh-3", "gent-gent", "ogden-2"):
+        one, two = fitted(name, curves).material.parameters, fitted(name, turned).material.parameters
+        # ogden-2 leaves alpha2 undetermined by a factor of nine: rounding moves it in proportion.
+        assert list(two.values()) == pytest.approx(
+            list(one.values()), rel=1e-9 if name == "ogden-2" else 1e-12
+        )
+
+
+@pytest.mark.parametrize(
+    ("name", "case", "first"),
+    [
+        ("mooney-rivlin-2", 0, {"uniaxial": 1.85, "shear": 1.75, "biaxial": 1.42}),
+        ("mooney-rivlin-5", 0, {"shear": 2.45, "biaxial": 1.49}),
+        ("mooney-rivlin-9", 0, {"uniaxial": 1.24, "shear": 1.16, "biaxial": 1.08}),
+        ("mooney-rivlin-5", 1, {"uniaxial": 5.02, "shear": 4.72, "biaxial": 3.27}),
+        ("mooney-rivlin-9", 1, {"biaxial": 4.08}),
+    ],
+)
+def test_the_first_unstable_stretch(
+    name: str, case: int, first: dict[str, float], curves: list[Curve]
+) -> None:
+    ranges = stable_ranges(fitted(name, curves[:1] if case == 0 else curves).material)
+    for mode, stretch in first.items():
+        # Known to two decimals; the ends are found on a finer grid than the data.
+        assert ranges[mode].first_unstable == pytest.approx(stretch, abs=0.006)
+
+
+def test_standard_deviations_are_those_of_many_noisy_tests() -> None:
+    # 400 noisy copies of a test: their scatter is what the one fit claims.
+    law, lam = laws()["gent"], np.linspace(1.1, 6.0, 30)
+    truth = law.split({"mu_MPa": 0.3, "Im": 60.0})
+    from hyperfab.materials import Material
+    from hyperfab.materials.modes import nominal_stress
+
+    exact = nominal_stress(Material(law, tuple(truth[0]), tuple(truth[1])), "uniaxial", lam)
+    generator = np.random.default_rng(7)
+    drawn, claimed = [], []
+    for _ in range(60):
+        noisy = exact * (1.0 + 0.02 * generator.standard_normal(len(lam)))
+        found = fit_law(Problem(law, Rows.of([Curve("uniaxial", lam, noisy, 1.0 / exact)])))
+        assert found is not None
+        drawn.append(list(found.material.parameters.values()))
+        claimed.append(certainty(found).sd)
+    scatter, claim = np.std(drawn, axis=0), np.mean(claimed, axis=0)
+    # 60 draws know a standard deviation to 9 %.
+    np.testing.assert_allclose(scatter, claim, rtol=0.28)
+
+
+def test_groups_share_what_is_nonlinear_and_have_linear_constants_of_their_own() -> None:
+    law, lam = laws()["gent"], np.linspace(1.1, 5.0, 20)
+    from hyperfab.materials import bind
+    from hyperfab.materials.modes import nominal_stress
+
+    cold, hot = (nominal_stress(bind("gent", {"mu_MPa": mu, "Im": 50.0}), "shear", lam) for mu in (0.4, 0.3))
+    curves = [Curve("shear", lam, P, 1.0 / P) for P in (cold, hot)]
+    found = fit_law(Problem(law, Rows.of(curves, groups=[0, 1])))
+    assert found is not None
+    assert [m.parameters["mu_MPa"] for m in found.materials] == pytest.approx([0.4, 0.3], rel=1e-9)
+    assert [m.parameters["Im"] for m in found.materials] == pytest.approx([50.0, 50.0], rel=1e-9)
+
+
+def test_nonnegative_least_squares_meets_its_optimality_conditions() -> None:
+    generator = np.random.default_rng(3)
+    for _ in range(40):
+        A, b = generator.standard_normal((20, 6)), generator.standard_normal(20)
+        c = nonnegative(A, b)
+        gradient = A.T @ (b - A @ c)
+        assert (c >= 0.0).all()
+        assert (gradient <= 1e-9).all()
+        assert np.abs(gradient[c > 0.0]).max(initial=0.0) < 1e-9
+
+
+def test_fitting_raises_no_warning(curves: list[Curve]) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for name in laws():
+            fitted(name, curves[:1])
