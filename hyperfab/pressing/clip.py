@@ -51,7 +51,7 @@ def positive_part(level: Array, faces: Ints, areas: Array) -> Quadrature:
 
     >>> import numpy as np
     >>> half = positive_part(np.array([1.0, -1.0, -1.0]), np.array([[0, 1, 2]]), np.array([8.0]))
-    >>> round(half.area.sum(), 12)
+    >>> float(half.area.sum().round(12))
     2.0
     """
     value = level[faces]

@@ -23,10 +23,11 @@ CREASE_DEG = 25.0
 @dataclass(frozen=True)
 class Curving:
     """What curves the facets of a surface: ``rise`` (m, 3), four times the rise [mm] of the smooth surface over the
-    middle of each edge ab, bc, ca (``e^2 / (2 R)`` on a sphere), zero where an end lies on a crease; ``smooth`` (m,)
-    facets without a corner on a crease."""
+    middle of each edge ab, bc, ca (``e^2 / (2 R)`` on a sphere), zero where an end lies on a crease; ``normals``
+    (n, 3) those of the smooth surface at the vertices; ``smooth`` (m,) facets without a corner on a crease."""
 
     surface: Surface
+    normals: Array
     rise: Array
     smooth: NDArray[np.bool_]
 
@@ -38,31 +39,61 @@ class Curving:
     def normal(self, face: Ints, points: Array, facet: Array) -> Array:
         """Unit normals (n, 3) of the smooth surface there; beside a crease those of the ``facet`` (n, 3)."""
         weights = _barycentric(self.surface, face, points)
-        corners = self.surface.vertex_normals[self.surface.faces[face]]
+        corners = self.normals[self.surface.faces[face]]
         mean = (weights[..., None] * corners).sum(axis=1)
         mean = mean / np.linalg.norm(mean, axis=1, keepdims=True)
         return np.where(self.smooth[face, None], mean, facet)
 
+    def reach(self, face: Ints, points: Array, directions: Array) -> Array:
+        """How much further (n,) [mm] rays along ``directions`` (n, 3) go from the facets to the smooth surface."""
+        facet = self.surface.normals[face]
+        normal = self.normal(face, points, facet)
+        slope = (directions * normal).sum(axis=1)
+        height = self.height(face, points) * (facet * normal).sum(axis=1)
+        # Rays that graze the surface are not followed: the tangent plane is no guide there.
+        return np.where(np.abs(slope) > 0.05, height / np.where(slope == 0.0, 1.0, slope), 0.0)
+
     def part(self, surface: Surface, faces: NDArray[np.bool_]) -> Curving:
         """The curving of some faces, which are all of ``surface``."""
-        return Curving(surface, self.rise[faces], self.smooth[faces])
+        return Curving(surface, self.normals, self.rise[faces], self.smooth[faces])
 
 
 def curving(surface: Surface, smooth: bool = True) -> Curving:
     """Return how the facets of a surface curve; with ``smooth`` false they are taken as flat."""
     if not smooth:
-        return Curving(surface, np.zeros(surface.faces.shape), np.zeros(len(surface.faces), dtype=bool))
+        flat = np.zeros(len(surface.faces), dtype=bool)
+        return Curving(surface, surface.vertex_normals, np.zeros(surface.faces.shape), flat)
     creased = np.zeros(len(surface.vertices), dtype=bool)
     for edge in range(3):
         sharp = np.abs(surface.edge_turn[:, edge]) > np.radians(CREASE_DEG)
         creased[surface.faces[sharp][:, [edge, (edge + 1) % 3]]] = True
+    normals = smooth_normals(surface)
     rise = np.zeros(surface.faces.shape)
     for edge in range(3):
         a, b = surface.faces[:, edge], surface.faces[:, (edge + 1) % 3]
         chord = surface.vertices[b] - surface.vertices[a]
-        turn = surface.vertex_normals[b] - surface.vertex_normals[a]
+        turn = normals[b] - normals[a]
         rise[:, edge] = np.where(creased[a] | creased[b], 0.0, 0.5 * (chord * turn).sum(axis=1))
-    return Curving(surface, rise, np.asarray(~creased[surface.faces].any(axis=1)))
+    return Curving(surface, normals, rise, np.asarray(~creased[surface.faces].any(axis=1)))
+
+
+def smooth_normals(surface: Surface) -> Array:
+    """Unit normals (n, 3) at the vertices of the smooth surface: facet normals by N. Max's weights.
+
+    They are exact where the vertices lie on a sphere, however irregular the facets (J. Graphics Tools 4 (1999) 1).
+    """
+    total = np.zeros_like(surface.vertices)
+    corners = [surface.vertices[surface.faces[:, k]] for k in range(3)]
+    for k in range(3):
+        one, two = corners[(k + 1) % 3] - corners[k], corners[(k + 2) % 3] - corners[k]
+        lengths = (one * one).sum(axis=1) * (two * two).sum(axis=1)
+        weighted = np.cross(one, two) / np.where(lengths > 0.0, lengths, 1.0)[:, None]
+        for axis in range(3):
+            total[:, axis] += np.bincount(
+                surface.faces[:, k], weights=weighted[:, axis], minlength=len(total)
+            )
+    length = np.linalg.norm(total, axis=1, keepdims=True)
+    return np.asarray(total / np.where(length > 0.0, length, 1.0))
 
 
 def _barycentric(surface: Surface, face: Ints, points: Array) -> Array:

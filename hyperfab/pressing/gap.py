@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hyperfab.pressing.curved import CREASE_DEG
+from hyperfab.pressing.curved import CREASE_DEG, smooth_normals
 from hyperfab.pressing.mold import Mold
 from hyperfab.surface import Surface
 
@@ -52,14 +52,21 @@ def nearest_gap(points: Array, female: Mold, hint: Ints | None = None) -> Gap:
     """Return the nearest signed gap at ``points`` (n, 3); ``hint`` (n,) are faces expected to be nearest."""
     surface = female.surface
     near = surface.nearest(points, hint=hint)
-    facet = surface.normals[near.face]
-    height = female.curving.height(near.face, near.point) * (near.normal * facet).sum(axis=1)
     border = _at_border(surface, near.face, near.feature)
-    # At an open edge, or far beside a face, the direction is that of the distance itself.
-    square = (near.normal * facet).sum(axis=1) > np.cos(np.radians(CREASE_DEG))
-    smooth = female.curving.normal(near.face, near.point, near.normal)
-    direction = np.where((square & ~border)[:, None], smooth, near.normal)
-    return Gap(near.distance - height, direction, near.face, border)
+    if not female.smooth:
+        return Gap(near.distance, near.normal, near.face, border)
+    facet = surface.normals[near.face]
+    along = (near.normal * facet).sum(axis=1)
+    height = female.curving.height(near.face, near.point)
+    normal = female.curving.normal(near.face, near.point, near.normal)
+    # The facet's foot lies a little beside that of the smooth surface. The distance to the tangent plane there is
+    # right to second order all the same, the distance to the foot itself would be too long.
+    foot = near.point + height[:, None] * facet
+    smooth = ((points - foot) * normal).sum(axis=1)
+    # At an open edge, on a crease, or far beside a face, the distance is that of the facets.
+    taken = female.curving.smooth[near.face] & ~border & (along > np.cos(np.radians(CREASE_DEG)))
+    distance = np.where(taken, smooth, near.distance - height * along)
+    return Gap(distance, np.where(taken[:, None], normal, near.normal), near.face, border)
 
 
 def normal_gap(points: Array, normals: Array, female: Mold) -> Array:
@@ -83,8 +90,7 @@ def axial_gap(points: Array, female: Mold) -> Array:
     hit = np.flatnonzero(face >= 0)
     gap = np.full(len(points), np.nan)
     ends = points[hit] + (t[hit] - far)[:, None] * up[hit]
-    height = female.front_curving.height(face[hit], ends)
-    gap[hit] = t[hit] - far + height / female.front.normals[face[hit], 2]
+    gap[hit] = t[hit] - far + female.front_curving.reach(face[hit], ends, up[hit])
     return gap
 
 
@@ -104,7 +110,7 @@ def molding_front(male: Mold, female: Mold) -> Front:
     used, renumbered = np.unique(faces, return_inverse=True)
     faces = renumbered.reshape(-1, 3)
     part = Surface(male.vertices[used], faces)
-    return Front(part.vertices, faces, part.vertex_normals, part.areas, used, _flange(part))
+    return Front(part.vertices, faces, smooth_normals(part), part.areas, used, _flange(part))
 
 
 def touch_gap(front: Front, nearest: Array, along_normal: Array) -> Array:
@@ -143,7 +149,7 @@ def _first_hit(points: Array, directions: Array, female: Mold, leaving: bool = F
     hit = np.flatnonzero((face >= 0) & ((cosine < 0.0) if leaving else (cosine > 0.0)))
     gap, found = np.full(len(points), np.nan), np.full(len(points), -1)
     ends = points[hit] + t[hit, None] * directions[hit]
-    gap[hit] = t[hit] - female.curving.height(face[hit], ends) / cosine[hit]
+    gap[hit] = t[hit] + female.curving.reach(face[hit], ends, directions[hit])
     found[hit] = face[hit]
     return gap, found
 

@@ -76,14 +76,15 @@ def clearance(male: Mold, female: Mold) -> Clearance:
         # From far outside, so that molds which overlap as drawn give a negative gap and not a missed one.
         far = 1.0 + np.ptp(np.concatenate([here.vertices[:, 2], there.vertices[:, 2]]))
         t, face = there.front.ray(starts - far * direction, direction)
-        ends = starts + (t - far)[:, None] * direction
-        height = there.front_curving.height(np.maximum(face, 0), ends)
-        gap = t - far + height / (there.front.normals[face] @ direction)
-        if (face >= 0).any():
-            best = int(np.argmin(np.where(face >= 0, gap, np.inf)))
-            candidates.append(
-                (float(gap[best]), starts[best] + (0.0 if here is male else gap[best]) * direction)
-            )
+        hit = np.flatnonzero(face >= 0)
+        if len(hit) == 0:
+            continue
+        ends = starts[hit] + (t[hit] - far)[:, None] * direction
+        along = np.broadcast_to(direction, ends.shape)
+        gap = t[hit] - far + there.front_curving.reach(face[hit], ends, along)
+        best = int(np.argmin(gap))
+        at = starts[hit[best]] + (0.0 if here is male else gap[best]) * direction
+        candidates.append((float(gap[best]), at))
     if not candidates:
         raise InputError(
             "no part of the female lies above the male", remedy="check --axis and the two STL files"

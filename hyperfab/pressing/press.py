@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from hyperfab.errors import InputError
 from hyperfab.pressing.contact import Contact, contact
 from hyperfab.pressing.gap import Front, nearest_gap
 from hyperfab.pressing.mold import Mold
+from hyperfab.pressing.pose import Pose
 from hyperfab.pressing.sandwich import Sandwich
 
 Array = NDArray[np.float64]
@@ -34,12 +35,14 @@ class Press:
     sandwich: Sandwich
     _hint: Ints | None = field(default=None, repr=False)
 
-    def at(self, opening: float) -> Contact:
-        """Return what the sandwich does with the female raised by ``opening``."""
+    def at(self, pose: Pose | float) -> Contact:
+        """Return what the sandwich does with the female at ``pose``, or raised by an opening [mm] only."""
+        pose = pose if isinstance(pose, Pose) else Pose(float(pose))
         # Not the female is moved but the points against it: its search tree stays as it is.
-        points = self.front.vertices - np.array([0.0, 0.0, opening])
-        gap = nearest_gap(points, self.female, self._hint)
+        gap = nearest_gap(pose.into_female(self.front.vertices), self.female, self._hint)
         self._hint = gap.face
+        if pose.angle != 0.0:
+            gap = replace(gap, direction=gap.direction @ pose.rotation.T)
         return contact(self.front, gap, self.sandwich)
 
     def first_touch(self) -> float:

@@ -19,8 +19,8 @@ def thinning_at(points: Array, nodes: Array, quads: Ints, factor: Array) -> Arra
 
     >>> import numpy as np
     >>> nodes = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]])
-    >>> thinning_at(np.array([[0.3, 0.3, 5.0]]), nodes, np.array([[0, 1, 2, 3]]), np.array([0.8])).tolist()
-    [0.8]
+    >>> thinning_at(np.array([[0.3, 0.3, 5.0]]), nodes, np.array([[0, 1, 2, 3]]), np.array([0.5])).tolist()
+    [0.5]
     """
     count = np.bincount(quads.ravel(), minlength=len(nodes))
     total = np.bincount(quads.ravel(), weights=np.repeat(factor, 4), minlength=len(nodes))
