@@ -11,10 +11,13 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from hyperfab.surface.bvh import DEPTH, nearest_one
+from hyperfab.surface.bvh import DEPTH, nearest_one, ray_one
 
 from .law import Floats
 from .mold import FREE, ON_FACE, SHARP, Ints, Mold, States, copy, decide, dot, edge_reached, outward, valley
+
+#: Share of the mold's size beyond which a step may lead through it, or along a tangent to nowhere.
+LONG = 1e-3
 
 
 @njit(cache=True)
@@ -40,6 +43,10 @@ def move(
     m = x.shape[1]
     stack, stack_d = np.empty(DEPTH, np.int64), np.empty(DEPTH)
     y, u = np.empty(3), np.empty(3)
+    size = 0.0
+    for k in range(3):
+        size += (mold.bounds[0, 3 + k] - mold.bounds[0, k]) ** 2
+    long = LONG * np.sqrt(size)
     for i in range(first, last):
         for j in range(m):
             way = 0.0
@@ -81,13 +88,30 @@ def move(
                 stack,
                 stack_d,
             )
+            away = np.sqrt((y[0] - cx) ** 2 + (y[1] - cy) ** 2 + (y[2] - cz) ** 2)
             n = mold.normals[near, feature]
-            slot_t[i, j] = near
-            if state[i, j] == FREE:
-                height = (y[0] - cx) * n[0] + (y[1] - cy) * n[1] + (y[2] - cz) * n[2]
-                if height > 0.0:
-                    clear_t[i, j] = np.sqrt((y[0] - cx) ** 2 + (y[1] - cy) ** 2 + (y[2] - cz) ** 2)
+            inside = (y[0] - cx) * n[0] + (y[1] - cy) * n[1] + (y[2] - cz) * n[2] <= 0.0
+            if state[i, j] == FREE and way > long:
+                # A long step may lead through the mold: the node stops where it meets it.
+                for k in range(3):
+                    u[k] = y[k] - x[i, j, k]
+                t, met = ray_one(
+                    x[i, j], u, mold.corners, mold.bounds, mold.right, mold.start, mold.number, stack
+                )
+                if t < 1.0 and t * way > 1e-9 and (not inside or away > 0.1 * way):
+                    for k in range(3):
+                        xt[i, j, k] = x[i, j, k] + t * u[k]
+                    state_t[i, j], slot_t[i, j], clear_t[i, j] = ON_FACE, met, 0.0
                     continue
+            slot_t[i, j] = near
+            if state[i, j] == FREE and not inside:
+                clear_t[i, j] = away
+                continue
+            if state[i, j] != FREE and way > long and away > 0.5 * way:
+                for k in range(3):  # too far along the tangent to tell where on the mold it leads: stay
+                    xt[i, j, k] = x[i, j, k]
+                slot_t[i, j] = slot[i, j]
+                continue
             xt[i, j, 0], xt[i, j, 1], xt[i, j, 2] = cx, cy, cz
             state_t[i, j], clear_t[i, j] = ON_FACE + feature, 0.0
 

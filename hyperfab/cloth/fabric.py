@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from hyperfab.materials import Material
@@ -17,17 +19,20 @@ LOCKED = 1e3
 def spring_law(material: Material) -> SpringLaw:
     """Table of the nominal stress of a fabric strip in uniaxial tension, free to contract.
 
+    Where the stress stops rising the table ends, and the curve goes on level: a falling stress would let the net
+    tear itself apart. ``softens`` of the law says where.
     Raises ValueError where the law has no stiffness at rest or no values beyond it.
 
     >>> from hyperfab.materials import bind
     >>> law = spring_law(bind("neo-hookean", {"C10_MPa": 0.2}))
-    >>> round(float(law(2.0)[1][0]), 10), law.largest_stretch
-    (0.7, 5.0)
+    >>> round(float(law(2.0)[1][0]), 10), law.largest_stretch, law.softens
+    (0.7, 5.0, None)
     """
     stretch = np.linspace(1.0, LARGEST, 4001)
     found = material.uniaxial(stretch)
     sane = np.isfinite(found.P) & np.isfinite(found.A) & (LOCKED * max(found.A[0], 0.0) > found.A)
-    count = len(stretch) if sane.all() else int(np.argmin(sane))
+    rising = sane & (found.A > 0.0)
+    count = len(stretch) if rising.all() else int(np.argmin(rising))
     if count < 10:
         raise ValueError("the law has no stiffness in tension at rest")
 
@@ -35,16 +40,7 @@ def spring_law(material: Material) -> SpringLaw:
         answer = material.uniaxial(at)
         return answer.P, answer.A
 
-    return tabulate(law, float(stretch[count - 1]))
-
-
-def softens_at(law: SpringLaw, largest: float) -> float | None:
-    """Smallest stretch up to ``largest`` at which the stress no longer rises, or None.
-
-    >>> from hyperfab.cloth.law import piecewise_linear
-    >>> softens_at(piecewise_linear([1.0, 1.2, 1.4], [0.0, 1.0, 0.9]), 1.3) > 1.19
-    True
-    """
-    stretch = np.linspace(1.0 + 1e-9, max(largest, 1.0 + 2e-9), 2001)
-    falling = law(stretch)[2] <= 0.0
-    return float(stretch[np.argmax(falling)]) if falling.any() else None
+    end = float(stretch[count - 1])
+    table = tabulate(law, end)
+    falls = count < len(stretch) and bool(sane[count])
+    return replace(table, softens=end) if falls else table

@@ -27,12 +27,14 @@ class SpringLaw:
 
     ``knots`` (k + 1,) stretches from 1 up; ``pieces`` (k + 1, 5): energy density at the knot and the cubic's
     coefficients of P in (stretch - knot), the last row continuing the curve straight beyond the last knot;
-    ``buckets`` finds the piece: the first whose end lies beyond the bucket's start.
+    ``buckets`` finds the piece: the first whose end lies beyond the bucket's start. ``softens``: the stretch at which
+    the law's stress stops rising, where it does; the table ends there.
     """
 
     knots: Floats
     pieces: Floats
     buckets: npt.NDArray[np.int64]
+    softens: float | None = None
 
     @property
     def arrays(self) -> tuple[Floats, Floats, npt.NDArray[np.int64]]:

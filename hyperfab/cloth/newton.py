@@ -13,6 +13,9 @@ from .linear import Solver, Tangent, dot
 from .mold import FREE, Ints, Mold, States
 from .net import FIXED, Sheet, forces, stiffness
 
+#: Springs whose forces stay below their section's stiffness times this are unstretched but for rounding.
+RELAXED = 1e-8
+
 ROWS = 200_000  # nodes handled by one call of a compiled kernel that searches the mold
 
 
@@ -106,6 +109,7 @@ def equilibrium(
     r, d, press = np.zeros((n, m, 3)), np.zeros((n, m, 3)), np.zeros((n, m))
     before = np.full((n, m), -1)
     reference = _stiffness_scale(sheet)
+    unstretched = RELAXED * reference * float(net.rest.max())
     energy, strongest = forces(now.x, net, f)
     history: list[Step] = []
     alpha, inner, forcing, relative_old = 1.0, 0, 0.1, 1.0
@@ -115,7 +119,7 @@ def equilibrium(
         worst, where, contacts, changed = settle(
             now.x, f, mold, fixed, slack, now.contact, now.slot, before, now.clear, tangent.q, r, press
         )
-        relative = worst / strongest if strongest > 0.0 else 0.0
+        relative = worst / max(strongest, unstretched)
         history.append(Step((n, m), iteration, energy, relative, contacts, alpha, inner, changed > 0))
         if report:
             report(history[-1])

@@ -264,6 +264,41 @@ def _hit(tri: Floats, o: Floats, d: Floats) -> float:
 
 
 @njit(cache=True)
+def ray_one(
+    o: Floats, d: Floats, corners: Floats, bounds: Floats, right: Ints, start: Ints, count: Ints, stack: Ints
+) -> tuple[float, int]:
+    """First hit along a ray, either side of a triangle: (distance in lengths of d, slot); inf and -1: none."""
+    best, slot = np.inf, -1
+    stack[0] = 0
+    top = 1
+    while top > 0:
+        top -= 1
+        node = stack[top]
+        near, far = 0.0, best
+        for a in range(3):
+            lo, hi = bounds[node, a], bounds[node, 3 + a]
+            if d[a] == 0.0:
+                if o[a] < lo or o[a] > hi:
+                    far = -1.0
+            else:
+                t0, t1 = (lo - o[a]) / d[a], (hi - o[a]) / d[a]
+                if t0 > t1:
+                    t0, t1 = t1, t0
+                near, far = max(near, t0), min(far, t1)
+        if near > far * (1.0 + 1e-14) + 1e-300:
+            continue
+        if right[node] >= 0:
+            stack[top], stack[top + 1] = right[node], node + 1
+            top += 2
+            continue
+        for t in range(start[node], start[node] + count[node]):
+            along = _hit(corners[t], o, d)
+            if 0.0 <= along < best:
+                best, slot = along, t
+    return best, slot
+
+
+@njit(cache=True)
 def ray_many(
     origins: Floats,
     directions: Floats,
@@ -275,35 +310,7 @@ def ray_many(
     hit: Floats,
     slots: Ints,
 ) -> None:
-    """First hit along each ray, either side of a triangle; ``hit`` is inf and the slot -1 where there is none."""
+    """First hit along each ray into ``hit`` and ``slots``; see ``ray_one``."""
     stack = np.empty(DEPTH, np.int64)
     for i in range(origins.shape[0]):
-        best, slot = np.inf, -1
-        stack[0] = 0
-        top = 1
-        while top > 0:
-            top -= 1
-            node = stack[top]
-            near, far = 0.0, best
-            for a in range(3):
-                o, d = origins[i, a], directions[i, a]
-                lo, hi = bounds[node, a], bounds[node, 3 + a]
-                if d == 0.0:
-                    if o < lo or o > hi:
-                        far = -1.0
-                else:
-                    t0, t1 = (lo - o) / d, (hi - o) / d
-                    if t0 > t1:
-                        t0, t1 = t1, t0
-                    near, far = max(near, t0), min(far, t1)
-            if near > far * (1.0 + 1e-14) + 1e-300:
-                continue
-            if right[node] >= 0:
-                stack[top], stack[top + 1] = right[node], node + 1
-                top += 2
-                continue
-            for t in range(start[node], start[node] + count[node]):
-                along = _hit(corners[t], origins[i], directions[i])
-                if 0.0 <= along < best:
-                    best, slot = along, t
-        hit[i], slots[i] = best, slot
+        hit[i], slots[i] = ray_one(origins[i], directions[i], corners, bounds, right, start, count, stack)

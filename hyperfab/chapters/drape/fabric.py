@@ -9,7 +9,7 @@ import numpy as np
 
 from hyperfab.chapters.job import Job
 from hyperfab.cloth import SpringLaw
-from hyperfab.cloth.fabric import softens_at, spring_law
+from hyperfab.cloth.fabric import spring_law
 from hyperfab.cloth.law import Floats
 from hyperfab.documents.base import read_document
 from hyperfab.documents.drape import SpringUse
@@ -87,7 +87,7 @@ def use_of(fabric: Fabric, stretch_warp: Floats, stretch_weft: Floats) -> tuple[
                 stretch_max=largest,
                 tested_stretch_max=tested,
                 beyond_tested=0 if tested is None else int(np.count_nonzero(stretch > tested * (1.0 + 1e-9))),
-                softens_at=softens_at(law, largest),
+                softens_at=law.softens if law.softens is not None and largest > law.softens else None,
             )
         )
     return uses[0], uses[1]

@@ -1,0 +1,176 @@
+"""``hf drape`` as its users meet it: document, files, refusals."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from hyperfab.cli import main
+from hyperfab.io.stl_write import stl_bytes
+
+FABRIC = {
+    "format": "hyperfab.material/1",
+    "model": "neo-hookean",
+    "parameters": {"C10_MPa": 0.2},
+    "thickness_mm": 0.8,
+}
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch) -> Path:
+    mesh = trimesh.creation.icosphere(subdivisions=3, radius=60.0)
+    (tmp_path / "ball.stl").write_bytes(stl_bytes(mesh.vertices, mesh.faces))
+    (tmp_path / "fabric.json").write_text(json.dumps(FABRIC))
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def drape(folder, monkeypatch, capfd) -> Callable[..., tuple[int, str, str]]:
+    def run(*arguments: str, mold: str = "ball.stl", fabric: str = "fabric.json") -> tuple[int, str, str]:
+        words = ["hf", "drape", fabric, "--mold", mold]
+        for name, value in (("--grid", "31x21"), ("--size", "200mmx180mm"), ("--depth", "50mm")):
+            if name not in arguments:
+                words += [name, value]
+        monkeypatch.setattr("sys.argv", [*words, *arguments])
+        with pytest.raises(SystemExit) as end:
+            main()
+        out, err = capfd.readouterr()
+        return int(end.value.code or 0), out, err
+
+    return run
+
+
+def test_the_document_has_what_the_contract_promises(drape, folder):
+    status, out, _ = drape("-o", "drape.json")
+    assert status == 0
+    assert out == ""
+    document = json.loads((folder / "drape.json").read_text())
+    for key in ("iterations", "residual_max_N", "residual_relative", "energy_J", "force_N", "contact_nodes",
+                "penetration_max_mm", "slack_springs", "stress_warp_max_MPa", "stress_weft_max_MPa",
+                "thickness_min_mm"):  # fmt: skip
+        assert isinstance(document[key], (int, float)), key
+    assert document["format"] == "hyperfab.drape/1"
+    assert document["converged"] is True
+    assert document["residual_relative"] <= 1e-6
+    assert document["penetration_nodes_mm"] <= 1e-9
+    assert 0.3 < document["thickness_min_mm"] < 0.8
+    assert document["mold"]["shift_mm"][2] == pytest.approx(-10.0)
+    assert set(document["files"]) == {"drape.vtu", "drape.csv", "drape.png"}
+    head, *rows = (folder / "drape.csv").read_text().splitlines()
+    assert head.split(",")[3:5] == ["energy_J", "residual_relative"]
+    assert float(rows[-1].split(",")[3]) == document["energy_J"]
+    assert (folder / "drape.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_field_has_nodes_cells_and_named_arrays(drape, folder):
+    import meshio
+
+    drape("-o", "drape.json")
+    field = meshio.read(folder / "drape.vtu")
+    assert field.points.shape == (31 * 21, 3)
+    assert field.cells_dict["quad"].shape == (30 * 20, 4)
+    assert {"stress_warp_MPa", "stress_weft_MPa", "contact", "residual_N", "flat_mm"} <= set(field.point_data)
+    assert {"thickness_mm", "stretch_warp", "stretch_weft", "slack"} <= set(field.cell_data)
+    corner = field.points[field.cells_dict["quad"][0]]
+    assert np.allclose(corner[0], [-100, -90, 0])
+
+
+def test_the_same_inputs_give_the_same_bytes(drape, folder):
+    names = ("json", "vtu", "csv", "png")
+    drape("-o", "drape.json")
+    first = [(folder / f"drape.{name}").read_bytes() for name in names]
+    drape("-o", "drape.json")
+    assert [(folder / f"drape.{name}").read_bytes() for name in names] == first
+
+
+def test_standard_output_carries_the_document_and_nothing_else(drape, folder):
+    status, out, _ = drape()
+    assert status == 0
+    assert json.loads(out)["files"] == []
+    assert sorted(path.name for path in folder.iterdir()) == ["ball.stl", "fabric.json"]
+
+
+def test_each_direction_has_its_own_constants(drape, folder):
+    fabric = {
+        **FABRIC,
+        "directions": {"warp": {"parameters": {"C10_MPa": 0.2}}, "weft": {"parameters": {"C10_MPa": 0.4}}},
+    }
+    (folder / "fabric.json").write_text(json.dumps(fabric))
+    _, out, _ = drape("--grid", "31x31", "--size", "200mm")
+    document = json.loads(out)
+    assert document["stress_weft_max_MPa"] > 1.5 * document["stress_warp_max_MPa"]
+
+
+def test_facets_wound_the_wrong_way_are_turned_with_a_warning(drape, folder):
+    _, right, _ = drape("--quiet")
+    mesh = trimesh.creation.icosphere(subdivisions=3, radius=60.0)
+    faces = mesh.faces.copy()
+    faces[::7] = faces[::7, ::-1]
+    (folder / "ball.stl").write_bytes(stl_bytes(mesh.vertices, faces))
+    status, mended, err = drape("--quiet")
+    assert status == 0
+    assert "wrong way" in err
+    assert json.loads(mended)["energy_J"] == pytest.approx(json.loads(right)["energy_J"], rel=1e-6)
+    (folder / "ball.stl").write_bytes(stl_bytes(mesh.vertices, mesh.faces[:, ::-1]))
+    status, turned, err = drape("--quiet")
+    assert "inward" in err
+    assert json.loads(turned)["energy_J"] == pytest.approx(json.loads(right)["energy_J"], rel=1e-6)
+
+
+def test_a_hole_above_the_sheet_is_refused_and_one_below_is_not(drape, folder):
+    mesh = trimesh.creation.icosphere(subdivisions=3, radius=60.0)
+    centres = mesh.triangles_center[:, 2]
+    top = np.argmax(centres)
+    (folder / "ball.stl").write_bytes(stl_bytes(mesh.vertices, np.delete(mesh.faces, top, 0)))
+    status, out, err = drape()
+    assert status == 3
+    assert out == ""
+    assert "ball.stl, facet" in err
+    assert "hole" in err
+    (folder / "ball.stl").write_bytes(stl_bytes(mesh.vertices, mesh.faces[centres > -20]))
+    status, out, _ = drape()
+    assert status == 0
+    assert json.loads(out)["mold"]["closed"] is False
+
+
+def test_a_mold_that_reaches_the_clamped_edge_is_refused(drape):
+    status, _, err = drape("--size", "90mmx90mm")
+    assert status == 3
+    assert "clamped edge" in err
+    assert "--size" in err
+
+
+def test_constants_that_soften_where_they_are_used_end_with_status_4(drape, folder):
+    unstable = {**FABRIC, "model": "yeoh-2", "parameters": {"C10_MPa": 0.2, "C20_MPa": -0.6}}
+    (folder / "fabric.json").write_text(json.dumps(unstable))
+    status, out, err = drape()
+    assert status == 4
+    assert "unstable" in err
+    assert json.loads(out)["warp"]["softens_at"] > 1.0
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "says"),
+    [
+        ("--grid", "100", "100x100"),
+        ("--grid", "2x50", "at least 3"),
+        ("--grid", "9999x9999", "fewer"),
+        ("--size", "200x200", "unit"),
+        ("--depth", "60", "60mm"),
+        ("--depth", "-5mm", "0mm or more"),
+        ("--clamp", "north", "x-,x+,y-,y+"),
+        ("--thickness", "0mm", "more than 0mm"),
+        ("--tolerance", "0", "1e-6"),
+    ],
+)
+def test_an_option_that_means_nothing_is_refused_with_the_right_form(drape, option, value, says):
+    status, out, err = drape(f"{option}={value}")
+    assert status == 2
+    assert out == ""
+    assert says in err

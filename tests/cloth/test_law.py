@@ -1,0 +1,65 @@
+"""Spring laws: exact derivatives of one another, tabulated to 1e-9, measured curves as they stand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hyperfab.cloth import piecewise_linear, tabulate
+from hyperfab.cloth.fabric import spring_law
+from hyperfab.materials import bind
+
+
+def test_a_table_follows_its_law_to_1e_9_of_the_largest_stress():
+    def neo_hooke(lam):
+        return lam - lam**-2, 1 + 2 * lam**-3
+
+    law = tabulate(neo_hooke, 4.0)
+    at = np.linspace(1, 4, 10_001)
+    w, p, a = law(at)
+    assert np.abs(p - neo_hooke(at)[0]).max() < 1e-9 * p.max()
+    assert np.abs(w - (at**2 / 2 + 1 / at - 1.5)).max() < 1e-9
+    assert np.allclose(a[1:], neo_hooke(at)[1][1:], atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "law",
+    [spring_law(bind("yeoh-3", {"C10_MPa": 0.06, "C20_MPa": -0.02, "C30_MPa": 0.017})),
+     piecewise_linear([1.0, 1.1, 1.4, 2.0], [0.0, 0.1, 0.7, 0.9])],
+    ids=["table", "measured"],
+)  # fmt: skip
+def test_stress_and_slope_are_the_derivatives_of_the_energy(law):
+    at = np.linspace(1.001, 2.5, 400)
+    at = at[np.abs(at[:, None] - law.knots).min(1) > 1e-5]
+    h = 1e-6
+    w_plus, p_plus, _ = law(at + h)
+    w_minus, p_minus, _ = law(at - h)
+    _, p, a = law(at)
+    assert np.allclose((w_plus - w_minus) / (2 * h), p, atol=1e-8)
+    assert np.allclose((p_plus - p_minus) / (2 * h), a, atol=1e-7)
+
+
+def test_a_spring_carries_no_compression_and_goes_on_straight_beyond_its_table():
+    law = piecewise_linear([1.0, 2.0], [0.0, 3.0])
+    assert [float(v[0]) for v in law(0.5)] == [0.0, 0.0, 0.0]
+    assert float(law(4.0)[1][0]) == pytest.approx(9.0)
+
+
+def test_a_law_that_locks_is_cut_before_its_limit():
+    law = spring_law(bind("gent", {"mu_MPa": 0.3, "Im": 1.0}))
+    assert 1.5 < law.largest_stretch < 2.0
+    assert np.isfinite(law(3.0)[1]).all()
+
+
+def test_a_law_that_softens_says_where_and_goes_on_level():
+    assert spring_law(bind("neo-hookean", {"C10_MPa": 0.2})).softens is None
+    law = spring_law(bind("yeoh-2", {"C10_MPa": 0.2, "C20_MPa": -0.1}))
+    assert 1.3 < law.softens < 1.8
+    p = law(np.linspace(1.0, 3.0, 100))[1]
+    assert (np.diff(p) >= 0.0).all()
+    assert p[-1] == pytest.approx(p.max())
+
+
+def test_measured_stretches_must_rise():
+    with pytest.raises(ValueError, match="rise"):
+        piecewise_linear([1.0, 1.2, 1.1], [0.0, 1.0, 2.0])
