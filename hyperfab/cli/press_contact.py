@@ -41,9 +41,26 @@ def press_contact(
             metavar="WHEN", help="Whether --gap was set cold or again on the hot molds: cold or hot."
         ),
     ] = "cold",
+    floating: Annotated[
+        bool,
+        typer.Option("--float", help="The female hangs on a joint in its mounting face and finds its tilt."),
+    ] = False,
+    force_at: Annotated[
+        str | None, typer.Option(metavar="L,L", help="Where the joint sits across the axis, as 10mm,0mm.")
+    ] = None,
+    frame_stiffness: Annotated[
+        str | None, typer.Option(metavar="STIFFNESS", help="The press frame yields, as 50kN/mm.")
+    ] = None,
+    strokes: Annotated[int, typer.Option(metavar="N", help="Points of the force-stroke curve.")] = 21,
     min_spotted: Annotated[
         float | None,
         typer.Option(metavar="PERCENT", help="Exit 1 where less of the molding surface touches."),
+    ] = None,
+    design_gap: Annotated[
+        str | None,
+        typer.Option(
+            metavar="LENGTH", help="Also write the male that leaves this hot gap everywhere, as STL."
+        ),
     ] = None,
     facets: Annotated[
         str,

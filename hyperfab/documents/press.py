@@ -58,6 +58,32 @@ class StateAreas(Part):
     interfering_mm2: float
 
 
+class Histogram(Part):
+    """Area of the molding surface by its nearest gap."""
+
+    edges_mm: list[float]
+    area_mm2: list[float]
+
+
+class LeverPart(Part):
+    """One setting that could be changed, and what the gap makes of it."""
+
+    change: str
+    unit: str
+    gap_rms_mm_per_unit: float = Field(description="change of the gap over the molding surface, rms")
+    closest_gap_mm_per_unit: float = Field(description="change where the molds are closest; negative: closer")
+    typical_step: float = Field(description="a change as shops make or suffer it, in the unit")
+    gap_rms_at_step_mm: float
+
+
+class DesignPart(Part):
+    """The male of constant gap that was written as STL."""
+
+    gap_mm: float
+    spread_mm: float = Field(description="greatest less least hot gap of its vertices to the female")
+    facets: int
+
+
 class PressDocument(Document):
     """The result of ``hf press-contact``."""
 
@@ -83,11 +109,16 @@ class PressDocument(Document):
         description="travel from the first touch of the sandwich; negative: not yet touched"
     )
     tilt_deg: float
+    tilt_vector_deg: Place | None = Field(default=None, description="rotation vector of the floating female")
+    centre_of_pressure_mm: Place | None = None
     energy_J: float
     regions: list[RegionPart]
     states: StateAreas
 
     clearance_cold_mm: float = Field(description="axial clearance at the datum, cold")
+    clearance_to_set_mm: float | None = Field(
+        default=None, description="clearance to set, cold and unloaded, before the press frame yields"
+    )
     clearance_hot_mm: float = Field(description="axial clearance at the datum of the hot molds")
     datum_mm: Place = Field(description="the datum: closest pair along the axis, on the male, cold")
     zero: str = Field(description="whether the clearance was set cold or hot")
@@ -108,4 +139,7 @@ class PressDocument(Document):
     force_stroke: list[tuple[float, float]] = Field(
         description="[stroke_mm, force_N] from the first touch on"
     )
+    histogram: Histogram
+    sensitivity: list[LeverPart] = Field(description="what to change first: strongest first")
+    design: DesignPart | None = None
     left_out: list[str] = Field(default_factory=list, description="what this result does not contain")

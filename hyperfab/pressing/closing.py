@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.pressing.balance import balance
 from hyperfab.pressing.clip import positive_part
 from hyperfab.pressing.contact import Contact
 from hyperfab.pressing.gap import (
@@ -18,8 +19,10 @@ from hyperfab.pressing.gap import (
     oblique,
     touch_gap,
 )
+from hyperfab.pressing.growth import guide_line
 from hyperfab.pressing.mold import Mold
 from hyperfab.pressing.placement import Clearance, clearance
+from hyperfab.pressing.pose import Pose
 from hyperfab.pressing.press import Press
 from hyperfab.pressing.sandwich import Sandwich
 
@@ -34,7 +37,9 @@ class Case:
     ``male`` and ``female`` are cold and as drawn; ``male_growth`` and ``female_growth`` the displacements (n, 3) [mm]
     of their vertices when hot, zero at the mounting face. Either ``gap`` [mm], the axial clearance at the datum, or
     ``force`` [N] is given; the clearance is set cold, or, with ``zero_hot``, again on the hot molds. The ``sandwich``
-    has one value for all or one a vertex of the whole male.
+    has one value for all or one a vertex of the whole male. The press ``frame`` [N/mm] yields under the force; a
+    ``floating`` female turns about a joint in its mounting face, at ``force_at`` (2,) [mm] across the axis, in the
+    middle of the tool where not given.
     """
 
     male: Mold
@@ -45,21 +50,26 @@ class Case:
     gap: float | None = None
     force: float | None = None
     zero_hot: bool = False
+    frame: float | None = None
+    floating: bool = False
+    force_at: Array | None = None
 
 
 @dataclass(frozen=True)
 class Closed:
     """The press at its answer.
 
-    ``press`` stands at its position with opening ``opening`` [mm]; ``contact`` is what the sandwich does there. At
-    the vertices of ``front`` (hot): ``normal`` and ``axial`` gaps, NaN where they miss, ``touch`` the gap that
-    decides what touches, flags for feet on an open edge and for oblique ones. ``cold`` (n, 3) are the same vertices
-    cold. ``stroke`` [mm] counts from the first touch. ``touching`` (m,) [mm^2] is each face's touching area.
+    ``press`` stands at ``pose``, which puts the hot ``female`` where it is; ``contact`` is what the sandwich does
+    there. At the vertices of ``front`` (hot): ``normal`` and ``axial`` gaps, NaN where they miss, ``touch`` the gap
+    that decides what touches, flags for feet on an open edge and for oblique ones. ``cold`` (n, 3) are the same
+    vertices cold. ``touching`` (m,) [mm^2] is each face's touching area. ``first_touch`` [mm] is the opening at
+    which the sandwich is first touched.
     """
 
     case: Case
     press: Press
-    opening: float
+    pose: Pose
+    female: Mold
     contact: Contact
     cold: Array
     normal: Array
@@ -81,13 +91,14 @@ class Closed:
     @property
     def stroke(self) -> float:
         """Travel [mm] from the first touch of the sandwich to the answer; negative where it is not touched yet."""
-        return self.first_touch - self.opening
+        return self.first_touch - self.pose.opening
 
 
 def close_press(case: Case) -> Closed:
     """Close the press and look at the sandwich.
 
-    Raises InputError where the molds do not lie over each other, or where the force cannot be reached.
+    Raises InputError where the molds do not lie over each other, or where the force cannot be reached, and
+    NotConverged where a floating female tips over.
     """
     datum = clearance(case.male, case.female)
     # With a force the position is solved below; where the molds start from does not matter.
@@ -99,35 +110,36 @@ def close_press(case: Case) -> Closed:
         female, start = female.raised(shift), start + shift
 
     front = molding_front(male, female)
-    sandwich = case.sandwich.of_vertices(front.of_mold)
-    press = Press(front, female, sandwich)
-    opening = 0.0 if case.force is None else press.opening_for(case.force)
-    result = press.at(opening)
-    return _look(case, press, opening, result, male, datum, start)
-
-
-def _look(
-    case: Case, press: Press, opening: float, result: Contact, male: Mold, datum: Clearance, start: float
-) -> Closed:
-    front, female = press.front, press.female.raised(opening)
-    nearest = nearest_gap(front.vertices, female, result.face)
-    along = normal_gap(front.vertices, front.normals, female)
+    press = Press(front, female, case.sandwich.of_vertices(front.of_mold))
+    pose = _pose(case, press)
+    result = press.at(pose)
+    there = female.moved(pose.carry(female.vertices), female.mount + pose.opening)
+    nearest = nearest_gap(front.vertices, there, result.face)
+    along = normal_gap(front.vertices, front.normals, there)
     touch = touch_gap(front, nearest.nearest, along)
     part = positive_part(np.asarray(press.sandwich.thickness - touch), front.faces, front.areas)
     return Closed(
         case=case,
         press=press,
-        opening=opening,
+        pose=pose,
+        female=there,
         contact=result,
         cold=case.male.vertices[front.of_mold],
         normal=along,
-        axial=axial_gap(front.vertices, female),
+        axial=axial_gap(front.vertices, there),
         touch=touch,
         at_border=nearest.at_border,
         oblique=oblique(front, nearest),
         touching=part.per_face(np.ones(part.area.shape), len(front.faces)),
         first_touch=press.first_touch(),
         datum=datum,
-        clearance_cold=datum.gap + start + opening,
-        clearance_hot=clearance(male, female).gap,
+        clearance_cold=datum.gap + start + pose.opening,
+        clearance_hot=clearance(male, there).gap,
     )
+
+
+def _pose(case: Case, press: Press) -> Pose:
+    at = guide_line(case.male) if case.force_at is None else case.force_at
+    opening = 0.0 if case.force is None else press.opening_for(case.force)
+    start = Pose(opening, (0.0, 0.0), (float(at[0]), float(at[1]), press.female.mount))
+    return balance(press, start, case.force, None if case.force else case.frame, case.floating)

@@ -65,3 +65,17 @@ def uniform_growth(male: Mold, female: Mold, male_strain: float, female_strain: 
         for mold, strain in ((male, male_strain), (female, female_strain))
     ]
     return growth[0], growth[1]
+
+
+def ungrown(points: Array, mold: Mold, strain: float) -> Array:
+    """Return where points (n, 3) [mm] of the evenly grown ``mold`` lie when it is cold.
+
+    >>> import numpy as np
+    >>> one = Mold(np.array([[10.0, 0.0, 50.0], [-10.0, 0.0, -50.0]]), np.array([[0, 1, 0]]), side=1, mount=-50.0)
+    >>> hot = one.vertices + uniform_growth(one, one, 0.01, 0.0)[0]
+    >>> bool(np.allclose(ungrown(hot, one, 0.01), one.vertices))
+    True
+    """
+    line = guide_line(mold)
+    fixed = np.array([line[0], line[1], mold.mount])
+    return np.asarray(fixed + (points - fixed) / (1.0 + strain))

@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact import inputs as read
 from hyperfab.chapters.press_contact.inputs import Heating
-from hyperfab.chapters.press_contact.result import Told, curve_csv, document_of, grid_of, picture_of
+from hyperfab.chapters.press_contact.result import (
+    Told,
+    curve_csv,
+    design_of,
+    document_of,
+    grid_of,
+    picture_of,
+)
 from hyperfab.console import NEGATIVE_VERDICT
 from hyperfab.documents.press import PressDocument
 from hyperfab.errors import UsageError
@@ -17,9 +26,6 @@ from hyperfab.pressing.closing import Case, Closed, close_press
 from hyperfab.pressing.growth import Expansion, uniform_growth
 from hyperfab.pressing.placement import check_roles, in_frame
 from hyperfab.pressing.sandwich import Sandwich
-
-#: Points of the force-stroke curve, from the first touch to the answer.
-CURVE_POINTS = 21
 
 
 def run(
@@ -36,20 +42,27 @@ def run(
     female_heat: str | None,
     drape: str | None,
     zero: str,
+    floating: bool,
+    force_at: str | None,
+    frame_stiffness: str | None,
+    strokes: int,
     min_spotted: float | None,
+    design_gap: str | None,
     facets: str,
     stl_unit: str,
     output: str,
 ) -> int:
     """Read, place, heat, close, judge, write. Returns 1 where the molds collide or too little is spotted."""
-    out = Output(output, (".vtu", ".csv", ".png"))
+    out = Output(output, (".vtu", ".csv", ".png", ".design.stl"))
     wanted_gap, wanted_force = _setting(gap, force)
-    if zero not in ("cold", "hot"):
-        raise UsageError(f"--zero {zero}: the clearance is set cold or hot")
-    if facets not in ("smooth", "flat"):
-        raise UsageError(f"--facets {facets}: facets are taken as smooth or flat")
-    if min_spotted is not None and not 0.0 <= min_spotted <= 100.0:
-        raise UsageError(f"--min-spotted {min_spotted:g}: a share in percent is between 0 and 100")
+    _check(zero, facets, min_spotted, strokes)
+    frame = None if frame_stiffness is None else _positive(frame_stiffness, "stiffness", "--frame-stiffness")
+    design = None if design_gap is None else _positive(design_gap, "length", "--design-gap")
+    place = None if force_at is None else _place(force_at, axis)
+    if place is not None and not floating:
+        raise UsageError("--force-at says where a floating mold is pushed: add --float")
+    if design is not None and not out.wants_files:
+        raise UsageError("--design-gap writes an STL beside the document: name it with -o press.json")
 
     document = read.read_foam(job.inputs, foam)
     law = read.compression_law(job.inputs, foam, document)
@@ -57,34 +70,43 @@ def run(
     expansions = read.expansions(job.inputs, foam, document)
     reference = document.expansion.reference
     heatings = read.heatings(job.inputs, temperature, male_heat, female_heat, reference)
-    one, two, frame = read.read_molds(job, male, female, axis, stl_unit)
+    one, two, way = read.read_molds(job, male, female, axis, stl_unit)
     if drape is not None:
         sandwich = sandwich.thinned(read.thinning(job, drape, male, one.vertices))
     out.refuse_inputs(job.inputs)
 
     with job.console.progress("Closing the press") as advance:
         smooth = facets == "smooth"
-        male_mold, female_mold = in_frame(one, frame, 1, smooth), in_frame(two, frame, -1, smooth)
+        male_mold, female_mold = in_frame(one, way, 1, smooth), in_frame(two, way, -1, smooth)
         check_roles(male_mold, female_mold)
+        strains = _strains(expansions, heatings)
         case = Case(
             male_mold,
             female_mold,
             sandwich,
-            *uniform_growth(male_mold, female_mold, *_strains(expansions, heatings)),
+            *uniform_growth(male_mold, female_mold, *strains),
             wanted_gap,
             wanted_force,
             zero == "hot",
+            frame,
+            floating,
+            None if place is None else way.inward(place)[:2],
         )
         closed = close_press(case)
         advance(0.5, "force over stroke")
-        curve = _curve(closed)
+        curve = _curve(closed, strokes)
         advance(0.8, "writing")
-        told = Told(closed, frame, curve, reference, expansions, heatings, drape is not None)
+        design_stl, design_part = None, None
+        if design is not None:
+            design_stl, design_part = design_of(closed, way, design, strains[0])
+        told = Told(closed, way, curve, reference, expansions, heatings, drape is not None, design_part)
         result = document_of(told)
         if out.wants_files:
             out.add(".vtu", grid_of(told))
             out.add(".csv", curve_csv(curve))
             out.add(".png", picture_of(told, result))
+            if design_stl is not None:
+                out.add(".design.stl", design_stl)
     job.write(out, result)
     return _judge(job, result, closed, min_spotted)
 
@@ -96,12 +118,15 @@ def _strains(
     return male, female
 
 
-def _curve(closed: Closed) -> np.ndarray:
-    """Force over stroke from the first touch to the answer: stroke, force, touching area, smallest gap, energy."""
+def _curve(closed: Closed, strokes: int) -> np.ndarray:
+    """Force over stroke from the first touch to the answer: stroke, force, touching area, smallest gap, energy.
+
+    The female keeps the tilt it has at the answer.
+    """
     last = max(closed.stroke, 0.0)
     rows = []
-    for stroke in np.linspace(0.0, last, CURVE_POINTS if last > 0.0 else 1):
-        here = closed.press.at(closed.first_touch - stroke)
+    for stroke in np.linspace(0.0, last, strokes if last > 0.0 else 1):
+        here = closed.press.at(replace(closed.pose, opening=closed.first_touch - stroke))
         rows.append((stroke, here.closing_force, here.pressed_area, here.gap.min(), 1e-3 * here.energy))
     return np.array(rows)
 
@@ -115,7 +140,7 @@ def _judge(job: Job, result: PressDocument, closed: Closed, min_spotted: float |
     status = 0
     if result.gap_min_mm <= 0.0 and closed.case.force is None:
         at = ", ".join(f"{value:.1f}" for value in result.gap_min_at_mm)
-        apart = closed.press.metal_contact() - closed.opening
+        apart = closed.press.metal_contact() - closed.pose.opening
         job.console.warn(
             f"the hot molds overlap by {-result.gap_min_mm:.3f} mm at ({at}) mm: open by {apart:.3f} mm to part them"
         )
@@ -139,7 +164,33 @@ def _setting(gap: str | None, force: str | None) -> tuple[float | None, float | 
         if value < 0.0:
             raise UsageError(f"--gap {gap}: the molds would overlap at the datum; give 0 mm or more")
         return value, None
-    value = quantity(force, "force", option="--force")
+    return None, _positive(str(force), "force", "--force")
+
+
+def _positive(text: str, kind: str, option: str) -> float:
+    value = quantity(text, kind, option=option)
     if value <= 0.0:
-        raise UsageError(f"--force {force}: a closing force is greater than zero")
-    return None, value
+        raise UsageError(f"{option} {text}: must be greater than zero")
+    return value
+
+
+def _check(zero: str, facets: str, min_spotted: float | None, strokes: int) -> None:
+    if zero not in ("cold", "hot"):
+        raise UsageError(f"--zero {zero}: the clearance is set cold or hot")
+    if facets not in ("smooth", "flat"):
+        raise UsageError(f"--facets {facets}: facets are taken as smooth or flat")
+    if min_spotted is not None and not 0.0 <= min_spotted <= 100.0:
+        raise UsageError(f"--min-spotted {min_spotted:g}: a share in percent is between 0 and 100")
+    if not 2 <= strokes <= 1001:
+        raise UsageError(f"--strokes {strokes}: the curve has between 2 and 1001 points")
+
+
+def _place(text: str, axis: str) -> np.ndarray:
+    """Read ``--force-at 10mm,5mm``: the coordinates across the closing axis, in the order x, y, z."""
+    parts = text.split(",")
+    if len(parts) != 2:
+        raise UsageError(f"--force-at {text}: give the two coordinates across the axis, as 10mm,5mm")
+    values = [quantity(part, "length", option="--force-at") for part in parts]
+    place = np.zeros(3)
+    place[[index for index, name in enumerate("xyz") if name != axis]] = values
+    return place

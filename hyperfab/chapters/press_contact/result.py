@@ -8,14 +8,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.chapters.press_contact.inputs import Heating
-from hyperfab.documents.press import GapRange, MoldPart, PressDocument, RegionPart, StateAreas
+from hyperfab.documents.press import (
+    DesignPart,
+    GapRange,
+    Histogram,
+    LeverPart,
+    MoldPart,
+    PressDocument,
+    RegionPart,
+    StateAreas,
+)
+from hyperfab.errors import InputError
 from hyperfab.io import vtu
+from hyperfab.io.stl_write import stl_bytes
 from hyperfab.pressing.closing import Closed
+from hyperfab.pressing.design import DesignRefused, constant_gap, with_back
 from hyperfab.pressing.gap import vertex_areas
-from hyperfab.pressing.growth import Expansion
+from hyperfab.pressing.growth import Expansion, guide_line, ungrown
 from hyperfab.pressing.mold import Mold, PressFrame
 from hyperfab.pressing.regions import regions
 from hyperfab.pressing.sandwich import State
+from hyperfab.pressing.sensitivity import Tooling, levers
 
 Array = NDArray[np.float64]
 
@@ -34,6 +47,14 @@ class Told:
     expansions: tuple[Expansion, Expansion]
     heatings: tuple[Heating, Heating]
     draped: bool
+    design: DesignPart | None = None
+
+    @property
+    def strains(self) -> tuple[float, float]:
+        """Thermal strain of the male and of the female."""
+        pairs = zip(self.expansions, self.heatings, strict=True)
+        male, female = (float(expansion.strain(heating.temperature)) for expansion, heating in pairs)
+        return male, female
 
 
 def document_of(told: Told) -> PressDocument:
@@ -68,7 +89,9 @@ def document_of(told: Told) -> PressDocument:
         pressure_max_MPa=float(contact.pressure.max()),
         pressure_mean_MPa=contact.load / touching if touching > 0.0 else 0.0,
         stroke_mm=closed.stroke,
-        tilt_deg=0.0,
+        tilt_deg=float(np.degrees(closed.pose.angle)),
+        tilt_vector_deg=_place(frame, np.degrees([*closed.pose.tilt, 0.0])) if closed.case.floating else None,
+        centre_of_pressure_mm=_centre_of_pressure(told),
         energy_J=1e-3 * contact.energy,
         regions=[
             RegionPart(
@@ -84,6 +107,7 @@ def document_of(told: Told) -> PressDocument:
         ],
         states=_state_areas(states, area, closed, molding),
         clearance_cold_mm=closed.clearance_cold,
+        clearance_to_set_mm=_to_set(closed),
         clearance_hot_mm=closed.clearance_hot,
         datum_mm=_place(frame, closed.datum.at),
         zero="hot" if closed.case.zero_hot else "cold",
@@ -98,6 +122,9 @@ def document_of(told: Told) -> PressDocument:
         border_area_fraction=float(area[closed.at_border].sum() / area.sum()),
         oblique_area_fraction=float(area[closed.oblique].sum() / area.sum()),
         force_stroke=[(float(row[0]), float(row[1])) for row in told.curve],
+        histogram=_histogram(contact.gap, area),
+        sensitivity=_sensitivity(told, area),
+        design=told.design,
         left_out=_left_out(told),
     )
 
@@ -155,6 +182,84 @@ def picture_of(told: Told, document: PressDocument) -> bytes:
     return spotting(mold, told.curve[:, :2], title)
 
 
+def design_of(closed: Closed, frame: PressFrame, gap: float, strain: float) -> tuple[bytes, DesignPart]:
+    """Return the STL of the cold male whose hot gap is constant; refused with the place where there is none."""
+    try:
+        found = constant_gap(closed.female, gap)
+    except DesignRefused as error:
+        at = ", ".join(f"{value:.1f}" for value in frame.outward(np.array(error.at)))
+        raise InputError(
+            f"--design-gap {gap:g} mm: the surface {error.what} near ({at}) mm, on {error.faces} facets",
+            remedy="ask for a smaller gap, or give the female a larger radius or more draft there",
+        ) from None
+    cold = ungrown(found.vertices, closed.case.male, strain)
+    vertices, faces = with_back(cold, found.faces, closed.case.male.mount)
+    data = stl_bytes(frame.outward(vertices), faces, f"male of constant gap {gap:g} mm")
+    return data, DesignPart(gap_mm=gap, spread_mm=found.spread, facets=len(faces))
+
+
+def _centre_of_pressure(told: Told) -> tuple[float, float, float] | None:
+    """Where the closing force acts: on the mean height of what touches."""
+    contact = told.closed.contact
+    if contact.closing_force <= 0.0:
+        return None
+    height = float(np.average(told.closed.front.vertices[:, 2], weights=contact.pressure))
+    x, y, z = contact.force
+    across = ((height * x - contact.moment[1]) / z, (contact.moment[0] + height * y) / z)
+    return _place(told.frame, np.array([*across, height]))
+
+
+def _to_set(closed: Closed) -> float | None:
+    """The clearance to set, cold and unloaded, so that the press stands here when its frame has yielded."""
+    if closed.case.frame is None:
+        return None
+    return closed.clearance_cold - closed.contact.closing_force / closed.case.frame
+
+
+def _histogram(gap: Array, area: Array) -> Histogram:
+    """Area by gap over the molding surface, in steps that are round numbers."""
+    low, high = float(gap[area > 0.0].min()), float(gap[area > 0.0].max())
+    step = 10.0 ** np.floor(np.log10(max(high - low, 1e-6) / 10.0))
+    step = next(step * k for k in (1.0, 2.0, 5.0, 10.0) if (high - low) / (step * k) <= 40.0)
+    first, last = int(np.floor(low / step)), int(np.floor(high / step)) + 1
+    edges = step * np.arange(first, last + 1)
+    share, _ = np.histogram(gap, edges, weights=area)
+    return Histogram(edges_mm=[round(float(edge), 12) for edge in edges], area_mm2=[float(a) for a in share])
+
+
+def _sensitivity(told: Told, area: Array) -> list[LeverPart]:
+    closed = told.closed
+    line = guide_line(closed.case.male)
+    rates = [
+        float(expansion.strain(heating.temperature + 0.5) - expansion.strain(heating.temperature - 0.5))
+        for expansion, heating in zip(told.expansions, told.heatings, strict=True)
+    ]
+    tooling = Tooling(
+        points=closed.front.vertices,
+        direction=closed.contact.direction,
+        area=area,
+        closest=int(np.argmin(closed.contact.gap)),
+        pivot=np.array([line[0], line[1], closed.female.mount]),
+        male_fixed=np.array([line[0], line[1], closed.case.male.mount]),
+        female_fixed=np.array([line[0], line[1], closed.female.mount]),
+        male_rate=rates[0],
+        female_rate=rates[1],
+        male_strain=told.strains[0],
+        female_strain=told.strains[1],
+    )
+    return [
+        LeverPart(
+            change=lever.name,
+            unit=lever.unit,
+            gap_rms_mm_per_unit=lever.rms,
+            closest_gap_mm_per_unit=lever.at_closest,
+            typical_step=lever.step,
+            gap_rms_at_step_mm=lever.step_rms,
+        )
+        for lever in levers(tooling)
+    ]
+
+
 def _gap_range(gap: Array, area: Array) -> GapRange:
     met = np.isfinite(gap) & (area > 0.0)
     if not met.any():
@@ -163,7 +268,7 @@ def _gap_range(gap: Array, area: Array) -> GapRange:
         min_mm=float(gap[met].min()),
         mean_mm=float(np.average(gap[met], weights=area[met])),
         max_mm=float(gap[met].max()),
-        missed_area_fraction=float(1.0 - area[met].sum() / area.sum()),
+        missed_area_fraction=float(area[~met].sum() / area.sum()),
     )
 
 
@@ -211,7 +316,7 @@ def _chord_error(mold: Mold) -> float:
 
 
 def _left_out(told: Told) -> list[str]:
-    out = ["tilt: the molds are guided and stay parallel"]
+    out = [] if told.closed.case.floating else ["tilt: the molds are guided and stay parallel (--float)"]
     if any("mean" in heating.known_from for heating in told.heatings):
         out.append("uneven temperature: each mold grows with one mean temperature")
     return out

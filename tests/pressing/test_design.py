@@ -1,0 +1,97 @@
+"""The male of constant gap, and the ranking of what to change."""
+
+import numpy as np
+import pytest
+
+from hyperfab.pressing.design import DesignRefused, constant_gap, with_back
+from hyperfab.pressing.gap import molding_front, nearest_gap, normal_gap
+from hyperfab.pressing.mold import mold
+from hyperfab.pressing.sensitivity import Tooling, levers
+from hyperfab.samples.cup import female_cup
+from hyperfab.surface import Surface
+
+
+@pytest.fixture(scope="module")
+def female():
+    solid = female_cup(120, 120)
+    return mold(solid.vertices, solid.faces, -1)
+
+
+def test_the_gap_of_the_designed_male_is_constant(female):
+    design = constant_gap(female, 4.0)
+    male = mold(design.vertices, design.faces, 1)
+    front = molding_front(male, female)
+    nearest = nearest_gap(front.vertices, female).nearest
+    assert np.ptp(nearest) < 2e-3
+    assert nearest.mean() == pytest.approx(4.0, abs=1e-3)
+    along = normal_gap(front.vertices, front.normals, female)
+    assert np.nanmax(np.abs(along - 4.0)) < 3e-3
+
+
+def test_the_designed_male_is_the_sphere_inside_a_sphere(shapes):
+    female = shapes.female(*shapes.cap(75.0, 80.0, 30))
+    design = constant_gap(female, 5.0)
+    assert np.linalg.norm(design.vertices, axis=1) == pytest.approx(70.0, abs=2e-3)
+
+
+def test_an_offset_beyond_the_radius_is_refused_with_the_place(shapes):
+    female = shapes.female(*shapes.cap(20.0, 60.0, 12))
+    with pytest.raises(DesignRefused, match="folds over itself") as refused:
+        constant_gap(female, 25.0)
+    assert np.linalg.norm(refused.value.at) == pytest.approx(20.0, abs=0.5)
+
+
+def test_a_back_makes_the_design_a_solid(female):
+    design = constant_gap(female, 4.0)
+    found = Surface(*with_back(design.vertices, design.faces, -40.0)).soundness()
+    assert found.sound
+    assert found.bodies == 1
+
+
+def test_levers_are_the_derivatives_of_the_gap(shapes):
+    """Each lever against the gap measured again after a small change of the female."""
+    male, female = shapes.nested_caps(24)
+    front = molding_front(male, female)
+    start = nearest_gap(front.vertices, female)
+    area = np.full(len(front.vertices), 1.0)
+    pivot = np.array([0.0, 0.0, 100.0])
+    tool = Tooling(
+        front.vertices,
+        start.direction,
+        area,
+        int(np.argmin(start.nearest)),
+        pivot,
+        np.zeros(3),
+        pivot,
+        2e-5,
+        3e-5,
+        0.0,
+        0.0,
+    )
+    found = {lever.name: lever for lever in levers(tool)}
+    step = 1e-4
+
+    def again(vertices):
+        change = nearest_gap(front.vertices, female.moved(vertices)).nearest - start.nearest
+        return np.sqrt(np.mean((change / step) ** 2))
+
+    raised = again(female.vertices + np.array([0.0, 0.0, step]))
+    assert found["stroke"].rms == pytest.approx(raised, rel=1e-2)
+    shifted = again(female.vertices + np.array([step, 0.0, 0.0]))
+    assert found["shift of the female across, first axis"].rms == pytest.approx(shifted, rel=1e-2)
+    turned = again(
+        female.vertices + step * np.radians(1.0) * np.cross([1.0, 0.0, 0.0], female.vertices - pivot)
+    )
+    assert found["tilt of the female about the first axis"].rms == pytest.approx(turned, rel=2e-2)
+    assert found["foam thickness"].rms == 1.0
+
+
+def test_levers_come_strongest_first(shapes):
+    male, female = shapes.nested_caps(10)
+    front = molding_front(male, female)
+    start = nearest_gap(front.vertices, female)
+    area, origin = np.ones(len(front.vertices)), np.zeros(3)
+    found = levers(
+        Tooling(front.vertices, start.direction, area, 0, origin, origin, origin, 2e-5, 2e-5, 0.0, 0.0)
+    )
+    assert [lever.step_rms for lever in found] == sorted((lever.step_rms for lever in found), reverse=True)
