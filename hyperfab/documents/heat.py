@@ -48,7 +48,7 @@ class Energy(Part):
     lost_J: float | None = Field(default=None, description="left through all other conditions")
     stored_J: float = Field(description="gained by the parts")
     imbalance_relative: float = Field(
-        description="largest |supplied - lost - stored| after any step, over the heat turned over by then"
+        description="largest |supplied - lost - stored| after any step, over all heat turned over"
     )
     by_condition_J: dict[str, float] = Field(
         default_factory=dict, description="heat that entered through each condition; lost heat is negative"
@@ -86,7 +86,9 @@ class HeatDocument(Document):
     elements: int | None = None
     solver: str | None = None
     linear_iterations: int | None = None
-    residual_max: float | None = Field(default=None, description="largest relative residual of a stage")
+    residual_max_K: float | None = Field(
+        default=None, description="largest residual of a stage, as a temperature"
+    )
     end_time_s: float | None = None
     warmup_time_s: float | None = None
     target_degC: float | None = None

@@ -54,13 +54,14 @@ class Ledger:
         return -float(np.sum([row[~self.supplying].sum() for row in self.entered[:steps]]))
 
     def imbalance(self) -> float:
-        """Return the largest |supplied - lost - stored| after any step, over the largest of the three by then."""
-        worst = 0.0
-        supplied = lost = turned = 0.0
-        for row, stored in zip(self.entered, self.stored, strict=True):
-            supplied += float(row[self.supplying].sum())
-            lost -= float(row[~self.supplying].sum())
-            turned += float(np.abs(row).sum())
-            if turned > 0.0:
-                worst = max(worst, abs(supplied - lost - stored) / max(turned, abs(stored)))
-        return worst
+        """Return the largest |supplied - lost - stored| after any step, over the heat turned over in the whole run.
+
+        The heat turned over is all that passed through any condition, in or out.
+        """
+        if not self.entered:
+            return 0.0
+        entered = np.cumsum([row.sum() for row in self.entered])
+        turned = float(np.sum(np.abs(self.entered)))
+        open_by = float(np.abs(entered - np.array(self.stored)).max())
+        scale = max(turned, float(np.abs(self.stored).max()))
+        return open_by / scale if scale > 0.0 else 0.0

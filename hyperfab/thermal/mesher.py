@@ -30,6 +30,12 @@ PATIENCE_PER_TETRAHEDRON = 1e-3
 #: A tetrahedron of edge h in a Netgen mesh has about this share of h cubed.
 TETRAHEDRON_SHARE = 0.12
 
+#: Memory of the mesher and the solver together, per tetrahedron.
+BYTES_PER_TETRAHEDRON = 6e3
+
+#: Nodes of degree 2 per tetrahedron.
+NODES_PER_TETRAHEDRON = 1.45
+
 #: How fast elements may grow away from small features; 0.3 is Netgen's moderate setting.
 GRADING = 0.3
 
@@ -60,6 +66,11 @@ def expected_tetrahedra(geometry: Geometry, mesh_size: float) -> float:
         low, high = part.bounds
         volume += float(np.prod(high - low))
     return volume / (TETRAHEDRON_SHARE * mesh_size**3)
+
+
+def expected_bytes(tetrahedra: float) -> float:
+    """Estimate the memory that a mesh and its solution take at their peak, from what was measured on large ones."""
+    return 2e8 + BYTES_PER_TETRAHEDRON * tetrahedra
 
 
 def make_mesh(
@@ -154,6 +165,7 @@ def _run(job: bytes, limit: float, waiting: Callable[[float], None]) -> tuple[in
                 waiting(gone)
         finally:
             process.kill()
+            process.wait()  # also on Ctrl-C: no dead child is left to others
 
 
 def _body(body: Body) -> dict[str, Any]:

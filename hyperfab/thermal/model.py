@@ -101,7 +101,9 @@ class HeatModel:
 
     def flow(self, time: float, temperature: Array) -> Array:
         """Return the heat flow to each node (n,) [W]."""
-        total = -(self.pattern.matrix(self.medium.conduction(temperature)) @ temperature)
+        # A uniform temperature conducts nothing; taking one off keeps its rounding out of the account of heat.
+        level = 0.5 * (float(temperature.min()) + float(temperature.max()))
+        total = -(self.pattern.matrix(self.medium.conduction(temperature)) @ (temperature - level))
         for condition in self.conditions:
             total += condition.flow(time, temperature)
         return total
@@ -120,9 +122,9 @@ class HeatModel:
         """Solve storage E(T) - interval f(time, T) = target for T, from a guess with the held nodes set.
 
         ``interval`` [s]; ``storage`` is 1 in a time step and 0 in the steady state. Returns the temperatures and
-        the residual, relative to what the step began with. The last thing done is a uniform shift that makes the
-        residuals of the free nodes sum to zero: it closes the energy balance, which the iteration leaves open by
-        its tolerance.
+        the residual as a temperature [K]: its norm over that of the matrix's diagonal. The last thing done is a
+        uniform shift that makes the residuals of the free nodes sum to zero: it closes the energy balance, which
+        the iteration leaves open by its tolerance.
         """
         temperature = guess.copy()
         matrix = self._step_matrix(time, interval, storage, temperature)
@@ -138,7 +140,7 @@ class HeatModel:
             size = norm(residual)
             start = size if start is None else start
             if size <= max(RESIDUAL * start, 1e-13 * scale) or moved <= STILL:
-                return self._balanced(matrix, residual, temperature), size / start if start else 0.0
+                return self._balanced(matrix, residual, temperature), size / scale
             if step and not self.linear:
                 matrix = self._step_matrix(time, interval, storage, temperature)
             tolerance = 0.3 * RESIDUAL if self.linear else 1e-5

@@ -39,7 +39,7 @@ class Step:
     """A step taken: the state at its end, the estimated error [K], and its account of heat [J].
 
     ``heat`` is the heat that entered through each condition, in the model's order, then through each group of
-    held nodes; ``residual`` the largest relative residual of its stages; ``slopes`` the rates of temperature
+    held nodes; ``residual`` the largest residual of its stages [K]; ``slopes`` the rates of temperature
     change at the two stages [K/s].
     """
 

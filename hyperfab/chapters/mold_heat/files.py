@@ -1,0 +1,90 @@
+"""The files beside ``heat.json``: last field, time series, curves, picture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.chapters.mold_heat.problem import Problem
+from hyperfab.io.output import Output
+from hyperfab.io.vtu import collection, unstructured
+from hyperfab.report.figures_heat import heat_figure
+from hyperfab.thermal import surface
+from hyperfab.thermal.curves import curve, curve_times
+from hyperfab.thermal.transient import History
+
+Array = NDArray[np.float64]
+
+#: Frames of the time series; where there are more steps they are thinned evenly.
+FRAMES = 40
+
+
+def write_fields(out: Output, problem: Problem, history: History, target: float | None) -> None:
+    """Queue every sibling of the document."""
+    last = history.states[-1]
+    flux = problem.model.medium.flux(last.temperature)
+    out.add(".vtu", _field(problem, last.temperature, flux))
+    if len(history.steps) == 1:  # a steady state has no curves
+        out.add(".png", heat_figure(*_work_surface(problem, last.temperature), {}, np.zeros(0), None))
+        return
+    frames = np.unique(np.linspace(0, len(history.states) - 1, FRAMES).round().astype(int))
+    names = []
+    for number, index in enumerate(frames):
+        suffix = f".{number:03d}.vtu"
+        out.add(suffix, _field(problem, history.states[index].temperature, None))
+        names.append(out.path(suffix).name)
+    out.add(".pvd", collection([history.states[i].time for i in frames], names))
+    times = curve_times(history)
+    curves = {name: curve(history, sensor, times) for name, sensor in problem.probes.items()}
+    out.add(".csv", _csv(["time_s", *(f"{name}_degC" for name in curves)], [times, *curves.values()]))
+    out.add(".history.csv", _history(problem, history))
+    shown = dict(curves)
+    if problem.work_surface is not None:
+        mean = problem.work_surface.load(1.0) / problem.work_surface.area
+        shown = {"work surface, mean": curve(history, mean, times), **shown}
+    at = last if history.reached is None else history.states[history.reached]
+    out.add(".png", heat_figure(*_work_surface(problem, at.temperature), shown, times, target))
+
+
+def _field(problem: Problem, temperature: Array, flux: Array | None) -> bytes:
+    mesh = problem.mesh
+    cells: dict[str, NDArray] = {"part": mesh.parts.astype(np.int32)}
+    if flux is not None:
+        cells["heat_flux_W_m2"] = flux
+    return unstructured(
+        mesh.points * 1e3, {"tetra10": mesh.elements}, {"temperature_degC": temperature}, cells
+    )
+
+
+def _history(problem: Problem, history: History) -> bytes:
+    """One row a step: account of heat and evenness of the work surface."""
+    ledger = history.ledger
+    supplied = np.cumsum([0.0, *(row[ledger.supplying].sum() for row in ledger.entered)])
+    lost = np.cumsum([0.0, *(-row[~ledger.supplying].sum() for row in ledger.entered)])
+    header = ["time_s", "supplied_J", "lost_J", "stored_J"]
+    columns = [np.array([s.time for s in history.states]), supplied, lost, np.array([0.0, *ledger.stored])]
+    if problem.work_surface is not None:
+        found = [surface.evenness(problem.work_surface, s.temperature) for s in history.states]
+        header += [f"work_surface_{what}" for what in ("mean_degC", "min_degC", "max_degC", "spread_K")]
+        columns += [
+            np.array([getattr(f, name) for f in found]) for name in ("mean", "least", "greatest", "spread")
+        ]
+    return _csv(header, columns)
+
+
+def _csv(header: Sequence[str], columns: Sequence[Array]) -> bytes:
+    rows = [",".join(repr(float(value)) for value in row) for row in zip(*columns, strict=True)]
+    return ("\n".join([",".join(header), *rows]) + "\n").encode()
+
+
+def _work_surface(problem: Problem, temperature: Array) -> tuple[Array, NDArray[np.int64], Array]:
+    """Return nodes [mm], flat triangles (four a facet) and temperatures of the work surface, or of all outer faces."""
+    if problem.work_surface is not None:
+        nodes = problem.work_surface.nodes
+    else:
+        nodes = problem.mesh.facet_nodes(problem.mesh.facets.outer)
+    corners = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])
+    used, small = np.unique(nodes[:, corners].reshape(-1, 3), return_inverse=True)
+    return problem.mesh.points[used] * 1e3, small.reshape(-1, 3).astype(np.int64), temperature[used]

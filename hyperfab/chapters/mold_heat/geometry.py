@@ -1,0 +1,64 @@
+"""From the shapes of a mold document to the shapes that are meshed."""
+
+from __future__ import annotations
+
+from hyperfab.documents.mold import BodySection, FacesInBox, MoldDocument, ShapeSection
+from hyperfab.errors import InputError
+from hyperfab.io.inputs import Inputs
+from hyperfab.io.stl import read_stl
+from hyperfab.thermal.geometry import Body, Box, Cylinder, Ellipsoid, Geometry, Patch, Shape, Stl
+from hyperfab.thermal.repair import repaired
+
+
+def geometry_of(
+    document: MoldDocument, name: str, inputs: Inputs, stl_unit: str, questions: list[str]
+) -> Geometry:
+    """Return parts, cavities and the face patches that conditions name; STL files are read here.
+
+    Doubts about STL files are added to ``questions``.
+    """
+    reader = _Reader(name, inputs, stl_unit, questions)
+    parts = tuple(reader.body(section) for section in document.part)
+    cavities = tuple(reader.body(section) for section in document.cavity)
+    patches = []
+    for _, place in document.places():
+        if isinstance(place, FacesInBox):
+            patches.append(Patch(place.part, Box(place.box.origin, place.box.size)))
+    return Geometry(parts, cavities, tuple(dict.fromkeys(patches)))
+
+
+class _Reader:
+    """Reads shapes; keeps what STL files need."""
+
+    def __init__(self, name: str, inputs: Inputs, stl_unit: str, questions: list[str]) -> None:
+        self.name = name
+        self.inputs = inputs
+        self.stl_unit = stl_unit
+        self.questions = questions
+
+    def body(self, section: BodySection) -> Body:
+        """Return a part or cavity."""
+        if section.shapes is not None:
+            return Body(section.name, tuple(self.shape(shape) for shape in section.shapes))
+        return Body(section.name, (self.shape(section),))
+
+    def shape(self, section: ShapeSection | BodySection) -> Shape:
+        """Return one shape."""
+        name = section.name if isinstance(section, ShapeSection) else None
+        if section.box is not None:
+            return Box(section.box.origin, section.box.size, name)
+        if section.cylinder is not None:
+            c = section.cylinder
+            semi_axes = c.semi_axes if c.semi_axes is not None else (c.radius or 0.0, c.radius or 0.0)
+            return Cylinder(c.origin, c.axis, c.length, semi_axes, name)
+        if section.ellipsoid is not None:
+            e = section.ellipsoid
+            return Ellipsoid(e.centre, e.semi_axes, e.half, name)
+        if section.stl is None:
+            raise InputError("has no shape", file=self.name)
+        file = self.inputs.beside(self.name, section.stl)
+        surface = read_stl(self.inputs.read(file), file, self.stl_unit)
+        found = repaired(surface.vertices, surface.faces, file)
+        self.questions.extend(surface.questions)
+        self.questions.extend(f"{file}: {note}" for note in found.notes)
+        return Stl(found.vertices, found.triangles, name)

@@ -1,0 +1,160 @@
+"""From a mold document to the equations: geometry, mesh, materials and conditions, each mistake named by its key."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.chapters.mold_heat.conditions import Placing, at_key
+from hyperfab.chapters.mold_heat.geometry import geometry_of
+from hyperfab.chapters.mold_heat.meshing import mesh_mold
+from hyperfab.chapters.mold_heat.names import refuse_exposed, refuse_unknown_names
+from hyperfab.chapters.mold_heat.start import read_field, start_from
+from hyperfab.chapters.mold_heat.tables import Tables
+from hyperfab.documents.mold import EarlierField, MoldDocument
+from hyperfab.errors import InputError
+from hyperfab.io.inputs import Inputs
+from hyperfab.thermal.faces import Faces
+from hyperfab.thermal.facet_operator import FacetOperator
+from hyperfab.thermal.geometry import Geometry
+from hyperfab.thermal.locate import Locator
+from hyperfab.thermal.material import ThermalMaterial
+from hyperfab.thermal.mesh import HeatMesh, build_mesh, split_contacts
+from hyperfab.thermal.model import HeatModel
+from hyperfab.thermal.plausibility import doubts
+from hyperfab.thermal.tables import Table
+from hyperfab.thermal.thermostat import Thermostat
+
+Array = NDArray[np.float64]
+
+
+@dataclass
+class Problem:
+    """A mold ready to be heated."""
+
+    model: HeatModel
+    geometry: Geometry
+    faces: Faces
+    probes: dict[str, Array]
+    work_surface: FacetOperator | None
+    thermostats: list[Thermostat]
+    corners: list[float]
+    areas: dict[str, float]
+    notes: list[str] = field(default_factory=list)
+
+    @property
+    def mesh(self) -> HeatMesh:
+        """The mesh."""
+        return self.model.mesh
+
+
+class MoldBuilder:
+    """Turns ``document`` (file ``name``) into equations.
+
+    Made, it has read all files the document names and refused what makes no sense without a mesh; ``build`` meshes.
+    Raises InputError naming file and key.
+    """
+
+    def __init__(self, document: MoldDocument, name: str, inputs: Inputs, stl_unit: str = "mm") -> None:
+        self.document = document
+        self.name = name
+        self.tables = Tables(inputs, name)
+        self.doubts: list[str] = []
+        self.corners: set[float] = set()
+        refuse_exposed(document, name)
+        refuse_unknown_names(document, name)
+        self.materials = {key: self._material(key) for key in document.material}
+        self.functions = self._read_functions()
+        self.geometry = geometry_of(document, name, inputs, stl_unit, self.doubts)
+        start = document.run.start
+        self.earlier = read_field(inputs, name, start.document) if isinstance(start, EarlierField) else None
+
+    def build(self, waiting: Callable[[float], None] = lambda seconds: None) -> Problem:
+        """Mesh the mold and set up its equations; ``waiting`` is called while the mesher works."""
+        document = self.document
+        notes: list[str] = []
+        geometry, raw = mesh_mold(self.geometry, document.run.mesh_size, self.name, notes, waiting)
+        mesh = build_mesh(raw.points / 1e3, raw.elements, raw.parts, raw.surface, raw.surface_face)
+        faces = Faces(mesh, geometry)
+        joints = []
+        split = np.zeros(len(mesh.facets.element), dtype=bool)
+        for number, contact in enumerate(document.contact):
+            with at_key(self.name, f"contact.{number}.between"):
+                joints.append(faces.interface(*contact.between))
+            split |= joints[-1].mask
+        mesh = split_contacts(mesh, split)
+        placing = Placing(document, self.name, Faces(mesh, geometry), joints, self.functions)
+        prescribed = placing.prescribed()
+        materials = [self.materials[part.material] for part in document.part]
+        model = HeatModel(mesh, materials, placing.conditions(), prescribed)
+        placing.fill_volume_heaters(model)
+        probes = self._probes(mesh)
+        work = None
+        if document.work_surface is not None:
+            work = placing.operator(placing.facets_of("work_surface.on", document.work_surface.on))
+        thermostats = [
+            Thermostat(heater, probes[section.control.probe], section.control.set_point, section.control.band)
+            for section, heater in zip(document.heater, model.heaters, strict=True)
+            if section.control is not None
+        ]
+        corners = sorted(self.corners)
+        return Problem(
+            model, geometry, placing.faces, probes, work, thermostats, corners, placing.areas, notes
+        )
+
+    def start_field(self, problem: Problem) -> Array:
+        """Return the temperatures at the start (n,) [degC]."""
+        start = self.document.run.start
+        if isinstance(start, EarlierField):
+            assert self.earlier is not None
+            return start_from(self.earlier, problem.mesh, self.name)
+        return np.full(problem.model.size, start)
+
+    def _material(self, key: str) -> ThermalMaterial:
+        section = self.document.material[key]
+        conductivity = self.tables.function(section.conductivity, "conductivity")
+        specific_heat = self.tables.function(section.specific_heat, "specific-heat")
+        room = 20.0
+        self.doubts += [
+            f"{self.name}, material.{key}: {text}"
+            for text in doubts(key, section.density, conductivity.at(room), specific_heat.at(room))
+        ]
+        return ThermalMaterial(key, section.density, conductivity, specific_heat)
+
+    def _read_functions(self) -> dict[str, Table]:
+        """Read all tables of conditions, by key; corners of those against time are hit by the time steps."""
+        document, found = self.document, {}
+        for i, convection in enumerate(document.convection):
+            found[f"convection.{i}"] = self.tables.function(convection.h, "film-coefficient")
+        timed: dict[str, Table] = {}
+        for i, held in enumerate(document.temperature):
+            timed[f"temperature.{i}"] = self.tables.function(held.value, "temperature", "time")
+        for i, heater in enumerate(document.heater):
+            if heater.schedule is not None:
+                timed[f"heater.{i}"] = self.tables.file(heater.schedule, "power", "time")
+        for i, contact in enumerate(document.contact):
+            if contact.schedule is not None:
+                timed[f"contact.{i}"] = self.tables.file(contact.schedule, "dimensionless", "time")
+        for table in timed.values():
+            if len(table.x) > 1:
+                self.corners.update(float(t) for t in table.x)
+        return found | timed
+
+    def _probes(self, mesh: HeatMesh) -> dict[str, Array]:
+        locator = Locator(mesh.points, mesh.elements)
+        found = {}
+        for number, probe in enumerate(self.document.probe):
+            sensor = locator.sensor(np.array(probe.at) / 1e3)
+            if sensor is None:
+                place = ", ".join(f"{x:g}" for x in probe.at)
+                raise InputError(
+                    f"probe {probe.name!r} at ({place}) mm is in no part",
+                    file=self.name,
+                    key=f"probe.{number}.at",
+                    remedy="move it into a part",
+                )
+            found[probe.name] = sensor
+        return found

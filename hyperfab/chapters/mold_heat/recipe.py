@@ -1,0 +1,125 @@
+"""``hf mold-heat``: mesh the mold, follow its temperatures, say how long, how even, and where the heat went."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.chapters.job import Job
+from hyperfab.chapters.mold_heat.files import write_fields
+from hyperfab.chapters.mold_heat.problem import MoldBuilder, Problem
+from hyperfab.chapters.mold_heat.result import IMBALANCE_ALLOWED, steady_document, transient_document
+from hyperfab.console import Advance
+from hyperfab.documents.base import read_document
+from hyperfab.documents.heat import HeatDocument
+from hyperfab.documents.mold import MoldDocument
+from hyperfab.errors import InputError, NotConverged
+from hyperfab.io.output import Output
+from hyperfab.numerics.vectors import dot
+from hyperfab.thermal.ledger import Ledger
+from hyperfab.thermal.routes import without_route
+from hyperfab.thermal.step import initial_state
+from hyperfab.thermal.transient import History, Schedule, Target
+from hyperfab.thermal.transient import run as follow
+
+Array = NDArray[np.float64]
+
+#: Share of the progress line that meshing takes.
+MESHING = 0.1
+
+
+def run(job: Job, *, mold: str, stl_unit: str, output: str) -> int:
+    """Heat the mold of the document ``mold``; 0, or 4 where the account of heat does not close."""
+    out = Output(output, (".vtu", ".csv", ".png", ".pvd"))
+    document = read_document(job.inputs, mold, MoldDocument)
+    builder = MoldBuilder(document, mold, job.inputs, stl_unit)
+    out.refuse_inputs(job.inputs)
+    for text in builder.doubts:
+        job.console.warn(text)
+    with job.console.progress("Heating the mold") as advance:
+        advance(0.0, "meshing")
+        problem = builder.build(lambda seconds: advance(MESHING * seconds / (seconds + 5.0), "meshing"))
+        start = builder.start_field(problem)
+        if document.run.steady:
+            history = _steady(document, mold, problem, start)
+            result = steady_document(problem, history)
+        else:
+            history = _transient(document, problem, start, advance)
+            result = transient_document(document, problem, history)
+        advance(0.97, "writing")
+        if out.wants_files:
+            write_fields(out, problem, history, document.run.target)
+    for text in problem.notes:
+        job.console.note(f"{mold}: {text}")
+    result.notes = builder.doubts + problem.notes
+    _say(job, result)
+    job.write(out, result)
+    return 0 if result.converged else NotConverged.exit_status
+
+
+def _transient(document: MoldDocument, problem: Problem, start: Array, advance: Advance) -> History:
+    settings = document.run
+    target = None
+    if settings.target is not None and problem.work_surface is not None:
+        surface = problem.work_surface
+        target = Target(surface.load(1.0) / surface.area, settings.target)
+    first = 0.0 if target is None else dot(target.sensor, start)
+
+    def progress(time: float, temperature: Array) -> None:
+        if settings.until is not None:
+            done = time / settings.until
+        else:
+            assert target is not None
+            done = (dot(target.sensor, temperature) - first) / max(target.value - first, 1e-9)
+        advance(MESHING + (0.95 - MESHING) * max(done, 0.0), f"{time:.0f} s, {temperature.max():.1f} degC")
+
+    schedule = Schedule(settings.until, problem.corners, settings.tolerance)
+    return follow(
+        problem.model, start, schedule, target=target, thermostats=problem.thermostats, advance=progress
+    )
+
+
+def _steady(document: MoldDocument, name: str, problem: Problem, start: Array) -> History:
+    model = problem.model
+    lost = without_route(model)
+    if lost is not None:
+        x, y, z = 1e3 * problem.mesh.points[lost]
+        raise InputError(
+            f"there is no steady state: the part around ({x:.0f}, {y:.0f}, {z:.0f}) mm has no route for the heat out",
+            file=name,
+            key="run.steady",
+            remedy="add convection, radiation or a held temperature to it",
+        )
+    state = initial_state(model, 0.0, start)
+    temperature, _ = model.solve_steady(0.0, model.hold(0.0, start))
+    history = History([state], [None], Ledger.begin(model, state.stored))
+    history.states.append(initial_state(model, 0.0, temperature))
+    return history
+
+
+def _say(job: Job, result: HeatDocument) -> None:
+    """Tell a person what came out."""
+    console = job.console
+    if not result.converged:
+        console.warn(
+            f"the account of heat is off by {result.energy.imbalance_relative:.2g}, above {IMBALANCE_ALLOWED:g}"
+        )
+    elif result.status:
+        console.warn(result.status)
+    if result.warmup_time_s is not None:
+        console.note(
+            f"warm-up {result.warmup_time_s / 60:.2f} min, {result.steps} steps, {result.unknowns} unknowns"
+        )
+    rows = [
+        (
+            name,
+            f"{use.area_mm2 / 1e2:.1f}" if use.area_mm2 else "",
+            f"{use.power_W:.1f}" if use.power_W is not None else "",
+            f"{result.energy.by_condition_J[name] / 1e3:.2f}" if name in result.energy.by_condition_J else "",
+        )
+        for name, use in result.conditions.items()
+    ]
+    if rows:
+        console.table(
+            "Where the heat goes", ("condition", "area cm^2", "power W at the end", "heat in kJ"), rows
+        )

@@ -1,0 +1,178 @@
+"""The figures of a heated mold, gathered into its document."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.chapters.mold_heat.problem import Problem
+from hyperfab.documents.heat import Energy, Evenness, Extreme, FaceUse, HeatDocument, ProbeResult, WorkSurface
+from hyperfab.documents.mold import MoldDocument
+from hyperfab.numerics.vectors import dot
+from hyperfab.thermal import surface
+from hyperfab.thermal.curves import curve, curve_times
+from hyperfab.thermal.heater import Heater
+from hyperfab.thermal.step import State
+from hyperfab.thermal.transient import History
+
+Array = NDArray[np.float64]
+
+#: The account of heat must close to this share, or the command ends with exit status 4.
+IMBALANCE_ALLOWED = 1e-8
+
+
+def transient_document(document: MoldDocument, problem: Problem, history: History) -> HeatDocument:
+    """Return the document of a warm-up."""
+    ledger = history.ledger
+    imbalance = ledger.imbalance()
+    energy = Energy(
+        supplied_J=ledger.supplied(),
+        lost_J=ledger.lost(),
+        stored_J=ledger.stored[-1] if ledger.stored else 0.0,
+        imbalance_relative=imbalance,
+        by_condition_J=ledger.by_condition,
+    )
+    reached = history.reached
+    if reached:
+        energy.at_warmup = {
+            "supplied_J": ledger.supplied(reached),
+            "lost_J": ledger.lost(reached),
+            "stored_J": ledger.stored[reached - 1],
+        }
+    converged = bool(np.isfinite(imbalance) and imbalance <= IMBALANCE_ALLOWED)
+    result = _common(problem, history, energy, converged)
+    result.steps = len(history.states) - 1
+    result.rejected_steps = history.rejected
+    result.residual_max_K = max((step.residual for step in history.steps if step is not None), default=0.0)
+    result.end_time_s = history.states[-1].time
+    result.warmup_time_s = history.reached_time
+    result.target_degC = document.run.target
+    if document.run.target is not None:
+        result.target_reached = reached is not None
+    result.switches_s = history.switches or None
+    result.status = _status(converged, imbalance, document, result)
+    result.probes = _probes(problem, history)
+    result.efficiency = _efficiency(energy)
+    if problem.work_surface is not None and reached is not None and result.work_surface is not None:
+        found = surface.evenness(problem.work_surface, history.states[reached].temperature)
+        result.work_surface.at_warmup = _evenness(found)
+    return result
+
+
+def steady_document(problem: Problem, history: History) -> HeatDocument:
+    """Return the document of a steady state."""
+    first, last = history.states[0], history.states[-1]
+    powers = _powers(problem, last)
+    turned = sum(abs(power) for power in powers.values())
+    imbalance = abs(sum(powers.values())) / turned if turned else 0.0
+    energy = Energy(stored_J=float((last.stored - first.stored).sum()), imbalance_relative=imbalance)
+    converged = bool(np.isfinite(imbalance) and imbalance <= IMBALANCE_ALLOWED)
+    result = _common(problem, history, energy, converged)
+    result.steady = True
+    if not converged:
+        result.status = f"heat in and out differ by {imbalance:.2g}"
+    result.probes = {
+        name: ProbeResult(final_degC=dot(sensor, last.temperature), max_degC=dot(sensor, last.temperature))
+        for name, sensor in problem.probes.items()
+    }
+    return result
+
+
+def _common(problem: Problem, history: History, energy: Energy, converged: bool) -> HeatDocument:
+    model, last = problem.model, history.states[-1]
+    masses = model.medium.masses
+    parts = [part.name for part in problem.geometry.parts]
+    powers = _powers(problem, last)
+    flux = np.linalg.norm(model.medium.flux(last.temperature), axis=1)
+    result = HeatDocument(
+        converged=converged,
+        steps=0,
+        unknowns=int(model.free.sum()),
+        elements=len(problem.mesh.elements),
+        solver=model.solver_name,
+        linear_iterations=model.work.iterations,
+        energy=energy,
+        power_supplied_W=sum(heater.power_at(last.time) for heater in model.heaters),
+        power_lost_W={name: -power for name, power in powers.items() if name not in _heater_names(problem)},
+        conditions={
+            name: FaceUse(area_mm2=area or None, power_W=powers.get(name))
+            for name, area in problem.areas.items()
+        },
+        mass_kg=float(masses.sum()),
+        mass_by_part_kg=dict(zip(parts, masses.tolist(), strict=True)),
+        heat_capacity_J_K=model.total_capacity(last.temperature),
+        hottest=_extreme(problem, last, int(np.argmax(last.temperature))),
+        coldest=_extreme(problem, last, int(np.argmin(last.temperature))),
+        flux_max_W_m2=float(flux.max()),
+    )
+    if problem.work_surface is not None:
+        end = _evenness(surface.evenness(problem.work_surface, last.temperature))
+        area = problem.work_surface.area * 1e6
+        result.work_surface = WorkSurface(**end.model_dump(), area_mm2=area, at_end=end)
+    return result
+
+
+def _heater_names(problem: Problem) -> set[str]:
+    return {heater.name for heater in problem.model.heaters}
+
+
+def _powers(problem: Problem, state: State) -> dict[str, float]:
+    """Return the power that enters through each condition at a state [W]."""
+    model = problem.model
+    powers = {
+        c.name: c.power_at(state.time)
+        if isinstance(c, Heater)
+        else float(c.flow(state.time, state.temperature).sum())
+        for c in model.conditions
+    }
+    if model.prescribed:
+        reaction = -model.flow(state.time, state.temperature)
+        if len(state.rate) and not np.allclose(state.rate, -reaction):
+            reaction = state.rate + reaction
+        done = model.free.copy()
+        for held in model.prescribed:
+            mine = held.nodes[~done[held.nodes]]
+            powers[held.name] = float(reaction[mine].sum())
+            done[mine] = True
+    return powers
+
+
+def _status(converged: bool, imbalance: float, document: MoldDocument, result: HeatDocument) -> str | None:
+    if not converged:
+        return f"the account of heat is off by {imbalance:.2g}, more than {IMBALANCE_ALLOWED:g}"
+    if result.target_reached is False:
+        mean = result.work_surface.mean_degC if result.work_surface else float("nan")
+        when = (
+            f"by {result.end_time_s:.6g} s" if document.run.until is not None else "ever: it has come to rest"
+        )
+        return (
+            f"the work surface did not reach {document.run.target:g} degC {when}; its mean is {mean:.2f} degC"
+        )
+    return None
+
+
+def _probes(problem: Problem, history: History) -> dict[str, ProbeResult]:
+    times = curve_times(history)
+    found = {}
+    for name, sensor in problem.probes.items():
+        values = curve(history, sensor, times)
+        found[name] = ProbeResult(final_degC=float(values[-1]), max_degC=float(values.max()))
+    return found
+
+
+def _efficiency(energy: Energy) -> float | None:
+    account = energy.at_warmup
+    supplied = account["supplied_J"] if account else energy.supplied_J
+    stored = account["stored_J"] if account else energy.stored_J
+    return stored / supplied if supplied is not None and supplied > 0.0 else None
+
+
+def _evenness(found: surface.Evenness) -> Evenness:
+    return Evenness(
+        mean_degC=found.mean, min_degC=found.least, max_degC=found.greatest, spread_K=found.spread
+    )
+
+
+def _extreme(problem: Problem, state: State, node: int) -> Extreme:
+    x, y, z = (1e3 * problem.mesh.points[node]).tolist()
+    return Extreme(temperature_degC=float(state.temperature[node]), at_mm=(x, y, z))

@@ -1,0 +1,380 @@
+"""hf mold-heat: what it writes, what it warns of, and what it refuses, by key and with a way out."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hyperfab.chapters import mold_heat
+from hyperfab.chapters.job import Job
+from hyperfab.console import Console
+from hyperfab.documents.base import schema
+from hyperfab.errors import InputError
+from hyperfab.io.vtu_read import read_vtu
+
+HEAD = """
+format = "hyperfab.mold/1"
+[material.aluminium]
+density = "2702 kg/m^3"
+conductivity = "237 W/m/K"
+specific_heat = "903 J/kg/K"
+[[part]]
+name = "plate"
+material = "aluminium"
+box = { origin = ["0 mm", "0 mm", "0 mm"], size = ["100 mm", "80 mm", "20 mm"] }
+"""
+HEATER = """
+[[heater]]
+on = "plate.z-"
+power = "400 W"
+"""
+FILM = """
+[[convection]]
+on = "exposed"
+h = "12 W/m^2/K"
+ambient = "25 degC"
+"""
+PROBE = """
+[[probe]]
+name = "centre"
+at = ["50 mm", "40 mm", "20 mm"]
+[work_surface]
+on = "plate.z+"
+"""
+RUN = """
+[run]
+start = "25 degC"
+until = "300 s"
+mesh_size = "25 mm"
+"""
+PLATE = HEAD + HEATER + FILM + PROBE + RUN
+
+
+class Quiet(Console):
+    def __init__(self):
+        super().__init__(True)
+        self.said = []
+
+    def warn(self, text):
+        self.said.append(text)
+
+
+def heat(folder: Path, text: str, name: str = "heat"):
+    (folder / "mold.toml").write_text(text)
+    console = Quiet()
+    target = str(folder / f"{name}.json")
+    status = mold_heat.run(
+        Job("mold-heat", [], console), mold=str(folder / "mold.toml"), stl_unit="mm", output=target
+    )
+    return status, json.loads(Path(target).read_text()), console.said
+
+
+@pytest.fixture(scope="module")
+def plate(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("plate")
+    status, document, said = heat(folder, PLATE)
+    assert status == 0
+    assert said == []
+    return folder, document
+
+
+def test_document_follows_its_schema(plate):
+    import jsonschema
+
+    jsonschema.validate(plate[1], schema("heat"))
+
+
+def test_power_less_losses_is_stored(plate):
+    _, document = plate
+    energy = document["energy"]
+    assert energy["supplied_J"] == pytest.approx(400.0 * 300.0, rel=1e-12)
+    assert energy["imbalance_relative"] < 1e-12
+    mass = 0.1 * 0.08 * 0.02 * 2702.0
+    assert document["mass_kg"] == pytest.approx(mass, rel=1e-12)
+    # Nearly uniform, so the lumped solution holds to the resistance of the plate.
+    area = 0.1 * 0.08 + 2 * 0.02 * 0.18
+    rise = 400.0 / (12.0 * area) * (1 - np.exp(-12.0 * area * 300.0 / (mass * 903.0)))
+    assert document["work_surface"]["mean_degC"] == pytest.approx(25.0 + rise, rel=0.01)
+
+
+def test_files_are_listed_and_read_back(plate):
+    folder, document = plate
+    assert all((folder / name).is_file() for name in document["files"])
+    assert {"heat.vtu", "heat.pvd", "heat.csv", "heat.png"} <= set(document["files"])
+    grid = read_vtu((folder / "heat.vtu").read_bytes(), "heat.vtu")
+    field = grid.point_data["temperature_degC"]
+    assert field.max() == pytest.approx(document["hottest"]["temperature_degC"])
+    rows = (folder / "heat.csv").read_text().splitlines()
+    assert rows[0] == "time_s,centre_degC"
+    last = [float(cell) for cell in rows[-1].split(",")]
+    assert last == [300.0, document["probes"]["centre"]["final_degC"]]
+
+
+def test_same_input_gives_the_same_bytes(plate, tmp_path):
+    folder, document = plate
+    heat(tmp_path, PLATE)
+    for name in [*document["files"], "heat.json"]:
+        assert (tmp_path / name).read_bytes() == (folder / name).read_bytes(), name
+
+
+def test_warmup_is_hit_exactly_and_the_run_goes_on_to_its_end(tmp_path):
+    status, document, _ = heat(tmp_path, PLATE.replace("[run]", '[run]\ntarget = "80 degC"'))
+    assert status == 0
+    assert document["work_surface"]["at_warmup"]["mean_degC"] == pytest.approx(80.0, abs=1e-6)
+    assert 0.0 < document["warmup_time_s"] < 300.0
+    assert document["end_time_s"] == 300.0
+    assert 0.5 < document["efficiency"] < 1.0
+
+
+def test_target_never_reached_is_no_failure(tmp_path):
+    text = PLATE.replace('until = "300 s"', 'target = "900 degC"').replace('"400 W"', '"20 W"')
+    status, document, said = heat(tmp_path, text)
+    assert status == 0
+    assert "warmup_time_s" not in document
+    assert document["target_reached"] is False
+    assert any("did not reach 900 degC" in line for line in said)
+
+
+def test_steady_state_balances(tmp_path):
+    status, document, _ = heat(tmp_path, PLATE.replace('until = "300 s"', "steady = true"))
+    assert status == 0
+    assert document["power_lost_W"]["convection exposed"] == pytest.approx(400.0, rel=1e-8)
+
+
+def test_thermostat_keeps_its_band(tmp_path):
+    control = 'control = { probe = "centre", set = "60 degC", band = "2 K" }'
+    text = (HEAD + HEATER + control + FILM + PROBE + RUN).replace('"12 W', '"60 W')
+    status, document, _ = heat(tmp_path, text)
+    assert status == 0
+    assert len(document["switches_s"]) >= 2
+    assert document["probes"]["centre"]["max_degC"] < 64.0
+    assert document["energy"]["imbalance_relative"] < 1e-12
+
+
+def test_a_run_starts_from_an_earlier_one(plate, tmp_path):
+    folder, before = plate
+    for name in ("heat.json", "heat.vtu"):
+        (tmp_path / name.replace("heat", "first")).write_bytes((folder / name).read_bytes())
+    found = json.loads((tmp_path / "first.json").read_text())
+    found["files"] = ["first.vtu"]
+    (tmp_path / "first.json").write_text(json.dumps(found))
+    later = HEAD + FILM + PROBE + RUN.replace('start = "25 degC"', 'start = { document = "first.json" }')
+    _, same, _ = heat(tmp_path, later, "same")
+    rows = (tmp_path / "same.csv").read_text().splitlines()
+    assert float(rows[1].split(",")[1]) == pytest.approx(before["probes"]["centre"]["final_degC"], abs=1e-9)
+    assert same["probes"]["centre"]["final_degC"] < before["probes"]["centre"]["final_degC"]
+    _, other, _ = heat(tmp_path, later.replace('"25 mm"', '"18 mm"'), "other")
+    finals = [d["probes"]["centre"]["final_degC"] for d in (same, other)]
+    assert finals[0] == pytest.approx(finals[1], abs=0.05)
+
+
+def test_misprinted_specific_heat_is_questioned(tmp_path):
+    text = PLATE.replace("903 J/kg/K", "49 J/kg/K").replace('"300 s"', '"5 s"')
+    status, _, said = heat(tmp_path, text)
+    assert status == 0
+    assert any("49 J/kg/K" in line and "900" in line for line in said)
+
+
+def test_contact_opens_and_closes_on_its_schedule(tmp_path):
+    (tmp_path / "closed.csv").write_text("time [s],contact [-]\n0,0\n100,0\n100.5,1\n300,1\n")
+    second = """
+[[part]]
+name = "sandwich"
+material = "aluminium"
+box = { origin = ["0 mm", "0 mm", "20 mm"], size = ["100 mm", "80 mm", "5 mm"] }
+[[contact]]
+between = ["plate", "sandwich"]
+h = "1000 W/m^2/K"
+schedule = "closed.csv"
+[[probe]]
+name = "sandwich"
+at = ["50 mm", "40 mm", "25 mm"]
+"""
+    text = HEAD + second + HEATER + PROBE + RUN
+    status, document, _ = heat(tmp_path, text)
+    assert status == 0
+    rows = np.array(
+        [[float(c) for c in row.split(",")] for row in (tmp_path / "heat.csv").read_text().splitlines()[1:]]
+    )
+    before = rows[rows[:, 0] <= 100.0]
+    np.testing.assert_allclose(before[:, 1], 25.0, atol=1e-9)
+    assert {0.0, 100.0, 100.5, 300.0} <= set(rows[:, 0])
+    assert document["probes"]["sandwich"]["final_degC"] > 60.0
+    assert document["energy"]["imbalance_relative"] < 1e-12
+
+
+TOUCHING = HEAD.replace("plate", "other").split("[[part]]")[1]
+
+REFUSED = {
+    "overlapping parts": (HEAD + "[[part]]" + TOUCHING + HEATER + RUN, "overlap", "part"),
+    "probe in the air": (PLATE.replace('"20 mm"]\n[work', '"21 mm"]\n[work'), "in no part", "probe.0.at"),
+    "face that does not exist": (
+        PLATE.replace('on = "plate.z-"', 'on = "plat.z-"'),
+        "plate.z-",
+        "heater.0.on",
+    ),
+    "no way given": (PLATE.replace('on = "plate.z-"', 'on = "plate"'), "NAME.WAY", "heater.0.on"),
+    "heater on nothing": (
+        PLATE.replace(
+            'on = "plate.z-"',
+            'on = { part = "plate", box = { origin = ["0 mm","0 mm","5 mm"], size = ["9 mm","9 mm","9 mm"] } }',
+        ).replace('"0 mm","0 mm","5 mm"', '"40 mm","40 mm","5 mm"'),
+        "inside the box",
+        "heater.0.on",
+    ),
+    "negative film": (
+        PLATE.replace('"12 W/m^2/K"', '"-12 W/m^2/K"'),
+        "must not be less than 0",
+        "convection.0.h",
+    ),
+    "bare number": (PLATE.replace('"400 W"', "400"), "unit", "heater.0.power"),
+    "wrong kind": (PLATE.replace('"400 W"', '"400 K"'), "no unit of power", "heater.0.power"),
+    "unknown key": (PLATE.replace("mesh_size", "meshsize"), "", "run"),
+    "held and heated": (
+        PLATE + '[[temperature]]\non = "plate.z-"\nvalue = "100 degC"\n',
+        "contradict",
+        "heater.0.on",
+    ),
+    "insulated and cooled": (
+        PLATE.replace('on = "exposed"', 'on = "plate.z+"') + '[[insulated]]\non = "plate.z+"\n',
+        "contradict",
+        "insulated.0.on",
+    ),
+    "two heaters on one face": (PLATE + HEATER, "has already", "heater.1.on"),
+    "no route in the steady state": (
+        (HEAD + HEATER + PROBE + RUN).replace('until = "300 s"', "steady = true"),
+        "no route",
+        "run.steady",
+    ),
+    "no end": (PLATE.replace('until = "300 s"', ""), "no end", "format"),
+    "unknown material": (
+        PLATE.replace('material = "aluminium"', 'material = "steel"'),
+        "aluminium",
+        "format",
+    ),
+    "mesh too large": (PLATE.replace('"25 mm"', '"0.02 mm"'), "GB", "run.mesh_size"),
+    "cavity outside": (
+        PLATE
+        + '[[cavity]]\nname = "hole"\nbox = { origin = ["900 mm","0 mm","0 mm"], size = ["9 mm","9 mm","9 mm"] }\n',
+        "cuts nothing",
+        "part",
+    ),
+    "parts that do not touch": (
+        PLATE
+        + "[[part]]"
+        + TOUCHING.replace('["0 mm", "0 mm", "0 mm"]', '["0 mm", "0 mm", "30 mm"]')
+        + '[[contact]]\nbetween = ["plate", "other"]\nh = "100 W/m^2/K"\n',
+        "do not touch",
+        "contact.0.between",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_nonsense_is_refused_with_its_key(tmp_path, case):
+    text, words, key = REFUSED[case]
+    with pytest.raises(InputError) as refusal:
+        heat(tmp_path, text)
+    assert words in str(refusal.value)
+    assert str(refusal.value.key).startswith(key)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["mold.toml"]
+
+
+def test_table_that_does_not_rise_is_refused_with_its_line(tmp_path):
+    (tmp_path / "film.csv").write_text("temperature [degC],h [W/m^2/K]\n25,5\n100,9\n50,7\n")
+    with pytest.raises(InputError, match=r"film\.csv, line 4"):
+        heat(tmp_path, PLATE.replace('h = "12 W/m^2/K"', 'h = { table = "film.csv" }'))
+
+
+def test_stl_with_a_hole_is_refused_with_facet_and_place(tmp_path):
+    import trimesh
+
+    box = trimesh.creation.box((40, 40, 20))
+    box.update_faces(np.arange(len(box.faces)) != 3)
+    (tmp_path / "part.stl").write_bytes(trimesh.exchange.stl.export_stl(box))
+    part = PLATE.split("box =")[0] + 'stl = "part.stl"\n' + HEATER + RUN
+    with pytest.raises(InputError, match=r"part\.stl, facet \d+.*open edges"):
+        heat(tmp_path, part)
+
+
+def test_dirty_stl_is_welded_and_meshed_with_a_cavity(tmp_path):
+    import trimesh
+
+    whole = trimesh.creation.box((40, 40, 20)).triangles
+    soup = whole + 2e-4 * np.sin(np.arange(whole.size)).reshape(whole.shape)
+    loose = trimesh.Trimesh(soup.reshape(-1, 3), np.arange(soup.size // 3).reshape(-1, 3), process=False)
+    (tmp_path / "part.stl").write_bytes(trimesh.exchange.stl.export_stl(loose))
+    box = 'box = { origin = ["-5 mm","-5 mm","-5 mm"], size = ["10 mm","10 mm","10 mm"] }'
+    cavity = f'[[cavity]]\nname = "hole"\n{box}\n'
+    text = (
+        PLATE.split("box =")[0] + 'stl = "part.stl"\n' + cavity + HEATER.replace("plate.z-", "hole.all") + RUN
+    )
+    status, document, said = heat(tmp_path, text.replace('"25 mm"', '"10 mm"'))
+    assert status == 0
+    assert any("welded" in line for line in said)
+    assert document["mass_kg"] == pytest.approx(31e-6 * 2702.0, rel=1e-4)
+    assert document["conditions"]["heater hole.all"]["area_mm2"] == pytest.approx(600.0, rel=1e-6)
+
+
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_signals_end_it_at_once_and_leave_no_child(tmp_path, number, status):
+    (tmp_path / "mold.toml").write_text(PLATE.replace('"25 mm"', '"1.5 mm"'))
+    start = "from hyperfab.cli import main; main()"
+    command = [sys.executable, "-c", start, "mold-heat", "mold.toml", "-o", "heat.json"]
+    process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE)
+    children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+    deadline = time.monotonic() + 20.0
+    while time.monotonic() < deadline and not children.read_text().split():
+        time.sleep(0.05)
+    child = int(children.read_text().split()[0])
+    time.sleep(1.0)
+    process.send_signal(number)
+    asked = time.monotonic()
+    assert process.wait(timeout=10.0) == status
+    assert time.monotonic() - asked < 2.0
+    time.sleep(0.2)
+    assert not os.path.exists(f"/proc/{child}")
+    assert [path.name for path in tmp_path.iterdir()] == ["mold.toml"]
+
+
+@pytest.fixture(scope="module")
+def samples(tmp_path_factory):
+    """Both sample molds, at a coarser mesh than they are shipped with."""
+    from hyperfab.samples import sample_files
+
+    folder = tmp_path_factory.mktemp("samples")
+    (folder / "specimens").mkdir()
+    (folder / "molds").mkdir()
+    files = sample_files()
+    (folder / "specimens/film.csv").write_bytes(files["specimens/film.csv"])
+    found = {}
+    for name in ("original", "proposed"):
+        text = files[f"molds/{name}.toml"].decode()
+        size = text.split('mesh_size = "')[1].split('"')[0]
+        found[name] = heat(folder / "molds", text.replace(f'"{size}"', '"28 mm"'), name)[1]
+    return found
+
+
+def test_original_mold_takes_50_minutes(samples):
+    document = samples["original"]
+    assert document["warmup_time_s"] / 60 == pytest.approx(49.9, abs=0.5)
+    assert document["energy"]["supplied_J"] == pytest.approx(9.0e6, rel=0.01)
+    assert document["work_surface"]["at_warmup"]["spread_K"] < 1.3
+    assert document["energy"]["imbalance_relative"] < 1e-10
+    assert document["steps"] <= 15
+
+
+def test_proposed_mold_takes_20_minutes_and_is_even(samples):
+    document = samples["proposed"]
+    assert document["warmup_time_s"] / 60 == pytest.approx(19.6, abs=0.3)
+    assert document["energy"]["supplied_J"] == pytest.approx(3.5e6, rel=0.02)
+    assert document["work_surface"]["at_warmup"]["spread_K"] < 2.4
+    assert document["energy"]["imbalance_relative"] < 1e-10
