@@ -38,11 +38,15 @@ def fabric_contact(
     ] = 1.0,
     friction: Annotated[str | None, typer.Option(metavar="MU", help="Coulomb coefficient, or stick.")] = None,
     steps: Annotated[
-        int | None, typer.Option(metavar="N", help="Load steps; adaptive where not given.")
+        int | None, typer.Option(metavar="N", help="Load steps shown, 8 where not given; halved where needed.")
     ] = None,
     mesh_size: Annotated[
-        str | None, typer.Option(metavar="LENGTH", help="Edge length of the elements.")
+        str | None,
+        typer.Option(metavar="LENGTH", help="Edge length of the elements; finer at the edge of contact."),
     ] = None,
+    tolerance: Annotated[
+        float, typer.Option(metavar="R", help="Relative error of the force, for which elements are refined.")
+    ] = 1e-4,
     output: Target = "-",
     quiet: Quiet = False,
     debug: Debug = False,

@@ -1,0 +1,145 @@
+"""The recipe of `hf fabric-contact`: read, check, press, judge, write."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hyperfab.chapters.fabric_contact.fields import csv, surface, vtu
+from hyperfab.chapters.fabric_contact.result import document, row, status_of
+from hyperfab.chapters.fabric_contact.setup import Fabric, Setup, read_fabric, read_setup
+from hyperfab.chapters.job import Job
+from hyperfab.documents.contact import ContactDocument
+from hyperfab.errors import NotConverged, UsageError
+from hyperfab.io.output import Output
+from hyperfab.membrane.equilibrium import State
+from hyperfab.membrane.measures import fields
+from hyperfab.membrane.sphere_test import Outcome, SphereTest
+from hyperfab.membrane.sphere_test import run as press
+from hyperfab.membrane.verdict import first_instability, stress_difference
+from hyperfab.report.figures_contact import Curve, contact_figure
+
+
+def run(
+    job: Job,
+    *,
+    material: str,
+    against: str | None,
+    shape: str,
+    size: str,
+    thickness: str | None,
+    sphere_radius: str,
+    depth: str,
+    prestretch: float,
+    friction: str | None,
+    steps: int | None,
+    mesh_size: str | None,
+    tolerance: float,
+    output: str,
+) -> int:
+    """Press the sphere into the sheet; return 0, or 4 where the depth was not reached or the constants are unstable."""
+    out = Output(output, (".vtu", ".csv", ".png"))
+    if material == "-" == against:
+        raise UsageError("only one of the two materials can come from standard input")
+    fabrics = [read_fabric(job, name) for name in (material, against) if name is not None]
+    setup = read_setup(
+        fabrics[0], shape=shape, size=size, thickness=thickness, sphere_radius=sphere_radius, depth=depth,
+        prestretch=prestretch, friction=friction, steps=steps, mesh_size=mesh_size, tolerance=tolerance,
+    )  # fmt: skip
+    out.refuse_inputs(job.inputs)
+    if thickness is None and fabrics[0].thickness is None:
+        job.console.note(f"{material} states no thickness: 1 mm is taken (--thickness sets it)")
+    outcomes = _pressed(job, setup, fabrics)
+    instabilities = [first_instability(outcome) for outcome in outcomes]
+    found = document(setup, fabrics, outcomes, instabilities)
+    if not outcomes[0].solved:
+        raise NotConverged(
+            status_of(outcomes[0], None) or "no equilibrium", remedy="try a larger first --depth"
+        )
+    _write(job, out, setup, fabrics, outcomes, found)
+    for number, (fabric, outcome, unstable) in enumerate(zip(fabrics, outcomes, instabilities, strict=True)):
+        status = status_of(outcome, unstable)
+        if status:
+            job.console.warn(f"{fabric.name}: {status}")
+        _table(job, fabric, outcome, number)
+    failed = any(
+        status_of(outcome, unstable) for outcome, unstable in zip(outcomes, instabilities, strict=True)
+    )
+    return NotConverged.exit_status if failed else 0
+
+
+def _pressed(job: Job, setup: Setup, fabrics: list[Fabric]) -> list[Outcome]:
+    tests = [
+        SphereTest(
+            setup.outline, fabric.law, setup.thickness, setup.sphere_radius, setup.prestretch, setup.mesh_size
+        )
+        for fabric in fabrics
+    ]
+    seen = [0]
+    expected = 2 * len(tests) * len(setup.depths)
+    with job.console.progress("Pressing the sphere in") as advance:
+
+        def watch(state: State) -> None:
+            seen[0] += 1
+            advance(min(1.0, seen[0] / expected), f"{state.depth:.3g} mm, {state.force:.3g} N")
+
+        return press(tests, setup.depths, setup.tolerance, watch)
+
+
+def _write(
+    job: Job,
+    out: Output,
+    setup: Setup,
+    fabrics: list[Fabric],
+    outcomes: list[Outcome],
+    found: ContactDocument,
+) -> None:
+    difference = None
+    both = len(outcomes) > 1
+    if both and found.compared_at_depth_mm is not None:
+        pair = [_at(outcome, found.compared_at_depth_mm) for outcome in outcomes]
+        _, difference = stress_difference(pair[0], pair[1])
+    if out.wants_files:
+        last = outcomes[0].solved[-1]
+        shown = difference if difference is not None and pair[0] is last else None
+        out.add(".vtu", vtu(last, shown))
+        out.add(".csv", csv([row(None, setup)] + [row(solved, setup) for solved in outcomes[0].solved]))
+        curves = [
+            Curve(
+                name,
+                [0.0] + [solved.state.depth for solved in outcome.solved],
+                [0.0] + [solved.state.force for solved in outcome.solved],
+                f"no equilibrium beyond {outcome.path.limit.depth:.1f} mm" if outcome.path.limit else None,
+            )
+            for name, outcome in zip(_names(fabrics), outcomes, strict=True)
+        ]
+        stress = fields(last.press.sheet, last.state.places).cauchy.max(axis=1)
+        picture = contact_figure(
+            curves,
+            surface(last, stress),
+            surface(pair[0], difference) if difference is not None else None,
+        )
+        out.add(".png", picture)
+    job.write(out, found)
+
+
+def _at(outcome: Outcome, depth: float):  # type: ignore[no-untyped-def]
+    return next(solved for solved in outcome.solved if solved.state.depth == depth)
+
+
+def _names(fabrics: list[Fabric]) -> list[str]:
+    names = [fabric.name for fabric in fabrics]
+    return ["A: " + names[0], "B: " + names[1]] if len(names) > 1 else names
+
+
+def _table(job: Job, fabric: Fabric, outcome: Outcome, number: int) -> None:
+    rows = []
+    for solved in outcome.solved:
+        found = fields(solved.press.sheet, solved.state.places)
+        rows.append(
+            [
+                f"{solved.state.depth:.4g}", f"{solved.state.force:.6g}", f"{1e-3 * solved.state.energy:.5g}",
+                f"{np.max(found.stretch):.4f}", f"{np.max(found.cauchy):.4g}",
+            ]
+        )  # fmt: skip
+    columns = ("depth [mm]", "force [N]", "energy [J]", "stretch", "stress [MPa]")
+    job.console.table(f"{'AB'[number]}: {fabric.model}, {fabric.name}", columns, rows)

@@ -1,0 +1,85 @@
+"""The sheet's fields and curves as files."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.io.vtu import unstructured
+from hyperfab.membrane.measures import fields
+from hyperfab.membrane.sphere_test import Solved
+from hyperfab.report.figures_contact import Surface
+
+Array = NDArray[np.float64]
+
+
+def vtu(solved: Solved, difference: Array | None) -> bytes:
+    """Return the whole deformed sheet with its fields; a computed quarter is mirrored."""
+    sheet, state = solved.press.sheet, solved.state
+    found = fields(sheet, state.places)
+    gap = solved.press.punch.near(state.places, state.depth).gap
+    data = {
+        "stress_1_MPa": found.cauchy[:, 0],
+        "stress_2_MPa": found.cauchy[:, 1],
+        "stretch_1": found.stretch[:, 0],
+        "stretch_2": found.stretch[:, 1],
+        "thickness_mm": found.thickness,
+        "gap_mm": np.where(state.touching, 0.0, gap),
+        "contact": state.touching,
+        "pressure_MPa": pressure(solved, found.cauchy, found.thickness),
+        "undeformed_mm": np.column_stack([sheet.mesh.nodes, np.zeros(len(gap))]),
+    }
+    if difference is not None:
+        data["stress_difference_MPa"] = difference
+    states = sheet.response(state.places).state.reshape(sheet.mesh.weights.shape)
+    wrinkled = (states != 0).mean(axis=1)
+    mirrors = _mirrors(sheet.mesh.copies)
+    elements = sheet.mesh.elements
+    flipped = elements[:, [0, 2, 1, 5, 4, 3] if elements.shape[1] == 6 else [0, 2, 1]]
+    places, cells = [], []
+    repeated: dict[str, list[Array]] = {name: [] for name in data}
+    for number, mirror in enumerate(mirrors):
+        places.append(state.places * mirror)
+        cells.append((elements if mirror.prod() > 0 else flipped) + number * len(state.places))
+        for name, values in data.items():
+            repeated[name].append(values * mirror if values.ndim == 2 else values)
+    kind = "triangle6" if elements.shape[1] == 6 else "triangle"
+    return unstructured(
+        np.concatenate(places),
+        {kind: np.concatenate(cells)},
+        {name: np.concatenate(values) for name, values in repeated.items()},
+        {"wrinkled": np.tile(wrinkled, len(mirrors))},
+    )
+
+
+def pressure(solved: Solved, cauchy: Array, thickness: Array) -> Array:
+    """Return the contact pressure (n,) [MPa]: tensions times curvature, the mean curvature of the punch."""
+    state = solved.state
+    turning = solved.press.punch.near(state.places, state.depth).turning
+    curvature = 0.5 * np.trace(turning, axis1=1, axis2=2)
+    return np.where(state.touching, cauchy.sum(axis=1) * thickness * curvature, 0.0)
+
+
+def surface(solved: Solved, values: Array) -> Surface:
+    """Return the deformed sheet as straight triangles with a value at each node, for pictures."""
+    mesh, places = solved.press.sheet.mesh, solved.state.places
+    mirrors = _mirrors(mesh.copies)
+    return Surface(
+        points=np.concatenate([places * mirror for mirror in mirrors]),
+        triangles=np.concatenate(
+            [mesh.elements[:, :3] + number * len(places) for number in range(len(mirrors))]
+        ),
+        values=np.tile(values, len(mirrors)),
+    )
+
+
+def csv(rows: list[dict[str, float]]) -> bytes:
+    """Return rows as CSV; numbers read back as the same doubles."""
+    names = list(rows[0])
+    lines = [",".join(names)] + [",".join(repr(float(row[name])) for name in names) for row in rows]
+    return ("\n".join(lines) + "\n").encode("ascii")
+
+
+def _mirrors(copies: int) -> list[Array]:
+    signs = [(1, 1), (-1, 1), (-1, -1), (1, -1)] if copies == 4 else [(1, 1)]
+    return [np.array([x, y, 1.0]) for x, y in signs]

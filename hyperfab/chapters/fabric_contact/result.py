@@ -1,0 +1,159 @@
+"""From equilibria to the contact document."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from hyperfab.chapters.fabric_contact.setup import Fabric, Setup
+from hyperfab.documents.contact import BalancePart, ContactDocument, OtherPart, SetupPart, StabilityPart
+from hyperfab.membrane.contact_edge import contact_edge
+from hyperfab.membrane.measures import fields, wrinkled_fraction
+from hyperfab.membrane.sphere_test import Outcome, Solved
+from hyperfab.membrane.verdict import Instability, stress_difference, work
+
+#: N mm in a joule.
+_JOULE = 1e-3
+
+
+def document(
+    setup: Setup,
+    fabrics: Sequence[Fabric],
+    outcomes: Sequence[Outcome],
+    instabilities: Sequence[Instability | None],
+) -> ContactDocument:
+    """Return the document of one test, or of two that are compared."""
+    outcome, unstable = outcomes[0], instabilities[0]
+    limit = outcome.path.limit
+    total = outcome.path.iterations + sum(solved.state.iterations for solved in outcome.solved)
+    found = ContactDocument(
+        converged=limit is None,
+        status=status_of(outcome, unstable),
+        depth_reached_mm=limit.depth if limit else None,
+        turning_point_mm=limit.turning_point if limit else None,
+        newton_iterations=outcome.solved[-1].state.iterations if outcome.solved else 0,
+        newton_iterations_total=total,
+        unknowns=(outcome.solved[-1].press if outcome.solved else outcome.rough).sheet.mesh.unknowns,
+        force_depth=_force_depth(outcome),
+        stability=_stability(unstable),
+        setup=_setup(setup, fabrics[0]),
+        left_out=[*fabrics[0].left_out, "weight of the sheet", "bending stiffness of the fabric"],
+    )
+    if outcome.solved:
+        _add_last(found, outcome)
+    if len(outcomes) > 1:
+        _compare(found, fabrics[1], outcomes, instabilities[1])
+    return found
+
+
+def status_of(outcome: Outcome, unstable: Instability | None) -> str | None:
+    """Return in words what stood in the way, or None."""
+    words = []
+    if unstable:
+        words.append(
+            f"the constants lose Drucker stability at {unstable.depth:.2f} mm "
+            f"(stretches {unstable.stretches[0]:.3f} and {unstable.stretches[1]:.3f})"
+        )
+    if outcome.path.limit:
+        words.append(outcome.path.limit.reason)
+    return "; ".join(words) or None
+
+
+def row(solved: Solved | None, setup: Setup) -> dict[str, float]:
+    """Return one line of the CSV; without a state the mounted sheet before the punch."""
+    if solved is None:
+        return {
+            "depth_mm": 0.0, "force_N": 0.0, "energy_J": 0.0, "contact_radius_mm": 0.0,
+            "stretch_max": setup.prestretch, "stress_max_MPa": 0.0,
+        }  # fmt: skip
+    smooth = fields(solved.press.sheet, solved.state.places)
+    edge = contact_edge(solved.press, solved.state, deformed=True)
+    return {
+        "depth_mm": solved.state.depth,
+        "force_N": solved.state.force,
+        "energy_J": _JOULE * solved.state.energy,
+        "contact_radius_mm": edge.mean if edge else 0.0,
+        "stretch_max": float(smooth.stretch.max()),
+        "stress_max_MPa": float(smooth.cauchy.max()),
+    }
+
+
+def _add_last(found: ContactDocument, outcome: Outcome) -> None:
+    """Fill in what is known at the last depth."""
+    last = outcome.solved[-1]
+    sheet, state = last.press.sheet, last.state
+    smooth = fields(sheet, state.places)
+    found.force_N = state.force
+    found.force_error_relative = last.error
+    found.energy_J = _JOULE * state.energy
+    found.stretch_max = float(smooth.stretch.max())
+    found.stress_max_MPa = float(smooth.cauchy.max())
+    found.wrinkled_area_fraction = wrinkled_fraction(sheet, state.places)
+    for name, deformed in (("contact_radius_mm", True), ("contact_radius_undeformed_mm", False)):
+        edge = contact_edge(last.press, state, deformed=deformed)
+        setattr(found, name, edge.mean if edge else 0.0)
+    stored = state.energy - sheet.energy(sheet.flat)
+    done = work(outcome.solved)
+    found.balance = BalancePart(
+        work_J=_JOULE * done,
+        stored_J=_JOULE * stored,
+        imbalance_relative=(done - stored) / stored if stored > 0.0 else 0.0,
+        reaction_N=state.reaction,
+        force_imbalance_relative=(state.reaction - state.force) / state.force if state.force > 0.0 else 0.0,
+    )
+
+
+def _compare(
+    found: ContactDocument, fabric: Fabric, outcomes: Sequence[Outcome], unstable: Instability | None
+) -> None:
+    other = outcomes[1]
+    limit = other.path.limit
+    part = OtherPart(
+        model=fabric.model,
+        converged=limit is None,
+        status=status_of(other, unstable),
+        depth_reached_mm=limit.depth if limit else None,
+        force_depth=_force_depth(other),
+        stability=_stability(unstable),
+    )
+    if other.solved:
+        last = other.solved[-1]
+        smooth = fields(last.press.sheet, last.state.places)
+        part.force_N = last.state.force
+        part.stretch_max, part.stress_max_MPa = float(smooth.stretch.max()), float(smooth.cauchy.max())
+    found.against = part
+    pairs = [
+        (a, b) for a in outcomes[0].solved for b in other.solved if a.press.sheet.mesh is b.press.sheet.mesh
+    ]
+    if pairs:
+        a, b = pairs[-1]
+        found.compared_at_depth_mm = a.state.depth
+        found.stress_difference_percent, _ = stress_difference(a, b)
+        found.force_ratio = a.state.force / b.state.force if b.state.force > 0.0 else None
+
+
+def _force_depth(outcome: Outcome) -> list[tuple[float, float]]:
+    return [(0.0, 0.0), *((solved.state.depth, solved.state.force) for solved in outcome.solved)]
+
+
+def _stability(unstable: Instability | None) -> StabilityPart:
+    if unstable is None:
+        return StabilityPart(stable=True)
+    return StabilityPart(
+        stable=False, first_unstable_depth_mm=unstable.depth, at_mm=unstable.at, stretches=unstable.stretches
+    )
+
+
+def _setup(setup: Setup, fabric: Fabric) -> SetupPart:
+    return SetupPart(
+        model=fabric.model,
+        fabric=fabric.words,
+        shape=setup.shape,
+        size_mm=setup.size,
+        thickness_mm=setup.thickness,
+        sphere_radius_mm=setup.sphere_radius,
+        depth_mm=setup.depth,
+        prestretch=setup.prestretch,
+        friction="frictionless",
+        mesh_size_mm=setup.mesh_size,
+        elements="P2, a quarter of the sheet" if setup.outline.quarter else "P2",
+    )

@@ -1,0 +1,106 @@
+"""``contact.json``: a sphere pushed into a clamped sheet, and the verdict on the constants."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from hyperfab.documents.base import Document
+
+
+class Part(BaseModel):
+    """A table of the document."""
+
+    model_config = ConfigDict(extra="allow", allow_inf_nan=False)
+
+
+class SetupPart(Part):
+    """What was pressed, in canonical units."""
+
+    model: str
+    fabric: str = Field(description="how the sheet's law was made of the material document")
+    shape: str
+    size_mm: float
+    thickness_mm: float
+    sphere_radius_mm: float
+    depth_mm: float
+    prestretch: float
+    friction: str
+    mesh_size_mm: float
+    elements: str
+
+
+class StabilityPart(Part):
+    """Drucker stability of the constants over the stretches that occur in the sheet."""
+
+    stable: bool
+    first_unstable_depth_mm: float | None = None
+    at_mm: tuple[float, float] | None = Field(
+        default=None, description="place on the undeformed sheet (x, y)"
+    )
+    stretches: tuple[float, float] | None = Field(default=None, description="principal stretches there")
+
+
+class OtherPart(Part):
+    """The result with the constants of ``--against``."""
+
+    model: str
+    converged: bool
+    status: str | None = None
+    depth_reached_mm: float | None = None
+    force_N: float | None = None
+    force_depth: list[tuple[float, float]] = Field(default_factory=list)
+    stretch_max: float | None = None
+    stress_max_MPa: float | None = None
+    stability: StabilityPart
+
+
+class BalancePart(Part):
+    """Laws of mechanics that the result must obey."""
+
+    work_J: float = Field(description="of the punch: integral of the force over the path")
+    stored_J: float = Field(description="energy above that of the mounted sheet")
+    imbalance_relative: float
+    reaction_N: float = Field(description="of the rim, along z")
+    force_imbalance_relative: float = Field(description="(reaction - contact force) / force")
+
+
+class ContactDocument(Document):
+    """The result of ``hf fabric-contact``.
+
+    Where the full depth was not reached, force, radius, stretch and stress are those at ``depth_reached_mm``.
+    """
+
+    KIND: ClassVar[str] = "contact"
+
+    converged: bool
+    status: str | None = Field(default=None, description="what stood in the way")
+    depth_reached_mm: float | None = Field(default=None, description="where the full depth was not reached")
+    turning_point_mm: float | None = Field(
+        default=None, description="depth beyond which there is no equilibrium"
+    )
+    newton_iterations: int = Field(description="on the fitted mesh of the last depth")
+    newton_iterations_total: int = Field(description="over all depths and meshes")
+    unknowns: int
+    force_N: float | None = None
+    force_error_relative: float | None = Field(default=None, description="estimated from two meshes")
+    force_depth: list[tuple[float, float]] = Field(description="[depth_mm, force_N]")
+    contact_radius_mm: float | None = Field(default=None, description="deformed; the mean around the sphere")
+    contact_radius_undeformed_mm: float | None = None
+    stretch_max: float | None = None
+    stress_max_MPa: float | None = Field(default=None, description="largest Cauchy principal stress")
+    energy_J: float | None = Field(default=None, description="strain energy of the sheet")
+    wrinkled_area_fraction: float | None = Field(
+        default=None, description="of the undeformed area; slack included"
+    )
+    stability: StabilityPart
+    balance: BalancePart | None = None
+    setup: SetupPart
+    compared_at_depth_mm: float | None = Field(default=None, description="depth of the comparison")
+    stress_difference_percent: float | None = Field(
+        default=None, description="100 max|sB - sA| / max|sA|, Cauchy principal stresses at the same points"
+    )
+    force_ratio: float | None = Field(default=None, description="F_A / F_B")
+    against: OtherPart | None = None
+    left_out: list[str] = Field(default_factory=list, description="what this result does not contain")

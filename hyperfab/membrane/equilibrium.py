@@ -1,0 +1,218 @@
+"""Equilibrium of a sheet on a punch at one depth: Newton's method with an exact, node-wise active contact set."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.membrane.contact import STIFF, Frictionless, Tangential, Terms
+from hyperfab.membrane.sheet import Assembled, Sheet
+from hyperfab.membrane.sphere import Nearness, Punch
+from hyperfab.numerics.linear import SingularMatrixError, SuperLUFactor, factorise
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Indices = NDArray[np.int64]
+
+#: Largest way of a node in one iteration, relative to the distance from the punch's axis to the rim.
+_LARGEST_STEP = 0.15
+#: Where no part of a step down to this one lowers the energy, this one is taken.
+_SMALLEST_PART = 1e-2
+#: Artificial tension never falls below this part of the mean stress, so that slack nodes have some stiffness.
+_LEAST_SUPPORT = 1e-6
+#: A sheet with less than this part of (modulus times volume) as energy is slack.
+_SLACK_ENERGY = 1e-14
+#: Touching nodes lie on the punch to this [mm].
+_GAP_TOLERANCE = 1e-9
+
+
+class NoEquilibriumError(Exception):
+    """Newton's method found no equilibrium from the given start."""
+
+
+@dataclass(frozen=True)
+class State:
+    """The sheet in equilibrium with the punch at ``depth`` [mm].
+
+    ``places`` (n, 3) [mm] and ``touching`` (n,) of the nodes; ``pressure`` (n,) [N]: normal contact force of each
+    node; ``energy`` [N mm], ``force`` (of the punch) and ``reaction`` (of the rim) along z [N] of the whole sheet;
+    ``residual``: largest unbalanced nodal force over the punch's force; ``iterations`` of Newton's method.
+    """
+
+    depth: float
+    places: Array
+    touching: Flags
+    pressure: Array
+    energy: float
+    force: float
+    reaction: float
+    residual: float
+    iterations: int
+
+
+@dataclass(frozen=True)
+class _Linearised:
+    """Newton's equations at given places: what the sheet and the punch contribute."""
+
+    sheet: Assembled
+    near: Nearness
+    nodes: Indices
+    terms: Terms
+    spring: Array
+    unbalanced: Array
+    worst: float
+
+    @property
+    def gap(self) -> float:
+        return float(np.abs(self.near.gap[self.nodes]).max(initial=0.0))
+
+
+@dataclass(frozen=True)
+class Press:
+    """A sheet and the punch that is pushed into it.
+
+    ``tolerance`` is on the largest unbalanced nodal force relative to the punch's force.
+    """
+
+    sheet: Sheet
+    punch: Punch
+    tangential: Tangential = field(default_factory=Frictionless)
+    tolerance: float = 1e-10
+    max_iterations: int = 20
+
+    def equilibrium(
+        self, depth: float, places: Array, touching: Flags, *, cold: bool = False, careful: bool = False
+    ) -> State:
+        """Return the equilibrium at ``depth`` from a start (places and touching nodes) nearby.
+
+        ``cold``: the start is a guess, not an equilibrium: the whole sheet is then carried by an artificial tension
+        in the stiffness alone, which goes to zero with the unbalanced forces. ``careful``: each step must lower the
+        energy; slower, and surer where much of the sheet is slack. Raises NoEquilibriumError.
+        """
+        touching = touching & self._movable
+        away, settled, step = 1.0, False, np.zeros_like(places)
+        most = self.max_iterations * (4 if careful else 1)
+        for iteration in range(most + 1):
+            support = max(_LEAST_SUPPORT, min(1.0, away)) * (1.0 if cold else 0.1)
+            system = self._linearise(depth, places, touching, support, cold)
+            if not np.isfinite(system.worst):
+                # Beyond the limit of the law (Gent's Im, a chain's length): half the way back.
+                step = 0.5 * step
+                if np.abs(step).max() < _GAP_TOLERANCE:
+                    raise NoEquilibriumError("the sheet is stretched beyond the limit of its law")
+                places, settled = places - step, False
+                continue
+            if settled and system.worst < self.tolerance and system.gap < _GAP_TOLERANCE:
+                return self._state(depth, places, touching, system, iteration)
+            if careful and self._is_slack(system):
+                return self._state(depth, places, np.zeros_like(touching), system, iteration)
+            away = system.worst + system.gap / self.sheet.reach
+            step, chosen = self._step(depth, places, touching, system, careful)
+            settled = bool((chosen == touching).all())
+            places, touching = places + step, chosen
+        raise NoEquilibriumError(f"Newton's method did not settle within {most} iterations")
+
+    def tangent(self, state: State) -> tuple[Array, SuperLUFactor]:
+        """Return how the places move per mm of depth (n, 3), and the factorised stiffness at an equilibrium."""
+        system = self._linearise(state.depth, state.places, state.touching, 1e-9, False)
+        factor = self._factor(system)
+        right = np.zeros_like(state.places)
+        normal = system.near.normal[system.nodes]
+        right[system.nodes] = (system.spring * normal[:, 2])[:, None] * normal
+        return self._solve(factor, right), factor
+
+    @property
+    def _movable(self) -> Flags:
+        return np.asarray(self.sheet.pattern.free.any(axis=1))
+
+    def _linearise(
+        self, depth: float, places: Array, touching: Flags, support: float, everywhere: bool
+    ) -> _Linearised:
+        found = self.sheet.assemble(places, support, everywhere)
+        near = self.punch.near(places, depth)
+        nodes = np.flatnonzero(touching)
+        mine = Nearness(near.gap[nodes], near.normal[nodes], near.turning[nodes])
+        spring = STIFF * np.trace(found.blocks[self.sheet.pattern.diagonal[nodes]], axis1=1, axis2=2)
+        relative = places[nodes] - np.array([0.0, 0.0, depth])
+        terms = self.tangential.terms(nodes, relative, found.force[nodes], mine, spring)
+        unbalanced = found.force.copy()
+        unbalanced[nodes] -= terms.force
+        unbalanced[~self.sheet.pattern.free] = 0.0
+        pushed = float(np.linalg.norm(terms.force, axis=1).sum())
+        least = 1e-5 * self.sheet.modulus * self.sheet.thickness * self.sheet.reach
+        worst = float(np.abs(unbalanced).max() / max(pushed, least))
+        return _Linearised(found, near, nodes, terms, spring, unbalanced, worst)
+
+    def _factor(self, system: _Linearised) -> SuperLUFactor:
+        blocks = system.sheet.blocks
+        blocks[self.sheet.pattern.diagonal[system.nodes]] += system.terms.blocks
+        return factorise(self.sheet.pattern.matrix(blocks))
+
+    def _solve(self, factor: SuperLUFactor, right: Array) -> Array:
+        pattern = self.sheet.pattern
+        return pattern.extend(factor.solve(pattern.restrict(right)))
+
+    def _step(
+        self, depth: float, places: Array, touching: Flags, system: _Linearised, careful: bool
+    ) -> tuple[Array, Flags]:
+        """Return a Newton step (n, 3) and the nodes that touch after it."""
+        right = -system.unbalanced
+        right[system.nodes] += system.terms.right
+        try:
+            step = self._solve(self._factor(system), right)
+        except SingularMatrixError as error:
+            raise NoEquilibriumError(f"the stiffness is singular ({error})") from error
+        nodes, near = system.nodes, system.near
+        normal = near.normal[nodes]
+        change = -system.spring * ((step[nodes] * normal).sum(axis=1) + near.gap[nodes])
+        pressed = (system.terms.force * normal).sum(axis=1) + change > 0
+        step *= min(1.0, _LARGEST_STEP * self.sheet.reach / max(float(np.abs(step).max()), 1e-300))
+        if careful:
+            step *= self._part_that_descends(depth, places, touching, system, step)
+        chosen = (self.punch.near(places + step, depth).gap < 0) & self._movable
+        chosen[nodes] = pressed
+        return step, chosen
+
+    def _is_slack(self, system: _Linearised) -> bool:
+        """Whether the sheet carries nothing and the punch is nowhere inside it."""
+        volume = self.sheet.thickness * float(self.sheet.mesh.weights.sum())
+        carried = system.sheet.energy / (self.sheet.modulus * volume)
+        return carried < _SLACK_ENERGY and float(system.near.gap.min()) > -_GAP_TOLERANCE
+
+    def _part_that_descends(
+        self, depth: float, places: Array, touching: Flags, system: _Linearised, step: Array
+    ) -> float:
+        """Return the part of a step (1, 1/2, 1/4, ...) that lowers energy plus the cost of leaving the punch."""
+        cost = 2.0 * float(np.linalg.norm(system.terms.force, axis=1).max(initial=0.0))
+        now = system.sheet.energy + cost * float(np.abs(system.near.gap[system.nodes]).sum())
+        part = 1.0
+        while part > _SMALLEST_PART:
+            moved = places + part * step
+            gap = self.punch.near(moved, depth).gap
+            energy = self.sheet.energy(moved) / self.sheet.mesh.copies
+            if energy + cost * float(np.abs(gap[touching]).sum()) < now:
+                break
+            part *= 0.5
+        return part
+
+    def _state(
+        self, depth: float, places: Array, touching: Flags, system: _Linearised, iteration: int
+    ) -> State:
+        copies = self.sheet.mesh.copies
+        pressure = np.zeros(len(places))
+        nodes = np.flatnonzero(touching)
+        forces = system.terms.force if len(nodes) else np.zeros((0, 3))
+        pressure[nodes] = (forces * system.near.normal[nodes]).sum(axis=1)
+        return State(
+            depth=depth,
+            places=places,
+            touching=touching,
+            pressure=pressure,
+            energy=copies * system.sheet.energy,
+            force=copies * float(forces[:, 2].sum()),
+            reaction=-copies * float(system.sheet.force[self.sheet.mesh.rim, 2].sum()),
+            residual=system.worst,
+            iterations=iteration,
+        )

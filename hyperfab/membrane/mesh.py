@@ -1,0 +1,206 @@
+"""The sheet as finite elements: nodes, curved edges on the rim, shape-function gradients at the quadrature points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from hyperfab.membrane.meshing import Triangles
+from hyperfab.membrane.outline import Outline
+from hyperfab.numerics.blocks import BlockPattern
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+#: Dunavant's rules of degree 4 (six points) and 1, in area coordinates (Int. J. Numer. Meth. Engng 21 (1985) 1129).
+_A, _B = 0.445948490915965, 0.091576213509771
+_SIX = np.array(
+    [
+        [1 - 2 * _A, _A, _A], [_A, 1 - 2 * _A, _A], [_A, _A, 1 - 2 * _A],
+        [1 - 2 * _B, _B, _B], [_B, 1 - 2 * _B, _B], [_B, _B, 1 - 2 * _B],
+    ]
+)  # fmt: skip
+_SIX_WEIGHTS = np.repeat([0.223381589678011, 0.109951743655322], 3)
+
+
+def quadrature(order: int) -> tuple[Array, Array]:
+    """Return area coordinates (q, 3) and weights (q,), summing to one, for elements of ``order``."""
+    if order == 1:
+        return np.full((1, 3), 1 / 3), np.ones(1)
+    return _SIX, _SIX_WEIGHTS / _SIX_WEIGHTS.sum()
+
+
+@dataclass(frozen=True)
+class SheetMesh:
+    """A triangulated sheet of elements of ``order`` 1 or 2 (P1, P2).
+
+    ``nodes`` (n, 2) [mm] in the undeformed plane, corners first; ``elements`` (m, 3) or (m, 6): corners, then the
+    middles of edges 01, 12, 20. ``rim``: clamped nodes. ``symmetric``: for axis 0 and 1 the nodes on the symmetry
+    line that must not move along this axis. ``gradients`` (m, q, a, 2) [1/mm] of the shape functions and
+    ``weights`` (m, q) [mm²] at the quadrature points; ``copies``: how often the mesh makes up the whole sheet.
+    """
+
+    order: int
+    nodes: Array
+    elements: Indices
+    corners: int
+    rim: Indices
+    symmetric: tuple[Indices, Indices]
+    gradients: Array = field(repr=False)
+    weights: Array = field(repr=False)
+    copies: int
+
+    @cached_property
+    def pattern(self) -> BlockPattern:
+        """The pattern of matrices on this mesh: three displacements a node, less clamped and symmetric ones."""
+        free = np.ones((len(self.nodes), 3), bool)
+        free[self.rim] = False
+        for axis, line in enumerate(self.symmetric):
+            free[line, axis] = False
+        return BlockPattern(self.elements, len(self.nodes), free)
+
+    @property
+    def unknowns(self) -> int:
+        """Displacements to be found."""
+        return self.pattern.unknowns
+
+    @cached_property
+    def shapes(self) -> Array:
+        """Values (q, a) of the shape functions at the quadrature points."""
+        return shape_functions(self.order, quadrature(self.order)[0])
+
+    @cached_property
+    def places(self) -> Array:
+        """Undeformed places (m, q, 2) [mm] of the quadrature points."""
+        return np.einsum("qa,mai->mqi", self.shapes, self.nodes[self.elements])
+
+    @cached_property
+    def node_size(self) -> Array:
+        """Mean edge length (n,) [mm] of the elements around each node."""
+        area = self.weights.sum(axis=1)
+        edge = np.sqrt(4.0 / np.sqrt(3.0) * area)
+        count = np.bincount(self.elements.ravel(), minlength=len(self.nodes))
+        total = np.bincount(
+            self.elements.ravel(), np.repeat(edge, self.elements.shape[1]), minlength=len(self.nodes)
+        )
+        return np.asarray(total / count)
+
+    @cached_property
+    def node_area(self) -> Array:
+        """Share (n,) [mm²] of the area at each node: equal parts of the elements around it."""
+        share = np.repeat(self.weights.sum(axis=1) / self.elements.shape[1], self.elements.shape[1])
+        return np.asarray(np.bincount(self.elements.ravel(), share, minlength=len(self.nodes)), float)
+
+
+def sheet_mesh(outline: Outline, triangles: Triangles, order: int = 2) -> SheetMesh:
+    """Build the finite elements on a triangulated outline. Middles of edges on a curved rim lie on the rim."""
+    if order not in (1, 2):
+        raise ValueError("order is 1 or 2")
+    nodes, elements = triangles.points, triangles.triangles
+    arcs = np.asarray([-1 if arc.normal is None else arc.normal for arc in outline.arcs])
+    edge_kind = arcs[triangles.edge_arc]
+    edge_nodes = triangles.edges
+    if order == 2:
+        middles, numbers = _edge_middles(elements, len(nodes))
+        points = 0.5 * (nodes[middles[:, 0]] + nodes[middles[:, 1]])
+        position = _lookup(middles, triangles.edges)
+        points[position] = _on_arcs(outline, triangles)
+        elements = np.hstack([elements, numbers + len(nodes)])
+        edge_nodes = np.column_stack([triangles.edges, position + len(nodes)])
+        nodes = np.concatenate([nodes, points])
+    rim = np.unique(edge_nodes[edge_kind == -1])
+    lines = tuple(np.unique(edge_nodes[edge_kind == axis]) for axis in (0, 1))
+    gradients, weights = _gradients(nodes, elements, order)
+    copies = 4 if outline.quarter else 1
+    return SheetMesh(
+        order, nodes, elements, len(triangles.points), rim, (lines[0], lines[1]), gradients, weights, copies
+    )
+
+
+def shape_functions(order: int, area: Array) -> Array:
+    """Return the values (q, a) of the shape functions at area coordinates (q, 3)."""
+    if order == 1:
+        return area.copy()
+    vertex = area * (2 * area - 1)
+    middle = 4 * area * np.roll(area, -1, axis=1)
+    return np.hstack([vertex, middle])
+
+
+def interpolate(mesh: SheetMesh, values: Array, points: Array) -> Array:
+    """Return nodal ``values`` (n, k) interpolated at undeformed ``points`` (p, 2) inside or just outside the mesh."""
+    corners = mesh.nodes[mesh.elements[:, :3]]
+    centres = corners.mean(axis=1)
+    _, near = cKDTree(centres).query(points, k=min(16, len(centres)))
+    near = near.reshape(len(points), -1)
+    a, b, c = (corners[near, i] for i in range(3))
+    double = _cross(b - a, c - a)
+    p = points[:, None, :]
+    area = np.stack([_cross(b - p, c - p), _cross(c - p, a - p), _cross(a - p, b - p)], axis=-1)
+    area /= double[..., None]
+    best = np.argmax(area.min(axis=-1), axis=1)
+    row = np.arange(len(points))
+    weights = shape_functions(mesh.order, area[row, best])
+    return np.einsum("pa,pak->pk", weights, values[mesh.elements[near[row, best]]])
+
+
+def _cross(u: Array, v: Array) -> Array:
+    return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
+
+
+def _edge_middles(elements: Indices, corners: int) -> tuple[Indices, Indices]:
+    """Number the edges: their end nodes (k, 2), and for each element its three edges (m, 3)."""
+    ends = np.sort(elements[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    keys, inverse = np.unique(ends[:, 0] * corners + ends[:, 1], return_inverse=True)
+    return np.column_stack([keys // corners, keys % corners]), inverse.reshape(-1, 3)
+
+
+def _lookup(middles: Indices, edges: Indices) -> Indices:
+    corners = int(max(middles.max(), edges.max())) + 1
+    keys = middles[:, 0] * corners + middles[:, 1]
+    wanted = np.sort(edges, axis=1)
+    return np.searchsorted(keys, wanted[:, 0] * corners + wanted[:, 1])
+
+
+def _on_arcs(outline: Outline, triangles: Triangles) -> Array:
+    """Return the middle of each boundary edge, on the arc."""
+    ends = triangles.points[triangles.edges]
+    middle = ends.mean(axis=1)
+    for number, arc in enumerate(outline.arcs):
+        if arc.centre is None:
+            continue
+        mine = triangles.edge_arc == number
+        centre = np.asarray(arc.centre)
+        radius = np.hypot(*(np.asarray(arc.start) - centre))
+        spoke = middle[mine] - centre
+        middle[mine] = centre + radius * spoke / np.linalg.norm(spoke, axis=1)[:, None]
+    return np.asarray(middle)
+
+
+def _gradients(nodes: Array, elements: Indices, order: int) -> tuple[Array, Array]:
+    area, weight = quadrature(order)
+    if order == 1:
+        local = np.array([[[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]]])
+    else:
+        local = np.stack([_p2_slopes(point) for point in area])
+    jacobian = np.einsum("mai,qaj->mqij", nodes[elements], local)
+    double = jacobian[..., 0, 0] * jacobian[..., 1, 1] - jacobian[..., 0, 1] * jacobian[..., 1, 0]
+    if np.any(double <= 0):
+        raise ValueError("an element is folded: the mesh is too coarse for its rim")
+    inverse = np.linalg.inv(jacobian)
+    return np.einsum("qaj,mqji->mqai", local, inverse), 0.5 * double * weight
+
+
+def _p2_slopes(point: Array) -> Array:
+    """Derivatives (6, 2) of the P2 shape functions with respect to the second and third area coordinate."""
+    a, b, c = point
+    by_area = np.array(
+        [
+            [4 * a - 1, 0, 0], [0, 4 * b - 1, 0], [0, 0, 4 * c - 1],
+            [4 * b, 4 * a, 0], [0, 4 * c, 4 * b], [4 * c, 0, 4 * a],
+        ]
+    )  # fmt: skip
+    return np.column_stack([by_area[:, 1] - by_area[:, 0], by_area[:, 2] - by_area[:, 0]])

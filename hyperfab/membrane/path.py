@@ -1,0 +1,151 @@
+"""The path of equilibria as the punch goes in: load steps that adapt, and the depth beyond which there is none."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from hyperfab.membrane.equilibrium import NoEquilibriumError, Press, State
+from hyperfab.membrane.obstacle import film_over
+from hyperfab.numerics.linear import SingularMatrixError
+
+#: A load step is halved at most down to this part of the whole depth.
+_SMALLEST_STEP = 2e-5
+#: Pivots this far below zero, relative to the median, count as negative.
+_PIVOT_NOISE = 1e-9
+
+#: Part of the expected way to a turning point that is tried at once.
+_SHY = 0.8
+
+Watch = Callable[[State], None]
+
+
+@dataclass(frozen=True)
+class Limit:
+    """Why a path ended: the last depth reached [mm], the turning point where one was found, and words."""
+
+    depth: float
+    reason: str
+    turning_point: float | None = None
+
+
+@dataclass
+class Path:
+    """States at the depths asked for, as far as they were reached, and where and why the path ended early."""
+
+    states: list[State] = field(default_factory=list)
+    limit: Limit | None = None
+    iterations: int = 0
+
+
+@dataclass(frozen=True)
+class _Footing:
+    """An equilibrium and how fast its places move with depth."""
+
+    state: State
+    speed: float
+
+
+def follow(press: Press, depths: Sequence[float], watch: Watch = lambda state: None) -> Path:
+    """Follow the equilibria through increasing ``depths`` [mm]; ``watch`` sees every accepted state.
+
+    Steps that fail are halved; a path that cannot go on ends with a Limit.
+    """
+    path = Path()
+    footings: list[_Footing] = []
+    for depth in depths:
+        try:
+            _advance(press, footings, depth, _SMALLEST_STEP * depths[-1], path, watch)
+        except NoEquilibriumError as error:
+            path.limit = _limit(footings, depth, str(error))
+            if footings and (not path.states or footings[-1].state.depth > path.states[-1].depth):
+                path.states.append(footings[-1].state)
+            return path
+        path.states.append(footings[-1].state)
+    return path
+
+
+def cold_start(press: Press, depth: float) -> State:
+    """Return the equilibrium at ``depth`` from nothing but a film stretched over the punch.
+
+    Raises NoEquilibriumError.
+    """
+    places, touching = film_over(press.sheet, press.punch, depth)
+    try:
+        return press.equilibrium(depth, places, touching, cold=True)
+    except NoEquilibriumError:
+        return press.equilibrium(depth, places, touching, cold=True, careful=True)
+
+
+def _advance(
+    press: Press, footings: list[_Footing], target: float, smallest: float, path: Path, watch: Watch
+) -> None:
+    """Reach ``target`` from the last footing, by halved steps where need be."""
+    step = target - (footings[-1].state.depth if footings else 0.0)
+    ceiling = np.inf
+    while not footings or footings[-1].state.depth < target:
+        here = footings[-1].state.depth if footings else 0.0
+        depth = target if target - here <= 1.01 * step else here + step
+        try:
+            found = _next(press, footings, depth)
+        except NoEquilibriumError:
+            ceiling = depth
+            ahead = _turning_ahead(footings)
+            step = 0.5 * step if ahead is None else min(0.5 * step, _SHY * ahead)
+            if step < smallest or (not footings and step < 0.02 * target):
+                raise
+            continue
+        footings.append(found)
+        path.iterations += found.state.iterations
+        watch(found.state)
+        step *= 2.0
+        if ceiling < np.inf:
+            ahead = _turning_ahead(footings)
+            step = min(step, 0.5 * (ceiling - found.state.depth), np.inf if ahead is None else _SHY * ahead)
+            if step < smallest:
+                raise NoEquilibriumError("the steps became too small")
+
+
+def _next(press: Press, footings: list[_Footing], depth: float) -> _Footing:
+    if not footings:
+        state = cold_start(press, depth)
+    else:
+        last = footings[-1].state
+        if last.force == 0.0:
+            state = cold_start(press, depth)
+        else:
+            state = press.equilibrium(depth, last.places, last.touching)
+    if state.force == 0.0:
+        return _Footing(state, 1.0)
+    try:
+        motion, factor = press.tangent(state)
+    except SingularMatrixError as error:
+        raise NoEquilibriumError("the stiffness is singular") from error
+    if factor.negative_pivots(_PIVOT_NOISE):
+        raise NoEquilibriumError("the equilibrium is unstable")
+    return _Footing(state, float(np.sqrt((motion**2).mean())))
+
+
+def _turning_ahead(footings: list[_Footing]) -> float | None:
+    """Return how far ahead [mm] a turning point is expected from the last two footings, None where they slow down."""
+    if len(footings) < 2:
+        return None
+    (s1, v1), (s2, v2) = ((footing.state.depth, footing.speed) for footing in footings[-2:])
+    if not (v2 > v1 > 0.0 and s2 > s1):
+        return None
+    return (s2 - s1) * v1**2 / (v2**2 - v1**2)
+
+
+def _limit(footings: list[_Footing], target: float, reason: str) -> Limit:
+    """Say why the path ended. At a turning point the speed grows as one over the root of the depth that is left."""
+    if not footings:
+        return Limit(0.0, f"no equilibrium was found from a cold start up to {target:.4g} mm: {reason}")
+    reached = footings[-1].state.depth
+    ahead = _turning_ahead(footings)
+    if ahead is not None and ahead < 0.02 * reached:
+        turning = reached + ahead
+        words = f"no equilibrium beyond {turning:.2f} mm: the path turns back there (turning point)"
+        return Limit(reached, words, turning)
+    return Limit(reached, f"no equilibrium was found beyond {reached:.2f} mm: {reason}")

@@ -1,0 +1,87 @@
+"""A sheet ready to be computed: its mesh, law and thickness, with forces and stiffness at given nodal places."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.membrane.kernels import assemble, strains
+from hyperfab.membrane.mesh import SheetMesh
+from hyperfab.membrane.tension_field import TAUT, Principal, Response, SheetLaw
+
+Array = NDArray[np.float64]
+
+#: Part of the modulus that counts as stress where a sheet has none at all.
+_LEAST_STRESS = 1e-6
+
+
+@dataclass(frozen=True)
+class Assembled:
+    """The sheet at given places: energy [N mm] of what is meshed, nodal forces dE/dx (n, 3) [N], stiffness blocks."""
+
+    energy: float
+    force: Array
+    blocks: Array
+
+
+class Sheet:
+    """A thin sheet of uniform ``thickness`` [mm], clamped on its rim.
+
+    ``mesh`` and ``law`` say what it is made of; ``prestretch`` s holds the rim at s times its undeformed place.
+    """
+
+    def __init__(self, mesh: SheetMesh, law: SheetLaw, thickness: float, prestretch: float = 1.0) -> None:
+        self.mesh, self.law, self.thickness, self.prestretch = mesh, law, thickness, prestretch
+        self.pattern = mesh.pattern
+        self._weights = mesh.weights * thickness
+
+    @cached_property
+    def reach(self) -> float:
+        """Smallest distance [mm] from the punch's axis to the held rim."""
+        return float(self.prestretch * np.linalg.norm(self.mesh.nodes[self.mesh.rim], axis=1).min())
+
+    @property
+    def flat(self) -> Array:
+        """Places (n, 3) of the mounted sheet before the punch: the undeformed ones times ``prestretch``."""
+        return np.column_stack([self.prestretch * self.mesh.nodes, np.zeros(len(self.mesh.nodes))])
+
+    def strain(self, places: Array) -> Array:
+        """Return C11, C22, C12 (m q, 3) at the quadrature points."""
+        return np.asarray(strains(places, self.mesh.elements, self.mesh.gradients))
+
+    def response(self, places: Array) -> Response:
+        """Return the law's answer at the quadrature points."""
+        return self.law(self.strain(places))
+
+    def principal(self, places: Array) -> Principal:
+        """Return principal stretches and Cauchy stresses at the quadrature points."""
+        return self.law.principal(self.strain(places))
+
+    def energy(self, places: Array) -> float:
+        """Return the strain energy [N mm] of the whole sheet."""
+        return float(self.mesh.copies * (self.response(places).energy * self._weights.ravel()).sum())
+
+    def assemble(self, places: Array, support: float = 0.0, everywhere: bool = False) -> Assembled:
+        """Return energy, nodal forces and stiffness at nodal places (n, 3).
+
+        ``support`` is a tension, relative to the mean stress, that is added to the stiffness alone, where the sheet
+        is wrinkled or slack, or ``everywhere``.
+        """
+        found = self.response(places)
+        mesh = self.mesh
+        level = max(float(np.abs(found.stress[:, :2]).mean()), _LEAST_STRESS * self.modulus)
+        carried = np.where(everywhere | (found.state != TAUT), support * level, 0.0)
+        force, blocks = assemble(
+            places, mesh.elements, mesh.gradients, self._weights, found.stress, found.stiffness, carried,
+            self.pattern.block_of, self.pattern.blocks,
+        )  # fmt: skip
+        return Assembled(float((found.energy * self._weights.ravel()).sum()), force, blocks)
+
+    @cached_property
+    def modulus(self) -> float:
+        """Stiffness [MPa] of the barely stretched sheet, dS11/dE11: the scale of its stresses."""
+        barely = np.array([[1.002, 1.002, 0.0]])
+        return float(self.law(barely).stiffness[0, 0])

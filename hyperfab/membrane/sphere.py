@@ -1,0 +1,60 @@
+"""The rigid sphere: distance, normal and curvature as seen from points of the sheet."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Nearness:
+    """How points lie to a rigid surface.
+
+    ``gap`` (n,) [mm], negative inside; ``normal`` (n, 3) outward at the nearest point; ``turning`` (n, 3, 3)
+    [1/mm]: derivative of the normal with respect to the point.
+    """
+
+    gap: Array
+    normal: Array
+    turning: Array
+
+
+class Punch(Protocol):
+    """A rigid surface that is pushed up along z: at depth 0 its highest point touches the plane z = 0."""
+
+    def near(self, places: Array, depth: float) -> Nearness:
+        """Return how the points (n, 3) lie to the surface pushed in by ``depth`` [mm]."""
+        ...
+
+    def height(self, plane: Array, depth: float) -> Array:
+        """Return the height (n,) of the surface above points (n, 2) of the plane; minus infinity beside it."""
+        ...
+
+
+@dataclass(frozen=True)
+class Sphere:
+    """A rigid sphere of ``radius`` [mm].
+
+    >>> Sphere(40.0).near(np.array([[0.0, 0.0, 5.0]]), depth=2.0).gap
+    array([3.])
+    """
+
+    radius: float
+
+    def near(self, places: Array, depth: float) -> Nearness:
+        """Return gap, normal and the normal's derivative (I - n n') / distance."""
+        spoke = places - np.array([0.0, 0.0, depth - self.radius])
+        distance = np.maximum(np.linalg.norm(spoke, axis=1), 1e-9 * self.radius)
+        normal = spoke / distance[:, None]
+        turning = (np.eye(3) - normal[:, :, None] * normal[:, None, :]) / distance[:, None, None]
+        return Nearness(distance - self.radius, normal, turning)
+
+    def height(self, plane: Array, depth: float) -> Array:
+        """Return the height of the upper half."""
+        square = self.radius**2 - (plane**2).sum(axis=1)
+        return np.where(square > 0, depth - self.radius + np.sqrt(np.maximum(square, 0.0)), -np.inf)

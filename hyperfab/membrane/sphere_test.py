@@ -1,0 +1,208 @@
+"""The sphere test: a sphere pushed into a clamped sheet, followed in depth and computed on meshes fitted to contact.
+
+The whole path is followed on a rough mesh, which finds out how deep it goes. Each depth is then computed on a mesh
+that is fine at the edge of contact, from the rough solution: without friction the equilibrium at a depth does not
+hang on how it was reached.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.membrane.contact_edge import ContactEdge, contact_edge
+from hyperfab.membrane.equilibrium import NoEquilibriumError, Press, State
+from hyperfab.membrane.mesh import SheetMesh, interpolate, sheet_mesh
+from hyperfab.membrane.meshing import SizeField, graded, triangulate
+from hyperfab.membrane.outline import Outline
+from hyperfab.membrane.path import Path, Watch, cold_start, follow
+from hyperfab.membrane.sheet import Sheet
+from hyperfab.membrane.sphere import Sphere
+from hyperfab.membrane.tension_field import SheetLaw
+
+Array = NDArray[np.float64]
+
+#: How fast elements grow with distance [mm/mm].
+_GROWTH = 0.25
+#: Edges on the sphere, relative to its radius; edges at the contact edge, relative to the mesh size.
+_ON_SPHERE, _AT_EDGE = 1 / 8, 1 / 4
+#: From one level of refinement to the next: fineness at the edge of contact, and elsewhere.
+_FINER_EDGE, _FINER = 1.6, 1.25
+#: A change of the force from one mesh to the next overestimates the error left by at least this.
+_CAUTION = 3.0
+_MOST_LEVELS = 8
+_MOST_UNKNOWNS = 200_000
+
+
+@dataclass(frozen=True)
+class SphereTest:
+    """What is pressed: the sheet's ``outline``, ``law`` and ``thickness`` [mm], the sphere's ``radius`` [mm].
+
+    ``prestretch``: the rim is held at this times its undeformed place; ``mesh_size`` [mm] away from the contact;
+    ``order`` 1 or 2 of the elements; ``seed`` chooses among equally good meshes.
+    """
+
+    outline: Outline
+    law: SheetLaw
+    thickness: float
+    radius: float
+    prestretch: float = 1.0
+    mesh_size: float = 8.0
+    order: int = 2
+    seed: int = 0
+    jitter: float = 0.0
+
+
+@dataclass(frozen=True)
+class Solved:
+    """An equilibrium with the press it belongs to, and the estimated relative error of its force."""
+
+    press: Press
+    state: State
+    error: float | None = None
+
+
+@dataclass
+class Outcome:
+    """A test's rough path, and its equilibria on fitted meshes in order of depth."""
+
+    rough: Press
+    path: Path
+    solved: list[Solved] = field(default_factory=list)
+
+
+def rough_path(
+    test: SphereTest, depths: Sequence[float], watch: Watch = lambda state: None
+) -> tuple[Press, Path]:
+    """Follow the test through ``depths`` [mm] on a mesh that is uniform where the sphere may touch."""
+    inner = min(test.mesh_size, test.radius * _ON_SPHERE)
+    span = 0.8 * test.radius
+
+    def size(points: Array) -> Array:
+        beyond = np.maximum(np.hypot(points[:, 0], points[:, 1]) - span, 0.0)
+        return np.asarray(np.minimum(test.mesh_size, inner + _GROWTH * beyond))
+
+    press = _press(test, _mesh(test, size))
+    return press, follow(press, depths, watch)
+
+
+def fitted_mesh(test: SphereTest, edges: Sequence[ContactEdge], level: float = 0.0) -> SheetMesh:
+    """Mesh the sheet finely along ``edges`` of contact; each ``level`` is one step finer."""
+    coarse = test.mesh_size / _FINER**level
+    on_sphere = min(coarse, test.radius * _ON_SPHERE / _FINER**level)
+    sizes: list[SizeField] = []
+    for edge in edges:
+        fine = min(test.mesh_size * _AT_EDGE, 0.3 * edge.mean) / _FINER_EDGE**level
+        sizes.append(graded(edge.points(), fine, coarse, _GROWTH))
+
+    def size(points: Array) -> Array:
+        wanted = np.full(len(points), coarse)
+        for edge, at_edge in zip(edges, sizes, strict=True):
+            beyond = np.maximum(np.hypot(points[:, 0], points[:, 1]) - edge.mean, 0.0)
+            wanted = np.minimum(wanted, np.minimum(at_edge(points), on_sphere + _GROWTH * beyond))
+        return wanted
+
+    return _mesh(test, size)
+
+
+def solve_on(test: SphereTest, mesh: SheetMesh, near: Solved) -> Solved:
+    """Return the equilibrium on ``mesh`` at the depth of ``near``, an equilibrium on another mesh.
+
+    Raises NoEquilibriumError.
+    """
+    press = _press(test, mesh)
+    depth = near.state.depth
+    places = interpolate(near.press.sheet.mesh, near.state.places, mesh.nodes)
+    free = mesh.pattern.free
+    places[~free] = press.sheet.flat[~free]
+    edge = contact_edge(near.press, near.state)
+    touching = edge.encloses(mesh.nodes) if edge else np.zeros(len(mesh.nodes), bool)
+    try:
+        return Solved(press, press.equilibrium(depth, places, touching))
+    except NoEquilibriumError:
+        return Solved(press, cold_start(press, depth))
+
+
+def run(
+    tests: Sequence[SphereTest], depths: Sequence[float], tolerance: float, watch: Watch = lambda state: None
+) -> list[Outcome]:
+    """Press several sheets that differ in their law alone, on the same meshes, to compare them point by point.
+
+    ``tolerance`` is on the estimated relative error of the force at the last depth that all of them reach.
+    ``watch`` sees every equilibrium found.
+    """
+    outcomes = [Outcome(*rough_path(test, depths, watch)) for test in tests]
+    last = min(outcome.path.states[-1].depth if outcome.path.states else 0.0 for outcome in outcomes)
+    for outcome in outcomes:
+        _visit(outcome, last)
+    level = 0.0
+    wanted = sorted({state.depth for outcome in outcomes for state in outcome.path.states})
+    for depth in sorted(wanted, key=lambda depth: depth != last):
+        taking = [
+            (test, outcome) for test, outcome in zip(tests, outcomes, strict=True) if _at(outcome, depth)
+        ]
+        roughs = [Solved(outcome.rough, state) for _, outcome in taking if (state := _at(outcome, depth))]
+        asked = tolerance if depth == last else None
+        found, level = _fitted([test for test, _ in taking], roughs, asked, level)
+        for (_, outcome), solved in zip(taking, found, strict=True):
+            outcome.solved.append(solved)
+            watch(solved.state)
+    for outcome in outcomes:
+        outcome.solved.sort(key=lambda solved: solved.state.depth)
+    return outcomes
+
+
+def _at(outcome: Outcome, depth: float) -> State | None:
+    return next((state for state in outcome.path.states if state.depth == depth), None)
+
+
+def _visit(outcome: Outcome, depth: float) -> None:
+    """Add the state at ``depth`` to a path that passes it."""
+    below = [state for state in outcome.path.states if state.depth < depth]
+    if _at(outcome, depth) or not outcome.path.states or depth > outcome.path.states[-1].depth:
+        return
+    if below:
+        state = outcome.rough.equilibrium(depth, below[-1].places, below[-1].touching)
+    else:
+        state = cold_start(outcome.rough, depth)
+    outcome.path.states = sorted([*outcome.path.states, state], key=lambda state: state.depth)
+
+
+def _fitted(
+    tests: Sequence[SphereTest], near: Sequence[Solved], tolerance: float | None, level: float
+) -> tuple[list[Solved], float]:
+    """Solve all tests at one depth on one fitted mesh, refined until their forces settle within ``tolerance``.
+
+    Where the fitted mesh has no equilibrium (at a turning point) the solutions ``near`` stand.
+    """
+    while True:
+        edges = [edge for solved in near if (edge := contact_edge(solved.press, solved.state))]
+        if not edges:
+            return list(near), level
+        mesh = fitted_mesh(tests[0], edges, level)
+        try:
+            found = [solve_on(test, mesh, solved) for test, solved in zip(tests, near, strict=True)]
+        except NoEquilibriumError:
+            return list(near), level
+        errors = [
+            abs(new.state.force - old.state.force) / max(abs(new.state.force), 1e-300) / _CAUTION
+            for new, old in zip(found, near, strict=True)
+        ]
+        found = [replace(solved, error=error) for solved, error in zip(found, errors, strict=True)]
+        done = tolerance is None or max(errors) <= tolerance
+        if done or level >= _MOST_LEVELS or mesh.unknowns > _MOST_UNKNOWNS:
+            return found, level
+        near, level = found, level + 1.0
+
+
+def _mesh(test: SphereTest, size: SizeField) -> SheetMesh:
+    return sheet_mesh(
+        test.outline, triangulate(test.outline, size, seed=test.seed, jitter=test.jitter), test.order
+    )
+
+
+def _press(test: SphereTest, mesh: SheetMesh) -> Press:
+    return Press(Sheet(mesh, test.law, test.thickness, test.prestretch), Sphere(test.radius))

@@ -1,0 +1,154 @@
+"""`hf fabric-contact`: the document, its siblings, its refusals and its exit status."""
+
+from __future__ import annotations
+
+import json
+import xml.etree.ElementTree as ElementTree
+
+import jsonschema
+import pytest
+
+NEO_HOOKEAN = {"format": "hyperfab.material/1", "model": "neo-hookean", "parameters": {"C10_MPa": 0.2}}
+STIFFER = {**NEO_HOOKEAN, "parameters": {"C10_MPa": 0.25}}
+#: Uniaxial constants of Treloar's rubber: stable to 57.46 mm, no equilibrium beyond 60.35 mm.
+SOFTENING = {
+    **NEO_HOOKEAN,
+    "model": "mooney-rivlin-2",
+    "parameters": {"C10_MPa": 0.2158118922, "C01_MPa": -0.0630439338},
+}
+TWO_WAYS = {
+    **NEO_HOOKEAN,
+    "thickness_mm": 0.5,
+    "directions": {
+        "warp": {"parameters": {"C10_MPa": 0.3}},
+        "weft": {"parameters": {"C10_MPa": 0.2}},
+    },
+}
+
+
+@pytest.fixture
+def press(hf, tmp_path):
+    """Run the command on material documents in an empty folder; returns exit status, document, standard error."""
+
+    def run(document, *options, against=None, output="contact.json"):
+        (tmp_path / "fabric.json").write_text(json.dumps(document))
+        words = ["fabric-contact", "fabric.json", *options]
+        if against is not None:
+            (tmp_path / "other.json").write_text(json.dumps(against))
+            words += ["--against", "other.json"]
+        done = hf(*words, "-o", output, cwd=tmp_path)
+        path = tmp_path / output
+        found = json.loads(path.read_text()) if path.exists() else None
+        return done.returncode, found, done.stderr.decode()
+
+    return run
+
+
+def test_document_holds_the_known_force_and_valid_siblings(press, hf, tmp_path):
+    status, found, _ = press(NEO_HOOKEAN, "--depth", "60mm", "--steps", "3")
+    assert status == 0
+    assert found["converged"] is True
+    assert found["force_N"] == pytest.approx(41.576556565, rel=1e-4)
+    assert found["energy_J"] == pytest.approx(0.69307619325, rel=1e-4)
+    assert found["contact_radius_mm"] == pytest.approx(30.716268, abs=0.2)
+    assert found["stretch_max"] == pytest.approx(1.2854086307, rel=1e-3)
+    assert found["wrinkled_area_fraction"] == 0.0
+    assert [depth for depth, _ in found["force_depth"]] == [0.0, 20.0, 40.0, 60.0]
+    assert found["stability"] == {"stable": True}
+    assert found["balance"]["reaction_N"] == pytest.approx(found["force_N"], rel=1e-9)
+    jsonschema.validate(found, json.loads(hf("schema", "contact").stdout))
+    assert found["files"] == ["contact.csv", "contact.png", "contact.vtu"]
+    lines = (tmp_path / "contact.csv").read_text().splitlines()
+    assert lines[0].startswith("depth_mm,force_N,energy_J")
+    assert float(lines[-1].split(",")[1]) == found["force_N"]
+    assert (tmp_path / "contact.png").read_bytes().startswith(b"\x89PNG")
+    fields = {item.get("Name") for item in ElementTree.parse(tmp_path / "contact.vtu").iter("DataArray")}
+    assert {"stress_1_MPa", "stress_2_MPa", "thickness_mm", "contact", "wrinkled"} <= fields
+
+
+def test_two_materials_are_compared_at_the_same_points(press):
+    status, found, _ = press(NEO_HOOKEAN, "--depth", "40mm", "--steps", "2", against=STIFFER)
+    assert status == 0
+    assert found["stress_difference_percent"] == pytest.approx(25.0, rel=1e-6)
+    assert found["force_ratio"] == pytest.approx(0.8, rel=1e-8)
+    assert found["compared_at_depth_mm"] == 40.0
+
+
+def test_constants_that_fail_end_with_4_and_name_both_depths(press):
+    status, found, said = press(SOFTENING, "--depth", "70mm", "--steps", "2")
+    assert status == 4
+    assert found["converged"] is False
+    assert found["depth_reached_mm"] == pytest.approx(60.35, abs=0.02)
+    assert found["turning_point_mm"] == pytest.approx(60.35, abs=0.02)
+    assert found["stability"]["stable"] is False
+    assert found["stability"]["first_unstable_depth_mm"] == pytest.approx(57.46, abs=0.02)
+    assert found["stability"]["stretches"] == pytest.approx([1.418, 1.418], abs=2e-3)
+    assert "57.4" in said
+    assert "60.35" in said
+    assert "Traceback" not in said
+
+
+def test_constants_unstable_before_the_depth_end_with_4_though_it_is_reached(press):
+    status, found, _ = press(SOFTENING, "--depth", "59mm", "--steps", "2")
+    assert status == 4
+    assert found["converged"] is True
+    assert found["stability"]["stable"] is False
+
+
+def test_a_fabric_with_two_directions_says_how_they_are_used(press):
+    status, found, _ = press(TWO_WAYS, "--depth", "40mm", "--steps", "1", "--shape", "square")
+    assert status == 0
+    assert found["setup"]["thickness_mm"] == 0.5
+    assert "warp" in found["setup"]["fabric"]
+    assert any("shear" in words for words in found["left_out"])
+
+
+def test_document_alone_goes_to_standard_output(hf, tmp_path):
+    done = hf(
+        "fabric-contact",
+        "-",
+        "--depth",
+        "20mm",
+        "--steps",
+        "1",
+        stdin=json.dumps(NEO_HOOKEAN).encode(),
+        cwd=tmp_path,
+    )
+    assert done.returncode == 0
+    assert json.loads(done.stdout)["files"] == []
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_same_inputs_give_the_same_bytes(press, tmp_path):
+    press(NEO_HOOKEAN, "--depth", "30mm", "--steps", "1", output="a.json")
+    first = {path.suffix: path.read_bytes() for path in tmp_path.glob("a.*")}
+    press(NEO_HOOKEAN, "--depth", "30mm", "--steps", "1", output="a.json")
+    assert first == {path.suffix: path.read_bytes() for path in tmp_path.glob("a.*")}
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--depth", "60"], "60mm"),
+        (["--depth", "-3mm"], "--depth"),
+        (["--shape", "hexagon"], "disc or square"),
+        (["--prestretch", "5%"], "prestretch"),
+        (["--prestretch", "50"], "1.05"),
+        (["--steps", "0"], "--steps"),
+        (["--mesh-size", "0.01mm"], "--mesh-size"),
+        (["--size", "60mm", "--depth", "50mm"], "strike the clamp"),
+        (["--tolerance", "0"], "--tolerance"),
+    ],
+)
+def test_options_that_cannot_be_meant_are_refused(press, options, said):
+    status, found, error = press(NEO_HOOKEAN, *options)
+    assert status == 2
+    assert found is None
+    assert said in error
+
+
+def test_constants_a_law_does_not_know_are_refused_with_their_key(press):
+    status, _, said = press({**NEO_HOOKEAN, "parameters": {"C11_MPa": 0.2}})
+    assert status == 3
+    assert "fabric.json" in said
+    assert "parameters" in said

@@ -1,0 +1,171 @@
+"""The sphere on the membrane against solutions found by other methods, and the laws of mechanics."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hyperfab.materials import bind
+from hyperfab.membrane import outline
+from hyperfab.membrane.contact_edge import contact_edge
+from hyperfab.membrane.measures import fields, wrinkled_fraction
+from hyperfab.membrane.sphere_test import Outcome, SphereTest, run
+from hyperfab.membrane.tension_field import IsotropicSheet
+from hyperfab.membrane.verdict import first_instability, stress_difference, work
+from tests.membrane.references import DISC, NEO_HOOKEAN, SQUARE, YEOH
+
+CONSTANTS = {"neo-hookean": NEO_HOOKEAN, "yeoh-3": YEOH}
+#: Uniaxial constants of Treloar's rubber: a law that softens until it can carry no more.
+SOFTENING = bind("mooney-rivlin-2", {"C10_MPa": 0.2158118922, "C01_MPa": -0.0630439338})
+
+
+def _press(model, depths, tolerance=1e-4, shape=None, **settings) -> Outcome:
+    law = model if not isinstance(model, str) else bind(model, CONSTANTS[model])
+    sheet = shape or outline.Disc(100.0, quarter=True)
+    return run([SphereTest(sheet, IsotropicSheet(law), 1.0, 40.0, **settings)], depths, tolerance)[0]
+
+
+@pytest.fixture(scope="module", params=["neo-hookean", "yeoh-3"])
+def pressed(request):
+    return request.param, _press(request.param, [20.0, 40.0, 60.0, 80.0])
+
+
+def test_force_and_energy_are_right_to_four_digits_at_every_depth(pressed):
+    model, outcome = pressed
+    for solved in outcome.solved:
+        expected = DISC[model, solved.state.depth]
+        assert solved.press.sheet.mesh.unknowns < 10_000
+        assert solved.state.force == pytest.approx(expected.force, rel=1e-4)
+        assert solved.state.energy == pytest.approx(expected.energy, rel=5e-5)
+
+
+def test_stretch_at_the_apex(pressed):
+    model, outcome = pressed
+    for solved in outcome.solved:
+        stretch = fields(solved.press.sheet, solved.state.places).stretch[0]
+        np.testing.assert_allclose(stretch, DISC[model, solved.state.depth].apex, rtol=1e-3)
+
+
+def test_contact_radius_to_a_fifth_of_an_element(pressed):
+    model, outcome = pressed
+    for solved in outcome.solved:
+        expected = DISC[model, solved.state.depth]
+        mesh = solved.press.sheet.mesh
+        near = np.abs(np.hypot(*mesh.nodes.T) - expected.radius) < 2.0
+        element = float(np.median(mesh.node_size[near]))
+        flat, bent = (contact_edge(solved.press, solved.state, deformed=way) for way in (False, True))
+        assert flat.mean == pytest.approx(expected.radius, abs=0.2 * element)
+        assert bent.mean == pytest.approx(expected.radius_deformed, abs=0.2 * element)
+
+
+def test_rim_carries_what_the_sphere_pushes(pressed):
+    for solved in pressed[1].solved:
+        assert solved.state.reaction == pytest.approx(solved.state.force, rel=1e-9)
+
+
+def test_touching_nodes_lie_on_the_sphere_and_no_node_inside(pressed):
+    for solved in pressed[1].solved:
+        gap = solved.press.punch.near(solved.state.places, solved.state.depth).gap
+        assert np.abs(gap[solved.state.touching]).max() < 1e-9
+        assert gap.min() > -1e-9
+        assert solved.state.pressure[solved.state.touching].min() > 0
+
+
+def test_a_flat_sheet_never_wrinkles(pressed):
+    for solved in pressed[1].solved:
+        assert wrinkled_fraction(solved.press.sheet, solved.state.places) == 0.0
+
+
+def test_work_of_the_sphere_is_the_energy_stored():
+    outcome = _press("neo-hookean", np.linspace(7.5, 60.0, 8))
+    assert work(outcome.solved) == pytest.approx(outcome.solved[-1].state.energy, rel=1e-4)
+
+
+def test_force_is_the_slope_of_the_energy():
+    outcome = _press("yeoh-3", [49.5, 50.0, 50.5])
+    low, middle, high = (solved.state for solved in outcome.solved)
+    assert high.energy - low.energy == pytest.approx(middle.force, rel=1e-4)
+
+
+@pytest.mark.parametrize("depth", [20.0, 60.0])
+def test_square_sheet(depth):
+    solved = _press("neo-hookean", [depth], shape=outline.Square(200.0, quarter=True)).solved[-1]
+    force, energy = SQUARE[depth]
+    assert solved.state.force == pytest.approx(force, rel=1e-4)
+    assert solved.state.energy == pytest.approx(energy, rel=1e-4)
+    assert wrinkled_fraction(solved.press.sheet, solved.state.places) == 0.0
+
+
+def test_prestretched_sheet():
+    solved = _press("neo-hookean", [30.0, 60.0], prestretch=1.05).solved[-1]
+    assert solved.state.force == pytest.approx(48.8658267, rel=2e-4)
+    assert fields(solved.press.sheet, solved.state.places).stretch[0].mean() == pytest.approx(
+        1.3825140, rel=1e-3
+    )
+    assert contact_edge(solved.press, solved.state).mean == pytest.approx(26.85389, abs=0.4)
+
+
+def test_sheet_mounted_slack_wrinkles_at_its_rim():
+    solved = _press("neo-hookean", [20.0, 60.0], prestretch=0.95).solved
+    assert solved[0].state.force == 0.0
+    last = solved[-1]
+    assert last.state.force == pytest.approx(31.3787731, rel=5e-4)
+    assert wrinkled_fraction(last.press.sheet, last.state.places) == pytest.approx(0.24043, abs=0.01)
+
+
+def test_compression_carried_makes_the_slack_sheet_softer_to_press():
+    """Without relaxation the rim would be pressed together: the force is then another, known one."""
+    law = IsotropicSheet(bind("neo-hookean", NEO_HOOKEAN), relaxed=False)
+    test = SphereTest(outline.Disc(100.0, quarter=True), law, 1.0, 40.0, 0.95)
+    assert run([test], [60.0], 1e-4)[0].solved[-1].state.force == pytest.approx(31.2721545, rel=5e-4)
+
+
+def test_softening_law_turns_back_and_is_unstable_before():
+    outcome = _press(SOFTENING, [40.0, 57.0, 70.0])
+    limit = outcome.path.limit
+    assert limit is not None
+    assert limit.turning_point == pytest.approx(60.35, abs=0.02)
+    assert limit.depth == pytest.approx(60.35, abs=0.02)
+    unstable = first_instability(outcome)
+    assert unstable is not None
+    assert unstable.depth == pytest.approx(57.46, abs=0.02)
+    np.testing.assert_allclose(unstable.stretches, 1.418, atol=2e-3)
+    assert np.hypot(*unstable.at) < 3.0
+
+
+def test_scaled_constants_scale_force_and_difference():
+    """Twice the stiffness: twice the force, and stresses that differ by 100 %."""
+    tests = [
+        SphereTest(
+            outline.Disc(100.0, quarter=True), IsotropicSheet(bind("neo-hookean", {"C10_MPa": c})), 1.0, 40.0
+        )
+        for c in (0.2, 0.4)
+    ]
+    first, second = (outcome.solved[-1] for outcome in run(tests, [50.0], 1e-4))
+    assert second.state.force / first.state.force == pytest.approx(2.0, rel=1e-9)
+    percent, difference = stress_difference(first, second)
+    assert percent == pytest.approx(100.0, rel=1e-7)
+    assert difference.min() >= 0.0
+
+
+def test_same_setup_gives_the_same_bits():
+    first, again = (_press("yeoh-3", [30.0]).solved[-1].state for _ in range(2))
+    assert first.places.tobytes() == again.places.tobytes()
+
+
+@pytest.mark.slow
+def test_quarter_is_the_whole():
+    whole = _press("neo-hookean", [60.0], shape=outline.Disc(100.0)).solved[-1]
+    assert whole.state.force == pytest.approx(DISC["neo-hookean", 60.0].force, rel=1e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("depth", [20.0, 40.0, 60.0, 80.0])
+def test_accuracy_does_not_hang_on_a_lucky_mesh(depth):
+    errors = [
+        _press("neo-hookean", [depth], seed=seed, jitter=0.15).solved[-1].state.force
+        / DISC["neo-hookean", depth].force
+        - 1.0
+        for seed in range(1, 7)
+    ]
+    assert np.sqrt(np.mean(np.square(errors))) < 1e-4
