@@ -9,7 +9,17 @@ from typing import Annotated
 import typer
 
 from hyperfab import __version__
-from hyperfab.cli import drape, fabric_contact, fit, mold_heat, press_contact, sample, schema, summary
+from hyperfab.cli import (
+    drape,
+    fabric_contact,
+    fit,
+    mold_heat,
+    press_contact,
+    sample,
+    schema,
+    summary,
+    sweep,
+)
 from hyperfab.errors import OutputError
 
 app = typer.Typer(
@@ -27,6 +37,7 @@ app.command("fabric-contact", short_help=fabric_contact.SHORT_HELP)(fabric_conta
 app.command("drape", short_help=drape.SHORT_HELP)(drape.drape)
 app.command("mold-heat", short_help=mold_heat.SHORT_HELP)(mold_heat.mold_heat)
 app.command("press-contact", short_help=press_contact.SHORT_HELP)(press_contact.press_contact)
+app.command("sweep", short_help=sweep.SHORT_HELP)(sweep.sweep)
 app.command("summary", short_help=summary.SHORT_HELP)(summary.summary)
 app.command("sample", short_help=sample.SHORT_HELP)(sample.sample)
 app.command("schema", short_help=schema.SHORT_HELP)(schema.schema)

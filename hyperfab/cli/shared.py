@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -25,23 +25,30 @@ StlUnit = Annotated[
 _ABOUT_THE_RUN = ("quiet", "debug")
 
 
-def run_chapter(context: typer.Context) -> None:
-    """Run the chapter that has the command's name with the command's options, and end with its exit status."""
+def run_chapter(context: typer.Context, **more: object) -> None:
+    """Run the chapter that has the command's name with the command's options, and end with its exit status.
+
+    ``more`` are keyword arguments that the chapter takes beside the options.
+    """
     command = context.command.name or ""
-    options = {name: value for name, value in context.params.items() if name not in _ABOUT_THE_RUN}
 
     def action() -> int:
         from hyperfab.chapters.job import Job
 
         chapter = importlib.import_module(f"hyperfab.chapters.{command.replace('-', '_')}")
-        job = Job(command, _arguments(context), Console(bool(context.params.get("quiet"))))
-        status: int = chapter.run(job, **options)
+        job = Job(command, arguments_given(context), Console(bool(context.params.get("quiet"))))
+        status: int = chapter.run(job, **chapter_options(context), **more)
         return status
 
     raise typer.Exit(run_guarded(action, bool(context.params.get("debug"))))
 
 
-def _arguments(context: typer.Context) -> list[str]:
+def chapter_options(context: typer.Context) -> dict[str, Any]:
+    """Return the options that the chapter takes: all but those about how the run is shown."""
+    return {name: value for name, value in context.params.items() if name not in _ABOUT_THE_RUN}
+
+
+def arguments_given(context: typer.Context) -> list[str]:
     """Return the arguments as given, in the order of the help page, without the output's name."""
     words: list[str] = []
     for parameter in context.command.params:

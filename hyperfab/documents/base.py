@@ -26,6 +26,8 @@ KINDS: dict[str, str] = {
     "heat": "hyperfab.documents.heat:HeatDocument",
     "foam": "hyperfab.documents.foam:FoamDocument",
     "press": "hyperfab.documents.press:PressDocument",
+    "study": "hyperfab.documents.study:StudyDocument",
+    "sweep": "hyperfab.documents.sweep:SweepDocument",
 }
 
 
@@ -142,7 +144,8 @@ def check_format(found: object, name: str, cls: type[Document]) -> None:
 def first_error(error: ValidationError, name: str) -> InputError:
     """Return the first finding of pydantic as an InputError that names the key."""
     found = error.errors(include_url=False)
-    first = found[0]
+    # A misspelt key is also a missing one: the spelling is what helps.
+    first = next((one for one in found if one["type"] == "extra_forbidden"), found[0])
     key = ".".join(str(part) for part in first["loc"]) or "format"
     more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
     kind, value = first["type"], first.get("input")

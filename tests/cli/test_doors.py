@@ -8,7 +8,17 @@ import sys
 import pytest
 from conftest import Run
 
-COMMANDS = ["fit", "fabric-contact", "drape", "mold-heat", "press-contact", "summary", "sample", "schema"]
+COMMANDS = [
+    "fit",
+    "fabric-contact",
+    "drape",
+    "mold-heat",
+    "press-contact",
+    "sweep",
+    "summary",
+    "sample",
+    "schema",
+]
 
 
 def test_help_names_every_command(hf: Run) -> None:

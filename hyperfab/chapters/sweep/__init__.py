@@ -1,0 +1,165 @@
+"""`hf sweep`: check a study, run its cases, and write the table and what it says."""
+
+from __future__ import annotations
+
+import importlib
+import math
+import time
+from collections.abc import Callable
+from typing import Any
+
+from hyperfab.chapters.job import Job
+from hyperfab.chapters.sweep.checks import check_study
+from hyperfab.chapters.sweep.result import write_result
+from hyperfab.console import NEGATIVE_VERDICT, Advance, Terminated
+from hyperfab.documents.base import read_document
+from hyperfab.documents.study import StudyDocument
+from hyperfab.errors import UsageError
+from hyperfab.io.output import Output
+from hyperfab.studies.engine import Engine, Progress
+from hyperfab.studies.plan import Plan
+from hyperfab.studies.store import Store
+
+#: A study of more cases than this is more often a slip than a wish.
+MANY = 1_000_000
+#: Seconds between two lines about the progress where nobody watches a terminal.
+LINE_S = 60.0
+
+
+def run(
+    job: Job,
+    *,
+    study: str,
+    out: str,
+    jobs: int | None,
+    scheduler: str | None,
+    retry_failed: bool,
+    parquet: bool,
+    yes: bool,
+    runner: str,
+) -> int:
+    """Run the study; ``runner`` is the module that runs, checks and warms up single commands."""
+    if jobs is not None and scheduler is not None:
+        raise UsageError("--jobs and --scheduler exclude each other: a cluster brings its own workers")
+    if parquet:
+        _need_pyarrow()
+    document = read_document(job.inputs, study, StudyDocument)
+    commands: Any = importlib.import_module(runner)
+    plan = Plan(document, study, job.inputs)
+    if len(plan) > MANY and not yes:
+        factors = " x ".join(str(len(axis.levels)) for axis in plan.layout.listed) or "1"
+        raise UsageError(
+            f"{study}: {len(plan)} cases ({factors} x {plan.layout.samples} samples); "
+            f"more than {MANY} need --yes, or fewer values"
+        )
+    check_study(plan, commands)
+    store = Store(out)
+    with store.held():
+        output = Output(str(store.folder / "sweep.json"), (".csv", ".parquet", ".effects.png", ".cases.png"))
+        output.refuse_inputs(job.inputs)
+        engine = _run_cases(job, plan, store, commands, runner, jobs, scheduler, retry_failed)
+        if isinstance(engine, int):
+            return engine
+        job.console.note(_account(plan, engine.progress))
+        failed = write_result(job, plan, store, engine.accidents, output, parquet)
+    if failed:
+        job.console.warn(f"{failed} of {len(plan)} cases failed; the table {output.path('.csv')} says why")
+        return NEGATIVE_VERDICT
+    return 0
+
+
+def _run_cases(
+    job: Job,
+    plan: Plan,
+    store: Store,
+    commands: Any,
+    runner: str,
+    jobs: int | None,
+    scheduler: str | None,
+    retry_failed: bool,
+) -> Engine | int:
+    """Run what is not finished; return the engine, or the exit status where the user stopped it."""
+    needed = _is_anything_open(plan, store, retry_failed)
+    try:
+        with job.console.progress(f"{plan.study.name}") as advance:
+            tell = _teller(job, len(plan), len(plan.study.step), advance)
+            engine = Engine(
+                None, store, f"{runner}:run", tell, lambda found: retry_failed and found.status > 1
+            )
+            if not needed:
+                engine.run(plan)
+                return engine
+            from hyperfab.studies import cluster
+            from hyperfab.studies.warmth import Warmth
+
+            used = [step.command for step in plan.study.step]
+            workers = (
+                cluster.remote(scheduler, store.folder)
+                if scheduler
+                else cluster.local(jobs or cluster.cores())
+            )
+            with workers as client:
+                client.register_plugin(Warmth(f"{runner}:warm", used, local=scheduler is None))
+                engine.client = client
+                engine.run(plan)
+                return engine
+    except (KeyboardInterrupt, Terminated) as stop:
+        job.console.note(
+            f"stopped; what is finished is kept in {store.folder}: the same line goes on from there"
+        )
+        return 130 if isinstance(stop, KeyboardInterrupt) else 143
+
+
+def _is_anything_open(plan: Plan, store: Store, retry_failed: bool) -> bool:
+    """Whether any step is to be run: if not, no worker needs to start."""
+    if retry_failed:
+        return True
+    known: dict[str, bool] = {}
+    for case in plan:
+        for step in case.steps:
+            if step.key not in known:
+                outcome = store.outcome(step.key)
+                if outcome is None:
+                    return True
+                known[step.key] = outcome.has_result
+            if not known[step.key]:
+                break
+    return False
+
+
+def _teller(job: Job, cases: int, steps: int, advance: Advance) -> Callable[[Progress], None]:
+    """Return what the engine calls each second: a bar on a terminal, else a line a minute."""
+    start = last = time.monotonic()
+
+    def tell(progress: Progress) -> None:
+        nonlocal last
+        now = time.monotonic()
+        done = progress.run + progress.reused + progress.skipped
+        # Shared steps are seen once, so the number of all steps is only known at the end.
+        fraction = done / max(cases * steps, 1)
+        rate = progress.run / max(now - start, 1e-9)
+        left = (cases * steps - done) / rate if rate else math.inf
+        text = f"{done} steps, {rate:.2g} a second"
+        text += f", about {_minutes(left)} left" if math.isfinite(left) else ""
+        advance(fraction, text)
+        if now - last >= LINE_S:
+            last = now
+            job.console.note(f"{job.command}: {text}")
+
+    return tell
+
+
+def _minutes(seconds: float) -> str:
+    return f"{seconds:.0f} s" if seconds < 90 else f"{seconds / 60:.0f} min"
+
+
+def _account(plan: Plan, progress: Progress) -> str:
+    text = f"{len(plan)} cases: {progress.run} steps run, {progress.reused} found finished"
+    return text + (f", {progress.skipped} not run for want of an earlier one" if progress.skipped else "")
+
+
+def _need_pyarrow() -> None:
+    try:
+        importlib.import_module("pyarrow")
+    except ImportError:
+        raise UsageError("--parquet needs pyarrow: pip install 'hyperfab[parquet]'") from None

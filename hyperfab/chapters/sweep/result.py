@@ -1,0 +1,112 @@
+"""The outcome of a study: its table, main effects, Pareto front, and pictures."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from hyperfab.chapters.job import Job
+from hyperfab.documents.sweep import Effect, FigureRange, Front, SweepDocument
+from hyperfab.io.output import Output
+from hyperfab.report.figures_sweep import cases_png, effects_png
+from hyperfab.studies.effects import main_effects, pareto_front
+from hyperfab.studies.plan import Plan
+from hyperfab.studies.store import Outcome, Store
+from hyperfab.studies.table import Table, collect, to_csv, to_parquet
+
+
+def write_result(
+    job: Job, plan: Plan, store: Store, accidents: Mapping[str, Outcome], output: Output, parquet: bool
+) -> int:
+    """Write the table and the document; return how many cases failed."""
+    table = collect(plan, store, accidents)
+    effects = main_effects(table, plan.axes)
+    document = SweepDocument(
+        name=plan.study.name,
+        question=plan.study.question,
+        cases=len(plan),
+        steps=_different_steps(table),
+        by_status={str(status): count for status, count in sorted(Counter(table.columns["status"]).items())},
+        axes=table.axes,
+        figures=_ranges(table),
+        limits={name: limit.model_dump(exclude_none=True) for name, limit in plan.study.limit.items()},
+        effects=[Effect(**vars(effect)) for effect in effects],
+        front=_front(plan, table),
+        best=_best(table),
+        table=output.path(".csv").name,
+    )
+    if plan.study.limit:
+        document.within_limits = sum(cell is True for cell in table.columns["within_limits"])
+    output.add(".csv", to_csv(table))
+    if parquet:
+        output.add(".parquet", to_parquet(table))
+    if effects:
+        output.add(".effects.png", effects_png(effects))
+        output.add(".cases.png", cases_png(table, None if document.front is None else document.front.cases))
+    job.write(output, document)
+    return sum(status not in (0, None) for status in table.columns["status"])
+
+
+def _different_steps(table: Table) -> int:
+    return sum(
+        len({cell for cell in cells if cell is not None})
+        for name, cells in table.columns.items()
+        if name.endswith("_document")
+    )
+
+
+def _ranges(table: Table) -> dict[str, FigureRange]:
+    found = {}
+    for name in table.figures:
+        values = table.numbers(name)
+        if values is not None and np.isfinite(values).any():
+            known = values[np.isfinite(values)]
+            found[name] = FigureRange(
+                cases=len(known),
+                least=float(known.min()),
+                mean=float(known.mean()),
+                greatest=float(known.max()),
+            )
+    return found
+
+
+def _eligible(table: Table) -> np.ndarray:
+    if "within_limits" not in table.columns:
+        return np.ones(len(table), dtype=bool)
+    return np.array([cell is True for cell in table.columns["within_limits"]])
+
+
+def _front(plan: Plan, table: Table) -> Front | None:
+    wish = plan.study.pareto
+    if wish is None:
+        return None
+    names = [*wish.minimize, *wish.maximize]
+    directions = ["minimize"] * len(wish.minimize) + ["maximize"] * len(wish.maximize)
+    columns = []
+    for name, direction in zip(names, directions, strict=True):
+        values = table.numbers(name)
+        if values is None:
+            return None
+        columns.append(np.where(_eligible(table), values if direction == "minimize" else -values, np.nan))
+    rows = pareto_front(columns[0], columns[1])
+    return Front(
+        figures=names, directions=directions, cases=[str(table.columns["case"][row]) for row in rows]
+    )
+
+
+def _best(table: Table) -> dict[str, dict[str, Any]]:
+    """Return, for each figure, the row with its least value, within the limits where there are any."""
+    found: dict[str, dict[str, Any]] = {}
+    shown = ["case", *table.axes.values(), *table.figures]
+    for name in table.figures:
+        values = table.numbers(name)
+        if values is None:
+            continue
+        values = np.where(_eligible(table), values, np.nan)
+        if np.isfinite(values).any():
+            row = table.row(int(np.nanargmin(values)))
+            found[name] = {key: row[key] for key in shown if key in row}
+    return found

@@ -1,0 +1,166 @@
+"""The workers: processes of this machine, or a cluster that is already there. Both are a Dask client."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+import signal
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from hyperfab.errors import InputError, OutputError
+
+#: How often a batch may lose its worker before it is handed back to the driver.
+ALLOWED_DEATHS = 5
+
+
+def cores() -> int:
+    """Return how many cores this process may use."""
+    return len(os.sched_getaffinity(0))
+
+
+@contextlib.contextmanager
+def local(jobs: int) -> Iterator[Any]:
+    """Run ``jobs`` worker processes on this machine; yield their client.
+
+    They talk over the loopback interface, and nothing else listens. At the end, however it comes, no process is left.
+    """
+    dask = _dask()
+    import distributed
+
+    # Dask's classes carry no types.
+    start: Any = distributed.LocalCluster
+    connect: Any = distributed.Client
+
+    settings = {
+        "distributed.scheduler.allowed-failures": ALLOWED_DEATHS,
+        "distributed.worker.daemon": False,
+        "distributed.comm.timeouts.connect": "30s",
+        "distributed.admin.log-length": 0,
+    }
+    with (
+        dask.config.set(settings),
+        tempfile.TemporaryDirectory(prefix="hf-sweep-", ignore_cleanup_errors=True) as scratch,
+    ):
+        cluster = start(
+            n_workers=jobs,
+            threads_per_worker=1,
+            processes=True,
+            host="127.0.0.1",
+            dashboard_address=None,
+            worker_dashboard_address=None,
+            memory_limit=0,
+            local_directory=scratch,
+            silence_logs=logging.CRITICAL,
+        )
+        client = None
+        try:
+            client = connect(cluster, set_as_default=False)
+            yield client
+        finally:
+            _end(cluster, client)
+
+
+@contextlib.contextmanager
+def remote(address: str, folder: Path) -> Iterator[Any]:
+    """Use the cluster whose scheduler is at ``address``; yield its client.
+
+    Certificates for ``tls://`` come from Dask's own configuration. Raises InputError where no scheduler or worker
+    answers, or where a worker does not see ``folder``: results are put there by the workers themselves.
+    """
+    _dask()
+    import distributed
+
+    connect: Any = distributed.Client
+    try:
+        client = connect(address, set_as_default=False, timeout=20)
+    except (OSError, ValueError, TypeError) as error:
+        raise InputError(
+            f"--scheduler {address}: no scheduler answers ({error})",
+            remedy="start one with dask scheduler, see docs/sweep.md",
+        ) from None
+    try:
+        _check_shared(client, folder, address)
+        yield client
+    finally:
+        client.close(timeout=1)
+
+
+def _check_shared(client: Any, folder: Path, address: str) -> None:
+    """Every worker must see the file that the driver puts into the folder, and know this version of hf."""
+    if not client.nthreads():
+        raise InputError(f"--scheduler {address}: it has no worker", remedy="start some with dask worker")
+    probe = folder.absolute() / f".probe-{os.getpid()}"
+    try:
+        probe.write_text("here")
+    except OSError as error:
+        raise OutputError(f"{probe}: {error.strerror or error}") from error
+    try:
+        answers = client.run(_sees, str(probe))
+    except Exception as error:  # noqa: BLE001 - whatever a foreign worker raises: it cannot do our work
+        raise InputError(
+            f"--scheduler {address}: a worker cannot load hyperfab ({type(error).__name__}: {error})",
+            remedy="install the same version of hf on every worker",
+        ) from None
+    finally:
+        probe.unlink(missing_ok=True)
+    from hyperfab import __version__
+
+    blind = sorted(worker for worker, (sees, _) in answers.items() if not sees)
+    other = sorted({version for _, version in answers.values()} - {__version__})
+    if blind:
+        raise InputError(
+            f"--scheduler {address}: {len(blind)} of {len(answers)} workers do not see {folder}",
+            remedy="put --out on a file system that driver and workers share, under the same path",
+        )
+    if other:
+        raise InputError(
+            f"--scheduler {address}: workers have hf {', '.join(other)}, this is {__version__}",
+            remedy="install the same version of hf on every worker",
+        )
+
+
+def _sees(path: str) -> tuple[bool, str]:
+    from hyperfab import __version__
+
+    return Path(path).is_file() and os.access(Path(path).parent, os.W_OK), __version__
+
+
+def _dask() -> Any:
+    """Import Dask with its talk switched off: what a lost worker means is the engine's to say."""
+    import dask
+
+    dask.config.set({"logging": {"distributed": "critical", "tornado": "critical", "asyncio": "critical"}})
+    import distributed  # noqa: F401 - its configuration is read at import
+
+    for name in ("distributed", "tornado", "asyncio"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)
+    return dask
+
+
+def _end(cluster: Any, client: Any) -> None:
+    """End the workers and all that they started, at once: nothing that they have not put in its place is kept."""
+    import psutil
+
+    interrupted = sys.exc_info()[0] is not None
+    family: list[Any] = []
+    if interrupted:
+        for nanny in list(cluster.workers.values()):
+            nanny.auto_restart = False
+            with contextlib.suppress(psutil.Error):
+                worker = psutil.Process(nanny.pid)
+                family += [*worker.children(recursive=True), worker]
+        for process in family:
+            with contextlib.suppress(psutil.Error):
+                process.send_signal(signal.SIGKILL)
+    with contextlib.suppress(Exception):
+        if client is not None:
+            client.close(timeout=0.5 if interrupted else 10)
+        cluster.close(timeout=0.5 if interrupted else 10)
+    for process in family:
+        with contextlib.suppress(psutil.Error):
+            process.kill()

@@ -1,0 +1,249 @@
+"""A study made into work: the steps of each case, each known by the hash of all that decides its result."""
+
+from __future__ import annotations
+
+import copy
+import hashlib
+import json
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from hyperfab import __version__
+from hyperfab.documents.study import DocumentSection, StepSection, StudyDocument
+from hyperfab.errors import InputError
+from hyperfab.io.inputs import Inputs
+from hyperfab.io.json_io import load_json
+from hyperfab.io.toml_io import load_toml
+from hyperfab.studies.axes import Axis, Layout, Level, plain
+from hyperfab.studies.files import FileKnowledge, map_texts
+from hyperfab.studies.template import TemplateError, fill, names
+
+#: Digits of a hash that name a step or a case: 128 bits.
+DIGITS = 32
+#: Stands in arguments for the folder of all steps, which each worker knows.
+STEPS = "{steps}"
+#: Stands in arguments for the step's own folder.
+HERE = "{here}"
+
+
+@dataclass(frozen=True)
+class Step:
+    """One command to run: what it is known by, what it needs, and all a worker must have to run it.
+
+    ``words`` are its arguments; STEPS and HERE in them stand for folders. ``documents`` are written into the
+    step's folder before it runs.
+    """
+
+    key: str
+    name: str
+    command: str
+    words: tuple[str, ...]
+    documents: tuple[tuple[str, str], ...]
+    needs: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Case:
+    """One row of the study: its place in the order, its values, its steps in the order of the chain."""
+
+    index: int
+    key: str
+    values: Mapping[str, float | int | bool | str]
+    steps: tuple[Step, ...]
+
+
+class Plan:
+    """All cases of a study. They are made when asked for: a study of a million cases takes no memory for them."""
+
+    def __init__(self, study: StudyDocument, file: str, inputs: Inputs) -> None:
+        self.study = study
+        self.file = file
+        self.layout = Layout(study, file)
+        self.files = FileKnowledge(os.path.dirname(file), inputs)
+        self._sources = {name: self._source(name, part, inputs) for name, part in study.document.items()}
+        self._uses = {step.name: self._used(step) for step in study.step}
+
+    @property
+    def axes(self) -> list[Axis]:
+        """The axes, in the order of the study."""
+        return self.layout.axes
+
+    def __len__(self) -> int:
+        return len(self.layout)
+
+    def __iter__(self) -> Iterator[Case]:
+        return (self.case(index) for index in range(len(self)))
+
+    def case(self, index: int) -> Case:
+        """Return case ``index``; InputError naming the key of the study where its braces cannot be filled."""
+        levels = self.layout.case(index)
+        texts = {name: level.text for name, level in levels.items()}
+        numbers = {name: level.number for name, level in levels.items()}
+        steps: dict[str, Step] = {}
+        for position, section in enumerate(self.study.step):
+            steps[section.name] = self._step(position, section, texts, numbers, steps)
+        values = plain(levels)
+        key = _hash({"values": _canonical(levels), "steps": [step.key for step in steps.values()]})
+        return Case(index, key, values, tuple(steps.values()))
+
+    def edited(self, name: str, index: int = 0) -> dict[str, Any]:
+        """Return document ``name`` as case ``index`` edits it, its files by absolute path."""
+        levels = self.layout.case(index)
+        texts = {axis: level.text for axis, level in levels.items()}
+        return self._edit(name, texts, {axis: level.number for axis, level in levels.items()})
+
+    def _source(self, name: str, section: DocumentSection, inputs: Inputs) -> dict[str, Any]:
+        path = Inputs.beside(self.file, section.source)
+        data = inputs.read(path)
+        loaded = load_toml(data, path) if path.endswith(".toml") else load_json(data, path)
+        if not isinstance(loaded, dict):
+            raise InputError("is not a document: its top level is not an object", file=path)
+        folder = os.path.dirname(os.path.abspath(path))
+        # The edited copy lies elsewhere: what it names is named from anywhere.
+        found: dict[str, Any] = map_texts(loaded, lambda text: self.files.find(text, folder) or text)
+        for key in section.set:
+            targets(found, key, self.file, f"document.{name}.set")
+        return found
+
+    def _used(self, step: StepSection) -> tuple[list[str], list[str]]:
+        """Return the documents and the earlier steps that a step uses; InputError for a name that is neither."""
+        earlier = [other.name for other in self.study.step[: self.study.step.index(step)]]
+        documents, steps = [], []
+        for text in step.arguments:
+            try:
+                used = list(names(text))
+            except TemplateError as error:
+                raise InputError(str(error), file=self.file, key=f"step {step.name}.arguments") from None
+            for name in used:
+                if name in self.study.document:
+                    documents.append(name)
+                elif name in earlier:
+                    steps.append(name)
+                elif name not in self.study.axis:
+                    known = [*self.study.axis, *self.study.document, *earlier]
+                    raise InputError(
+                        f"{{{name}}} is no axis, document or earlier step",
+                        file=self.file,
+                        key=f"step {step.name}.arguments",
+                        remedy=f"there is {', '.join(known)}",
+                    )
+        return sorted(set(documents)), sorted(set(steps))
+
+    def _step(
+        self,
+        position: int,
+        section: StepSection,
+        texts: Mapping[str, str],
+        numbers: Mapping[str, float | int | None],
+        earlier: Mapping[str, Step],
+    ) -> Step:
+        documents, steps = self._uses[section.name]
+        contents = {name: json.dumps(self._edit(name, texts, numbers), indent=1) for name in documents}
+        known = {name: _hash(self._known(json.loads(text))) for name, text in contents.items()}
+        symbols = {name: f"{{document {digest}}}" for name, digest in known.items()}
+        symbols |= {name: f"{{step {earlier[name].key}}}" for name in steps}
+        places = {name: f"{HERE}/{name}.json" for name in documents}
+        places |= {name: f"{STEPS}/{_folder(earlier[name].key)}/{name}.json" for name in steps}
+        words, identity = [], []
+        for text in section.arguments:
+            try:
+                word = fill(text, {**texts, **places}, numbers)
+                symbol = fill(text, {**texts, **symbols}, numbers)
+            except TemplateError as error:
+                raise InputError(
+                    str(error), file=self.file, key=f"step.{position}.arguments", remedy="correct the braces"
+                ) from None
+            path = self.files.find(word)
+            words.append(path or word)
+            identity.append(symbol if path is None else self._file(path))
+        key = _hash({"hf": __version__, "command": section.command, "arguments": identity})
+        needs = tuple(sorted(earlier[name].key for name in steps))
+        written = tuple((f"{name}.json", text) for name, text in contents.items())
+        return Step(key, section.name, section.command, tuple(words), written, needs)
+
+    def _edit(
+        self, name: str, texts: Mapping[str, str], numbers: Mapping[str, float | int | None]
+    ) -> dict[str, Any]:
+        section = self.study.document[name]
+        document = copy.deepcopy(self._sources[name])
+        place = f"document.{name}.set"
+
+        def put(text: str) -> str:
+            filled = fill(text, texts, numbers)
+            return self.files.find(filled) or filled
+
+        for key, value in section.set.items():
+            try:
+                new = map_texts(value, put)
+            except TemplateError as error:
+                raise InputError(str(error), file=self.file, key=f"{place}.{key}") from None
+            if isinstance(new, str) and new != value and not isinstance(value, dict):
+                new = _bare(new)
+            for holder, last in targets(document, key, self.file, place):
+                holder[last] = copy.deepcopy(new)
+        return document
+
+    def _known(self, document: Any) -> Any:
+        """Return a document with what its files hold in place of where they are."""
+
+        def known(text: str) -> str:
+            return self._file(text) if os.path.isabs(text) and self.files.find(text) else text
+
+        return map_texts(document, known)
+
+    def _file(self, path: str) -> str:
+        return f"{{file {os.path.splitext(path)[1]} {self.files.digest(os.path.normpath(path))}}}"
+
+
+def targets(document: dict[str, Any], dotted: str, file: str, place: str) -> list[tuple[Any, Any]]:
+    """Return (holder, key) of every place that a dotted key names; InputError where it names none.
+
+    >>> targets({"heater": [{"power": "1 W"}]}, "heater.*.power", "study.toml", "set")
+    [({'power': '1 W'}, 'power')]
+    """
+    parts = dotted.split(".")
+    holders: list[Any] = [document]
+    for depth, part in enumerate(parts):
+        found: list[tuple[Any, Any]] = []
+        for holder in holders:
+            if isinstance(holder, list) and part == "*":
+                found += [(holder, index) for index in range(len(holder))]
+            elif isinstance(holder, list) and part.isdecimal() and int(part) < len(holder):
+                found.append((holder, int(part)))
+            elif isinstance(holder, dict) and (part in holder or depth == len(parts) - 1):
+                found.append((holder, part))
+        if not found:
+            raise InputError(
+                f"{dotted}: there is no {'.'.join(parts[: depth + 1])} in the document",
+                file=file,
+                key=place,
+                remedy="list items are counted from 0, * means all of them",
+            )
+        if depth == len(parts) - 1:
+            return found
+        holders = [holder[key] for holder, key in found]
+    return []
+
+
+def _bare(text: str) -> Any:
+    """A value that is a number or a truth value, alone in its braces, is one in the document too."""
+    try:
+        value = json.loads(text)
+    except ValueError:
+        return text
+    return value if isinstance(value, (int, float, bool)) else text
+
+
+def _canonical(levels: Mapping[str, Level]) -> dict[str, str]:
+    return {name: level.text for name, level in levels.items()}
+
+
+def _hash(value: object) -> str:
+    text = json.dumps(value, sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(text.encode()).hexdigest()[:DIGITS]
+
+
+def _folder(key: str) -> str:
+    return f"{key[:2]}/{key}"

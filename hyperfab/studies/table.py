@@ -1,0 +1,168 @@
+"""The table of a study: one row a case, in the order of the study, whatever the order of completion."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.documents.study import LimitSection
+from hyperfab.studies.plan import Plan, Step
+from hyperfab.studies.store import Outcome, Store
+
+Cell = float | int | bool | str | None
+#: Digits of its hash that name a case in the table.
+SHOWN = 12
+
+
+@dataclass
+class Table:
+    """Columns of equal length; a cell that was not computed is None."""
+
+    columns: dict[str, list[Cell]] = field(default_factory=dict)
+    axes: dict[str, str] = field(default_factory=dict)
+    figures: list[str] = field(default_factory=list)
+
+    def __len__(self) -> int:
+        return len(self.columns["case"])
+
+    def numbers(self, column: str) -> NDArray[np.float64] | None:
+        """Return a column as numbers, NaN where a cell is empty; None where it holds words."""
+        cells = self.columns[column]
+        if any(isinstance(cell, str) for cell in cells):
+            return None
+        return np.array([np.nan if cell is None else float(cell) for cell in cells])
+
+    def row(self, index: int) -> dict[str, Cell]:
+        """Return one row, without its empty cells."""
+        return {name: cells[index] for name, cells in self.columns.items() if cells[index] is not None}
+
+
+def collect(plan: Plan, store: Store, accidents: Mapping[str, Outcome]) -> Table:
+    """Read the results of all cases out of ``store``; ``accidents`` are outcomes that were not kept there."""
+    study = plan.study
+    axes = {axis.name: axis.column for axis in plan.axes}
+    figures = {name: path.split(".", 1) for name, path in study.figures.items()}
+    names = ["case", *axes.values(), "status", *figures]
+    names += ["within_limits"] if study.limit else []
+    names += ["failed_step", "message", *(f"{step.name}_document" for step in study.step)]
+    columns: dict[str, list[Cell]] = {name: [] for name in names}
+    cache: dict[str, tuple[Outcome | None, dict[str, Cell]]] = {}
+    wanted = {
+        step.name: {n: key for n, (owner, key) in figures.items() if owner == step.name}
+        for step in study.step
+    }
+    last: dict[str, str] = {}
+    for case in plan:
+        row: dict[str, Cell] = {"case": case.key[:SHOWN], "status": 0}
+        row |= {axes[name]: value for name, value in case.values.items()}
+        for step in case.steps:
+            if step.key not in cache:
+                cache.pop(last.get(step.name, ""), None)  # the steps a chain shares come one after another
+                cache[step.key] = _step(store, accidents, step, wanted[step.name])
+                last[step.name] = step.key
+            outcome, found = cache[step.key]
+            row |= found
+            if outcome is None:
+                break
+            if outcome.status:
+                row |= {"status": outcome.status, "failed_step": step.name, "message": outcome.message}
+            if not outcome.has_result:
+                break
+        if study.limit:
+            row["within_limits"] = _within(row, study.limit)
+        for name, cells in columns.items():
+            cells.append(row.get(name))
+    return Table(columns, axes, list(figures))
+
+
+def _step(
+    store: Store, accidents: Mapping[str, Outcome], step: Step, wanted: Mapping[str, str]
+) -> tuple[Outcome | None, dict[str, Cell]]:
+    outcome = store.outcome(step.key) or accidents.get(step.key)
+    if outcome is None:
+        return None, {}
+    document = store.document(step)
+    if document is None:
+        return outcome, {}
+    place = store.place(step.key).relative_to(store.folder) / f"{step.name}.json"
+    found: dict[str, Cell] = {f"{step.name}_document": str(place)}
+    for name, key in wanted.items():
+        value = look_up(document, key)
+        if isinstance(value, (bool, int, float, str)):
+            found[name] = value
+    return outcome, found
+
+
+def look_up(document: Any, key: str) -> Any:
+    """Return what stands under a dotted key, or None.
+
+    >>> look_up({"regions": [{"area_mm2": 12.0}]}, "regions.0.area_mm2")
+    12.0
+    """
+    for part in key.split("."):
+        if isinstance(document, Mapping) and part in document:
+            document = document[part]
+        elif isinstance(document, list) and part.isdecimal() and int(part) < len(document):
+            document = document[int(part)]
+        else:
+            return None
+    return document
+
+
+def to_csv(table: Table) -> bytes:
+    """Return the table as CSV; numbers are written so that reading them gives the same doubles.
+
+    >>> to_csv(Table({"case": ["ab"], "force_N": [0.1], "message": [None]}))
+    b'case,force_N,message\\nab,0.1,\\n'
+    """
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(table.columns)
+    writer.writerows(zip(*(map(_cell, cells) for cells in table.columns.values()), strict=True))
+    return text.getvalue().encode("utf-8")
+
+
+def _cell(value: Cell) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "1" if value else "0"
+    if isinstance(value, (int, float)):
+        return repr(value)
+    # A line break in a message would be a row to every tool that reads line by line; a leading = a formula.
+    flat = " ".join(value.split())
+    return f"'{flat}" if flat[:1] in ("=", "@", "+", "-") else flat
+
+
+def to_parquet(table: Table) -> bytes:
+    """Return the table as Parquet. Raises ImportError where pyarrow is not installed."""
+    import pandas as pd
+
+    buffer = io.BytesIO()
+    frame = pd.DataFrame({name: _column(cells) for name, cells in table.columns.items()})
+    frame.to_parquet(buffer, engine="pyarrow", index=False)
+    return buffer.getvalue()
+
+
+def _column(cells: Sequence[Cell]) -> list[Cell]:
+    words = any(isinstance(cell, str) for cell in cells)
+    return [str(cell) if words and cell is not None else cell for cell in cells]
+
+
+def _within(row: Mapping[str, Cell], limits: Mapping[str, LimitSection]) -> bool | None:
+    """Whether a case keeps to all limits; None where a figure it is judged by is missing."""
+    for name, limit in limits.items():
+        value = row.get(name)
+        if not isinstance(value, (int, float)):
+            return None
+        if limit.least is not None and value < limit.least:
+            return False
+        if limit.most is not None and value > limit.most:
+            return False
+    return True

@@ -1,0 +1,279 @@
+"""What the engine promises: everything runs once, whatever dies, and the table does not tell how it came about."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+from conftest import ROOT
+
+from hyperfab.chapters import sweep
+from hyperfab.chapters.job import Job
+from hyperfab.console import Console
+from hyperfab.errors import UsageError
+
+pytest.importorskip("distributed", reason="Dask is not installed (pip install . brings it)")
+
+SUMS = """
+format = "hyperfab.study/1"
+name = "Sums"
+[axis.a]
+range = {{ from = 1, to = 4, count = 4 }}
+[axis.b]
+values = {b}
+[[step]]
+name = "first"
+command = "{command}"
+arguments = ["{{a}}"]
+[[step]]
+name = "second"
+command = "add"
+arguments = ["{{first}}", "{{b * 1}}"]
+[figures]
+sum = "second.sum"
+"""
+
+DRIVER = """
+import sys
+sys.path[:0] = [{root!r}, {root!r} + "/tests"]
+from hyperfab.chapters import sweep
+from hyperfab.chapters.job import Job
+from hyperfab.console import Console, run_guarded
+if __name__ == "__main__":
+    study, out, jobs, retry = sys.argv[1], sys.argv[2], int(sys.argv[3]), sys.argv[4] == "retry"
+    sys.exit(run_guarded(lambda: sweep.run(
+        Job("sweep", [study], Console()), study=study, out=out, jobs=jobs, scheduler=None, retry_failed=retry,
+        parquet=False, yes=False, runner="studies.trivial"), True))
+"""
+
+
+class Inline:
+    """A client that runs each batch at once, in this process: for what does not depend on processes."""
+
+    def submit(self, function: Any, *arguments: Any, key: str, pure: bool) -> Any:
+        return Done(key, function(*arguments))
+
+    def nthreads(self) -> dict[str, int]:
+        return {"here": 1}
+
+    def register_plugin(self, plugin: Any) -> None:
+        pass
+
+
+class Done:
+    """A future that is there already."""
+
+    status = "finished"
+
+    def __init__(self, key: str, value: Any) -> None:
+        self.key = key
+        self.value = value
+
+    def result(self) -> Any:
+        return self.value
+
+    def add_done_callback(self, call: Any) -> None:
+        call(self)
+
+
+class Said(Console):
+    """A console that keeps what is said."""
+
+    text = ""
+
+    def note(self, text: str) -> None:
+        self.text += text + "\n"
+
+    warn = note
+
+
+class Shop:
+    """A folder with a driver that sweeps trivial commands."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        (folder / "driver.py").write_text(DRIVER.format(root=str(ROOT)))
+
+    def study(self, command: str = "add", b: str = '["1 mm", "2 mm"]') -> None:
+        (self.folder / "study.toml").write_text(SUMS.format(command=command, b=b))
+
+    def start(self, out: str, jobs: int = 2, retry: str = "") -> subprocess.Popen[bytes]:
+        return subprocess.Popen(
+            [sys.executable, "driver.py", "study.toml", out, str(jobs), retry],
+            cwd=self.folder,
+            stderr=subprocess.PIPE,
+            start_new_session=True,
+        )
+
+    def sweep(self, out: str, jobs: int = 2, retry: str = "") -> tuple[int, str]:
+        process = self.start(out, jobs, retry)
+        said = process.communicate(timeout=120)[1].decode()
+        return process.returncode, said
+
+    def inline(self, out: str, retry: bool = False) -> tuple[int, str]:
+        said = Said()
+        here = contextlib.chdir(self.folder)
+        with here, pytest.MonkeyPatch.context() as patch:
+            patch.setattr("hyperfab.studies.cluster.local", lambda jobs: contextlib.nullcontext(Inline()))
+            status = sweep.run(
+                Job("sweep", ["study.toml"], said),
+                study="study.toml",
+                out=out,
+                jobs=1,
+                scheduler=None,
+                retry_failed=retry,
+                parquet=False,
+                yes=False,
+                runner="studies.trivial",
+            )
+        return status, said.text
+
+    def table(self, out: str) -> bytes:
+        return (self.folder / out / "sweep.csv").read_bytes()
+
+    def finished(self, out: str) -> list[int]:
+        """Return how often each step says in its log that it was finished."""
+        logs = (self.folder / out).glob("steps/*/*.log")
+        return [path.read_text().count(" finished ") for path in logs]
+
+
+@pytest.fixture
+def shop(tmp_path: Path) -> Shop:
+    return Shop(tmp_path)
+
+
+def test_shared_steps_run_once_and_a_second_run_does_nothing(shop: Shop) -> None:
+    shop.study()
+    status, said = shop.inline("out")
+    assert status == 0, said
+    assert "8 cases: 12 steps run, 0 found finished" in said
+    assert shop.finished("out") == [1] * 12
+    rows = shop.table("out").decode().splitlines()
+    assert rows[0].startswith("case,a,b_mm,status,sum")
+    assert [row.split(",")[1:5] for row in rows[1:3]] == [
+        ["1.0", "1.0", "0", "2.0"],
+        ["1.0", "2.0", "0", "3.0"],
+    ]
+    before = shop.table("out")
+    status, said = shop.inline("out")
+    assert status == 0
+    assert "0 steps run, 12 found finished" in said
+    assert shop.table("out") == before
+    # Another value of one axis runs what is new, and nothing else.
+    shop.study(b='["1 mm", "2 mm", "3 mm"]')
+    status, said = shop.inline("out")
+    assert "12 cases: 4 steps run, 12 found finished" in said
+    assert shop.finished("out") == [1] * 16
+
+
+def test_a_failing_case_is_told_in_the_table_and_the_others_go_on(shop: Shop) -> None:
+    shop.study(command="fail")
+    status, said = shop.inline("out")
+    assert status == 1
+    assert "2 of 8 cases failed" in said
+    rows = [row.split(",") for row in shop.table("out").decode().splitlines()]
+    message = rows[0].index("message")
+    assert [row[3] for row in rows[1:]] == ["0"] * 6 + ["4"] * 2
+    assert rows[-1][message] == "first.json: 4.0 is more than 3"
+    # Failures are results too: only --retry-failed tries them again.
+    assert "0 steps run" in shop.inline("out")[1]
+    assert "1 steps run" in shop.inline("out", retry=True)[1]
+
+
+@pytest.mark.slow
+def test_a_step_that_kills_its_worker_costs_its_cases_only(shop: Shop) -> None:
+    (shop.folder / "study.toml").write_text(
+        SUMS.format(command="add", b='["1 mm"]').replace(
+            'command = "add"\narguments = ["{first}"', 'command = "die"\narguments = ["{first}"'
+        )
+    )
+    (shop.folder / "study.toml").write_text(
+        (shop.folder / "study.toml").read_text().replace("count = 4", "count = 2")
+    )
+    status, said = shop.sweep("out", jobs=1)
+    assert status == 1, said
+    assert b",137," in shop.table("out")
+    assert b"its worker died each time" in shop.table("out")
+
+
+def test_killed_workers_and_drivers_lose_nothing_and_run_nothing_twice(shop: Shop) -> None:
+    psutil = pytest.importorskip("psutil", reason="comes with distributed")
+    shop.study(command="sleep", b="[" + ", ".join(str(n / 100) for n in range(1, 5)) + "]")
+    text = (shop.folder / "study.toml").read_text()
+    text = text.replace("from = 1, to = 4", "from = 0.1, to = 0.3").replace(
+        'command = "add"', 'command = "sleep"'
+    )
+    (shop.folder / "study.toml").write_text(text)
+    first = shop.start("out")
+    _wait_for_steps(shop, "out", 3, first)
+    workers = [
+        child for child in psutil.Process(first.pid).children() if "spawn_main" in " ".join(child.cmdline())
+    ]
+    assert workers
+    workers[0].kill()
+    _wait_for_steps(shop, "out", 6, first)
+    first.kill()
+    first.communicate()
+    alive = psutil.wait_procs(workers, timeout=10)[1]
+    assert not alive, "workers outlived their driver"
+    status, said = shop.sweep("out")
+    assert status == 0, said
+    assert shop.finished("out") == [1] * 20
+    assert shop.inline("serial")[0] == 0
+    assert shop.table("serial") == shop.table("out")
+    assert not list((shop.folder / "out").glob("steps/*/.*run-*"))
+
+
+@pytest.mark.parametrize(
+    ("number", "status"), [(signal.SIGINT, 130), pytest.param(signal.SIGTERM, 143, marks=pytest.mark.slow)]
+)
+def test_a_stop_keeps_what_is_done_and_leaves_no_process(shop: Shop, number: int, status: int) -> None:
+    psutil = pytest.importorskip("psutil", reason="comes with distributed")
+    shop.study(command="sleep")
+    process = shop.start("out")
+    _wait_for_steps(shop, "out", 1, process)
+    family = psutil.Process(process.pid).children(recursive=True)
+    asked = time.monotonic()
+    os.killpg(process.pid, number) if number == signal.SIGINT else process.send_signal(number)
+    said = process.communicate(timeout=10)[1].decode()
+    assert time.monotonic() - asked < 2.0
+    assert process.returncode == status
+    assert "what is finished is kept" in said
+    assert "Traceback" not in said
+    assert not psutil.wait_procs(family, timeout=2)[1]
+    assert shop.finished("out").count(1) >= 1
+
+
+def test_nothing_listens_beyond_the_loopback_and_a_second_driver_is_refused(shop: Shop) -> None:
+    psutil = pytest.importorskip("psutil", reason="comes with distributed")
+    shop.study(command="sleep")
+    process = shop.start("out")
+    _wait_for_steps(shop, "out", 1, process)
+    family = [psutil.Process(process.pid), *psutil.Process(process.pid).children(recursive=True)]
+    heard = {
+        found.laddr.ip
+        for member in family
+        for found in member.net_connections(kind="inet")
+        if found.status == psutil.CONN_LISTEN
+    }
+    with pytest.raises(UsageError, match="another hf sweep is at work there"):
+        shop.inline("out")
+    process.terminate()
+    process.communicate()
+    assert heard == {"127.0.0.1"}
+
+
+def _wait_for_steps(shop: Shop, out: str, count: int, process: subprocess.Popen[bytes]) -> None:
+    for _ in range(600):
+        if len(list((shop.folder / out).glob("steps/*/*/outcome.json"))) >= count:
+            return
+        assert process.poll() is None, process.stderr.read() if process.stderr else ""
+        time.sleep(0.05)
+    raise AssertionError("the driver finished nothing within half a minute")
