@@ -136,7 +136,7 @@ def invert(diag: Singles, q: Floats, inverse: Singles) -> None:
             inverse[i, j, 5] = (a0 * a3 - a1 * a1) * inv - s2 * (1.0 - q[i, j, 5])
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _accumulate(
     cd: Singles, co: Singles, ci: int, cj: int, di: int, dj: int, w: float, a: Singles, both: bool
 ) -> None:

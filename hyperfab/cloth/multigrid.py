@@ -76,7 +76,7 @@ def _add_t(a: Singles, u: Floats, s: Floats) -> None:
     s[2] -= a[2] * u[0] + a[5] * u[1] + a[8] * u[2]
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _gather(off: Singles, u: Floats, i: int, j: int, s: Floats) -> None:
     """s -= sum over the neighbours of (i, j) of their block times u."""
     n, m = u.shape[0], u.shape[1]

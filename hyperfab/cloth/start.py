@@ -28,13 +28,19 @@ def place(
 ) -> tuple[int, float]:
     """Set nodes of rows ``first:last`` that are inside the mold, or nearer than their ``skin`` mm, onto it.
 
-    Returns a held node inside the mold (flat index, -1: none) and its depth.
+    ``clear`` comes with a distance known to be free of the mold (0: not known), which saves the search, and ``slot``
+    with a facet near by or -1. Returns a held node inside the mold (flat index, -1: none) and its depth.
     """
     stack, stack_d = np.empty(DEPTH, np.int64), np.empty(DEPTH)
     hint, bad, deepest = -1, -1, 0.0
     for i in range(first, last):
         for j in range(x.shape[1]):
             p = x[i, j]
+            contact[i, j] = FREE
+            if clear[i, j] > skin[i, j] and clear[i, j] > 0.0:
+                continue
+            if slot[i, j] >= 0:
+                hint = slot[i, j]
             cx, cy, cz, near, feature = nearest_one(
                 p[0],
                 p[1],
@@ -53,7 +59,7 @@ def place(
             dx, dy, dz = p[0] - cx, p[1] - cy, p[2] - cz
             distance = np.sqrt(dx * dx + dy * dy + dz * dz)
             inside = dx * n[0] + dy * n[1] + dz * n[2] < 0.0
-            slot[i, j], contact[i, j], clear[i, j] = near, FREE, distance
+            slot[i, j], clear[i, j] = near, distance
             if fixed[i, j] == FIXED:
                 if inside and distance > 1e-9 and distance > deepest:
                     bad, deepest = i * x.shape[1] + j, distance
@@ -71,11 +77,18 @@ class HeldNodeInside(Exception):
         self.node, self.depth = node, depth
 
 
-def settled(x: Floats, mold: Mold, sheet: Sheet, skin: Floats | None = None) -> State:
+def settled(
+    x: Floats,
+    mold: Mold,
+    sheet: Sheet,
+    skin: Floats | None = None,
+    known: tuple[Floats, Ints] | None = None,
+) -> State:
     """State of nodes at ``x``, put onto the mold where they are in it or nearer than ``skin`` (n, m)."""
     n, m = x.shape[:2]
     skin = np.zeros((n, m)) if skin is None else skin
-    state = State(x.copy(), np.zeros((n, m), np.int8), np.zeros((n, m), np.int64), np.zeros((n, m)))
+    clear, slot = known or (np.zeros((n, m)), np.full((n, m), -1))
+    state = State(x.copy(), np.zeros((n, m), np.int8), slot, clear)
     rows = max(1, ROWS // m)
     fixed = sheet.fixed
     for i in range(0, n, rows):
@@ -137,7 +150,11 @@ def refined(coarse: State, sheet: Sheet, mold: Mold) -> State:
         x[held, axis] = flat[held, axis]
     # Between touching nodes the interpolation leaves the sheet just off a convex mold.
     skin = np.where((touch > 1.0 - 1e-9) & (fixed == 0), 0.5 * max(sheet.spacing), 0.0)
-    return settled(x, mold, sheet, skin)
+    # A fine node's distance from the mold is at least its coarse neighbour's less the way between them.
+    i, j = (np.rint(np.linspace(0, k - 1, f)).astype(int) for k, f in ((nc, n), (mc, m)))
+    near = np.ix_(i, j)
+    clear = np.maximum(coarse.clear[near] - np.linalg.norm(x - coarse.x[near], axis=2), 0.0)
+    return settled(x, mold, sheet, skin, (clear, coarse.slot[near]))
 
 
 def _interpolation(coarse: int, fine: int, cubic: bool) -> csr_array:
