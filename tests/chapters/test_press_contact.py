@@ -1,0 +1,344 @@
+"""hf press-contact: the document to the letter of its contract, what must not change the answer, what is refused."""
+
+import json
+
+import jsonschema
+import numpy as np
+import pytest
+
+from hyperfab.chapters import press_contact
+from hyperfab.chapters.job import Job
+from hyperfab.console import Console
+from hyperfab.documents.base import schema
+from hyperfab.errors import InputError, UsageError
+from hyperfab.io.stl_write import stl_bytes
+from hyperfab.io.vtu import unstructured
+from hyperfab.io.vtu_read import read_vtu
+from hyperfab.samples import cup
+
+KEYS = [
+    "gap_min_mm",
+    "gap_mean_mm",
+    "gap_max_mm",
+    "contact_area_mm2",
+    "contact_fraction",
+    "force_N",
+    "pressure_max_MPa",
+    "stroke_mm",
+    "tilt_deg",
+    "regions",
+]
+FOAM = """
+format = "hyperfab.foam/1"
+thickness = "4.5 mm"
+compression = { law = "linear", modulus = "0.05 MPa" }
+expansion = { male = "23.6e-6 1/K", female = "23.6e-6 1/K" }
+"""
+
+
+def solids(cells=(30, 31)):
+    return cup.male_cup(*cells), cup.female_cup(cells[1], cells[0])
+
+
+@pytest.fixture(scope="module")
+def shop(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("shop")
+    for name, solid in zip(("male", "female"), solids(), strict=True):
+        (folder / f"{name}.stl").write_bytes(stl_bytes(solid.vertices, solid.faces))
+    (folder / "foam.toml").write_text(FOAM)
+    return folder
+
+
+def press(folder, monkeypatch, output="press.json", **options):
+    monkeypatch.chdir(folder)
+    given = {
+        "male": "male.stl",
+        "female": "female.stl",
+        "foam": "foam.toml",
+        "axis": "z",
+        "zero": "cold",
+        "floating": False,
+        "strokes": 5,
+        "facets": "smooth",
+        "stl_unit": "mm",
+        **dict.fromkeys(
+            [
+                "gap",
+                "force",
+                "temperature",
+                "male_heat",
+                "female_heat",
+                "drape",
+                "force_at",
+                "frame_stiffness",
+                "min_spotted",
+                "design_gap",
+            ]
+        ),
+        **options,
+    }
+    status = press_contact.run(Job("press-contact", [], Console(quiet=True)), output=output, **given)
+    return status, json.loads((folder / output).read_text())
+
+
+def test_the_document_has_the_contracts_keys_and_fits_its_schema(shop, monkeypatch):
+    status, document = press(shop, monkeypatch, gap="3mm", temperature="200degC")
+    assert status == 0
+    assert document["format"] == "hyperfab.press/1"
+    assert [key for key in KEYS if key not in document] == []
+    region_keys = {"contact", "area_mm2", "centroid_mm", "gap_mean_mm", "pressure_mean_MPa"}
+    assert all(region_keys <= region.keys() for region in document["regions"])
+    jsonschema.validate(document, schema("press"))
+    assert document["files"] == ["press.csv", "press.png", "press.vtu"]
+
+
+def test_regions_share_out_the_area(shop, monkeypatch):
+    _, document = press(shop, monkeypatch, gap="3mm")
+    touching = sum(region["area_mm2"] for region in document["regions"] if region["contact"])
+    assert touching == pytest.approx(document["contact_area_mm2"], rel=1e-9)
+    whole = document["molding_area_mm2"] + document["flange_area_mm2"]
+    assert sum(region["area_mm2"] for region in document["regions"]) == pytest.approx(whole, rel=1e-9)
+
+
+def test_the_field_on_the_male(shop, monkeypatch):
+    press(shop, monkeypatch, gap="3mm")
+    grid = read_vtu((shop / "press.vtu").read_bytes(), "press.vtu")
+    assert {"gap_mm", "compression", "pressure_MPa", "contact"} <= grid.point_data.keys()
+    pressed = grid.point_data["pressure_MPa"] > 0.0
+    assert (grid.point_data["gap_mm"][pressed] < 4.5).all()
+    assert grid.points[:, 2].max() == pytest.approx(70.0, abs=0.3)
+
+
+def test_the_same_inputs_give_the_same_bytes(shop, monkeypatch):
+    press(shop, monkeypatch, gap="3mm", output="one.json")
+    press(shop, monkeypatch, gap="3mm", output="two.json")
+    for suffix in (".vtu", ".csv", ".png"):
+        assert (shop / f"one{suffix}").read_bytes() == (shop / f"two{suffix}").read_bytes()
+    texts = [(shop / f"{name}.json").read_text().replace(f'"{name}.', '"') for name in ("one", "two")]
+    assert texts[0] == texts[1]
+
+
+def test_a_force_is_met_and_its_position_gives_it_back(shop, monkeypatch):
+    _, forced = press(shop, monkeypatch, force="150N", temperature="200degC")
+    assert forced["force_N"] == pytest.approx(150.0, rel=1e-6)
+    gap = f"{forced['clearance_cold_mm']!r}mm"
+    _, placed = press(shop, monkeypatch, gap=gap, temperature="200degC")
+    assert placed["force_N"] == pytest.approx(150.0, rel=1e-6)
+    assert placed["stroke_mm"] == pytest.approx(forced["stroke_mm"], abs=1e-6)
+
+
+def test_growth_closes_a_gap_set_cold_and_hardly_changes_one_set_hot(shop, monkeypatch):
+    """Both mounting faces are 170 mm apart, less the gap: that much aluminium grows into the gap."""
+    _, cold = press(shop, monkeypatch, gap="3mm")
+    _, hot = press(shop, monkeypatch, gap="3mm", temperature="200degC")
+    expected = 23.6e-6 * 180.0 * (170.0 - 3.0)
+    assert cold["clearance_hot_mm"] - hot["clearance_hot_mm"] == pytest.approx(expected, abs=0.01)
+    _, zeroed = press(shop, monkeypatch, gap="3mm", temperature="200degC", zero="hot")
+    assert zeroed["gap_min_mm"] == pytest.approx(cold["gap_min_mm"], abs=0.02)
+
+
+def test_winding_order_format_and_unit_of_the_files_do_not_change_the_answer(shop, monkeypatch):
+    male, female = solids()
+    _, plain = press(shop, monkeypatch, gap="3mm")
+    shuffled = np.random.default_rng(5).permutation(male.faces)
+    mixed = male.faces.copy()
+    mixed[::7] = mixed[::7, ::-1]
+    variants = {
+        "shuffled": stl_bytes(male.vertices, shuffled),
+        "inward": stl_bytes(male.vertices, male.faces[:, ::-1]),
+        "mixed": stl_bytes(male.vertices, mixed),
+        "ascii": _ascii(male),
+        "open": stl_bytes(male.vertices, male.faces[: 2 * 34 * 35]),
+        "open inward": stl_bytes(male.vertices, male.faces[: 2 * 34 * 35, ::-1]),
+    }
+    for name, data in variants.items():
+        (shop / "variant.stl").write_bytes(data)
+        _, found = press(shop, monkeypatch, gap="3mm", male="variant.stl")
+        assert found["force_N"] == pytest.approx(plain["force_N"], rel=1e-5), name
+        assert found["contact_area_mm2"] == pytest.approx(plain["contact_area_mm2"], rel=1e-5), name
+    for name, solid in (("male", male), ("female", female)):
+        (shop / f"{name}-inch.stl").write_bytes(stl_bytes(solid.vertices / 25.4, solid.faces))
+    inches = {"male": "male-inch.stl", "female": "female-inch.stl", "stl_unit": "inch"}
+    _, found = press(shop, monkeypatch, gap="3mm", **inches)
+    assert found["force_N"] == pytest.approx(plain["force_N"], rel=1e-4)
+
+
+def test_collision_of_the_hot_molds_is_a_negative_verdict_and_says_how_far_to_open(shop, monkeypatch, capsys):
+    status, document = press(shop, monkeypatch, gap="0.2mm", temperature="200degC")
+    assert status == 1
+    assert document["gap_min_mm"] < 0.0
+    assert "open by 0.5" in capsys.readouterr().err
+    assert document["states"]["interfering_mm2"] > 0.0
+
+
+def test_too_little_spotted_is_a_negative_verdict(shop, monkeypatch):
+    assert press(shop, monkeypatch, gap="3mm", min_spotted=40.0)[0] == 0
+    assert press(shop, monkeypatch, gap="3mm", min_spotted=80.0)[0] == 1
+
+
+def test_floating_molds_under_a_force_off_centre_tilt_towards_it(shop, monkeypatch):
+    _, middle = press(shop, monkeypatch, force="100N", floating=True)
+    _, aside = press(shop, monkeypatch, force="100N", floating=True, force_at="25mm,0mm")
+    assert aside["tilt_deg"] > middle["tilt_deg"]
+    assert aside["force_N"] == pytest.approx(100.0, rel=1e-6)
+
+
+def test_a_yielding_frame_opens_the_press(shop, monkeypatch):
+    _, stiff = press(shop, monkeypatch, gap="3mm")
+    _, soft = press(shop, monkeypatch, gap="3mm", frame_stiffness="1kN/mm")
+    assert soft["force_N"] < stiff["force_N"]
+    assert soft["clearance_cold_mm"] == pytest.approx(3.0 + soft["force_N"] / 1000.0, rel=1e-9)
+    assert soft["clearance_to_set_mm"] == pytest.approx(3.0, abs=1e-9)
+
+
+def test_the_designed_male_presses_evenly(shop, monkeypatch):
+    status, document = press(
+        shop, monkeypatch, gap="3mm", temperature="200degC", design_gap="4mm", output="d.json"
+    )
+    assert status == 0
+    assert "d.design.stl" in document["files"]
+    hot = {"temperature": "200degC", "zero": "hot", "male": "d.design.stl"}
+    _, even = press(shop, monkeypatch, gap="4mm", **hot)
+    assert even["gap_max_mm"] - even["gap_min_mm"] < 0.06  # these facets are coarse
+    assert even["contact_fraction"] > 0.999
+
+
+def test_a_draped_sheet_thins_the_sandwich(shop, monkeypatch):
+    side = np.linspace(-150.0, 150.0, 31)
+    points = np.stack(np.meshgrid(side, side, [100.0], indexing="ij"), axis=-1).reshape(-1, 3)
+    number = np.arange(31 * 31).reshape(31, 31)
+    quads = np.stack([number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]], axis=-1).reshape(
+        -1, 4
+    )
+    grid = unstructured(points, {"quad": quads}, cell_data={"thickness_mm": np.full(len(quads), 0.4)})
+    (shop / "drape.vtu").write_bytes(grid)
+    (shop / "drape.json").write_text(json.dumps(_drape()))
+    _, plain = press(shop, monkeypatch, gap="3mm")
+    _, draped = press(shop, monkeypatch, gap="3mm", drape="drape.json")
+    assert draped["sandwich_mm"] == pytest.approx(4.5 * 0.8)
+    assert draped["contact_area_mm2"] < plain["contact_area_mm2"]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({}, "give --gap or --force"),
+        ({"gap": "3mm", "force": "5N"}, "only one of"),
+        ({"gap": "3"}, "write 3mm"),
+        ({"gap": "-1mm"}, "0 mm or more"),
+        ({"force": "0N"}, "greater than zero"),
+        ({"gap": "3mm", "axis": "w"}, "x, y or z"),
+        ({"gap": "3mm", "zero": "warm"}, "cold or hot"),
+        ({"gap": "3mm", "facets": "round"}, "smooth or flat"),
+        ({"gap": "3mm", "min_spotted": 120.0}, "between 0 and 100"),
+        ({"gap": "3mm", "force_at": "1mm,2mm"}, "add --float"),
+        ({"gap": "3mm", "floating": True, "force_at": "1mm"}, "two coordinates"),
+        ({"gap": "3mm", "temperature": "200degC", "male_heat": "h.json"}, "exclude each other"),
+        ({"gap": "3mm", "female": "male.stl"}, "the same file"),
+        ({"gap": "3mm", "strokes": 1}, "between 2 and 1001"),
+    ],
+)
+def test_options_that_cannot_mean_anything_are_refused(shop, monkeypatch, options, message):
+    with pytest.raises(UsageError, match=message):
+        press(shop, monkeypatch, **options)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"gap": "3mm", "axis": "x"}, "use --axis z"),
+        ({"gap": "3mm", "male": "female.stl", "female": "male.stl"}, "swapped"),
+        ({"force": "1e9N"}, r"largest force the sandwich can carry is \d+"),
+        ({"gap": "3mm", "design_gap": "200mm"}, r"near \(.*\) mm"),
+        ({"gap": "3mm", "female_heat": "missing.json"}, "no such file"),
+    ],
+)
+def test_inputs_that_do_not_fit_are_refused_with_the_way_out(shop, monkeypatch, options, message):
+    with pytest.raises(InputError, match=message):
+        press(shop, monkeypatch, **options)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (('thickness = "4.5 mm"', 'thickness = "4.5"'), "thickness"),
+        (('thickness = "4.5 mm"', ""), "thickness"),
+        (('law = "linear"', 'law = "rubber"'), "linear"),
+        (("modulus", "modulas"), "modul"),
+        (('{ law = "linear", modulus = "0.05 MPa" }', '{ table = "falling.csv" }'), "line 4.*stress falls"),
+        (('{ law = "linear", modulus = "0.05 MPa" }', '{ table = "percent.csv" }'), "below 1"),
+        (('male = "23.6e-6 1/K"', 'male = "23.6e-6 mm"'), "expansion"),
+        (('{ male = "23.6e-6 1/K"', '{ reference = "200 degC", male = "23.6e-6 1/K"'), "room temperature"),
+    ],
+)
+def test_a_foam_document_that_is_wrong_is_refused_by_key_or_line(shop, monkeypatch, change, message):
+    assert change[0] in FOAM
+    (shop / "bad.toml").write_text(FOAM.replace(*change))
+    (shop / "falling.csv").write_text("strain [-],stress [MPa]\n0,0\n0.2,0.1\n0.4,0.05\n")
+    (shop / "percent.csv").write_text("strain [-],stress [MPa]\n0,0\n20,0.1\n40,0.2\n")
+    with pytest.raises(InputError, match=message):
+        press(shop, monkeypatch, gap="3mm", foam="bad.toml")
+
+
+def test_only_the_document_goes_to_standard_output(hf, shop):
+    found = hf(
+        "press-contact",
+        "--male",
+        "male.stl",
+        "--female",
+        "female.stl",
+        "--foam",
+        "foam.toml",
+        "--gap",
+        "3mm",
+        cwd=shop,
+    )
+    assert found.returncode == 0, found.stderr
+    assert json.loads(found.stdout)["format"] == "hyperfab.press/1"
+
+
+def _ascii(solid):
+    lines = ["solid cup"]
+    for corners in np.float32(solid.vertices)[solid.faces]:
+        vertices = "\n".join("vertex " + " ".join(repr(float(v)) for v in corner) for corner in corners)
+        lines.append(f"facet normal 0 0 0\nouter loop\n{vertices}\nendloop\nendfacet")
+    return ("\n".join([*lines, "endsolid cup"]) + "\n").encode()
+
+
+def _drape():
+    use = {"model": "yeoh-1", "stretch_max": 1.1}
+    numbers = dict.fromkeys(
+        [
+            "iterations",
+            "iterations_finest",
+            "residual_max_N",
+            "residual_relative",
+            "tolerance",
+            "energy_J",
+            "force_N",
+            "imbalance_N",
+            "contact_nodes",
+            "penetration_max_mm",
+            "penetration_nodes_mm",
+            "penetration_edges_mm",
+            "slack_springs",
+            "stress_warp_max_MPa",
+            "stress_weft_max_MPa",
+            "thickness_min_mm",
+            "depth_mm",
+        ],
+        0,
+    )
+    return {
+        "format": "hyperfab.drape/1",
+        "converged": True,
+        **numbers,
+        "thickness_mm": 0.5,
+        "grid": [31, 31],
+        "size_mm": [300.0, 300.0],
+        "clamp": ["x-"],
+        "warp": use,
+        "weft": use,
+        "mold": {"facets": 1, "closed": True, "shift_mm": [0.0, 0.0, 30.0]},
+        "files": ["drape.vtu"],
+    }
