@@ -35,17 +35,35 @@ def fit(
         bool, typer.Option("--stable", help="Only constants that are Drucker-stable over the data.")
     ] = False,
     accept: Annotated[float, typer.Option(metavar="R", help="Largest relative rms that is accepted.")] = 0.30,
+    specimen: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Standard specimen, as iso-37-2 or iso-13934-1.")
+    ] = None,
+    gauge_length: Annotated[
+        str | None, typer.Option(metavar="LENGTH", help="Gauge length of force-extension tests.")
+    ] = None,
+    width: Annotated[
+        str | None, typer.Option(metavar="LENGTH", help="Width of force-extension tests.")
+    ] = None,
     thickness: Annotated[
         str | None, typer.Option(metavar="LENGTH", help="Thickness of the fabric, as 0.6mm.")
     ] = None,
-    gauge_length: Annotated[
-        str | None, typer.Option(metavar="LENGTH", help="First length, where a file has extensions.")
-    ] = None,
-    width: Annotated[
-        str | None, typer.Option(metavar="LENGTH", help="Width of the specimen, where a file has forces.")
-    ] = None,
     diameter: Annotated[
-        str | None, typer.Option(metavar="LENGTH", help="Diameter of a biaxial disc, where it has forces.")
+        str | None, typer.Option(metavar="LENGTH", help="Diameter of a biaxial disc.")
+    ] = None,
+    branch: Annotated[
+        str, typer.Option(metavar="BRANCH", help="Rows that take part: load, unload or all.")
+    ] = "all",
+    cycle: Annotated[
+        str, typer.Option(metavar="CYCLE", help="Cycle that takes part: a number, first, last or all.")
+    ] = "all",
+    zero: Annotated[
+        bool, typer.Option("--zero", help="Count stretch and stress from the first row of each test.")
+    ] = False,
+    preload: Annotated[
+        str | None, typer.Option(metavar="STRESS", help="Take out slack: count from where this is reached.")
+    ] = None,
+    resample: Annotated[
+        int | None, typer.Option(metavar="N", help="Mean of N equal steps of stretch on each branch.")
     ] = None,
     decimal: Annotated[
         str | None, typer.Option(metavar="MARK", help="Decimal mark of the files: . or ,")

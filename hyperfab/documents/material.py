@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from hyperfab.documents.base import Document
 from hyperfab.errors import UsageError
 
-Parameters = dict[str, float]
+#: Constants are numbers: a number in quotes is a mistake of another program, not to be read over.
+Parameters = dict[str, Annotated[float, Field(strict=True)]]
 
 
 class _Part(BaseModel):

@@ -210,3 +210,80 @@ def test_tests_in_different_units_need_the_thickness(hf: Run, tmp_path: Path) ->
     done = hf("fit", "--uniaxial", "a.csv", "--uniaxial", "b.csv", "--model", "neo-hookean", cwd=tmp_path)
     assert done.returncode == 3
     assert "--thickness" in done.stderr.decode()
+
+
+def loop_csv(path: Path) -> None:
+    """A test with slack to 1.05, a first and a second cycle, unloading at half the stress."""
+    lines = ["cycle,stretch [-],stress [MPa],branch"]
+    for cycle in (1, 2):
+        up = [1.0 + 0.002 * k for k in range(401)]
+        for branch, path_ in (("load", up), ("unload", up[::-1])):
+            for lam in path_:
+                own = max(lam / 1.05, 1.0)
+                stress = (0.4 if cycle == 1 else 0.3) * (own - own**-2) * (1.0 if branch == "load" else 0.5)
+                lines.append(f"{cycle},{lam:.3f},{stress:.9f},{branch}")
+    path.write_text("\n".join(lines) + "\n")
+
+
+def test_cycle_branch_and_slack_are_chosen_and_told(hf: Run, tmp_path: Path) -> None:
+    loop_csv(tmp_path / "loop.csv")
+    options = (
+        "--uniaxial",
+        "loop.csv",
+        "--model",
+        "neo-hookean",
+        "--branch",
+        "load",
+        "--preload",
+        "0.0001 MPa",
+    )
+    first = fit(hf, *options, "--cycle", "first", cwd=tmp_path)
+    # Slack ends between two rows: the origin is found on the straight line between them, to 0.2 % of stretch.
+    assert first["parameters"]["C10_MPa"] == pytest.approx(0.2, rel=0.03)
+    assert len(first["preparation"]) == 3
+    assert {"not cycle first", "not on the load branch", "slack, before the preload"} <= set(
+        first["left_out"]
+    )
+    second = fit(hf, *options, "--cycle", "2", cwd=tmp_path)
+    assert second["parameters"]["C10_MPa"] / first["parameters"]["C10_MPa"] == pytest.approx(0.75, rel=1e-6)
+
+
+def test_unloading_that_takes_part_draws_a_warning(hf: Run, tmp_path: Path) -> None:
+    loop_csv(tmp_path / "loop.csv")
+    found = fit(hf, "--uniaxial", "loop.csv", "--model", "neo-hookean", "--accept", "9", cwd=tmp_path)
+    assert "--branch load" in found["stderr"]
+
+
+def test_resampling_gives_every_stretch_the_same_weight(hf: Run, tmp_path: Path) -> None:
+    lam = [1.0 + 0.0005 * k for k in range(1, 400)] + [1.3, 1.5, 1.7, 1.9]
+    rows = "\n".join(f"{x:.4f},{0.4 * (x - x**-2):.9f}" for x in lam)
+    (tmp_path / "t.csv").write_text(f"stretch,stress [MPa]\n{rows}\n")
+    found = fit(hf, "--uniaxial", "t.csv", "--model", "neo-hookean", "--resample", "12", cwd=tmp_path)
+    assert found["fit"]["points"] < 12
+    # A step of 7 % stretch, over which the curve is not straight.
+    assert found["parameters"]["C10_MPa"] == pytest.approx(0.2, rel=5e-3)
+
+
+def test_force_and_extension_of_a_standard_specimen(hf: Run, tmp_path: Path) -> None:
+    rows = "\n".join(f"{20 * (x - 1):.6f},{4 * 2 * 0.4 * (x - x**-2):.9f}" for x in (1.1, 1.3, 1.6, 2.0))
+    (tmp_path / "t.csv").write_text(f"extension [mm],force [N]\n{rows}\n")
+    found = fit(
+        hf,
+        "--uniaxial",
+        "t.csv",
+        "--specimen",
+        "iso-37-2",
+        "--thickness",
+        "2mm",
+        "--model",
+        "neo-hookean",
+        cwd=tmp_path,
+    )
+    assert found["parameters"]["C10_MPa"] == pytest.approx(0.2, rel=1e-6)
+    assert "5 times as long as wide" in found["stderr"]
+
+
+def test_volumetric_test_gives_the_bulk_modulus(hf: Run, tmp_path: Path) -> None:
+    (tmp_path / "v.csv").write_text("volume ratio,stress [MPa]\n0.99,-20\n0.98,-40\n")
+    found = fit(hf, *ALL, "--volumetric", tmp_path / "v.csv", "--model", "yeoh-3")
+    assert found["bulk_modulus_MPa"] == pytest.approx(2000.0, rel=1e-12)

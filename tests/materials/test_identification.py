@@ -15,7 +15,7 @@ from hyperfab.materials.identification import Curve, Fit, Problem, Rows, fit_law
 from hyperfab.materials.identification.linear import nonnegative
 from hyperfab.materials.identification.quality import certainty
 from hyperfab.materials.modes import MODES
-from hyperfab.materials.stability import stable_ranges
+from hyperfab.materials.stability import stable_over, stable_ranges
 
 #: E2 of case A (uniaxial alone) and case B (all three tests): variable projection from many starts, by two
 #: programs independent of this one.
@@ -125,6 +125,31 @@ def test_the_first_unstable_stretch(
     for mode, stretch in first.items():
         # Known to two decimals; the ends are found on a finer grid than the data.
         assert ranges[mode].first_unstable == pytest.approx(stretch, abs=0.006)
+
+
+@pytest.mark.parametrize(
+    ("name", "case", "E2"),
+    [("mooney-rivlin-9", 1, 0.353643), ("mooney-rivlin-5", 1, 1.58136), ("mooney-rivlin-2", 0, 1.88890)],
+)
+def test_the_best_stable_constants_are_stable_and_best(
+    name: str, case: int, E2: float, curves: list[Curve]
+) -> None:
+    reach = {curve.mode: (1.0, float(curve.stretch.max())) for curve in curves}
+    found = fit_law(Problem(laws()[name], Rows.of(curves[:1] if case == 0 else curves)), reach)
+    assert found is not None
+    assert found.sse == pytest.approx(E2, rel=3e-5)
+    assert stable_over(stable_ranges(found.material), reach)
+
+
+def test_stable_constants_of_a_nonlinear_law_are_stable(curves: list[Curve]) -> None:
+    reach = {curve.mode: (1.0, float(curve.stretch.max())) for curve in curves}
+    problem = Problem(laws()["alexander"], Rows.of(curves[:1]))
+    free, stable = fit_law(problem), fit_law(problem, reach)
+    assert free is not None
+    assert stable is not None
+    assert not stable_over(stable_ranges(free.material), reach)
+    assert stable_over(stable_ranges(stable.material), reach)
+    assert free.sse < stable.sse < 1.2 * free.sse
 
 
 def test_standard_deviations_are_those_of_many_noisy_tests() -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hyperfab.chapters.fit.readings import Reading
+from hyperfab.chapters.fit.reading import Reading
 from hyperfab.materials import Material
 from hyperfab.materials.identification import Curve, Fit, Problem, Rows, fit_law
 from hyperfab.materials.identification.quality import Certainty, Figures, certainty, figures
@@ -82,9 +82,10 @@ def identify(law: Law, curves: Sequence[Reading], setting: Setting) -> Identifie
     wanted = len(problem.free) * rows.groups + len(problem.axes)
     if len(rows) < wanted:
         return f"{wanted} constants need as many rows, the tests fitted have {len(rows)}"
-    fit = fit_law(problem)
+    fit = fit_law(problem, reach(curves) if setting.stable else None)
     if fit is None:
-        return "the law cannot carry these stretches with constants in its box"
+        stable = " that are stable over the data" if setting.stable else ""
+        return f"the law cannot carry these stretches with constants in its box{stable}"
     measured, model = rows.stress, _model_stress(fit, rows)
     total = figures(measured, model)
     if total is None:

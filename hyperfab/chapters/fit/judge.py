@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from hyperfab.chapters.fit.identify import Identified, Setting, identify
-from hyperfab.chapters.fit.readings import Reading
+from hyperfab.chapters.fit.reading import Reading
 from hyperfab.materials.identification.quality import Figures
 from hyperfab.materials.identification.transfer import transfer_risk
 from hyperfab.materials.law import Law

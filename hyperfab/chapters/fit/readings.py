@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.chapters.fit.prepare import Steps, prepare
+from hyperfab.chapters.fit.reading import Reading
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_tests import TestData, read_tests
 from hyperfab.io.specimen import Geometry
@@ -17,43 +19,8 @@ from hyperfab.io.specimen import Geometry
 if TYPE_CHECKING:
     from hyperfab.chapters.job import Job
 
-Array = NDArray[np.float64]
-
 #: Tests closer than this in temperature [K] are tests at one temperature.
 SAME_TEMPERATURE = 5.0
-
-
-@dataclass(frozen=True)
-class Reading:
-    """One curve: a test in one direction at one temperature [degC], nominal stress in MPa."""
-
-    mode: str
-    source: str
-    stretch: Array
-    stress: Array
-    direction: str | None = None
-    temperature: float | None = None
-    specimen: str | None = None
-    stretch2: Array | None = None
-    stress2: Array | None = None
-    sd: Array | None = None
-    lines: NDArray[np.int64] | None = None
-
-    def take(self, rows: Any) -> Reading:
-        """Return the same curve with some of its rows."""
-
-        def pick(column: Any) -> Any:
-            return None if column is None else column[rows]
-
-        return replace(
-            self,
-            stretch=self.stretch[rows],
-            stress=self.stress[rows],
-            stretch2=pick(self.stretch2),
-            stress2=pick(self.stress2),
-            sd=pick(self.sd),
-            lines=pick(self.lines),
-        )
 
 
 @dataclass
@@ -67,6 +34,15 @@ class Readings:
     left_out: Counter[str] = field(default_factory=Counter)
     preparation: list[str] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
+
+    @property
+    def bulk_modulus(self) -> float | None:
+        """Mean stress over change of volume [MPa], by least squares; pressure counted either way."""
+        if not self.volumetric:
+            return None
+        change = np.concatenate([test.stretch - 1.0 for test in self.volumetric])
+        stress = np.concatenate([test.stress for test in self.volumetric])
+        return abs(float(change @ stress)) / float(change @ change)
 
     @property
     def modes(self) -> list[str]:
@@ -91,8 +67,8 @@ def read_all(
     return found
 
 
-def gather(tests: Sequence[TestData], relative: bool) -> Readings:
-    """Return the curves of ``tests``: one thickness, nominal stress in MPa, one temperature each.
+def gather(tests: Sequence[TestData], steps: Steps, relative: bool) -> Readings:
+    """Return the curves of ``tests``: one thickness, nominal stress in MPa, one temperature each, after ``steps``.
 
     With ``relative``, rows whose measured stress says nothing about a ratio are left out and counted.
     """
@@ -118,11 +94,14 @@ def gather(tests: Sequence[TestData], relative: bool) -> Readings:
                 stress2=test.stress2,
                 sd=test.stress_sd,
                 lines=test.lines,
-            ).take(rows)
-            if relative:
-                curve = _without_zeros(curve, found.left_out)
-            if len(curve.stretch):
-                found.curves.append(curve)
+                branch=test.branch,
+                cycle=test.cycle,
+            )
+            found.curves.append(curve.take(rows))
+    found.curves = prepare(found.curves, steps, found.left_out, found.preparation)
+    if relative:
+        found.curves = [_without_zeros(curve, found.left_out) for curve in found.curves]
+    found.curves = [curve for curve in found.curves if len(curve.stretch)]
     if not found.curves:
         raise InputError(
             "no row is left to fit", file=tests[0].source, remedy="is the stress zero in all rows?"
@@ -206,10 +185,12 @@ def _remarks(tests: Sequence[TestData], found: Readings) -> None:
         found.preparation.append(
             "no thickness is known: 1 mm is taken, and a constant in MPa is force per width in N/mm"
         )
-    unloading = sum(int((test.branch == -1).sum()) for test in tests if test.branch is not None)
-    if unloading:
+    branches = [curve.branch for curve in found.curves if curve.branch is not None]
+    unloading = sum(int((branch == -1).sum()) for branch in branches)
+    if 0 < unloading < sum(map(len, branches)):
         found.warnings.append(
-            f"{unloading} rows are unloading; an elastic law takes the middle of loading and unloading"
+            f"{unloading} rows are unloading; an elastic law takes the middle of loading and unloading; "
+            "--branch load takes loading alone"
         )
     for note in dict.fromkeys(f"{test.source}: {note}" for test in tests for note in test.notes):
         found.preparation.append(note)

@@ -7,7 +7,9 @@ from collections.abc import Sequence
 from hyperfab.chapters.fit import describe
 from hyperfab.chapters.fit.identify import Identified, Setting, reach
 from hyperfab.chapters.fit.judge import Judged, Sets, judge
+from hyperfab.chapters.fit.prepare import Steps
 from hyperfab.chapters.fit.readings import Readings, gather, read_all
+from hyperfab.chapters.fit.specimens import aspect_warnings, geometry
 from hyperfab.chapters.job import Job
 from hyperfab.console import NEGATIVE_VERDICT
 from hyperfab.documents.material import MaterialDocument
@@ -31,10 +33,16 @@ def run(
     objective: str = "relative",
     stable: bool = False,
     accept: float = 0.30,
-    thickness: str | None = None,
+    specimen: str | None = None,
     gauge_length: str | None = None,
     width: str | None = None,
+    thickness: str | None = None,
     diameter: str | None = None,
+    branch: str = "all",
+    cycle: str = "all",
+    zero: bool = False,
+    preload: str | None = None,
+    resample: int | None = None,
     decimal: str | None = None,
     output: str = "-",
 ) -> int:
@@ -46,15 +54,16 @@ def run(
         raise UsageError(f"--accept {accept}: a relative rms above zero is needed, as 0.30")
     candidates = list(laws().values()) if model == "all" else [law(model)]
     files = {"uniaxial": uniaxial, "shear": shear, "biaxial": biaxial, "volumetric": volumetric}
-    geometry = Geometry(
-        gauge_length=_length(gauge_length, "--gauge-length"),
-        width=_length(width, "--width"),
-        thickness=_length(thickness, "--thickness"),
-        diameter=_length(diameter, "--diameter"),
+    sizes = geometry(
+        specimen,
+        {"gauge_length": gauge_length, "width": width, "thickness": thickness, "diameter": diameter},
     )
-    tests = read_all(job, files, geometry, decimal)
+    steps = Steps(branch, cycle, zero, _stress(preload, "--preload", sizes), resample)
+    steps.check()
+    tests = read_all(job, files, sizes, decimal)
     out.refuse_inputs(job.inputs)
-    readings = gather(tests, relative=objective == "relative")
+    readings = gather(tests, steps, relative=objective == "relative")
+    readings.warnings[:0] = aspect_warnings(tests, sizes)
     chosen = _chosen(fit_on, readings)
     setting = Setting(chosen, objective == "relative", stable, accept)
     sets = _sets(readings)
@@ -77,13 +86,14 @@ def run(
     return 0 if best.accepted else NEGATIVE_VERDICT
 
 
-def _length(text: str | None, option: str) -> float | None:
+def _stress(text: str | None, option: str, sizes: Geometry) -> float | None:
+    """Return a stress [MPa], given as such or as force per width [N/mm] (over the thickness, where it is known)."""
     if text is None:
         return None
-    value = quantity(text, "length", option=option)
-    if not value > 0.0:
-        raise UsageError(f"{option} {text}: a length above zero is needed, as 0.6mm")
-    return value
+    try:
+        return quantity(text, "stress", option=option)
+    except UsageError:
+        return quantity(text, "membrane-stress", option=option) / (sizes.thickness or 1.0)
 
 
 def _chosen(fit_on: str | None, readings: Readings) -> tuple[str, ...]:
@@ -156,6 +166,7 @@ def _document(
         fit_on=list(setting.fit_on),
         left_out=dict(sorted(readings.left_out.items())) or None,
         preparation=readings.preparation or None,
+        bulk_modulus_MPa=readings.bulk_modulus,
         warnings=[*readings.warnings, *_doubts(best, setting)] or None,
         models=None
         if ranking is None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,8 +11,13 @@ from hyperfab.materials.identification.design import Problem
 from hyperfab.materials.identification.linear import least_norm
 from hyperfab.materials.identification.polish import polish
 from hyperfab.materials.identification.search import starts
+from hyperfab.materials.identification.stable import stable_optimum
 from hyperfab.materials.kinematics import Array
 from hyperfab.materials.material import Material
+from hyperfab.materials.stability import stable_over as stable
+from hyperfab.materials.stability import stable_ranges
+
+Reach = Mapping[str, tuple[float, float]]
 
 
 @dataclass(frozen=True)
@@ -35,11 +41,12 @@ class Fit:
         return self.materials[0]
 
 
-def fit_law(law_problem: Problem) -> Fit | None:
+def fit_law(problem: Problem, stable_over: Reach | None = None) -> Fit | None:
     """Return the global optimum of the weighted least squares; None where the law cannot carry the rows at all.
 
     Laws linear in their constants are solved by QR of the scaled design matrix; the others by variable
-    projection, from a scan of the box, polished.
+    projection, from a scan of the box, polished. With ``stable_over`` (mode: lowest and highest stretch) the best
+    constants that are Drucker-stable there are returned, which the caller may verify.
 
     >>> from hyperfab.materials import law
     >>> from hyperfab.materials.identification.rows import Curve
@@ -49,7 +56,18 @@ def fit_law(law_problem: Problem) -> Fit | None:
     >>> {name: round(value, 12) for name, value in found.material.parameters.items()}
     {'C10_MPa': 0.4}
     """
-    problem = law_problem
+    found = _free_optimum(problem)
+    if found is None or stable_over is None or _is_stable(found, stable_over):
+        return found
+    optimum = stable_optimum(problem, stable_over)
+    return None if optimum is None else _fit(problem, *optimum)
+
+
+def _is_stable(found: Fit, reach: Reach) -> bool:
+    return all(stable(stable_ranges(material), reach) for material in found.materials)
+
+
+def _free_optimum(problem: Problem) -> Fit | None:
     if not problem.axes:
         u = np.zeros(0)
         with np.errstate(all="ignore"):

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
 
 from hyperfab.materials.identification.design import Problem
 from hyperfab.materials.kinematics import Array
+from hyperfab.materials.law import Axis
 
 #: Points along one axis, by the number of axes.
 _POINTS = {1: 61, 2: 25, 3: 13}
@@ -27,13 +29,18 @@ def starts(problem: Problem) -> Array:
     if problem.law.exchangeable and len(axes) > 1:
         return _scan_of_equals(problem)
     count = _POINTS[len(axes)]
+    points = box_points(axes, count)
+    sse = scan(problem, points).reshape((count,) * len(axes))
+    return points[_valleys(sse)]
+
+
+def box_points(axes: Sequence[Axis], count: int) -> Array:
+    """Return the points of a grid over the box, ``count`` along each axis, shape (points, axes)."""
     lines = [np.linspace(axis.low, axis.high, count) for axis in axes]
-    grid = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1)
-    sse = _sse(problem, grid.reshape(-1, len(axes))).reshape(grid.shape[:-1])
-    return grid.reshape(-1, len(axes))[_valleys(sse)]
+    return np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, len(axes))
 
 
-def _sse(problem: Problem, u: Array) -> Array:
+def scan(problem: Problem, u: Array) -> Array:
     """Square sum at each point with free constants, infinite where the law does not exist there."""
     with np.errstate(all="ignore"):
         A = problem.design(u)

@@ -1,0 +1,200 @@
+"""What may be done to readings before a fit. Nothing is done unasked, and each step is told in the document."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from hyperfab.chapters.fit.reading import Array, Reading, Whole
+from hyperfab.errors import InputError, UsageError
+
+#: Rows after the largest stretch are unloading where they come back by this share of the whole way.
+_RETURN = 0.2
+
+
+@dataclass(frozen=True)
+class Steps:
+    """What was asked for: ``branch`` and ``cycle`` choose rows, ``zero`` and ``preload`` move the origin."""
+
+    branch: str = "all"
+    cycle: str = "all"
+    zero: bool = False
+    preload: float | None = None
+    resample: int | None = None
+
+    def check(self) -> None:
+        """Refuse what cannot be meant."""
+        if self.branch not in ("all", "load", "unload"):
+            raise UsageError(f"--branch {self.branch}: it is load, unload or all")
+        if self.cycle not in ("all", "first", "last") and not self.cycle.isdigit():
+            raise UsageError(f"--cycle {self.cycle}: it is a number, first, last or all")
+        if self.resample is not None and self.resample < 3:
+            raise UsageError(f"--resample {self.resample}: at least 3 points a curve are needed")
+
+
+def prepare(
+    curves: Sequence[Reading], steps: Steps, left_out: Counter[str], told: list[str]
+) -> list[Reading]:
+    """Return the curves after the steps, telling each in ``told`` and each row left out in ``left_out``."""
+    found = list(curves)
+    if steps.cycle != "all":
+        found = _select(
+            found, lambda curve: _of_cycle(curve, steps.cycle), left_out, f"not cycle {steps.cycle}"
+        )
+        told.append(f"cycle {steps.cycle} of each test")
+    if steps.branch != "all":
+        wanted = 1 if steps.branch == "load" else -1
+        found = _select(
+            found, lambda curve: _branch(curve) == wanted, left_out, f"not on the {steps.branch} branch"
+        )
+        told.append(f"the {steps.branch} branch of each test")
+    if steps.zero:
+        found = [_zeroed(curve) for curve in found]
+        told.append("stretch and stress counted from the first row of each test")
+    if steps.preload is not None:
+        found = [_after_preload(curve, steps.preload, left_out) for curve in found]
+        told.append(
+            f"slack taken out: rows before the stress reaches {steps.preload:g} MPa left out, "
+            "stretch counted from there"
+        )
+    if steps.resample is not None:
+        found = [_resampled(curve, steps.resample) for curve in found]
+        told.append(f"each branch resampled to {steps.resample} points evenly spaced in stretch")
+    return found
+
+
+def _select(
+    curves: Sequence[Reading], wanted: Callable[[Reading], Array], left_out: Counter[str], reason: str
+) -> list[Reading]:
+    found = []
+    for curve in curves:
+        rows = np.flatnonzero(wanted(curve))
+        if len(rows) < len(curve.stretch):
+            left_out[reason] += len(curve.stretch) - len(rows)
+        if len(rows):
+            found.append(curve.take(rows))
+    if not found:
+        raise InputError(
+            f"no row is left: all are {reason}",
+            file=curves[0].source,
+            remedy="choose another branch or cycle",
+        )
+    return found
+
+
+def _branch(curve: Reading) -> Whole:
+    """Return 1 on loading and -1 on unloading: as the file says, else by the way to and from the largest stretch."""
+    if curve.branch is not None:
+        return curve.branch
+    turn = int(np.argmax(curve.stretch))
+    back = float(curve.stretch[turn] - curve.stretch[turn:].min())
+    if back < _RETURN * float(np.ptp(curve.stretch)):
+        return np.ones(len(curve.stretch), dtype=np.int64)
+    return np.where(np.arange(len(curve.stretch)) <= turn, 1, -1)
+
+
+def _of_cycle(curve: Reading, wanted: str) -> Array:
+    if curve.cycle is None:
+        raise InputError(
+            "does not number its cycles",
+            file=curve.source,
+            column="cycle",
+            remedy="add the column, or leave out --cycle",
+        )
+    number = {"first": int(curve.cycle.min()), "last": int(curve.cycle.max())}.get(wanted)
+    return np.asarray(curve.cycle == (int(wanted) if number is None else number))
+
+
+def _zeroed(curve: Reading) -> Reading:
+    first2 = None if curve.stretch2 is None else curve.stretch2 / curve.stretch2[0]
+    return replace(
+        curve,
+        stretch=curve.stretch / curve.stretch[0],
+        stretch2=first2,
+        stress=curve.stress - curve.stress[0],
+        stress2=None if curve.stress2 is None else curve.stress2 - curve.stress2[0],
+    )
+
+
+def _after_preload(curve: Reading, preload: float, left_out: Counter[str]) -> Reading:
+    """Count the stretch from where the stress passes the preload for good; lengths of the slack are no strain."""
+    peak = int(np.argmax(curve.stretch))
+    below = np.flatnonzero(curve.stress[: peak + 1] < preload)
+    start = int(below[-1]) + 1 if len(below) else 0
+    if start > peak:
+        raise InputError(
+            f"never reaches the preload of {preload:g} MPa",
+            file=curve.source,
+            remedy="give a smaller --preload",
+        )
+    if start == 0:
+        origin, origin2 = (
+            float(curve.stretch[0]),
+            None if curve.stretch2 is None else float(curve.stretch2[0]),
+        )
+    else:
+        low, high = curve.stress[start - 1], curve.stress[start]
+        share = (preload - low) / (high - low)
+        origin = float(curve.stretch[start - 1] + share * (curve.stretch[start] - curve.stretch[start - 1]))
+        origin2 = None
+        if curve.stretch2 is not None:
+            origin2 = float(
+                curve.stretch2[start - 1] + share * (curve.stretch2[start] - curve.stretch2[start - 1])
+            )
+    if start:
+        left_out["slack, before the preload"] += start
+    kept = curve.take(np.arange(start, len(curve.stretch)))
+    stretch2 = None if kept.stretch2 is None or origin2 is None else kept.stretch2 / origin2
+    return replace(kept, stretch=kept.stretch / origin, stretch2=stretch2)
+
+
+def _resampled(curve: Reading, points: int) -> Reading:
+    """Return each branch as means of the readings around ``points`` stretches: every stretch counts the same."""
+    branch = _branch(curve)
+    parts = [
+        _means(curve.take(np.flatnonzero(branch == side)), points)
+        for side in (1, -1)
+        if (branch == side).any()
+    ]
+    if len(parts) == 1:
+        return parts[0]
+    first, second = parts
+
+    def joined(name: str) -> Any:
+        one, two = getattr(first, name), getattr(second, name)
+        return None if one is None or two is None else np.concatenate([one, two])
+
+    names = ("stretch", "stress", "stretch2", "stress2", "sd", "lines", "branch", "cycle")
+    columns: dict[str, Any] = {name: joined(name) for name in names}
+    return replace(first, **columns)
+
+
+def _means(curve: Reading, points: int) -> Reading:
+    low, high = float(curve.stretch.min()), float(curve.stretch.max())
+    number = np.minimum(((curve.stretch - low) / max(high - low, 1e-300) * points).astype(int), points - 1)
+    used = np.unique(number)
+
+    def mean(column: Array | None) -> Array | None:
+        return None if column is None else np.array([column[number == k].mean() for k in used])
+
+    def first(column: Whole | None) -> Whole | None:
+        return None if column is None else np.array([column[number == k][0] for k in used])
+
+    stretch, stress = mean(curve.stretch), mean(curve.stress)
+    assert stretch is not None
+    assert stress is not None
+    return replace(
+        curve,
+        stretch=stretch,
+        stress=stress,
+        stretch2=mean(curve.stretch2),
+        stress2=mean(curve.stress2),
+        sd=mean(curve.sd),
+        lines=first(curve.lines),
+        branch=first(curve.branch),
+        cycle=first(curve.cycle),
+    )

@@ -1,0 +1,49 @@
+"""One curve of a fabric test."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Whole = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One curve: a test in one direction at one temperature [degC], nominal stress in MPa."""
+
+    mode: str
+    source: str
+    stretch: Array
+    stress: Array
+    direction: str | None = None
+    temperature: float | None = None
+    specimen: str | None = None
+    stretch2: Array | None = None
+    stress2: Array | None = None
+    sd: Array | None = None
+    lines: Whole | None = None
+    branch: Whole | None = None
+    cycle: Whole | None = None
+
+    def take(self, rows: Any) -> Reading:
+        """Return the same curve with some of its rows."""
+
+        def pick(column: Any) -> Any:
+            return None if column is None else column[rows]
+
+        return replace(
+            self,
+            stretch=self.stretch[rows],
+            stress=self.stress[rows],
+            stretch2=pick(self.stretch2),
+            stress2=pick(self.stress2),
+            sd=pick(self.sd),
+            lines=pick(self.lines),
+            branch=pick(self.branch),
+            cycle=pick(self.cycle),
+        )

@@ -1,0 +1,75 @@
+"""Sizes of standard specimens, and what the shape of a specimen does to a test."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from hyperfab.errors import UsageError
+from hyperfab.io.csv_tests import TestData
+from hyperfab.io.specimen import Geometry
+from hyperfab.io.units import quantity
+
+#: Gauge length and width [mm] of standard specimens. The thickness is always measured, never assumed.
+STANDARD: Mapping[str, Geometry] = {
+    "iso-527-1a": Geometry(gauge_length=75.0, width=10.0),
+    "iso-527-1b": Geometry(gauge_length=50.0, width=10.0),
+    "iso-527-5a": Geometry(gauge_length=20.0, width=4.0),
+    "iso-37-1": Geometry(gauge_length=25.0, width=6.0),
+    "iso-37-2": Geometry(gauge_length=20.0, width=4.0),
+    "iso-37-3": Geometry(gauge_length=10.0, width=4.0),
+    "iso-37-4": Geometry(gauge_length=10.0, width=2.0),
+    "astm-d412-c": Geometry(gauge_length=25.0, width=6.0),
+    "astm-d412-a": Geometry(gauge_length=50.0, width=12.0),
+    "iso-13934-1": Geometry(gauge_length=200.0, width=50.0),
+    "iso-13934-1-short": Geometry(gauge_length=100.0, width=50.0),
+    "iso-13934-2-grab": Geometry(gauge_length=100.0, width=25.0),
+}
+
+
+def geometry(specimen: str | None, lengths: Mapping[str, str | None]) -> Geometry:
+    """Return the sizes from the options: those of a standard specimen, each replaced where it is given.
+
+    ``lengths`` has the options ``gauge_length``, ``width``, ``thickness`` and ``diameter`` as typed.
+    """
+    if specimen is not None and specimen not in STANDARD:
+        raise UsageError(f"--specimen {specimen}: the known ones are {', '.join(STANDARD)}")
+    base = STANDARD[specimen] if specimen is not None else Geometry()
+    given = {name: _length(text, f"--{name.replace('_', '-')}") for name, text in lengths.items()}
+    return Geometry(
+        **{name: value if value is not None else getattr(base, name) for name, value in given.items()}
+    )
+
+
+def _length(text: str | None, option: str) -> float | None:
+    if text is None:
+        return None
+    value = quantity(text, "length", option=option)
+    if not value > 0.0:
+        raise UsageError(f"{option} {text}: a length above zero is needed, as 0.6mm")
+    return value
+
+
+def aspect_warnings(tests: Sequence[TestData], options: Geometry) -> list[str]:
+    """Say which specimens are not as slender, or as wide, as their test takes for granted."""
+    found = []
+    for test in tests:
+        length = options.gauge_length or _stated(test, "gauge length")
+        width = options.width or _stated(test, "width")
+        if length is None or width is None:
+            continue
+        ratio = length / width
+        if test.test == "uniaxial" and ratio < 9.5:
+            found.append(
+                f"{test.source}: the specimen is {ratio:.2g} times as long as wide; below 10 its ends hinder the "
+                "contraction and it reads too stiff for uniaxial tension"
+            )
+        if test.test == "shear" and not 3.9 <= 1.0 / ratio <= 10.1:
+            found.append(
+                f"{test.source}: the specimen is {1 / ratio:.2g} times as wide as long; planar tension takes 4 to 10"
+            )
+    return list(dict.fromkeys(found))
+
+
+def _stated(test: TestData, key: str) -> float | None:
+    text = test.metadata.get(key)
+    return None if text is None else quantity(text, "length")
