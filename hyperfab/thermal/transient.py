@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
@@ -28,6 +29,9 @@ EVENT_TIME = 1e-12
 
 #: Without an end time the run stops where the watched temperature would change less than this in all time left [K].
 SETTLED = 1e-3
+#: ... or its thermostats have switched so often, or so much time has gone by [s].
+MOST_SWITCHES = 400
+LONGEST = 60 * 86400.0
 
 
 @dataclass(frozen=True)
@@ -121,7 +125,7 @@ def run(
                 state.time, state.temperature, state.stored, model.flow(state.time, state.temperature)
             )
             following = min(following, _length_after_jump(model, before, state, schedule, following))
-        if end is None and target is not None and _never(history, target):
+        if end is None and target is not None and _never(history, target, model.total_capacity(state.temperature)):
             history.settled = True
             break
         length = following
@@ -242,16 +246,21 @@ def _shorten(model: HeatModel, start: State, step: Step, excess: Callable[[Array
     return step
 
 
-def _never(history: History, target: Target) -> bool:
-    """Whether the watched mean has come to rest short of the target: its geometric rest is below SETTLED."""
-    if len(history.states) < 4:
-        return False
-    a, b, c = (dot(target.sensor, s.temperature) for s in history.states[-3:])
-    t = [s.time for s in history.states[-3:]]
-    fast, slow = (b - a) / (t[1] - t[0]), (c - b) / (t[2] - t[1])
-    if abs(slow) * (t[2] - t[1]) < 1e-9:
+def _never(history: History, target: Target, capacity: float) -> bool:
+    """Whether the mold has come to rest, or swings about its thermostats, short of the target.
+
+    The mean heating rate of the whole mold decays geometrically at the end; what is left of it is its sum.
+    """
+    if len(history.switches) > MOST_SWITCHES or history.states[-1].time > LONGEST:
         return True
-    if not 0.0 < slow / fast < 1.0:
-        return slow < 0.0 and t[2] > 30 * 86400.0
-    decay = np.log(fast / slow) / (0.5 * (t[2] - t[0]))
-    return bool(c + slow / decay < target.value and slow / decay < SETTLED)
+    if len(history.states) < 4 or (history.jumps and history.jumps[-1] > len(history.states) - 3):
+        return False
+    before, now = history.states[-2:]
+    missing = target.value - dot(target.sensor, now.temperature)
+    earlier, rate = (float(s.rate.sum()) / capacity for s in (before, now))
+    if rate <= 0.0:
+        return earlier <= 0.0 and dot(target.sensor, now.temperature - before.temperature) <= 0.0
+    if rate >= earlier:
+        return False
+    left = rate * (now.time - before.time) / math.log(earlier / rate)
+    return left < SETTLED and left < missing
