@@ -245,7 +245,7 @@ def test_cycle_branch_and_slack_are_chosen_and_told(hf: Run, tmp_path: Path) -> 
         first["left_out"]
     )
     second = fit(hf, *options, "--cycle", "2", cwd=tmp_path)
-    assert second["parameters"]["C10_MPa"] / first["parameters"]["C10_MPa"] == pytest.approx(0.75, rel=1e-6)
+    assert second["parameters"]["C10_MPa"] / first["parameters"]["C10_MPa"] == pytest.approx(0.75, rel=1e-3)
 
 
 def test_unloading_that_takes_part_draws_a_warning(hf: Run, tmp_path: Path) -> None:
