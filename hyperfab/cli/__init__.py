@@ -10,6 +10,7 @@ import typer
 
 from hyperfab import __version__
 from hyperfab.cli import (
+    close_loop,
     drape,
     fabric_contact,
     fit,
@@ -37,6 +38,7 @@ app.command("fabric-contact", short_help=fabric_contact.SHORT_HELP)(fabric_conta
 app.command("drape", short_help=drape.SHORT_HELP)(drape.drape)
 app.command("mold-heat", short_help=mold_heat.SHORT_HELP)(mold_heat.mold_heat)
 app.command("press-contact", short_help=press_contact.SHORT_HELP)(press_contact.press_contact)
+app.command("close-loop", short_help=close_loop.SHORT_HELP)(close_loop.close_loop)
 app.command("sweep", short_help=sweep.SHORT_HELP)(sweep.sweep)
 app.command("summary", short_help=summary.SHORT_HELP)(summary.summary)
 app.command("sample", short_help=sample.SHORT_HELP)(sample.sample)

@@ -26,6 +26,7 @@ KINDS: dict[str, str] = {
     "heat": "hyperfab.documents.heat:HeatDocument",
     "foam": "hyperfab.documents.foam:FoamDocument",
     "press": "hyperfab.documents.press:PressDocument",
+    "loop": "hyperfab.documents.loop:LoopDocument",
     "study": "hyperfab.documents.study:StudyDocument",
     "sweep": "hyperfab.documents.sweep:SweepDocument",
 }

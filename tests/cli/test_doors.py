@@ -14,6 +14,7 @@ COMMANDS = [
     "drape",
     "mold-heat",
     "press-contact",
+    "close-loop",
     "sweep",
     "summary",
     "sample",

@@ -1,0 +1,47 @@
+"""``hf close-loop``: hold a model against measured data, find what it lacks, add it, and say how sure that is."""
+
+from __future__ import annotations
+
+from hyperfab.chapters.close_loop.domain import kind_of
+from hyperfab.chapters.job import Job
+from hyperfab.errors import UsageError
+from hyperfab.io.units import quantity
+
+#: The kinds of model that the loop can be closed on.
+BUILT = ("material",)
+
+
+def run(
+    job: Job,
+    *,
+    model: str,
+    measured: list[str],
+    hold_out: list[str],
+    noise: str | None,
+    fix: list[str],
+    prior: str | None,
+    decimal: str | None,
+    output: str,
+) -> int:
+    """Close the loop on ``model``: 0, or 1 where the residual stays unexplained."""
+    if not measured:
+        raise UsageError("nothing to compare with; give measured data with --measured FILE.csv")
+    kind, data = kind_of(job, model)
+    if kind not in BUILT:
+        raise UsageError(
+            f"close-loop does not take a {kind} model yet ({model}); it takes a material document of hf fit"
+        )
+    from hyperfab.chapters.close_loop import fabric
+
+    return fabric.run(
+        job,
+        name=model,
+        data=data,
+        measured=measured,
+        hold_out=hold_out,
+        noise=noise,
+        fix=fix,
+        prior=None if prior is None else quantity(prior, "dimensionless", option="--prior"),
+        decimal=decimal,
+        output=output,
+    )

@@ -1,0 +1,269 @@
+"""A finding in numbers and in words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from hyperfab.console import Console
+from hyperfab.documents.loop import (
+    AddedEffect,
+    Candidate,
+    Errors,
+    Evidence,
+    LoopDocument,
+    Misfit,
+    NextMeasurement,
+    NoiseFigures,
+    Residual,
+)
+from hyperfab.loop.engine import Finding
+from hyperfab.loop.fabric import FabricProblem
+from hyperfab.loop.problem import Array, Problem
+
+
+def describe(
+    problem: Problem,
+    found: Finding,
+    unit: str,
+    left_out: Mapping[str, int],
+    warnings: Sequence[str],
+    domain: str = "fabric",
+) -> LoopDocument:
+    """Return the finding as a document."""
+    first = problem.channel == 0
+    before, after = found.before.fit, found.after.fit
+    sd = found.noise.sd[first]
+    names = [constant.name for constant in problem.own]
+    judgement = found.after.judgement
+    document = LoopDocument(
+        domain=domain,
+        verdict=found.verdict,
+        effects=[_added(problem, found, name) for name in after.forms],
+        constants={
+            "given": {constant.name: float(constant.value) for constant in problem.own},
+            "refitted": dict(zip(names, (float(v) for v in before.x[: before.own]), strict=True)),
+            "with_effects": dict(zip(names, (float(v) for v in after.x[: after.own]), strict=True)),
+        },
+        noise=NoiseFigures(
+            sd=_rms(sd),
+            unit=unit,
+            source=found.noise.source,
+            degrees_of_freedom=found.noise.dof if math.isfinite(found.noise.dof) else None,
+            specimen_scatter=found.noise.gain_sd or None,
+            correlation=found.noise.correlation or None,
+        ),
+        error=errors_of(
+            problem.measured[first],
+            before.predicted[first],
+            after.predicted[first],
+            sd,
+            unit,
+            whitened=(before.residual[first], after.residual[first]),
+        ),
+        held_out=_held_out(problem, found, unit),
+        residual=Residual(
+            is_noise=judgement.is_noise,
+            structured=judgement.structured,
+            p_lack_of_fit=judgement.p_lack_of_fit,
+            p_autocorrelation=judgement.p_autocorrelation,
+            p_greatest_score=judgement.p_greatest_score,
+            rides_on=found.rides_on,
+            suggestion=found.suggestion[0] if found.suggestion else None,
+            suggestion_share=found.suggestion[1] if found.suggestion else None,
+        ),
+        candidates=_candidates(problem, found),
+        indistinguishable=found.indistinguishable,
+        next_measurement=_next(found),
+        left_out=dict(left_out),
+        warnings=list(warnings),
+    )
+    document.summary = summary(problem, document)
+    return document
+
+
+def errors_of(
+    measured: Array,
+    before: Array,
+    after: Array,
+    sd: Array,
+    unit: str,
+    tests: int | None = None,
+    source: str | None = None,
+    whitened: tuple[Array, Array] | None = None,
+) -> Errors:
+    """Return the residual's size before and after, beside that of the noise."""
+    old, new = whitened if whitened is not None else ((measured - before) / sd, (measured - after) / sd)
+
+    def misfit(raw: Array, chi2: float) -> Misfit:
+        size, top = _rms(measured) or 1.0, float(np.max(np.abs(measured), initial=0.0)) or 1.0
+        return Misfit(rms=_rms(raw), relative_rms=_rms(raw) / size, nrmse=_rms(raw) / top, chi2_reduced=chi2)
+
+    return Errors(
+        unit=unit,
+        before=misfit(measured - before, float(np.mean(old**2))),
+        after=misfit(measured - after, float(np.mean(new**2))),
+        noise=misfit(sd, 1.0),
+        tests=tests,
+        source=source,
+    )
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2))) if len(values) else 0.0
+
+
+def _held_out(problem: Problem, found: Finding, unit: str) -> Errors | None:
+    """Return the errors of leaving each test out, over the tests that both models can predict."""
+    first = problem.channel == 0
+    old, new = found.before.held_out, found.after.held_out
+    known = first & np.isfinite(old.residual) & np.isfinite(new.residual)
+    if not np.any(known):
+        return None
+    sd = found.noise.sd[known]
+    counted = {i for i in set(old.counted) & set(new.counted) if problem.curves[i].channel == 0}
+    measured = problem.measured[known]
+    # Residuals of left-out tests are known in units of the noise.
+    return errors_of(
+        measured,
+        measured - old.residual[known] * sd,
+        measured - new.residual[known] * sd,
+        sd,
+        unit,
+        len(counted),
+        "each test predicted from all others",
+    )
+
+
+def _added(problem: Problem, found: Finding, name: str) -> AddedEffect:
+    fit = found.after.fit
+    effect, form = problem.effect(name), fit.forms[name]
+    place = fit.place(name)
+    scale = math.sqrt(max(found.after.judgement.chi2_reduced, 1.0))
+    evidence = found.added[name]
+    aid = evidence.help
+    return AddedEffect(
+        id=name,
+        title=effect.title,
+        form=form.name,
+        parameters={c.name: float(v) for c, v in zip(form.constants, fit.x[place], strict=True)},
+        parameters_sd={c.name: float(v) * scale for c, v in zip(form.constants, fit.sd[place], strict=True)},
+        evidence=Evidence(
+            delta_bic=evidence.delta_bic,
+            variance_share=evidence.variance_share,
+            held_out_share=aid.taken if aid is not None else None,
+            tests_helped=aid.helped if aid is not None else None,
+        ),
+    )
+
+
+def _candidates(problem: Problem, found: Finding) -> list[Candidate]:
+    rows = []
+    for effect in problem.effects:
+        tried = found.tried.get(effect.id)
+        confounded = sorted(
+            {name for one in found.indistinguishable if effect.id in one for name in one} - {effect.id}
+        )
+        rows.append(
+            Candidate(
+                id=effect.id,
+                title=effect.title,
+                visible=effect.id not in found.invisible,
+                score=float(found.scores[effect.id]) if effect.id in found.scores else None,
+                delta_bic=float(tried.delta_bic) if tried is not None else None,
+                confounded_with=confounded,
+                shown_by=effect.shown_by,
+            )
+        )
+    return sorted(rows, key=lambda row: (-(row.delta_bic or 0.0), -(row.score or 0.0)))
+
+
+def _next(found: Finding) -> NextMeasurement | None:
+    if not found.measurements:
+        return None
+    best = found.measurements[0]
+    return NextMeasurement(
+        text=best.text,
+        details=dict(best.details),
+        misfit=best.misfit,
+        decisive=best.decisive,
+        instead=[other.text for other in found.measurements[1:3]],
+    )
+
+
+def summary(problem: Problem, document: LoopDocument) -> list[str]:
+    """Return the finding in sentences an engineer can act on."""
+    unit, error = document.error.unit, document.error
+    lines = [
+        f"With its own constants refitted the model misses by {error.before.rms:.3g} {unit} (rms), "
+        f"the noise of the data is {error.noise.rms:.3g} {unit}."
+    ]
+    if document.verdict == "noise":
+        lines.append("What is left is noise: these data show nothing that the model lacks.")
+    for effect in document.effects:
+        values = ", ".join(f"{key} {value:.4g}" for key, value in effect.parameters.items())
+        lines.append(f"{effect.id}: {effect.title} ({effect.form}: {values}).")
+    if document.effects:
+        lines.append(f"With that it misses by {error.after.rms:.3g} {unit}.")
+    if document.verdict == "effect":
+        lines.append("What is left is noise, and no other entry of the catalogue could stand in its place.")
+    if document.verdict == "ambiguous":
+        sets = "; ".join(" or ".join(one) for one in document.indistinguishable)
+        lines.append(f"These data cannot tell apart: {sets}.")
+    if document.verdict == "unexplained":
+        riding = [
+            f"{key} ({share:.0%})" for key, share in document.residual.rides_on.items() if share > 0.02
+        ][:3]
+        lines.append(
+            "Something is lacking that no entry of the catalogue explains"
+            + (f"; what is left rides on {', '.join(riding)}." if riding else ".")
+        )
+        if document.residual.suggestion:
+            lines.append(f"A hint, not a law: residual [{unit}] ~ {document.residual.suggestion}")
+    if document.next_measurement is not None:
+        sure = "" if document.next_measurement.decisive else " (it may not settle the matter at this noise)"
+        lines.append(f"Measure next: {document.next_measurement.text}{sure}.")
+    hidden = [row.id for row in document.candidates if not row.visible]
+    if hidden:
+        lines.append(f"These data cannot show: {', '.join(hidden)}.")
+    return lines
+
+
+def say(console: Console, document: LoopDocument) -> None:
+    """Tell a person what came out."""
+    console.note(f"verdict: {document.verdict}")
+    for line in document.summary:
+        console.note(line)
+    rows = [
+        [row.id, "-" if row.score is None else f"{row.score:.1f}", "-" if row.delta_bic is None else
+        f"{row.delta_bic:.0f}",
+         ", ".join(row.confounded_with)]
+        for row in document.candidates
+        if row.visible
+    ]  # fmt: skip
+    console.table("What the model might lack", ["effect", "score", "BIC lowered by", "not told from"], rows)
+
+
+def curves_csv(problem: FabricProblem, found: Finding, unit: str) -> bytes:
+    """Return measured and predicted stresses, row by row."""
+    quantity = "membrane stress" if unit == "N/mm" else "stress"
+    head = [
+        "test",
+        "stretch [-]",
+        f"{quantity} [{unit}]",
+        f"before [{unit}]",
+        f"after [{unit}]",
+        f"noise sd [{unit}]",
+    ]
+    lines = [",".join(head)]
+    path = problem.fabric.path
+    old, new = found.before.fit.predicted, found.after.fit.predicted
+    curves = [curve for curve in problem.curves if curve.channel == 0]
+    for curve in curves:
+        name = '"' + curve.name.replace('"', "'") + '"'
+        for i in range(curve.start, curve.stop):
+            values = (path.stretch[i], problem.measured[i], old[i], new[i], found.noise.sd[i])
+            lines.append(",".join([name, *(f"{float(value):.8g}" for value in values)]))
+    return ("\n".join(lines) + "\n").encode()

@@ -1,0 +1,161 @@
+"""The extended model: an ordinary material document with one physical term more."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from hyperfab.documents.material import AtTemperature, Direction, MaterialDocument
+from hyperfab.errors import InputError
+from hyperfab.loop.fabric import FabricProblem
+from hyperfab.loop.fitting import Fit
+from hyperfab.loop.problem import Array, Constant
+from hyperfab.materials.law import Law
+
+#: Effects that the document tells in keys of its own, which every command reads: no term is added twice.
+_TOLD_ELSEWHERE = ("anisotropy",)
+
+
+def held_terms(
+    document: MaterialDocument, name: str, entries: Mapping[str, Any]
+) -> dict[str, tuple[str, tuple[Constant, ...]]]:
+    """Return the terms a document already has: effect id -> form and constants, found in the catalogue ``entries``."""
+    found: dict[str, tuple[str, tuple[Constant, ...]]] = {}
+    for index, item in enumerate(document.effects or []):
+        key = f"effects.{index}"
+        kind, form_name, values = item.get("id"), item.get("form"), item.get("parameters")
+        if kind in _TOLD_ELSEWHERE or item.get("told_by"):
+            continue
+        effect = entries.get(str(kind))
+        form = None if effect is None else next((f for f in effect.forms if f.name == form_name), None)
+        if form is None or not isinstance(values, Mapping):
+            raise InputError(
+                f"unknown effect {kind!r} of form {form_name!r}",
+                file=name,
+                key=key,
+                remedy="remove it, or see docs/close-loop.md",
+            )
+        constants = []
+        for constant in form.constants:
+            if constant.name not in values:
+                raise InputError("is missing", file=name, key=f"{key}.parameters.{constant.name}")
+            value = float(values[constant.name])
+            low, high = min(constant.low, value), max(constant.high, value)
+            constants.append(Constant(f"{kind} {constant.name}", value, low, high, constant.scale))
+        found[str(kind)] = (form.name, tuple(constants))
+    return found
+
+
+def extend(document: MaterialDocument, problem: FabricProblem, fit: Fit, law: Law) -> MaterialDocument:
+    """Return the document with refitted constants and the terms of ``fit``."""
+    names = law.names
+    count = len(names)
+    warp = dict(zip(names, (float(v) for v in fit.x[:count]), strict=True))
+    weft = (
+        dict(zip(names, (float(v) for v in fit.x[count : 2 * count]), strict=True)) if problem.both else None
+    )
+    result = document.model_copy(deep=True)
+    for stale in (
+        "fit",
+        "stability",
+        "stable",
+        "accepted",
+        "models",
+        "warnings",
+        "objective",
+        "fit_on",
+        "preparation",
+    ):
+        setattr(result, stale, None)
+    result.files, result.provenance = [], None
+    terms = fit.terms
+    records = _refitted(document, problem, fit)
+    for effect_id, (form, values) in terms.items():
+        entry = problem.effect(effect_id).form(form)
+        parameters = {c.name: float(v) for c, v in zip(entry.constants, values, strict=True)}
+        record: dict[str, Any] = {"id": effect_id, "form": form, "parameters": parameters}
+        if effect_id == "anisotropy":
+            weft = _weft(law, warp, form, values)
+            record["told_by"] = "directions"
+            if form == "diagonal":
+                record["diagonal_softness"] = float(values[count])
+        if effect_id == "thermal-softening":
+            record["reference_degC"] = problem.fabric.reference_degC
+            result.temperature_degC = problem.fabric.reference_degC
+        if (
+            effect_id == "elastic-law"
+            and form == "powers"
+            and law.name in ("neo-hookean", "yeoh-1", "yeoh-2")
+        ):
+            result.model = "yeoh-3"
+            warp = _richer(warp, parameters)
+            weft = None if weft is None else _richer(weft, parameters)
+            record["told_by"] = "model"
+        records.append(record)
+    result.parameters = warp
+    result.temperatures = None
+    result.directions = None
+    if weft is not None:
+        result.directions = {
+            "warp": Direction(parameters=warp), "weft": Direction(parameters=weft)
+        }  # fmt: skip
+    _warm(result, problem, fit)
+    result.effects = records or None
+    return result
+
+
+def _refitted(document: MaterialDocument, problem: FabricProblem, fit: Fit) -> list[dict[str, Any]]:
+    """Return the terms the document had, with their constants refitted."""
+    found = [dict(item) for item in document.effects or []]
+    at = len(problem.law.names) * (2 if problem.both else 1)
+    for name, (_, null) in problem.held.items():
+        record = next(item for item in found if item.get("id") == name)
+        keys = list(record["parameters"])
+        own = [constant.name.removeprefix(f"{name} ") for constant in problem.own[at : at + len(null)]]
+        record["parameters"] = {
+            **{key: record["parameters"][key] for key in keys},
+            **{key: float(value) for key, value in zip(own, fit.x[at : at + len(null)], strict=True)},
+        }
+        at += len(null)
+    return found
+
+
+def _weft(law: Law, warp: Mapping[str, float], form: str, values: Array) -> dict[str, float]:
+    if form == "ratio":
+        linear = set(law.linear)
+        return {name: value * float(values[0]) if name in linear else value for name, value in warp.items()}
+    return {name: warp[name] + float(value) for name, value in zip(law.names, values, strict=False)}
+
+
+def _richer(own: Mapping[str, float], added: Mapping[str, float]) -> dict[str, float]:
+    return {name: own.get(name, 0.0) + added.get(name, 0.0) for name in ("C10_MPa", "C20_MPa", "C30_MPa")}
+
+
+def _warm(result: MaterialDocument, problem: FabricProblem, fit: Fit) -> None:
+    """Write softening with temperature as constants at each temperature met, which every command interpolates."""
+    if "thermal-softening" not in fit.terms:
+        return
+    _, values = fit.terms["thermal-softening"]
+    known = problem.fabric.path.temperature_degC
+    met = np.unique(np.round(known[np.isfinite(known)] * 2.0) / 2.0)
+    linear = set(problem.law.linear) | {"C10_MPa", "C20_MPa", "C30_MPa"}
+
+    def table(parameters: Mapping[str, float]) -> list[AtTemperature]:
+        rows = []
+        for degrees in sorted({float(problem.fabric.reference_degC), *(float(v) for v in met)}):
+            rise = degrees - problem.fabric.reference_degC
+            bend = float(values[1]) if len(values) > 1 else 0.0
+            factor = float(np.exp(-float(values[0]) * rise - bend * rise**2))
+            rows.append(
+                AtTemperature(
+                    temperature_degC=degrees,
+                    parameters={k: v * factor if k in linear else v for k, v in parameters.items()},
+                )
+            )
+        return rows
+
+    result.temperatures = table(result.parameters)
+    for direction in (result.directions or {}).values():
+        direction.temperatures = table(direction.parameters)

@@ -1,0 +1,185 @@
+"""The loop on tests of a fabric: a material document against what a testing machine read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from hyperfab.chapters.close_loop.describe import describe, say
+from hyperfab.chapters.close_loop.extended import extend, held_terms
+from hyperfab.chapters.close_loop.tests_in import Measured, read_measured
+from hyperfab.chapters.job import Job
+from hyperfab.console import NEGATIVE_VERDICT
+from hyperfab.documents.base import parse_document
+from hyperfab.documents.material import MaterialDocument
+from hyperfab.errors import UsageError
+from hyperfab.io.json_io import dump_json
+from hyperfab.io.output import Output
+from hyperfab.io.units import quantity
+from hyperfab.loop.catalogue import catalogue
+from hyperfab.loop.catalogue.fabric.scene import Scene
+from hyperfab.loop.engine import Finding, close
+from hyperfab.loop.fabric import FabricProblem, fabric_problem
+from hyperfab.loop.problem import Array
+from hyperfab.materials.registry import bind
+
+#: Work of a usual run, in refits, for the progress line.
+_REFITS = 60.0
+
+
+def run(
+    job: Job,
+    *,
+    name: str,
+    data: Mapping[str, Any],
+    measured: list[str],
+    hold_out: list[str],
+    noise: str | None,
+    fix: list[str],
+    prior: float | None,
+    decimal: str | None,
+    output: str,
+) -> int:
+    """Close the loop on a material document."""
+    out = Output(output, (".model.json", ".png", ".csv"))
+    document = parse_document(data, name, MaterialDocument)
+    tests = read_measured(job, measured, decimal, document.thickness_mm)
+    apart = [file for file in hold_out if file != "auto"]
+    held_out = read_measured(job, apart, decimal, document.thickness_mm) if apart else None
+    level = None
+    if noise is not None:
+        kind = "membrane-stress" if tests.unit == "N/mm" else "stress"
+        level = quantity(noise, kind, option="--noise")
+        if level <= 0.0:
+            raise UsageError(f"--noise {noise}: must be more than zero")
+    out.refuse_inputs(job.inputs)
+    problem = pose(document, name, tests, fix, prior)
+    _warn(job, document, tests)
+    with job.console.progress("Closing the loop") as advance:
+        count = 0
+
+        def tick(text: str) -> None:
+            nonlocal count
+            count += 1
+            advance(1.0 - float(np.exp(-count / _REFITS)), text)
+
+        found = close(problem, noise=level, tick=tick)
+    result = describe(problem, found, tests.unit, tests.left_out, tests.warnings)
+    if held_out is not None:
+        result.held_out = _predicted(problem, found, held_out, tests.unit)
+    if out.wants_files:
+        model = extend(document, problem, found.after.fit, problem.law)
+        model.format = model.format_name()
+        out.add(".model.json", dump_json(model.to_json()))
+        result.model = out.path(".model.json").name
+        _files(out, problem, found, tests.unit)
+    say(job.console, result)
+    job.write(out, result)
+    return NEGATIVE_VERDICT if found.verdict == "unexplained" else 0
+
+
+def pose(
+    document: MaterialDocument,
+    name: str,
+    tests: Measured,
+    fix: Sequence[str] = (),
+    prior: float | None = None,
+) -> FabricProblem:
+    """Return the problem of a material document and measured tests."""
+    directions = document.directions or {}
+    warp_document = directions.get("warp")
+    weft_document = directions.get("weft")
+    warp = document.parameters if warp_document is None else warp_document.parameters
+    law = bind(document.model, warp).law
+    constants = [float(warp[key]) for key in law.names]
+    weft = None
+    if warp_document is not None and weft_document is not None:
+        bind(document.model, weft_document.parameters)
+        weft = [float(weft_document.parameters[key]) for key in law.names]
+    held = {}
+    if document.effects:
+        bare = fabric_problem(law, constants, tests.tests, weft=weft)
+        stress = np.concatenate([test.stress for test in tests.tests])
+        scene = Scene(law, tuple(constants), bare.fabric.path, stress, False, len(bare.transverse_rows) > 0)
+        held = held_terms(document, name, {effect.id: effect for effect in catalogue("fabric", scene)})
+    known = set(law.names) | {f"warp {key}" for key in law.names} | {f"weft {key}" for key in law.names}
+    known |= {constant.name for _, constants_ in held.values() for constant in constants_}
+    for key in fix:
+        if key not in known:
+            raise UsageError(
+                f"--fix {key}: the model has no such constant; it has {', '.join(sorted(known))}"
+            )
+    reference = document.temperature_degC
+    for item in document.effects or []:
+        if item.get("id") == "thermal-softening" and "reference_degC" in item:
+            reference = float(item["reference_degC"])
+    return fabric_problem(
+        law,
+        constants,
+        tests.tests,
+        weft=weft,
+        held=held,
+        fixed=tuple(fix),
+        prior=prior,
+        reference_degC=reference,
+    )
+
+
+def _warn(job: Job, document: MaterialDocument, tests: Measured) -> None:
+    softens = any(item.get("id") == "thermal-softening" for item in document.effects or [])
+    if document.temperatures and not softens:
+        tests.warnings.append(
+            "the model's constants at other temperatures are set aside: the loop starts from those of its own"
+        )
+    if not any(np.isfinite(test.angle_deg) for test in tests.tests) and document.directions:
+        tests.warnings.append("the tests state no direction: they are taken as pulled along the warp")
+    for text in tests.warnings:
+        job.console.warn(text)
+
+
+def _predicted(problem: FabricProblem, found: Finding, apart: Measured, unit: str) -> Any:
+    """Return the error on tests that were set apart, before and after."""
+    from hyperfab.chapters.close_loop.describe import errors_of
+
+    both = problem.remake([*problem.tests, *apart.tests])  # type: ignore[operator]
+    count = sum(len(test.stretch) for test in problem.tests)
+    total = count + sum(len(test.stretch) for test in apart.tests)
+    rows = slice(count, total)
+    values = [
+        both.predict(state.fit.x[: state.fit.own], state.fit.terms)[rows]
+        for state in (found.before, found.after)
+    ]
+    sd = np.full(total - count, float(np.sqrt(np.mean(found.noise.sd[:count] ** 2))))
+    measured: Array = np.concatenate([test.stress for test in apart.tests])
+    return errors_of(measured, values[0], values[1], sd, unit, len(apart.tests), "the files of --hold-out")
+
+
+def _files(out: Output, problem: FabricProblem, found: Finding, unit: str) -> None:
+    from hyperfab.chapters.close_loop.describe import curves_csv
+    from hyperfab.report.figures_loop import loop_figure
+
+    out.add(".csv", curves_csv(problem, found, unit))
+    first = problem.channel == 0
+    names = [curve.name for curve in problem.curves if curve.channel == 0]
+    curves = [curve.rows for curve in problem.curves if curve.channel == 0]
+    out.add(
+        ".png",
+        loop_figure(
+            abscissa=problem.fabric.path.stretch,
+            label="stretch",
+            unit=unit,
+            curves=curves,
+            names=names,
+            measured=problem.measured[first],
+            before=found.before.fit.predicted[first],
+            after=found.after.fit.predicted[first],
+            sd=found.noise.sd[first],
+            states=problem.states,
+            scores={key: float(value.delta_bic) for key, value in found.tried.items()} or found.scores,
+            scores_label="BIC lowered by" if found.tried else "score",
+            verdict=found.verdict,
+            added=found.after.ids,
+        ),
+    )

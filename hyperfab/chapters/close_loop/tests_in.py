@@ -1,0 +1,133 @@
+"""From test files to the curves of the loop: one curve a specimen and setting, nothing dropped in silence."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+
+from hyperfab.chapters.job import Job
+from hyperfab.errors import InputError, UsageError
+from hyperfab.io.csv_tests import TestData, read_tests
+from hyperfab.loop.fabric import FabricTest
+from hyperfab.loop.problem import Array
+from hyperfab.materials.effects.path import BIAXIAL, GENERAL, SHEAR, UNIAXIAL
+
+_MODES = {"uniaxial": UNIAXIAL, "shear": SHEAR, "biaxial": BIAXIAL, "biaxial-general": GENERAL}
+
+
+@dataclass
+class Measured:
+    """The curves, the unit their stresses are reported in, and what is to be said about them."""
+
+    tests: list[FabricTest]
+    unit: str
+    left_out: Counter[str] = field(default_factory=Counter)
+    warnings: list[str] = field(default_factory=list)
+
+
+def read_measured(job: Job, names: Sequence[str], decimal: str | None, thickness: float | None) -> Measured:
+    """Read test files; stress in N/mm becomes MPa by ``thickness`` [mm], or counts as that of 1 mm without one."""
+    twice = [name for name, count in Counter(names).items() if count > 1]
+    if twice:
+        raise UsageError(f"{twice[0]} is given twice; its rows would count double")
+    found = Measured([], "MPa")
+    every = [test for name in names for test in read_tests(job.inputs.read(name), name, decimal=decimal)]
+    widths = [test for test in every if test.membrane]
+    if widths and len(widths) < len(every):
+        if thickness is None:
+            other = next(test for test in every if not test.membrane)
+            raise InputError(
+                f"is in N/mm of width, {other.source} in MPa",
+                file=widths[0].source,
+                remedy="state the thickness in the model (thickness_mm), so that all stresses are in MPa",
+            )
+    elif widths and thickness is None:
+        found.unit = "N/mm"
+    for name, counts in {test.source: test.left_out for test in every}.items():
+        for reason, count in counts.items():
+            found.left_out[f"{name}: {reason}"] += count
+    for test in every:
+        if test.test == "volumetric":
+            found.left_out[f"{test.source}: volumetric test, the sheet's law has no say in it"] += len(
+                test.stretch
+            )
+            continue
+        found.tests += _curves(test, 1.0 / thickness if test.membrane and thickness else 1.0)
+    if not found.tests:
+        raise InputError(
+            "has no test of a sheet", file=names[0], remedy="give uniaxial, shear or biaxial tests"
+        )
+    return found
+
+
+def _curves(test: TestData, factor: float) -> list[FabricTest]:
+    """Split a test where a new run begins, and a general biaxial one into its two axes."""
+    found = []
+    for number, rows in enumerate(_runs(test)):
+        part = _curve(test, rows, factor, number)
+        found.append(part)
+        if test.test == "biaxial-general" and test.stress2 is not None and test.stretch2 is not None:
+            angle = part.angle_deg + 90.0
+            found.append(
+                FabricTest(
+                    **{
+                        **vars(part),
+                        "name": f"{part.name}, second axis",
+                        "stretch": test.stretch2[rows],
+                        "transverse": test.stretch[rows],
+                        "stress": factor * test.stress2[rows],
+                        "angle_deg": angle % 180.0,
+                    }
+                )
+            )
+    return found
+
+
+def _curve(test: TestData, rows: slice, factor: float, number: int) -> FabricTest:
+    def pick(column: Array | None) -> Array | None:
+        return None if column is None else np.asarray(column[rows], dtype=np.float64)
+
+    words = [test.source]
+    words += [text for text in (test.direction_name, test.specimen and f"specimen {test.specimen}") if text]
+    if number:
+        words.append(f"run {number + 1}")
+    sd = pick(test.stress_sd)
+    return FabricTest(
+        name=", ".join(words),
+        mode=_MODES[test.test],
+        stretch=test.stretch[rows],
+        stress=factor * test.stress[rows],
+        transverse=pick(test.stretch2),
+        time_s=pick(test.time_s),
+        rate_1_s=pick(test.rate_1_s),
+        temperature_degC=pick(test.temperature_degC),
+        angle_deg=np.nan if test.direction is None else test.direction,
+        branch=pick(test.branch),  # type: ignore[arg-type]
+        cycle=pick(test.cycle),  # type: ignore[arg-type]
+        specimen=f"{test.source} {test.specimen or number} {test.direction_name}",
+        stress_sd=None if sd is None else factor * sd,
+    )
+
+
+def _runs(test: TestData) -> list[slice]:
+    """Return the rows of each run: a clock that goes back, or without a clock a new rate or temperature, begins one."""
+    count = len(test.stretch)
+    cut = np.zeros(count, dtype=bool)
+    if test.time_s is not None:
+        cut[1:] |= np.diff(test.time_s) < 0.0
+    else:
+        for column, size in ((test.rate_1_s, 1e-9), (test.temperature_degC, 2.0)):
+            if column is not None:
+                cut[1:] |= np.abs(np.diff(column)) > size
+        if test.branch is None and test.cycle is None:
+            # A file of several pulls one after another: back to the start in one row.
+            reach = float(np.ptp(test.stretch))
+            cut[1:] |= np.diff(test.stretch) < -0.5 * reach
+    if test.cycle is not None and test.time_s is None:
+        cut[1:] |= np.diff(test.cycle) < 0
+    edges = [0, *(int(i) for i in np.flatnonzero(cut)), count]
+    return [slice(a, b) for a, b in pairwise(edges) if b - a > 0]

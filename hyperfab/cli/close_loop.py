@@ -1,0 +1,55 @@
+"""``hf close-loop``: its options and its help."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from hyperfab.cli.shared import Debug, Quiet, Target, run_chapter
+
+SHORT_HELP = "What the model lacks, found in measured data"
+
+
+def close_loop(
+    context: typer.Context,
+    model: Annotated[str, typer.Argument(metavar="MODEL", help="Material document of hf fit, or -.")],
+    measured: Annotated[
+        list[str], typer.Option(metavar="CSV", help="Measured data; repeat for more files.")
+    ] = [],
+    hold_out: Annotated[
+        list[str],
+        typer.Option(
+            metavar="CSV", help="Data that take no part and are predicted; auto leaves out test by test."
+        ),
+    ] = ["auto"],
+    noise: Annotated[
+        str | None,
+        typer.Option(
+            metavar="SIZE",
+            help="Standard deviation of a reading, as 0.002MPa; estimated where not given.",
+        ),
+    ] = None,
+    fix: Annotated[list[str], typer.Option(metavar="KEY", help="Hold a constant of the model.")] = [],
+    prior: Annotated[
+        str | None,
+        typer.Option(
+            metavar="SHARE",
+            help="Standard deviation of the model's own constants, as 10%; else they are free.",
+        ),
+    ] = None,
+    decimal: Annotated[
+        str | None, typer.Option(metavar="MARK", help="Decimal mark of the files: . or ,")
+    ] = None,
+    output: Target = "-",
+    quiet: Quiet = False,
+    debug: Debug = False,
+) -> None:
+    """Compare a model with measured data, find the effect it lacks, and add it where the data are sure.
+
+    \b
+    Example:
+      hf close-loop fabric.json --measured specimens/lycra/warp-23C.csv \\
+         --measured specimens/lycra/weft-23C.csv -o loop.json
+    """
+    run_chapter(context)

@@ -1,0 +1,141 @@
+"""The loop document: what a model lacks on measured data, how sure that is, and what to measure next."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from hyperfab.documents.base import Document
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="allow", allow_inf_nan=False)
+
+
+class Misfit(_Part):
+    """The size of a residual."""
+
+    rms: float = Field(description="root mean square, in the unit of the data")
+    relative_rms: float = Field(description="rms over the root mean square of the measured values")
+    nrmse: float = Field(description="rms over the largest measured value")
+    chi2_reduced: float = Field(description="mean square in standard deviations of the noise; 1 is noise")
+
+
+class Errors(_Part):
+    """Model against data before and after the effects were added, beside the noise of the data."""
+
+    unit: str
+    before: Misfit
+    after: Misfit
+    noise: Misfit
+    tests: int | None = Field(default=None, description="tests that were predicted without taking part")
+    source: str | None = Field(default=None, description="how the tests that took no part were chosen")
+
+
+class NoiseFigures(_Part):
+    """The noise the data were judged against."""
+
+    sd: float = Field(
+        description="one standard deviation of a reading (root mean square), in the unit of the data"
+    )
+    unit: str
+    source: str
+    degrees_of_freedom: float | None = None
+    specimen_scatter: float | None = Field(
+        default=None, description="relative standard deviation of the stiffness between specimens"
+    )
+    correlation: float | None = Field(default=None, description="between neighbouring readings")
+
+
+class Evidence(_Part):
+    """Why an effect was added."""
+
+    delta_bic: float = Field(
+        description="by how much it lowers BIC, readings counted by their number of independent ones"
+    )
+    variance_share: float = Field(description="share of what was not noise that it takes")
+    held_out_share: float | None = Field(
+        default=None, description="share of the error on tests that took no part that it takes"
+    )
+    tests_helped: float | None = Field(default=None, description="share of those tests it predicts better")
+
+
+class AddedEffect(_Part):
+    """An effect that was found and added."""
+
+    id: str
+    title: str
+    form: str
+    parameters: dict[str, float]
+    parameters_sd: dict[str, float] = Field(default_factory=dict)
+    evidence: Evidence
+
+
+class Candidate(_Part):
+    """An entry of the catalogue, tried on these data."""
+
+    id: str
+    title: str
+    visible: bool = Field(description="false where these data could not show it at any size")
+    score: float | None = Field(
+        default=None, description="how far the residual points at it, in standard deviations"
+    )
+    delta_bic: float | None = Field(default=None, description="what it alone would lower BIC by")
+    confounded_with: list[str] = Field(default_factory=list)
+    shown_by: str = Field(description="the measurement that tells it from its look-alikes")
+
+
+class Residual(_Part):
+    """What is left after the effects were added."""
+
+    is_noise: bool
+    structured: float = Field(description="rms of what is not noise, in standard deviations of the noise")
+    p_lack_of_fit: float
+    p_autocorrelation: float
+    p_greatest_score: float
+    rides_on: dict[str, float] = Field(
+        default_factory=dict, description="share of it that the means over each state variable explain"
+    )
+    suggestion: str | None = Field(
+        default=None, description="a formula that would take part of it: a hint, never added"
+    )
+    suggestion_share: float | None = None
+
+
+class NextMeasurement(_Part):
+    """The measurement that would tell the rivals apart."""
+
+    text: str
+    details: dict[str, Any] = Field(default_factory=dict)
+    misfit: float = Field(description="chi-squared by which the loser would then miss, at the present noise")
+    decisive: bool
+    instead: list[str] = Field(default_factory=list, description="the next best measurements")
+
+
+class LoopDocument(Document):
+    """What ``hf close-loop`` found."""
+
+    KIND: ClassVar[str] = "loop"
+
+    domain: Literal["fabric", "contact", "drape", "heat", "press"]
+    verdict: Literal["noise", "effect", "ambiguous", "unexplained"]
+    summary: list[str] = Field(default_factory=list, description="the finding in words")
+    effects: list[AddedEffect] = Field(default_factory=list)
+    constants: dict[str, dict[str, float]] = Field(
+        default_factory=dict,
+        description="the model's own constants: given, refitted, refitted with the effects",
+    )
+    noise: NoiseFigures
+    error: Errors
+    held_out: Errors | None = None
+    residual: Residual
+    candidates: list[Candidate] = Field(default_factory=list)
+    indistinguishable: list[list[str]] = Field(
+        default_factory=list,
+        description="sets of effects that these data cannot tell apart, the named one first",
+    )
+    next_measurement: NextMeasurement | None = None
+    model: str | None = Field(default=None, description="the extended model, relative to this document")
+    left_out: dict[str, int] = Field(default_factory=dict, description="rows left out, by reason")
+    warnings: list[str] = Field(default_factory=list)

@@ -1,0 +1,1 @@
+"""What a strain-energy law lacks on tests of a fabric."""

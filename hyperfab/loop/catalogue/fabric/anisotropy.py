@@ -1,0 +1,48 @@
+"""Warp and weft with constants of their own: ``directions`` of the material document."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hyperfab.loop.catalogue.fabric.scene import Scene
+from hyperfab.loop.problem import Constant, Effect, Form
+
+
+def entry(scene: Scene) -> Effect | None:
+    """Return the effect: one ratio for all constants, all constants free, and the softness on the diagonal."""
+    if scene.directions or len(scene.angles) < 2:
+        return None
+    law = scene.law
+    c = np.array(scene.constants)
+    size = max(float(np.max(np.abs(c[: len(law.linear)]))), 1e-12)
+    away = []
+    for index, name in enumerate(law.names):
+        if index < len(law.linear):
+            away.append(Constant(f"weft-warp {name}", 0.0, scale=max(abs(c[index]), 0.1 * size)))
+        else:
+            away.append(Constant(f"weft-warp {name}", 0.0, scale=max(abs(c[index]), 0.1)))
+    linear = np.array([index < len(law.linear) for index in range(len(c))])
+    softer, stiffer, little = (
+        tuple(float(v) for v in np.where(linear, factor * c, 0.0)) for factor in (-0.5, 1.0, 0.05)
+    )
+    singles = [
+        tuple(float(0.05 * size) if i == k else 0.0 for i in range(len(c))) for k in range(len(law.linear))
+    ]
+    forms = [
+        Form("ratio", (Constant("weft/warp", 1.0, 0.01, 100.0),), ((0.5,), (2.0,)), ((1.05,),)),
+        Form("constants", tuple(away), (softer, stiffer), (little, *singles)),
+    ]
+    if np.any((scene.angles % 90.0) > 1.0):
+        diagonal = Constant("diagonal softness", 0.0, -1.0, 0.98)
+        forms.append(
+            Form("diagonal", (*away, diagonal), ((*softer, 0.2), (*softer, 0.2)), refines="constants")
+        )
+    return Effect(
+        id="anisotropy",
+        title="warp and weft differ",
+        rides_on=("direction",),
+        shown_by="the same pull along warp and weft, each with a replicate",
+        source="Spencer (1984), Continuum Theory of the Mechanics of Fibre-Reinforced Composites",
+        forms=tuple(forms),
+        smooth=False,
+    )

@@ -1,0 +1,31 @@
+"""A sheet that changes its volume."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hyperfab.loop.catalogue.fabric.scene import Scene
+from hyperfab.loop.problem import Constant, Effect, Form
+
+
+def entry(scene: Scene) -> Effect | None:
+    """Return the effect: the contraction exponent; one a direction where contraction was measured along both."""
+    if scene.law.name.startswith("blatz-ko"):
+        return None
+    several = len(np.unique(scene.path.mode)) > 1
+    if not scene.transverse and not several:
+        return None
+    nu = Constant("nu", 0.5, -0.4, 0.9, 0.05)
+    forms = [Form("uniform", (nu,), ((0.4,), (0.2,)), ((0.48,),))]
+    if scene.transverse and len(scene.angles) > 1:
+        across = Constant("nu_weft", 0.5, -0.4, 0.9, 0.05)
+        forms.append(Form("directions", (nu, across), ((0.4, 0.4),), ((0.48, 0.5), (0.5, 0.48))))
+    return Effect(
+        id="compressibility",
+        title="the sheet does not keep its volume",
+        rides_on=("mode", "transverse stretch"),
+        shown_by="the transverse stretch of a uniaxial test, or uniaxial and biaxial tests of one sheet",
+        source="Blatz & Ko (1962), doi:10.1122/1.548937",
+        forms=tuple(forms),
+        smooth=False,
+    )

@@ -1,0 +1,44 @@
+"""A loop at one rate: friction between yarns, or a pseudo-elastic loop that closes at each turn."""
+
+from __future__ import annotations
+
+from hyperfab.loop.catalogue.fabric.scene import Scene
+from hyperfab.loop.problem import Constant, Effect, Form
+
+
+def entry(scene: Scene) -> Effect | None:
+    """Return the effect: friction that grows with the load, constant friction, a pseudo-elastic loop."""
+    if not scene.unloads:
+        return None
+    reach, peak, energy = scene.reach, scene.peak_stress, scene.energy
+    turn = Constant("turn_strain", 0.1 * reach, 0.002 * reach, 2.0 * reach, 0.1 * reach)
+    return Effect(
+        id="hysteresis",
+        title="loading and unloading differ, whatever the rate",
+        rides_on=("branch",),
+        shown_by="three cycles to one amplitude at two rates: a loop of the same width every time",
+        source="Dahl (1968), TOR-158; Ogden & Roxburgh (1999), doi:10.1098/rspa.1999.0431",
+        forms=(
+            Form(
+                "friction",
+                (Constant("friction", 0.0, 0.0, 0.9, 0.1), turn),
+                ((0.1, 0.05 * reach), (0.15, 0.3 * reach)),
+                ((0.02, 0.03 * reach), (0.02, 0.15 * reach), (0.02, 0.5 * reach)),
+            ),
+            Form(
+                "dry",
+                (Constant("friction_MPa", 0.0, 0.0, peak, 0.05 * peak), turn),
+                ((0.05 * peak, 0.05 * reach), (0.05 * peak, 0.3 * reach)),
+                ((0.01 * peak, 0.03 * reach), (0.01 * peak, 0.15 * reach)),
+            ),
+            Form(
+                "pseudo-elastic",
+                (
+                    Constant("amount", 0.0, 0.0, 0.98, 0.1),
+                    Constant("energy_MPa", 0.3 * energy, 0.005 * energy, 10.0 * energy, 0.3 * energy),
+                ),
+                ((0.2, 0.15 * energy), (0.3, 0.7 * energy)),
+                ((0.03, 0.1 * energy), (0.03, 0.5 * energy)),
+            ),
+        ),
+    )

@@ -1,0 +1,27 @@
+"""A load cell off its zero."""
+
+from __future__ import annotations
+
+from hyperfab.loop.catalogue.fabric.scene import Scene
+from hyperfab.loop.problem import Constant, Effect, Form
+
+
+def entry(scene: Scene) -> Effect:
+    """Return the effect: a constant stress, and one that drifts with time."""
+    peak = scene.peak_stress
+    offset = Constant("offset_MPa", 0.0, -0.5 * peak, 0.5 * peak, 0.01 * peak)
+    forms = [Form("constant", (offset,), ((0.02 * peak,), (-0.02 * peak,)), ((0.01 * peak,),))]
+    if scene.path.knows_time:
+        whole = scene.times[1]
+        drift = Constant("drift_MPa_s", 0.0, -peak / whole, peak / whole, 0.01 * peak / whole)
+        forms.append(
+            Form("drift", (offset, drift), ((0.01 * peak, 0.01 * peak / whole),), refines="constant")
+        )
+    return Effect(
+        id="load-offset",
+        title="the load cell is off its zero",
+        rides_on=("stretch",),
+        shown_by="readings at rest, before the pull and after full unloading",
+        source="ASTM E4 (zero of a testing machine)",
+        forms=tuple(forms),
+    )

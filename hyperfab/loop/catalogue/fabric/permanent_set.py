@@ -1,0 +1,25 @@
+"""Strain that stays when the load is gone."""
+
+from __future__ import annotations
+
+from hyperfab.loop.catalogue.fabric.scene import Scene
+from hyperfab.loop.problem import Constant, Effect, Form
+
+
+def entry(scene: Scene) -> Effect | None:
+    """Return the effect: a set seen on the way down, plastic flow as it happens, or a set from the second pull on."""
+    if not scene.unloads:
+        return None
+    share = Constant("set_share", 0.0, 0.0, 0.9, 0.02)
+
+    def form(name: str) -> Form:
+        return Form(name, (share,), ((0.04,), (0.15,)), ((0.01,),))
+
+    return Effect(
+        id="permanent-set",
+        title="part of the strain stays",
+        rides_on=("cycle", "branch"),
+        shown_by="unloading to zero force, a wait, and a second pull: the stretch at which force begins",
+        source="ASTM D412 (tension set)",
+        forms=(form("returned"), form("flow"), form("next-pull")),
+    )

@@ -1,0 +1,44 @@
+"""A level or loop that moves with the rate: stress that relaxes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hyperfab.loop.catalogue.fabric.scene import Scene
+from hyperfab.loop.problem import Constant, Effect, Form
+
+
+def entry(scene: Scene) -> Effect | None:
+    """Return the effect: one Maxwell branch, two, or stiffness with the logarithm of the rate."""
+    if not scene.path.knows_time:
+        return None
+    step, whole = scene.times
+    low, high = 0.2 * step, 20.0 * whole
+    times = [float(t) for t in np.geomspace(2.0 * step, 0.5 * whole, 4)]
+
+    def branch(k: int, start: float) -> tuple[Constant, Constant]:
+        return Constant(f"g{k}", 0.0, 0.0, 20.0, 0.1), Constant(f"tau{k}_s", start, low, high, start)
+
+    one, two = branch(1, times[1]), branch(2, times[2])
+    return Effect(
+        id="rate",
+        title="stress depends on the rate",
+        rides_on=("rate", "time"),
+        shown_by="the same cycle at two rates a factor of 16 apart, and a hold of the stretch",
+        source="Fung (1981), Biomechanics, ch. 7; Taylor, Pister & Goudreau (1970), doi:10.1002/nme.1620020106",
+        forms=(
+            Form(
+                "prony-1",
+                one,
+                tuple((0.3, t) for t in (times[0], times[1], times[3])),
+                tuple((0.02, t) for t in times),
+            ),
+            Form(
+                "prony-2",
+                (*one, *two),
+                ((0.2, times[0], 0.2, times[3]), (0.2, times[0], 0.1, times[1])),
+                refines="prony-1",
+            ),
+            Form("log-rate", (Constant("amount", 0.0, -0.5, 0.5, 0.02),), ((0.05,),), ((0.01,),)),
+        ),
+    )

@@ -1,0 +1,88 @@
+"""What the residual rides on, and a short formula that would take most of it: a hint, never a term."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+
+import numpy as np
+
+from hyperfab.loop.problem import Array
+
+_BINS = 8
+
+
+def dependence(residual: Array, states: Mapping[str, Array]) -> dict[str, float]:
+    """Return, for each state variable, the share of the residual's variance its means in bins explain.
+
+    The share that noise of the same size would give by chance is taken off.
+    """
+    found = {}
+    total = float(np.mean(residual**2))
+    for name, values in states.items():
+        known = np.isfinite(values)
+        distinct = np.unique(values[known])
+        if len(distinct) < 2 or total <= 0.0:
+            continue
+        if len(distinct) <= _BINS:
+            label = np.searchsorted(distinct, values[known])
+        else:
+            edges = np.unique(np.quantile(values[known], np.linspace(0.0, 1.0, _BINS + 1)[1:-1]))
+            label = np.searchsorted(edges, values[known])
+        part = residual[known]
+        count = np.bincount(label)
+        means = np.bincount(label, weights=part) / np.maximum(count, 1)
+        share = float(np.sum(count * means**2) / np.sum(part**2)) if np.any(part) else 0.0
+        chance = np.count_nonzero(count) / len(part)
+        found[name] = float(max(share - chance, 0.0))
+    return dict(sorted(found.items(), key=lambda item: -item[1]))
+
+
+def suggestion(
+    residual: Array, sd: Array, states: Mapping[str, Array], reach: int = 3
+) -> tuple[str, float] | None:
+    """Return a sparse formula for the raw residual in products of state variables, and the share it takes.
+
+    Orthogonal matching pursuit over products of up to two scaled state variables; a product stays where it pays in BIC.
+    """
+    columns: dict[str, Array] = {}
+    scaled: dict[str, Array] = {}
+    for name, values in states.items():
+        known = np.isfinite(values)
+        if not np.all(known) or len(np.unique(values)) < 2:
+            continue
+        middle, half = (values.max() + values.min()) / 2.0, (values.max() - values.min()) / 2.0
+        scaled[f"({name} - {middle:.4g})/{half:.3g}"] = (values - middle) / half
+    names = list(scaled)
+    for name in names:
+        columns[name] = scaled[name]
+    for one, two in itertools.combinations_with_replacement(names, 2):
+        columns[f"{one}^2" if one == two else f"{one} {two}"] = scaled[one] * scaled[two]
+    if not columns:
+        return None
+    matrix = np.stack([np.ones(len(residual)), *columns.values()], axis=1) / sd[:, None]
+    labels = ["", *columns]
+    target = residual / sd
+    total = float(target @ target)
+    chosen: list[int] = []
+    left: Array = target
+    best = total
+    coefficients: Array = np.empty(0)
+    norms = np.sqrt(np.sum(matrix**2, axis=0))
+    for _ in range(reach):
+        gains = np.abs(matrix.T @ left) / norms
+        gains[chosen] = 0.0
+        trial = [*chosen, int(np.argmax(gains))]
+        solved = np.linalg.lstsq(matrix[:, trial], target, rcond=None)[0]
+        rest = target - matrix[:, trial] @ solved
+        power = float(rest @ rest)
+        if (best - power) / max(power / len(target), 1.0) < 3.0 * np.log(len(target)):
+            break
+        chosen, left, best, coefficients = trial, rest, power, np.asarray(solved, dtype=np.float64)
+    if not chosen:
+        return None
+    text = " ".join(
+        f"{value:+.3g}{' ' + labels[index] if labels[index] else ''}"
+        for value, index in zip(coefficients, chosen, strict=True)
+    )
+    return text, 1.0 - best / total

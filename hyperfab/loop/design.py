@@ -1,0 +1,80 @@
+"""The measurement that would tell the rivals apart, found from the models and the noise."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from hyperfab.loop.fitting import Fit, fit
+from hyperfab.loop.noise import Noise
+from hyperfab.loop.problem import Array, Extra, Problem
+
+#: The loser must miss by this (chi-squared) for the next measurement to decide.
+DECISIVE = 20.0
+_MOST_RIVALS = 3
+
+
+@dataclass(frozen=True)
+class NextMeasurement:
+    """A test to do next: what to do, and how far apart the rivals' predictions then are.
+
+    ``misfit`` is the smallest chi-squared of a rival refitted to another's prediction of the old and the new data.
+    """
+
+    text: str
+    details: Mapping[str, Any]
+    misfit: float
+
+    @property
+    def decisive(self) -> bool:
+        """Whether it would settle the matter against the present noise."""
+        return self.misfit >= DECISIVE
+
+
+def next_measurement(problem: Problem, noise: Noise, fits: Sequence[Fit]) -> list[NextMeasurement]:
+    """Return the possible tests, the most telling first, for two or more fitted rivals (the best first)."""
+    chosen = list(fits)[:_MOST_RIVALS]
+    if len(chosen) < 2:
+        return []
+    found = [
+        NextMeasurement(
+            extra.text, extra.details, _smallest_misfit(extra, noise, chosen, len(problem.measured))
+        )
+        for extra in problem.extras()
+    ]
+    return sorted(found, key=lambda one: -one.misfit)
+
+
+def _smallest_misfit(extra: Extra, noise: Noise, fits: Sequence[Fit], old: int) -> float:
+    smallest = np.inf
+    for i, truth in enumerate(fits):
+        target = extra.problem.predict(truth.x[: truth.own], truth.terms)
+        if not np.all(np.isfinite(target)):
+            return 0.0
+        wider = _extended(noise, target, old, extra.problem)
+        for j, rival in enumerate(fits):
+            # The best against each other, both ways; two losers need not be told apart.
+            if i == j or (i > 0 and j > 0):
+                continue
+            again = fit(extra.problem, wider, dict(rival.forms), rival.x, data=target, iterations=6)
+            smallest = min(smallest, again.chi2)
+    return float(smallest)
+
+
+def _extended(noise: Noise, target: Array, old: int, problem: Problem) -> Noise:
+    """Return the noise with the rows of the new test added: as loud as the old ones, a specimen of its own."""
+    new = np.arange(old, len(target))
+    sd = np.concatenate([noise.sd, np.full(len(new), float(np.median(noise.sd[problem.channel[:old] == 0])))])
+    if not noise.gain_sd and not noise.correlation:
+        return replace(noise, sd=sd)
+    return replace(
+        noise,
+        sd=sd,
+        starts=tuple(curve.start for curve in problem.curves),
+        groups=(*noise.groups, new),
+        pattern=np.concatenate([noise.pattern, target[old:]]),
+        measured=np.concatenate([noise.measured, target[old:]]),
+    )

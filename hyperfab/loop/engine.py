@@ -1,0 +1,179 @@
+"""The loop: noise, residual, trace, verdict. The same for every domain."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from hyperfab.loop.dependence import dependence, suggestion
+from hyperfab.loop.design import NextMeasurement, next_measurement
+from hyperfab.loop.fitting import fit
+from hyperfab.loop.heldout import leave_curves_out
+from hyperfab.loop.mimic import Rival, indistinguishable, rivals
+from hyperfab.loop.noise import Noise, estimate_noise
+from hyperfab.loop.problem import Problem
+from hyperfab.loop.search import MARGIN, Evidence, Search, State, common_bic
+
+#: Terms added at most, and models carried along at each number of terms.
+_DEPTH, _BEAM = 3, 2
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What the loop found.
+
+    ``verdict`` is noise, effect, ambiguous or unexplained; ``added`` the evidence of each effect of
+    ``after``, in order;
+    ``tried`` the evidence of the entries refitted on the model as it was; ``invisible`` the entries these
+    data cannot show.
+    """
+
+    verdict: str
+    noise: Noise
+    before: State
+    after: State
+    added: dict[str, Evidence]
+    tried: dict[str, Evidence]
+    scores: dict[str, float]
+    invisible: tuple[str, ...]
+    rivals: list[Rival] = field(default_factory=list)
+    indistinguishable: list[list[str]] = field(default_factory=list)
+    measurements: list[NextMeasurement] = field(default_factory=list)
+    rides_on: dict[str, float] = field(default_factory=dict)
+    suggestion: tuple[str, float] | None = None
+
+
+def close(
+    problem: Problem,
+    *,
+    noise: float | None = None,
+    tick: Callable[[str], None] = lambda text: None,
+    refit: int = 6,
+    design: bool = True,
+) -> Finding:
+    """Close the loop on a problem; ``noise`` is the stated standard deviation of a reading, else it is estimated."""
+    level = estimate_noise(problem, noise)
+    search = Search(problem, level, tick, refit)
+    before = search.base()
+    scores = {effect.id: score for effect, score in search.ranking(before)}
+    invisible = tuple(effect.id for effect in problem.effects if effect.id not in scores)
+
+    def finding(
+        verdict: str, after: State, added: dict[str, Evidence], tried: dict[str, Evidence]
+    ) -> Finding:
+        left = problem.measured - after.fit.predicted
+        first = problem.channel == 0
+        states = problem.states
+        hint = None
+        if verdict == "unexplained":
+            hint = suggestion(left[first], level.sd[first], states)
+        return Finding(
+            verdict, level, before, after, added, tried, scores, invisible,
+            rides_on=dependence(after.fit.residual[first], states), suggestion=hint,
+        )  # fmt: skip
+
+    if before.judgement.is_noise:
+        return finding("noise", before, {}, {})
+    best, tried = _grow(search, before)
+    best = _pruned(search, best)
+    if best is before:
+        return finding("noise" if before.judgement.is_small else "unexplained", before, {}, tried)
+    best = _ordered(search, before, best)
+    added = _worth_of_each(search, best)
+    found = finding("effect" if best.judgement.is_small else "unexplained", best, added, tried)
+    tick("rivals")
+    others = rivals(search, best)
+    sets = indistinguishable(problem, others, best)
+    verdict = "ambiguous" if sets and found.verdict == "effect" else found.verdict
+    measurements: list[NextMeasurement] = []
+    if sets and design:
+        tick("next measurement")
+        same = [
+            rival.state.fit
+            for rival in others
+            if rival.state is not None
+            and any(rival.effect in one and rival.instead_of == one[0] for one in sets)
+        ]
+        measurements = next_measurement(problem, level, [best.fit, *same])
+    return Finding(
+        **{
+            **vars(found),
+            "verdict": verdict,
+            "rivals": others,
+            "indistinguishable": sets,
+            "measurements": measurements,
+        }
+    )
+
+
+def _grow(search: Search, base: State) -> tuple[State, dict[str, Evidence]]:
+    """Add terms one by one, a few models side by side; return the best and what each first term would be worth."""
+    beam, best = [base], base
+    tried: dict[str, Evidence] = {}
+    for depth in range(_DEPTH):
+        grown: dict[frozenset[str], State] = {}
+        accepted: set[frozenset[str]] = set()
+        for state in beam:
+            for larger, evidence in search.candidates(state):
+                if depth == 0:
+                    tried[larger.ids[-1]] = evidence
+                ids = frozenset(larger.ids)
+                if evidence.delta_bic >= MARGIN:
+                    grown.setdefault(ids, larger)
+                if evidence.accepted(first=depth == 0) and _worth_a_name(base, larger):
+                    accepted.add(ids)
+        if not grown:
+            break
+        bic = common_bic(list(grown.values()), search.problem)
+        order = sorted(grown.values(), key=lambda state: bic[state.ids])
+        beam = order[:_BEAM]
+        passing = [state for state in order if frozenset(state.ids) in accepted]
+        if passing:
+            best = passing[0]
+            beam = [best, *[state for state in beam if state is not best]][:_BEAM]
+        if best.judgement.is_small and len(best.ids) == depth + 1:
+            break
+    return best, tried
+
+
+def _worth_a_name(base: State, larger: State) -> bool:
+    """Where the residual is already below the noise, a term is named only if it explains all that is left."""
+    return not base.judgement.is_small or larger.judgement.is_noise
+
+
+def _smaller(search: Search, state: State, name: str) -> State:
+    forms = {key: form for key, form in state.fit.forms.items() if key != name}
+    keep = np.ones(len(state.fit.x), dtype=bool)
+    keep[state.fit.place(name)] = False
+    return search.state(fit(search.problem, search.noise, forms, state.fit.x[keep]))
+
+
+def _pruned(search: Search, best: State) -> State:
+    """Take out every term that no longer pays now that the others are there."""
+    while len(best.ids) > 1:
+        worth = {name: _smaller(search, best, name) for name in best.ids}
+        evidence = {name: search.evidence(smaller, best) for name, smaller in worth.items()}
+        weak = [name for name in best.ids if not evidence[name].accepted(first=False)]
+        if not weak:
+            break
+        best = worth[min(weak, key=lambda name: evidence[name].delta_bic)]
+    return best
+
+
+def _ordered(search: Search, base: State, best: State) -> State:
+    """Put the terms in the order of what they take from the error, the largest first."""
+    if len(best.ids) < 2:
+        return best
+    first = search.problem.channel == 0
+    worth = {name: float(np.sum(_smaller(search, best, name).fit.residual[first] ** 2)) for name in best.ids}
+    order = sorted(best.ids, key=lambda name: -worth[name])
+    forms = {name: best.fit.forms[name] for name in order}
+    x = np.concatenate([best.fit.x[: best.fit.own], *(best.fit.x[best.fit.place(name)] for name in order)])
+    again = fit(search.problem, search.noise, forms, x)
+    return State(again, best.found, best.judgement, leave_curves_out(again, search.problem.curves))
+
+
+def _worth_of_each(search: Search, best: State) -> dict[str, Evidence]:
+    return {name: search.evidence(_smaller(search, best, name), best) for name in best.ids}

@@ -1,0 +1,127 @@
+"""Tests of a fabric that could be done next."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hyperfab.materials.effects.path import BIAXIAL, MODE_NAMES, SHEAR, UNIAXIAL
+
+if TYPE_CHECKING:
+    from hyperfab.loop.fabric import FabricTest
+
+_POINTS = 60
+
+
+def menu(tests: Sequence[FabricTest]) -> Iterator[tuple[str, Mapping[str, Any], FabricTest]]:
+    """Yield what to say, what to do, and the test as the models see it (stress zero: not yet measured)."""
+    reach = max(float(np.max(test.stretch)) for test in tests) - 1.0
+    speeds = [speed for test in tests if (speed := _speed(test)) is not None]
+    pace = float(np.exp(np.median(np.log(speeds)))) if speeds else 0.01
+    slow, fast = pace / 16.0, pace * 16.0
+    temperatures = [float(np.mean(t.temperature_degC)) for t in tests if t.temperature_degC is not None]
+    usual = float(np.median(temperatures)) if temperatures else 23.0
+    first = tests[0]
+    angle = first.angle_deg if np.isfinite(first.angle_deg) else 0.0
+    mode = first.mode if first.mode in (UNIAXIAL, SHEAR, BIAXIAL) else UNIAXIAL
+    half, full = 1.0 + 0.55 * reach, 1.0 + reach
+    steps = [half, 1.0, half, 1.0, full, 1.0, full, 1.0]
+    loop = [full, 1.0]
+
+    def one(
+        what: str,
+        turns: list[float],
+        rate: float,
+        *,
+        at: float = usual,
+        along: float = angle,
+        kind: int = mode,
+        hold: float = 0.0,
+    ) -> tuple[str, Mapping[str, Any], FabricTest]:
+        details = {
+            "test": MODE_NAMES[kind],
+            "direction_deg": along,
+            "temperature_degC": at,
+            "rate_1_s": rate,
+            "stretch_turns": turns,
+            "hold_s": hold,
+        }
+        return (
+            what,
+            details,
+            _made(what, turns, rate, at, along, kind, hold, bool(speeds), bool(temperatures)),
+        )
+
+    yield one(
+        "cycles to about half the stretch and back, twice, then to the full stretch and back, twice",
+        steps,
+        pace,
+    )
+    yield one("two full cycles at a sixteenth of the rate", [*loop, *loop], slow)
+    yield one("two full cycles at sixteen times the rate", [*loop, *loop], fast)
+    yield one("a fast pull, a hold of the stretch, and full unloading", loop, fast, hold=10.0 * reach / pace)
+    yield one("a cycle at a temperature 40 K higher", loop, pace, at=usual + 40.0)
+    yield one("a cycle across the direction tested", loop, pace, along=(angle + 90.0) % 180.0)
+    yield one("a cycle 45 degrees from the warp", loop, pace, along=45.0)
+    for kind in (UNIAXIAL, SHEAR, BIAXIAL):
+        if kind != mode:
+            yield one(f"a {MODE_NAMES[kind]} test to the same stretch", [full], pace, kind=kind)
+    yield one("a pull half as far again", [1.0 + 1.5 * reach], pace)
+    yield one(
+        "a slow pull through the first tenth of the stretch, read closely",
+        [1.0 + 0.1 * reach, 1.0],
+        pace / 4.0,
+    )
+
+
+def _speed(test: FabricTest) -> float | None:
+    if test.rate_1_s is not None and np.all(np.asarray(test.rate_1_s) > 0.0):
+        return float(np.median(test.rate_1_s))
+    if test.time_s is None or not np.all(np.isfinite(test.time_s)):
+        return None
+    span = float(test.time_s[-1] - test.time_s[0])
+    moved = float(np.sum(np.abs(np.diff(test.stretch))))
+    return moved / span if span > 0.0 and moved > 0.0 else None
+
+
+def _made(
+    name: str,
+    turns: Sequence[float],
+    rate: float,
+    temperature: float,
+    angle: float,
+    mode: int,
+    hold: float,
+    timed: bool,
+    warmed: bool,
+) -> FabricTest:
+    from hyperfab.loop.fabric import FabricTest
+
+    stretch, time = [np.array([1.0])], [np.array([0.0])]
+    here, now = 1.0, 0.0
+    for number, turn in enumerate(turns):
+        way = np.linspace(here, turn, _POINTS + 1)[1:]
+        stretch.append(way)
+        time.append(now + np.abs(way - here) / rate)
+        now = float(time[-1][-1])
+        here = turn
+        if number == 0 and hold > 0.0:
+            wait = hold * np.linspace(0.0, 1.0, _POINTS + 1)[1:] ** 3
+            stretch.append(np.full(_POINTS, turn))
+            time.append(now + wait)
+            now += hold
+    lam = np.concatenate(stretch)
+    made = FabricTest(
+        name=name,
+        mode=mode,
+        stretch=lam,
+        stress=np.zeros_like(lam),
+        time_s=np.concatenate(time) if timed else None,
+        temperature_degC=np.full_like(lam, temperature) if warmed else None,
+        angle_deg=angle,
+        specimen=f"next: {name}",
+    )
+    return replace(made)

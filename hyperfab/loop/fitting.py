@@ -1,0 +1,169 @@
+"""Weighted least squares with bounds and priors: the model's own constants and those of its terms together."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hyperfab.loop.noise import Noise
+from hyperfab.loop.problem import Array, Constant, Form, Problem
+
+#: A step is accepted as the last one where it lowers chi-squared by less than this share, or this much.
+_SHARE, _AMOUNT = 1e-5, 2e-3
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A model fitted to data.
+
+    ``x`` holds the own constants, then those of each term in order. ``residual`` (rows) and ``jacobian``
+    (rows, constants)
+    are whitened: in units of the noise, uncorrelated. ``chi2`` is of the data alone, ``cost`` with the priors.
+    """
+
+    forms: Mapping[str, Form]
+    x: Array
+    predicted: Array
+    residual: Array
+    jacobian: Array
+    precision: Array
+    chi2: float
+    cost: float
+    prior: Array
+    own: int
+
+    @property
+    def terms(self) -> dict[str, tuple[str, Array]]:
+        """The terms as ``Problem.predict`` takes them."""
+        return split(self.x[self.own :], self.forms)
+
+    @property
+    def sd(self) -> Array:
+        """One standard deviation of each constant, from the curvature at the optimum."""
+        covariance = np.linalg.pinv(self.precision, rcond=1e-13, hermitian=True)
+        return np.sqrt(np.maximum(np.diag(covariance), 0.0))
+
+    def place(self, effect: str) -> slice:
+        """Return where in ``x`` the constants of a term stand."""
+        at = self.own
+        for name, form in self.forms.items():
+            if name == effect:
+                return slice(at, at + len(form.constants))
+            at += len(form.constants)
+        raise KeyError(effect)
+
+
+def split(values: Array, forms: Mapping[str, Form]) -> dict[str, tuple[str, Array]]:
+    """Cut the constants of the terms apart."""
+    found, at = {}, 0
+    for name, form in forms.items():
+        found[name] = (form.name, values[at : at + len(form.constants)])
+        at += len(form.constants)
+    return found
+
+
+def fit(
+    problem: Problem,
+    noise: Noise,
+    forms: Mapping[str, Form],
+    start: Sequence[float] | Array,
+    *,
+    data: Array | None = None,
+    iterations: int = 30,
+) -> Fit:
+    """Fit all constants to ``data`` (the measured values by default) from ``start``, Levenberg-Marquardt.
+
+    Priors pull towards the constants' values; bounds hold by projection. The fit weighs rows by their standard
+    deviations alone: in a metric that forgives each specimen its stiffness, a wrong model would drift off the
+    data. What is left is then given in the full metric of the noise.
+    """
+    constants = [*problem.own, *(constant for form in forms.values() for constant in form.constants)]
+    low, high = _column(constants, "low"), _column(constants, "high")
+    scale, prior_sd = _column(constants, "scale"), _column(constants, "prior_sd")
+    centre = _column(constants, "value")
+    weight = np.where(np.isfinite(prior_sd), 1.0 / prior_sd**2, 0.0)
+    target = problem.measured if data is None else data
+    own = len(problem.own)
+    full, noise = noise, noise.plain
+
+    def predict(x: Array) -> Array:
+        return problem.predict(x[:own], split(x[own:], forms))
+
+    def state(x: Array) -> tuple[Array, Array, float]:
+        value = predict(x)
+        if not np.all(np.isfinite(value)):
+            return value, value, np.inf
+        left = noise.whiten(target - value)
+        return value, left, float(left @ left + weight @ (x - centre) ** 2)
+
+    x = np.clip(np.asarray(start, dtype=np.float64), low, high)
+    value, left, cost = state(x)
+    if not np.isfinite(cost):
+        x = centre.copy()
+        x[:own] = np.asarray(start, dtype=np.float64)[:own]
+        value, left, cost = state(x)
+    jacobian = _jacobian(predict, x, value, scale, low, high, noise)
+    damping = 1e-4
+    for _ in range(iterations):
+        gradient = jacobian.T @ left - weight * (x - centre)
+        held = ((x <= low) & (gradient < 0.0)) | ((x >= high) & (gradient > 0.0))
+        free = ~held
+        normal = jacobian.T @ jacobian + np.diag(weight)
+        size = np.diag(normal) + 1e-12 / scale**2
+        moved = False
+        for _ in range(8):
+            step = np.zeros_like(x)
+            matrix = normal[np.ix_(free, free)] + damping * np.diag(size[free])
+            step[free] = np.linalg.lstsq(matrix, gradient[free], rcond=1e-14)[0]
+            trial = np.clip(x + step, low, high)
+            new_value, new_left, new_cost = state(trial)
+            if new_cost < cost:
+                moved = True
+                break
+            damping = max(damping, 1e-6) * 10.0
+        if not moved:
+            break
+        small = cost - new_cost < _SHARE * cost + _AMOUNT
+        x, value, left, cost = trial, new_value, new_left, new_cost
+        jacobian = _jacobian(predict, x, value, scale, low, high, noise)
+        damping = max(damping / 10.0, 1e-9)
+        if small:
+            break
+    if full.gain_sd or full.correlation:
+        full = full.at(value)
+        left, jacobian = full.whiten(target - value), full.whiten(jacobian * noise.sd[:, None])
+    return Fit(
+        forms=dict(forms),
+        x=x,
+        predicted=value,
+        residual=left,
+        jacobian=jacobian,
+        precision=jacobian.T @ jacobian + np.diag(weight),
+        chi2=float(left @ left),
+        cost=cost,
+        prior=weight,
+        own=own,
+    )
+
+
+def _column(constants: Sequence[Constant], name: str) -> Array:
+    return np.array([getattr(constant, name) for constant in constants], dtype=np.float64)
+
+
+def _jacobian(
+    predict: object, x: Array, value: Array, scale: Array, low: Array, high: Array, noise: Noise
+) -> Array:
+    """Return the whitened derivative of the prediction, by one-sided differences inside the bounds."""
+    columns = np.empty((len(value), len(x)))
+    for index in range(len(x)):
+        step = 1e-5 * max(abs(x[index]), scale[index])
+        if x[index] + step > high[index]:
+            step = -step
+        moved = x.copy()
+        moved[index] += step
+        found = predict(moved)  # type: ignore[operator]
+        column = (found - value) / step
+        columns[:, index] = np.where(np.isfinite(column), column, 0.0)
+    return noise.whiten(columns)

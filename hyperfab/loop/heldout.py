@@ -1,0 +1,80 @@
+"""Prediction of whole tests that took no part: by leaving each out, at the cost of one fit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hyperfab.loop.fitting import Fit
+from hyperfab.loop.problem import Array, Curve
+
+#: A test is counted only where the others determine its prediction to this many standard deviations of the noise (rms).
+_DETERMINED = 1.0
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """Whitened residual of each curve as predicted from the others, nan where they cannot tell; which count."""
+
+    residual: Array
+    counted: tuple[int, ...]
+    rms: Array
+
+    @property
+    def mean_square(self) -> float:
+        """Mean square over the rows that count, in squared standard deviations of the noise."""
+        known = self.residual[np.isfinite(self.residual)]
+        return float(np.mean(known**2)) if len(known) else np.nan
+
+
+def leave_curves_out(fit: Fit, curves: Sequence[Curve], tolerance: float = _DETERMINED) -> HeldOut:
+    """Predict each curve from all others: a Gauss-Newton step away from the joint optimum, exact for linear models."""
+    left = np.full(len(fit.residual), np.nan)
+    counted, rms = [], np.full(len(curves), np.nan)
+    for index, curve in enumerate(curves):
+        part = fit.jacobian[curve.rows]
+        others = fit.precision - part.T @ part
+        scale = 1.0 / np.sqrt(np.maximum(np.diag(fit.precision), 1e-300))
+        scaled = others * np.outer(scale, scale)
+        values, vectors = np.linalg.eigh(scaled)
+        sure = values > 1e-9
+        reach = (part * scale) @ vectors
+        if np.any(np.abs(reach[:, ~sure]) > 1e-3):
+            continue
+        spread = float(np.sqrt(np.mean(np.sum(reach[:, sure] ** 2 / values[sure], axis=1))))
+        if spread > tolerance:
+            continue
+        r = fit.residual[curve.rows]
+        left[curve.rows] = r + (reach[:, sure] / values[sure]) @ (reach[:, sure].T @ r)
+        counted.append(index)
+        rms[index] = np.sqrt(np.mean(left[curve.rows] ** 2))
+    return HeldOut(left, tuple(counted), rms)
+
+
+@dataclass(frozen=True)
+class Help:
+    """What a term does for tests that took no part: share of the structured error taken, share of tests helped."""
+
+    taken: float
+    helped: float
+    tests: int
+
+
+def help_of(before: HeldOut, after: HeldOut) -> Help | None:
+    """Compare two models on the tests both can predict; None where there are fewer than two."""
+    both = sorted(set(before.counted) & set(after.counted))
+    if len(both) < 2:
+        return None
+    old, new = before.rms[both], after.rms[both]
+    structured = np.median(np.maximum(old**2 - 1.0, 0.0))
+    if structured <= 0.0:
+        structured = float(np.mean(np.maximum(old**2 - 1.0, 1e-3)))
+        taken = float(np.mean(old**2 - new**2)) / structured
+    else:
+        means = float(np.mean(old**2 - new**2)) / float(np.mean(np.maximum(old**2 - 1.0, 0.0)))
+        taken = max(float(np.median(old**2 - new**2)) / float(structured), means)
+    matters = np.abs(old - new) > 0.02 * np.maximum(old, 1.0)
+    helped = float(np.mean(new[matters] < old[matters])) if np.any(matters) else 0.0
+    return Help(taken, helped, len(both))

@@ -1,0 +1,105 @@
+"""Is what is left noise? Lack of fit, autocorrelation along each curve, and the greatest score, in one judgement."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import chdtrc, fdtrc
+
+from hyperfab.loop.fitting import Fit
+from hyperfab.loop.noise import Noise
+from hyperfab.loop.problem import Array, Curve, Problem
+from hyperfab.loop.score import Signature, greatest_by_chance
+
+#: Chance, in all three tests together, of calling pure noise a residual.
+ALPHA = 0.015
+#: Structure smaller than this many standard deviations of the noise (rms) is found, but not worth a term: the total is
+#: then at most 1.1 times the noise.
+SMALL = 0.45
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What is left after a fit, against the noise.
+
+    ``structured`` is the rms of what is not noise, in standard deviations of the noise.
+    """
+
+    chi2_reduced: float
+    structured: float
+    p_lack_of_fit: float
+    p_autocorrelation: float
+    p_greatest_score: float
+
+    @property
+    def is_noise(self) -> bool:
+        """Whether all three tests take the residual for noise."""
+        return min(self.p_lack_of_fit, self.p_autocorrelation, self.p_greatest_score) > ALPHA / 3.0
+
+    @property
+    def is_small(self) -> bool:
+        """Whether what is left is noise, or so far below it that no term could matter."""
+        return self.is_noise or self.structured <= SMALL
+
+
+def judge(problem: Problem, noise: Noise, fit: Fit, found: list[Signature]) -> Judgement:
+    """Judge the residual of a fit; ``found`` are the signatures of the entries not in the model."""
+    free = _degrees(fit)
+    # A stiffness per specimen is estimated along with the rest.
+    ratio = fit.chi2 / free
+    p_fit = float(fdtrc(free, noise.dof, ratio) if np.isfinite(noise.dof) else chdtrc(free, fit.chi2))
+    return Judgement(
+        chi2_reduced=ratio,
+        structured=float(np.sqrt(max(ratio - 1.0, 0.0))),
+        p_lack_of_fit=p_fit,
+        p_autocorrelation=autocorrelation(fit.residual, problem.curves),
+        p_greatest_score=greatest_by_chance(found, noise.dof),
+    )
+
+
+def _degrees(fit: Fit) -> float:
+    return float(max(len(fit.residual) - len(fit.x), 1))
+
+
+def autocorrelation(residual: Array, curves: Sequence[Curve]) -> float:
+    """Return the probability of the Ljung-Box statistic, summed over the curves, under white noise.
+
+    Ljung & Box (1978), Biometrika 65, 297.
+    """
+    total, lags = 0.0, 0
+    for curve in curves:
+        part = residual[curve.rows]
+        n = len(part)
+        if n < 12:
+            continue
+        part = part - np.mean(part)
+        power = float(part @ part)
+        if power <= 0.0:
+            continue
+        for lag in range(1, min(6, n // 4) + 1):
+            rho = float(part[lag:] @ part[:-lag]) / power
+            total += n * (n + 2) * rho**2 / (n - lag)
+            lags += 1
+    return float(chdtrc(lags, total)) if lags else 1.0
+
+
+def correlation_time(residual: Array, curves: Sequence[Curve]) -> float:
+    """Return how many rows count as one: 1 + 2 sum of the autocorrelations up to the first small one."""
+    power = float(residual @ residual)
+    if power <= 0.0:
+        return 1.0
+    total = 1.0
+    longest = max(curve.stop - curve.start for curve in curves)
+    for lag in range(1, max(longest // 2, 1)):
+        both = sum(
+            float(residual[c.start + lag : c.stop] @ residual[c.start : c.stop - lag])
+            for c in curves
+            if c.stop - c.start > lag
+        )
+        rho = both / power
+        if rho < 0.05:
+            break
+        total += 2.0 * rho
+    return total

@@ -1,0 +1,80 @@
+"""Which rivals could pass for a found effect on these very data, whatever BIC says of the noise that happened."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hyperfab.loop.fitting import Fit, fit
+from hyperfab.loop.noise import Noise
+from hyperfab.loop.problem import Problem
+from hyperfab.loop.search import MARGIN, Search, State, common_bic
+
+
+@dataclass(frozen=True)
+class Rival:
+    """An entry in place of a found effect.
+
+    ``share`` is how much of the effect's own noise-free imprint it reproduces with all constants refitted;
+    ``delta_bic`` how much worse it does on the data (nan: not tried); ``state`` the model with it.
+    """
+
+    effect: str
+    instead_of: str
+    share: float
+    delta_bic: float
+    state: State | None
+
+    def passes(self, limit: float) -> bool:
+        """Whether the data cannot tell it from the found effect."""
+        close = bool(self.delta_bic < MARGIN and self.share > 0.5)
+        return self.share >= limit or close
+
+
+def rivals(search: Search, best: State) -> list[Rival]:
+    """Return every entry that could stand in place of each effect of ``best``, with how well it would."""
+    found = []
+    for name in best.ids:
+        without = search.state(_without(search, best, name))
+        imprint = _misfit(search.problem, search.noise, best.fit, without.fit)
+        for effect, _ in search.ranking(without):
+            if effect.id == name:
+                continue
+            fitted = search.with_term(without, effect)
+            if fitted is None:
+                continue
+            state = search.state(fitted)
+            left = _misfit(search.problem, search.noise, best.fit, fitted)
+            share = 1.0 - left / imprint if imprint > 0.0 else 0.0
+            bic = common_bic([best, state], search.problem)
+            small = state.judgement.structured < 0.6 + best.judgement.structured
+            gap = bic[state.ids] - bic[best.ids] if small else np.inf
+            found.append(Rival(effect.id, name, share, gap, state))
+    return sorted(found, key=lambda rival: -rival.share)
+
+
+def indistinguishable(problem: Problem, found: Sequence[Rival], best: State) -> list[list[str]]:
+    """Return, for each found effect, the set of it and the rivals the data cannot tell from it."""
+    sets = []
+    for name in best.ids:
+        limit = problem.effect(name).mimic_share
+        same = [rival.effect for rival in found if rival.instead_of == name and rival.passes(limit)]
+        if same:
+            sets.append([name, *same])
+    return sets
+
+
+def _without(search: Search, best: State, name: str) -> Fit:
+    """Return the fit of the model without one of its terms, starting where the whole one is."""
+    forms = {key: form for key, form in best.fit.forms.items() if key != name}
+    keep = np.ones(len(best.fit.x), dtype=bool)
+    keep[best.fit.place(name)] = False
+    return fit(search.problem, search.noise, forms, best.fit.x[keep])
+
+
+def _misfit(problem: Problem, noise: Noise, truth: Fit, start: Fit) -> float:
+    """Return chi-squared of a model refitted to the noise-free prediction of another."""
+    again = fit(problem, noise, dict(start.forms), start.x, data=truth.predicted, iterations=12)
+    return again.chi2

@@ -1,0 +1,263 @@
+"""How large the noise is, what is alike in it, and how well that is known."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.loop.problem import Array, Curve, Problem
+
+#: Of a normal distribution: standard deviation over median absolute deviation.
+_MAD = 1.4826
+#: Smoothed third differences count for about this many independent readings each, their median for less.
+_WORTH = 0.3
+
+
+@dataclass(frozen=True)
+class Noise:
+    """One standard deviation a row, its degrees of freedom, and what rows have in common.
+
+    ``gain_sd`` is the scatter of the stiffness between specimens (relative), ``correlation`` that between
+    neighbouring rows of a curve. ``whiten`` takes both out, so that noise becomes unit and uncorrelated.
+    """
+
+    sd: Array
+    dof: float
+    source: str
+    gain_sd: float = 0.0
+    correlation: float = 0.0
+    starts: tuple[int, ...] = ()
+    groups: tuple[NDArray[np.int64], ...] = ()
+    pattern: Array = field(default_factory=lambda: np.empty(0))
+    measured: Array = field(default_factory=lambda: np.empty(0))
+
+    @property
+    def plain(self) -> Noise:
+        """The noise without what rows have in common."""
+        return replace(self, gain_sd=0.0, correlation=0.0)
+
+    def at(self, predicted: Array) -> Noise:
+        """Return the noise around a prediction: specimens scatter in proportion to prediction and reading.
+
+        In proportion to the readings alone would reward a model for predicting too little, to the prediction alone
+        for too much; their geometric mean makes the scatter one of the logarithm.
+        """
+        if not self.gain_sd:
+            return self
+        return replace(self, pattern=np.sqrt(np.maximum(predicted * self.measured, 0.0)))
+
+    def whiten(self, values: Array) -> Array:
+        """Return values (rows) or columns (rows, k) in units of the noise, uncorrelated."""
+        scaled = values / (self.sd if values.ndim == 1 else self.sd[:, None])
+        if self.correlation:
+            scaled = self._along(scaled)
+        if self.gain_sd:
+            scaled = scaled.copy()
+            for rows, shape, shrink in self._shapes():
+                part = scaled[rows]
+                scaled[rows] = part - shrink * np.multiply.outer(shape, shape @ part)
+        return scaled
+
+    def _along(self, scaled: Array) -> Array:
+        rho = self.correlation
+        found = scaled.copy()
+        found[1:] = (scaled[1:] - rho * scaled[:-1]) / np.sqrt(1.0 - rho * rho)
+        first = list(self.starts)
+        found[first] = scaled[first]
+        return found
+
+    def _shapes(self) -> list[tuple[NDArray[np.int64], Array, float]]:
+        pattern = self.pattern / self.sd
+        if self.correlation:
+            pattern = self._along(pattern)
+        found = []
+        for rows in self.groups:
+            length = float(np.sqrt(pattern[rows] @ pattern[rows]))
+            if length > 0.0:
+                shrink = 1.0 - 1.0 / np.sqrt(1.0 + (self.gain_sd * length) ** 2)
+                found.append((rows, pattern[rows] / length, shrink))
+        return found
+
+
+def estimate_noise(problem: Problem, stated: float | None = None) -> Noise:
+    """Return the noise of the measured rows.
+
+    In this order: ``stated`` (one value for the first channel), the data's own standard deviations, the median of third
+    differences along each smooth piece. Where curves are replicates of each other, their scatter is split into
+    white noise, noise alike in neighbouring rows, and stiffness that differs from specimen to specimen.
+    """
+    y = problem.measured
+    sd, dof, source = np.empty(len(y)), np.inf, "local differences"
+    for channel in sorted({curve.channel for curve in problem.curves}):
+        curves = [curve for curve in problem.curves if curve.channel == channel]
+        rows = np.concatenate([np.arange(curve.start, curve.stop) for curve in curves])
+        if stated is not None and channel == 0:
+            sd[rows], source = stated, "stated"
+        elif problem.stated_sd is not None and np.all(np.isfinite(problem.stated_sd[rows])):
+            sd[rows], source = problem.stated_sd[rows], "standard deviations in the data"
+        else:
+            sd[rows], known = _from_differences(y, curves, rows)
+            dof = min(dof, known)
+    free = stated is None and problem.stated_sd is None
+    for channel in sorted({curve.channel for curve in problem.curves} - {0}):
+        sd = sd * _louder(problem, sd, channel)
+    return _with_replicates(problem, Noise(sd, dof, source), free)
+
+
+def third_differences(y: Array, curve: Curve) -> tuple[Array, Array]:
+    """Return normalised third differences along the smooth pieces of a curve, and the level where each was taken.
+
+    They vanish on quadratics for any spacing and have the variance of the noise.
+    """
+    found, level = [], []
+    for piece in curve.pieces():
+        values, place = y[piece], curve.abscissa[piece.start - curve.start : piece.stop - curve.start]
+        keep = np.concatenate([[True], np.abs(np.diff(place)) > 1e-12])
+        values, place = values[keep], place[keep]
+        if len(values) < 5:
+            continue
+        x = np.stack([place[i : len(place) - 3 + i] for i in range(4)])
+        v = np.stack([values[i : len(values) - 3 + i] for i in range(4)])
+        weights = np.ones_like(x)
+        for i in range(4):
+            for j in range(4):
+                if i != j:
+                    gap = x[i] - x[j]
+                    weights[i] /= np.where(np.abs(gap) > 1e-12, gap, 1e-12)
+        weights /= np.sqrt(np.sum(weights**2, axis=0))
+        found.append(np.sum(weights * v, axis=0))
+        level.append(np.mean(np.abs(v), axis=0))
+    if not found:
+        return np.empty(0), np.empty(0)
+    return np.concatenate(found), np.concatenate(level)
+
+
+def _from_differences(y: Array, curves: Sequence[Curve], rows: Array) -> tuple[Array, float]:
+    """Return sd = sqrt(a^2 + (b y)^2) of each row, b only where the data ask for it, and its degrees of freedom."""
+    parts = [third_differences(y, curve) for curve in curves]
+    found = np.concatenate([part[0] for part in parts])
+    level = np.concatenate([part[1] for part in parts])
+    size = float(np.max(np.abs(y[rows]), initial=0.0)) or 1.0
+    floor = max(_resolution(y[rows]) / np.sqrt(12.0), 1e-9 * size)
+    if len(found) < 4:
+        return np.full(len(rows), max(0.02 * size, floor)), 2.0
+    best, best_fit = (0.0, 0.0), np.inf
+    for ratio in (0.0, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0):
+        shape = np.sqrt(1.0 + (ratio * level / size) ** 2)
+        scaled = np.abs(found) / shape
+        a = max(_MAD * float(np.median(scaled)), floor)
+        # Winsorised: a corner the pieces do not know of must not speak for a louder noise.
+        misfit = 2.0 * float(np.sum(np.log(a * shape))) + float(np.sum(np.minimum(scaled / a, 3.0) ** 2))
+        if misfit < best_fit - (0.0 if ratio == 0.0 else 6.0):
+            best, best_fit = (a, a * ratio / size), misfit
+    a, b = best
+    sd = np.sqrt(a**2 + (b * y[rows]) ** 2)
+    return np.maximum(sd, floor), max(_WORTH * len(found), 2.0)
+
+
+def _resolution(values: Array) -> float:
+    """Return the step of the digits the values are written in."""
+    sizes = np.diff(np.unique(values))
+    sizes = sizes[sizes > 1e-12 * np.max(np.abs(values), initial=1e-300)]
+    if len(sizes) == 0:
+        return 0.0
+    step = float(np.min(sizes))
+    return step if np.allclose(sizes / step, np.round(sizes / step), atol=1e-3) else 0.0
+
+
+def _with_replicates(problem: Problem, noise: Noise, free: bool) -> Noise:
+    """Compare replicates: scatter of stiffness between specimens, correlated noise, and a white level if ``free``."""
+    y = problem.measured
+    gains, rests, lags, count = [], [], [], 0
+    for first, second in _pairs(problem.curves):
+        apart, level, sd = _difference(y, noise.sd, first, second)
+        if len(apart) < 8:
+            continue
+        w = level / sd
+        gain = float((apart / sd) @ w / (w @ w))
+        left = (apart - gain * level) / sd
+        gains.append(gain**2 / 2.0 - 1.0 / float(w @ w))
+        rests.append(float(left @ left) / (2.0 * (len(left) - 1)))
+        lags.append(float(left[1:] @ left[:-1]) / float(left @ left))
+        count += len(left)
+    if not gains:
+        return noise
+    gain_sd = float(np.sqrt(max(float(np.mean(gains)), 0.0)))
+    rho = float(np.mean(lags))
+    # Interpolating one replicate onto the other and a fitted gain correlate a little; below this nothing is claimed.
+    rho = rho if rho > 0.3 + 2.0 / np.sqrt(count) else 0.0
+    sd, dof = noise.sd, noise.dof
+    if free and (rho or np.mean(rests) > 1.5):
+        sd = sd * np.sqrt(max(float(np.mean(rests)), 1.0))
+        dof = min(dof, max(count * (1.0 - rho) / (1.0 + rho), 2.0)) if rho else dof
+    if gain_sd < 2e-3 and not rho and sd is noise.sd:
+        return noise
+    keys = dict.fromkeys(curve.specimen for curve in problem.curves if curve.channel == 0)
+    groups = tuple(
+        np.concatenate(
+            [np.arange(c.start, c.stop) for c in problem.curves if c.specimen == key and c.channel == 0]
+        )
+        for key in keys
+    )
+    return Noise(
+        sd=sd,
+        dof=dof,
+        source=noise.source if not free else "replicates and local differences",
+        gain_sd=gain_sd if gain_sd >= 2e-3 else 0.0,
+        correlation=min(rho, 0.98),
+        starts=tuple(curve.start for curve in problem.curves),
+        groups=groups,
+        pattern=y.copy(),
+        measured=y.copy(),
+    )
+
+
+def _louder(problem: Problem, sd: Array, channel: int) -> Array:
+    """Return by how much replicates of a further channel differ beyond its local noise."""
+    factor = np.ones(len(sd))
+    squares = [
+        np.mean((apart / spread) ** 2) / 2.0
+        for first, second in _pairs(problem.curves, channel)
+        for apart, _, spread in [_difference(problem.measured, sd, first, second)]
+        if len(apart) >= 8
+    ]
+    if squares:
+        factor[problem.channel == channel] = np.sqrt(max(float(np.mean(squares)), 1.0))
+    return factor
+
+
+def _pairs(curves: Sequence[Curve], channel: int = 0) -> list[tuple[Curve, Curve]]:
+    setups: dict[tuple[str, int], list[Curve]] = {}
+    for curve in curves:
+        if curve.setup:
+            setups.setdefault((curve.setup, curve.channel), []).append(curve)
+    return [
+        (members[i], members[i + 1])
+        for members in setups.values()
+        for i in range(len(members) - 1)
+        if members[i].channel == channel
+    ]
+
+
+def _difference(y: Array, sd: Array, first: Curve, second: Curve) -> tuple[Array, Array, Array]:
+    """Return the second replicate minus the first at the second's places, piece by piece, with level and sd."""
+    apart, level, deviation = [], [], []
+    for one, other in zip(first.pieces(), second.pieces(), strict=False):
+        x1 = _places(first)[one.start - first.start : one.stop - first.start]
+        x2 = _places(second)[other.start - second.start : other.stop - second.start]
+        order = np.argsort(x1, kind="stable")
+        inside = (x2 >= x1[order[0]]) & (x2 <= x1[order[-1]])
+        there = np.interp(x2[inside], x1[order], y[one][order])
+        apart.append(y[other][inside] - there)
+        level.append((y[other][inside] + there) / 2.0)
+        deviation.append(sd[other][inside])
+    if not apart:
+        return np.empty(0), np.empty(0), np.empty(0)
+    return np.concatenate(apart), np.concatenate(level), np.concatenate(deviation)
+
+
+def _places(curve: Curve) -> Array:
+    return curve.abscissa if curve.place is None else curve.place

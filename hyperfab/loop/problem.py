@@ -1,0 +1,152 @@
+"""What the engine knows of a domain: constants, effects, measured rows, and a prediction."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Constant:
+    """One number the fit may move.
+
+    ``value`` is where it starts (the document's value; the null value for a constant of an effect), ``scale`` the
+    size of a natural step, ``prior_sd`` one standard deviation of what is known of it beforehand (inf: nothing).
+    """
+
+    name: str
+    value: float
+    low: float = -np.inf
+    high: float = np.inf
+    scale: float = 1.0
+    prior_sd: float = np.inf
+
+
+@dataclass(frozen=True)
+class Form:
+    """One law of an effect. At ``constants`` = their values (the null) the model is the one without it.
+
+    ``starts`` are where a joint fit begins; ``probes`` the small departures whose imprint on the prediction is the
+    effect's signature. ``refines`` names the simpler form whose constants are the first of this one's.
+    """
+
+    name: str
+    constants: tuple[Constant, ...]
+    starts: tuple[tuple[float, ...], ...]
+    probes: tuple[tuple[float, ...], ...] = ()
+    refines: str | None = None
+
+    @property
+    def null(self) -> tuple[float, ...]:
+        """The constants at which the effect is absent."""
+        return tuple(constant.value for constant in self.constants)
+
+
+@dataclass(frozen=True)
+class Effect:
+    """A catalogue entry: something a model may lack.
+
+    ``rides_on`` names the state variables the effect shows against; ``shown_by`` the measurement that would tell it
+    from its look-alikes; ``smooth`` whether a too poor smooth law could pass for it (its score is then taken
+    off a space of smooth curves). A rival that reproduces more than ``mimic_share`` of an effect's imprint cannot
+    be told from it: less for laws that only describe, more where the law is physics.
+    """
+
+    id: str
+    title: str
+    rides_on: tuple[str, ...]
+    shown_by: str
+    source: str
+    forms: tuple[Form, ...]
+    smooth: bool = True
+    mimic_share: float = 0.85
+
+    def form(self, name: str) -> Form:
+        """Return the form of that name."""
+        return next(form for form in self.forms if form.name == name)
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Rows ``start`` to ``stop`` of the data: one test of one specimen, or one probe.
+
+    ``cuts`` are rows where the curve has a corner (a turn from loading to unloading); ``abscissa`` is what it is smooth
+    in, ``place`` what replicates are compared at. Curves of the same ``setup`` are replicates; those of
+    the same ``specimen`` share its stiffness.
+    """
+
+    name: str
+    start: int
+    stop: int
+    abscissa: Array
+    cuts: tuple[int, ...] = ()
+    setup: str = ""
+    specimen: str = ""
+    channel: int = 0
+    place: Array | None = None
+
+    @property
+    def rows(self) -> slice:
+        """The rows of the curve in the data."""
+        return slice(self.start, self.stop)
+
+    def pieces(self) -> list[slice]:
+        """Return the smooth pieces of the curve, between its corners."""
+        edges = [self.start, *self.cuts, self.stop]
+        return [slice(a, b) for a, b in pairwise(edges) if b > a]
+
+
+@dataclass(frozen=True)
+class Extra:
+    """A test that could be done next: what to tell the engineer, and the problem with its rows added."""
+
+    text: str
+    details: Mapping[str, Any]
+    problem: Problem
+
+
+@dataclass
+class Problem(ABC):
+    """A model, measured rows, and the catalogue of what the model may lack.
+
+    ``measured`` has one value a row; ``states`` the state variables by name, one value a row of the first channel
+    (nan where unknown); ``stated_sd`` the standard deviation of each reading where the data state it.
+    ``nuisance`` spans smooth departures of a poor base law, (rows, k).
+    """
+
+    measured: Array
+    curves: tuple[Curve, ...]
+    own: tuple[Constant, ...]
+    effects: tuple[Effect, ...]
+    states: Mapping[str, Array] = field(default_factory=dict)
+    stated_sd: Array | None = None
+    nuisance: Array | None = None
+    units: tuple[str, ...] = ("",)
+
+    @abstractmethod
+    def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
+        """Return the prediction at every row, for own constants and ``terms``: effect id -> (form, constants)."""
+
+    def extras(self) -> Sequence[Extra]:
+        """Return the tests that could be done next."""
+        return ()
+
+    @property
+    def channel(self) -> NDArray[np.int64]:
+        """The channel (kind of reading) of each row."""
+        found = np.zeros(len(self.measured), dtype=np.int64)
+        for curve in self.curves:
+            found[curve.rows] = curve.channel
+        return found
+
+    def effect(self, name: str) -> Effect:
+        """Return the catalogue entry of that id."""
+        return next(effect for effect in self.effects if effect.id == name)

@@ -1,0 +1,125 @@
+"""Which catalogue entry does the residual point at: scores, with what the model's own constants can do taken off."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from hyperfab.loop.fitting import Fit
+from hyperfab.loop.noise import Noise
+from hyperfab.loop.problem import Array, Effect, Form, Problem
+
+#: A signature that keeps less of its square than this after projection cannot be seen on these data.
+_VISIBLE = 1e-5
+_DRAWS = 4000
+
+
+@dataclass(frozen=True)
+class Signature:
+    """What a little of an effect would do to the whitened prediction, and how the residual lies along it.
+
+    ``direction`` has unit length and is orthogonal to the model's own sensitivities; ``kept`` is the share
+    of the imprint's square
+    that they cannot imitate; ``z`` the residual's component in standard deviations; ``robust_z`` the same with smooth
+    departures of the base law taken off too.
+    """
+
+    effect: Effect
+    form: Form
+    probe: tuple[float, ...]
+    direction: Array
+    kept: float
+    size: float
+    z: float
+    robust_z: float
+
+
+def signatures(problem: Problem, noise: Noise, fit: Fit, effects: Iterable[Effect]) -> list[Signature]:
+    """Return the signatures of all forms of ``effects`` that the data could show."""
+    own, terms, noise = fit.x[: fit.own], fit.terms, noise.at(fit.predicted)
+    basis, residual = _projected(fit)
+    wide = basis
+    if problem.nuisance is not None:
+        smooth = noise.whiten(problem.nuisance)
+        smooth = np.vstack([smooth, np.zeros((len(basis) - len(smooth), smooth.shape[1]))])
+        wide = _orthonormal(np.hstack([basis, smooth]))
+    found = []
+    for effect in effects:
+        for form in effect.forms:
+            for probe in form.probes:
+                value = problem.predict(own, {**terms, effect.id: (form.name, np.array(probe))})
+                if not np.all(np.isfinite(value)):
+                    continue
+                imprint = np.zeros(len(basis))
+                imprint[: len(value)] = noise.whiten(value - fit.predicted)
+                total = float(imprint @ imprint)
+                left = imprint - basis @ (basis.T @ imprint)
+                length = float(left @ left)
+                if length <= _VISIBLE * total or length <= 1e-16:
+                    continue
+                z = float(left @ residual) / np.sqrt(length)
+                robust = z
+                if effect.smooth and wide is not basis:
+                    bare = left - wide @ (wide.T @ left)
+                    rest = float(bare @ bare)
+                    robust = float(bare @ residual) / np.sqrt(rest) if rest > 1e-3 * length else 0.0
+                found.append(
+                    Signature(
+                        effect,
+                        form,
+                        probe,
+                        left / np.sqrt(length),
+                        length / total,
+                        float(np.sqrt(length)),
+                        z,
+                        robust,
+                    )
+                )
+    return found
+
+
+def points_at(signature: Signature) -> float:
+    """Return the score: how far the residual lies along the signature, 0 where it lies the impossible way."""
+    first = signature.form.constants[0]
+    both = first.low < first.value < first.high
+    return abs(signature.robust_z) if both else max(signature.robust_z, 0.0)
+
+
+def greatest_by_chance(found: list[Signature], dof: float) -> float:
+    """Return the probability that noise alone gives a score as great as the greatest of ``found``.
+
+    The look-elsewhere effect is counted: many entries, alike as they are. The draws have a fixed seed; the
+    noise level is itself known with ``dof`` degrees of freedom only.
+    """
+    if not found:
+        return 1.0
+    directions = np.stack([signature.direction for signature in found])
+    alike = directions @ directions.T
+    values, vectors = np.linalg.eigh(alike)
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    random = np.random.default_rng(20240607)
+    draws = np.abs(random.standard_normal((_DRAWS, len(found))) @ root.T).max(axis=1)
+    if np.isfinite(dof):
+        draws = draws / np.sqrt(random.chisquare(dof, _DRAWS) / dof)
+    seen = max(abs(signature.z) for signature in found)
+    return float((1 + np.sum(draws >= seen)) / (1 + _DRAWS))
+
+
+def _projected(fit: Fit) -> tuple[Array, Array]:
+    """Return an orthonormal basis of the own sensitivities with the priors as extra rows, and the residual so too."""
+    root = np.sqrt(fit.prior)
+    basis = _orthonormal(np.vstack([fit.jacobian, np.diag(root)]))
+    # At the optimum the residual with its prior rows is orthogonal to the basis; held bounds leave a little.
+    residual = np.concatenate([fit.residual, np.zeros(len(root))])
+    return basis, residual - basis @ (basis.T @ residual)
+
+
+def _orthonormal(matrix: Array) -> Array:
+    norms = np.sqrt(np.sum(matrix**2, axis=0))
+    scaled = matrix[:, norms > 0.0] / norms[norms > 0.0]
+    if scaled.shape[1] == 0:
+        return np.zeros((len(matrix), 0))
+    left, sizes, _ = np.linalg.svd(scaled, full_matrices=False)
+    return np.asarray(left[:, sizes > 1e-9 * sizes[0]])

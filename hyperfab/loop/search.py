@@ -1,0 +1,213 @@
+"""Which terms: refit the entries the residual points at, keep what pays in likelihood, out of sample, and in size."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.loop.fitting import Fit, fit
+from hyperfab.loop.heldout import HeldOut, Help, help_of, leave_curves_out
+from hyperfab.loop.judge import Judgement, correlation_time, judge
+from hyperfab.loop.noise import Noise
+from hyperfab.loop.problem import Array, Effect, Form, Problem
+from hyperfab.loop.score import Signature, points_at, signatures
+
+#: A term must lower BIC by this much.
+MARGIN = 8.0
+#: Shares of the structured variance a first and a further term must take.
+FIRST_SHARE, NEXT_SHARE = 0.01, 0.05
+#: Shares of the structured held-out error and of the tests.
+TAKEN, HELPED = 0.2, 0.7
+
+
+@dataclass(frozen=True)
+class State:
+    """A model with some terms, fitted and judged."""
+
+    fit: Fit
+    found: list[Signature]
+    judgement: Judgement
+    held_out: HeldOut
+
+    @property
+    def ids(self) -> tuple[str, ...]:
+        """The effects in it, in the order they were added."""
+        return tuple(self.fit.forms)
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Why a term was added, or not."""
+
+    delta_bic: float
+    variance_share: float
+    help: Help | None
+    certain: bool
+
+    def accepted(self, first: bool) -> bool:
+        """Whether the term pays."""
+        needed = FIRST_SHARE if first else NEXT_SHARE
+        pays = self.delta_bic >= MARGIN and self.variance_share >= needed and self.certain
+        return pays and (self.help is None or (self.help.taken >= TAKEN and self.help.helped >= HELPED))
+
+
+@dataclass
+class Search:
+    """Fits models with terms, each once."""
+
+    problem: Problem
+    noise: Noise
+    tick: Callable[[str], None] = lambda text: None
+    refit: int = 6
+    _fits: dict[tuple[tuple[str, str], ...], Fit] = field(default_factory=dict)
+    _states: dict[tuple[tuple[str, str], ...], State] = field(default_factory=dict)
+
+    def base(self) -> State:
+        """Return the model as it is, with its own constants refitted."""
+        start = [constant.value for constant in self.problem.own]
+        return self.state(fit(self.problem, self.noise, {}, start))
+
+    def state(self, fitted: Fit) -> State:
+        """Judge a fit."""
+        key = tuple(sorted((name, form.name) for name, form in fitted.forms.items()))
+        if key not in self._states:
+            others = [effect for effect in self.problem.effects if effect.id not in fitted.forms]
+            found = signatures(self.problem, self.noise, fitted, others)
+            self._states[key] = State(
+                fitted,
+                found,
+                judge(self.problem, self.noise, fitted, found),
+                leave_curves_out(fitted, self.problem.curves),
+            )
+        return self._states[key]
+
+    def ranking(self, state: State) -> list[tuple[Effect, float]]:
+        """Return the entries not in the model, the one the residual points at most first."""
+        best: dict[str, float] = {}
+        for signature in state.found:
+            name = signature.effect.id
+            best[name] = max(best.get(name, 0.0), points_at(signature))
+        order = sorted(best, key=lambda name: -best[name])
+        return [(self.problem.effect(name), best[name]) for name in order]
+
+    def with_term(self, state: State, effect: Effect) -> Fit | None:
+        """Return the best joint fit of the model with ``effect``: its forms, then those that refine them."""
+        rank: dict[str, float] = {}
+        for signature in state.found:
+            if signature.effect is effect:
+                rank[signature.form.name] = max(rank.get(signature.form.name, 0.0), points_at(signature))
+        basic = sorted(
+            (form for form in effect.forms if form.refines is None and form.name in rank),
+            key=lambda form: -rank[form.name],
+        )
+        fits = [found for form in basic[:2] if (found := self._joint(state.fit, effect, form)) is not None]
+        if not fits:
+            return None
+        best = self.lowest(fits)
+        for form in effect.forms:
+            if form.refines is not None and form.refines == best.forms[effect.id].name:
+                richer = self._joint(state.fit, effect, form, best)
+                if richer is not None:
+                    best = self.lowest([best, richer])
+        return best
+
+    def lowest(self, fits: Sequence[Fit]) -> Fit:
+        """Return the fit of lowest BIC; a form with more constants has to earn them by half the margin."""
+        best = min(fits, key=lambda one: one.chi2)
+        channel = self.problem.channel
+        time = correlation_time(best.residual, self.problem.curves)
+        count = max(len(best.residual) / time, 3.0)
+
+        def bic(one: Fit) -> float:
+            return scaled_chi2(one, best, channel) / time + len(one.x) * (np.log(count) + MARGIN / 4.0)
+
+        return min(fits, key=bic)
+
+    def _joint(self, parent: Fit, effect: Effect, form: Form, simpler: Fit | None = None) -> Fit | None:
+        forms = {**parent.forms, effect.id: form}
+        key = tuple(sorted((name, one.name) for name, one in forms.items()))
+        if key in self._fits:
+            return self._fits[key]
+        self.tick(effect.id)
+        starts: list[Array] = []
+        if simpler is not None:
+            given = simpler.x[simpler.place(effect.id)]
+            tail = np.array(form.starts[0][len(given) :])
+            starts.append(np.concatenate([simpler.x[: len(parent.x)], given, tail]))
+        else:
+            starts = [np.concatenate([parent.x, np.array(start)]) for start in form.starts]
+        best: Fit | None = None
+        for start in starts:
+            found = fit(self.problem, self.noise, forms, start)
+            if best is None or found.cost < best.cost:
+                best = found
+        if best is not None and np.isfinite(best.chi2):
+            self._fits[key] = best
+            return best
+        return None
+
+    def evidence(self, smaller: State, larger: State) -> Evidence:
+        """Return what the terms of ``larger`` that ``smaller`` lacks are worth."""
+        old, new = smaller.fit, larger.fit
+        channel = self.problem.channel
+        time = correlation_time(new.residual, self.problem.curves)
+        gain = scaled_chi2(old, new, channel) - scaled_chi2(new, new, channel)
+        total = max(old.chi2 - len(old.residual), 1e-9)
+        gone = old.chi2 - new.chi2
+        count = max(len(new.residual) / time, 3.0)
+        more = len(new.x) - len(old.x)
+        return Evidence(
+            delta_bic=gain / time - more * float(np.log(count)),
+            variance_share=gone / total,
+            help=help_of(smaller.held_out, larger.held_out),
+            certain=self._certain(smaller, larger),
+        )
+
+    def _certain(self, smaller: State, larger: State) -> bool:
+        """Whether some amplitude of the new terms is three of its standard deviations from null."""
+        new = larger.fit
+        scale = np.sqrt(max(larger.judgement.chi2_reduced, 1.0))
+        for name, form in new.forms.items():
+            if name in smaller.fit.forms:
+                continue
+            place = new.place(name)
+            away = np.abs(new.x[place] - np.array(form.null))
+            sd = new.sd[place] * scale
+            if not np.any(away > 2.0 * sd):
+                return False
+        return True
+
+    def candidates(self, state: State) -> list[tuple[State, Evidence]]:
+        """Return the models with one term more, those of lowest BIC first."""
+        found = []
+        for effect, _ in self.ranking(state)[: self.refit]:
+            fitted = self.with_term(state, effect)
+            if fitted is not None:
+                larger = self.state(fitted)
+                found.append((larger, self.evidence(state, larger)))
+        return sorted(found, key=lambda pair: -pair[1].delta_bic)
+
+
+def common_bic(states: Sequence[State], problem: Problem) -> Mapping[tuple[str, ...], float]:
+    """Return BIC of several models on one scale: that of the best fit among them."""
+    best = min(states, key=lambda state: state.fit.chi2).fit
+    channel = problem.channel
+    time = correlation_time(best.residual, problem.curves)
+    count = max(len(best.residual) / time, 3.0)
+    return {
+        state.ids: scaled_chi2(state.fit, best, channel) / time + len(state.fit.x) * float(np.log(count))
+        for state in states
+    }
+
+
+def scaled_chi2(fitted: Fit, best: Fit, channel: NDArray[np.int64]) -> float:
+    """Return chi-squared with each channel's noise taken as no less than what ``best`` leaves there."""
+    total = 0.0
+    for which in np.unique(channel):
+        rows = channel == which
+        left = float(np.mean(best.residual[rows] ** 2))
+        total += float(np.sum(fitted.residual[rows] ** 2)) / max(left, 1.0)
+    return total

@@ -1,0 +1,241 @@
+"""What tests of a fabric read: a strain-energy law, and the effects on top of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from hyperfab.materials.effects import (
+    anisotropy,
+    compressibility,
+    elastic_law,
+    grip_slack,
+    hysteresis,
+    load_offset,
+    mullins,
+    permanent_set,
+    rate,
+    thermal_softening,
+)
+from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL, Path
+from hyperfab.materials.kinematics import Array, Sheet
+from hyperfab.materials.law import Law
+from hyperfab.materials.term import InvariantTerm, Term
+
+#: A term: its form and its constants, in the order of the form.
+Terms = Mapping[str, tuple[str, Array]]
+_KEPT = 12
+
+
+@dataclass
+class Fabric:
+    """Predicts the stress of every row of ``path`` for a law, its constants and effects.
+
+    ``reference_degC`` is the temperature the constants are of; ``speed`` the strain rate of a row [1/s],
+    nan where unknown.
+    """
+
+    law: Law
+    path: Path
+    reference_degC: float = 20.0
+    speed: Array | None = None
+    _bases: dict[tuple[object, ...], tuple[Array, Array | None]] = field(default_factory=dict)
+
+    def stress(self, warp: Array, weft: Array | None, terms: Terms) -> Array:
+        """Return the nominal stress [MPa] of every row.
+
+        ``warp`` and ``weft`` are the law's constants in its order; without ``weft`` both directions are
+        alike. An effect that is not among ``terms`` leaves no trace: the result is bit for bit that of the law.
+        """
+        path = self.path
+        stretch, place = self._stretch(terms)
+        with np.errstate(all="ignore"):
+            stress, energy = self._elastic(warp, weft, terms, stretch, place)
+            if "thermal-softening" in terms:
+                _, values = terms["thermal-softening"]
+                curvature = values[1] if len(values) > 1 else 0.0
+                factor = thermal_softening.factor(
+                    path.temperature_degC, self.reference_degC, values[0], curvature
+                )
+                stress = stress * factor
+            if "mullins" in terms:
+                stress = stress * self._mullins(terms["mullins"], energy)
+            if "hysteresis" in terms:
+                stress = self._hysteresis(terms["hysteresis"], stress, stretch, energy)
+            if "rate" in terms:
+                stress = self._rate(terms["rate"], stress)
+            if "load-offset" in terms:
+                form, values = terms["load-offset"]
+                drifts = form == "drift"
+                stress = load_offset.shifted(
+                    stress, values[0], path.time_s if drifts else None, values[1] if drifts else 0.0
+                )
+        return np.asarray(stress)
+
+    def across(self, terms: Terms) -> Array:
+        """Return the transverse stretch of uniaxial rows; the other rows are without meaning."""
+        stretch, _ = self._stretch(terms)
+        if "compressibility" not in terms:
+            return np.asarray(stretch**-0.5)
+        form, values = terms["compressibility"]
+        nu = np.full_like(stretch, values[0])
+        if form == "directions":
+            share, _ = anisotropy.weft_share(self.path)
+            nu = nu + share * (values[1] - values[0])
+        return compressibility.across(stretch, nu)  # type: ignore[arg-type]
+
+    def _stretch(self, terms: Terms) -> tuple[Array, tuple[object, ...]]:
+        stretch = self.path.stretch
+        place: tuple[object, ...] = ()
+        if "grip-slack" in terms:
+            _, values = terms["grip-slack"]
+            stretch = grip_slack.taken_up(stretch, *values)
+            place = (*place, *values)
+        if "permanent-set" in terms:
+            form, values = terms["permanent-set"]
+            if form == "returned":
+                peak = np.maximum.accumulate(stretch) if len(self.path.curves) == 1 else self._peak(stretch)
+                stretch = permanent_set.returned(stretch, peak, values[0])
+            else:
+                peak = self.path.peak if form == "flow" else self.path.earlier_peak
+                stretch = permanent_set.grown(stretch, peak, values[0])
+            place = (*place, form, *values)
+        return stretch, place
+
+    def _peak(self, stretch: Array) -> Array:
+        if stretch is self.path.stretch:
+            return self.path.peak
+        found = np.empty_like(stretch)
+        for rows in self.path.curves:
+            found[rows] = np.maximum(np.maximum.accumulate(stretch[rows]), 1.0)
+        return found
+
+    def _elastic(
+        self,
+        warp: Array,
+        weft: Array | None,
+        terms: Terms,
+        stretch: Array,
+        place: tuple[object, ...],
+    ) -> tuple[Array, Array]:
+        needs_energy = "mullins" in terms or terms.get("hysteresis", ("",))[0] == "pseudo-elastic"
+        one = self._of_law(warp, terms, stretch, place, needs_energy)
+        form, values = terms.get("anisotropy", ("", np.empty(0)))
+        if weft is None and not form:
+            return one
+        share, softer = anisotropy.weft_share(self.path)
+        if form == "ratio":
+            factor = 1.0 + share * (values[0] - 1.0)
+            return one[0] * factor, one[1] * factor
+        count = len(self.law.names)
+        if form:
+            if form == "diagonal":
+                _, softer = anisotropy.weft_share(self.path, values[count])
+            weft = np.asarray(warp) + np.asarray(values[:count])
+        assert weft is not None
+        other = self._of_law(weft, terms, stretch, place, needs_energy)
+        stress = (one[0] + share * (other[0] - one[0])) * softer
+        # The share 1 must give the weft itself, not a sum that rounds.
+        stress = np.where(share == 1.0, other[0] * softer, stress)
+        energy = (one[1] + share * (other[1] - one[1])) * softer
+        return stress, energy
+
+    def _of_law(
+        self,
+        constants: Array,
+        terms: Terms,
+        stretch: Array,
+        place: tuple[object, ...],
+        needs_energy: bool,
+    ) -> tuple[Array, Array]:
+        given = dict(zip(self.law.names, map(float, constants), strict=True))
+        if self.law.nonlinear and self.law.refusal(given) is not None:
+            nowhere = np.full_like(stretch, np.nan)
+            return nowhere, nowhere
+        c, theta = self.law.split(given)
+        extra_form, extra = terms.get("elastic-law", ("", np.empty(0)))
+        linear = [
+            v
+            for v, n in zip(extra, elastic_law.FORMS.get(extra_form, ()), strict=False)
+            if n.endswith("_MPa")
+        ]
+        shape = [
+            v
+            for v, n in zip(extra, elastic_law.FORMS.get(extra_form, ()), strict=False)
+            if not n.endswith("_MPa")
+        ]
+        nu = terms.get("compressibility", ("", np.empty(0)))
+        key = (tuple(theta), place, extra_form, tuple(shape), nu[0], tuple(nu[1]), needs_energy)
+        if key not in self._bases:
+            if len(self._bases) >= _KEPT:
+                self._bases.pop(next(iter(self._bases)))
+            self._bases[key] = self._basis(theta, stretch, extra_form, shape, terms, needs_energy)
+        columns, energies = self._bases[key]
+        weights = np.array([*c, *linear])
+        stress = columns @ weights
+        return stress, energies @ weights if energies is not None else np.zeros_like(stress)
+
+    def _basis(
+        self,
+        theta: Sequence[float],
+        stretch: Array,
+        extra_form: str,
+        shape: Sequence[float],
+        terms: Terms,
+        needs_energy: bool,
+    ) -> tuple[Array, Array | None]:
+        sheet = Sheet.of(stretch, self._second(theta, stretch, terms))
+        parts: list[Term] = list(self.law.terms(sheet, theta))
+        if extra_form:
+            parts += elastic_law.added_terms(extra_form, sheet, shape)
+        columns = np.stack([part.stress(sheet)[0] + 0.0 * stretch for part in parts], axis=1)
+        if not needs_energy:
+            return columns, None
+        return columns, np.stack([_energy(part, sheet) + 0.0 * stretch for part in parts], axis=1)
+
+    def _second(self, theta: Sequence[float], stretch: Array, terms: Terms) -> Array:
+        path = self.path
+        nu = self.law.contraction(theta)
+        second = np.where(path.mode == BIAXIAL, stretch, np.where(path.mode == SHEAR, 1.0, path.across))
+        second = np.where(path.mode == UNIAXIAL, stretch**-nu, second)
+        if "compressibility" in terms:
+            form, values = terms["compressibility"]
+            contraction = np.full_like(stretch, values[0])
+            if form == "directions":
+                share, _ = anisotropy.weft_share(path)
+                contraction = contraction + share * (values[1] - values[0])
+            second = compressibility.as_incompressible(path.mode, stretch, second, contraction)  # type: ignore[arg-type]
+        return np.asarray(second)
+
+    def _mullins(self, term: tuple[str, Array], energy: Array) -> Array:
+        form, values = term
+        if form == "damage":
+            return mullins.damaged(self.path.peak, *values)
+        greatest = np.empty_like(energy)
+        for rows in self.path.curves:
+            greatest[rows] = np.maximum.accumulate(energy[rows])
+        return mullins.softened(energy, greatest, *values)
+
+    def _hysteresis(self, term: tuple[str, Array], stress: Array, stretch: Array, energy: Array) -> Array:
+        form, values = term
+        if form == "pseudo-elastic":
+            return stress * hysteresis.unloading(self.path, energy, *values)
+        slip = values[0] * np.abs(stress) if form == "friction" else np.full_like(stress, values[0])
+        return stress + hysteresis.friction(self.path, stretch, slip, values[1])
+
+    def _rate(self, term: tuple[str, Array], stress: Array) -> Array:
+        form, values = term
+        if form == "log-rate":
+            assert self.speed is not None
+            known = self.speed[np.isfinite(self.speed)]
+            reference = float(np.exp(np.mean(np.log(known))))
+            return stress * rate.quickened(self.speed, reference, values[0])
+        return stress + rate.relaxing(self.path, stress, list(values[0::2]), list(values[1::2]))
+
+
+def _energy(term: Term, sheet: Sheet) -> Array:
+    if isinstance(term, InvariantTerm):
+        return np.asarray(term.W)
+    return term.membrane(sheet).W

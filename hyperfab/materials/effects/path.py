@@ -1,0 +1,131 @@
+"""The way through which specimens were led: stretch, time and temperature, row after row, test after test."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.materials.kinematics import Array
+
+#: Codes of the deformation modes in ``Path.mode``.
+UNIAXIAL, SHEAR, BIAXIAL, GENERAL = range(4)
+MODE_NAMES = ("uniaxial", "shear", "biaxial", "biaxial-general")
+
+#: A reversal smaller than this share of a curve's range of stretch is a reading's noise, not a turn.
+_TURN = 0.02
+
+
+@dataclass(frozen=True)
+class Path:
+    """Rows of all curves, curve after curve; ``starts`` holds the first row of each and the number of rows.
+
+    ``stretch`` along the pull, ``across`` the measured second stretch of general biaxial tests (nan
+    elsewhere), ``time_s``,
+    ``temperature_degC`` and ``angle_deg`` from the warp (nan where unknown), ``branch`` (+1, -1, 0 where not stated).
+    """
+
+    starts: tuple[int, ...]
+    mode: NDArray[np.int64]
+    stretch: Array
+    across: Array
+    time_s: Array
+    temperature_degC: Array
+    angle_deg: Array
+    branch: NDArray[np.int64]
+
+    @cached_property
+    def curves(self) -> list[slice]:
+        """Rows of each curve."""
+        return [slice(a, b) for a, b in zip(self.starts[:-1], self.starts[1:], strict=True)]
+
+    @cached_property
+    def up(self) -> NDArray[np.int64]:
+        """+1 where the stretch grows or stays after growing, -1 where it shrinks."""
+        found = np.ones(len(self.stretch), dtype=np.int64)
+        for rows in self.curves:
+            stated = self.branch[rows]
+            found[rows] = stated if np.all(stated != 0) else _branches(self.stretch[rows])
+        return found
+
+    @cached_property
+    def peak(self) -> Array:
+        """Largest stretch so far, this row included; 1 at rest."""
+        found = np.empty_like(self.stretch)
+        for rows in self.curves:
+            found[rows] = np.maximum(np.maximum.accumulate(self.stretch[rows]), 1.0)
+        return found
+
+    @cached_property
+    def earlier_peak(self) -> Array:
+        """Largest stretch of the pulls before the present one; 1 in the first pull."""
+        found = np.ones_like(self.stretch)
+        for rows in self.curves:
+            up, peak = self.up[rows], self.peak[rows]
+            past = 1.0
+            for i in range(1, len(up)):
+                if up[i] > 0 and up[i - 1] < 0:
+                    past = peak[i - 1]
+                found[rows.start + i] = past
+        return found
+
+    @cached_property
+    def turn(self) -> NDArray[np.int64]:
+        """Row of the last turn from loading to unloading, -1 while loading."""
+        found = np.full(len(self.stretch), -1, dtype=np.int64)
+        for rows in self.curves:
+            top = rows.start
+            for i in range(rows.start, rows.stop):
+                if self.up[i] > 0:
+                    top = i
+                else:
+                    found[i] = top
+        return found
+
+    @cached_property
+    def elapsed(self) -> Array:
+        """Time since the row before [s]; since rest for the first row, at the pace of the next."""
+        found = np.full_like(self.stretch, np.nan)
+        for rows in self.curves:
+            time, lam = self.time_s[rows], self.stretch[rows]
+            step = np.diff(time)
+            found[rows.start + 1 : rows.stop] = step
+            if len(time) > 1:
+                moved = abs(lam[1] - lam[0])
+                pace = step[0] / moved if moved > 1e-9 else 0.0
+                found[rows.start] = max(pace * (lam[0] - 1.0), 0.0)
+        return found
+
+    @cached_property
+    def ladder(self) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+        """Row numbers as (curves, steps), short curves padded with their last row, and which entries are real."""
+        longest = max(rows.stop - rows.start for rows in self.curves)
+        steps = np.arange(longest)
+        first, last = np.array(self.starts[:-1])[:, None], np.array(self.starts[1:])[:, None]
+        index = np.minimum(first + steps, last - 1)
+        return index, first + steps < last
+
+    @property
+    def knows_time(self) -> bool:
+        """Whether every row has a time."""
+        return bool(np.all(np.isfinite(self.time_s)))
+
+
+def _branches(stretch: Array) -> NDArray[np.int64]:
+    """Tell loading from unloading by turns that are larger than the noise."""
+    found = np.ones(len(stretch), dtype=np.int64)
+    if len(stretch) == 0:
+        return found
+    threshold = _TURN * float(np.ptp(stretch))
+    direction, extreme, place = 1, float(stretch[0]), 0
+    for i in range(1, len(stretch)):
+        value = float(stretch[i])
+        if (value - extreme) * direction >= 0.0:
+            extreme, place = value, i
+        elif abs(value - extreme) > threshold:
+            direction = -direction
+            found[place + 1 :] = direction
+            extreme, place = value, i
+    return found
