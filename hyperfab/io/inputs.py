@@ -55,14 +55,17 @@ class Inputs:
         try:
             # O_NONBLOCK: a named pipe nobody writes to must not hang the command while it is opened.
             descriptor = os.open(name, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
-            with os.fdopen(descriptor, "rb") as stream:
+            try:
                 found = os.fstat(descriptor)
                 if stat.S_ISDIR(found.st_mode):
                     raise InputError("is a folder, not a file", file=name, remedy="name a file in it")
                 if found.st_size > limit:
                     raise _too_large(name, limit)
                 os.set_blocking(descriptor, True)
-                data = stream.read(limit + 1)
+                with os.fdopen(descriptor, "rb", closefd=False) as stream:
+                    data = stream.read(limit + 1)
+            finally:
+                os.close(descriptor)
         except FileNotFoundError as error:
             raise InputError("no such file", file=name, remedy=_nearby(name)) from error
         except (OSError, ValueError) as error:

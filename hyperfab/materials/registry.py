@@ -42,11 +42,14 @@ def law(name: str) -> Law:
 def bind(name: str, parameters: Mapping[str, float]) -> Material:
     """Return the material: the law called ``name`` with its constants, keyed as in a material document.
 
-    Raises InputError naming the constant that is missing, unknown, not a finite number, or without meaning.
+    Raises InputError naming the law that is unknown, or the constant that is missing, unknown, not a finite number,
+    or without meaning.
 
     >>> bind("mooney-rivlin-2", {"C10_MPa": 0.16, "C01_MPa": 0.01}).c
     (0.16, 0.01)
     """
+    if name not in laws():
+        raise InputError(f"there is no law {name!r}", key="model", remedy=f"the laws are {', '.join(laws())}")
     found = law(name)
     for key in parameters:
         if key not in found.names:

@@ -9,6 +9,8 @@ from hyperfab.errors import InputError
 
 #: Where ``exposed`` stands: every outer face without another condition.
 EXPOSED = "exposed"
+#: The ways a face can look.
+WAYS = ("x-", "x+", "y-", "y+", "z-", "z+", "all")
 
 
 def refuse_unknown_names(document: MoldDocument, file: str) -> None:
@@ -21,12 +23,12 @@ def refuse_unknown_names(document: MoldDocument, file: str) -> None:
             _known(file, key, place.part, parts, "part")
         elif place != EXPOSED:
             body, _, way = place.rpartition(".")
-            if not body:
+            if not body or way not in WAYS:
                 raise InputError(
                     f"{place!r} names no face",
                     file=file,
                     key=key,
-                    remedy=f"write NAME.WAY, as {known[0]}.z+, with WAY one of x- x+ y- y+ z- z+ all",
+                    remedy=f"write NAME.WAY, as {known[0]}.z+, with WAY one of {' '.join(WAYS)}",
                 )
             _known(file, key, body, known, "body", f".{way}")
     for number, heater in enumerate(document.heater):
