@@ -9,10 +9,11 @@ BUILD  := build
 SOURCES := $(shell find hyperfab -name '*.py' -o -name '*.toml' -o -name '*.csv')
 
 .DELETE_ON_ERROR:
-.PHONY: run test test-slow lint types bench fuzz samples pictures clean distclean help
+.PHONY: run study test test-slow lint types bench fuzz samples pictures clean distclean help
 
 help:
 	@echo "make run     the whole chain on the sample specimens and molds, with a summary and pictures in $(BUILD)/"
+	@echo "make study   the sample studies: heaters, chambers and air; foam, gap and temperature"
 	@echo "make test    the tests (make test-slow: heavy physics and long fault runs)"
 	@echo "make lint    format, lint and import arrows;  make types: the type checker"
 	@echo "make bench   timings beside other programs;   make fuzz: readers against random bytes"
@@ -77,6 +78,13 @@ $(BUILD)/heat-%.json: molds/%.toml specimens/film.csv
 $(BUILD)/press.json: $(BUILD)/drape.json specimens/foam.toml specimens/foam.csv molds/cup-male.stl molds/cup-female.stl
 	$(HF) press-contact --male molds/cup-male.stl --female molds/cup-female.stl --axis z \
 	  --foam specimens/foam.toml --gap 3mm --temperature 200degC --drape $(BUILD)/drape.json -o $@
+
+# ---- the sample studies: many runs, each finished one kept -----------------------------------------------------
+
+study: $(VENV)/run | $(BUILD)
+	$(HF) sweep molds/study-heat.toml --out $(BUILD)/study-heat
+	$(HF) sweep molds/study-press.toml --out $(BUILD)/study-press
+	@$(HF) summary $(BUILD)/study-heat/sweep.json $(BUILD)/study-press/sweep.json
 
 # ---- the net under it ---------------------------------------------------------------------------------------
 

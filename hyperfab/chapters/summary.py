@@ -105,10 +105,24 @@ def _press(data: Plain) -> Iterator[str]:
     yield f"hot gap {data['gap_min_mm']:.2f} to {data['gap_max_mm']:.2f} mm, mean {data['gap_mean_mm']:.2f} mm"
 
 
+def _sweep(data: Plain) -> Iterator[str]:
+    failed = sum(count for status, count in data["by_status"].items() if status != "0")
+    yield f"{data['name']}: {data['cases']} cases, {failed} failed; table {data['table']}"
+    if "within_limits" in data:
+        yield f"{data['within_limits']} cases keep to the limits"
+    for figure, row in data.get("best", {}).items():
+        shown = ", ".join(
+            f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}"
+            for key, value in row.items()
+        )
+        yield f"least {figure}: {shown}"
+
+
 _PARAGRAPHS: dict[str, Callable[[Plain], Iterator[str]]] = {
     "material": _material,
     "contact": _contact,
     "drape": _drape,
     "heat": _heat,
     "press": _press,
+    "sweep": _sweep,
 }

@@ -5,7 +5,10 @@ from __future__ import annotations
 import math
 import re
 import tomllib
+from collections.abc import Mapping
 from typing import Any
+
+import tomli_w
 
 from hyperfab.errors import InputError
 from hyperfab.io.text import decode_utf8
@@ -63,6 +66,18 @@ statement (character 14); quantities stand in quotes: "60 mm"
         raise InputError(f"is not valid TOML: {error}", file=name, remedy="correct the value") from None
     _check_values(value, name)
     return value
+
+
+def dump_toml(document: Mapping[str, Any]) -> bytes:
+    """Write a document as TOML, UTF-8; the same document gives the same bytes.
+
+    >>> print(dump_toml({"thickness": "5 mm", "fabric": {"above": "0.5 mm"}}).decode(), end="")
+    thickness = "5 mm"
+    <BLANKLINE>
+    [fabric]
+    above = "0.5 mm"
+    """
+    return tomli_w.dumps(document).encode("utf-8")
 
 
 def _float(token: str) -> float:

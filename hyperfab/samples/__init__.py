@@ -13,6 +13,8 @@ _KEPT = {
     "film.csv": "specimens",
     "original.toml": "molds",
     "proposed.toml": "molds",
+    "study-heat.toml": "molds",
+    "study-press.toml": "molds",
 }
 
 

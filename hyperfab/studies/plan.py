@@ -14,8 +14,8 @@ from hyperfab import __version__
 from hyperfab.documents.study import DocumentSection, StepSection, StudyDocument
 from hyperfab.errors import InputError
 from hyperfab.io.inputs import Inputs
-from hyperfab.io.json_io import load_json
-from hyperfab.io.toml_io import load_toml
+from hyperfab.io.json_io import dump_json, load_json
+from hyperfab.io.toml_io import dump_toml, load_toml
 from hyperfab.studies.axes import Axis, Layout, Level, plain
 from hyperfab.studies.files import FileKnowledge, map_texts
 from hyperfab.studies.template import TemplateError, fill, names
@@ -40,7 +40,7 @@ class Step:
     name: str
     command: str
     words: tuple[str, ...]
-    documents: tuple[tuple[str, str], ...]
+    documents: tuple[tuple[str, bytes], ...]
     needs: tuple[str, ...]
 
 
@@ -140,11 +140,11 @@ class Plan:
         earlier: Mapping[str, Step],
     ) -> Step:
         documents, steps = self._uses[section.name]
-        contents = {name: json.dumps(self._edit(name, texts, numbers), indent=1) for name in documents}
-        known = {name: _hash(self._known(json.loads(text))) for name, text in contents.items()}
+        edited = {name: self._edit(name, texts, numbers) for name in documents}
+        known = {name: _hash(self._known(document)) for name, document in edited.items()}
         symbols = {name: f"{{document {digest}}}" for name, digest in known.items()}
         symbols |= {name: f"{{step {earlier[name].key}}}" for name in steps}
-        places = {name: f"{HERE}/{name}.json" for name in documents}
+        places = {name: f"{HERE}/{self._file_name(name)}" for name in documents}
         places |= {name: f"{STEPS}/{_folder(earlier[name].key)}/{name}.json" for name in steps}
         words, identity = [], []
         for text in section.arguments:
@@ -160,8 +160,15 @@ class Plan:
             identity.append(symbol if path is None else self._file(path))
         key = _hash({"hf": __version__, "command": section.command, "arguments": identity})
         needs = tuple(sorted(earlier[name].key for name in steps))
-        written = tuple((f"{name}.json", text) for name, text in contents.items())
+        written = tuple(
+            (self._file_name(name), _written(self._file_name(name), document))
+            for name, document in edited.items()
+        )
         return Step(key, section.name, section.command, tuple(words), written, needs)
+
+    def _file_name(self, name: str) -> str:
+        """Return the name of an edited document: commands tell a model by its ending."""
+        return name + os.path.splitext(self.study.document[name].source)[1]
 
     def _edit(
         self, name: str, texts: Mapping[str, str], numbers: Mapping[str, float | int | None]
@@ -234,6 +241,10 @@ def _bare(text: str) -> Any:
     except ValueError:
         return text
     return value if isinstance(value, (int, float, bool)) else text
+
+
+def _written(name: str, document: dict[str, Any]) -> bytes:
+    return dump_toml(document) if name.endswith(".toml") else dump_json(document)
 
 
 def _canonical(levels: Mapping[str, Level]) -> dict[str, str]:

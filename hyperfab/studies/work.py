@@ -40,8 +40,8 @@ def run_step(store: Store, run: Runner, step: Step) -> tuple[Outcome, float]:
     seconds = 0.0
     try:
         place = store.begin(step)
-        for name, text in step.documents:
-            (place / name).write_text(text, encoding="utf-8")
+        for name, data in step.documents:
+            (place / name).write_bytes(data)
         words = [word.replace(STEPS, str(store.steps)).replace(HERE, str(place)) for word in step.words]
         start = time.perf_counter()
         outcome = run(step.command, words, str(place / f"{step.name}.json"))

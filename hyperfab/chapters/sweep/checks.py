@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import typing
 from typing import Any
 
@@ -30,9 +31,9 @@ def check_study(plan: Plan, commands: Any) -> None:
             )
     for name, path in plan.study.figures.items():
         _check_figure(plan, commands, name, path)
-    used = {name for step in first.steps for name, _ in step.documents}
+    used = {os.path.splitext(name)[0] for step in first.steps for name, _ in step.documents}
     for name in plan.study.document:
-        if f"{name}.json" not in used:
+        if name not in used:
             raise InputError(
                 "is used by no step",
                 file=plan.file,
