@@ -35,6 +35,12 @@ def press_contact(
     drape: Annotated[
         str | None, typer.Option(metavar="DRAPE.json", help="Fabric thickness from hf drape.")
     ] = None,
+    mounted: Annotated[
+        str,
+        typer.Option(
+            metavar="HOW", help="Mounting faces are held flat, or free to warp with the heat: flat or free."
+        ),
+    ] = "flat",
     zero: Annotated[
         str,
         typer.Option(

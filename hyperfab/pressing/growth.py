@@ -1,15 +1,18 @@
-"""Uniform thermal growth of a mold about its mounting face."""
+"""Thermal growth of a mold about its mounting face."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hyperfab.pressing.mold import Mold
+from hyperfab.pressing.tetra import TetraMesh, at_boundary
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -49,33 +52,57 @@ def guide_line(male: Mold) -> Array:
     return np.asarray(0.5 * (plan.min(axis=0) + plan.max(axis=0)))
 
 
-def uniform_growth(male: Mold, female: Mold, male_strain: float, female_strain: float) -> tuple[Array, Array]:
-    """Return the displacements (n, 3) [mm] of both molds' vertices when each grows evenly.
+class Growth(Protocol):
+    """How a hot mold has grown: the displacement of each of its points from where it is cold."""
 
-    Each mounting face stays at its height; sideways both grow from the guides' line.
+    def at(self, points: Array) -> Array:
+        """Return the displacements (n, 3) [mm] at cold ``points`` (n, 3) of the mold's surface."""
 
-    >>> import numpy as np
-    >>> one = Mold(np.array([[10.0, 0.0, 50.0], [-10.0, 0.0, -50.0]]), np.array([[0, 1, 0]]), side=1, mount=-50.0)
-    >>> uniform_growth(one, one, 0.01, 0.0)[0].tolist()
-    [[0.1, 0.0, 1.0], [-0.1, 0.0, 0.0]]
+
+@dataclass(frozen=True)
+class EvenGrowth:
+    """Growth by one ``strain`` from the ``fixed`` point (3,) [mm].
+
+    >>> EvenGrowth(0.01, np.array([0.0, 0.0, -50.0])).at(np.array([[10.0, 0.0, 50.0]])).tolist()
+    [[0.1, 0.0, 1.0]]
     """
-    line = guide_line(male)
-    growth = [
-        strain * (mold.vertices - np.array([line[0], line[1], mold.mount]))
-        for mold, strain in ((male, male_strain), (female, female_strain))
-    ]
-    return growth[0], growth[1]
+
+    strain: float
+    fixed: Array
+
+    def at(self, points: Array) -> Array:
+        """Return the displacements (n, 3) [mm] of ``points`` (n, 3)."""
+        return np.asarray(self.strain * (points - self.fixed))
 
 
-def ungrown(points: Array, mold: Mold, strain: float) -> Array:
-    """Return where points (n, 3) [mm] of the evenly grown ``mold`` lie when it is cold.
+@dataclass(frozen=True)
+class FieldGrowth:
+    """Growth as the finite elements found it: ``moved`` (n, 3) [mm] at the nodes of ``mesh``, outer faces ``faces``."""
 
-    >>> import numpy as np
-    >>> one = Mold(np.array([[10.0, 0.0, 50.0], [-10.0, 0.0, -50.0]]), np.array([[0, 1, 0]]), side=1, mount=-50.0)
-    >>> hot = one.vertices + uniform_growth(one, one, 0.01, 0.0)[0]
-    >>> bool(np.allclose(ungrown(hot, one, 0.01), one.vertices))
-    True
+    mesh: TetraMesh
+    faces: Ints
+    moved: Array
+
+    def at(self, points: Array) -> Array:
+        """Return the displacements (n, 3) [mm] of the mesh's boundary nearest to ``points`` (n, 3)."""
+        return at_boundary(self.mesh, self.faces, self.moved, points)[0]
+
+
+def even_growth(mold: Mold, strain: float, line: Array) -> EvenGrowth:
+    """Return the growth of a mold that is equally hot throughout: its mounting face stays at its height, and
+    sideways it grows from the guides' ``line`` (2,)."""
+    return EvenGrowth(strain, np.array([line[0], line[1], mold.mount]))
+
+
+def ungrown(points: Array, growth: Growth) -> Array:
+    """Return where points (n, 3) [mm] of a hot mold's surface lie when it is cold.
+
+    >>> growth = EvenGrowth(0.01, np.zeros(3))
+    >>> ungrown(np.array([[101.0, 0.0, 0.0]]), growth).round(9).tolist()
+    [[100.0, 0.0, 0.0]]
     """
-    line = guide_line(mold)
-    fixed = np.array([line[0], line[1], mold.mount])
-    return np.asarray(fixed + (points - fixed) / (1.0 + strain))
+    cold = points
+    # Strains are below one percent: every pass gains two digits or more.
+    for _ in range(8):
+        cold = points - growth.at(cold)
+    return np.asarray(cold)

@@ -57,6 +57,7 @@ def press(folder, monkeypatch, output="press.json", **options):
         "foam": "foam.toml",
         "axis": "z",
         "zero": "cold",
+        "mounted": "flat",
         "floating": False,
         "strokes": 5,
         "facets": "smooth",

@@ -8,7 +8,7 @@ import numpy as np
 
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact import inputs as read
-from hyperfab.chapters.press_contact.inputs import Heating
+from hyperfab.chapters.press_contact.heat import grow, read_heat
 from hyperfab.chapters.press_contact.result import (
     Told,
     curve_csv,
@@ -23,7 +23,6 @@ from hyperfab.errors import UsageError
 from hyperfab.io.output import Output
 from hyperfab.io.units import quantity
 from hyperfab.pressing.closing import Case, Closed, close_press
-from hyperfab.pressing.growth import Expansion, uniform_growth
 from hyperfab.pressing.placement import check_roles, in_frame
 from hyperfab.pressing.sandwich import Sandwich
 
@@ -41,6 +40,7 @@ def run(
     male_heat: str | None,
     female_heat: str | None,
     drape: str | None,
+    mounted: str,
     zero: str,
     floating: bool,
     force_at: str | None,
@@ -55,7 +55,7 @@ def run(
     """Read, place, heat, close, judge, write. Returns 1 where the molds collide or too little is spotted."""
     out = Output(output, (".vtu", ".csv", ".png", ".design.stl"))
     wanted_gap, wanted_force = _setting(gap, force)
-    _check(zero, facets, min_spotted, strokes)
+    _check(mounted, zero, facets, min_spotted, strokes)
     frame = None if frame_stiffness is None else _positive(frame_stiffness, "stiffness", "--frame-stiffness")
     design = None if design_gap is None else _positive(design_gap, "length", "--design-gap")
     place = None if force_at is None else _place(force_at, axis)
@@ -69,7 +69,7 @@ def run(
     sandwich = Sandwich(document.thickness, read.fabric_thickness(job.inputs, foam, document), law)
     expansions = read.expansions(job.inputs, foam, document)
     reference = document.expansion.reference
-    heatings = read.heatings(job.inputs, temperature, male_heat, female_heat, reference)
+    heat = read_heat(job.inputs, temperature, (male_heat, female_heat), reference)
     one, two, way = read.read_molds(job, male, female, axis, stl_unit)
     if drape is not None:
         sandwich = sandwich.thinned(read.thinning(job, drape, male, one.vertices))
@@ -79,12 +79,17 @@ def run(
         smooth = facets == "smooth"
         male_mold, female_mold = in_frame(one, way, 1, smooth), in_frame(two, way, -1, smooth)
         check_roles(male_mold, female_mold)
-        strains = _strains(expansions, heatings)
+        grown = [
+            grow(job, mold, male_mold, known, expansion, way, mounted == "flat")
+            for mold, known, expansion in zip((male_mold, female_mold), heat, expansions, strict=True)
+        ]
+        advance(0.2, "closing")
         case = Case(
             male_mold,
             female_mold,
             sandwich,
-            *uniform_growth(male_mold, female_mold, *strains),
+            grown[0].growth.at(male_mold.vertices),
+            grown[1].growth.at(female_mold.vertices),
             wanted_gap,
             wanted_force,
             zero == "hot",
@@ -98,8 +103,10 @@ def run(
         advance(0.8, "writing")
         design_stl, design_part = None, None
         if design is not None:
-            design_stl, design_part = design_of(closed, way, design, strains[0])
-        told = Told(closed, way, curve, reference, expansions, heatings, drape is not None, design_part)
+            design_stl, design_part = design_of(closed, way, design, grown[0].growth)
+        told = Told(
+            closed, way, curve, reference, expansions, (grown[0], grown[1]), drape is not None, design_part
+        )
         result = document_of(told)
         if out.wants_files:
             out.add(".vtu", grid_of(told))
@@ -109,13 +116,6 @@ def run(
                 out.add(".design.stl", design_stl)
     job.write(out, result)
     return _judge(job, result, closed, min_spotted)
-
-
-def _strains(
-    expansions: tuple[Expansion, Expansion], heatings: tuple[Heating, Heating]
-) -> tuple[float, float]:
-    male, female = (float(e.strain(h.temperature)) for e, h in zip(expansions, heatings, strict=True))
-    return male, female
 
 
 def _curve(closed: Closed, strokes: int) -> np.ndarray:
@@ -174,7 +174,9 @@ def _positive(text: str, kind: str, option: str) -> float:
     return value
 
 
-def _check(zero: str, facets: str, min_spotted: float | None, strokes: int) -> None:
+def _check(mounted: str, zero: str, facets: str, min_spotted: float | None, strokes: int) -> None:
+    if mounted not in ("flat", "free"):
+        raise UsageError(f"--mounted {mounted}: a mounting face is held flat or free to warp")
     if zero not in ("cold", "hot"):
         raise UsageError(f"--zero {zero}: the clearance is set cold or hot")
     if facets not in ("smooth", "flat"):

@@ -17,12 +17,10 @@ from hyperfab.documents.foam import (
     TableFile,
     TableLaw,
 )
-from hyperfab.documents.heat import HeatDocument
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.stl import read_stl
-from hyperfab.io.units import quantity
 from hyperfab.io.vtu_read import read_vtu
 from hyperfab.pressing import foam_law
 from hyperfab.pressing.foam_law import FoamLaw
@@ -35,14 +33,6 @@ from hyperfab.surface import Surface, consistently_wound
 #: Aluminium 6061: mean coefficients of expansion from 20 degC to 100 and to 300 degC (ASM Handbook, volume 2).
 ALUMINIUM = ((100.0, 300.0), (23.6e-6, 25.2e-6))
 _REFERENCE_RANGE = (-50.0, 60.0)
-
-
-@dataclass(frozen=True)
-class Heating:
-    """How hot a mold is: one temperature [degC], and how it is known."""
-
-    temperature: float
-    known_from: str
 
 
 def read_molds(
@@ -128,22 +118,6 @@ def expansions(inputs: Inputs, name: str, document: FoamDocument) -> tuple[Expan
     return male, female
 
 
-def heatings(
-    inputs: Inputs, temperature: str | None, male_heat: str | None, female_heat: str | None, reference: float
-) -> tuple[Heating, Heating]:
-    """Return how hot each mold is, from ``--temperature`` or from heat documents; cold where nothing is given."""
-    if temperature is not None and (male_heat or female_heat):
-        raise UsageError("--temperature and heat documents exclude each other; give one of them")
-    if temperature is not None:
-        value = quantity(temperature, "temperature", option="--temperature")
-        return (Heating(value, "uniform, as given"),) * 2
-    male, female = (
-        Heating(reference, "cold: the reference temperature") if name is None else _heating(inputs, name)
-        for name in (male_heat, female_heat)
-    )
-    return male, female
-
-
 @dataclass(frozen=True)
 class _MoldFile:
     vertices: np.ndarray
@@ -223,18 +197,6 @@ def _expansion(inputs: Inputs, name: str, value: float | TableFile | None, refer
     columns = {"temperature": "temperature", "expansion": "thermal-expansion"}
     table = read_table(inputs.read(path), path, columns, increasing="temperature")
     return Expansion(reference, tuple(table["temperature"].tolist()), tuple(table["expansion"].tolist()))
-
-
-def _heating(inputs: Inputs, name: str) -> Heating:
-    heat = read_document(inputs, name, HeatDocument)
-    if heat.work_surface is None:
-        raise InputError(
-            "has no work surface, so the mold's temperature is not known",
-            file=name,
-            key="work_surface",
-            remedy="name [work_surface] in mold.toml and run hf mold-heat again, or use --temperature",
-        )
-    return Heating(heat.work_surface.at_end.mean_degC, "mean of the work surface in the heat document")
 
 
 def thinning(job: Job, drape: str, male: str, vertices: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hyperfab.chapters.press_contact.inputs import Heating
+from hyperfab.chapters.press_contact.heat import Grown
 from hyperfab.documents.press import (
     DesignPart,
     GapRange,
@@ -24,7 +24,7 @@ from hyperfab.io.stl_write import stl_bytes
 from hyperfab.pressing.closing import Closed
 from hyperfab.pressing.design import DesignRefused, constant_gap, with_back
 from hyperfab.pressing.gap import vertex_areas
-from hyperfab.pressing.growth import Expansion, guide_line, ungrown
+from hyperfab.pressing.growth import Expansion, Growth, guide_line, ungrown
 from hyperfab.pressing.mold import Mold, PressFrame
 from hyperfab.pressing.regions import regions
 from hyperfab.pressing.sandwich import State
@@ -45,16 +45,9 @@ class Told:
     curve: Array
     reference: float
     expansions: tuple[Expansion, Expansion]
-    heatings: tuple[Heating, Heating]
+    grown: tuple[Grown, Grown]
     draped: bool
     design: DesignPart | None = None
-
-    @property
-    def strains(self) -> tuple[float, float]:
-        """Thermal strain of the male and of the female."""
-        pairs = zip(self.expansions, self.heatings, strict=True)
-        male, female = (float(expansion.strain(heating.temperature)) for expansion, heating in pairs)
-        return male, female
 
 
 def document_of(told: Told) -> PressDocument:
@@ -182,7 +175,7 @@ def picture_of(told: Told, document: PressDocument) -> bytes:
     return spotting(mold, told.curve[:, :2], title)
 
 
-def design_of(closed: Closed, frame: PressFrame, gap: float, strain: float) -> tuple[bytes, DesignPart]:
+def design_of(closed: Closed, frame: PressFrame, gap: float, growth: Growth) -> tuple[bytes, DesignPart]:
     """Return the STL of the cold male whose hot gap is constant; refused with the place where there is none."""
     try:
         found = constant_gap(closed.female, gap)
@@ -192,7 +185,7 @@ def design_of(closed: Closed, frame: PressFrame, gap: float, strain: float) -> t
             f"--design-gap {gap:g} mm: the surface {error.what} near ({at}) mm, on {error.faces} facets",
             remedy="ask for a smaller gap, or give the female a larger radius or more draft there",
         ) from None
-    cold = ungrown(found.vertices, closed.case.male, strain)
+    cold = ungrown(found.vertices, growth)
     vertices, faces = with_back(cold, found.faces, closed.case.male.mount)
     data = stl_bytes(frame.outward(vertices), faces, f"male of constant gap {gap:g} mm")
     return data, DesignPart(gap_mm=gap, spread_mm=found.spread, facets=len(faces))
@@ -231,8 +224,8 @@ def _sensitivity(told: Told, area: Array) -> list[LeverPart]:
     closed = told.closed
     line = guide_line(closed.case.male)
     rates = [
-        float(expansion.strain(heating.temperature + 0.5) - expansion.strain(heating.temperature - 0.5))
-        for expansion, heating in zip(told.expansions, told.heatings, strict=True)
+        float(expansion.strain(mold.temperature + 0.5) - expansion.strain(mold.temperature - 0.5))
+        for expansion, mold in zip(told.expansions, told.grown, strict=True)
     ]
     tooling = Tooling(
         points=closed.front.vertices,
@@ -244,8 +237,8 @@ def _sensitivity(told: Told, area: Array) -> list[LeverPart]:
         female_fixed=np.array([line[0], line[1], closed.female.mount]),
         male_rate=rates[0],
         female_rate=rates[1],
-        male_strain=told.strains[0],
-        female_strain=told.strains[1],
+        male_strain=told.grown[0].strain,
+        female_strain=told.grown[1].strain,
     )
     return [
         LeverPart(
@@ -296,13 +289,12 @@ def _state_areas(
 
 
 def _mold_part(mold: Mold, told: Told, index: int) -> MoldPart:
-    expansion, heating = told.expansions[index], told.heatings[index]
-    strain = float(expansion.strain(heating.temperature))
+    expansion, grown = told.expansions[index], told.grown[index]
     return MoldPart(
-        temperature_degC=heating.temperature,
-        temperature_from=heating.known_from,
-        expansion_1_K=float(np.interp(heating.temperature, expansion.temperatures, expansion.coefficient)),
-        growth_strain=strain,
+        temperature_degC=grown.temperature,
+        temperature_from=grown.known_from,
+        expansion_1_K=float(np.interp(grown.temperature, expansion.temperatures, expansion.coefficient)),
+        growth_strain=grown.strain,
         mount_mm=told.frame.sign * mold.mount,
     )
 
@@ -317,6 +309,6 @@ def _chord_error(mold: Mold) -> float:
 
 def _left_out(told: Told) -> list[str]:
     out = [] if told.closed.case.floating else ["tilt: the molds are guided and stay parallel (--float)"]
-    if any("mean" in heating.known_from for heating in told.heatings):
+    if any(grown.even and "mean" in grown.known_from for grown in told.grown):
         out.append("uneven temperature: each mold grows with one mean temperature")
     return out
