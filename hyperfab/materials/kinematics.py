@@ -40,6 +40,12 @@ class Sheet:
         return 1.0 / (self.l1 * self.l2)
 
     @cached_property
+    def logs(self) -> tuple[Array, Array, Array]:
+        """Logarithms of the three stretches."""
+        one, two = np.log(self.l1), np.log(self.l2)
+        return one, two, -(one + two)
+
+    @cached_property
     def x(self) -> Array:
         """I1 - 3 = l1^2 + l2^2 + l3^2 - 3."""
         return _from_rest(self.l1, self.l2)

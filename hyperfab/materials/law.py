@@ -33,6 +33,18 @@ class Axis:
     high: float
     value: Callable[[Value], Value]
 
+    def coordinate(self, value: float) -> float:
+        """Return u in the box at which the constant is ``value`` (``value(u)`` rises or falls throughout)."""
+        low, high = self.low, self.high
+        rising = self.value(high) > self.value(low)
+        for _ in range(50):
+            middle = 0.5 * (low + high)
+            if (self.value(middle) < value) == rising:
+                low = middle
+            else:
+                high = middle
+        return 0.5 * (low + high)
+
 
 def linear_axis(low: float, high: float) -> Axis:
     """Scan evenly from ``low`` to ``high``."""

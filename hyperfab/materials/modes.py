@@ -52,5 +52,5 @@ def stress_at(material: Material, l1: Array, l2: Array) -> Array:
         total = np.zeros(sheet.l1.shape)
         for constant, term in zip(material.c, material.law.terms(sheet, material.theta), strict=True):
             if constant != 0.0:
-                total = total + constant * term.stress(sheet)[0]
+                total = total + constant * term.stress(sheet)
     return np.asarray(total)

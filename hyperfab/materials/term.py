@@ -31,8 +31,8 @@ class Membrane:
 class Term(Protocol):
     """The factor of one linear constant in the energy W."""
 
-    def stress(self, sheet: Sheet) -> tuple[Array, Array]:
-        """Return dW/dl1 and dW/dl2."""
+    def stress(self, sheet: Sheet, along: int = 1) -> Array:
+        """Return dW/dl1, or dW/dl2 with ``along`` 2."""
         ...
 
     def membrane(self, sheet: Sheet) -> Membrane:
@@ -52,17 +52,20 @@ class InvariantTerm:
     W12: Value = 0.0
     W22: Value = 0.0
 
-    def stress(self, sheet: Sheet) -> tuple[Array, Array]:
-        """Return dW/dl1 and dW/dl2 by the chain rule."""
+    def stress(self, sheet: Sheet, along: int = 1) -> Array:
+        """Return dW/dl1, or dW/dl2 with ``along`` 2, by the chain rule."""
         # y_1 = l2^2 x_1: what a mode leaves unstressed stays exactly zero.
-        return (self.W1 + self.W2 * sheet.l2**2) * sheet.x_1, (self.W1 + self.W2 * sheet.l1**2) * sheet.x_2
+        x, other = (sheet.x_1, sheet.l2) if along == 1 else (sheet.x_2, sheet.l1)
+        if isinstance(self.W2, float) and self.W2 == 0.0:
+            return np.asarray(self.W1 * x)
+        return np.asarray((self.W1 + self.W2 * other**2) * x)
 
     def membrane(self, sheet: Sheet) -> Membrane:
         """Return the energy with first and second derivatives by the chain rule."""
         x1, x2, y1, y2 = sheet.x_1, sheet.x_2, sheet.y_1, sheet.y_2
         x11, x12, x22 = sheet.x_second
         y11, y12, y22 = sheet.y_second
-        p1, p2 = self.stress(sheet)
+        p1, p2 = self.stress(sheet), self.stress(sheet, along=2)
 
         def second(xa: Array, ya: Array, xb: Array, yb: Array, xab: Array, yab: Array) -> Array:
             mixed: Array = self.W11 * xa * xb + self.W12 * (xa * yb + ya * xb) + self.W22 * ya * yb
@@ -95,21 +98,19 @@ class PowerTerm:
     alpha: Value
     factor: Value = 1.0
 
-    def stress(self, sheet: Sheet) -> tuple[Array, Array]:
-        """Return dW/dl1 and dW/dl2: (l^alpha - l3^alpha) / l, the difference without cancellation."""
-        log3 = np.log(sheet.l3)
-        base = self.factor * np.exp(self.alpha * log3)
-        return (
-            base * np.expm1(self.alpha * (np.log(sheet.l1) - log3)) / sheet.l1,
-            base * np.expm1(self.alpha * (np.log(sheet.l2) - log3)) / sheet.l2,
-        )
+    def stress(self, sheet: Sheet, along: int = 1) -> Array:
+        """Return dW/dl: (l^alpha - l3^alpha) / l along l1, or l2, the difference without cancellation."""
+        log3 = sheet.logs[2]
+        log, stretch = (sheet.logs[0], sheet.l1) if along == 1 else (sheet.logs[1], sheet.l2)
+        rise = np.expm1(self.alpha * (log - log3))
+        return np.asarray(self.factor * np.exp(self.alpha * log3) * rise / stretch)
 
     def membrane(self, sheet: Sheet) -> Membrane:
         """Return the energy with first and second derivatives."""
-        a, l1, l2, l3 = self.alpha, sheet.l1, sheet.l2, sheet.l3
-        p1, p2 = self.stress(sheet)
-        power1, power2, power3 = (np.exp(a * np.log(stretch)) for stretch in (l1, l2, l3))
-        total = sum(np.expm1(a * np.log(stretch)) for stretch in (l1, l2, l3))
+        a, l1, l2 = self.alpha, sheet.l1, sheet.l2
+        p1, p2 = self.stress(sheet), self.stress(sheet, along=2)
+        power1, power2, power3 = (np.exp(a * log) for log in sheet.logs)
+        total = sum(np.expm1(a * log) for log in sheet.logs)
         return Membrane(
             W=self.factor * total / np.where(a == 0.0, 1.0, a),
             P1=p1,

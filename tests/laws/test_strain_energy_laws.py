@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from laws.laws_mp import energy, stress
 
-from hyperfab.errors import InputError, UsageError
+from hyperfab.errors import HyperfabError, InputError
 from hyperfab.materials import Material, bind, laws
 from hyperfab.materials.identification import Curve, Problem, Rows, fit_law
 from hyperfab.materials.modes import MODES, nominal_stress
@@ -169,7 +169,7 @@ def test_constants_that_are_missing_unknown_or_no_numbers_are_refused_by_name(na
 
 
 def test_an_unknown_law_is_refused_with_the_names_of_all() -> None:
-    with pytest.raises(UsageError, match="neo-hookean"):
+    with pytest.raises(HyperfabError, match="neo-hookean"):
         bind("nonsense", {})
 
 

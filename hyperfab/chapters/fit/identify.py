@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,11 +73,7 @@ def identify(law: Law, curves: Sequence[Reading], setting: Setting) -> Identifie
         None,
     )
     reference = _reference(temperatures)
-    groups = [
-        temperatures.index(curve.temperature) if curve.temperature is not None else reference
-        for curve in used
-    ]
-    rows = Rows.of([_curve(curve, setting.relative) for curve in used], groups)
+    rows = _rows(used, temperatures, setting)
     problem = Problem(law, rows)
     wanted = len(problem.free) * rows.groups + len(problem.axes)
     if len(rows) < wanted:
@@ -91,6 +87,7 @@ def identify(law: Law, curves: Sequence[Reading], setting: Setting) -> Identifie
     if total is None:
         return "the law has no finite stress on these rows"
     ranges = stable_ranges(fit.materials[reference])
+    per_temperature = [figures(measured[rows.group == g], model[rows.group == g]) for g in range(rows.groups)]
     found = Identified(
         law=law,
         fit=fit,
@@ -98,9 +95,7 @@ def identify(law: Law, curves: Sequence[Reading], setting: Setting) -> Identifie
         temperatures=temperatures,
         reference=reference,
         total=total,
-        per_temperature=tuple(
-            figures(measured[rows.group == g], model[rows.group == g]) for g in range(rows.groups)
-        ),
+        per_temperature=tuple(per_temperature),
         tests={},
         certainty=certainty(fit, reference),
         ranges=ranges,
@@ -108,6 +103,35 @@ def identify(law: Law, curves: Sequence[Reading], setting: Setting) -> Identifie
     )
     found.tests.update({mode: _test(found, mode, curves, setting) for mode in _modes(curves)})
     return found
+
+
+def without_test(found: Identified, mode: str, curves: Sequence[Reading], setting: Setting) -> Figures | None:
+    """Return how constants fitted without the test ``mode``, near those of all, predict it; None if they cannot."""
+    rest = [curve for curve in curves if curve.mode in setting.fit_on and curve.mode != mode]
+    temperatures = tuple(sorted({t for t in (curve.temperature for curve in rest) if t is not None})) or (
+        None,
+    )
+    rows = _rows(rest, temperatures, setting)
+    problem = Problem(found.law, rows)
+    if len(rows) < len(problem.free) * rows.groups + len(problem.axes):
+        return None
+    fit = fit_law(problem, reach(curves) if setting.stable else None, near=found.material.theta)
+    if fit is None:
+        return None
+    again = replace(
+        found, materials=fit.materials, temperatures=temperatures, reference=_reference(temperatures)
+    )
+    return _test(again, mode, curves, setting)[0]
+
+
+def _rows(used: Sequence[Reading], temperatures: Sequence[float | None], setting: Setting) -> Rows:
+    """Gather the rows to fit; linear constants are shared by the curves of one temperature."""
+    reference = _reference(temperatures)
+    groups = [
+        temperatures.index(curve.temperature) if curve.temperature is not None else reference
+        for curve in used
+    ]
+    return Rows.of([_curve(curve, setting.relative) for curve in used], groups)
 
 
 def predict(found: Identified, curve: Reading) -> tuple[Array, Array | None]:
@@ -147,7 +171,7 @@ def _curve(reading: Reading, relative: bool) -> Curve:
     )
 
 
-def _reference(temperatures: tuple[float | None, ...]) -> int:
+def _reference(temperatures: Sequence[float | None]) -> int:
     distances = [abs((t if t is not None else ROOM) - ROOM) for t in temperatures]
     return distances.index(min(distances))
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-from hyperfab.chapters.fit.identify import Identified, Setting, identify
+from hyperfab.chapters.fit.identify import Identified, Setting, identify, without_test
 from hyperfab.chapters.fit.reading import Reading
 from hyperfab.materials.identification.quality import Figures
 from hyperfab.materials.identification.transfer import transfer_risk
@@ -67,27 +67,20 @@ def judge(law: Law, sets: Sets, setting: Setting, ranked: bool) -> Judged:
 def _carry_over(law: Law, curves: Sequence[Reading], setting: Setting, found: Identified | str) -> float:
     if isinstance(found, str):
         return math.inf
-    unseen = {mode: part for mode, part in found.tests.items() if part[2]}
+    unseen = [figures for figures, _, predicted in found.tests.values() if predicted]
     if unseen:
-        return _pooled(unseen.values())
+        return _pooled(unseen)
     fitted = [mode for mode in found.tests if mode in setting.fit_on]
     if len(fitted) > 1:
-        left = {}
-        for mode in fitted:
-            others = tuple(other for other in fitted if other != mode)
-            again = identify(law, curves, replace(setting, fit_on=others))
-            if isinstance(again, str):
-                return math.inf
-            left[mode] = again.tests[mode]
-        return _pooled(left.values())
+        return _pooled(without_test(found, mode, curves, setting) for mode in fitted)
     if fitted[0] not in ("uniaxial", "shear", "biaxial"):
         return found.total.relative_rms
     return math.hypot(found.total.relative_rms, transfer_risk(found.fit, fitted[0]))
 
 
-def _pooled(parts: Iterable[tuple[Figures | None, int, bool]]) -> float:
+def _pooled(parts: Iterable[Figures | None]) -> float:
     total, points = 0.0, 0
-    for figures, _, _ in parts:
+    for figures in parts:
         if figures is None or not math.isfinite(figures.E2):
             return math.inf
         total += figures.E2

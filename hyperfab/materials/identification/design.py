@@ -51,6 +51,13 @@ class Problem:
         values = iter([axis.value(value) for axis, value in zip(self.axes, u, strict=True)])
         return [self.law.held[name] if name in self.law.held else next(values) for name in self.law.nonlinear]
 
+    def coordinates(self, theta: Sequence[float]) -> Array:
+        """Return ``u`` for all nonlinear constants ``theta``, kept inside the box."""
+        free = [
+            value for name, value in zip(self.law.nonlinear, theta, strict=True) if name not in self.law.held
+        ]
+        return np.array([axis.coordinate(value) for axis, value in zip(self.axes, free, strict=True)])
+
     def design(self, u: Array) -> Array:
         """Return A, shape (..., rows, constants), for ``u`` of shape (..., free nonlinear constants)."""
         columns = self.columns(self.theta([u[..., j, None] for j in range(u.shape[-1])]))
@@ -60,11 +67,13 @@ class Problem:
         """Return the weighted stress of each free linear term, shape (..., rows, terms)."""
         sheet = self.rows.sheet(self.law.contraction(theta))
         terms = self.law.terms(sheet, theta)
-        second = bool(self.rows.along.any())
+        second = self.rows.along == 1 if self.rows.along.any() else None
         found = []
         for number in self.free:
-            one, two = terms[number].stress(sheet)
-            found.append((np.where(self.rows.along == 1, two, one) if second else one) * self.rows.weight)
+            stress = terms[number].stress(sheet)
+            if second is not None:
+                stress = np.where(second, terms[number].stress(sheet, along=2), stress)
+            found.append(stress * self.rows.weight)
         return np.stack(np.broadcast_arrays(*found), axis=-1)
 
     def slopes(self, u: Array) -> list[Array]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,22 +41,25 @@ class Fit:
         return self.materials[0]
 
 
-def fit_law(problem: Problem, stable_over: Reach | None = None) -> Fit | None:
+def fit_law(
+    problem: Problem, stable_over: Reach | None = None, near: Sequence[float] | None = None
+) -> Fit | None:
     """Return the global optimum of the weighted least squares; None where the law cannot carry the rows at all.
 
     Laws linear in their constants are solved by QR of the scaled design matrix; the others by variable
     projection, from a scan of the box, polished. With ``stable_over`` (mode: lowest and highest stretch) the best
-    constants that are Drucker-stable there are returned, which the caller may verify.
+    constants that are Drucker-stable there are returned, which the caller may verify. ``near`` are nonlinear
+    constants to start from in place of the scan: the optimum of a part of the rows near that of all.
 
     >>> from hyperfab.materials import law
-    >>> from hyperfab.materials.identification.rows import Curve
+    >>> from hyperfab.materials.identification.rows import Curve, Rows
     >>> lam = np.linspace(1.1, 2.0, 10)
     >>> curve = Curve("shear", lam, 0.8 * (lam - lam**-3), np.ones(10))
     >>> found = fit_law(Problem(law("neo-hookean"), Rows.of([curve])))
     >>> {name: round(value, 12) for name, value in found.material.parameters.items()}
     {'C10_MPa': 0.4}
     """
-    found = _free_optimum(problem)
+    found = _free_optimum(problem, near)
     if found is None or stable_over is None or _is_stable(found, stable_over):
         return found
     optimum = stable_optimum(problem, stable_over)
@@ -67,7 +70,7 @@ def _is_stable(found: Fit, reach: Reach) -> bool:
     return all(stable(stable_ranges(material), reach) for material in found.materials)
 
 
-def _free_optimum(problem: Problem) -> Fit | None:
+def _free_optimum(problem: Problem, near: Sequence[float] | None) -> Fit | None:
     if not problem.axes:
         u = np.zeros(0)
         with np.errstate(all="ignore"):
@@ -76,7 +79,8 @@ def _free_optimum(problem: Problem) -> Fit | None:
             return None
         c = least_norm(A, problem.b)
         return _fit(problem, u, c)
-    state = polish(problem, starts(problem))
+    points = starts(problem) if near is None else problem.coordinates(near)[None]
+    state = polish(problem, points)
     if not np.isfinite(state.sse).any():
         return None
     u, c = state.u[0], state.projection.c[0]

@@ -18,8 +18,10 @@ from hyperfab.materials.kinematics import Array
 _ROUGH_STEPS = 25
 _FINE_STEPS = 200
 _NEWTON_STEPS = 8
-#: A step this small beside the box is no step.
-_TINY = 1e-15
+#: A start is good enough to be compared, and the best one to be finished, when a step gains no more than this.
+_ROUGH_GAIN, _FINE_GAIN = 1e-6, 1e-9
+#: A point that so many steps in a row have not improved is at rest.
+_REST = 4
 
 
 @dataclass(frozen=True)
@@ -46,13 +48,13 @@ def evaluate(problem: Problem, u: Array) -> State:
 
 def polish(problem: Problem, points: Array) -> State:
     """Improve all ``points`` together, keep the best, and drive it to where no step is left."""
-    state = _descend(problem, evaluate(problem, points), _ROUGH_STEPS)
+    state = _descend(problem, evaluate(problem, points), _ROUGH_STEPS, _ROUGH_GAIN)
     if not np.isfinite(state.sse).any():
         return state
     # Where the tests cannot tell two optima apart (the sign of a power in planar shear) the larger values are taken.
     equal = state.sse <= state.sse.min() * (1.0 + 1e-9) + 1e-20 * (problem.b @ problem.b)
     best = int(np.argmax(np.where(equal, state.u.sum(axis=1), -np.inf)))
-    return _settle(problem, _descend(problem, _pick(state, [best]), _FINE_STEPS))
+    return _settle(problem, _descend(problem, _pick(state, [best]), _FINE_STEPS, _FINE_GAIN))
 
 
 def _settle(problem: Problem, state: State) -> State:
@@ -104,20 +106,21 @@ def _pick(state: State, numbers: list[int]) -> State:
     return State(state.u[numbers], chosen, state.sse[numbers])
 
 
-def _descend(problem: Problem, state: State, steps: int) -> State:
+def _descend(problem: Problem, state: State, steps: int, gain: float) -> State:
+    """Take damped steps from every point until none gains more than a share ``gain`` of its square sum."""
     low, high = _bounds(problem)
+    floor = 1e-30 * float(problem.b @ problem.b)
     damping = np.full(len(state.u), 1e-3)
     resting = np.zeros(len(state.u), dtype=np.int64)
     for _ in range(steps):
         step, fixed = _step(problem, state, damping, low, high)
-        moved = np.clip(state.u + step, low, high)
-        size = np.abs(moved - state.u).max(axis=1) / (high - low).max()
-        trial = evaluate(problem, moved)
+        trial = evaluate(problem, np.clip(state.u + step, low, high))
         better = trial.sse < state.sse
-        resting = np.where(better & (size > _TINY), 0, resting + 1)
-        damping = np.where(better, damping * 0.2, damping * 6.0).clip(1e-14, 1e12)
+        gained = better & (trial.sse < (1.0 - gain) * state.sse - floor)
+        resting = np.where(gained, 0, np.where(better, _REST, resting + 1))
+        damping = np.where(better, damping * 0.1, damping * 8.0).clip(1e-14, 1e12)
         state = _merge(better, trial, state)
-        if (resting >= 8).all() or fixed.all():
+        if (fixed | (resting >= _REST)).all():
             break
     return state
 

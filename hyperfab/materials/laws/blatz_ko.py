@@ -28,21 +28,18 @@ class _Half:
     n: float
     m: Value
 
-    def stress(self, sheet: Sheet) -> tuple[Array, Array]:
-        """Return dW/dl1 and dW/dl2."""
-        a, b = np.log(sheet.l1), np.log(sheet.l2)
+    def stress(self, sheet: Sheet, along: int = 1) -> Array:
+        """Return dW/dl1, or dW/dl2 with ``along`` 2."""
+        a, b, _ = sheet.logs
+        log, stretch = (a, sheet.l1) if along == 1 else (b, sheet.l2)
         volume = -self.m * (a + b)
-        scale = 0.5 * self.n * np.exp(volume)
-        return (
-            scale * np.expm1(self.n * a - volume) / sheet.l1,
-            scale * np.expm1(self.n * b - volume) / sheet.l2,
-        )
+        return np.asarray(0.5 * self.n * np.exp(volume) * np.expm1(self.n * log - volume) / stretch)
 
     def membrane(self, sheet: Sheet) -> Membrane:
         """Return the energy with first and second derivatives."""
         n, m, l1, l2 = self.n, self.m, sheet.l1, sheet.l2
-        a, b = np.log(l1), np.log(l2)
-        p1, p2 = self.stress(sheet)
+        a, b, _ = sheet.logs
+        p1, p2 = self.stress(sheet), self.stress(sheet, along=2)
         volume = np.exp(-m * (a + b))
         area = -(a + b) if np.all(m == 0.0) else np.expm1(-m * (a + b)) / m
         return Membrane(
