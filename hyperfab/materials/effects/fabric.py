@@ -190,7 +190,7 @@ class Fabric:
         parts: list[Term] = list(self.law.terms(sheet, theta))
         if extra_form:
             parts += elastic_law.added_terms(extra_form, sheet, shape)
-        columns = np.stack([part.stress(sheet)[0] + 0.0 * stretch for part in parts], axis=1)
+        columns = np.stack([part.stress(sheet) + 0.0 * stretch for part in parts], axis=1)
         if not needs_energy:
             return columns, None
         return columns, np.stack([_energy(part, sheet) + 0.0 * stretch for part in parts], axis=1)
