@@ -10,7 +10,6 @@ import numpy as np
 from hyperfab.loop.dependence import dependence, suggestion
 from hyperfab.loop.design import NextMeasurement, next_measurement
 from hyperfab.loop.fitting import fit
-from hyperfab.loop.heldout import leave_curves_out
 from hyperfab.loop.mimic import Rival, indistinguishable, rivals
 from hyperfab.loop.noise import Noise, estimate_noise
 from hyperfab.loop.problem import Problem
@@ -172,7 +171,7 @@ def _ordered(search: Search, base: State, best: State) -> State:
     forms = {name: best.fit.forms[name] for name in order}
     x = np.concatenate([best.fit.x[: best.fit.own], *(best.fit.x[best.fit.place(name)] for name in order)])
     again = fit(search.problem, search.noise, forms, x)
-    return State(again, best.found, best.judgement, leave_curves_out(again, search.problem.curves))
+    return State(search.problem, search.noise, again)
 
 
 def _worth_of_each(search: Search, best: State) -> dict[str, Evidence]:

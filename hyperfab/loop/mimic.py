@@ -49,7 +49,7 @@ def rivals(search: Search, best: State) -> list[Rival]:
             left = _misfit(search.problem, search.noise, best.fit, fitted)
             share = 1.0 - left / imprint if imprint > 0.0 else 0.0
             bic = common_bic([best, state], search.problem)
-            small = state.judgement.structured < 0.6 + best.judgement.structured
+            small = np.sqrt(max(state.excess - 1.0, 0.0)) < 0.6 + np.sqrt(max(best.excess - 1.0, 0.0))
             gap = bic[state.ids] - bic[best.ids] if small else np.inf
             found.append(Rival(effect.id, name, share, gap, state))
     return sorted(found, key=lambda rival: -rival.share)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,14 +24,34 @@ FIRST_SHARE, NEXT_SHARE = 0.01, 0.05
 TAKEN, HELPED = 0.2, 0.7
 
 
-@dataclass(frozen=True)
+@dataclass
 class State:
-    """A model with some terms, fitted and judged."""
+    """A model with some terms, fitted; judged when asked."""
 
+    problem: Problem
+    noise: Noise
     fit: Fit
-    found: list[Signature]
-    judgement: Judgement
-    held_out: HeldOut
+
+    @cached_property
+    def found(self) -> list[Signature]:
+        """What the entries that are not in the model would do to its prediction."""
+        others = [effect for effect in self.problem.effects if effect.id not in self.fit.forms]
+        return signatures(self.problem, self.noise, self.fit, others)
+
+    @cached_property
+    def judgement(self) -> Judgement:
+        """Whether what is left is noise."""
+        return judge(self.problem, self.noise, self.fit, self.found)
+
+    @cached_property
+    def held_out(self) -> HeldOut:
+        """Each test predicted from the others."""
+        return leave_curves_out(self.fit, self.problem.curves)
+
+    @property
+    def excess(self) -> float:
+        """Mean square of what is left, in squared standard deviations of the noise."""
+        return self.fit.chi2 / max(len(self.fit.residual) - len(self.fit.x), 1)
 
     @property
     def ids(self) -> tuple[str, ...]:
@@ -74,14 +95,7 @@ class Search:
         """Judge a fit."""
         key = tuple(sorted((name, form.name) for name, form in fitted.forms.items()))
         if key not in self._states:
-            others = [effect for effect in self.problem.effects if effect.id not in fitted.forms]
-            found = signatures(self.problem, self.noise, fitted, others)
-            self._states[key] = State(
-                fitted,
-                found,
-                judge(self.problem, self.noise, fitted, found),
-                leave_curves_out(fitted, self.problem.curves),
-            )
+            self._states[key] = State(self.problem, self.noise, fitted)
         return self._states[key]
 
     def ranking(self, state: State) -> list[tuple[Effect, float]]:
@@ -169,7 +183,7 @@ class Search:
     def _certain(self, smaller: State, larger: State) -> bool:
         """Whether some amplitude of the new terms is three of its standard deviations from null."""
         new = larger.fit
-        scale = np.sqrt(max(larger.judgement.chi2_reduced, 1.0))
+        scale = np.sqrt(max(larger.excess, 1.0))
         for name, form in new.forms.items():
             if name in smaller.fit.forms:
                 continue

@@ -222,6 +222,8 @@ class Fabric:
         form, values = term
         if form == "pseudo-elastic":
             return stress * hysteresis.unloading(self.path, energy, *values)
+        if form == "bent":
+            return hysteresis.bent(self.path, stress, values[0])
         slip = values[0] * np.abs(stress) if form == "friction" else np.full_like(stress, values[0])
         return stress + hysteresis.friction(self.path, stretch, slip, values[1])
 

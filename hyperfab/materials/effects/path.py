@@ -99,13 +99,9 @@ class Path:
         return found
 
     @cached_property
-    def ladder(self) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-        """Row numbers as (curves, steps), short curves padded with their last row, and which entries are real."""
-        longest = max(rows.stop - rows.start for rows in self.curves)
-        steps = np.arange(longest)
-        first, last = np.array(self.starts[:-1])[:, None], np.array(self.starts[1:])[:, None]
-        index = np.minimum(first + steps, last - 1)
-        return index, first + steps < last
+    def longest(self) -> int:
+        """Rows of the longest curve."""
+        return max(rows.stop - rows.start for rows in self.curves)
 
     @property
     def knows_time(self) -> bool:

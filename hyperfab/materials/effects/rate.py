@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from hyperfab.materials.effects.path import Path
+from hyperfab.materials.effects.recurrence import along
 from hyperfab.materials.kinematics import Array
 
 
@@ -17,25 +18,18 @@ def relaxing(path: Path, stress: Array, weights: Sequence[float], times_s: Seque
     viscoelasticity:
     Fung (1981), Biomechanics, ch. 7; recursion of Taylor, Pister & Goudreau (1970), doi:10.1002/nme.1620020106.
     """
-    index, real = path.ladder
     first = list(path.starts[:-1])
     change = np.diff(stress, prepend=0.0)
     change[first] = stress[first]
     elapsed = np.maximum(path.elapsed, 0.0)
-    total = np.zeros(index.shape)
+    total = np.zeros_like(stress)
     for weight, tau in zip(weights, times_s, strict=True):
         ratio = elapsed / tau
-        decay = np.exp(-ratio)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            share = np.where(ratio > 1e-9, -np.expm1(-ratio) / ratio, 1.0)
-        keep, gain = decay[index], (weight * share * change)[index]
-        now = np.zeros(index.shape[0])
-        for step in range(index.shape[1]):
-            now = keep[:, step] * now + gain[:, step]
-            total[:, step] += now
-    found = np.empty_like(stress)
-    found[index[real]] = total[real]
-    return found
+        keep = np.exp(-ratio)
+        keep[first] = 0.0
+        share = np.where(ratio > 1e-9, -np.expm1(-ratio) / np.maximum(ratio, 1e-9), 1.0)
+        total += along(keep, weight * share * change, path.longest)
+    return total
 
 
 def quickened(speed: Array, reference: float, amount: float) -> Array:

@@ -7,7 +7,7 @@ from hyperfab.loop.problem import Constant, Effect, Form
 
 
 def entry(scene: Scene) -> Effect | None:
-    """Return the effect: friction that grows with the load, constant friction, a pseudo-elastic loop."""
+    """Return the effect: friction that grows with the load, constant friction, a pseudo-elastic or a bent way down."""
     if not scene.unloads:
         return None
     reach, peak, energy = scene.reach, scene.peak_stress, scene.energy
@@ -40,5 +40,6 @@ def entry(scene: Scene) -> Effect | None:
                 ((0.2, 0.15 * energy), (0.3, 0.7 * energy)),
                 ((0.03, 0.1 * energy), (0.03, 0.5 * energy)),
             ),
+            Form("bent", (Constant("power", 0.0, 0.0, 5.0, 0.1),), ((0.3,), (1.0,)), ((0.05,),)),
         ),
     )
