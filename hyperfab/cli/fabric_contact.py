@@ -38,7 +38,8 @@ def fabric_contact(
     ] = 1.0,
     friction: Annotated[str | None, typer.Option(metavar="MU", help="Coulomb coefficient, or stick.")] = None,
     steps: Annotated[
-        int | None, typer.Option(metavar="N", help="Load steps shown, 8 where not given; halved where needed.")
+        int | None,
+        typer.Option(metavar="N", help="Load steps shown, 8 where not given; halved where needed."),
     ] = None,
     mesh_size: Annotated[
         str | None,

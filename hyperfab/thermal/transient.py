@@ -125,7 +125,11 @@ def run(
                 state.time, state.temperature, state.stored, model.flow(state.time, state.temperature)
             )
             following = min(following, _length_after_jump(model, before, state, schedule, following))
-        if end is None and target is not None and _never(history, target, model.total_capacity(state.temperature)):
+        if (
+            end is None
+            and target is not None
+            and _never(history, target, model.total_capacity(state.temperature))
+        ):
             history.settled = True
             break
         length = following
