@@ -10,10 +10,11 @@ from numba import njit
 
 from hyperfab.surface.bvh import DEPTH, nearest_one
 
+from .energy import ROWS
 from .law import Floats, SpringLaw
-from .mold import FREE, Mold
+from .mold import FREE, Ints, Mold
 from .net import Sheet
-from .newton import ROWS, Equilibrium, State
+from .newton import Equilibrium, State
 
 #: A spring shorter than its rest length by more than this share is slack (below it: rounding).
 SLACK = 1e-9
@@ -52,6 +53,8 @@ def answers(sheet: Sheet, mold: Mold, found: Equilibrium) -> Answers:
     rest = sheet.arrays.rest
     along = np.linalg.norm(np.diff(x, axis=0), axis=2)
     across = np.linalg.norm(np.diff(x, axis=1), axis=2)
+    for (i, j, d), length in zip(found.bent, found.bent_length, strict=True):
+        (along if d == 0 else across)[i, j] = length
     warp, weft = along / rest[0], across / rest[1]
     slack_warp, slack_weft = warp < 1.0 - SLACK, weft < 1.0 - SLACK
     diagonal = (x[1:, 1:] - x[:-1, :-1], x[:-1, 1:] - x[1:, :-1])
@@ -69,8 +72,8 @@ def answers(sheet: Sheet, mold: Mold, found: Equilibrium) -> Answers:
     contact = np.where(touching, (unbalanced - found.force) * (1.0 - held), 0.0)
     reaction = -found.force * held
     weight = sheet.arrays.weight.sum()
-    total = contact.sum((0, 1)) + reaction.sum((0, 1)) - [0.0, 0.0, weight]
-    inside, edge, at = penetration(x, sheet, mold, found.state)
+    total = contact.sum((0, 1)) + reaction.sum((0, 1)) + found.push - [0.0, 0.0, weight]
+    inside, edge, at = penetration(x, sheet, mold, found.state, found.bent)
     return Answers(
         warp,
         weft,
@@ -84,7 +87,7 @@ def answers(sheet: Sheet, mold: Mold, found: Equilibrium) -> Answers:
         int(slack_warp.sum() + slack_weft.sum()),
         contact,
         reaction,
-        float(contact[:, :, 2].sum()),
+        float(contact[:, :, 2].sum() + found.push[2]),
         float(np.abs(total).max()),
         inside,
         edge,
@@ -103,7 +106,14 @@ def _at_nodes(law: SpringLaw, stretch: Floats, axis: int) -> Floats:
 
 @njit(cache=True)
 def _deepest(
-    x: Floats, mold: Mold, clear: Floats, slot: npt.NDArray[np.int64], samples: int, first: int, last: int
+    x: Floats,
+    mold: Mold,
+    clear: Floats,
+    slot: Ints,
+    laid: npt.NDArray[np.bool_],
+    samples: int,
+    first: int,
+    last: int,
 ) -> tuple[float, float, int, int, int]:
     """Depth of nodes and of springs of rows ``first:last`` in the mold, and the deepest spring (i, j, direction)."""
     n, m = x.shape[0], x.shape[1]
@@ -118,7 +128,7 @@ def _deepest(
                 dx, dy, dz = x[k, l, 0] - x[i, j, 0], x[k, l, 1] - x[i, j, 1], x[k, l, 2] - x[i, j, 2]
                 if clear[i, j] + clear[k, l] > np.sqrt(dx * dx + dy * dy + dz * dz):
                     continue
-                last_sample = samples if k != i or l != j else 1
+                last_sample = 1 if (k == i and l == j) or laid[i, j, d] else samples
                 for s in range(last_sample):
                     if s == 0 and d == 1:
                         continue
@@ -148,16 +158,19 @@ def _deepest(
 
 
 def penetration(
-    x: Floats, sheet: Sheet, mold: Mold, state: State, samples: int = 4
+    x: Floats, sheet: Sheet, mold: Mold, state: State, bent: Ints, samples: int = 4
 ) -> tuple[float, float, tuple[float, float]]:
     """Greatest depth in mm of a node and of a spring between its nodes in the mold, and where on the flat sheet.
 
-    Springs are probed at ``samples`` - 1 points, the deepest one again at 64.
+    Springs are probed at ``samples`` - 1 points, the deepest one again at 64. Those laid over a sharp edge (``bent``)
+    run on the mold and are not probed.
     """
+    laid = np.zeros((*x.shape[:2], 2), np.bool_)
+    laid[bent[:, 0], bent[:, 1], bent[:, 2]] = True
     node, edge, where = 0.0, 0.0, (0, 0, 0)
     rows = max(1, ROWS // (8 * sheet.m))
     for i in range(0, sheet.n, rows):
-        a, b, *at = _deepest(x, mold, state.clear, state.slot, samples, i, min(i + rows, sheet.n))
+        a, b, *at = _deepest(x, mold, state.clear, state.slot, laid, samples, i, min(i + rows, sheet.n))
         node = max(node, a)
         if b > edge:
             edge, where = b, (at[0], at[1], at[2])
@@ -169,6 +182,7 @@ def penetration(
             mold,
             np.zeros((2, 2)),
             np.ascontiguousarray(state.slot[two]),
+            np.zeros((2, 2, 2), np.bool_),
             64,
             0,
             1,

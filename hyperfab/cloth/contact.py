@@ -13,8 +13,10 @@ from numba import njit
 
 from hyperfab.surface.bvh import DEPTH, nearest_one, ray_one
 
+from .creases import over_edge
+from .features import beside, copy, decide, dot, edge_reached, outward, unfold, valley
 from .law import Floats
-from .mold import FREE, ON_FACE, SHARP, Ints, Mold, States, copy, decide, dot, edge_reached, outward, valley
+from .mold import FREE, ON_FACE, SHARP, Ints, Mold, States
 
 #: Share of the mold's size beyond which a step may lead through it, or along a tangent to nowhere.
 LONG = 1e-3
@@ -33,11 +35,14 @@ def move(
     state_t: States,
     slot_t: Ints,
     clear_t: Floats,
+    ways: Floats,
+    hinges: Ints,
     first: int,
     last: int,
 ) -> None:
     """Nodes of rows ``first:last`` moved by ``alpha d`` and set back onto the mold where they are on or in it.
 
+    ``ways`` and ``hinges``: the bent springs' frames, and those of each node (empty where no edge is sharp).
     ``clear`` is a distance below which a free node's ball holds no part of the mold: most free nodes need no search.
     """
     m = x.shape[1]
@@ -59,10 +64,12 @@ def move(
             if way == 0.0:
                 continue
             way = np.sqrt(way)
-            if state[i, j] == FREE and clear[i, j] > way:
+            turned = ways.shape[0] > 0 and over_edge(ways, hinges[i, j], x[i, j], y)
+            if not turned and state[i, j] == FREE and clear[i, j] > way:
                 clear_t[i, j] -= way
                 continue
-            if state[i, j] == ON_FACE:
+            hint = slot[i, j]
+            if not turned and state[i, j] == ON_FACE:
                 edge, s = edge_reached(mold, slot[i, j], x[i, j], y, u)
                 if edge < 0:  # it stays on its flat facet
                     a, n = mold.corners[slot[i, j], 0], mold.normals[slot[i, j], 0]
@@ -70,16 +77,13 @@ def move(
                     for k in range(3):
                         xt[i, j, k] = y[k] - off * n[k]
                     continue
-                if edge >= 0 and mold.turn[slot[i, j], edge] > SHARP:
-                    for k in range(3):
-                        xt[i, j, k] = x[i, j, k] + s * (y[k] - x[i, j, k])
-                    state_t[i, j] = ON_FACE + 1 + edge
-                    continue
+                if mold.turn[slot[i, j], edge] > SHARP:
+                    hint = unfold(mold, slot[i, j], edge, x[i, j], y, s)
             cx, cy, cz, near, feature = nearest_one(
                 y[0],
                 y[1],
                 y[2],
-                slot[i, j],
+                hint,
                 mold.corners,
                 mold.bounds,
                 mold.right,
@@ -91,7 +95,14 @@ def move(
             away = np.sqrt((y[0] - cx) ** 2 + (y[1] - cy) ** 2 + (y[2] - cz) ** 2)
             n = mold.normals[near, feature]
             inside = (y[0] - cx) * n[0] + (y[1] - cy) * n[1] + (y[2] - cz) * n[2] <= 0.0
-            if state[i, j] == FREE and way > long:
+            if turned:
+                slot_t[i, j] = near
+                if not inside and away > 1e-9:
+                    for k in range(3):
+                        xt[i, j, k] = y[k]
+                    state_t[i, j], clear_t[i, j] = FREE, away
+                    continue
+            elif state[i, j] == FREE and way > long:
                 # A long step may lead through the mold: the node stops where it meets it.
                 for k in range(3):
                     u[k] = y[k] - x[i, j, k]
@@ -104,15 +115,17 @@ def move(
                     state_t[i, j], slot_t[i, j], clear_t[i, j] = ON_FACE, met, 0.0
                     continue
             slot_t[i, j] = near
-            if state[i, j] == FREE and not inside:
+            if not turned and state[i, j] == FREE and not inside:
                 clear_t[i, j] = away
                 continue
-            if state[i, j] != FREE and way > long and away > 0.5 * way:
+            if not turned and state[i, j] != FREE and way > long and away > 0.5 * way:
                 for k in range(3):  # too far along the tangent to tell where on the mold it leads: stay
                     xt[i, j, k] = x[i, j, k]
                 slot_t[i, j] = slot[i, j]
                 continue
             xt[i, j, 0], xt[i, j, 1], xt[i, j, 2] = cx, cy, cz
+            if feature > 0 and beside(mold, near, feature, xt[i, j]):
+                feature = 0
             state_t[i, j], clear_t[i, j] = ON_FACE + feature, 0.0
 
 

@@ -99,6 +99,19 @@ def assemble(
 
 
 @njit(cache=True)
+def assemble_bent(springs: Ints, coupling: Floats, q: Floats, off: Singles) -> None:
+    """Forward blocks of the springs that are laid over an edge."""
+    b = np.empty((3, 3))
+    for k in range(springs.shape[0]):
+        i, j, d = springs[k, 0], springs[k, 1], springs[k, 2]
+        for r in range(3):
+            for c in range(3):
+                b[r, c] = coupling[k, 3 * r + c]
+        other = q[i + 1, j] if d == 0 else q[i, j + 1]
+        _sandwich(q[i, j], b, other, 1.0, off[i, j, d])
+
+
+@njit(cache=True)
 def invert(diag: Singles, q: Floats, inverse: Singles) -> None:
     """Pseudo-inverse of each diagonal block on its node's subspace."""
     n, m = q.shape[0], q.shape[1]

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from .creases import couple
 from .law import Floats
+from .mold import Ints
 from .multigrid import Multigrid, project
 
 
@@ -21,6 +23,8 @@ class Tangent:
     two: Floats
     extra: Floats
     q: Floats
+    springs: Ints  # (k, 3) springs laid over edges: node and direction
+    coupling: Floats  # (k, 9) between their two nodes
 
     @classmethod
     def empty(cls, n: int, m: int, sheared: bool) -> Tangent:
@@ -33,6 +37,8 @@ class Tangent:
             np.zeros(cells),
             np.zeros((n, m, 6)),
             np.zeros((n, m, 6)),
+            np.zeros((0, 3), np.int64),
+            np.zeros((0, 9)),
         )
 
     @property
@@ -58,10 +64,18 @@ def _difference(b: Floats, u: Floats, i: int, j: int, k: int, l: int, out: Float
 
 
 @njit(cache=True)
-def apply(
-    warp: Floats, weft: Floats, one: Floats, two: Floats, extra: Floats, q: Floats, u: Floats, out: Floats
+def _apply(
+    warp: Floats,
+    weft: Floats,
+    one: Floats,
+    two: Floats,
+    extra: Floats,
+    springs: Ints,
+    coupling: Floats,
+    q: Floats,
+    u: Floats,
+    out: Floats,
 ) -> float:
-    """out = Q K u for u = Q u; returns u . out."""
     n, m = u.shape[0], u.shape[1]
     sheared = one.shape[0] > 0
     for i in range(n):
@@ -70,6 +84,7 @@ def apply(
             out[i, j, 0] = e[0] * v[0] + e[1] * v[1] + e[2] * v[2]
             out[i, j, 1] = e[1] * v[0] + e[3] * v[1] + e[4] * v[2]
             out[i, j, 2] = e[2] * v[0] + e[4] * v[1] + e[5] * v[2]
+    couple(springs, coupling, u, out)
     total = 0.0
     for i in range(n):
         for j in range(m):
@@ -80,7 +95,6 @@ def apply(
             if sheared and i + 1 < n and j + 1 < m:
                 _difference(one[i, j], u, i, j, i + 1, j + 1, out)
                 _difference(two[i, j], u, i + 1, j, i, j + 1, out)
-        # Row i is complete, except for the diagonal that row i's next cell gave to row i + 1.
         for j in range(m):
             a, b, c, p = out[i, j, 0], out[i, j, 1], out[i, j, 2], q[i, j]
             out[i, j, 0] = p[0] * a + p[1] * b + p[2] * c
@@ -88,6 +102,11 @@ def apply(
             out[i, j, 2] = p[2] * a + p[4] * b + p[5] * c
             total += u[i, j, 0] * out[i, j, 0] + u[i, j, 1] * out[i, j, 1] + u[i, j, 2] * out[i, j, 2]
     return total
+
+
+def apply(k: Tangent, u: Floats, out: Floats) -> float:
+    """out = Q K u for u = Q u; returns u . out."""
+    return float(_apply(*k.blocks, k.extra, k.springs, k.coupling, k.q, u, out))
 
 
 @njit(cache=True)
@@ -125,7 +144,7 @@ class Solver:
         False: a direction of negative curvature was met, and ``d`` is what was found before it (or the
         preconditioned force if it was the first).
         """
-        self.grids.build(k.blocks, k.extra, k.q)
+        self.grids.build(k.blocks, k.extra, k.q, k.springs, k.coupling)
         found = self._solve(k, right, d, tolerance, largest)
         project(k.q, d)  # the preconditioner's single precision leaves d a little off the subspaces
         return found
@@ -141,7 +160,7 @@ class Solver:
             self.iterations = step
             if rz <= tolerance**2 * first:
                 return True
-            curvature = apply(*k.blocks, k.extra, k.q, p, ap)
+            curvature = apply(k, p, ap)
             if curvature <= 0.0:
                 if step == 0:
                     d[:] = z

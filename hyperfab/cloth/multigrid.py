@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from .galerkin import OX, OY, Ints, Singles, assemble, galerkin, invert, sandwich_all
+from .galerkin import OX, OY, Ints, Singles, assemble, assemble_bent, galerkin, invert, sandwich_all
 from .law import Floats
 
 SMALLEST = 4  # grids of at most this many nodes a side are not coarsened further
@@ -203,11 +203,22 @@ class Multigrid:
             n, m = coarse_size(n), coarse_size(m)
         self.direct: Floats = np.zeros((0, 0))
 
-    def build(self, blocks: tuple[Floats, Floats, Floats, Floats], extra: Floats, q: Floats) -> None:
-        """Set up all levels for springs' ``blocks`` (warp, weft, two diagonals), node blocks and projectors."""
+    def build(
+        self,
+        blocks: tuple[Floats, Floats, Floats, Floats],
+        extra: Floats,
+        q: Floats,
+        springs: Ints,
+        coupling: Floats,
+    ) -> None:
+        """Set up all levels for springs' ``blocks`` (warp, weft, two diagonals), node blocks and projectors.
+
+        ``coupling`` (k, 9) are the blocks of ``springs`` (k, 3) that are laid over edges.
+        """
         top = self.levels[0]
         top.q[:] = q
         assemble(*blocks, extra, q, top.diag, top.off)
+        assemble_bent(springs, coupling, q, top.off)
         invert(top.diag, top.q, top.inverse)
         for fine, coarse in zip(self.levels, self.levels[1:], strict=False):
             n, m = fine.q.shape[:2]

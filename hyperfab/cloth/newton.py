@@ -8,15 +8,14 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from .contact import move, settle
+from .energy import ROWS, Energy
 from .law import Floats
 from .linear import Solver, Tangent, dot
 from .mold import FREE, Ints, Mold, States
-from .net import FIXED, Sheet, forces, stiffness
+from .net import FIXED, Sheet
 
 #: Springs whose forces stay below their section's stiffness times this are unstretched but for rounding.
 RELAXED = 1e-8
-
-ROWS = 200_000  # nodes handled by one call of a compiled kernel that searches the mold
 
 
 @dataclass
@@ -61,11 +60,16 @@ class Equilibrium:
     force: Floats  # (n, m, 3) N spring forces and weight
     residual: Floats  # (n, m, 3) N
     largest_force: float
+    bent: Ints  # (k, 3) springs laid over sharp edges: node and direction
+    bent_length: Floats  # (k,) mm
+    push: Floats  # (3,) N, of the sharp edges on the springs laid over them
     status: str = ""
     history: list[Step] = field(default_factory=list)
 
 
-def step_to(x: Floats, d: Floats, alpha: float, mold: Mold, state: State, out: State) -> None:
+def step_to(
+    x: Floats, d: Floats, alpha: float, mold: Mold, state: State, out: State, ways: Floats, hinges: Ints
+) -> None:
     """``out`` = nodes at ``x + alpha d``, back on the mold where they touch it."""
     rows = max(1, ROWS // x.shape[1])
     for i in range(0, x.shape[0], rows):
@@ -81,6 +85,8 @@ def step_to(x: Floats, d: Floats, alpha: float, mold: Mold, state: State, out: S
             out.contact,
             out.slot,
             out.clear,
+            ways,
+            hinges,
             i,
             min(i + rows, x.shape[0]),
         )
@@ -102,7 +108,8 @@ def equilibrium(
     times the largest spring force.
     """
     n, m = sheet.n, sheet.m
-    net, fixed = sheet.arrays, sheet.fixed
+    model, fixed = Energy(sheet, mold), sheet.fixed
+    net = model.net
     now, trial = start.copy(), start.copy()
     tangent, solver = Tangent.empty(n, m, net.sheared), Solver(n, m, net.sheared)
     f, ft = np.zeros((n, m, 3)), np.zeros((n, m, 3))
@@ -110,7 +117,7 @@ def equilibrium(
     before = np.full((n, m), -1)
     reference = _stiffness_scale(sheet)
     unstretched = RELAXED * reference * float(net.rest.max())
-    energy, strongest = forces(now.x, net, f)
+    energy, strongest = model.forces(now.x, now.clear, f)
     history: list[Step] = []
     alpha, inner, forcing, relative_old = 1.0, 0, 0.1, 1.0
     status = "no equilibrium within the allowed steps"
@@ -129,17 +136,17 @@ def equilibrium(
         if iteration == largest:
             break
         floor = reference * min(1e-3, 0.1 * relative)
-        stiffness(now.x, net, floor, *tangent.blocks)
+        model.tangent(now.x, floor, tangent)
         forcing = min(0.1, max(1e-3, 0.5 * (relative / relative_old) ** 2)) if iteration else 0.1
         forcing = min(0.1, max(forcing, 0.3 * tolerance / relative))
         relative_old = relative
         solver(tangent, r, d, forcing)
         inner = solver.iterations
         slope = dot(r, d)
-        alpha = 1.0
+        alpha, ways, hinges = 1.0, model.ways, model.hinges()
         while True:
-            step_to(now.x, d, alpha, mold, now, trial)
-            energy_t, strongest_t = forces(trial.x, net, ft)
+            step_to(now.x, d, alpha, mold, now, trial, ways, hinges)
+            energy_t, strongest_t = model.forces(trial.x, trial.clear, ft)
             rounding = 1e-14 * abs(energy) + 1e-300
             if energy_t <= energy - 1e-4 * alpha * slope + rounding:
                 break
@@ -155,7 +162,21 @@ def equilibrium(
         f, ft = ft, f
         energy, strongest = energy_t, strongest_t
     return Equilibrium(
-        now, not status, energy, worst, relative, divmod(where, m), press, f, r, strongest, status, history
+        now,
+        not status,
+        energy,
+        worst,
+        relative,
+        divmod(where, m),
+        press,
+        f,
+        r,
+        strongest,
+        model.springs,
+        model.ways[:, 12],
+        model.push,
+        status,
+        history,
     )
 
 

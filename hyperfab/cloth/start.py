@@ -8,10 +8,12 @@ from scipy.sparse import csr_array
 
 from hyperfab.surface.bvh import DEPTH, nearest_one, ray_many
 
+from .energy import ROWS
+from .features import beside
 from .law import Floats
 from .mold import FREE, ON_FACE, Ints, Mold, States
 from .net import FIXED, Sheet
-from .newton import ROWS, State
+from .newton import State
 
 
 @njit(cache=True)
@@ -65,6 +67,8 @@ def place(
                     bad, deepest = i * x.shape[1] + j, distance
             elif inside or distance <= skin[i, j]:
                 p[0], p[1], p[2] = cx, cy, cz
+                if feature > 0 and beside(mold, near, feature, p):
+                    feature = 0
                 contact[i, j], clear[i, j] = ON_FACE + feature, 0.0
     return bad, deepest
 

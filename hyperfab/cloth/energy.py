@@ -1,0 +1,60 @@
+"""The sheet's energy on a mold with its forces and tangent: straight springs, and those laid over sharp edges."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .creases import bend_forces, bend_stiffness, find_bends, hinge_nodes
+from .law import Floats
+from .linear import Tangent
+from .mold import Ints, Mold
+from .net import Sheet, forces, stiffness
+
+ROWS = 200_000  # nodes handled by one call of a kernel that searches the mold
+
+
+class Energy:
+    """Energy of a sheet on a mold. What ``forces`` finds out of a place, ``tangent`` builds on."""
+
+    def __init__(self, sheet: Sheet, mold: Mold) -> None:
+        self.net = sheet.arrays
+        self.mold = mold
+        self.springs: Ints = np.zeros((0, 3), np.int64)  # laid over edges at the last place
+        self.ways: Floats = np.zeros((0, 13))
+        self.push: Floats = np.zeros(3)  # N, of the edges on the sheet
+
+    def forces(self, x: Floats, clear: Floats, f: Floats) -> tuple[float, float]:
+        """Forces on the nodes at x into ``f``; (energy N mm, largest spring force N)."""
+        energy, largest = forces(x, self.net, f)
+        if not len(self.mold.creases.corners):
+            return energy, largest
+        self._lay(x, clear)
+        self.push = np.zeros(3)
+        change, bent = bend_forces(x, self.net, self.springs, self.ways, f, self.push)
+        return energy + change, max(largest, bent)
+
+    def _lay(self, x: Floats, clear: Floats) -> None:
+        n, m = x.shape[:2]
+        room = max(256, 2 * len(self.springs))
+        rows = max(1, ROWS // m)
+        while True:
+            springs, ways, found = np.empty((room, 3), np.int64), np.empty((room, 13)), 0
+            for i in range(0, n, rows):
+                found = find_bends(x, clear, self.mold.creases, springs, ways, i, min(i + rows, n), found)
+            if found <= room:
+                break
+            room = found
+        self.springs, self.ways = springs[:found], ways[:found]
+
+    def hinges(self) -> Ints:
+        """(n, m, 2) bent springs of each node as ``hinge_nodes`` numbers them."""
+        found = np.zeros((*self.net.weight.shape, 2) if len(self.springs) else (0, 0, 2), np.int64)
+        hinge_nodes(self.springs, found)
+        return found
+
+    def tangent(self, x: Floats, floor: float, out: Tangent) -> None:
+        """Tangent at x, where ``forces`` was called last; slack springs keep the stiffness ``floor`` N/mm."""
+        stiffness(x, self.net, floor, *out.blocks)
+        out.extra[:] = 0.0
+        out.springs, out.coupling = self.springs, np.empty((len(self.springs), 9))
+        bend_stiffness(self.net, self.springs, self.ways, floor, out.warp, out.weft, out.extra, out.coupling)

@@ -1,0 +1,224 @@
+"""How a node on an edge or a vertex of the mold goes on: the cone of normals decides."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+from .law import Floats
+from .mold import FREE, ON_FACE, SHARP, Ints, Mold
+
+#: How far in mm a node that lands on a sharp edge or corner is put beside it, onto one of the facets.
+BESIDE = 1e-6
+
+
+@njit(cache=True)
+def dot(a: Floats, b: Floats) -> Any:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@njit(cache=True)
+def copy(a: Floats, b: Floats) -> None:
+    b[0], b[1], b[2] = a[0], a[1], a[2]
+
+
+@njit(cache=True)
+def outward(mold: Mold, slot: int, edge: int, out: Floats) -> None:
+    """Unit vector in the facet's plane across an edge, away from the facet."""
+    a, b, n = mold.corners[slot, edge], mold.corners[slot, (edge + 1) % 3], mold.normals[slot, 0]
+    x, y, z = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+    out[0], out[1], out[2] = y * n[2] - z * n[1], z * n[0] - x * n[2], x * n[1] - y * n[0]
+    length = np.sqrt(dot(out, out))
+    if length > 0.0:
+        for k in range(3):
+            out[k] /= length
+
+
+@njit(cache=True)
+def edge_reached(mold: Mold, slot: int, x: Floats, y: Floats, u: Floats) -> tuple[int, float]:
+    """First edge that the way from x to y in a facet's plane crosses: (edge or -1, fraction of the way)."""
+    found, least = -1, 2.0
+    for e in range(3):
+        outward(mold, slot, e, u)
+        a = mold.corners[slot, e]
+        before = (x[0] - a[0]) * u[0] + (x[1] - a[1]) * u[1] + (x[2] - a[2]) * u[2]
+        after = (y[0] - a[0]) * u[0] + (y[1] - a[1]) * u[1] + (y[2] - a[2]) * u[2]
+        if after > 1e-12 and after > before:
+            s = max(0.0, -before) / (after - before)
+            if s < least:
+                found, least = e, s
+    return found, least
+
+
+@njit(cache=True)
+def _in_cone(mold: Mold, slots: Ints, count: int, r: Floats, rest: Floats) -> bool:
+    """Does -r lie in the cone of the facets' normals? ``rest``: r + sum of the nearest combination of normals."""
+    weights = np.empty(64)
+    for c in range(count):
+        weights[c] = 0.0
+    copy(r, rest)
+    for _ in range(200):
+        change = 0.0
+        for c in range(count):
+            n = mold.normals[slots[c], 0]
+            w = max(0.0, weights[c] - dot(rest, n))
+            step = w - weights[c]
+            weights[c] = w
+            for k in range(3):
+                rest[k] += step * n[k]
+            change = max(change, abs(step))
+        if change <= 1e-14 * np.sqrt(dot(r, r)):
+            break
+    return bool(dot(rest, rest) <= 1e-20 * dot(r, r))
+
+
+@njit(cache=True)
+def _facets_at(mold: Mold, slot: int, state: int, out: Ints) -> int:
+    """Facets around a node's edge or vertex."""
+    feature = state - ON_FACE
+    out[0] = slot
+    if feature <= 3:
+        other = mold.twins[slot, feature - 1]
+        if other < 0:
+            return 1
+        out[1] = other
+        return 2
+    v = mold.vertex[slot, feature - 4]
+    first, last = mold.incident_first[v], mold.incident_first[v + 1]
+    count = min(last - first, out.shape[0])
+    for c in range(count):
+        out[c] = mold.incident[first + c]
+    return count
+
+
+@njit(cache=True)
+def _follow(mold: Mold, slots: Ints, count: int, x: Floats, r: Floats, t: Floats, u: Floats) -> int:
+    """Facet along which a node at x, on the rim of all of them, can follow the force r best; -1: none."""
+    best, found = 0.0, -1
+    for c in range(count):
+        s = slots[c]
+        n = mold.normals[s, 0]
+        rn = dot(r, n)
+        if rn > 0.0:
+            continue
+        for k in range(3):
+            t[k] = r[k] - rn * n[k]
+        length = np.sqrt(dot(t, t))
+        if length <= best:
+            continue
+        size = 0.0
+        for k in range(3):
+            size = max(size, abs(mold.corners[s, 1, k] - mold.corners[s, 0, k]))
+        inward = True
+        for e in range(3):
+            outward(mold, s, e, u)
+            a = mold.corners[s, e]
+            off = (x[0] - a[0]) * u[0] + (x[1] - a[1]) * u[1] + (x[2] - a[2]) * u[2]
+            if off > -1e-9 * size and dot(t, u) > 0.0:
+                inward = False
+        if inward:
+            best, found = length, s
+    return found
+
+
+@njit(cache=True)
+def decide(
+    mold: Mold, x: Floats, r: Floats, slot: int, state: int, slots: Ints, t: Floats, u: Floats
+) -> tuple[int, int]:
+    """State and slot of a node on an edge or vertex under the force r."""
+    count = _facets_at(mold, slot, state, slots)
+    # Along an edge the node is free to slide: only the force across it is judged.
+    copy(r, u)
+    if state <= ON_FACE + 3:
+        e = state - ON_FACE - 1
+        a, b = mold.corners[slot, e], mold.corners[slot, (e + 1) % 3]
+        t[0], t[1], t[2] = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+        s = dot(r, t) / dot(t, t)
+        for k in range(3):
+            u[k] = r[k] - s * t[k]
+    across = np.empty(3)
+    copy(u, across)
+    if _in_cone(mold, slots, count, across, t):
+        return state, slot
+    face = _follow(mold, slots, count, x, r, t, u)
+    if face >= 0:
+        return ON_FACE, face
+    pulled = True  # outward of every facet of a valley, or of one facet of a ridge
+    for c in range(count):
+        pulled = pulled and dot(across, mold.normals[slots[c], 0]) > 0.0
+    if pulled or state > ON_FACE + 3 or count == 1:
+        return FREE, slot
+    if mold.turn[slot, state - ON_FACE - 1] > 0.0:
+        return FREE, slot
+    return state, slot
+
+
+@njit(cache=True)
+def valley(mold: Mold, x: Floats, r: Floats, slot: int, before: int, u: Floats, t: Floats) -> int:
+    """Edge of a valley just crossed, if the force pushes back to it from both sides; -1 else."""
+    for e in range(3):
+        if mold.twins[slot, e] == before and mold.turn[slot, e] < -1e-9:
+            outward(mold, slot, e, u)
+            n = mold.normals[slot, 0]
+            here = dot(r, u) - dot(r, n) * dot(u, n)
+            a, b, n = mold.corners[slot, e], mold.corners[slot, (e + 1) % 3], mold.normals[before, 0]
+            t[0], t[1], t[2] = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+            # From the other facet the way to the edge runs along n x (its own sense of the edge).
+            vx, vy, vz = n[1] * t[2] - n[2] * t[1], n[2] * t[0] - n[0] * t[2], n[0] * t[1] - n[1] * t[0]
+            there = r[0] * vx + r[1] * vy + r[2] * vz
+            if here > 0.0 and there > 0.0:
+                s = ((x[0] - a[0]) * t[0] + (x[1] - a[1]) * t[1] + (x[2] - a[2]) * t[2]) / dot(t, t)
+                s = min(1.0, max(0.0, s))
+                for k in range(3):
+                    x[k] = a[k] + s * t[k]
+                return e
+    return -1
+
+
+@njit(cache=True)
+def unfold(mold: Mold, slot: int, edge: int, x: Floats, y: Floats, s: float) -> int:
+    """Way from x to y, in a facet's plane, that crosses an edge at the fraction s: the rest of it is turned into the
+    plane of the facet beyond, y becomes its end. Returns that facet.
+    """
+    a, b = mold.corners[slot, edge], mold.corners[slot, (edge + 1) % 3]
+    other = mold.twins[slot, edge]
+    t, u, v = np.empty(3), np.empty(3), np.empty(3)
+    outward(mold, slot, edge, u)
+    size = 0.0
+    for k in range(3):
+        t[k] = b[k] - a[k]
+        size += t[k] * t[k]
+    size = np.sqrt(size)
+    n = mold.normals[other, 0]
+    v[0], v[1], v[2] = t[1] * n[2] - t[2] * n[1], t[2] * n[0] - t[0] * n[2], t[0] * n[1] - t[1] * n[0]
+    along, across = 0.0, 0.0
+    for k in range(3):
+        rest = (1.0 - s) * (y[k] - x[k])
+        along += rest * t[k] / size
+        across += rest * u[k]
+    for k in range(3):
+        y[k] = x[k] + s * (y[k] - x[k]) + along * t[k] / size + across * v[k] / size
+    return other
+
+
+@njit(cache=True)
+def beside(mold: Mold, slot: int, feature: int, x: Floats) -> bool:
+    """Put a node on a sharp edge or corner a little beside it, onto the facet; False where the feature is not sharp."""
+    sharp = False
+    if 1 <= feature <= 3:
+        sharp = mold.turn[slot, feature - 1] > SHARP
+    elif feature > 3:
+        corner = feature - 4
+        sharp = mold.turn[slot, corner] > SHARP or mold.turn[slot, (corner + 2) % 3] > SHARP
+    if not sharp:
+        return False
+    tri = mold.corners[slot]
+    size = 0.0
+    for k in range(3):
+        size += ((tri[0, k] + tri[1, k] + tri[2, k]) / 3.0 - x[k]) ** 2
+    share = min(BESIDE / np.sqrt(size), 0.5)
+    for k in range(3):
+        x[k] += share * ((tri[0, k] + tri[1, k] + tri[2, k]) / 3.0 - x[k])
+    return True
