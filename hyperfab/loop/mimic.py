@@ -13,24 +13,30 @@ from hyperfab.loop.problem import Problem
 from hyperfab.loop.search import MARGIN, Search, State, common_bic
 
 
+#: A rival that misses the imprint by more than this many standard deviations of the noise (rms) is told from it.
+_LEFT = 1.5
+
+
 @dataclass(frozen=True)
 class Rival:
     """An entry in place of a found effect.
 
-    ``share`` is how much of the effect's own noise-free imprint it reproduces with all constants refitted;
-    ``delta_bic`` how much worse it does on the data (nan: not tried); ``state`` the model with it.
+    ``share`` is how much of the effect's own noise-free imprint it reproduces with all constants refitted, ``left``
+    the rms it misses then, in standard deviations of the noise; ``delta_bic`` how much worse it does on the data;
+    ``state`` the model with it.
     """
 
     effect: str
     instead_of: str
     share: float
+    left: float
     delta_bic: float
     state: State | None
 
     def passes(self, limit: float) -> bool:
         """Whether the data cannot tell it from the found effect."""
         close = bool(self.delta_bic < MARGIN and self.share > 0.5)
-        return self.share >= limit or close
+        return (self.share >= limit and self.left <= _LEFT) or close
 
 
 def rivals(search: Search, best: State) -> list[Rival]:
@@ -51,7 +57,8 @@ def rivals(search: Search, best: State) -> list[Rival]:
             bic = common_bic([best, state], search.problem)
             small = np.sqrt(max(state.excess - 1.0, 0.0)) < 0.6 + np.sqrt(max(best.excess - 1.0, 0.0))
             gap = bic[state.ids] - bic[best.ids] if small else np.inf
-            found.append(Rival(effect.id, name, share, gap, state))
+            rest = float(np.sqrt(left / len(best.fit.residual)))
+            found.append(Rival(effect.id, name, share, rest, gap, state))
     return sorted(found, key=lambda rival: -rival.share)
 
 

@@ -213,6 +213,8 @@ class Fabric:
         form, values = term
         if form == "damage":
             return mullins.damaged(self.path.peak, *values)
+        if form == "strain":
+            return mullins.weakened(self.path.stretch, self.path.peak, *values)
         greatest = np.empty_like(energy)
         for rows in self.path.curves:
             greatest[rows] = np.maximum.accumulate(energy[rows])

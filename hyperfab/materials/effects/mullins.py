@@ -20,6 +20,19 @@ def softened(energy: Array, greatest: Array, amount: float, scale: float, beta: 
     return np.asarray(1.0 - amount * erf(np.maximum(greatest - energy, 0.0) / (scale + beta * greatest)))
 
 
+def weakened(stretch: Array, peak: Array, amount: float, power: float) -> Array:
+    """Return the factor ``1 - amount (1 - (strain/peak strain)^power)``: softening measured in strain, 1 at the peak.
+
+    A factor of strain amplification that is 1 on the first pull: Zuniga & Beatty (2002),
+    doi:10.1016/S0020-7225(02)00140-4.
+
+    >>> weakened(np.array([1.5]), np.array([1.5]), 0.3, 1.0)
+    array([1.])
+    """
+    share = np.clip((stretch - 1.0) / np.maximum(peak - 1.0, 1e-12), 1e-12, 1.0)
+    return np.asarray(1.0 - amount * (1.0 - share**power))
+
+
 def damaged(peak: Array, amount: float, strain: float) -> Array:
     """Return the factor ``1 - amount (1 - exp(-(peak - 1)/strain))``: damage by the largest stretch.
 

@@ -44,5 +44,6 @@ def entry(scene: Scene) -> Effect | None:
         shown_by="the same pull along warp and weft, each with a replicate",
         source="Spencer (1984), Continuum Theory of the Mechanics of Fibre-Reinforced Composites",
         forms=tuple(forms),
+        mimic_share=0.95,
         smooth=False,
     )

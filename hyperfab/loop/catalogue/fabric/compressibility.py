@@ -27,5 +27,6 @@ def entry(scene: Scene) -> Effect | None:
         shown_by="the transverse stretch of a uniaxial test, or uniaxial and biaxial tests of one sheet",
         source="Blatz & Ko (1962), doi:10.1122/1.548937",
         forms=tuple(forms),
+        mimic_share=0.97,
         smooth=False,
     )

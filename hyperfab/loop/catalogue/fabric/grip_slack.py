@@ -25,4 +25,5 @@ def entry(scene: Scene) -> Effect:
                 refines="play",
             ),
         ),
+        mimic_share=0.93,
     )

@@ -33,6 +33,12 @@ def entry(scene: Scene) -> Effect | None:
                 refines="pseudo-elastic",
             ),
             Form(
+                "strain",
+                (Constant("amount", 0.0, 0.0, 0.98, 0.1), Constant("power", 1.0, 0.1, 6.0, 0.5)),
+                ((0.3, 0.7), (0.3, 2.0)),
+                ((0.03, 0.5), (0.03, 1.5)),
+            ),
+            Form(
                 "damage",
                 (
                     Constant("amount", 0.0, 0.0, 0.98, 0.1),

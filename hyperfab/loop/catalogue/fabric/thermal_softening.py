@@ -25,5 +25,6 @@ def entry(scene: Scene) -> Effect | None:
         shown_by="the same pull at two temperatures 30 K or more apart",
         source="Ferry (1980), Viscoelastic Properties of Polymers, ch. 11",
         forms=tuple(forms),
+        mimic_share=0.95,
         smooth=False,
     )
