@@ -65,6 +65,9 @@ def fit(
     resample: Annotated[
         int | None, typer.Option(metavar="N", help="Mean of N equal steps of stretch on each branch.")
     ] = None,
+    noise: Annotated[
+        str | None, typer.Option(metavar="STRESS", help="Standard deviation of a reading, as 0.002MPa.")
+    ] = None,
     decimal: Annotated[
         str | None, typer.Option(metavar="MARK", help="Decimal mark of the files: . or ,")
     ] = None,

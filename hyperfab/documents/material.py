@@ -30,6 +30,31 @@ class TestFigures(_Part):
     predicted: bool | None = Field(default=None, description="true where the test took no part in the fit")
 
 
+class OutlierReading(_Part):
+    """A reading that does not belong to the others."""
+
+    source: str
+    line: int | None = None
+    test: str
+    stretch: float
+    stress_MPa: float
+    studentised: float = Field(description="residual over its standard deviation with the reading left out")
+    leverage: float = Field(description="share of the reading in its own prediction")
+
+
+class Replicates(_Part):
+    """How far specimens of one kind differ."""
+
+    test: str
+    direction: str | None = None
+    temperature_degC: float | None = None
+    specimens: int
+    scatter: float = Field(
+        description="standard deviation of the stress between specimens, rms over the stretches they share, "
+        "over the largest stress"
+    )
+
+
 class FitFigures(_Part):
     """How well the constants carry the tests, and how sure they are. The totals are over the rows fitted."""
 
@@ -43,6 +68,12 @@ class FitFigures(_Part):
     condition_number: float | None = Field(
         default=None,
         description="of the Jacobian with columns of length one: 1 where constants are independent",
+    )
+    correlation: list[list[float]] | None = Field(
+        default=None, description="of the constants, in the order of parameters"
+    )
+    outliers: list[OutlierReading] | None = Field(
+        default=None, description="readings far from where all others say they should be"
     )
     tests: dict[str, TestFigures | Unpredicted] = Field(
         default_factory=dict, description="the same figures for each test"
@@ -144,6 +175,7 @@ class MaterialDocument(Document):
     preparation: list[str] | None = Field(
         default=None, description="what was done to the data before the fit"
     )
+    replicates: list[Replicates] | None = Field(default=None, description="scatter between specimens")
     bulk_modulus_MPa: float | None = Field(default=None, description="from the volumetric test")
     warnings: list[str] | None = None
     models: list[ModelRow] | None = Field(default=None, description="all laws, best first (--model all)")

@@ -287,3 +287,51 @@ def test_volumetric_test_gives_the_bulk_modulus(hf: Run, tmp_path: Path) -> None
     (tmp_path / "v.csv").write_text("volume ratio,stress [MPa]\n0.99,-20\n0.98,-40\n")
     found = fit(hf, *ALL, "--volumetric", tmp_path / "v.csv", "--model", "yeoh-3")
     assert found["bulk_modulus_MPa"] == pytest.approx(2000.0, rel=1e-12)
+
+
+def test_a_mistyped_reading_is_named_with_its_line(hf: Run, root: Path, tmp_path: Path) -> None:
+    text = (root / TRELOAR / "uniaxial.csv").read_text().rstrip("\n")
+    (tmp_path / "t.csv").write_text(f"{text}\n1.029,0.0047\n")
+    found = fit(hf, "--uniaxial", tmp_path / "t.csv", "--model", "gent", "--accept", "9", cwd=tmp_path)
+    [outlier] = found["fit"]["outliers"]
+    assert outlier["line"] == len(text.splitlines()) + 1
+    assert outlier["source"] == "t.csv"
+    assert outlier["stress_MPa"] == 0.0047
+    assert f"line {outlier['line']}" in found["stderr"]
+    # The document names files as seen from it.
+    assert str(tmp_path) not in json.dumps({key: value for key, value in found.items() if key != "stderr"})
+
+
+def test_clean_readings_are_not_called_outliers(hf: Run) -> None:
+    assert "outliers" not in fit(hf, *ALL, "--model", "yeoh-3")["fit"]
+
+
+def test_noise_keeps_small_readings_from_deciding(hf: Run, tmp_path: Path) -> None:
+    rows = "\n".join(
+        f"{x:.3f},{0.4 * (x - x**-2) + (0.004 if k % 2 else -0.004):.9f}"
+        for k, x in enumerate([1.005, 1.01, 1.02, 1.03, 1.2, 1.4, 1.7, 2.0])
+    )
+    (tmp_path / "t.csv").write_text(f"stretch,stress [MPa]\n{rows}\n")
+    without = fit(hf, "--uniaxial", "t.csv", "--model", "neo-hookean", "--accept", "99", cwd=tmp_path)
+    aware = fit(
+        hf,
+        "--uniaxial",
+        "t.csv",
+        "--model",
+        "neo-hookean",
+        "--accept",
+        "99",
+        "--noise",
+        "4 kPa",
+        cwd=tmp_path,
+    )
+    errors = [abs(found["parameters"]["C10_MPa"] - 0.2) for found in (without, aware)]
+    assert errors[1] < 0.01 < errors[0]
+
+
+def test_scatter_of_replicates_is_told(hf: Run) -> None:
+    found = fit(hf, "--uniaxial", "specimens/lycra/warp-23C.csv", "--model", "yeoh-3")
+    [kind] = found["replicates"]
+    assert kind["specimens"] == 3
+    # Three specimens drawn with 1.5 %.
+    assert 0.002 < kind["scatter"] < 0.03

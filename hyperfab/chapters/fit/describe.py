@@ -5,12 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
+from hyperfab.chapters.fit.doubts import Outlier
 from hyperfab.chapters.fit.identify import Identified, Setting
 from hyperfab.documents.material import (
     AtTemperature,
     Direction,
     FitFigures,
     ModelRow,
+    OutlierReading,
     StableRange,
     TestFigures,
     Unpredicted,
@@ -32,8 +36,10 @@ def fit_figures(found: Identified) -> FitFigures:
             tests[mode] = Unpredicted(points=points, predicted=flag, status=status)
         else:
             tests[mode] = TestFigures(**vars(figures), predicted=flag)
+    correlation = sure.correlation.tolist() if np.isfinite(sure.correlation).all() else None
     return FitFigures(
         **vars(found.total),
+        correlation=correlation,
         parameters_sd=sd or None,
         condition_number=sure.condition_number if math.isfinite(sure.condition_number) else None,
         tests=tests,
@@ -75,11 +81,28 @@ def temperatures(found: Identified) -> list[AtTemperature] | None:
     ]
 
 
-def direction(found: Identified, reach: Reach) -> Direction:
+def with_outliers(figures: FitFigures, far: Sequence[Outlier]) -> FitFigures:
+    """Return the figures with the readings that do not belong."""
+    figures.outliers = [
+        OutlierReading(
+            source=one.curve.source,
+            line=None if one.curve.lines is None else int(one.curve.lines[one.row]),
+            test=one.curve.mode,
+            stretch=float(one.curve.stretch[one.row]),
+            stress_MPa=float(one.curve.stress[one.row]),
+            studentised=one.studentised,
+            leverage=one.leverage,
+        )
+        for one in far
+    ] or None
+    return figures
+
+
+def direction(found: Identified, far: Sequence[Outlier], reach: Reach) -> Direction:
     """Return one direction of the fabric."""
     return Direction(
         parameters=found.material.parameters,
-        fit=fit_figures(found),
+        fit=with_outliers(fit_figures(found), far),
         stability=stability(found, reach),
         stable=found.stable,
         temperatures=temperatures(found),

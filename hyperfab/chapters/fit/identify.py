@@ -21,15 +21,19 @@ Array = NDArray[np.float64]
 #: The temperature [degC] a material is described at, where tests were made at several.
 ROOM = 23.0
 
+#: Where the noise is known, a reading below this many of its standard deviations counts by its absolute error.
+NOISY = 10.0
+
 
 @dataclass(frozen=True)
 class Setting:
-    """How constants are sought: the tests that take part, and what is minimised."""
+    """How constants are sought: the tests that take part, what is minimised, the noise of a reading [MPa]."""
 
     fit_on: tuple[str, ...]
     relative: bool
     stable: bool
     accept: float
+    noise: float | None = None
 
 
 @dataclass(frozen=True)
@@ -131,7 +135,7 @@ def _rows(used: Sequence[Reading], temperatures: Sequence[float | None], setting
         temperatures.index(curve.temperature) if curve.temperature is not None else reference
         for curve in used
     ]
-    return Rows.of([_curve(curve, setting.relative) for curve in used], groups)
+    return Rows.of([_curve(curve, setting) for curve in used], groups)
 
 
 def predict(found: Identified, curve: Reading) -> tuple[Array, Array | None]:
@@ -156,9 +160,14 @@ def reach(curves: Sequence[Reading]) -> dict[str, tuple[float, float]]:
     return found
 
 
-def _curve(reading: Reading, relative: bool) -> Curve:
+def _curve(reading: Reading, setting: Setting) -> Curve:
+    sd = reading.sd if reading.sd is not None else setting.noise
+
     def weight(stress: Array) -> Array:
-        return 1.0 / np.abs(stress) if relative else np.ones_like(stress)
+        if not setting.relative:
+            return np.ones_like(stress) if sd is None else np.ones_like(stress) / sd
+        floor = 0.0 if sd is None else NOISY * np.asarray(sd)
+        return 1.0 / np.maximum(np.abs(stress), floor)
 
     return Curve(
         mode=reading.mode,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from hyperfab.chapters.fit import describe
+from hyperfab.chapters.fit.doubts import doubts, outliers, replicates
 from hyperfab.chapters.fit.identify import Identified, Setting, reach
 from hyperfab.chapters.fit.judge import Judged, Sets, judge
 from hyperfab.chapters.fit.prepare import Steps
@@ -13,6 +14,7 @@ from hyperfab.chapters.fit.specimens import aspect_warnings, geometry
 from hyperfab.chapters.job import Job
 from hyperfab.console import NEGATIVE_VERDICT
 from hyperfab.documents.material import MaterialDocument
+from hyperfab.documents.provenance import relative_name
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.output import Output
 from hyperfab.io.specimen import Geometry
@@ -43,6 +45,7 @@ def run(
     zero: bool = False,
     preload: str | None = None,
     resample: int | None = None,
+    noise: str | None = None,
     decimal: str | None = None,
     output: str = "-",
 ) -> int:
@@ -65,7 +68,10 @@ def run(
     readings = gather(tests, steps, relative=objective == "relative")
     readings.warnings[:0] = aspect_warnings(tests, sizes)
     chosen = _chosen(fit_on, readings)
-    setting = Setting(chosen, objective == "relative", stable, accept)
+    floor = _stress(noise, "--noise", sizes)
+    if floor is not None:
+        readings.preparation.append(f"noise of {floor:g} MPa taken into account in the weights")
+    setting = Setting(chosen, objective == "relative", stable, accept, floor)
     sets = _sets(readings)
     judged = _judge_all(job, candidates, sets, setting)
     best = judged[0]
@@ -77,6 +83,7 @@ def run(
         )
     document = _document(best, judged if model == "all" else None, readings, sets, setting)
     _tell(job, judged, document, setting)
+    document = _portable(document, [file.name for file in job.inputs.files], output)
     if out.wants_files:
         from hyperfab.chapters.fit.siblings import curves_csv, picture
 
@@ -145,7 +152,7 @@ def _document(
     whole = best.results[None]
     assert isinstance(whole, Identified)
     directions = {
-        name: describe.direction(found, reach(sets[name]))
+        name: describe.direction(found, outliers(found, sets[name], setting), reach(sets[name]))
         for name, found in best.results.items()
         if name is not None and isinstance(found, Identified)
     }
@@ -158,7 +165,7 @@ def _document(
         temperature_degC=whole.temperatures[whole.reference],
         directions=directions or None,
         temperatures=describe.temperatures(whole),
-        fit=describe.fit_figures(whole),
+        fit=describe.with_outliers(describe.fit_figures(whole), outliers(whole, sets[None], setting)),
         stability=describe.stability(whole, data_reach),
         stable=best.stable,
         accepted=best.accepted,
@@ -166,8 +173,9 @@ def _document(
         fit_on=list(setting.fit_on),
         left_out=dict(sorted(readings.left_out.items())) or None,
         preparation=readings.preparation or None,
+        replicates=replicates(readings.curves) or None,
         bulk_modulus_MPa=readings.bulk_modulus,
-        warnings=[*readings.warnings, *_doubts(best, setting)] or None,
+        warnings=[*readings.warnings, *doubts(best, sets, setting)] or None,
         models=None
         if ranking is None
         else [
@@ -185,49 +193,22 @@ def _document(
     )
 
 
-def _doubts(best: Judged, setting: Setting) -> list[str]:
-    """Say why the constants should be used with care."""
-    found = []
-    for name, part in best.results.items():
-        if isinstance(part, str) or (name is None and len(best.results) > 1):
-            continue
-        where = f" ({name})" if name else ""
-        if not part.stable:
-            ends = {m: r.first_unstable for m, r in part.ranges.items() if r.first_unstable is not None}
-            first = ", ".join(f"{mode} {stretch:.3f}" for mode, stretch in ends.items())
-            found.append(f"not Drucker-stable over the data{where}: first unstable stretch {first}")
-        if part.fit.at_bound:
-            found.append(
-                f"at the edge of its box{where}: {', '.join(part.fit.at_bound)}; the tests do not bound it"
-            )
-        sure = part.certainty
-        weak = [
-            f"{constant} ± {100 * sd / abs(value):.0f} %"
-            for constant, value, sd in zip(
-                sure.names, part.material.parameters.values(), sure.sd, strict=True
-            )
-            if value != 0.0 and sd > 0.5 * abs(value)
-        ]
-        if weak:
-            found.append(f"constants the tests hardly determine{where}: {', '.join(weak)}")
-        if sure.condition_number > 1e4:
-            found.append(f"ill-conditioned{where}: the condition number is {sure.condition_number:.1e}")
-        found += _wild(part, setting, where)
-    return found
+def _portable(document: MaterialDocument, names: Sequence[str], output: str) -> MaterialDocument:
+    """Return the document with files named as seen from it: no folder of this machine stands in it."""
+    shown = {name: relative_name(name, output) for name in sorted(names, key=len, reverse=True)}
 
+    def named(text: str) -> str:
+        for name, relative in shown.items():
+            text = text.replace(name, relative)
+        return text
 
-def _wild(part: Identified, setting: Setting, where: str) -> list[str]:
-    wild = [
-        mode
-        for mode, (figures, _, predicted) in part.tests.items()
-        if predicted and (figures is None or not figures.relative_rms <= 1.0)
-    ]
-    if not wild:
-        return []
-    return [
-        f"not identifiable from {' and '.join(setting.fit_on)} data alone{where}: "
-        f"the prediction for {' and '.join(wild)} is wild"
-    ]
+    document.warnings = [named(text) for text in document.warnings] if document.warnings else None
+    document.preparation = [named(text) for text in document.preparation] if document.preparation else None
+    parts = [document.fit, *(part.fit for part in (document.directions or {}).values())]
+    for figures in parts:
+        for outlier in (figures.outliers if figures is not None else None) or ():
+            outlier.source = named(outlier.source)
+    return document
 
 
 def _tell(job: Job, judged: Sequence[Judged], document: MaterialDocument, setting: Setting) -> None:

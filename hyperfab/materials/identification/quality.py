@@ -89,7 +89,7 @@ def certainty(fit: Fit, group: int = 0) -> Certainty:
 
 def _studentised(residual: Array, leverage: Array, sse: float, freedom: int) -> Array:
     open_share = np.clip(1.0 - leverage, 1e-12, None)
-    without = np.clip(sse - residual**2 / open_share, 1e-300, None) / max(freedom - 1, 1)
+    without = np.clip(sse - residual**2 / open_share, 1e-12 * sse + 1e-300, None) / max(freedom - 1, 1)
     return np.asarray(residual / np.sqrt(without * open_share))
 
 

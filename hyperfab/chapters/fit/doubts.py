@@ -1,0 +1,138 @@
+"""What should make a user careful: constants the tests do not determine, readings that do not belong, scatter."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hyperfab.chapters.fit.identify import Identified, Setting
+from hyperfab.chapters.fit.judge import Judged, Sets
+from hyperfab.chapters.fit.reading import Array, Reading
+from hyperfab.documents.material import Replicates
+
+#: A reading so many standard deviations off is no chance; laws that fit poorly leave up to 5 at the ends of a curve.
+FAR = 6.5
+#: So many readings are named in warnings; the document has all.
+SHOWN = 5
+
+
+def doubts(best: Judged, sets: Sets, setting: Setting) -> list[str]:
+    """Say why the constants should be used with care."""
+    found = []
+    for name, part in best.results.items():
+        if isinstance(part, str) or (name is None and len(best.results) > 1):
+            continue
+        where = f" ({name})" if name else ""
+        if not part.stable:
+            ends = {m: r.first_unstable for m, r in part.ranges.items() if r.first_unstable is not None}
+            first = ", ".join(f"{mode} {stretch:.3f}" for mode, stretch in ends.items())
+            found.append(f"not Drucker-stable over the data{where}: first unstable stretch {first}")
+        if part.fit.at_bound:
+            found.append(
+                f"at the edge of its box{where}: {', '.join(part.fit.at_bound)}; the tests do not bound it"
+            )
+        sure = part.certainty
+        weak = [
+            f"{constant} ± {100 * sd / abs(value):.0f} %"
+            for constant, value, sd in zip(
+                sure.names, part.material.parameters.values(), sure.sd, strict=True
+            )
+            if value != 0.0 and sd > 0.5 * abs(value)
+        ]
+        if weak:
+            found.append(f"constants the tests hardly determine{where}: {', '.join(weak)}")
+        if sure.condition_number > 1e4:
+            found.append(f"ill-conditioned{where}: the condition number is {sure.condition_number:.1e}")
+        found += _wild(part, setting, where)
+        found += _single_readings(part, sets[name], setting)
+    return found
+
+
+def _wild(part: Identified, setting: Setting, where: str) -> list[str]:
+    wild = [
+        mode
+        for mode, (figures, _, predicted) in part.tests.items()
+        if predicted and (figures is None or not figures.relative_rms <= 1.0)
+    ]
+    if not wild:
+        return []
+    return [
+        f"not identifiable from {' and '.join(setting.fit_on)} data alone{where}: "
+        f"the prediction for {' and '.join(wild)} is wild"
+    ]
+
+
+@dataclass(frozen=True)
+class Outlier:
+    """A reading that does not belong to the others: its residual is this many of its own standard deviations."""
+
+    curve: Reading
+    row: int
+    studentised: float
+    leverage: float
+
+
+def outliers(part: Identified, curves: Sequence[Reading], setting: Setting) -> list[Outlier]:
+    """Return the readings far from where all others say they should be, farthest first.
+
+    A residual is judged with its reading left out: in a relative fit a reading far too low pulls the constants to
+    itself and hides among the others.
+    """
+    sure = part.certainty
+    used = [curve for curve in curves if curve.mode in setting.fit_on]
+    rows = part.fit.problem.rows
+    found = []
+    for k in np.flatnonzero(np.abs(sure.studentised) > FAR):
+        number = int(rows.curve[k])
+        place = int(k) - int(np.flatnonzero((rows.curve == number) & (rows.along == rows.along[k]))[0])
+        found.append(Outlier(used[number], place, float(sure.studentised[k]), float(sure.leverage[k])))
+    return sorted(found, key=lambda one: -abs(one.studentised))
+
+
+def _single_readings(part: Identified, curves: Sequence[Reading], setting: Setting) -> list[str]:
+    found = []
+    for one in outliers(part, curves, setting)[:SHOWN]:
+        curve = one.curve
+        line = f", line {curve.lines[one.row]}" if curve.lines is not None else ""
+        found.append(
+            f"{curve.source}{line}: {curve.stress[one.row]:.4g} MPa at stretch {curve.stretch[one.row]:.4g} does not "
+            f"belong to the other readings ({abs(one.studentised):.0f} of its standard deviations away, "
+            f"{100 * one.leverage:.0f} % of its own prediction); check the reading"
+        )
+    return found
+
+
+def replicates(curves: Sequence[Reading]) -> list[Replicates]:
+    """Return how far specimens of one kind differ, over the stretches they share."""
+    kinds: dict[tuple[str, str | None, float | None], list[Reading]] = {}
+    for curve in curves:
+        kinds.setdefault((curve.mode, curve.direction, curve.temperature), []).append(curve)
+    found = []
+    for (mode, direction, temperature), group in kinds.items():
+        branches = [_loading(curve) for curve in group]
+        low = max(float(stretch.min()) for stretch, _ in branches)
+        high = min(float(stretch.max()) for stretch, _ in branches)
+        if len(group) < 2 or low >= high:
+            continue
+        grid = np.linspace(low, high, 21)
+        stress = np.array([np.interp(grid, stretch, stress) for stretch, stress in branches])
+        spread = stress.std(axis=0, ddof=1)
+        found.append(
+            Replicates(
+                test=mode,
+                direction=direction,
+                temperature_degC=temperature,
+                specimens=len(group),
+                scatter=float(np.sqrt(np.mean(spread**2)) / np.abs(stress).max()),
+            )
+        )
+    return found
+
+
+def _loading(curve: Reading) -> tuple[Array, Array]:
+    """Return the readings up to the largest stretch, in the order of stretch."""
+    rows = np.arange(int(np.argmax(curve.stretch)) + 1)
+    rows = rows[np.argsort(curve.stretch[rows], kind="stable")]
+    return curve.stretch[rows], curve.stress[rows]
