@@ -12,9 +12,13 @@ import signal
 import sys
 import traceback
 from collections.abc import Callable, Iterator, Sequence
+from types import FrameType
 from typing import Protocol
 
 from hyperfab.errors import HyperfabError
+
+#: Where numba unpickles what it needs to box the result of a compiled function.
+_CONVERTS = os.path.join("numba", "core", "serialize.py")
 
 #: How a run ends when the verdict of a computation is negative (no model accepted, a bound exceeded).
 NEGATIVE_VERDICT = 1
@@ -112,12 +116,14 @@ def _quiet_pipe() -> Iterator[None]:
 def run_guarded(action: Callable[[], int], debug: bool) -> int:
     """Run a command and turn whatever happens into its exit status, with one message on standard error."""
     # Set also where the parent ignores SIGINT (a job in the background of a script): the status is promised.
-    previous = {
-        signal.SIGTERM: signal.signal(signal.SIGTERM, _on_sigterm),
-        signal.SIGINT: signal.signal(signal.SIGINT, signal.default_int_handler),
-    }
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    previous = {number: signal.signal(number, _on_signal) for number in numbers}
     try:
-        return action()
+        try:
+            return action()
+        finally:  # a second Ctrl-C must not tear the message below
+            for number in numbers:
+                signal.signal(number, signal.SIG_IGN)
     except HyperfabError as error:
         _say(f"hf: {_kind(error)}: {error}")
         return error.exit_status
@@ -140,8 +146,39 @@ def run_guarded(action: Callable[[], int], debug: bool) -> int:
             signal.signal(number, handler)
 
 
-def _on_sigterm(signum: int, frame: object) -> None:
-    raise Terminated
+def _on_signal(number: int, frame: FrameType | None) -> None:
+    if _in_conversion(frame):
+        _raise_behind(number, frame)
+    else:
+        raise KeyboardInterrupt if number == signal.SIGINT else Terminated
+
+
+def _raise_behind(number: int, frame: FrameType | None) -> None:
+    """Raise as soon as ordinary Python goes on: on the next line of it that is traced."""
+
+    def trace(traced: FrameType, event: str, argument: object) -> None:
+        if not _in_conversion(traced):
+            sys.settrace(None)
+            _on_signal(number, traced)
+
+    while frame is not None:
+        frame.f_trace = trace
+        frame = frame.f_back
+    sys.settrace(trace)
+
+
+def _in_conversion(frame: FrameType | None) -> bool:
+    """Whether numba is turning native results into Python objects.
+
+    It calls Python for that and does not look at the outcome: an exception there crashes the interpreter.
+    """
+    for _ in range(12):
+        if frame is None:
+            return False
+        if frame.f_code.co_filename.endswith(_CONVERTS):
+            return True
+        frame = frame.f_back
+    return False
 
 
 def _kind(error: HyperfabError) -> str:
