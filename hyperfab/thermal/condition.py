@@ -26,7 +26,7 @@ class Condition(Protocol):
 
     @property
     def linear(self) -> bool:
-        """Whether the flow is linear in temperature."""
+        """Whether the flow is linear in temperature, with a slope that never changes."""
 
     def flow(self, time: float, temperature: Array) -> Array:
         """Return the nodal heat flow into the body (n,) [W] at nodal temperatures (n,) [degC]."""

@@ -18,8 +18,6 @@ class Contact:
     ``conductance`` [W/m^2/K]; ``closed`` against time scales it (1 closed, 0 open): a press that opens.
     """
 
-    linear = True
-
     def __init__(
         self, name: str, near: FacetOperator, far: FacetOperator, conductance: float, closed: Table
     ) -> None:
@@ -28,6 +26,7 @@ class Contact:
         self.far = far
         self.conductance = conductance
         self.closed = closed
+        self.linear = closed.is_constant
         unit = near.matrices(np.ones_like(near.weights))
         upper = np.concatenate([unit, -unit], axis=2)
         self._unit = np.concatenate([upper, -upper], axis=1)

@@ -6,7 +6,7 @@ of their elements that was kept, into the same pattern.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +39,6 @@ class Medium:
         conductivity[varying_k] = 0.0
         capacity[varying_c] = 0.0
         self._volume = np.zeros(len(mesh.elements))
-        self._unit_load = np.zeros(len(mesh.points))
         for chunk in self._chunks(np.arange(len(mesh.elements))):
             nodes = mesh.elements[chunk]
             found = elements.metric(mesh.points[nodes])
@@ -47,6 +46,8 @@ class Medium:
             k = elements.stiffness(found, conductivity[chunk][:, None])
             pattern.scatter(nodes, k, self._conducting)
             pattern.scatter(nodes, elements.mass(found, capacity[chunk][:, None]), self._storing)
+        self._metrics: dict[tuple[int, int], elements.Metric] = {}
+        self._k_last: tuple[Array, Array] | None = None
         self._k_elements = np.flatnonzero(varying_k)
         self._c_elements = np.flatnonzero(varying_c)
 
@@ -68,18 +69,21 @@ class Medium:
         for chunk in self._chunks(chosen):
             nodes = self.mesh.elements[chunk]
             found = elements.metric(self.mesh.points[nodes])
-            _add(total, nodes, elements.load(found, np.ones_like(found.volume)))
+            unit = elements.load(found, np.ones_like(found.volume))
+            total += np.bincount(nodes.ravel(), unit.ravel(), len(total))
         return total / total.sum()
 
     def conduction(self, temperature: Array) -> Array:
-        """Return the data of the conduction matrix [W/K] at nodal temperatures."""
+        """Return the data of the conduction matrix [W/K] at nodal temperatures; not to be changed."""
         if len(self._k_elements) == 0:
             return self._conducting
-        data = self._conducting.copy()
-        for part, nodes, found, at in self._points(self._k_elements, temperature):
-            block = elements.stiffness(found, self.materials[part].conductivity(at))
-            self.pattern.scatter(nodes, block, data)
-        return data
+        if self._k_last is None or not np.array_equal(self._k_last[0], temperature):
+            data = self._conducting.copy()
+            for part, nodes, found, at in self._points(self._k_elements, temperature):
+                block = elements.stiffness(found, self.materials[part].conductivity(at))
+                self.pattern.scatter(nodes, block, data)
+            self._k_last = (temperature.copy(), data)
+        return self._k_last[1]
 
     def capacity(self, temperature: Array) -> Array:
         """Return the data of the capacity matrix [J/K], d(stored heat)/dT, at nodal temperatures."""
@@ -97,7 +101,8 @@ class Medium:
         heat = self.pattern.matrix(self._storing) @ temperature
         for part, nodes, found, at in self._points(self._c_elements, temperature):
             material = self.materials[part]
-            _add(heat, nodes, elements.load(found, material.density * material.specific_heat.integral(at)))
+            density = material.density * material.specific_heat.integral(at)
+            heat += np.bincount(nodes.ravel(), elements.load(found, density).ravel(), len(heat))
         return heat
 
     def flux(self, temperature: Array) -> Array:
@@ -118,19 +123,22 @@ class Medium:
             result[chunk] = -k[:, None] * gradient
         return result
 
-    def _points(self, chosen: Index, temperature: Array):  # type: ignore[no-untyped-def]
-        """Yield part, nodes, metric and temperatures at quadrature points, some at a time."""
+    def _points(
+        self, chosen: Index, temperature: Array
+    ) -> Iterator[tuple[int, Index, elements.Metric, Array]]:
+        """Yield part, nodes, metric and temperatures at quadrature points, some elements at a time.
+
+        The metrics are kept: they are the larger part of the work.
+        """
         values, _ = elements.TETRAHEDRON.tables
-        for part in range(len(self.materials)):
+        for part in np.unique(self.mesh.parts[chosen]).tolist():
             for chunk in self._chunks(chosen[self.mesh.parts[chosen] == part]):
                 nodes = self.mesh.elements[chunk]
-                found = elements.metric(self.mesh.points[nodes])
-                yield part, nodes, found, temperature[nodes] @ values.T
+                key = (int(chunk[0]), len(chunk))
+                if key not in self._metrics:
+                    self._metrics[key] = elements.metric(self.mesh.points[nodes])
+                yield part, nodes, self._metrics[key], temperature[nodes] @ values.T
 
     @staticmethod
     def _chunks(chosen: Index) -> list[Index]:
         return [chosen[start : start + CHUNK] for start in range(0, len(chosen), CHUNK)]
-
-
-def _add(total: Array, nodes: Index, loads: Array) -> None:
-    total += np.bincount(nodes.ravel(), loads.ravel(), len(total))

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from hyperfab.errors import NotConverged
+from hyperfab.numerics.aggregation import hierarchy
 from hyperfab.numerics.multilevel import Direct, Preconditioner, TwoLevel, conjugate_gradients
 from hyperfab.numerics.vectors import dot, norm
 from hyperfab.thermal.assembly import Pattern
@@ -29,9 +30,16 @@ Array = NDArray[np.float64]
 
 #: Below this number of unknowns a factorisation of the whole matrix is cheaper than the two-level cycle.
 SMALL = 2000
-#: A stage is solved when its residual has fallen to this share, or a Newton step moves no node by more than STILL.
-RESIDUAL = 1e-9
+#: Coarse spaces up to this size are factorised; larger ones are aggregated further.
+COARSE = 6000
+#: A stage is solved when its residual has fallen to this share, is as small as rounding makes it (per degree), or a
+#: Newton step moves no node by more than STILL [K]. The linear solves inside Newton need not be sharper than this.
+RESIDUAL = 1e-6
+ROUNDING = 1e-13
 STILL = 1e-9
+NEWTON_SOLVE = 1e-4
+#: Uniform shifts that close the balance of a nonlinear stage; the second one is already tiny.
+BALANCINGS = 3
 NEWTON_STEPS = 40
 
 
@@ -117,34 +125,49 @@ class HeatModel:
         return data
 
     def solve_stage(
-        self, time: float, interval: float, target: Array, guess: Array, storage: float = 1.0
+        self,
+        time: float,
+        interval: float,
+        target: Array,
+        guess: Array,
+        storage: float = 1.0,
+        reference: float | None = None,
     ) -> tuple[Array, float]:
         """Solve storage E(T) - interval f(time, T) = target for T, from a guess with the held nodes set.
 
-        ``interval`` [s]; ``storage`` is 1 in a time step and 0 in the steady state. Returns the temperatures and
+        ``interval`` [s]; ``storage`` is 1 in a time step and 0 in the steady state. The residual falls to RESIDUAL
+        of ``reference`` [J], by default of what it is at the guess. Returns the temperatures and
         the residual as a temperature [K]: its norm over that of the matrix's diagonal. The last thing done is a
         uniform shift that makes the residuals of the free nodes sum to zero: it closes the energy balance, which
         the iteration leaves open by its tolerance.
         """
         temperature = guess.copy()
-        matrix = self._step_matrix(time, interval, storage, temperature)
-        self._prepare(matrix, interval, storage)
+        matrix = self._stage_matrix(time, interval, storage, temperature)
         scale = norm(matrix.diagonal() * self.free)
-        self.last_matrix = matrix
-        start, size, moved = None, np.inf, np.inf
+        goal, size, moved = 0.0, np.inf, np.inf
+        residual = change = np.zeros(0)
         for step in range(NEWTON_STEPS):
-            residual = target + interval * self.flow(time, temperature)
-            if storage:
-                residual -= storage * self.medium.stored(temperature)
-            residual[~self.free] = 0.0
+            if step == 0 or not self.linear:
+                residual = self._residual(time, interval, storage, target, temperature)
+            else:
+                residual = np.where(self.free, residual - matrix @ change, 0.0)
             size = norm(residual)
-            start = size if start is None else start
-            if size <= max(RESIDUAL * start, 1e-13 * scale) or moved <= STILL:
-                return self._balanced(matrix, residual, temperature), size / scale
+            if step == 0:
+                goal = max(RESIDUAL * (size if reference is None else reference), ROUNDING * scale)
+            if size <= goal or moved <= STILL:
+                uniform = self.free.astype(float)
+                capacity = dot(uniform, matrix @ uniform)
+                for _ in range(BALANCINGS):
+                    shift = float(residual.sum()) / capacity
+                    temperature[self.free] += shift
+                    if self.linear or abs(shift) < STILL:
+                        break
+                    residual = self._residual(time, interval, storage, target, temperature)
+                return temperature, size / scale
             if step and not self.linear:
                 matrix = self._step_matrix(time, interval, storage, temperature)
-            tolerance = 0.3 * RESIDUAL if self.linear else 1e-5
-            change = self.solve(matrix, residual, tolerance)
+            least = 0.0 if self.linear else NEWTON_SOLVE
+            change = self.solve(matrix, residual, min(max(0.5 * goal / size, least), 0.1))
             temperature += change
             moved = float(np.abs(change).max())
             if not np.isfinite(moved) or moved > 1e7:
@@ -170,6 +193,34 @@ class HeatModel:
         self.work.iterations += found.iterations
         return found.x
 
+    def step_matrix(self, time: float, interval: float, temperature: Array) -> sparse.csr_matrix:
+        """Return the matrix of an implicit step of ``interval`` [s] and make ``solve`` ready for it."""
+        matrix = self._step_matrix(time, interval, 1.0, temperature)
+        self._prepare(matrix, interval, 1.0)
+        return matrix
+
+    def _residual(
+        self, time: float, interval: float, storage: float, target: Array, temperature: Array
+    ) -> Array:
+        residual = target + interval * self.flow(time, temperature)
+        if storage:
+            residual -= storage * self.medium.stored(temperature)
+        residual[~self.free] = 0.0
+        return residual
+
+    def _stage_matrix(
+        self, time: float, interval: float, storage: float, temperature: Array
+    ) -> sparse.csr_matrix:
+        """Return the matrix to start a stage with, its preconditioner made; kept while nothing in it changes."""
+        same = self._prepared == (interval, storage)
+        if not (same and self.linear and self.last_matrix is not None):
+            matrix = self._step_matrix(time, interval, storage, temperature)
+            if not same:
+                self._prepare(matrix)
+                self._prepared = (interval, storage)
+            self.last_matrix = matrix
+        return self.last_matrix
+
     def _step_matrix(
         self, time: float, interval: float, storage: float, temperature: Array
     ) -> sparse.csr_matrix:
@@ -178,23 +229,15 @@ class HeatModel:
             data += storage * self.medium.capacity(temperature)
         return self.pattern.matrix(data)
 
-    def _prepare(self, matrix: sparse.csr_matrix, interval: float, storage: float) -> None:
+    def _prepare(self, matrix: sparse.csr_matrix) -> None:
         """Make the preconditioner for a step length; a matrix that only drifts keeps it."""
-        if self._prepared == (interval, storage):
-            return
         if int(self.free.sum()) <= SMALL:
             self._preconditioner = Direct(matrix, self.free)
         else:
             p = self._prolongation
-            coarse = Direct(sparse.csr_matrix(p.T @ (matrix @ p)))
-            self._preconditioner = TwoLevel(matrix, p, coarse, self.free)
-        self._prepared = (interval, storage)
+            coarse = sparse.csr_matrix(p.T @ (matrix @ p))
+            self._preconditioner = TwoLevel(matrix, p, hierarchy(coarse, COARSE), self.free)
         self.work.setups += 1
-
-    def _balanced(self, matrix: sparse.csr_matrix, residual: Array, temperature: Array) -> Array:
-        uniform = self.free.astype(float)
-        temperature[self.free] += float(residual.sum()) / dot(uniform, matrix @ uniform)
-        return temperature
 
 
 def _degree_two_on_one(mesh: HeatMesh, free: NDArray[np.bool_]) -> sparse.csr_matrix:

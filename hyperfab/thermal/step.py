@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.numerics.vectors import norm
 from hyperfab.thermal.model import HeatModel
 
 Array = NDArray[np.float64]
@@ -26,12 +27,16 @@ _ERROR = (1.0 - _B1 - _B2, _B1 - (1.0 - GAMMA), _B2 - GAMMA)
 
 @dataclass(frozen=True)
 class State:
-    """Temperatures (n,) [degC], the heat stored at each node and its rate of change [J, W] at ``time`` [s]."""
+    """Temperatures (n,) [degC], the heat stored at each node and its rate of change [J, W] at ``time`` [s].
+
+    ``slope`` [K/s] is how fast the temperatures change, where a step has found it and nothing has jumped since.
+    """
 
     time: float
     temperature: Array
     stored: Array
     rate: Array
+    slope: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -60,20 +65,23 @@ def take_step(model: HeatModel, start: State, length: float) -> Step:
     """Advance by ``length`` [s]; raises NotConverged where a stage does not settle."""
     g = GAMMA * length
     t1, t2 = start.time + g, start.time + length
-    guess = model.hold(t1, start.temperature)
-    first, residual1 = model.solve_stage(t1, g, start.stored, guess)
+    ahead = 0.0 if start.slope is None else g * start.slope
+    reference = g * norm(start.rate * model.free)
+    guess = model.hold(t1, start.temperature + ahead)
+    first, residual1 = model.solve_stage(t1, g, start.stored, guess, reference=reference or None)
     stored1 = model.medium.stored(first)
     rate1 = (stored1 - start.stored) / g
     slope1 = (first - start.temperature) / g
     target = start.stored + (length - g) * rate1
     guess = model.hold(t2, start.temperature + length * slope1)
-    second, residual2 = model.solve_stage(t2, g, target, guess)
+    reference = g * norm(rate1 * model.free)
+    second, residual2 = model.solve_stage(t2, g, target, guess, reference=reference or None)
     stored2 = model.medium.stored(second)
     rate2 = (stored2 - target) / g
     slope2 = (second - start.temperature - (length - g) * slope1) / g
     heat = (length - g) * _entering(model, t1, first, rate1) + g * _entering(model, t2, second, rate2)
     error = _error(model, start, length, rate1, rate2)
-    state = State(t2, second, stored2, rate2)
+    state = State(t2, second, stored2, rate2, slope2)
     return Step(state, error, heat, max(residual1, residual2), (slope1, slope2))
 
 
