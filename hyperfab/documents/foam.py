@@ -15,7 +15,7 @@ from pydantic import (
 )
 
 from hyperfab.documents.base import HandWritten
-from hyperfab.documents.quantity import PositiveLength, parsed, written
+from hyperfab.documents.quantity import PositiveLength, Time, parsed, written
 from hyperfab.io.units import KINDS
 
 Terms = Annotated[list[float], Field(min_length=1, max_length=9)]
@@ -152,6 +152,41 @@ Coefficient = Annotated[
 ]
 
 
+class Shrinkage(Section):
+    """What heat takes from the foam's thickness, and what it gives back when the press opens.
+
+    The foam shrinks by ``amount`` in the end, by ``amount (1 - exp(-dwell / time))`` where a time is given. Of the
+    compression under the mold it springs back by ``recovery``.
+    """
+
+    amount: Annotated[
+        float | TableFile,
+        BeforeValidator(lambda v: TableFile.model_validate(v) if isinstance(v, dict) else v),
+        WithJsonSchema(
+            {
+                "anyOf": [
+                    {"type": "number", "minimum": 0, "maximum": 0.9},
+                    {"type": "object", "properties": {"table": {"type": "string"}}, "required": ["table"]},
+                ],
+                "description": "share of the thickness, or a table: temperature [degC], shrinkage [-]",
+            }
+        ),
+    ] = 0.0
+    time: Time | None = None
+    dwell: Time | None = None
+    recovery: Annotated[float, Field(ge=0.0, le=1.0)] = 1.0
+
+    @model_validator(mode="after")
+    def _makes_sense(self) -> Shrinkage:
+        if isinstance(self.amount, float) and not 0.0 <= self.amount <= 0.9:
+            raise ValueError("amount is a share of the thickness, between 0 and 0.9")
+        if (self.time is None) != (self.dwell is None):
+            raise ValueError(
+                "time and dwell belong together: how fast the foam shrinks, and how long it is pressed"
+            )
+        return self
+
+
 class ExpansionSection(Section):
     """Linear thermal expansion of the molds; where left out, that of aluminium 6061."""
 
@@ -175,4 +210,5 @@ class FoamDocument(HandWritten):
     thickness: PositiveLength
     compression: Compression
     fabric: Fabric = Fabric()
+    shrinkage: Shrinkage = Shrinkage()
     expansion: ExpansionSection = ExpansionSection()

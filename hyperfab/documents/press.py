@@ -28,6 +28,14 @@ class GapRange(Part):
     )
 
 
+class ThicknessRange(Part):
+    """A thickness over the molding surface."""
+
+    min_mm: float
+    mean_mm: float
+    max_mm: float
+
+
 class RegionPart(Part):
     """A connected touching or open region of the male surface."""
 
@@ -129,6 +137,10 @@ class PressDocument(Document):
     sandwich_mm: float = Field(description="thickness of foam and fabric, unpressed; the mean where draped")
     sandwich_min_mm: float | None = Field(default=None, description="where the drape thins it most")
     sandwich_max_mm: float | None = None
+    foam_shrinkage: float = Field(
+        description="share of the foam's thickness lost to heat by the end of the dwell"
+    )
+    final_thickness: ThicknessRange = Field(description="of the sandwich when the press has opened")
     chord_error_mm: float = Field(
         description="how far the facets stand off the smooth molds (95 % of the area)"
     )

@@ -106,13 +106,13 @@ def _assemble(mesh: TetraMesh, strain: Array, poisson: float) -> tuple[sparse.cs
 
 def _held(mesh: TetraMesh, mount: Mounting) -> Ints:
     """Unknowns that are held: the face's height, and as many more as a rigid body needs and no others."""
-    points = mesh.points[mount.nodes]
-    middle = mount.nodes[np.argmin(np.linalg.norm(points[:, :2] - mount.line, axis=1))]
-    aside = mount.nodes[np.argmax(np.abs(points[:, 0] - mesh.points[middle, 0]))]
+    dx, dy = np.abs(mesh.points[mount.nodes][:, :2] - mount.line).T
+    middle = mount.nodes[np.argmin(dx + dy)]
+    # Far along one axis and near along the other: never one node for both.
+    aside, across = mount.nodes[np.argmax(dx - dy)], mount.nodes[np.argmax(dy - dx)]
     held = [3 * middle, 3 * middle + 1, 3 * aside + 1]
     if mount.flat:
         return np.unique(np.concatenate([held, 3 * mount.nodes + 2]))
-    across = mount.nodes[np.argmax(np.abs(points[:, 1] - mesh.points[middle, 1]))]
     return np.unique([*held, 3 * middle + 2, 3 * aside + 2, 3 * across + 2])
 
 

@@ -220,6 +220,22 @@ def test_a_draped_sheet_thins_the_sandwich(shop, monkeypatch):
     assert draped["contact_area_mm2"] < plain["contact_area_mm2"]
 
 
+def test_shrunk_foam_touches_less_and_stays_thinner(shop, monkeypatch):
+    _, plain = press(shop, monkeypatch, gap="3mm")
+    assert plain["final_thickness"] == pytest.approx({"min_mm": 4.5, "mean_mm": 4.5, "max_mm": 4.5})
+    given = '\nshrinkage = { amount = 0.2, time = "30 s", dwell = "30 s", recovery = 0.5 }\n'
+    (shop / "shrinking.toml").write_text(FOAM + given)
+    _, shrunk = press(shop, monkeypatch, gap="3mm", foam="shrinking.toml")
+    lost = 0.2 * (1.0 - np.exp(-1.0))
+    assert shrunk["foam_shrinkage"] == pytest.approx(lost)
+    thickness = 4.5 * (1.0 - lost)
+    assert shrunk["sandwich_mm"] == pytest.approx(thickness)
+    assert shrunk["final_thickness"]["max_mm"] == pytest.approx(thickness)
+    assert shrunk["final_thickness"]["min_mm"] == pytest.approx(
+        0.5 * (shrunk["gap_min_mm"] + thickness), abs=5e-3
+    )
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
@@ -265,6 +281,8 @@ def test_inputs_that_do_not_fit_are_refused_with_the_way_out(shop, monkeypatch, 
         (('thickness = "4.5 mm"', 'thickness = "4.5"'), "thickness"),
         (('thickness = "4.5 mm"', ""), "thickness"),
         (('law = "linear"', 'law = "rubber"'), "linear"),
+        (("expansion =", "shrinkage = { amount = 2.0 }\nexpansion ="), "between 0 and 0.9"),
+        (("expansion =", 'shrinkage = { amount = 0.1, time = "3 s" }\nexpansion ='), "belong together"),
         (("modulus", "modulas"), "modul"),
         (('{ law = "linear", modulus = "0.05 MPa" }', '{ table = "falling.csv" }'), "line 4.*stress falls"),
         (('{ law = "linear", modulus = "0.05 MPa" }', '{ table = "percent.csv" }'), "below 1"),
@@ -296,6 +314,73 @@ def test_only_the_document_goes_to_standard_output(hf, shop):
     )
     assert found.returncode == 0, found.stderr
     assert json.loads(found.stdout)["format"] == "hyperfab.press/1"
+
+
+def test_a_mold_grows_by_its_own_field_of_temperature(tmp_path, monkeypatch):
+    """Two blocks, the male hotter at its foot: free to warp it bends as the closed solution of a linear field says."""
+    male, female = _block(-40.0, 0.0), _block(10.0, 50.0)
+    alpha, slope = 23.6e-6, -1.0
+    for name, (points, tets, faces), gradient in (("male", male, slope), ("female", female, 0.0)):
+        (tmp_path / f"{name}.stl").write_bytes(stl_bytes(points, faces))
+        celsius = 120.0 + gradient * points[:, 2]
+        (tmp_path / f"{name}-heat.vtu").write_bytes(
+            unstructured(points, {"tetra10": tets}, {"temperature_degC": celsius})
+        )
+        (tmp_path / f"{name}-heat.json").write_text(json.dumps(_heat(f"{name}-heat.vtu")))
+    (tmp_path / "foam.toml").write_text(FOAM.replace("4.5 mm", "12 mm"))
+    heat = {"male_heat": "male-heat.json", "female_heat": "female-heat.json", "mounted": "free"}
+    _, document = press(tmp_path, monkeypatch, gap="10mm", **heat)
+    assert document["male"]["temperature_degC"] == pytest.approx(140.0)
+    assert "thermoelastic" in document["male"]["temperature_from"]
+    grid = read_vtu((tmp_path / "press.vtu").read_bytes(), "press.vtu")
+    x = grid.points
+    exact = alpha * (100.0 * x + slope * x[:, [2]] * x)
+    exact[:, 2] -= 0.5 * alpha * slope * (x * x).sum(axis=1)
+    found = grid.point_data["growth_mm"]
+    # The top is flat: what is left of both when each is measured from its own mean is the bending.
+    assert np.ptp(found[:, 2] - exact[:, 2]) < 1e-5
+    assert np.ptp(found[:, 2]) == pytest.approx(0.5 * alpha * 2 * 40.0**2, rel=1e-3)
+
+
+def test_the_field_of_another_mold_counts_by_its_mean_and_that_is_said(shop, monkeypatch, capsys):
+    points, tets, _ = _block(-40.0, 0.0)
+    grid = unstructured(points, {"tetra10": tets}, {"temperature_degC": np.full(len(points), 150.0)})
+    (shop / "other.vtu").write_bytes(grid)
+    (shop / "other.json").write_text(json.dumps(_heat("other.vtu")))
+    _, document = press(shop, monkeypatch, gap="3mm", male_heat="other.json")
+    assert "its mold is another one" in capsys.readouterr().err
+    assert document["male"]["temperature_degC"] == pytest.approx(150.0)
+    assert document["female"]["growth_strain"] == 0.0
+    assert any("uneven temperature" in line for line in document["left_out"])
+
+
+def _block(low, high, cells=4, side=80.0):
+    """A block of ten-node tetrahedra and its outer triangles."""
+    from hyperfab.pressing.tetra import EDGES, TetraMesh, boundary
+
+    across, up = np.linspace(-side / 2, side / 2, cells + 1), np.linspace(low, high, 3)
+    points = np.stack(np.meshgrid(across, across, up, indexing="ij"), axis=-1).reshape(-1, 3)
+    number = np.arange(len(points)).reshape(cells + 1, cells + 1, 3)
+    corner = [
+        number[i : i + cells, j : j + cells, k : k + 2].ravel()
+        for i in (0, 1)
+        for j in (0, 1)
+        for k in (0, 1)
+    ]
+    # Kuhn's six tetrahedra of a cell, all about its diagonal.
+    paths = [(0, 4, 6, 7), (0, 6, 2, 7), (0, 2, 3, 7), (0, 3, 1, 7), (0, 1, 5, 7), (0, 5, 4, 7)]
+    tets = np.concatenate([np.stack([corner[i] for i in path], axis=1) for path in paths])
+    ends = np.sort(np.stack([tets[:, list(edge)] for edge in EDGES], axis=1), axis=2)
+    key, inverse = np.unique(ends.reshape(-1, 2), axis=0, return_inverse=True)
+    points = np.concatenate([points, points[key].mean(axis=1)])
+    tets = np.concatenate([tets, len(points) - len(key) + inverse.reshape(-1, 6)], axis=1)
+    return points, tets, boundary(TetraMesh(points, tets))[:, :3]
+
+
+def _heat(file):
+    energy = dict.fromkeys(["supplied_J", "lost_J", "stored_J", "imbalance_relative"], 0.0)
+    numbers = {"steps": 1, "unknowns": 1, "mass_kg": 1.0}
+    return {"format": "hyperfab.heat/1", "converged": True, **numbers, "energy": energy, "files": [file]}
 
 
 def _ascii(solid):

@@ -10,6 +10,7 @@ from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact import inputs as read
 from hyperfab.chapters.press_contact.heat import grow, read_heat
 from hyperfab.chapters.press_contact.result import (
+    Foam,
     Told,
     curve_csv,
     design_of,
@@ -57,63 +58,66 @@ def run(
     wanted_gap, wanted_force = _setting(gap, force)
     _check(mounted, zero, facets, min_spotted, strokes)
     frame = None if frame_stiffness is None else _positive(frame_stiffness, "stiffness", "--frame-stiffness")
-    design = None if design_gap is None else _positive(design_gap, "length", "--design-gap")
+    design_mm = None if design_gap is None else _positive(design_gap, "length", "--design-gap")
     place = None if force_at is None else _place(force_at, axis)
     if place is not None and not floating:
         raise UsageError("--force-at says where a floating mold is pushed: add --float")
-    if design is not None and not out.wants_files:
+    if design_mm is not None and not out.wants_files:
         raise UsageError("--design-gap writes an STL beside the document: name it with -o press.json")
 
     document = read.read_foam(job.inputs, foam)
     law = read.compression_law(job.inputs, foam, document)
-    sandwich = Sandwich(document.thickness, read.fabric_thickness(job.inputs, foam, document), law)
+    fabric = read.fabric_thickness(job.inputs, foam, document)
     expansions = read.expansions(job.inputs, foam, document)
-    reference = document.expansion.reference
-    heat = read_heat(job.inputs, temperature, (male_heat, female_heat), reference)
+    heat = read_heat(job.inputs, temperature, (male_heat, female_heat), document.expansion.reference)
+    lost = read.shrinkage(job.inputs, foam, document, 0.5 * (heat[0].temperature + heat[1].temperature))
     one, two, way = read.read_molds(job, male, female, axis, stl_unit)
+    sandwich = Sandwich(document.thickness * (1.0 - lost), fabric, law)
     if drape is not None:
         sandwich = sandwich.thinned(read.thinning(job, drape, male, one.vertices))
     out.refuse_inputs(job.inputs)
 
     with job.console.progress("Closing the press") as advance:
-        smooth = facets == "smooth"
-        male_mold, female_mold = in_frame(one, way, 1, smooth), in_frame(two, way, -1, smooth)
-        check_roles(male_mold, female_mold)
-        grown = [
-            grow(job, mold, male_mold, known, expansion, way, mounted == "flat")
-            for mold, known, expansion in zip((male_mold, female_mold), heat, expansions, strict=True)
+        molds = in_frame(one, way, 1, facets == "smooth"), in_frame(two, way, -1, facets == "smooth")
+        check_roles(*molds)
+        growth = [
+            grow(job, mold, molds[0], known, expansion, way, mounted == "flat")
+            for mold, known, expansion in zip(molds, heat, expansions, strict=True)
         ]
-        advance(0.2, "closing")
+        advance(0.3, "closing")
         case = Case(
-            male_mold,
-            female_mold,
+            *molds,
             sandwich,
-            grown[0].growth.at(male_mold.vertices),
-            grown[1].growth.at(female_mold.vertices),
-            wanted_gap,
-            wanted_force,
-            zero == "hot",
-            frame,
-            floating,
-            None if place is None else way.inward(place)[:2],
+            *(grown.growth.at(mold.vertices) for grown, mold in zip(growth, molds, strict=True)),
+            gap=wanted_gap,
+            force=wanted_force,
+            zero_hot=zero == "hot",
+            frame=frame,
+            floating=floating,
+            force_at=None if place is None else way.inward(place)[:2],
         )
         closed = close_press(case)
-        advance(0.5, "force over stroke")
+        advance(0.6, "force over stroke")
         curve = _curve(closed, strokes)
-        advance(0.8, "writing")
-        design_stl, design_part = None, None
-        if design is not None:
-            design_stl, design_part = design_of(closed, way, design, grown[0].growth)
+        design = None if design_mm is None else design_of(closed, way, design_mm, growth[0].growth)
         told = Told(
-            closed, way, curve, reference, expansions, (grown[0], grown[1]), drape is not None, design_part
+            closed,
+            way,
+            curve,
+            document.expansion.reference,
+            expansions,
+            (growth[0], growth[1]),
+            Foam(lost, document.shrinkage.recovery, drape is not None),
+            None if design is None else design[1],
         )
         result = document_of(told)
+        advance(0.8, "pictures")
         if out.wants_files:
             out.add(".vtu", grid_of(told))
             out.add(".csv", curve_csv(curve))
             out.add(".png", picture_of(told, result))
-            if design_stl is not None:
-                out.add(".design.stl", design_stl)
+        if design is not None:
+            out.add(".design.stl", design[0])
     job.write(out, result)
     return _judge(job, result, closed, min_spotted)
 

@@ -15,7 +15,7 @@ from hyperfab.io.units import quantity
 from hyperfab.io.vtu_read import Grid, read_vtu
 from hyperfab.pressing.growth import Expansion, FieldGrowth, Growth, even_growth, guide_line
 from hyperfab.pressing.mold import Mold, PressFrame
-from hyperfab.pressing.tetra import at_boundary, boundary, merged, samples
+from hyperfab.pressing.tetra import TetraMesh, at_boundary, boundary, merged, samples
 from hyperfab.pressing.thermoelastic import deform, mounting
 
 #: A heat model is of this mold where it covers its surface this well: the share of the mold's size, and [mm].
@@ -24,7 +24,7 @@ _COVERS = (0.002, 0.5)
 
 @dataclass(frozen=True)
 class HeatInput:
-    """What is known of a mold's heat: one ``temperature`` [degC], or the ``grid`` of heat document ``name``."""
+    """What is known of a mold's heat: its mean ``temperature`` [degC], and the ``grid`` of heat document ``name``."""
 
     temperature: float
     known_from: str
@@ -72,9 +72,7 @@ def grow(
     mesh, number = merged(frame.inward(heat.grid.points), heat.grid.cells["tetra10"])
     celsius = np.zeros(len(mesh.points))
     celsius[number] = heat.grid.point_data["temperature_degC"]
-    at = samples(mesh, slice(None))
-    mean = float(np.average(celsius[mesh.elements] @ at.value.T, weights=at.volume))
-    strain = float(expansion.strain(mean))
+    mean, strain = heat.temperature, float(expansion.strain(heat.temperature))
     faces = boundary(mesh)
     _, distance = at_boundary(mesh, faces, celsius, mold.vertices)
     size = float(np.ptp(mold.vertices, axis=0).max())
@@ -110,4 +108,12 @@ def _read(inputs: Inputs, name: str) -> HeatInput:
         raise InputError(
             "holds no temperatures on tetrahedra", file=path, remedy="make it again with hf mold-heat"
         )
-    return HeatInput(0.0, "field", grid, name)
+    return HeatInput(_mean(grid), "field", grid, name)
+
+
+def _mean(grid: Grid) -> float:
+    """Mean temperature over the volume."""
+    mesh = TetraMesh(grid.points, grid.cells["tetra10"])
+    at = samples(mesh, slice(None))
+    celsius = grid.point_data["temperature_degC"][mesh.elements] @ at.value.T
+    return float(np.average(celsius, weights=at.volume))

@@ -102,6 +102,30 @@ def fabric_thickness(inputs: Inputs, name: str, document: FoamDocument) -> float
     return total
 
 
+def shrinkage(inputs: Inputs, name: str, document: FoamDocument, temperature: float) -> float:
+    """Return the share of the foam's thickness that is lost at ``temperature`` [degC] by the end of the dwell."""
+    given = document.shrinkage
+    if isinstance(given.amount, TableFile):
+        path = Inputs.beside(name, given.amount.table)
+        columns = {"temperature": "temperature", "shrinkage": "dimensionless"}
+        table = read_table(inputs.read(path), path, columns, increasing="temperature")
+        wrong = np.flatnonzero((table["shrinkage"] < 0.0) | (table["shrinkage"] > 0.9))
+        if len(wrong):
+            raise InputError(
+                "shrinkage is a share of the thickness, between 0 and 0.9",
+                file=path,
+                line=int(table.lines[wrong[0]]),
+                column="shrinkage",
+                remedy="give 0.05 for five percent",
+            )
+        amount = float(np.interp(temperature, table["temperature"], table["shrinkage"]))
+    else:
+        amount = float(given.amount)
+    if given.time is None or given.dwell is None:
+        return amount
+    return amount * -float(np.expm1(-given.dwell / given.time))
+
+
 def expansions(inputs: Inputs, name: str, document: FoamDocument) -> tuple[Expansion, Expansion]:
     """Return the expansion of the male and of the female mold."""
     section = document.expansion

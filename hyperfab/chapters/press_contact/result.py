@@ -17,6 +17,7 @@ from hyperfab.documents.press import (
     PressDocument,
     RegionPart,
     StateAreas,
+    ThicknessRange,
 )
 from hyperfab.errors import InputError
 from hyperfab.io import vtu
@@ -37,6 +38,16 @@ _SIGNS = {1: "+", -1: "-"}
 
 
 @dataclass(frozen=True)
+class Foam:
+    """The share of its thickness the foam has lost to heat, how much of its compression it gives back, and whether
+    the sandwich was thinned by a drape."""
+
+    lost: float
+    recovery: float
+    draped: bool
+
+
+@dataclass(frozen=True)
 class Told:
     """All that the outputs tell: the closed press and what was assumed of it."""
 
@@ -46,7 +57,7 @@ class Told:
     reference: float
     expansions: tuple[Expansion, Expansion]
     grown: tuple[Grown, Grown]
-    draped: bool
+    foam: Foam
     design: DesignPart | None = None
 
 
@@ -109,8 +120,10 @@ def document_of(told: Told) -> PressDocument:
         male=male_part,
         female=female_part,
         sandwich_mm=float(np.average(thickness, weights=area)),
-        sandwich_min_mm=float(thickness[molded].min()) if told.draped else None,
-        sandwich_max_mm=float(thickness[molded].max()) if told.draped else None,
+        sandwich_min_mm=float(thickness[molded].min()) if told.foam.draped else None,
+        sandwich_max_mm=float(thickness[molded].max()) if told.foam.draped else None,
+        foam_shrinkage=told.foam.lost,
+        final_thickness=_range(_final_thickness(told), area),
         chord_error_mm=_chord_error(closed.case.male) + _chord_error(closed.case.female),
         border_area_fraction=float(area[closed.at_border].sum() / area.sum()),
         oblique_area_fraction=float(area[closed.oblique].sum() / area.sum()),
@@ -136,6 +149,7 @@ def grid_of(told: Told) -> bytes:
             "sandwich_mm": np.broadcast_to(np.asarray(sandwich.thickness), contact.gap.shape),
             "compression": sandwich.strain(contact.gap),
             "pressure_MPa": contact.pressure,
+            "final_thickness_mm": _final_thickness(told),
             "contact": (closed.touch < sandwich.thickness).astype(np.uint8),
             "state": sandwich.state(contact.gap).astype(np.uint8),
             "growth_mm": told.frame.outward(front.vertices - closed.cold),
@@ -263,6 +277,23 @@ def _gap_range(gap: Array, area: Array) -> GapRange:
         max_mm=float(gap[met].max()),
         missed_area_fraction=float(area[~met].sum() / area.sum()),
     )
+
+
+def _range(values: Array, area: Array) -> ThicknessRange:
+    there = area > 0.0
+    return ThicknessRange(
+        min_mm=float(values[there].min()),
+        mean_mm=float(np.average(values, weights=area)),
+        max_mm=float(values[there].max()),
+    )
+
+
+def _final_thickness(told: Told) -> Array:
+    """Thickness (n,) [mm] of the sandwich when the press has opened: foam springs back by its recovery."""
+    sandwich, gap = told.closed.press.sandwich, told.closed.contact.gap
+    foam = np.broadcast_to(np.asarray(sandwich.foam), gap.shape)
+    pressed = np.clip(gap - sandwich.fabric, 0.0, foam)
+    return np.asarray(sandwich.fabric + pressed + told.foam.recovery * (foam - pressed))
 
 
 def _place(frame: PressFrame, point: Array) -> tuple[float, float, float]:
