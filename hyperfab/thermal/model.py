@@ -195,9 +195,7 @@ class HeatModel:
 
     def step_matrix(self, time: float, interval: float, temperature: Array) -> sparse.csr_matrix:
         """Return the matrix of an implicit step of ``interval`` [s] and make ``solve`` ready for it."""
-        matrix = self._step_matrix(time, interval, 1.0, temperature)
-        self._prepare(matrix, interval, 1.0)
-        return matrix
+        return self._stage_matrix(time, interval, 1.0, temperature)
 
     def _residual(
         self, time: float, interval: float, storage: float, target: Array, temperature: Array
