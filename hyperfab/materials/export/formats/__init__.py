@@ -1,0 +1,1 @@
+"""Card formats, one a file; each module lists its ``FORMAT``."""

@@ -1,0 +1,134 @@
+"""Abaqus: ``*HYPERELASTIC`` and ``*HYPERFOAM``.
+
+Conventions that differ from ours: Ogden's energy is ``sum 2 mu/alpha^2 (...)``, so mu = our mu alpha/2; D1 = 2/K, and
+0 keeps the volume. Laws of I1 that Abaqus lacks go in as Marlow's law: a uniaxial curve, which is exact for them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from hyperfab.materials.export.card import Format, NoCard, Settings, Writer, cij, number, pairs
+from hyperfab.materials.material import Material
+
+#: Values a data line takes.
+_PER_LINE = 8
+_MARLOW_POINTS = 60
+
+
+def _lines(values: Sequence[float]) -> list[str]:
+    return [
+        ", ".join(number(value) for value in values[start : start + _PER_LINE])
+        for start in range(0, len(values), _PER_LINE)
+    ]
+
+
+def _d(settings: Settings, count: int) -> list[float]:
+    """D1 to D_count: all the change of volume is in D1."""
+    return [0.0 if settings.bulk_modulus is None else 2.0 / settings.bulk_modulus, *[0.0] * (count - 1)]
+
+
+def _card(keyword: str, values: Sequence[float], settings: Settings) -> list[str]:
+    return [
+        f"*MATERIAL, NAME={settings.name}",
+        "*DENSITY",
+        number(settings.density),
+        keyword,
+        *_lines(values),
+    ]
+
+
+def _polynomial(order: int, *names: str) -> Writer:
+    def write(material: Material, settings: Settings) -> list[str]:
+        values = [*cij(material, *names), *_d(settings, order)]
+        return _card(f"*HYPERELASTIC, POLYNOMIAL, N={order}", values, settings)
+
+    return write
+
+
+def _reduced(order: int) -> Writer:
+    names = [f"{i}0" for i in range(1, order + 1)]
+    keyword = "*HYPERELASTIC, NEO HOOKE" if order == 1 else f"*HYPERELASTIC, REDUCED POLYNOMIAL, N={order}"
+
+    def write(material: Material, settings: Settings) -> list[str]:
+        return _card(keyword, [*cij(material, *names), *_d(settings, order)], settings)
+
+    return write
+
+
+def _ogden(material: Material, settings: Settings) -> list[str]:
+    order = len(material.c)
+    values = [value for mu, alpha in pairs(material) for value in (0.5 * mu * alpha, alpha)]
+    return _card(f"*HYPERELASTIC, OGDEN, N={order}", [*values, *_d(settings, order)], settings)
+
+
+def _arruda_boyce(material: Material, settings: Settings) -> list[str]:
+    return _card(
+        "*HYPERELASTIC, ARRUDA-BOYCE", [material.c[0], material.theta[0], *_d(settings, 1)], settings
+    )
+
+
+def _foam(material: Material, settings: Settings) -> list[str]:
+    """Hyperfoam with alpha = 2 for the bracket of I1 and -2 for that of I2, Poisson's ratio for both."""
+    (first, second), (nu,) = material.c, material.theta
+    terms = [(mu, alpha) for mu, alpha in ((first, 2.0), (second, -2.0)) if mu != 0.0]
+    if not terms:
+        raise NoCard("mu is zero")
+    values = [value for term in terms for value in term] + [nu] * len(terms)
+    return _card(f"*HYPERFOAM, N={len(terms)}", values, settings)
+
+
+def _marlow(material: Material, settings: Settings) -> list[str]:
+    # From compression to 0.98 of the limiting stretch, denser where the curve bends.
+    reach = _reach(material)
+    stretch = np.concatenate([np.linspace(0.5, 1.0, 12)[:-1], np.geomspace(1.0, reach, _MARLOW_POINTS)])
+    stress = material.uniaxial(stretch).P
+    rows = [f"{number(P)}, {number(lam - 1.0)}" for lam, P in zip(stretch, stress, strict=True)]
+    volumetric = (
+        []
+        if settings.bulk_modulus is None
+        else [f"*HYPERELASTIC, MARLOW, POISSON={_poisson(material, settings)}"]
+    )
+    keyword = volumetric or ["*HYPERELASTIC, MARLOW"]
+    head = [f"*MATERIAL, NAME={settings.name}", "*DENSITY", number(settings.density)]
+    return [*head, *keyword, "*UNIAXIAL TEST DATA", *rows]
+
+
+def _poisson(material: Material, settings: Settings) -> str:
+    assert settings.bulk_modulus is not None
+    mu = float(material.uniaxial(1.0).A) / 3.0
+    K = settings.bulk_modulus
+    return number((3.0 * K - 2.0 * mu) / (6.0 * K + 2.0 * mu))
+
+
+def _reach(material: Material) -> float:
+    stretch = np.linspace(1.0, 15.0, 1401)
+    finite = np.isfinite(material.uniaxial(stretch).P)
+    return 1.0 + 0.98 * (float(stretch[finite][-1]) - 1.0)
+
+
+FORMAT = Format(
+    name="abaqus",
+    suffix=".inp",
+    comment=lambda line: f"** {line}",
+    writers={
+        "neo-hookean": _reduced(1),
+        "yeoh-1": _reduced(1),
+        "yeoh-2": _reduced(2),
+        "yeoh-3": _reduced(3),
+        "mooney-rivlin-2": _polynomial(1, "10", "01"),
+        "mooney-rivlin-3": _polynomial(2, "10", "01", "20", "11", "02"),
+        "mooney-rivlin-5": _polynomial(2, "10", "01", "20", "11", "02"),
+        "mooney-rivlin-9": _polynomial(3, "10", "01", "20", "11", "02", "30", "21", "12", "03"),
+        "ogden-1": _ogden,
+        "ogden-2": _ogden,
+        "ogden-3": _ogden,
+        "arruda-boyce": _arruda_boyce,
+        "blatz-ko": _foam,
+        "blatz-ko-general": _foam,
+        "gent": _marlow,
+        "arruda-boyce-langevin": _marlow,
+    },
+)

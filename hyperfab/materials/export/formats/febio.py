@@ -1,0 +1,73 @@
+"""FEBio: uncoupled materials of the ``<Material>`` section.
+
+Conventions: Ogden's energy is ``sum c/m^2 (...)``, so c = our mu alpha; Yeoh's constants are c1 to c6; Gent's limit is
+Jm. The Arruda-Boyce series is written as the Yeoh polynomial it is: FEBio's own law takes the series' coefficients
+times their order, and would be too stiff. The bulk modulus is always needed: a thousand shear moduli where none is
+known.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from xml.sax.saxutils import escape, quoteattr
+
+from hyperfab.materials.export.card import Format, Settings, number, pairs, series_as_powers, shear_modulus
+from hyperfab.materials.material import Material
+
+_STIFF = 1000.0
+
+
+def _material(
+    kind: str, values: Sequence[tuple[str, float]], material: Material, settings: Settings
+) -> list[str]:
+    bulk = settings.bulk_modulus
+    if bulk is None:
+        bulk = _STIFF * shear_modulus(material)
+    rows = [("density", settings.density), *values, ("k", bulk)]
+    return [
+        f'<material id="{settings.number}" name={quoteattr(settings.name)} type={quoteattr(kind)}>',
+        *(f"  <{tag}>{number(value)}</{tag}>" for tag, value in rows),
+        "</material>",
+    ]
+
+
+def _mooney(material: Material, settings: Settings) -> list[str]:
+    c = [*material.c, 0.0]
+    return _material("Mooney-Rivlin", [("c1", c[0]), ("c2", c[1])], material, settings)
+
+
+def _yeoh(material: Material, settings: Settings) -> list[str]:
+    return _material("Yeoh", [(f"c{k}", c) for k, c in enumerate(material.c, 1)], material, settings)
+
+
+def _series(material: Material, settings: Settings) -> list[str]:
+    powers = series_as_powers(material.c[0], material.theta[0])
+    return _material("Yeoh", [(f"c{k}", c) for k, c in enumerate(powers, 1)], material, settings)
+
+
+def _ogden(material: Material, settings: Settings) -> list[str]:
+    values = [
+        pair
+        for k, (mu, alpha) in enumerate(pairs(material), 1)
+        for pair in ((f"c{k}", mu * alpha), (f"m{k}", alpha))
+    ]
+    return _material("Ogden", values, material, settings)
+
+
+def _gent(material: Material, settings: Settings) -> list[str]:
+    return _material("Gent", [("G", material.c[0]), ("Jm", material.theta[0])], material, settings)
+
+
+FORMAT = Format(
+    name="febio",
+    suffix=".feb",
+    comment=lambda line: f"<!-- {re.sub('-(?=-)', '- ', escape(line))} -->",
+    writers={
+        **dict.fromkeys(("neo-hookean", "yeoh-1", "mooney-rivlin-2"), _mooney),
+        **dict.fromkeys(("yeoh-2", "yeoh-3"), _yeoh),
+        **dict.fromkeys(("ogden-1", "ogden-2", "ogden-3"), _ogden),
+        "arruda-boyce": _series,
+        "gent": _gent,
+    },
+)

@@ -1,0 +1,115 @@
+"""LS-DYNA: ``*MAT_HYPERELASTIC_RUBBER`` (077_H), ``*MAT_OGDEN_RUBBER`` (077_O), Arruda-Boyce (127), Hill foam (177).
+
+Conventions: Ogden's energy is ``sum mu/alpha (...)`` as here; Arruda-Boyce takes the number of links N = lambda_m^2 and
+the modulus G of the series; the change of volume goes by Poisson's ratio (077) or the bulk modulus (127). Hill's foam
+is ``sum C/b (sum l^b - 3 + (J^(-n b) - 1)/n)``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from hyperfab.materials.export.card import Format, NoCard, Settings, cij, field, pairs, shear_modulus
+from hyperfab.materials.material import Material
+
+#: Poisson's ratio that LS-DYNA's manual takes for rubber that keeps its volume.
+_POISSON = 0.4995
+#: Long format, which the plus sign after the keyword asks for: fields of 20 columns hold every digit of a constant.
+_WIDTH = 20
+
+
+def _row(*values: float | str) -> str:
+    return "".join(field(value, _WIDTH) for value in values)
+
+
+def _head(*names: str) -> str:
+    return "$#" + "".join(name.rjust(_WIDTH) for name in names)[2:]
+
+
+def _poisson(material: Material, settings: Settings) -> float:
+    if settings.bulk_modulus is None:
+        return _POISSON
+    mu, K = shear_modulus(material), settings.bulk_modulus
+    return (3.0 * K - 2.0 * mu) / (6.0 * K + 2.0 * mu)
+
+
+def _first(material: Material, settings: Settings) -> list[str]:
+    return [
+        _head("mid", "ro", "pr", "n", "nv", "g", "sigf", "ref"),
+        _row(str(settings.number), settings.density, _poisson(material, settings), "0", "0", "0", "0", "0"),
+    ]
+
+
+def _rubber(material: Material, settings: Settings) -> list[str]:
+    values = cij(material, "10", "01", "11", "20", "02", "30")
+    return [
+        "*MAT_HYPERELASTIC_RUBBER_TITLE +",
+        settings.name,
+        *_first(material, settings),
+        _head("c10", "c01", "c11", "c20", "c02", "c30"),
+        _row(*values),
+    ]
+
+
+def _ogden(material: Material, settings: Settings) -> list[str]:
+    mus, alphas = zip(*pairs(material), strict=True)
+    return [
+        "*MAT_OGDEN_RUBBER_TITLE +",
+        settings.name,
+        *_first(material, settings),
+        _head(*(f"mu{r}" for r in range(1, 9))),
+        _row(*mus, *[0.0] * (8 - len(mus))),
+        _head(*(f"alpha{r}" for r in range(1, 9))),
+        _row(*alphas, *[0.0] * (8 - len(alphas))),
+    ]
+
+
+def _arruda_boyce(material: Material, settings: Settings) -> list[str]:
+    mu, lambda_m = material.c[0], material.theta[0]
+    nu = _POISSON
+    bulk = settings.bulk_modulus
+    if bulk is None:
+        bulk = 2.0 * shear_modulus(material) * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu))
+    return [
+        "*MAT_ARRUDA_BOYCE_RUBBER_TITLE +",
+        settings.name,
+        _head("mid", "ro", "k", "g", "n"),
+        _row(str(settings.number), settings.density, bulk, mu, lambda_m**2),
+        _head("lcid", "tramp", "nt"),
+        _row("0", 0.0, 0.0),
+    ]
+
+
+def _foam(material: Material, settings: Settings) -> list[str]:
+    (first, second), (nu,) = material.c, material.theta
+    terms = [(c, b) for c, b in ((first, 2.0), (-second, -2.0)) if c != 0.0]
+    if not terms:
+        raise NoCard("mu is zero")
+    cs: Sequence[float] = [c for c, _ in terms]
+    bs: Sequence[float] = [b for _, b in terms]
+    mu = first + second
+    bulk = 2.0 * mu * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu))
+    return [
+        "*MAT_HILL_FOAM_TITLE +",
+        settings.name,
+        _head("mid", "ro", "k", "n", "mu", "lcid", "fittype", "lcsr"),
+        _row(str(settings.number), settings.density, bulk, nu / (1.0 - 2.0 * nu), 0.1, "0", "0", "0"),
+        _head(*(f"c{r}" for r in range(1, 9))),
+        _row(*cs, *[0.0] * (8 - len(cs))),
+        _head(*(f"b{r}" for r in range(1, 9))),
+        _row(*bs, *[0.0] * (8 - len(bs))),
+    ]
+
+
+FORMAT = Format(
+    name="ls-dyna",
+    suffix=".k",
+    comment=lambda line: f"$ {line}",
+    writers={
+        **dict.fromkeys(("neo-hookean", "yeoh-1", "yeoh-2", "yeoh-3"), _rubber),
+        **dict.fromkeys(("mooney-rivlin-2", "mooney-rivlin-3", "mooney-rivlin-5"), _rubber),
+        **dict.fromkeys(("ogden-1", "ogden-2", "ogden-3"), _ogden),
+        "arruda-boyce": _arruda_boyce,
+        **dict.fromkeys(("blatz-ko", "blatz-ko-general"), _foam),
+    },
+)

@@ -1,0 +1,58 @@
+"""``hf export`` as a user calls it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from conftest import Run
+
+LYCRA = [f"specimens/lycra/{name}-23C.csv" for name in ("warp", "weft")]
+
+
+@pytest.fixture(scope="module")
+def fabric(hf: Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("export") / "fabric.json"
+    done = hf("fit", "--uniaxial", LYCRA[0], "--uniaxial", LYCRA[1], "--model", "yeoh-3")
+    assert done.returncode == 0
+    path.write_bytes(done.stdout)
+    return path
+
+
+def test_card_of_one_direction_is_written_whole(hf: Run, fabric: Path, tmp_path: Path) -> None:
+    done = hf("export", fabric, "--to", "abaqus", "--direction", "warp", "-o", tmp_path / "card.inp")
+    assert done.returncode == 0
+    assert done.stdout == b""
+    card = (tmp_path / "card.inp").read_text()
+    assert "*HYPERELASTIC, REDUCED POLYNOMIAL, N=3" in card
+    assert "constants of warp, 23 degC" in card
+
+
+def test_card_comes_on_standard_output_and_from_standard_input(hf: Run, fabric: Path) -> None:
+    done = hf("export", "-", "--to", "febio", stdin=fabric.read_bytes())
+    assert done.returncode == 0
+    assert b'type="Yeoh"' in done.stdout
+    assert b"directions (warp, weft)" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--to", "nastran"], "abaqus"),
+        (["--to", "abaqus", "--direction", "bias"], "warp"),
+        (["--to", "abaqus", "--name", "my fabric"], "lycra_warp"),
+        (["--to", "abaqus", "--density", "3"], "kg/m"),
+        (["--to", "abaqus", "--bulk-modulus", "0 MPa"], "above zero"),
+    ],
+)
+def test_what_cannot_be_meant_is_refused(hf: Run, fabric: Path, arguments: list[str], words: str) -> None:
+    done = hf("export", fabric, *arguments)
+    assert done.returncode == 2
+    assert words in done.stderr.decode()
+    assert done.stdout == b""
+
+
+def test_the_document_is_never_overwritten(hf: Run, fabric: Path) -> None:
+    before = fabric.read_bytes()
+    assert hf("export", fabric, "--to", "ansys", "-o", fabric).returncode == 2
+    assert fabric.read_bytes() == before
