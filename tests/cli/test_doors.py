@@ -15,7 +15,6 @@ COMMANDS = [
     "mold-heat",
     "press-contact",
     "close-loop",
-    "report",
     "sweep",
     "export",
     "summary",
