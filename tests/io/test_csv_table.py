@@ -109,15 +109,15 @@ def test_no_probe_is_told() -> None:
     ids=lambda data: repr(data[:12]),
 )
 def test_hostile_tables_are_refused_in_time(data: bytes) -> None:
-    start = time.perf_counter()
+    start = time.process_time()
     with pytest.raises(InputError):
         read_table(data, "a.csv", FILM)
-    assert time.perf_counter() - start < 2.0
+    assert time.process_time() - start < 2.0
 
 
 def test_a_large_recording_is_read_in_time() -> None:
     rows = "".join(f"{i / 100:.2f};{20 + i / 1e4:.4f}\n" for i in range(300_000)).replace(".", ",")
-    start = time.perf_counter()
+    start = time.process_time()
     table = read_table(b"time [s];T1 [degC]\n" + rows.encode(), "t.csv", {"time": "time"}, rest="temperature")
-    assert time.perf_counter() - start < 3.0
+    assert time.process_time() - start < 3.0
     assert len(table["time"]) == 300_000

@@ -50,10 +50,10 @@ def test_what_is_not_strict_json_is_refused_with_its_place(text: str, place: str
 
 @pytest.mark.parametrize("opening", [b"[", b'{"a":', b'[{"a":[', b'["' + b'\\"' * 50])
 def test_deep_nesting_and_endless_strings_are_refused_at_once(opening: bytes) -> None:
-    start = time.perf_counter()
+    start = time.process_time()
     with pytest.raises(InputError):
         load_json(opening * 100_000, "deep.json")
-    assert time.perf_counter() - start < 1.0
+    assert time.process_time() - start < 1.0
 
 
 def test_brackets_in_strings_are_no_nesting() -> None:
@@ -109,6 +109,6 @@ def test_long_lists_fill_their_lines_and_none_is_overlong() -> None:
 
 def test_large_documents_are_read_in_time() -> None:
     data = dump_json({"curve": [[float(i), i / 7.0] for i in range(100_000)]})
-    start = time.perf_counter()
+    start = time.process_time()
     load_json(data, "a.json")
-    assert time.perf_counter() - start < 2.0
+    assert time.process_time() - start < 2.0

@@ -141,12 +141,12 @@ GOOD = facet(0, 0, 0, 9, 0, 0, 0, 9, 0)
     ],
 )
 def test_what_is_no_surface_is_refused_with_its_place(data: bytes, said: str) -> None:
-    start = time.perf_counter()
+    start = time.process_time()
     with pytest.raises(InputError, match=said) as caught:
         read_stl(data, "a.stl")
     assert str(caught.value).startswith("a.stl")
     assert caught.value.remedy
-    assert time.perf_counter() - start < 0.5
+    assert time.process_time() - start < 0.5
 
 
 def grid(n: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
@@ -159,9 +159,9 @@ def grid(n: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
 
 def test_a_million_facets_are_read_in_seconds() -> None:
     data = stl_bytes(*grid(708))
-    start = time.perf_counter()
+    start = time.process_time()
     mesh = read_stl(data, "large.stl")
-    assert time.perf_counter() - start < 3.0  # 0.7 s on one free core
+    assert time.process_time() - start < 3.0  # 0.7 s on one free core
     assert len(mesh.vertices) == 708**2
 
 

@@ -48,10 +48,10 @@ def test_what_is_not_sound_is_refused_with_its_place(text: str, place: str, said
     ],
 )
 def test_hostile_nesting_is_refused_at_once(text: str) -> None:
-    start = time.perf_counter()
+    start = time.process_time()
     with pytest.raises(InputError):
         load_toml(text.encode(), "mold.toml")
-    assert time.perf_counter() - start < 1.5
+    assert time.process_time() - start < 1.5
 
 
 def test_byte_order_mark_and_line_ends_are_read() -> None:

@@ -134,12 +134,12 @@ def test_what_is_no_quantity_is_refused_with_the_right_form(text: object, kind: 
     ],
 )
 def test_hostile_units_are_refused_at_once(unit: str) -> None:
-    start = time.perf_counter()
+    start = time.process_time()
     with pytest.raises(UsageError):
         quantity(f"60 {unit}", "length", option="--x")
     with pytest.raises(UsageError):
         quantity(f"{unit}", "length", option="--x")
-    assert time.perf_counter() - start < 0.3
+    assert time.process_time() - start < 0.3
 
 
 @given(st.text(max_size=30), st.sampled_from(sorted(KINDS)))
