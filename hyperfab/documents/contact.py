@@ -61,7 +61,8 @@ class BalancePart(Part):
 
     work_J: float = Field(description="of the punch: integral of the force over the path")
     stored_J: float = Field(description="energy above that of the mounted sheet")
-    imbalance_relative: float
+    dissipated_J: float = Field(default=0.0, description="by friction")
+    imbalance_relative: float = Field(description="(work - stored - dissipated) / stored")
     reaction_N: float = Field(description="of the rim, along z")
     force_imbalance_relative: float = Field(description="(reaction - contact force) / force")
 
@@ -85,6 +86,9 @@ class ContactDocument(Document):
     unknowns: int
     force_N: float | None = None
     force_error_relative: float | None = Field(default=None, description="estimated from two meshes")
+    force_extrapolated_N: float | None = Field(
+        default=None, description="for load steps of length zero, where the force hangs on them (stick)"
+    )
     force_depth: list[tuple[float, float]] = Field(description="[depth_mm, force_N]")
     contact_radius_mm: float | None = Field(default=None, description="deformed; the mean around the sphere")
     contact_radius_undeformed_mm: float | None = None

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from hyperfab.membrane.contact import STIFF, Frictionless, Tangential, Terms
+from hyperfab.membrane.contact import STIFF, Frictionless, Grip, Tangential, Terms
+from hyperfab.membrane.memory import Memory, landings, mounted, remembered
 from hyperfab.membrane.sheet import Assembled, Sheet
 from hyperfab.membrane.sphere import Nearness, Punch
 from hyperfab.numerics.linear import SingularMatrixError, SuperLUFactor, factorise
@@ -20,6 +21,8 @@ Indices = NDArray[np.int64]
 _LARGEST_STEP = 0.15
 #: Where no part of a step down to this one lowers the energy, this one is taken.
 _SMALLEST_PART = 1e-2
+#: With full stick, a node that comes to touch this often in one step is not let go again.
+_KEPT_AFTER = 2
 #: Artificial tension never falls below this part of the mean stress, so that slack nodes have some stiffness.
 _LEAST_SUPPORT = 1e-6
 #: A sheet with less than this part of (modulus times volume) as energy is slack.
@@ -38,7 +41,8 @@ class State:
 
     ``places`` (n, 3) [mm] and ``touching`` (n,) of the nodes; ``pressure`` (n,) [N]: normal contact force of each
     node; ``energy`` [N mm], ``force`` (of the punch) and ``reaction`` (of the rim) along z [N] of the whole sheet;
-    ``residual``: largest unbalanced nodal force over the punch's force; ``iterations`` of Newton's method.
+    ``residual``: largest unbalanced nodal force over the punch's force; ``iterations`` of Newton's method;
+    ``memory``: what friction remembers.
     """
 
     depth: float
@@ -50,6 +54,7 @@ class State:
     reaction: float
     residual: float
     iterations: int
+    memory: Memory
 
 
 @dataclass(frozen=True)
@@ -83,20 +88,33 @@ class Press:
     max_iterations: int = 20
 
     def equilibrium(
-        self, depth: float, places: Array, touching: Flags, *, cold: bool = False, careful: bool = False
+        self,
+        depth: float,
+        places: Array,
+        touching: Flags,
+        memory: Memory | None = None,
+        *,
+        cold: bool = False,
+        careful: bool = False,
     ) -> State:
         """Return the equilibrium at ``depth`` from a start (places and touching nodes) nearby.
+
+        ``memory`` is that of the last equilibrium on the path, of the mounted sheet where there is none.
 
         ``cold``: the start is a guess, not an equilibrium: the whole sheet is then carried by an artificial tension
         in the stiffness alone, which goes to zero with the unbalanced forces. ``careful``: each step must lower the
         energy; slower, and surer where much of the sheet is slack. Raises NoEquilibriumError.
         """
+        memory = memory or mounted(self.sheet.flat, self.punch)
+        anchors = landings(memory, self.punch, depth)
+        grip = self.tangential.begin(memory, anchors)
         touching = touching & self._movable
         away, settled, step = 1.0, False, np.zeros_like(places)
         most = self.max_iterations * (4 if careful else 1)
+        entered = np.zeros(len(places), int)
         for iteration in range(most + 1):
             support = max(_LEAST_SUPPORT, min(1.0, away)) * (1.0 if cold else 0.1)
-            system = self._linearise(depth, places, touching, support, cold)
+            system = self._linearise(depth, places, touching, grip, support, cold)
             if not np.isfinite(system.worst):
                 # Beyond the limit of the law (Gent's Im, a chain's length): half the way back.
                 step = 0.5 * step
@@ -104,23 +122,28 @@ class Press:
                     raise NoEquilibriumError("the sheet is stretched beyond the limit of its law")
                 places, settled = places - step, False
                 continue
-            if settled and system.worst < self.tolerance and system.gap < _GAP_TOLERANCE:
-                return self._state(depth, places, touching, system, iteration)
+            if settled and grip.settled and system.worst < self.tolerance and system.gap < _GAP_TOLERANCE:
+                return self._state(depth, places, touching, system, iteration, (memory, anchors, grip))
             if careful and self._is_slack(system):
-                return self._state(depth, places, np.zeros_like(touching), system, iteration)
+                nothing = np.zeros_like(touching)
+                return self._state(depth, places, nothing, system, iteration, (memory, anchors, grip))
             away = system.worst + system.gap / self.sheet.reach
             step, chosen = self._step(depth, places, touching, system, careful)
+            if self.tangential.holds:
+                # A node that sticks where it lands jumps there: one that was let go and came back is kept.
+                entered += chosen & ~touching
+                chosen |= entered >= _KEPT_AFTER
             settled = bool((chosen == touching).all())
             places, touching = places + step, chosen
         raise NoEquilibriumError(f"Newton's method did not settle within {most} iterations")
 
     def tangent(self, state: State) -> tuple[Array, SuperLUFactor]:
         """Return how the places move per mm of depth (n, 3), and the factorised stiffness at an equilibrium."""
-        system = self._linearise(state.depth, state.places, state.touching, 1e-9, False)
+        grip = self.tangential.begin(state.memory, state.memory.places)
+        system = self._linearise(state.depth, state.places, state.touching, grip, 1e-9, False)
         factor = self._factor(system)
         right = np.zeros_like(state.places)
-        normal = system.near.normal[system.nodes]
-        right[system.nodes] = (system.spring * normal[:, 2])[:, None] * normal
+        right[system.nodes] = system.terms.drive
         return self._solve(factor, right), factor
 
     @property
@@ -128,7 +151,7 @@ class Press:
         return np.asarray(self.sheet.pattern.free.any(axis=1))
 
     def _linearise(
-        self, depth: float, places: Array, touching: Flags, support: float, everywhere: bool
+        self, depth: float, places: Array, touching: Flags, grip: Grip, support: float, everywhere: bool
     ) -> _Linearised:
         found = self.sheet.assemble(places, support, everywhere)
         near = self.punch.near(places, depth)
@@ -136,7 +159,9 @@ class Press:
         mine = Nearness(near.gap[nodes], near.normal[nodes], near.turning[nodes])
         spring = STIFF * np.trace(found.blocks[self.sheet.pattern.diagonal[nodes]], axis1=1, axis2=2)
         relative = places[nodes] - np.array([0.0, 0.0, depth])
-        terms = self.tangential.terms(nodes, relative, found.force[nodes], mine, spring)
+        terms = grip.terms(
+            nodes, relative, np.where(self.sheet.pattern.free[nodes], found.force[nodes], 0.0), mine, spring
+        )
         unbalanced = found.force.copy()
         unbalanced[nodes] -= terms.force
         unbalanced[~self.sheet.pattern.free] = 0.0
@@ -147,6 +172,12 @@ class Press:
 
     def _factor(self, system: _Linearised) -> SuperLUFactor:
         blocks = system.sheet.blocks
+        if system.terms.mix is not None:
+            place = np.full(len(self.sheet.mesh.nodes), -1)
+            place[system.nodes] = np.arange(len(system.nodes))
+            mine = np.flatnonzero(place[self.sheet.pattern.rows] >= 0)
+            mix = system.terms.mix[place[self.sheet.pattern.rows[mine]]]
+            blocks[mine] = np.einsum("kij,kjl->kil", mix, blocks[mine])
         blocks[self.sheet.pattern.diagonal[system.nodes]] += system.terms.blocks
         return factorise(self.sheet.pattern.matrix(blocks))
 
@@ -159,6 +190,8 @@ class Press:
     ) -> tuple[Array, Flags]:
         """Return a Newton step (n, 3) and the nodes that touch after it."""
         right = -system.unbalanced
+        if system.terms.mix is not None:
+            right[system.nodes] = np.einsum("kij,kj->ki", system.terms.mix, right[system.nodes])
         right[system.nodes] += system.terms.right
         try:
             step = self._solve(self._factor(system), right)
@@ -198,13 +231,23 @@ class Press:
         return part
 
     def _state(
-        self, depth: float, places: Array, touching: Flags, system: _Linearised, iteration: int
+        self,
+        depth: float,
+        places: Array,
+        touching: Flags,
+        system: _Linearised,
+        iteration: int,
+        rubbing: tuple[Memory, Array, Grip],
     ) -> State:
         copies = self.sheet.mesh.copies
         pressure = np.zeros(len(places))
         nodes = np.flatnonzero(touching)
         forces = system.terms.force if len(nodes) else np.zeros((0, 3))
         pressure[nodes] = (forces * system.near.normal[nodes]).sum(axis=1)
+        before, anchors, grip = rubbing
+        whole = system.sheet.force
+        # What the symmetry lines carry is no contact force.
+        pull = np.where(self.sheet.pattern.free, whole, 0.0)
         return State(
             depth=depth,
             places=places,
@@ -212,7 +255,8 @@ class Press:
             pressure=pressure,
             energy=copies * system.sheet.energy,
             force=copies * float(forces[:, 2].sum()),
-            reaction=-copies * float(system.sheet.force[self.sheet.mesh.rim, 2].sum()),
+            reaction=-copies * float(whole[self.sheet.mesh.rim, 2].sum()),
             residual=system.worst,
             iterations=iteration,
+            memory=remembered(before, anchors, depth, places, system.near, touching, pull, grip.sticking),
         )

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from hyperfab.membrane.contact import Frictionless
 from hyperfab.membrane.equilibrium import NoEquilibriumError, Press, State
 from hyperfab.membrane.obstacle import film_over
 from hyperfab.numerics.linear import SingularMatrixError
@@ -73,10 +74,14 @@ def cold_start(press: Press, depth: float) -> State:
     Raises NoEquilibriumError.
     """
     places, touching = film_over(press.sheet, press.punch, depth)
+    free = replace(press, tangential=Frictionless())
     try:
-        return press.equilibrium(depth, places, touching, cold=True)
+        state = free.equilibrium(depth, places, touching, cold=True)
     except NoEquilibriumError:
-        return press.equilibrium(depth, places, touching, cold=True, careful=True)
+        state = free.equilibrium(depth, places, touching, cold=True, careful=True)
+    if not press.tangential.remembers:
+        return state
+    return press.equilibrium(depth, state.places, state.touching)
 
 
 def _advance(
@@ -116,15 +121,17 @@ def _next(press: Press, footings: list[_Footing], depth: float) -> _Footing:
         if last.force == 0.0:
             state = cold_start(press, depth)
         else:
-            state = press.equilibrium(depth, last.places, last.touching)
+            state = press.equilibrium(depth, last.places, last.touching, last.memory)
     if state.force == 0.0:
         return _Footing(state, 1.0)
     try:
         motion, factor = press.tangent(state)
     except SingularMatrixError as error:
         raise NoEquilibriumError("the stiffness is singular") from error
-    if factor.negative_pivots(_PIVOT_NOISE):
+    if press.tangential.symmetric and factor.negative_pivots(_PIVOT_NOISE):
         raise NoEquilibriumError("the equilibrium is unstable")
+    drift = motion - np.array([0.0, 0.0, 1.0])
+    state = replace(state, memory=replace(state.memory, drift=drift))
     return _Footing(state, float(np.sqrt((motion**2).mean())))
 
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.membrane.contact import Frictionless, Tangential
 from hyperfab.membrane.contact_edge import ContactEdge, contact_edge
 from hyperfab.membrane.equilibrium import NoEquilibriumError, Press, State
 from hyperfab.membrane.mesh import SheetMesh, interpolate, sheet_mesh
@@ -29,6 +30,8 @@ Array = NDArray[np.float64]
 _GROWTH = 0.25
 #: Edges on the sphere, relative to its radius; edges at the contact edge, relative to the mesh size.
 _ON_SPHERE, _AT_EDGE = 1 / 8, 1 / 4
+#: Edges at the pole of the sphere where there is friction, relative to the mesh size.
+_AT_POLE = 1 / 12
 #: From one level of refinement to the next: fineness at the edge of contact, and elsewhere.
 _FINER_EDGE, _FINER = 1.6, 1.25
 #: A change of the force from one mesh to the next overestimates the error left by at least this.
@@ -42,7 +45,8 @@ class SphereTest:
     """What is pressed: the sheet's ``outline``, ``law`` and ``thickness`` [mm], the sphere's ``radius`` [mm].
 
     ``prestretch``: the rim is held at this times its undeformed place; ``mesh_size`` [mm] away from the contact;
-    ``order`` 1 or 2 of the elements; ``seed`` chooses among equally good meshes.
+    ``order`` 1 or 2 of the elements; ``seed`` chooses among equally good meshes, ``jitter`` disturbs them;
+    ``friction`` between sheet and sphere.
     """
 
     outline: Outline
@@ -54,6 +58,7 @@ class SphereTest:
     order: int = 2
     seed: int = 0
     jitter: float = 0.0
+    friction: Tangential = field(default_factory=Frictionless)
 
 
 @dataclass(frozen=True)
@@ -67,11 +72,23 @@ class Solved:
 
 @dataclass
 class Outcome:
-    """A test's rough path, and its equilibria on fitted meshes in order of depth."""
+    """A test's path, and its equilibria on fitted meshes in order of depth.
+
+    ``trace``: depth and force of every load step; ``extrapolated``: the last force for load steps of length zero,
+    where it hangs on them.
+    """
 
     rough: Press
     path: Path
     solved: list[Solved] = field(default_factory=list)
+    trace: list[tuple[float, float]] = field(default_factory=list)
+    extrapolated: float | None = None
+
+
+def press_on(test: SphereTest, mesh: SheetMesh) -> Press:
+    """Return the sheet of a test on ``mesh`` and its sphere."""
+    sheet = Sheet(mesh, test.law, test.thickness, test.prestretch)
+    return Press(sheet, Sphere(test.radius), test.friction)
 
 
 def rough_path(
@@ -85,7 +102,7 @@ def rough_path(
         beyond = np.maximum(np.hypot(points[:, 0], points[:, 1]) - span, 0.0)
         return np.asarray(np.minimum(test.mesh_size, inner + _GROWTH * beyond))
 
-    press = _press(test, _mesh(test, size))
+    press = press_on(test, _mesh(test, size))
     return press, follow(press, depths, watch)
 
 
@@ -98,8 +115,11 @@ def fitted_mesh(test: SphereTest, edges: Sequence[ContactEdge], level: float = 0
         fine = min(test.mesh_size * _AT_EDGE, 0.3 * edge.mean) / _FINER_EDGE**level
         sizes.append(graded(edge.points(), fine, coarse, _GROWTH))
 
+    # Friction points towards the pole from all sides: the stretch has a cusp there.
+    pole = graded(np.zeros((1, 2)), _AT_POLE * coarse, coarse, _GROWTH)
+
     def size(points: Array) -> Array:
-        wanted = np.full(len(points), coarse)
+        wanted = pole(points) if test.friction.remembers else np.full(len(points), coarse)
         for edge, at_edge in zip(edges, sizes, strict=True):
             beyond = np.maximum(np.hypot(points[:, 0], points[:, 1]) - edge.mean, 0.0)
             wanted = np.minimum(wanted, np.minimum(at_edge(points), on_sphere + _GROWTH * beyond))
@@ -113,7 +133,7 @@ def solve_on(test: SphereTest, mesh: SheetMesh, near: Solved) -> Solved:
 
     Raises NoEquilibriumError.
     """
-    press = _press(test, mesh)
+    press = press_on(test, mesh)
     depth = near.state.depth
     places = interpolate(near.press.sheet.mesh, near.state.places, mesh.nodes)
     free = mesh.pattern.free
@@ -152,6 +172,7 @@ def run(
             watch(solved.state)
     for outcome in outcomes:
         outcome.solved.sort(key=lambda solved: solved.state.depth)
+        outcome.trace = [(solved.state.depth, solved.state.force) for solved in outcome.solved]
     return outcomes
 
 
@@ -202,7 +223,3 @@ def _mesh(test: SphereTest, size: SizeField) -> SheetMesh:
     return sheet_mesh(
         test.outline, triangulate(test.outline, size, seed=test.seed, jitter=test.jitter), test.order
     )
-
-
-def _press(test: SphereTest, mesh: SheetMesh) -> Press:
-    return Press(Sheet(mesh, test.law, test.thickness, test.prestretch), Sphere(test.radius))

@@ -77,10 +77,9 @@ def _located(outcome: Outcome, stable: float, unstable: Solved) -> Instability:
     return Instability(high, (float(place[0]), float(place[1])), (float(stretch[0]), float(stretch[1])))
 
 
-def work(solved: Sequence[Solved]) -> float:
-    """Return the work of the sphere [N mm] along a path: the integral of a spline through depths and forces."""
-    depth = np.array([0.0, *(item.state.depth for item in solved)])
-    force = np.array([0.0, *(item.state.force for item in solved)])
+def work(trace: Sequence[tuple[float, float]]) -> float:
+    """Return the work of the sphere [N mm]: the integral of a spline through depths [mm] and forces [N]."""
+    depth, force = np.array([(0.0, 0.0), *trace]).T
     # Where a slack sheet takes up the load the curve has a kink: nothing is integrated before it.
     pulled = np.flatnonzero(force > 0.0)
     if not len(pulled):

@@ -17,7 +17,8 @@ class BlockPattern:
     """The pattern of a matrix that couples the nodes of each element through ``size`` × ``size`` blocks.
 
     ``elements`` (m, a) are node numbers below ``nodes``; ``free`` (nodes, size) marks the unknowns that stay.
-    ``block_of`` (m, a, a) is the block of each pair of element nodes, ``diagonal`` (nodes,) that of each node.
+    ``block_of`` (m, a, a) is the block of each pair of element nodes, ``diagonal`` (nodes,) that of each node,
+    ``rows`` (blocks,) the node whose rows a block belongs to.
 
     >>> free = np.array([[False], [True], [True]])
     >>> pattern = BlockPattern(np.array([[0, 1], [1, 2]]), 3, free)
@@ -33,6 +34,7 @@ class BlockPattern:
         columns = np.tile(elements, (1, shapes)).ravel()
         keys, inverse = np.unique(rows * nodes + columns, return_inverse=True)
         self.blocks = len(keys)
+        self.rows: Indices = keys // nodes
         self.block_of: Indices = inverse.reshape(count, shapes, shapes).astype(np.int64)
         self.diagonal: Indices = np.searchsorted(keys, np.arange(nodes) * (nodes + 1)).astype(np.int64)
         self.free = free

@@ -103,6 +103,15 @@ def test_a_fabric_with_two_directions_says_how_they_are_used(press):
     assert any("shear" in words for words in found["left_out"])
 
 
+def test_friction_costs_energy_and_makes_the_sheet_stiffer(press):
+    status, found, _ = press(NEO_HOOKEAN, "--depth", "40mm", "--friction", "0.3", "--steps", "2")
+    assert status == 0
+    assert found["force_N"] == pytest.approx(15.0404007, rel=5e-4)
+    assert found["setup"]["friction"] == "Coulomb 0.3"
+    assert found["balance"]["dissipated_J"] > 0.001
+    assert abs(found["balance"]["imbalance_relative"]) < 2e-4
+
+
 def test_document_alone_goes_to_standard_output(hf, tmp_path):
     done = hf(
         "fabric-contact",
@@ -138,6 +147,8 @@ def test_same_inputs_give_the_same_bytes(press, tmp_path):
         (["--mesh-size", "0.01mm"], "--mesh-size"),
         (["--size", "60mm", "--depth", "50mm"], "strike the clamp"),
         (["--tolerance", "0"], "--tolerance"),
+        (["--friction", "glue"], "stick"),
+        (["--friction", "30"], "coefficient"),
     ],
 )
 def test_options_that_cannot_be_meant_are_refused(press, options, said):

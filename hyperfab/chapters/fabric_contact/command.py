@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import numpy as np
 
 from hyperfab.chapters.fabric_contact.fields import csv, surface, vtu
@@ -12,6 +14,7 @@ from hyperfab.documents.contact import ContactDocument
 from hyperfab.errors import NotConverged, UsageError
 from hyperfab.io.output import Output
 from hyperfab.membrane.equilibrium import State
+from hyperfab.membrane.friction_path import LOAD_STEPS, run_with_friction
 from hyperfab.membrane.measures import fields
 from hyperfab.membrane.sphere_test import Outcome, SphereTest
 from hyperfab.membrane.sphere_test import run as press
@@ -70,18 +73,30 @@ def run(
 def _pressed(job: Job, setup: Setup, fabrics: list[Fabric]) -> list[Outcome]:
     tests = [
         SphereTest(
-            setup.outline, fabric.law, setup.thickness, setup.sphere_radius, setup.prestretch, setup.mesh_size
+            setup.outline,
+            fabric.law,
+            setup.thickness,
+            setup.sphere_radius,
+            setup.prestretch,
+            setup.mesh_size,
+            friction=setup.friction,
         )
         for fabric in fabrics
     ]
     seen = [0]
-    expected = 2 * len(tests) * len(setup.depths)
+    expected = (
+        2
+        * len(tests)
+        * (max(len(setup.depths), LOAD_STEPS) if setup.friction.remembers else len(setup.depths))
+    )
     with job.console.progress("Pressing the sphere in") as advance:
 
         def watch(state: State) -> None:
             seen[0] += 1
             advance(min(1.0, seen[0] / expected), f"{state.depth:.3g} mm, {state.force:.3g} N")
 
+        if setup.friction.remembers:
+            return run_with_friction(tests, setup.depths, watch)
         return press(tests, setup.depths, setup.tolerance, watch)
 
 
@@ -127,7 +142,8 @@ def _at(outcome: Outcome, depth: float):  # type: ignore[no-untyped-def]
 
 
 def _names(fabrics: list[Fabric]) -> list[str]:
-    names = [fabric.name for fabric in fabrics]
+    # The name alone: where a file lies on a machine has no place in a picture.
+    names = [os.path.basename(fabric.name) for fabric in fabrics]
     return ["A: " + names[0], "B: " + names[1]] if len(names) > 1 else names
 
 

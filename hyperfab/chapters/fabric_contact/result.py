@@ -6,7 +6,9 @@ from collections.abc import Sequence
 
 from hyperfab.chapters.fabric_contact.setup import Fabric, Setup
 from hyperfab.documents.contact import BalancePart, ContactDocument, OtherPart, SetupPart, StabilityPart
+from hyperfab.membrane.contact import Tangential
 from hyperfab.membrane.contact_edge import contact_edge
+from hyperfab.membrane.friction import Coulomb
 from hyperfab.membrane.measures import fields, wrinkled_fraction
 from hyperfab.membrane.sphere_test import Outcome, Solved
 from hyperfab.membrane.verdict import Instability, stress_difference, work
@@ -24,7 +26,9 @@ def document(
     """Return the document of one test, or of two that are compared."""
     outcome, unstable = outcomes[0], instabilities[0]
     limit = outcome.path.limit
-    total = outcome.path.iterations + sum(solved.state.iterations for solved in outcome.solved)
+    total = outcome.path.iterations
+    if not setup.friction.remembers:
+        total += sum(solved.state.iterations for solved in outcome.solved)
     found = ContactDocument(
         converged=limit is None,
         status=status_of(outcome, unstable),
@@ -92,11 +96,14 @@ def _add_last(found: ContactDocument, outcome: Outcome) -> None:
         edge = contact_edge(last.press, state, deformed=deformed)
         setattr(found, name, edge.mean if edge else 0.0)
     stored = state.energy - sheet.energy(sheet.flat)
-    done = work(outcome.solved)
+    done = work(outcome.trace)
+    lost = sheet.mesh.copies * state.memory.dissipated
+    found.force_extrapolated_N = outcome.extrapolated
     found.balance = BalancePart(
         work_J=_JOULE * done,
         stored_J=_JOULE * stored,
-        imbalance_relative=(done - stored) / stored if stored > 0.0 else 0.0,
+        dissipated_J=_JOULE * lost,
+        imbalance_relative=(done - stored - lost) / stored if stored > 0.0 else 0.0,
         reaction_N=state.reaction,
         force_imbalance_relative=(state.reaction - state.force) / state.force if state.force > 0.0 else 0.0,
     )
@@ -143,6 +150,12 @@ def _stability(unstable: Instability | None) -> StabilityPart:
     )
 
 
+def _friction(law: Tangential) -> str:
+    if not law.remembers:
+        return "frictionless"
+    return f"Coulomb {law.coefficient:g}" if isinstance(law, Coulomb) else "stick"
+
+
 def _setup(setup: Setup, fabric: Fabric) -> SetupPart:
     return SetupPart(
         model=fabric.model,
@@ -153,7 +166,7 @@ def _setup(setup: Setup, fabric: Fabric) -> SetupPart:
         sphere_radius_mm=setup.sphere_radius,
         depth_mm=setup.depth,
         prestretch=setup.prestretch,
-        friction="frictionless",
+        friction=_friction(setup.friction),
         mesh_size_mm=setup.mesh_size,
         elements="P2, a quarter of the sheet" if setup.outline.quarter else "P2",
     )

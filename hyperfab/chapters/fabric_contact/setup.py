@@ -13,6 +13,8 @@ from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.units import quantity
 from hyperfab.materials import Material, bind
+from hyperfab.membrane.contact import Frictionless, Tangential
+from hyperfab.membrane.friction import Coulomb, Stick
 from hyperfab.membrane.orthotropic import OrthotropicSheet
 from hyperfab.membrane.outline import Disc, Outline, Square
 from hyperfab.membrane.tension_field import IsotropicSheet, SheetLaw
@@ -20,6 +22,8 @@ from hyperfab.membrane.tension_field import IsotropicSheet, SheetLaw
 #: Load steps where --steps is not given.
 _STEPS = 8
 _MOST_STEPS = 500
+#: Beyond this a coefficient is a slip of the pen; stick is meant.
+_MOST_FRICTION = 2.0
 #: Elements away from the contact, relative to half the size, where --mesh-size is not given.
 _MESH = 0.08
 
@@ -49,6 +53,7 @@ class Setup:
     prestretch: float
     mesh_size: float
     tolerance: float
+    friction: Tangential
 
     @property
     def depth(self) -> float:
@@ -78,10 +83,6 @@ def read_setup(
         raise UsageError(
             f"--prestretch {prestretch:g}: a stretch ratio between 0.5 and 5 is meant, 1.05 for 5 %"
         )
-    if friction is not None:
-        raise UsageError(
-            f"--friction {friction}: friction is not built yet; leave the option out (frictionless)"
-        )
     if steps is not None and not 1 <= steps <= _MOST_STEPS:
         raise UsageError(f"--steps {steps}: between 1 and {_MOST_STEPS} load steps")
     if not 1e-7 <= tolerance <= 0.1:
@@ -101,7 +102,9 @@ def read_setup(
     _check_clamp(width / 2 * prestretch, radius, deep)
     count = steps or _STEPS
     depths = [float(part) for part in np.linspace(0.0, deep, count + 1)[1:]]
-    return Setup(outlines[shape], shape, width, thick, radius, depths, prestretch, mesh, tolerance)
+    return Setup(
+        outlines[shape], shape, width, thick, radius, depths, prestretch, mesh, tolerance, _friction(friction)
+    )
 
 
 def read_fabric(job: Job, name: str) -> Fabric:
@@ -143,6 +146,19 @@ def _length(text: str, option: str) -> float:
     if not value > 0.0:
         raise UsageError(f"{option} {text}: must be more than 0mm")
     return value
+
+
+def _friction(text: str | None) -> Tangential:
+    if text is None:
+        return Frictionless()
+    if text == "stick":
+        return Stick()
+    coefficient = (
+        quantity(text, "dimensionless", option="--friction") if text[:1] in "+-.0123456789" else math.nan
+    )
+    if not 0.0 <= coefficient <= _MOST_FRICTION:
+        raise UsageError(f"--friction {text}: a coefficient from 0 to {_MOST_FRICTION:g}, as 0.3, or stick")
+    return Coulomb(coefficient) if coefficient > 0.0 else Frictionless()
 
 
 def _check_clamp(rim: float, radius: float, depth: float) -> None:

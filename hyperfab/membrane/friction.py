@@ -1,0 +1,149 @@
+"""Coulomb friction and full stick between the sheet and the punch.
+
+Within a load step a touching node is pulled back towards its anchor: the point of the punch where it sat at the
+step's start, or where it lands in the step. It sticks there while the friction needed is below
+mu times the normal force; else it slips, and the friction has this size and points against the way it slipped.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.membrane.contact import Terms
+from hyperfab.membrane.memory import Memory
+from hyperfab.membrane.sphere import Nearness
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Indices = NDArray[np.int64]
+
+#: A slip shorter than this [mm] has no direction of its own.
+_NO_WAY = 1e-9
+#: A node that went to and fro this often in one step is left slipping.
+_MOST_CHANGES = 4
+
+
+@dataclass(frozen=True)
+class Stick:
+    """A node stays where it touches."""
+
+    symmetric = True
+    remembers = True
+    holds = True
+
+    def begin(self, memory: Memory, anchors: Array) -> _Sticking:
+        """Start a load step: nodes are held at their anchors."""
+        return _Sticking(anchors, np.ones(len(anchors), bool))
+
+
+@dataclass(frozen=True)
+class Coulomb:
+    """Friction of at most ``coefficient`` times the normal force."""
+
+    coefficient: float
+    symmetric = False
+    remembers = True
+    holds = False
+
+    def begin(self, memory: Memory, anchors: Array) -> _Rubbing:
+        """Start a load step from the flags and directions of the last one."""
+        return _Rubbing(self.coefficient, memory, anchors)
+
+
+@dataclass(frozen=True)
+class _Sticking:
+    anchors: Array
+    sticking: Flags
+    settled = True
+
+    def terms(self, nodes: Indices, places: Array, pull: Array, near: Nearness, spring: Array) -> Terms:
+        away = places - self.anchors[nodes]
+        across = away - (away * near.normal).sum(axis=1)[:, None] * near.normal
+        up = np.zeros_like(pull)
+        up[:, 2] = spring
+        return Terms(
+            force=pull.copy(),
+            right=-spring[:, None] * (near.gap[:, None] * near.normal + across),
+            blocks=spring[:, None, None] * np.eye(3),
+            drive=up,
+        )
+
+
+class _Rubbing:
+    def __init__(self, coefficient: float, memory: Memory, anchors: Array) -> None:
+        self.coefficient = coefficient
+        self.anchors = anchors
+        # Slip is counted from the step's start, also where a node lands later: its way is then sure.
+        self.origins = memory.places - memory.gap[:, None] * memory.normal
+        self.ways = memory.ways.copy()
+        self.sticking = memory.sticking.copy()
+        self.changes = np.zeros(len(self.sticking), int)
+        self.settled = True
+
+    def terms(self, nodes: Indices, places: Array, pull: Array, near: Nearness, spring: Array) -> Terms:
+        normal = near.normal
+        pressure = (pull * normal).sum(axis=1)
+        drag = pull - pressure[:, None] * normal
+        away = places - self.origins[nodes]
+        depth = (away * normal).sum(axis=1)
+        slip = away - depth[:, None] * normal
+        held_from = places - self.anchors[nodes]
+        held_from -= (held_from * normal).sum(axis=1)[:, None] * normal
+        self._decide(nodes, pressure, drag, slip)
+        stuck = self.sticking[nodes]
+        way = self.ways[nodes] - (self.ways[nodes] * normal).sum(axis=1)[:, None] * normal
+        way /= np.maximum(np.linalg.norm(way, axis=1), 1e-300)[:, None]
+        identity = np.eye(3)
+        outer = normal[:, :, None] * normal[:, None, :]
+        size = np.linalg.norm(slip, axis=1)
+        # How the direction of slip turns with the node's place.
+        turned = identity - outer - depth[:, None, None] * near.turning
+        turned -= normal[:, :, None] * np.einsum("ki,kij->kj", away, near.turning)[:, None, :]
+        swing = np.einsum("kij,kjl->kil", identity - way[:, :, None] * way[:, None, :], turned)
+        swing *= np.where(size > 1e-6, 1.0 / np.maximum(size, 1e-6), 0.0)[:, None, None]
+        rub = self.coefficient * pressure
+        sliding = spring[:, None, None] * outer + np.einsum(
+            "kij,kjl->kil",
+            identity + self.coefficient * way[:, :, None] * normal[:, None, :],
+            rub[:, None, None] * swing - pressure[:, None, None] * near.turning,
+        )
+        held = spring[:, None, None] * identity
+        mix = np.where(
+            stuck[:, None, None], identity, identity + self.coefficient * way[:, :, None] * normal[:, None, :]
+        )
+        force = np.where(stuck[:, None], pull, pressure[:, None] * normal - rub[:, None] * way)
+        back = near.gap[:, None] * normal + np.where(stuck[:, None], held_from, 0.0)
+        up = np.array([0.0, 0.0, 1.0])
+        drive = np.where(stuck[:, None], up, normal[:, 2:] * normal)
+        return Terms(
+            force=force,
+            right=-spring[:, None] * back,
+            blocks=np.where(stuck[:, None, None], held, sliding),
+            drive=spring[:, None] * drive,
+            mix=mix,
+        )
+
+    def _decide(self, nodes: Indices, pressure: Array, drag: Array, slip: Array) -> None:
+        """Let nodes go that would need more friction than there is, and hold those that slip backwards."""
+        stuck = self.sticking[nodes]
+        needed = np.linalg.norm(drag, axis=1)
+        size = np.linalg.norm(slip, axis=1)
+        loose = stuck & (needed > self.coefficient * np.maximum(pressure, 0.0) * (1 + 1e-9))
+        self.ways[nodes[loose]] = -drag[loose] / needed[loose, None]
+        moving = ~stuck & (size > _NO_WAY)
+        direction = slip / np.maximum(size, _NO_WAY)[:, None]
+        backwards = (
+            moving
+            & ((direction * self.ways[nodes]).sum(axis=1) < 0.0)
+            & (self.changes[nodes] < _MOST_CHANGES)
+        )
+        onwards = moving & ~backwards
+        self.ways[nodes[onwards]] = direction[onwards]
+        self.sticking[nodes[loose]] = False
+        self.sticking[nodes[backwards]] = True
+        changed = loose | backwards
+        self.changes[nodes[changed]] += 1
+        self.settled = not changed.any()

@@ -1,0 +1,88 @@
+"""Friction between sheet and sphere: known forces, Coulomb's cone, the energy that slip costs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hyperfab.materials import bind
+from hyperfab.membrane import outline
+from hyperfab.membrane.contact import Frictionless
+from hyperfab.membrane.friction import Coulomb, Stick
+from hyperfab.membrane.friction_path import run_with_friction
+from hyperfab.membrane.measures import fields
+from hyperfab.membrane.path import follow
+from hyperfab.membrane.sphere_test import SphereTest, rough_path
+from hyperfab.membrane.tension_field import IsotropicSheet
+from hyperfab.membrane.verdict import work
+from tests.membrane.references import DISC, NEO_HOOKEAN
+
+#: Full stick at 40, 60, 80 mm, sure to 1e-5 [N].
+STUCK = {40.0: 16.8713, 60.0: 52.5686, 80.0: 103.634}
+
+
+def _test(friction):
+    law = IsotropicSheet(bind("neo-hookean", NEO_HOOKEAN))
+    return SphereTest(outline.Disc(100.0, quarter=True), law, 1.0, 40.0, friction=friction)
+
+
+@pytest.fixture(scope="module")
+def rubbed():
+    return run_with_friction([_test(Coulomb(0.3))], [40.0, 60.0])[0]
+
+
+def test_force_and_energy_with_coulomb_friction(rubbed):
+    forces = [solved.state.force for solved in rubbed.solved]
+    assert forces == pytest.approx([15.0404007, 44.0083276], rel=5e-4)
+    last = rubbed.solved[-1]
+    assert last.state.energy == pytest.approx(699.82096, rel=1e-4)
+    assert fields(last.press.sheet, last.state.places).stretch[0].mean() == pytest.approx(1.175128, rel=1e-3)
+
+
+def test_every_touching_node_slips_at_the_edge_of_the_cone(rubbed):
+    state = rubbed.solved[-1].state
+    rub = np.linalg.norm(state.memory.friction, axis=1)[state.touching]
+    inner = np.hypot(*rubbed.solved[-1].press.sheet.mesh.nodes[state.touching].T) > 2.0
+    np.testing.assert_allclose(rub[inner], 0.3 * state.pressure[state.touching][inner], rtol=1e-6, atol=1e-9)
+    assert not state.memory.sticking.any()
+
+
+def test_work_is_stored_or_dissipated(rubbed):
+    state = rubbed.solved[-1].state
+    lost = rubbed.solved[-1].press.sheet.mesh.copies * state.memory.dissipated
+    assert lost == pytest.approx(18.9, abs=0.15)
+    assert work(rubbed.trace) == pytest.approx(state.energy + lost, rel=1e-4)
+
+
+def test_friction_that_vanishes_is_no_friction():
+    press, path = rough_path(_test(Coulomb(1e-9)), [20.0, 40.0])
+    free, without = rough_path(_test(Frictionless()), [40.0])
+    assert press.sheet.mesh.unknowns == free.sheet.mesh.unknowns
+    assert path.states[-1].force == pytest.approx(without.states[-1].force, rel=1e-8)
+
+
+def test_full_stick_in_thirty_steps():
+    press, path = rough_path(_test(Stick()), list(np.linspace(2.0, 60.0, 30)))
+    last = path.states[-1]
+    assert last.force == pytest.approx(STUCK[60.0], rel=1e-2)
+    assert last.memory.dissipated == pytest.approx(0.0, abs=1e-9)
+    np.testing.assert_allclose(fields(press.sheet, last.places).stretch[0], 1.0, atol=2e-3)
+    # Stiffer than any friction, and than none.
+    assert last.force > 44.0083276 > DISC["neo-hookean", 60.0].force
+
+
+def test_what_sticks_stays_where_it_touched():
+    press, path = rough_path(_test(Stick()), [20.0, 21.0])
+    before, after = path.states
+    held = before.touching & after.touching
+    move = after.places - before.places - np.array([0.0, 0.0, 1.0])
+    assert held.sum() > 5
+    assert np.abs(move[held]).max() < 1e-9
+    assert follow(press, [21.0]).limit is None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("depth", STUCK)
+def test_full_stick_extrapolated_to_short_steps(depth):
+    outcome = run_with_friction([_test(Stick())], [depth])[0]
+    assert outcome.extrapolated == pytest.approx(STUCK[depth], rel=1e-3)
