@@ -55,7 +55,7 @@ def test_every_dependency_is_pinned_without_an_address() -> None:
 
 
 def test_packages_named_by_the_project_are_all_used() -> None:
-    modules = {"scikit-fem": "skfem", "netgen-mesher": "netgen", "tomli-w": "tomli_w"}
+    modules = {"scikit-fem": "skfem", "netgen-mesher": "netgen", "tomli-w": "tomli_w", "pillow": "PIL"}
     source = "\n".join(path.read_text(encoding="utf-8") for path in (ROOT / "hyperfab").rglob("*.py"))
     for text in PROJECT["dependencies"]:
         name = Requirement(text).name

@@ -17,6 +17,7 @@ from hyperfab.cli import (
     fit,
     mold_heat,
     press_contact,
+    report,
     sample,
     schema,
     summary,
@@ -40,6 +41,7 @@ app.command("drape", short_help=drape.SHORT_HELP)(drape.drape)
 app.command("mold-heat", short_help=mold_heat.SHORT_HELP)(mold_heat.mold_heat)
 app.command("press-contact", short_help=press_contact.SHORT_HELP)(press_contact.press_contact)
 app.command("close-loop", short_help=close_loop.SHORT_HELP)(close_loop.close_loop)
+app.command("report", short_help=report.SHORT_HELP)(report.report)
 app.command("sweep", short_help=sweep.SHORT_HELP)(sweep.sweep)
 app.command("export", short_help=export.SHORT_HELP)(export.export)
 app.command("summary", short_help=summary.SHORT_HELP)(summary.summary)

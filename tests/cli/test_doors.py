@@ -15,6 +15,7 @@ COMMANDS = [
     "mold-heat",
     "press-contact",
     "close-loop",
+    "report",
     "sweep",
     "export",
     "summary",

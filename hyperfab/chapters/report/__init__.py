@@ -1,0 +1,118 @@
+"""`hf report`: any documents, in any order, as one page that tells the story of the line."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from hyperfab.chapters.job import Job
+from hyperfab.documents.base import document_class, parse_document
+from hyperfab.errors import InputError, OutputError, UsageError
+from hyperfab.io.atomic import write_files
+from hyperfab.io.json_io import load_json
+from hyperfab.io.output import write_stdout
+from hyperfab.report.page.compare import molds
+from hyperfab.report.page.parts import Picture, Section, Source
+from hyperfab.report.page.pictures import light
+from hyperfab.report.page.render import page
+from hyperfab.report.page.sections import KINDS, build, heading
+from hyperfab.report.page.story import in_order
+
+#: A page heavier than this opens slowly on a phone.
+LARGE = 8 * 2**20
+
+
+def run(job: Job, *, documents: Sequence[str], title: str, output: str) -> int:
+    """Write the page. A document that cannot be read costs its section; none at all is an InputError."""
+    _check_target(output, documents)
+    sources: dict[str, Source] = {}
+    broken: list[tuple[Source, Section]] = []
+    for name in documents:
+        source, error = _read(job, name)
+        if source.sha256 in sources:
+            continue
+        if error is None:
+            sources[source.sha256] = source
+        else:
+            job.console.warn(f"{error}; its section says so")
+            broken.append((source, Section("", False, f"Cannot be shown: {error}.")))
+    if not sources:
+        raise InputError(broken[0][1].verdict.removesuffix("."), remedy="name documents that hf wrote")
+    told = []
+    with job.console.progress("Writing the page") as advance:
+        ordered = in_order(list(sources.values()))
+        for index, source in enumerate(ordered):
+            advance(index / len(ordered), heading(source))
+            section = build(source)
+            _add_pictures(source, section)
+            told.append((source, section))
+        data = page(title, [*told, *broken], molds(ordered))
+    if len(data) > LARGE:
+        job.console.warn(f"the page has {len(data) / 2**20:.1f} MB; name fewer documents for a phone")
+    if output == "-":
+        write_stdout(data)
+    else:
+        write_files([(output, data)])
+    return 0
+
+
+def _check_target(output: str, documents: Sequence[str]) -> None:
+    if output == "-":
+        return
+    path = Path(output)
+    if path.suffix not in (".html", ".htm"):
+        raise UsageError(
+            f"--output {output}: a page's name ends in .html; write {path.stem or 'report'}.html"
+        )
+    if not path.parent.is_dir():
+        raise OutputError(f"{output}: the folder {path.parent} does not exist; make it first")
+    if any(os.path.realpath(name) == os.path.realpath(output) for name in documents):
+        raise UsageError(f"--output {output}: is an input of this command; choose another name")
+
+
+def _read(job: Job, name: str) -> tuple[Source, InputError | None]:
+    """Return a document, checked; where it is not sound, what is known of it and the error."""
+    raw = job.inputs.read(name)
+    digest = hashlib.sha256(raw).hexdigest()
+    beside = _reader(job, name)
+    try:
+        loaded = load_json(raw, name)
+        found = loaded.get("format") if isinstance(loaded, Mapping) else None
+        kind = str(found).removeprefix("hyperfab.").split("/")[0]
+        if kind not in KINDS:
+            raise InputError(
+                "is no document that a page can show",
+                file=name,
+                key="format",
+                remedy=f"it shows {', '.join(KINDS)}",
+            )
+        data: Mapping[str, Any] = parse_document(loaded, name, document_class(kind)).to_json()
+    except InputError as error:
+        return Source(name, "material", digest, {}, beside), error
+    return Source(name, kind, digest, data, beside), None
+
+
+def _reader(job: Job, name: str) -> Callable[[str], bytes]:
+    def read(file: str) -> bytes:
+        # A document from somewhere else must not bring files of this machine into the page.
+        if os.path.isabs(file) or ".." in Path(file).parts:
+            raise InputError("is not beside the document", file=file)
+        return job.inputs.read(job.inputs.beside(name, file))
+
+    return read
+
+
+def _add_pictures(source: Source, section: Section) -> None:
+    """Put the command's own picture under the section: where turnable views cannot be, it stands for them."""
+    drawn = source.sibling(".png") if source.kind != "sweep" else None
+    picture = None if drawn is None else light(drawn)
+    if picture is not None:
+        words = f"Picture of {heading(source).lower()}, as the command drew it."
+        section.parts.append(Picture(words, words, picture, only_print=_has_scene(section)))
+
+
+def _has_scene(section: Section) -> bool:
+    return any(type(part).__name__ == "Scene" for part in section.parts)

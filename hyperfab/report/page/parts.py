@@ -1,0 +1,181 @@
+"""What a section of the page is made of, before it is HTML."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from hyperfab.errors import HyperfabError, InputError
+
+#: Significant digits of a number shown to a person; the full value is a hover away.
+DIGITS = 4
+
+Plain = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Source:
+    """A document to report on: the name it was given by, its contents, and how to read what lies beside it."""
+
+    name: str
+    kind: str
+    sha256: str
+    data: Plain
+    read_beside: Callable[[str], bytes]
+
+    def sibling(self, ending: str, but: str = "") -> bytes | None:
+        """Return the file of ``files`` with this ending; None where there is none, or it is gone."""
+        for name in self.data.get("files", []):
+            if name.endswith(ending) and not (but and name.endswith(but)):
+                try:
+                    return self.read_beside(name)
+                except HyperfabError:
+                    return None
+        return None
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One cell of a table: rounded for people, and the full value where rounding took something."""
+
+    text: str
+    full: str = ""
+    number: bool = False
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table with its caption; the first column names the rows."""
+
+    caption: str
+    columns: Sequence[str]
+    rows: Sequence[Sequence[Cell]]
+
+
+@dataclass(frozen=True)
+class Chart:
+    """A chart for the browser: traces and layout of plotly, told in words for who cannot see it."""
+
+    caption: str
+    alt: str
+    data: list[dict[str, Any]]
+    layout: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A turnable surface with one or more fields on it to switch among."""
+
+    caption: str
+    alt: str
+    mesh: dict[str, Any]
+    fields: list[dict[str, Any]]
+    extra: list[dict[str, Any]] = field(default_factory=list)
+    #: Where the eye stands at first, and whether lines that are parallel stay so.
+    eye: tuple[float, float, float] = (1.5, -1.8, 1.3)
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture that a command drew, PNG."""
+
+    caption: str
+    alt: str
+    data: bytes
+    only_print: bool = False
+
+
+@dataclass(frozen=True)
+class Cases:
+    """The table of a study, to be filtered in the page."""
+
+    caption: str
+    columns: list[str]
+    rows: list[list[Any]]
+    axes: list[str]
+    figures: list[str]
+    front: list[str]
+
+
+Part = Table | Chart | Scene | Picture | Cases
+
+
+@dataclass
+class Section:
+    """One section: what it says first, and what it shows for it. ``passed`` None: nothing to pass."""
+
+    title: str
+    passed: bool | None
+    verdict: str
+    parts: list[Part] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+
+def number(value: float | int | bool | None, unit: str = "", digits: int = DIGITS) -> Cell:
+    """Return a number rounded for people.
+
+    >>> number(36.9300759586932, "N")
+    Cell(text='36.93 N', full='36.9300759586932 N', number=True)
+    >>> number(None).text
+    'not computed'
+    """
+    if value is None:
+        return Cell("not computed")
+    if isinstance(value, bool):
+        return Cell("yes" if value else "no")
+    shown = rounded(value, digits)
+    exact = float(shown.replace(" ", "")) == value
+    return Cell(f"{shown} {unit}".strip(), "" if exact else f"{value!r} {unit}".strip(), number=True)
+
+
+def rounded(value: float | int, digits: int = DIGITS) -> str:
+    """Return a number with so many significant digits, without an exponent where people would write none.
+
+    >>> rounded(3535010.372), rounded(0.00001234567), rounded(200.0), rounded(12)
+    ('3 535 010', '1.235e-05', '200', '12')
+    """
+    if isinstance(value, int):
+        return f"{value:,}".replace(",", " ")
+    if not math.isfinite(value):
+        return str(value)
+    size = abs(value)
+    if size >= 1000:
+        return f"{value:,.0f}".replace(",", " ") if size < 1e9 else f"{value:.{digits - 1}e}"
+    return f"{value:.{digits}g}"
+
+
+def word(text: object) -> Cell:
+    """Return text as a cell."""
+    return Cell(str(text))
+
+
+def facts(caption: str, rows: Sequence[tuple[str, Cell | None]]) -> Table:
+    """Return a table of two columns; rows without a cell are left out."""
+    return Table(caption, ["", "value"], [[word(name), cell] for name, cell in rows if cell is not None])
+
+
+def columns(data: bytes | None, name: str) -> dict[str, list[str]]:
+    """Return the columns of a CSV that hf wrote beside a document; nothing where it is not there."""
+    if data is None:
+        return {}
+    rows = list(csv.reader(io.StringIO(data.decode("utf-8", "replace"))))
+    if not rows or any(len(row) != len(rows[0]) for row in rows):
+        raise InputError("is no table as hf writes it", file=name)
+    return {head: [row[index] for row in rows[1:]] for index, head in enumerate(rows[0])}
+
+
+def floats(cells: Sequence[str]) -> list[float | None]:
+    """Return cells as numbers; None for what is none."""
+    found: list[float | None] = []
+    for cell in cells:
+        try:
+            value = float(cell)
+        except ValueError:
+            found.append(None)
+            continue
+        found.append(value if math.isfinite(value) else None)
+    return found

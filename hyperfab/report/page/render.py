@@ -1,0 +1,196 @@
+"""Sections made into one HTML page: everything escaped, nothing fetched, no script but what the page carries."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import re
+from collections.abc import Sequence
+from importlib.resources import files
+from typing import Any
+
+from jinja2 import DictLoader, Environment, StrictUndefined
+from plotly.offline import get_plotlyjs
+
+from hyperfab import __version__
+from hyperfab.report.page.parts import (
+    Cases,
+    Cell,
+    Chart,
+    Part,
+    Picture,
+    Scene,
+    Section,
+    Source,
+    Table,
+    number,
+    word,
+)
+from hyperfab.report.page.sections import heading
+from hyperfab.report.page.story import parents
+
+#: Levels of an axis that a filter lists; a drawn axis has more, and gets no filter.
+MAX_LEVELS = 40
+
+
+def page(title: str, told: Sequence[tuple[Source, Section]], comparison: Table | None) -> bytes:
+    """Return the page: the sections in the order given; ``comparison`` sets designs side by side."""
+    sources = [source for source, _ in told]
+    places = {id(source): f"section-{index + 1}" for index, source in enumerate(sources)}
+    items = []
+    for source, section in told:
+        own = places[id(source)]
+        made_from = [{"id": places[id(one)], "name": _short(one.name)} for one in parents(source, sources)]
+        items.append(
+            {
+                "id": own,
+                "heading": heading(source),
+                "name": _short(source.name),
+                "section": section,
+                "mark": {True: "pass", False: "fail", None: ""}[section.passed],
+                "badge": {True: "Pass", False: "Does not pass", None: ""}[section.passed],
+                "made_from": made_from,
+                "parts": [_part(part, f"{own}-{index}") for index, part in enumerate(section.parts)],
+            }
+        )
+    here = files(__package__)
+    css, script, plotly = (
+        here.joinpath("page.css").read_text("utf-8"),
+        here.joinpath("page.js").read_text("utf-8"),
+        get_plotlyjs(),
+    )
+    templates = {name: here.joinpath(name).read_text("utf-8") for name in ("page.html.j2", "parts.html.j2")}
+    environment = Environment(
+        loader=DictLoader(templates),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    text = environment.get_template("page.html.j2").render(
+        title=title,
+        summary=_summary([section for _, section in told]),
+        style_ids=_own_styles(plotly),
+        policy=policy(css, script, plotly),
+        css=css,
+        script=script,
+        plotly=plotly,
+        sections=items,
+        comparison=comparison,
+        provenance=_provenance(sources),
+        version=__version__,
+    )
+    return text.encode("utf-8")
+
+
+def policy(css: str, script: str, plotly: str) -> str:
+    """Return the page's content-security policy: only the scripts and styles it carries, no connection, no eval.
+
+    plotly adds style sheets that it fills by rule (their text is empty) and styles on its own elements.
+    """
+    return "; ".join(
+        (
+            "default-src 'none'",
+            f"script-src {_hash(plotly)} {_hash(script)}",
+            f"style-src-elem {_hash(css)} {_hash('')}",
+            "style-src-attr 'unsafe-inline'",
+            "img-src data: blob:",
+            "base-uri 'none'",
+            "form-action 'none'",
+        )
+    )
+
+
+def safe_json(value: Any) -> str:
+    """Return JSON that cannot end the element it stands in.
+
+    >>> safe_json({"name": "</script><script>"})
+    '{"name":"\\\\u003c/script\\\\u003e\\\\u003cscript\\\\u003e"}'
+    """
+    text = json.dumps(value, separators=(",", ":"), allow_nan=False)
+    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+def _own_styles(plotly: str) -> list[str]:
+    """Return the names of style sheets that plotly adds, for its maps, unless they are there.
+
+    The page has no map, and its policy forbids sheets with text: it brings them, empty.
+    """
+    return sorted(set(re.findall(r'getElementById\("([0-9a-f]{64})"\)', plotly)))
+
+
+def _hash(text: str) -> str:
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode('utf-8')).digest()).decode('ascii')}'"
+
+
+def _part(part: Part, own: str) -> dict[str, Any]:
+    common: dict[str, Any] = {"id": own, "given": part}
+    if isinstance(part, Table):
+        return {**common, "kind": "table"}
+    if isinstance(part, Chart):
+        return {**common, "kind": "chart", "json": safe_json({"data": part.data, "layout": part.layout})}
+    if isinstance(part, Scene):
+        shown = {"mesh": part.mesh, "fields": part.fields, "eye": part.eye}
+        return {**common, "kind": "scene", "json": safe_json(shown)}
+    if isinstance(part, Picture):
+        return {**common, "kind": "picture", "base64": base64.b64encode(part.data).decode("ascii")}
+    return {**common, "kind": "cases", **_cases(part)}
+
+
+def _cases(cases: Cases) -> dict[str, Any]:
+    chosen = set(cases.front)
+    filters, limits = [], []
+    for column, name in enumerate(cases.columns):
+        values = list(dict.fromkeys(row[column] for row in cases.rows))
+        if name in cases.axes and len(values) <= MAX_LEVELS:
+            levels = [{"value": _value(value), "text": _cell(value).text} for value in values]
+            filters.append({"name": name, "column": column, "levels": levels})
+        elif name in cases.axes or name in cases.figures:
+            limits.append({"name": name, "column": column})
+    rows = [
+        {
+            "front": row[0] in chosen,
+            "cells": [{"value": _value(value), **vars(_cell(value))} for value in row],
+        }
+        for row in cases.rows
+    ]
+    return {"filters": filters, "limits": limits, "rows": rows}
+
+
+def _cell(value: Any) -> Cell:
+    if value is None:
+        return Cell("")
+    return number(value) if isinstance(value, (int, float)) else word(value)
+
+
+def _value(value: Any) -> str:
+    return "" if value is None else repr(value) if isinstance(value, (int, float)) else str(value)
+
+
+def _summary(sections: Sequence[Section]) -> str:
+    failed = sum(section.passed is False for section in sections)
+    count = f"{len(sections)} section{'s' if len(sections) != 1 else ''}"
+    if failed:
+        return f"{count}; {failed} of them {'does' if failed == 1 else 'do'} not pass."
+    return f"{count}; nothing fails."
+
+
+def _provenance(sources: Sequence[Source]) -> Table:
+    rows = []
+    for source in sources:
+        made = source.data.get("provenance") or {}
+        command = f"hf {made.get('command', '?')} {' '.join(map(str, made.get('arguments', [])))}"
+        rows.append(
+            [
+                word(_short(source.name)),
+                word(command),
+                word(made.get("hf", "")),
+                Cell(source.sha256[:12], source.sha256),
+            ]
+        )
+    return Table("Documents", ["document", "made by", "hf", "sha256"], rows)
+
+
+def _short(name: str) -> str:
+    return "standard input" if name == "-" else name.replace("\\", "/").rsplit("/", 1)[-1]

@@ -1,0 +1,122 @@
+"""Turnable views: a surface and the fields on it, packed for the page."""
+
+from __future__ import annotations
+
+import base64
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.io.vtu_read import Grid, read_vtu
+from hyperfab.report.page.parts import Scene, Source, rounded
+from hyperfab.report.page.surface import Surface, outside, thinned
+
+#: Steps that a range is divided into on the page: two bytes a number.
+STEPS = 65535
+
+
+#: Colours from the least to the greatest value; each set is told apart in grey too.
+COLOURS: dict[str, list[tuple[float, str]]] = {
+    "marks": [(0.0, "#dfe3e8"), (1.0, "#0b3d91")],
+    "heat": [(0.0, "#1b0c41"), (0.25, "#781c6d"), (0.5, "#cf4446"), (0.75, "#fb9a06"), (1.0, "#fcffa4")],
+}
+
+
+@dataclass(frozen=True)
+class Field:
+    """A field to colour a surface by: the array of the grid, what people call it, its unit, and its colours."""
+
+    array: str
+    title: str
+    unit: str = ""
+    colours: str = "Viridis"
+
+
+def load(source: Source) -> Grid | None:
+    """Return the field beside a document, or None where it is gone."""
+    name = next((name for name in source.data.get("files", []) if _is_field(name, source)), None)
+    data = None if name is None else source.sibling(name)
+    return None if data is None else read_vtu(data, str(name))
+
+
+def _is_field(name: str, source: Source) -> bool:
+    """The last field of a series has no number in its name: heat.vtu, not heat.003.vtu."""
+    stem = name.removesuffix(".vtu")
+    return name.endswith(".vtu") and not stem.rpartition(".")[2].isdecimal()
+
+
+def scene(
+    caption: str,
+    alt: str,
+    grid: Grid,
+    fields: Sequence[Field],
+    eye: tuple[float, float, float] = (1.5, -1.8, 1.3),
+) -> Scene | None:
+    """Return a view of the outside of ``grid`` with those of ``fields`` that it has; None where it has none."""
+    surface = thinned(outside(grid))
+    packed = [_field(grid, surface, field) for field in fields if _has(grid, field)]
+    if not packed:
+        return None
+    mesh = {
+        **{axis: _packed(surface.points[:, index]) for index, axis in enumerate("xyz")},
+        **{corner: _whole_numbers(surface.triangles[:, index]) for index, corner in enumerate("ijk")},
+    }
+    return Scene(f"{caption} {_loss(surface)}", alt, mesh, packed, eye=eye)
+
+
+def _has(grid: Grid, field: Field) -> bool:
+    values = grid.point_data.get(field.array, grid.cell_data.get(field.array))
+    return values is not None and values.ndim == 1
+
+
+def _field(grid: Grid, surface: Surface, field: Field) -> dict[str, Any]:
+    at_points = field.array in grid.point_data
+    values = (
+        grid.point_data[field.array][surface.origin]
+        if at_points
+        else grid.cell_data[field.array][surface.cells]
+    )
+    values = np.asarray(values, dtype=np.float64)
+    finite = np.isfinite(values)
+    low, high = (float(values[finite].min()), float(values[finite].max())) if finite.any() else (0.0, 1.0)
+    return {
+        "name": field.array,
+        "title": field.title,
+        "unit": field.unit,
+        "mode": "vertex" if at_points else "cell",
+        "values": _packed(np.where(finite, values, low)),
+        "low": low,
+        "high": high if high > low else low + 1.0,
+        "colours": COLOURS.get(field.colours, field.colours),
+    }
+
+
+def _loss(surface: Surface) -> str:
+    step = float(np.ptp(surface.points, axis=0).max()) / STEPS
+    exact = f"Places are rounded to {rounded(step, 1)} mm, values to 1/{STEPS} of their range."
+    if surface.moved_mm == 0.0:
+        return f"All {rounded(surface.whole)} triangles are shown. {exact}"
+    return (
+        f"Thinned out for the page: {rounded(len(surface.triangles))} of {rounded(surface.whole)} triangles are "
+        f"shown, points moved by up to {rounded(surface.moved_mm, 2)} mm; values at the points kept are the field's. "
+        f"{exact}"
+    )
+
+
+def _packed(values: NDArray) -> dict[str, Any]:
+    """Pack numbers as whole steps between the least and the greatest."""
+    low = float(values.min())
+    width = float(values.max()) - low
+    steps = np.rint((values - low) * (STEPS / width)) if width > 0.0 else np.zeros(len(values))
+    return {**_whole_numbers(steps), "low": low, "step": width / STEPS}
+
+
+def _whole_numbers(values: NDArray) -> dict[str, Any]:
+    """Pack whole numbers, in two bytes each where they fit, deflated."""
+    kind = "u2" if values.max() <= STEPS else "u4"
+    data = zlib.compress(np.ascontiguousarray(values, dtype=np.dtype(f"<{kind}")).tobytes(), 9)
+    return {"dtype": kind, "deflated": base64.b64encode(data).decode("ascii")}

@@ -1,0 +1,97 @@
+"""The sheet under the sphere: force against depth, A against B, the stress on the sheet."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hyperfab.report.page.charts import chart, line
+from hyperfab.report.page.parts import Section, Source, facts, number, word
+from hyperfab.report.page.scenes import Field, load, scene
+
+_FIELDS = (
+    Field("stress_1_MPa", "greatest principal stress", "MPa"),
+    Field("stress_difference_MPa", "difference of B from A", "MPa", "Cividis"),
+    Field("stretch_1", "greatest stretch"),
+    Field("thickness_mm", "thickness", "mm", "Cividis"),
+    Field("contact", "contact", "", "marks"),
+)
+
+
+def section(source: Source) -> Section:
+    """Return the section of a contact document."""
+    data = source.data
+    found = Section("", *_verdict(data))
+    stability = data.get("stability") or {}
+    other = data.get("against")
+    found.parts.append(
+        facts(
+            "Figures at the full depth" if data["converged"] else "Figures at the depth that was reached",
+            [
+                ("press force", number(data.get("force_N"), "N")),
+                ("press force with the constants of B", number(other.get("force_N"), "N") if other else None),
+                ("contact radius", number(data.get("contact_radius_mm"), "mm")),
+                ("greatest stretch", number(data.get("stretch_max"))),
+                ("greatest stress (Cauchy)", number(data.get("stress_max_MPa"), "MPa")),
+                ("energy in the sheet", number(data.get("energy_J"), "J")),
+                ("wrinkled part of the area", number(data.get("wrinkled_area_fraction"))),
+                ("constants stable where used", number(stability.get("stable"))),
+                ("stress of B differs from A by", _number(data, "stress_difference_percent", "%")),
+                ("force of A over force of B", _number(data, "force_ratio", "")),
+                (
+                    "steps of Newton's method",
+                    number(data.get("newton_iterations_total", data["newton_iterations"])),
+                ),
+                ("unknowns", number(data["unknowns"])),
+                ("sheet", word(_setup(data))),
+            ],
+        )
+    )
+    traces = [line("A", *_curve(data["force_depth"]), 0)]
+    if other and other.get("force_depth"):
+        traces.append(line("B", *_curve(other["force_depth"]), 1, dash="dash"))
+    found.parts.append(
+        chart(
+            "Force on the sphere against its depth"
+            + (", with the constants of A and of B." if other else "."),
+            f"The force rises to {number(data.get('force_N'), 'N').text} at the last depth.",
+            "depth, mm",
+            "force, N",
+            traces,
+        )
+    )
+    grid = load(source)
+    if grid is not None:
+        view = scene(
+            "The pressed sheet.",
+            "The sheet as the sphere has deformed it, coloured by a field.",
+            grid,
+            _FIELDS,
+        )
+        found.parts += [view] if view else []
+    found.notes += [f"Left out: {text}." for text in data.get("left_out", [])]
+    return found
+
+
+def _verdict(data: Any) -> tuple[bool | None, str]:
+    if not data["converged"]:
+        return False, f"No equilibrium at the full depth: {data.get('status', 'not converged')}."
+    if not (data.get("stability") or {}).get("stable", True):
+        return False, "The constants are not stable at the stretches that occur in the sheet."
+    text = f"Equilibrium found: {number(data['force_N'], 'N').text} press the sphere in"
+    if "stress_difference_percent" not in data:
+        return True, f"{text}."
+    differs = number(data["stress_difference_percent"], "%", 3).text
+    return True, f"{text}; with the other constants the stress differs by up to {differs}."
+
+
+def _number(data: Any, key: str, unit: str) -> Any:
+    return number(data[key], unit) if key in data else None
+
+
+def _setup(data: Any) -> str:
+    setup = data.get("setup") or {}
+    return ", ".join(f"{key.removesuffix('_mm').replace('_', ' ')} {value}" for key, value in setup.items())
+
+
+def _curve(pairs: list[Any]) -> tuple[list[float], list[float]]:
+    return [pair[0] for pair in pairs], [pair[1] for pair in pairs]

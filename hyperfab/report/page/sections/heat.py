@@ -1,0 +1,103 @@
+"""Molds: temperature in 3-D, curves of the probes, where the energy goes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hyperfab.report.page.charts import bars, chart, line
+from hyperfab.report.page.parts import Section, Source, columns, facts, floats, number
+from hyperfab.report.page.scenes import Field, load, scene
+
+#: Curves of more rows than this are thinned out for the page; every n-th row is kept.
+MAX_ROWS = 1500
+
+
+def section(source: Source) -> Section:
+    """Return the section of a heat document."""
+    data = source.data
+    found = Section("", *_verdict(data))
+    surface = data.get("work_surface") or {}
+    warm = surface.get("at_warmup") or {}
+    energy = data["energy"]
+    minutes = data["warmup_time_s"] / 60 if "warmup_time_s" in data else None
+    found.parts.append(
+        facts(
+            "Figures of the mold",
+            [
+                ("warm-up", number(minutes, "min") if minutes is not None else None),
+                ("work surface at warm-up, mean", _number(warm, "mean_degC", "°C")),
+                ("work surface at warm-up, spread", _number(warm, "spread_K", "K")),
+                ("work surface at the end, mean", _number(surface, "mean_degC", "°C")),
+                ("work surface at the end, spread", _number(surface, "spread_K", "K")),
+                ("heat supplied", _number(energy, "supplied_J", "MJ", 1e-6)),
+                ("heat lost", _number(energy, "lost_J", "MJ", 1e-6)),
+                ("heat stored", _number(energy, "stored_J", "MJ", 1e-6)),
+                ("efficiency", _number(data, "efficiency", "")),
+                ("mass", number(data["mass_kg"], "kg")),
+                ("error of the account of heat", number(energy["imbalance_relative"], "", 2)),
+                ("unknowns", number(data["unknowns"])),
+                ("time steps", number(data["steps"])),
+            ],
+        )
+    )
+    grid = load(source)
+    if grid is not None:
+        view = scene(
+            "Temperature at the end of the run.",
+            "The mold coloured by its temperature.",
+            grid,
+            [Field("temperature_degC", "temperature", "°C", "heat")],
+        )
+        found.parts += [view] if view else []
+    table = columns(source.sibling(".csv", but=".history.csv"), source.name)
+    if "time_s" in table:
+        step = -(-len(table["time_s"]) // MAX_ROWS)
+        time = [None if value is None else value / 60 for value in floats(table["time_s"])][::step]
+        traces = [
+            line(name.removesuffix("_degC"), time, floats(cells)[::step], colour)
+            for colour, (name, cells) in enumerate((n, c) for n, c in table.items() if n.endswith("_degC"))
+        ]
+        if traces:
+            caption = "Temperature of the probes." + (f" Every {step}th row is drawn." if step > 1 else "")
+            found.parts.append(
+                chart(
+                    caption,
+                    f"Temperature against time of {len(traces)} probes.",
+                    "time, min",
+                    "temperature, °C",
+                    traces,
+                )
+            )
+    flows = energy.get("by_condition_J") or {}
+    if flows:
+        found.parts.append(
+            chart(
+                "Heat that entered through each condition; what was lost is negative.",
+                "Bars of the heat in MJ through each heater and each cooled face.",
+                "",
+                "heat, MJ",
+                [bars("heat", list(flows), [value / 1e6 for value in flows.values()])],
+            )
+        )
+    found.notes += [str(text) for text in data.get("notes", [])]
+    return found
+
+
+def _verdict(data: Any) -> tuple[bool | None, str]:
+    if not data["converged"]:
+        return False, f"Not converged: {data.get('status', '')}."
+    spread = (data.get("work_surface") or {}).get("at_warmup", data.get("work_surface") or {}).get("spread_K")
+    even = f", even to ±{number(spread / 2, 'K', 3).text}" if spread is not None else ""
+    if "warmup_time_s" in data:
+        target = f"{number(data['target_degC'], '°C').text} " if "target_degC" in data else "the target "
+        return (
+            True,
+            f"The work surface is at {target}after {number(data['warmup_time_s'] / 60, 'min', 3).text}{even}.",
+        )
+    if data.get("target_reached") is False or "target_degC" in data:
+        return False, f"The work surface does not reach {number(data.get('target_degC'), '°C').text}."
+    return None, f"Computed to its end{even}; no target was set."
+
+
+def _number(data: Any, key: str, unit: str, scale: float = 1.0) -> Any:
+    return number(data[key] * scale, unit) if data.get(key) is not None else None

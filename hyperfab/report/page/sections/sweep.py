@@ -1,0 +1,137 @@
+"""A study: what matters, the cases to filter, the front of two figures."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hyperfab.report.page.charts import chart, line
+from hyperfab.report.page.parts import (
+    Cases,
+    Part,
+    Picture,
+    Section,
+    Source,
+    Table,
+    columns,
+    floats,
+    number,
+    word,
+)
+from hyperfab.report.page.pictures import light
+
+#: The page carries this many cases; the table beside the document has all.
+MAX_CASES = 2000
+
+
+def section(source: Source) -> Section:
+    """Return the section of a sweep document."""
+    data = source.data
+    failed = sum(count for status, count in data["by_status"].items() if status != "0")
+    found = Section("", *_verdict(data, failed))
+    if data.get("question"):
+        found.notes.append(f"The question: {data['question']}")
+    if data.get("best"):
+        found.parts.append(_best(data))
+    if data.get("effects"):
+        found.parts.append(_effects(data["effects"]))
+    found.parts += _cases(source)
+    for ending, caption, alt in (
+        (".effects.png", "Main effects: the mean of each figure at each level of an axis.", "Main effects."),
+        (
+            ".cases.png",
+            "All cases as lines across axes and figures; the front stands out.",
+            "Parallel coordinates.",
+        ),
+    ):
+        drawn = source.sibling(ending)
+        picture = None if drawn is None else light(drawn)
+        if picture is not None:
+            found.parts.append(Picture(caption, alt, picture))
+    return found
+
+
+def _verdict(data: Any, failed: int) -> tuple[bool | None, str]:
+    text = f"{data['cases']} cases of {data['name']}"
+    if failed:
+        return False, f"{text}; {failed} failed, the table says why."
+    if "within_limits" in data:
+        inside = data["within_limits"]
+        return inside > 0, f"{text}, all computed; {inside} keep to the limits."
+    return True, f"{text}, all computed."
+
+
+def _best(data: Any) -> Table:
+    names = list(next(iter(data["best"].values())))
+    rows = [
+        [
+            word(figure),
+            *(
+                number(row[name]) if isinstance(row.get(name), (int, float)) else word(row.get(name, ""))
+                for name in names
+            ),
+        ]
+        for figure, row in data["best"].items()
+    ]
+    kept = " that keeps to the limits" if data.get("limits") else ""
+    return Table(f"The case with the least of each figure{kept}", ["least", *names], rows)
+
+
+def _effects(effects: list[Any]) -> Table:
+    axes = list(dict.fromkeys(effect["axis"] for effect in effects))
+    figures = list(dict.fromkeys(effect["figure"] for effect in effects))
+    share = {(effect["axis"], effect["figure"]): effect["variance_share"] for effect in effects}
+    rows = [
+        [
+            word(figure),
+            *(
+                number(round(100 * share[axis, figure], 1), "%", 3) if (axis, figure) in share else word("")
+                for axis in axes
+            ),
+        ]
+        for figure in figures
+    ]
+    return Table(
+        "What matters: share of each figure's variance that an axis explains on its own",
+        ["figure", *axes],
+        rows,
+    )
+
+
+def _cases(source: Source) -> list[Part]:
+    table = columns(source.sibling(source.data["table"]), source.name)
+    if "case" not in table:
+        return []
+    axes, figures = list(source.data["axes"].values()), list(source.data["figures"])
+    names = ["case", *axes, "status", *figures]
+    names += ["within_limits"] if "within_limits" in table else []
+    numbers = {name: floats(table[name]) for name in names}
+    cells = [
+        table[name] if name == "case" or all(value is None for value in numbers[name]) else numbers[name]
+        for name in names
+    ]
+    rows = [list(row) for row in zip(*cells, strict=True)]
+    front = (source.data.get("front") or {}).get("cases", [])
+    parts: list[Part] = []
+    pair = (source.data.get("front") or {}).get("figures")
+    if pair and all(name in numbers for name in pair):
+        chosen = [row for row, case in enumerate(table["case"]) if case in set(front)]
+        chosen.sort(key=lambda row: numbers[pair[0]][row] or 0.0)
+        x, y = numbers[pair[0]], numbers[pair[1]]
+        parts.append(
+            chart(
+                "All cases by the two figures that pull against each other; the line joins those that none beats.",
+                f"{len(front)} of {len(rows)} cases are on the front.",
+                pair[0],
+                pair[1],
+                [
+                    line("all cases", x, y, 5, points=True),
+                    line("front", [x[row] for row in chosen], [y[row] for row in chosen], 1),
+                ],
+            )
+        )
+    shown = rows[:: -(-len(rows) // MAX_CASES)] if rows else []
+    caption = f"{len(shown)} of {len(rows)} cases" if len(shown) < len(rows) else f"All {len(rows)} cases"
+    parts.append(
+        Cases(f"{caption}. Choose levels of the axes to filter.", names, shown, axes, figures, front)
+    )
+    return parts
