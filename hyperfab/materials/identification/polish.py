@@ -46,15 +46,16 @@ def evaluate(problem: Problem, u: Array) -> State:
     return State(u, found, np.where(bad, np.inf, found.sse))
 
 
-def polish(problem: Problem, points: Array) -> State:
-    """Improve all ``points`` together, keep the best, and drive it to where no step is left."""
+def polish(problem: Problem, points: Array, finish: bool = True) -> State:
+    """Improve all ``points`` together, keep the best, and, to ``finish``, drive it to where no step is left."""
     state = _descend(problem, evaluate(problem, points), _ROUGH_STEPS, _ROUGH_GAIN)
     if not np.isfinite(state.sse).any():
         return state
     # Where the tests cannot tell two optima apart (the sign of a power in planar shear) the larger values are taken.
     equal = state.sse <= state.sse.min() * (1.0 + 1e-9) + 1e-20 * (problem.b @ problem.b)
     best = int(np.argmax(np.where(equal, state.u.sum(axis=1), -np.inf)))
-    return _settle(problem, _descend(problem, _pick(state, [best]), _FINE_STEPS, _FINE_GAIN))
+    found = _pick(state, [best])
+    return _settle(problem, _descend(problem, found, _FINE_STEPS, _FINE_GAIN)) if finish else found
 
 
 def _settle(problem: Problem, state: State) -> State:
