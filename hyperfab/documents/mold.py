@@ -20,6 +20,7 @@ from hyperfab.documents.base import HandWritten
 from hyperfab.documents.quantity import (
     Conductivity,
     Density,
+    Duration,
     Film,
     FilmCoefficient,
     HeatFlux,
@@ -128,9 +129,10 @@ class BodySection(Section):
 
 
 class PartSection(BodySection):
-    """A part: a body of one material, by the name of its table."""
+    """A part: a body of one material, by the name of its table; ``start`` where it begins at another temperature."""
 
     material: str
+    start: Temperature | None = None
 
 
 class FacesInBox(Section):
@@ -210,7 +212,7 @@ class ConvectionSection(Section):
 
     on: Places
     h: Film
-    ambient: Temperature
+    ambient: HeldTemperature
 
 
 class TemperatureSection(Section):
@@ -225,7 +227,7 @@ class RadiationSection(Section):
 
     on: Places
     emissivity: Annotated[float, Field(ge=0.0, le=1.0)]
-    ambient: Temperature
+    ambient: HeldTemperature
 
 
 class InsulatedSection(Section):
@@ -235,18 +237,29 @@ class InsulatedSection(Section):
 
 
 class ContactSection(Section):
-    """Thermal contact conductance of two parts that touch; ``schedule`` opens and closes it."""
+    """Thermal contact conductance of two parts that touch; ``schedule`` opens and closes it.
+
+    With ``fresh`` the second part is a new piece, at that temperature, each time the contact closes.
+    """
 
     between: tuple[str, str]
     h: FilmCoefficient
     schedule: str | None = None
+    fresh: Temperature | None = None
+
+    @model_validator(mode="after")
+    def _fresh_when_it_closes(self) -> ContactSection:
+        if self.fresh is not None and self.schedule is None:
+            raise ValueError("fresh needs a schedule: the piece is new each time the contact closes")
+        return self
 
 
 class ProbeSection(Section):
-    """A thermometer in the mold."""
+    """A thermometer in the mold; ``lag`` is the time constant in which it follows."""
 
     name: Annotated[str, Field(min_length=1)]
     at: Point
+    lag: Duration = 0.0
 
 
 class WorkSurfaceSection(Section):
@@ -352,6 +365,9 @@ class MoldDocument(HandWritten):
                 raise ValueError(
                     f"a heater's control asks probe {heater.control.probe!r}; the probes: {known}"
                 )
+        slow = {probe.name for probe in self.probe if probe.lag > 0.0}
+        if any(heater.control is not None and heater.control.probe in slow for heater in self.heater):
+            raise ValueError("a thermostat's probe has no lag here: leave its lag out, or widen the band")
         if self.run.target is not None and self.work_surface is None:
             raise ValueError("run.target waits for the mean of [work_surface]; add that table")
         if self.run.until is None and self.run.target is None and not self.run.steady:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -26,18 +27,27 @@ class Ledger:
     first_stored: float
     entered: list[Array] = field(default_factory=list)
     stored: list[float] = field(default_factory=list)
+    moved: float = 0.0
 
     @staticmethod
-    def begin(model: HeatModel, stored: Array) -> Ledger:
-        """Open the account with the heat in the body."""
-        names = [c.name for c in model.conditions] + [held.name for held in model.prescribed]
-        heaters = [isinstance(c, Heater) for c in model.conditions] + [False] * len(model.prescribed)
+    def begin(model: HeatModel, stored: Array, exchanged: Sequence[str] = ()) -> Ledger:
+        """Open the account with the heat in the body; ``exchanged`` name parts that are renewed."""
+        others = [*(held.name for held in model.prescribed), *exchanged]
+        names = [c.name for c in model.conditions] + others
+        heaters = [isinstance(c, Heater) for c in model.conditions] + [False] * len(others)
         return Ledger(names, np.array(heaters, dtype=bool), float(stored.sum()))
 
-    def add(self, heat: Array, stored: Array) -> None:
-        """Enter one step."""
-        self.entered.append(heat)
+    def add(self, heat: Array, stored: Array, moved: float) -> None:
+        """Enter one step; ``moved`` is the heat that it moved from node to node."""
+        self.moved += moved
+        self.entered.append(np.concatenate([heat, np.zeros(len(self.names) - len(heat))]))
         self.stored.append(float(stored.sum()) - self.first_stored)
+
+    def exchange(self, name: str, stored: Array) -> None:
+        """Enter what a renewed part brings into the body, at the time of the last step."""
+        now = float(stored.sum()) - self.first_stored
+        self.entered[-1][self.names.index(name)] += now - self.stored[-1]
+        self.stored[-1] = now
 
     @property
     def by_condition(self) -> dict[str, float]:
@@ -56,12 +66,12 @@ class Ledger:
     def imbalance(self) -> float:
         """Return the largest |supplied - lost - stored| after any step, over the heat turned over in the whole run.
 
-        The heat turned over is all that passed through any condition, in or out.
+        The heat turned over is all that passed through any condition, in or out, or moved inside the body.
         """
         if not self.entered:
             return 0.0
         entered = np.cumsum([row.sum() for row in self.entered])
-        turned = float(np.sum(np.abs(self.entered)))
+        turned = max(float(np.sum(np.abs(self.entered))), self.moved)
         open_by = float(np.abs(entered - np.array(self.stored)).max())
         scale = max(turned, float(np.abs(self.stored).max()))
         return open_by / scale if scale > 0.0 else 0.0

@@ -105,23 +105,26 @@ class Medium:
             heat += np.bincount(nodes.ravel(), elements.load(found, density).ravel(), len(heat))
         return heat
 
-    def flux(self, temperature: Array) -> Array:
-        """Return the heat flux vector at the middle of each element (m, 3) [W/m^2]."""
-        middle = np.full((1, 3), 0.25)
-        values, gradients = elements.TETRAHEDRON.tabulate(middle)
+    def gradient(self, temperature: Array) -> Array:
+        """Return the temperature gradient at the middle of each element (m, 3) [K/m]."""
+        _, gradients = elements.TETRAHEDRON.tabulate(np.full((1, 3), 0.25))
         result = np.empty((len(self.mesh.elements), 3))
         for chunk in self._chunks(np.arange(len(self.mesh.elements))):
             nodes = self.mesh.elements[chunk]
             jacobian = np.einsum("mid,ik->mdk", self.mesh.points[nodes], gradients[0])
             reference = np.einsum("mi,ik->mk", temperature[nodes], gradients[0])
-            gradient = np.einsum("mk,mkd->md", reference, np.linalg.inv(jacobian))
-            at = temperature[nodes] @ values[0]
-            k = np.empty(len(at))
-            for part, material in enumerate(self.materials):
-                mine = self.mesh.parts[chunk] == part
-                k[mine] = material.conductivity(at[mine])
-            result[chunk] = -k[:, None] * gradient
+            result[chunk] = np.einsum("mk,mkd->md", reference, np.linalg.inv(jacobian))
         return result
+
+    def flux(self, temperature: Array) -> Array:
+        """Return the heat flux vector at the middle of each element (m, 3) [W/m^2]."""
+        values, _ = elements.TETRAHEDRON.tabulate(np.full((1, 3), 0.25))
+        at = temperature[self.mesh.elements] @ values[0]
+        k = np.empty(len(at))
+        for part, material in enumerate(self.materials):
+            mine = self.mesh.parts == part
+            k[mine] = material.conductivity(at[mine])
+        return -k[:, None] * self.gradient(temperature)
 
     def _points(
         self, chosen: Index, temperature: Array

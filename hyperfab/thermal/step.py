@@ -44,13 +44,14 @@ class Step:
     """A step taken: the state at its end, the estimated error [K], and its account of heat [J].
 
     ``heat`` is the heat that entered through each condition, in the model's order, then through each group of
-    held nodes; ``residual`` the largest residual of its stages [K]; ``slopes`` the rates of temperature
-    change at the two stages [K/s].
+    held nodes; ``moved`` the heat that changed its node; ``residual`` the largest residual of its stages [K];
+    ``slopes`` the rates of temperature change at the two stages [K/s].
     """
 
     state: State
     error: float
     heat: Array
+    moved: float
     residual: float
     slopes: tuple[Array, Array]
 
@@ -82,7 +83,8 @@ def take_step(model: HeatModel, start: State, length: float) -> Step:
     heat = (length - g) * _entering(model, t1, first, rate1) + g * _entering(model, t2, second, rate2)
     error = _error(model, start, length, rate1, rate2)
     state = State(t2, second, stored2, rate2, slope2)
-    return Step(state, error, heat, max(residual1, residual2), (slope1, slope2))
+    moved = 0.5 * float(np.abs(stored2 - start.stored).sum())
+    return Step(state, error, heat, moved, max(residual1, residual2), (slope1, slope2))
 
 
 def _entering(model: HeatModel, time: float, temperature: Array, rate: Array) -> Array:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from hyperfab.errors import NotConverged
 from hyperfab.numerics.vectors import dot
 from hyperfab.thermal.ledger import Ledger
 from hyperfab.thermal.model import HeatModel
+from hyperfab.thermal.renewal import Renewal
 from hyperfab.thermal.step import State, Step, initial_state, take_step
 from hyperfab.thermal.thermostat import Thermostat
 
@@ -78,6 +79,7 @@ def run(
     *,
     target: Target | None = None,
     thermostats: Sequence[Thermostat] = (),
+    renewals: Sequence[Renewal] = (),
     advance: Callable[[float, Array], None] = lambda time, temperature: None,
 ) -> History:
     """Follow the temperatures from ``start`` (n,) [degC] at time 0.
@@ -86,9 +88,9 @@ def run(
     use or more than ``most_steps`` are taken.
     """
     state = initial_state(model, 0.0, start)
-    history = History([state], [None], Ledger.begin(model, state.stored))
+    history = History([state], [None], Ledger.begin(model, state.stored, [r.name for r in renewals]))
     _preset(thermostats, start)
-    corners = sorted({t for t in schedule.corners if t > 0.0})
+    corners = sorted({t for t in (*schedule.corners, *(t for r in renewals for t in r.times)) if t > 0.0})
     end = schedule.until
     length = _first_length(model, state, schedule)
     if target is not None and dot(target.sensor, start) >= target.value:
@@ -103,12 +105,12 @@ def run(
         step, event, hit_target = _stop_at_event(
             model, state, step, target, history.reached is None, thermostats
         )
-        if event is None and last and stop is not None:
-            step = _at(step, stop)
+        if last and stop is not None and abs(step.state.time - stop) <= EVENT_TIME * stop:
+            step = replace(step, state=replace(step.state, time=stop))
         state = step.state
         history.states.append(state)
         history.steps.append(step)
-        history.ledger.add(step.heat, state.stored)
+        history.ledger.add(step.heat, state.stored, step.moved)
         advance(state.time, state.temperature)
         if hit_target:
             history.reached = len(history.states) - 1
@@ -121,9 +123,7 @@ def run(
         if jump:
             history.jumps.append(len(history.states) - 1)
             before = state.rate
-            state = State(
-                state.time, state.temperature, state.stored, model.flow(state.time, state.temperature)
-            )
+            state = _after_jump(model, state, renewals, history.ledger)
             following = min(following, _length_after_jump(model, before, state, schedule, following))
         if (
             end is None
@@ -139,6 +139,18 @@ def run(
                 remedy="widen the thermostat's band or the tolerance",
             )
     return history
+
+
+def _after_jump(model: HeatModel, state: State, renewals: Sequence[Renewal], ledger: Ledger) -> State:
+    """Return the state with which to go on: parts that come fresh now are put in, the flow is found anew."""
+    temperature, stored = state.temperature, state.stored
+    for renewal in renewals:
+        if state.time in renewal.times:
+            temperature = temperature.copy()
+            renewal.apply(temperature)
+            stored = model.medium.stored(temperature)
+            ledger.exchange(renewal.name, stored)
+    return State(state.time, temperature, stored, model.flow(state.time, temperature))
 
 
 def _preset(thermostats: Sequence[Thermostat], start: Array) -> None:
@@ -192,14 +204,6 @@ def _factor(error: float, tolerance: float) -> float:
     if error <= 0.0:
         return GREATEST_FACTOR
     return float(np.clip(SAFETY * (tolerance / error) ** (1.0 / ORDER), LEAST_FACTOR, GREATEST_FACTOR))
-
-
-def _at(step: Step, time: float) -> Step:
-    """Write the end of the step as exactly the time it was aimed at."""
-    s = step.state
-    return Step(
-        State(time, s.temperature, s.stored, s.rate), step.error, step.heat, step.residual, step.slopes
-    )
 
 
 def _stop_at_event(

@@ -211,6 +211,58 @@ at = ["50 mm", "40 mm", "25 mm"]
     assert document["energy"]["imbalance_relative"] < 1e-12
 
 
+def test_each_press_cycle_cools_the_mold_by_a_fresh_sandwich(tmp_path):
+    (tmp_path / "closed.csv").write_text(
+        "time [s],contact [-]\n0,0\n20,0\n21,1\n60,1\n61,0\n100,0\n101,1\n140,1\n"
+    )
+    sandwich = """
+[[part]]
+name = "sandwich"
+material = "aluminium"
+start = "20 degC"
+box = { origin = ["0 mm", "0 mm", "20 mm"], size = ["100 mm", "80 mm", "5 mm"] }
+[[contact]]
+between = ["plate", "sandwich"]
+h = "1000 W/m^2/K"
+schedule = "closed.csv"
+fresh = "20 degC"
+[[probe]]
+name = "sandwich"
+at = ["50 mm", "40 mm", "25 mm"]
+"""
+    run = RUN.replace('"25 degC"', '"200 degC"').replace('"300 s"', '"140 s"')
+    status, document, _ = heat(tmp_path, HEAD + sandwich + PROBE + run)
+    assert status == 0
+    # Lumped: each cycle the plate shares its heat with a piece of a quarter of its capacity.
+    mean, capacity = 200.0, 0.2 * 2702.0 * 903.0 * 1e-3 * 0.8
+    for _ in range(2):
+        mean = (mean * 4 + 20.0) / 5
+    assert document["probes"]["centre"]["final_degC"] == pytest.approx(mean, abs=2.0)
+    carried = document["energy"]["by_condition_J"]["fresh sandwich"]
+    assert carried == pytest.approx(-(164.0 - 20.0) * capacity / 4, rel=0.02)
+    assert document["energy"]["imbalance_relative"] < 1e-12
+
+
+def test_a_slow_thermometer_follows_behind(plate, tmp_path):
+    text = PLATE.replace('name = "centre"', 'name = "centre"\nlag = "20 s"')
+    _, document, _ = heat(tmp_path, text)
+    # The plate warms evenly by the end, so the reading is the lag times the rate behind.
+    rate = (400.0 - document["power_lost_W"]["convection exposed"]) / document["heat_capacity_J_K"]
+    behind = plate[1]["probes"]["centre"]["final_degC"] - document["probes"]["centre"]["final_degC"]
+    assert behind == pytest.approx(20.0 * rate, rel=0.03)
+
+
+def test_ambient_may_follow_a_table(tmp_path):
+    (tmp_path / "air.csv").write_text("time [s],temperature [degC]\n0,25\n300,125\n")
+    cold = (HEAD + FILM + PROBE + RUN).replace('"25 degC"\n\n[[probe]]', '{ table = "air.csv" }\n\n[[probe]]')
+    _, document, _ = heat(tmp_path, cold)
+    # Lumped: T' = (a t - T) / tau above the start.
+    tau = document["heat_capacity_J_K"] / (12.0 * (0.1 * 0.08 * 2 + 2 * 0.02 * 0.18))
+    rate = 100.0 / 300.0
+    rise = rate * (300.0 - tau * (1 - np.exp(-300.0 / tau)))
+    assert document["probes"]["centre"]["final_degC"] == pytest.approx(25.0 + rise, abs=0.2)
+
+
 TOUCHING = HEAD.replace("plate", "other").split("[[part]]")[1]
 
 REFUSED = {

@@ -119,12 +119,12 @@ class Placing:
         for number, convection in enumerate(document.convection):
             key = f"convection.{number}.on"
             operator = self._with_exposed(key, convection.on, by_key)
-            film, ambient = self.functions[f"convection.{number}"], Table.constant(convection.ambient)
+            film, ambient = self.functions[f"convection.{number}"], self.functions[f"{key[:-3]}.ambient"]
             conditions.append(Convection(self._name("convection", convection.on), operator, film, ambient))
             self._use(conditions[-1].name, operator.area)
         for number, radiation in enumerate(document.radiation):
             operator = self._with_exposed(f"radiation.{number}.on", radiation.on, by_key)
-            ambient = Table.constant(radiation.ambient)
+            ambient = self.functions[f"radiation.{number}.ambient"]
             name = self._name("radiation", radiation.on)
             conditions.append(Radiation(name, operator, radiation.emissivity, ambient))
             self._use(name, operator.area)

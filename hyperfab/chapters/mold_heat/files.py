@@ -12,7 +12,7 @@ from hyperfab.io.output import Output
 from hyperfab.io.vtu import collection, unstructured
 from hyperfab.report.figures_heat import heat_figure
 from hyperfab.thermal import surface
-from hyperfab.thermal.curves import curve, curve_times
+from hyperfab.thermal.curves import curve, curve_times, lagging
 from hyperfab.thermal.transient import History
 
 Array = NDArray[np.float64]
@@ -37,7 +37,10 @@ def write_fields(out: Output, problem: Problem, history: History, target: float 
         names.append(out.path(suffix).name)
     out.add(".pvd", collection([history.states[i].time for i in frames], names))
     times = curve_times(history)
-    curves = {name: curve(history, sensor, times) for name, sensor in problem.probes.items()}
+    curves = {
+        name: lagging(times, curve(history, sensor, times), problem.lags[name])
+        for name, sensor in problem.probes.items()
+    }
     out.add(".csv", _csv(["time_s", *(f"{name}_degC" for name in curves)], [times, *curves.values()]))
     out.add(".history.csv", _history(problem, history))
     shown = dict(curves)
@@ -53,6 +56,7 @@ def _field(problem: Problem, temperature: Array, flux: Array | None) -> bytes:
     cells: dict[str, NDArray] = {"part": mesh.parts.astype(np.int32)}
     if flux is not None:
         cells["heat_flux_W_m2"] = flux
+        cells["temperature_gradient_K_m"] = problem.model.medium.gradient(temperature)
     return unstructured(
         mesh.points * 1e3, {"tetra10": mesh.elements}, {"temperature_degC": temperature}, cells
     )

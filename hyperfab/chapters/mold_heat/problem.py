@@ -25,6 +25,7 @@ from hyperfab.thermal.material import ThermalMaterial
 from hyperfab.thermal.mesh import HeatMesh, build_mesh, split_contacts
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.plausibility import doubts
+from hyperfab.thermal.renewal import Renewal
 from hyperfab.thermal.tables import Table
 from hyperfab.thermal.thermostat import Thermostat
 
@@ -39,9 +40,11 @@ class Problem:
     geometry: Geometry
     faces: Faces
     probes: dict[str, Array]
+    lags: dict[str, float]
     work_surface: FacetOperator | None
     thermostats: list[Thermostat]
     corners: list[float]
+    renewals: list[Renewal]
     areas: dict[str, float]
     notes: list[str] = field(default_factory=list)
 
@@ -100,10 +103,42 @@ class MoldBuilder:
             for section, heater in zip(document.heater, model.heaters, strict=True)
             if section.control is not None
         ]
-        corners = sorted(self.corners)
         return Problem(
-            model, geometry, placing.faces, probes, work, thermostats, corners, placing.areas, notes
+            model=model,
+            geometry=geometry,
+            faces=placing.faces,
+            probes=probes,
+            lags={probe.name: probe.lag for probe in document.probe},
+            work_surface=work,
+            thermostats=thermostats,
+            corners=sorted(self.corners),
+            renewals=self._renewals(mesh),
+            areas=placing.areas,
+            notes=notes,
         )
+
+    def _renewals(self, mesh: HeatMesh) -> list[Renewal]:
+        """Return when parts that come fresh are put in: each time their contact closes."""
+        names = [part.name for part in self.document.part]
+        found = []
+        for number, contact in enumerate(self.document.contact):
+            if contact.fresh is None:
+                continue
+            name = contact.between[1]
+            nodes = np.unique(mesh.elements[mesh.parts == names.index(name)])
+            others = np.unique(mesh.elements[mesh.parts != names.index(name)])
+            if np.isin(nodes, others).any():
+                raise InputError(
+                    f"{name!r} also touches a part without a [[contact]], so it cannot come fresh",
+                    file=self.name,
+                    key=f"contact.{number}.fresh",
+                    remedy="give each of its joints a [[contact]]",
+                )
+            closed = self.functions[f"contact.{number}"]
+            opened = np.flatnonzero((closed.y[:-1] == 0.0) & (closed.y[1:] > 0.0))
+            times = tuple(float(t) for t in closed.x[opened] if t > 0.0)
+            found.append(Renewal(f"fresh {name}", nodes, contact.fresh, times))
+        return found
 
     def start_field(self, problem: Problem) -> Array:
         """Return the temperatures at the start (n,) [degC]."""
@@ -111,7 +146,11 @@ class MoldBuilder:
         if isinstance(start, EarlierField):
             assert self.earlier is not None
             return start_from(self.earlier, problem.mesh, self.name)
-        return np.full(problem.model.size, start)
+        field = np.full(problem.model.size, start)
+        for number, part in enumerate(self.document.part):
+            if part.start is not None:
+                field[np.unique(problem.mesh.elements[problem.mesh.parts == number])] = part.start
+        return field
 
     def _material(self, key: str) -> ThermalMaterial:
         section = self.document.material[key]
@@ -132,6 +171,10 @@ class MoldBuilder:
         timed: dict[str, Table] = {}
         for i, held in enumerate(document.temperature):
             timed[f"temperature.{i}"] = self.tables.function(held.value, "temperature", "time")
+        for i, film in enumerate(document.convection):
+            timed[f"convection.{i}.ambient"] = self.tables.function(film.ambient, "temperature", "time")
+        for i, sky in enumerate(document.radiation):
+            timed[f"radiation.{i}.ambient"] = self.tables.function(sky.ambient, "temperature", "time")
         for i, heater in enumerate(document.heater):
             if heater.schedule is not None:
                 timed[f"heater.{i}"] = self.tables.file(heater.schedule, "power", "time")

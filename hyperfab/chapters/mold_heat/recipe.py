@@ -75,7 +75,13 @@ def _transient(document: MoldDocument, problem: Problem, start: Array, advance: 
 
     schedule = Schedule(settings.until, problem.corners, settings.tolerance)
     return follow(
-        problem.model, start, schedule, target=target, thermostats=problem.thermostats, advance=progress
+        problem.model,
+        start,
+        schedule,
+        target=target,
+        thermostats=problem.thermostats,
+        renewals=problem.renewals,
+        advance=progress,
     )
 
 

@@ -10,7 +10,7 @@ from hyperfab.documents.heat import Energy, Evenness, Extreme, FaceUse, HeatDocu
 from hyperfab.documents.mold import MoldDocument
 from hyperfab.numerics.vectors import dot
 from hyperfab.thermal import surface
-from hyperfab.thermal.curves import curve, curve_times
+from hyperfab.thermal.curves import curve, curve_times, lagging
 from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.step import State
 from hyperfab.thermal.transient import History
@@ -155,7 +155,7 @@ def _probes(problem: Problem, history: History) -> dict[str, ProbeResult]:
     times = curve_times(history)
     found = {}
     for name, sensor in problem.probes.items():
-        values = curve(history, sensor, times)
+        values = lagging(times, curve(history, sensor, times), problem.lags[name])
         found[name] = ProbeResult(final_degC=float(values[-1]), max_degC=float(values.max()))
     return found
 

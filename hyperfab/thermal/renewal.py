@@ -1,0 +1,28 @@
+"""Parts that are taken out and replaced by fresh ones: the cold sandwich of each press cycle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Renewal:
+    """At each of ``times`` [s] the nodes (k,), which no other part shares, are set to ``temperature`` [degC].
+
+    The heat that the old piece carries out, less what the new one brings, counts as lost.
+    """
+
+    name: str
+    nodes: Index
+    temperature: float
+    times: tuple[float, ...]
+
+    def apply(self, temperature: Array) -> None:
+        """Put in the fresh part: set the nodal temperatures in place."""
+        temperature[self.nodes] = self.temperature
