@@ -28,17 +28,26 @@ _WEIGHTS = _WEIGHTS / _WEIGHTS.sum()
 class Quadrature:
     """Points inside the pieces where the level is positive.
 
-    ``face`` (k,) the face each piece belongs to; ``weights`` (k, 6, 3) barycentric places of its points in that
-    face; ``area`` (k, 6) [mm^2] the share of each point.
+    ``face`` (k,) the face each piece belongs to, first those that are whole; ``cut`` (k - whole, 6, 3) barycentric
+    places of the points of the others; ``area`` (k, 6) [mm^2] the share of each point.
     """
 
     face: Ints
-    weights: Array
+    cut: Array
     area: Array
 
     def at_corners(self, faces: Ints, values: Array) -> Array:
         """Values (k, 6, ...) at the points, linear between the ``values`` (n, ...) at the vertices."""
-        return np.asarray(np.einsum("kc...,kqc->kq...", values[faces[self.face]], self.weights))
+        corner = values[faces[self.face]]
+        count, width = len(corner), int(np.prod(values.shape[1:]))
+        flat = corner.reshape(count, 3, width)
+        out = np.empty((count, 6, width))
+        whole = count - len(self.cut)
+        # Whole faces have the same points: one matrix product for all of them.
+        together = _POINTS @ flat[:whole].transpose(1, 0, 2).reshape(3, whole * width)
+        out[:whole] = together.reshape(6, whole, width).transpose(1, 0, 2)
+        out[whole:] = self.cut @ flat[whole:]
+        return out.reshape(count, 6, *values.shape[1:])
 
     def per_face(self, density: Array, count: int) -> Array:
         """Integral of ``density`` (k, 6) over each of ``count`` faces."""
@@ -58,7 +67,7 @@ def positive_part(level: Array, faces: Ints, areas: Array) -> Quadrature:
     positive = value > 0.0
     count = positive.sum(axis=1)
     whole = np.flatnonzero(count == 3)
-    pieces = [(whole, np.broadcast_to(np.eye(3), (len(whole), 3, 3)))]
+    pieces = []
     for number in (1, 2):
         cut = np.flatnonzero(count == number)
         # Turn each face so that the odd corner out is its first.
@@ -73,11 +82,12 @@ def positive_part(level: Array, faces: Ints, areas: Array) -> Quadrature:
         else:
             pieces.append((cut, np.stack([on_ab, corner[:, 1], corner[:, 2]], axis=1)))
             pieces.append((cut, np.stack([on_ab, corner[:, 2], on_ac], axis=1)))
-    face = np.concatenate([f for f, _ in pieces])
+    face = np.concatenate([whole, *(f for f, _ in pieces)])
     corners = np.concatenate([c for _, c in pieces])
-    share = np.abs(np.linalg.det(corners)) if len(corners) else np.zeros(0)
+    share = np.ones(len(face))
+    share[len(whole) :] = np.abs((corners[:, 0] * np.cross(corners[:, 1], corners[:, 2])).sum(axis=1))
     area = (areas[face] * share)[:, None] * _WEIGHTS
-    return Quadrature(face, np.einsum("qc,kcd->kqd", _POINTS, corners), area)
+    return Quadrature(face, _POINTS @ corners, area)
 
 
 def _zero(value_a: Array, value_b: Array, a: Array, b: Array) -> Array:

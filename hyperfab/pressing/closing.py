@@ -114,7 +114,7 @@ def close_press(case: Case) -> Closed:
     pose = _pose(case, press)
     result = press.at(pose)
     there = female.moved(pose.carry(female.vertices), female.mount + pose.opening)
-    nearest = nearest_gap(front.vertices, there, result.face)
+    nearest = nearest_gap(front.vertices, there, front.normals)
     along = normal_gap(front.vertices, front.normals, there)
     touch = touch_gap(front, nearest.nearest, along)
     part = positive_part(np.asarray(press.sandwich.thickness - touch), front.faces, front.areas)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,7 +54,7 @@ def contact(front: Front, gap: Gap, sandwich: Sandwich) -> Contact:
     grows with the travel.
     """
     points = positive_part(np.asarray(sandwich.thickness - gap.nearest), front.faces, front.areas)
-    there = sandwich.at(front.faces[points.face], points.weights)
+    there = sandwich.at(partial(points.at_corners, front.faces))
     gap_there = points.at_corners(front.faces, gap.nearest)
     place = points.at_corners(front.faces, front.vertices)
     pressure = there.pressure(gap_there)
@@ -80,6 +81,6 @@ def stiffness(front: Front, result: Contact, sandwich: Sandwich, modes: Array) -
     """
     points = result.pressed
     gap = points.at_corners(front.faces, result.gap)
-    rate = sandwich.at(front.faces[points.face], points.weights).stiffness(gap) * points.area
+    rate = sandwich.at(partial(points.at_corners, front.faces)).stiffness(gap) * points.area
     closing = points.at_corners(front.faces, np.einsum("nc,ncd->nd", result.direction, modes))
     return np.asarray(np.einsum("kq,kqd,kqe->de", rate, closing, closing))

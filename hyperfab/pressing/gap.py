@@ -48,11 +48,12 @@ class Gap:
     at_border: Flags
 
 
-def nearest_gap(points: Array, female: Mold, hint: Ints | None = None) -> Gap:
-    """Return the nearest signed gap at ``points`` (n, 3); ``hint`` (n,) are faces expected to be nearest."""
+def nearest_gap(points: Array, female: Mold, towards: Array | None = None) -> Gap:
+    """Return the nearest signed gap at ``points`` (n, 3); with ``towards`` (n, 3), directions that point roughly to
+    the female, much faster."""
     surface = female.surface
-    near = surface.nearest(points, hint=hint)
-    border = _at_border(surface, near.face, near.feature)
+    near = surface.nearest(points) if towards is None else female.search.nearest(points, towards)
+    border = _at_border(surface, female.search.walker.twins, near.face, near.feature)
     if not female.smooth:
         return Gap(near.distance, near.normal, near.face, border)
     facet = surface.normals[near.face]
@@ -74,11 +75,10 @@ def normal_gap(points: Array, normals: Array, female: Mold) -> Array:
 
     Points inside the female (overlap) find it backwards, with a negative gap.
     """
-    gap, face = _first_hit(points, normals, female)
-    lost = np.flatnonzero(face < 0)
-    if len(lost):
-        # From the other side: a ray back from inside the female's material leaves it through a face's front.
-        gap[lost] = -_first_hit(points[lost], -normals[lost], female, leaving=True)[0]
+    gap, face = female.search.along(points, normals)
+    hit = np.flatnonzero(face >= 0)
+    ends = points[hit] + gap[hit, None] * normals[hit]
+    gap[hit] += female.curving.reach(face[hit], ends, normals[hit])
     return gap
 
 
@@ -142,21 +142,9 @@ def vertex_areas(front: Front, faces: Flags) -> Array:
     return np.asarray(areas, dtype=float)
 
 
-def _first_hit(points: Array, directions: Array, female: Mold, leaving: bool = False) -> tuple[Array, Ints]:
-    """Distance to the female along each ray and the face hit; NaN and -1 where none is hit from the right side."""
-    t, face = female.surface.ray(points, directions)
-    cosine = -(female.surface.normals[face] * directions).sum(axis=1)
-    hit = np.flatnonzero((face >= 0) & ((cosine < 0.0) if leaving else (cosine > 0.0)))
-    gap, found = np.full(len(points), np.nan), np.full(len(points), -1)
-    ends = points[hit] + t[hit, None] * directions[hit]
-    gap[hit] = t[hit] + female.curving.reach(face[hit], ends, directions[hit])
-    found[hit] = face[hit]
-    return gap, found
-
-
-def _at_border(female: Surface, face: Ints, feature: Ints) -> Flags:
+def _at_border(female: Surface, twins: NDArray[np.int32], face: Ints, feature: Ints) -> Flags:
     """Whether the nearest feature is an open edge, or a vertex of one."""
-    open_edge = female.twins < 0
+    open_edge = twins < 0
     border_vertex = np.zeros(len(female.vertices), dtype=bool)
     for edge in range(3):
         ends = female.faces[open_edge[:, edge]][:, [edge, (edge + 1) % 3]]

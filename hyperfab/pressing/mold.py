@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.pressing.curved import Curving, curving
+from hyperfab.pressing.search import Search
 from hyperfab.surface import Surface
 
 Array = NDArray[np.float64]
@@ -72,6 +73,11 @@ class Mold:
     def surface(self) -> Surface:
         """All of the mold, for nearest points and rays."""
         return Surface(self.vertices, self.faces)
+
+    @cached_property
+    def search(self) -> Search:
+        """Fast nearest points and normal hits on ``surface``."""
+        return Search(self.surface)
 
     @cached_property
     def looking(self) -> Flags:

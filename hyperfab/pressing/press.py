@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,13 +17,12 @@ from hyperfab.pressing.pose import Pose
 from hyperfab.pressing.sandwich import Sandwich
 
 Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 #: Positions are solved to this [mm]; forces follow to about 1e-9 of their stiffness.
 _POSITION_TOLERANCE = 1e-9
 
 
-@dataclass
+@dataclass(frozen=True)
 class Press:
     """A male's front, the female over it, and the sandwich between them.
 
@@ -33,14 +32,13 @@ class Press:
     front: Front
     female: Mold
     sandwich: Sandwich
-    _hint: Ints | None = field(default=None, repr=False)
 
     def at(self, pose: Pose | float) -> Contact:
         """Return what the sandwich does with the female at ``pose``, or raised by an opening [mm] only."""
         pose = pose if isinstance(pose, Pose) else Pose(float(pose))
         # Not the female is moved but the points against it: its search tree stays as it is.
-        gap = nearest_gap(pose.into_female(self.front.vertices), self.female, self._hint)
-        self._hint = gap.face
+        towards = self.front.normals if pose.angle == 0.0 else self.front.normals @ pose.rotation
+        gap = nearest_gap(pose.into_female(self.front.vertices), self.female, towards)
         if pose.angle != 0.0:
             gap = replace(gap, direction=gap.direction @ pose.rotation.T)
         return contact(self.front, gap, self.sandwich)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,7 +73,7 @@ def _regions(
         sums = np.bincount(owner, weights=(density * part.area).sum(axis=1), minlength=count)
         return np.asarray(sums, dtype=float)
 
-    there = sandwich.at(front.faces[part.face], part.weights)
+    there = sandwich.at(partial(part.at_corners, front.faces))
     place = part.at_corners(front.faces, front.vertices)
     area = total(np.ones(part.area.shape))
     gap = total(part.at_corners(front.faces, touch_gap))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -79,12 +80,10 @@ class Sandwich:
 
         return Sandwich(pick(self.foam), pick(self.fabric), self.law)
 
-    def at(self, points: NDArray[np.int64], weights: Array) -> Sandwich:
-        """The sandwich at places inside triangles: corners ``points`` (k, 3) with ``weights`` (k, q, 3)."""
+    def at(self, interpolate: Callable[[Array], Array]) -> Sandwich:
+        """The sandwich elsewhere, given what carries values at its vertices there."""
 
-        def spread(value: float | Array) -> float | Array:
-            if np.ndim(value) == 0:
-                return value
-            return np.asarray(np.einsum("kc,kqc->kq", np.asarray(value)[points], weights))
+        def carry(value: float | Array) -> float | Array:
+            return value if np.ndim(value) == 0 else interpolate(np.asarray(value))
 
-        return Sandwich(spread(self.foam), spread(self.fabric), self.law)
+        return Sandwich(carry(self.foam), carry(self.fabric), self.law)

@@ -86,9 +86,11 @@ def run(
         ]
         advance(0.3, "closing")
         case = Case(
-            *molds,
+            molds[0],
+            molds[1],
             sandwich,
-            *(grown.growth.at(mold.vertices) for grown, mold in zip(growth, molds, strict=True)),
+            growth[0].growth.at(molds[0].vertices),
+            growth[1].growth.at(molds[1].vertices),
             gap=wanted_gap,
             force=wanted_force,
             zero_hot=zero == "hot",
