@@ -11,6 +11,7 @@ import os
 import signal
 import sys
 import traceback
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from types import FrameType
 from typing import Protocol
@@ -116,6 +117,8 @@ def _quiet_pipe() -> Iterator[None]:
 def run_guarded(action: Callable[[], int], debug: bool) -> int:
     """Run a command and turn whatever happens into its exit status, with one message on standard error."""
     # Set also where the parent ignores SIGINT (a job in the background of a script): the status is promised.
+    if not debug:  # a library's warning about a line of ours is no message for the user
+        warnings.simplefilter("ignore")
     numbers = (signal.SIGINT, signal.SIGTERM)
     previous = {number: signal.signal(number, _on_signal) for number in numbers}
     try:

@@ -39,7 +39,7 @@ class InputError(HyperfabError):
         cell: int | None = None,
         remedy: str | None = None,
     ) -> None:
-        places = [] if file is None else ["standard input" if file == "-" else file]
+        places = [] if file is None else ["standard input" if file == "-" else _shown(file)]
         quoted = None if column is None else f'"{column}"'
         named = [("line", line), ("column", quoted), ("key", key), ("facet", facet), ("cell", cell)]
         places += [f"{name} {value}" for name, value in named if value is not None]
@@ -51,6 +51,11 @@ class InputError(HyperfabError):
         self.column = column
         self.key = key
         self.remedy = remedy
+
+
+def _shown(name: str) -> str:
+    """A name of thousands of characters would hide what is said about it."""
+    return name if len(name) <= 200 else f"{name[:100]}...{name[-50:]}"
 
 
 class NotConverged(HyperfabError):

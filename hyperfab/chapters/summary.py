@@ -43,13 +43,17 @@ def _material(data: Plain) -> Iterator[str]:
     fits = data.get("directions") or {"": data}
     for direction, part in fits.items():
         constants = ", ".join(f"{name} {value:.5g}" for name, value in part["parameters"].items())
-        fit = part["fit"]
+        fit = part.get("fit")
         label = f"{direction}: " if direction else ""
+        if fit is None:  # written by hand
+            yield f"{label}{data['model']}: {constants}"
+            continue
         yield f"{label}{data['model']}: {constants}; relative rms {fit['relative_rms']:.3f} over {fit['points']} points"
         for test, figures in fit["tests"].items():
             if figures.get("predicted"):
                 yield f"{label}{test} test, not used in the fit: relative rms {figures['relative_rms']:.3f}"
-    yield "accepted" if data["accepted"] else "not accepted"
+    if "accepted" in data:
+        yield "accepted" if data["accepted"] else "not accepted"
 
 
 def _contact(data: Plain) -> Iterator[str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -27,6 +26,11 @@ _DIRECTIONS = {"warp": 0.0, "weft": 90.0, "wale": 0.0, "course": 90.0}
 _BRANCHES = {"load": 1, "loading": 1, "unload": -1, "unloading": -1}
 
 Array = NDArray[np.float64]
+
+#: Beyond these no fabric or rubber was ever tested: a wrong unit or a wrong column. The stress is the largest of a
+#: test, in MPa or N/mm.
+LARGEST_STRETCH = 50.0
+PEAK_STRESS = (1e-9, 1e6)
 
 
 @dataclass(frozen=True)
@@ -383,5 +387,12 @@ def _check(found: TestData, sheet: Sheet) -> None:
                 f"the time goes back from {found.time_s[back[0]]:g} s to {found.time_s[back[0] + 1]:g} s",
                 "sort the rows, or tell the specimens apart in a column named specimen",
             )
-    if not math.isfinite(float(np.abs(stretch).max()) * max(peak, 1.0)):
-        raise refuse(0, "the numbers are too large for any test", "check the units")
+    row = int(stretch.argmax())
+    if stretch[row] > LARGEST_STRETCH or stretch.min() < 1.0 / LARGEST_STRETCH:
+        row = row if stretch[row] > LARGEST_STRETCH else int(stretch.argmin())
+        raise refuse(row, f"no fabric reaches a stretch of {stretch[row]:g}", "check the unit of the column")
+    if peak > 0.0 and not PEAK_STRESS[0] < peak < PEAK_STRESS[1]:
+        row = int(np.abs(stress).argmax())
+        raise refuse(
+            row, f"no fabric carries {peak:g} {found.stress_unit} at most", "check the unit of the column"
+        )

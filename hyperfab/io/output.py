@@ -36,9 +36,13 @@ class Output:
             raise UsageError(
                 f"--output {target}: the document's name ends in .json; write {path.stem or 'result'}.json"
             )
-        if path.is_dir():
-            raise OutputError(f"{target}: is a folder")
         folder = path.parent
+        try:
+            occupied = path.is_dir()
+        except OSError as error:  # a name the system does not take
+            raise OutputError(f"{target[:80]}...: {error.strerror}; choose a shorter name") from None
+        if occupied:
+            raise OutputError(f"{target}: is a folder")
         if not folder.is_dir():
             raise OutputError(f"{target}: the folder {folder} does not exist; make it first")
         if not os.access(folder, os.W_OK | os.X_OK):
