@@ -16,6 +16,17 @@ def mold_heat(
     mold: Annotated[
         str, typer.Argument(metavar="MOLD.toml", help="Mold document: parts, heaters, conditions.")
     ],
+    warmup_in: Annotated[
+        str | None,
+        typer.Option(metavar="TIME", help="Scale all heaters so that the target is reached in TIME."),
+    ] = None,
+    share_power: Annotated[
+        bool,
+        typer.Option("--share-power", help="Share the power among the heaters for an even work surface."),
+    ] = False,
+    heater_max: Annotated[
+        str | None, typer.Option(metavar="POWER", help="Most that --share-power may give one heater.")
+    ] = None,
     stl_unit: StlUnit = "mm",
     output: Target = "-",
     quiet: Quiet = False,
@@ -26,5 +37,6 @@ def mold_heat(
     \b
     Example:
       hf mold-heat molds/proposed.toml -o heat.json
+      hf mold-heat molds/original.toml --warmup-in 20min -o fast.json
     """
     run_chapter(context)

@@ -72,6 +72,20 @@ class FaceUse(Part):
     power_W: float | None = None
 
 
+class Design(Part):
+    """Heater powers that were chosen for a wish, and what they reach."""
+
+    power_W: dict[str, float] = Field(
+        default_factory=dict, description="power of each heater, at its greatest"
+    )
+    warmup_wanted_s: float | None = None
+    power_factor: float | None = Field(default=None, description="on all powers, for the wanted warm-up time")
+    runs: int | None = Field(default=None, description="warm-ups that were computed to find the factor")
+    steady_spread_before_K: float | None = None
+    steady_spread_K: float | None = Field(default=None, description="spread of the work surface when shared")
+    steady_mean_degC: float | None = None
+
+
 class HeatDocument(Document):
     """The result of ``hf mold-heat``."""
 
@@ -108,6 +122,7 @@ class HeatDocument(Document):
     mass_kg: float
     mass_by_part_kg: dict[str, float] = Field(default_factory=dict)
     heat_capacity_J_K: float | None = Field(default=None, description="heat to warm all parts by one kelvin")
+    design: Design | None = None
     hottest: Extreme | None = None
     coldest: Extreme | None = None
     flux_max_W_m2: float | None = None

@@ -197,6 +197,10 @@ class HeatModel:
         """Return the matrix of an implicit step of ``interval`` [s] and make ``solve`` ready for it."""
         return self._stage_matrix(time, interval, 1.0, temperature)
 
+    def steady_matrix(self, time: float, temperature: Array) -> sparse.csr_matrix:
+        """Return minus the flow's derivative [W/K] and make ``solve`` ready for it."""
+        return self._stage_matrix(time, 1.0, 0.0, temperature)
+
     def _residual(
         self, time: float, interval: float, storage: float, target: Array, temperature: Array
     ) -> Array:

@@ -17,7 +17,7 @@ from hyperfab.chapters import mold_heat
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.documents.base import schema
-from hyperfab.errors import InputError
+from hyperfab.errors import InputError, UsageError
 from hyperfab.io.vtu_read import read_vtu
 
 HEAD = """
@@ -67,12 +67,12 @@ class Quiet(Console):
         self.said.append(text)
 
 
-def heat(folder: Path, text: str, name: str = "heat"):
+def heat(folder: Path, text: str, name: str = "heat", **options):
     (folder / "mold.toml").write_text(text)
     console = Quiet()
     target = str(folder / f"{name}.json")
     status = mold_heat.run(
-        Job("mold-heat", [], console), mold=str(folder / "mold.toml"), stl_unit="mm", output=target
+        Job("mold-heat", [], console), mold=str(folder / "mold.toml"), output=target, **options
     )
     return status, json.loads(Path(target).read_text()), console.said
 
@@ -241,6 +241,26 @@ at = ["50 mm", "40 mm", "25 mm"]
     carried = document["energy"]["by_condition_J"]["fresh sandwich"]
     assert carried == pytest.approx(-(164.0 - 20.0) * capacity / 4, rel=0.02)
     assert document["energy"]["imbalance_relative"] < 1e-12
+
+
+def test_power_is_found_for_a_wanted_warmup(tmp_path):
+    text = PLATE.replace('until = "300 s"', 'target = "80 degC"')
+    status, document, _ = heat(tmp_path, text, warmup_in="2 min")
+    assert status == 0
+    assert document["warmup_time_s"] == pytest.approx(120.0, rel=2e-4)
+    chosen = document["design"]["power_W"]["heater plate.z-"]
+    assert chosen == pytest.approx(400.0 * document["design"]["power_factor"])
+    assert document["energy"]["supplied_J"] == pytest.approx(chosen * document["warmup_time_s"], rel=1e-9)
+
+
+def test_wishes_that_a_mold_cannot_have_are_refused(tmp_path):
+    for options, words in (
+        ({"warmup_in": "2 min"}, "run.target"),
+        ({"warmup_in": "2"}, "unit"),
+        ({"heater_max": "1 kW"}, "--share-power"),
+    ):
+        with pytest.raises((InputError, UsageError), match=words):
+            heat(tmp_path, PLATE, **options)
 
 
 def test_a_slow_thermometer_follows_behind(plate, tmp_path):

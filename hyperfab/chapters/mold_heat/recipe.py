@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.mold_heat.design import Wishes, design
 from hyperfab.chapters.mold_heat.files import write_fields
 from hyperfab.chapters.mold_heat.problem import MoldBuilder, Problem
 from hyperfab.chapters.mold_heat.result import IMBALANCE_ALLOWED, steady_document, transient_document
@@ -28,10 +29,21 @@ Array = NDArray[np.float64]
 MESHING = 0.1
 
 
-def run(job: Job, *, mold: str, stl_unit: str, output: str) -> int:
+def run(
+    job: Job,
+    *,
+    mold: str,
+    warmup_in: str | None = None,
+    share_power: bool = False,
+    heater_max: str | None = None,
+    stl_unit: str = "mm",
+    output: str = "-",
+) -> int:
     """Heat the mold of the document ``mold``; 0, or 4 where the account of heat does not close."""
+    wishes = Wishes(warmup_in, share_power, heater_max)
     out = Output(output, (".vtu", ".csv", ".png", ".pvd"))
     document = read_document(job.inputs, mold, MoldDocument)
+    wishes.check(document, mold)
     builder = MoldBuilder(document, mold, job.inputs, stl_unit)
     out.refuse_inputs(job.inputs)
     for text in builder.doubts:
@@ -40,6 +52,11 @@ def run(job: Job, *, mold: str, stl_unit: str, output: str) -> int:
         advance(0.0, "meshing")
         problem = builder.build(lambda seconds: advance(MESHING * seconds / (seconds + 5.0), "meshing"))
         start = builder.start_field(problem)
+
+        def warmup() -> float | None:
+            return _transient(document, problem, start, advance).reached_time
+
+        chosen = design(wishes, document, mold, problem, start, warmup)
         if document.run.steady:
             history = _steady(document, mold, problem, start)
             result = steady_document(problem, history)
@@ -51,6 +68,7 @@ def run(job: Job, *, mold: str, stl_unit: str, output: str) -> int:
             write_fields(out, problem, history, document.run.target)
     for text in problem.notes:
         job.console.note(f"{mold}: {text}")
+    result.design = chosen
     result.notes = builder.doubts + problem.notes
     _say(job, result)
     job.write(out, result)
@@ -116,6 +134,12 @@ def _say(job: Job, result: HeatDocument) -> None:
         console.note(
             f"warm-up {result.warmup_time_s / 60:.2f} min, {result.steps} steps, {result.unknowns} unknowns"
         )
+    if result.design is not None:
+        chosen = ", ".join(f"{name} {power:.1f} W" for name, power in result.design.power_W.items())
+        console.note(f"powers chosen: {chosen}")
+    if result.design is not None and result.design.steady_spread_K is not None:
+        before, after = result.design.steady_spread_before_K, result.design.steady_spread_K
+        console.note(f"steady spread of the work surface: {before:.3g} K before, {after:.3g} K with them")
     rows = [
         (
             name,

@@ -1,0 +1,51 @@
+"""Design aids: the power for a wanted time, and shares that even a surface."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hyperfab.errors import NotConverged
+from hyperfab.thermal.design import scale_for_warmup, share_power
+from hyperfab.thermal.tables import Table
+
+
+def heated(block, powers):
+    """A plate cooled on top with a heater at each end."""
+    body = block((0.3, 0.1, 0.02), (12, 4, 1), k=40.0, rho=7800.0, cp=470.0)
+    area = 0.1 * 0.02
+    for way, power in zip(("x-", "x+"), powers, strict=True):
+        body.flux(way, power / area)
+    film = Table(np.array([0.0, 300.0]), np.array([20.0, 40.0]))
+    body.film("z+", film, 20.0)
+    return body.model(), body.face("z+")
+
+
+def test_symmetry_shares_the_power_equally(block):
+    model, surface = heated(block, (300.0, 100.0))
+    shared = share_power(model, surface, np.full(model.size, 20.0))
+    np.testing.assert_allclose(shared.powers, 200.0, rtol=2e-3)
+    assert shared.spread < 0.7 * shared.spread_before
+
+
+def test_mean_is_met_and_no_heater_gives_more_than_it_can(block):
+    model, surface = heated(block, (300.0, 100.0))
+    shared = share_power(model, surface, np.full(model.size, 20.0), mean=120.0)
+    assert shared.mean == pytest.approx(120.0, abs=0.05)
+    bound = 0.9 * float(shared.powers.max())
+    with pytest.raises(NotConverged, match="bounds"):
+        share_power(model, surface, np.full(model.size, 20.0), mean=120.0, most=bound)
+
+
+def test_power_for_a_wanted_time_solves_the_lumped_mold(block):
+    # C T' = s P - G T reaches the target at -C/G ln(1 - G T / (s P)).
+    capacity, loss, power, target = 4e4, 5.0, 3000.0, 175.0
+
+    def warmup(factor):
+        share = loss * target / (factor * power)
+        return None if share >= 1.0 else -capacity / loss * np.log1p(-share)
+
+    for wanted in (600.0, 1200.0, 2400.0, 9000.0):
+        factor, runs = scale_for_warmup(wanted, warmup)
+        assert warmup(factor) == pytest.approx(wanted, rel=2e-4)
+        assert runs <= 12
