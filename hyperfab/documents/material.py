@@ -27,6 +27,8 @@ class TestFigures(_Part):
     relative_rms: float = Field(description="root of the mean of (1 - model/measured)^2")
     nrmse: float = Field(description="root-mean-square error of the stress over the largest measured stress")
     points: int = Field(description="rows")
+    stretch_min: float | None = Field(default=None, description="smallest stretch of the test, or 1")
+    stretch_max: float | None = Field(default=None, description="largest stretch of the test, or 1")
     predicted: bool | None = Field(default=None, description="true where the test took no part in the fit")
 
 

@@ -79,6 +79,8 @@ class Law(ABC):
     held: Mapping[str, float] = MappingProxyType({})
     #: Whether the terms are alike and differ by one nonlinear constant each, as in Ogden's law.
     exchangeable: bool = False
+    #: Whether all directions of the sheet are alike; else the constants are those of its first axis.
+    isotropic: bool = True
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -109,6 +111,10 @@ class Law(ABC):
     def order(self, theta: Sequence[float]) -> list[int]:
         """Return the order in which exchangeable terms are written."""
         return list(range(len(theta)))
+
+    def turned(self, values: Sequence[float]) -> list[float]:
+        """Return constants in the order of ``names`` for the sheet turned by a quarter."""
+        return list(values)
 
     def refusal(self, parameters: Mapping[str, float]) -> str | None:
         """Say what is wrong with constants that have no meaning, or None."""

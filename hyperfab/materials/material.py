@@ -46,6 +46,14 @@ class Material:
         """The constants by name, as in a material document."""
         return self.law.join(self.c, self.theta)
 
+    def turned(self) -> Material:
+        """Return the material with its axes exchanged; the same where all directions are alike."""
+        if self.law.isotropic:
+            return self
+        values = self.law.turned([self.parameters[name] for name in self.law.names])
+        c, theta = self.law.split(dict(zip(self.law.names, values, strict=True)))
+        return Material(self.law, tuple(c), tuple(theta))
+
     def membrane(self, l1: ArrayLike, l2: ArrayLike) -> Membrane:
         """Return energy, stresses and tangent of the sheet stretched by ``l1`` and ``l2`` in its plane.
 

@@ -39,11 +39,12 @@ def law(name: str) -> Law:
     return laws()[name]
 
 
-def bind(name: str, parameters: Mapping[str, float]) -> Material:
+def bind(name: str, parameters: Mapping[str, float], anisotropic: bool = False) -> Material:
     """Return the material: the law called ``name`` with its constants, keyed as in a material document.
 
     Raises InputError naming the law that is unknown, or the constant that is missing, unknown, not a finite number,
-    or without meaning.
+    or without meaning. A law with directions of its own is refused unless the caller, with ``anisotropic``, says that
+    it lays the material's first axis along the fabric's.
 
     >>> bind("mooney-rivlin-2", {"C10_MPa": 0.16, "C01_MPa": 0.01}).c
     (0.16, 0.01)
@@ -51,6 +52,12 @@ def bind(name: str, parameters: Mapping[str, float]) -> Material:
     if name not in laws():
         raise InputError(f"there is no law {name!r}", key="model", remedy=f"the laws are {', '.join(laws())}")
     found = law(name)
+    if not found.isotropic and not anisotropic:
+        raise InputError(
+            f"{name} is a law with directions, an isotropic one is needed here",
+            key="model",
+            remedy="fit warp and weft with a law as yeoh-3",
+        )
     for key in parameters:
         if key not in found.names:
             raise InputError(f"is no constant of {name}", key=key, remedy=f"it has {', '.join(found.names)}")

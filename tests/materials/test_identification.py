@@ -200,5 +200,6 @@ def test_nonnegative_least_squares_meets_its_optimality_conditions() -> None:
 def test_fitting_raises_no_warning(curves: list[Curve]) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        for name in laws():
-            fitted(name, curves[:1])
+        for name, law in laws().items():
+            if law.isotropic:
+                fitted(name, curves[:1])

@@ -65,7 +65,7 @@ def _tested(fit: FitFigures | None) -> float | None:
 
 def _law(model: str, parameters: Mapping[str, float], name: str, key: str) -> SpringLaw:
     try:
-        return spring_law(bind(model, parameters))
+        return spring_law(bind(model, parameters, anisotropic=True))
     except InputError as error:
         raise InputError(error.message, file=name, key=error.key, remedy=error.remedy) from None
     except ValueError as error:

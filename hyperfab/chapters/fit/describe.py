@@ -24,7 +24,7 @@ from hyperfab.materials.identification.quality import Figures
 Reach = Mapping[str, tuple[float, float]]
 
 
-def fit_figures(found: Identified) -> FitFigures:
+def fit_figures(found: Identified, reach: Reach) -> FitFigures:
     """Return the figures of a fit, test by test."""
     sure = found.certainty
     sd = {name: float(value) for name, value in zip(sure.names, sure.sd, strict=True) if math.isfinite(value)}
@@ -35,7 +35,8 @@ def fit_figures(found: Identified) -> FitFigures:
             status = "the test reaches beyond the limiting stretch of the law"
             tests[mode] = Unpredicted(points=points, predicted=flag, status=status)
         else:
-            tests[mode] = TestFigures(**vars(figures), predicted=flag)
+            low, high = reach.get(mode, (None, None))
+            tests[mode] = TestFigures(**vars(figures), stretch_min=low, stretch_max=high, predicted=flag)
     correlation = sure.correlation.tolist() if np.isfinite(sure.correlation).all() else None
     return FitFigures(
         **vars(found.total),
@@ -102,7 +103,7 @@ def direction(found: Identified, far: Sequence[Outlier], reach: Reach) -> Direct
     """Return one direction of the fabric."""
     return Direction(
         parameters=found.material.parameters,
-        fit=with_outliers(fit_figures(found), far),
+        fit=with_outliers(fit_figures(found, reach), far),
         stability=stability(found, reach),
         stable=found.stable,
         temperatures=temperatures(found),
@@ -120,7 +121,7 @@ def model_row(
         E2=found.total.E2,
         relative_rms=found.total.relative_rms,
         parameters=found.material.parameters,
-        fit=fit_figures(found),
+        fit=fit_figures(found, reach),
         stability=stability(found, reach),
         carry_over=carry_over if carry_over is not None and math.isfinite(carry_over) else None,
         stable=stable,

@@ -29,7 +29,7 @@ def doubts(best: Judged, sets: Sets, setting: Setting) -> list[str]:
             ends = {m: r.first_unstable for m, r in part.ranges.items() if r.first_unstable is not None}
             first = ", ".join(f"{mode} {stretch:.3f}" for mode, stretch in ends.items())
             found.append(f"not Drucker-stable over the data{where}: first unstable stretch {first}")
-        if part.fit.at_bound:
+        if part.fit.at_bound and part.along != "weft":
             found.append(
                 f"at the edge of its box{where}: {', '.join(part.fit.at_bound)}; the tests do not bound it"
             )
@@ -46,7 +46,7 @@ def doubts(best: Judged, sets: Sets, setting: Setting) -> list[str]:
         if sure.condition_number > 1e4:
             found.append(f"ill-conditioned{where}: the condition number is {sure.condition_number:.1e}")
         found += _wild(part, setting, where)
-        found += _single_readings(part, sets[name], setting)
+        found += _single_readings(part, rows_of(part, sets, name), setting)
     return found
 
 
@@ -62,6 +62,11 @@ def _wild(part: Identified, setting: Setting, where: str) -> list[str]:
         f"not identifiable from {' and '.join(setting.fit_on)} data alone{where}: "
         f"the prediction for {' and '.join(wild)} is wild"
     ]
+
+
+def rows_of(part: Identified, sets: Sets, name: str | None) -> Sequence[Reading]:
+    """Return the curves that were fitted for a direction: all of them where the law has directions of its own."""
+    return sets[name] if part.law.isotropic else sets[None]
 
 
 @dataclass(frozen=True)

@@ -42,7 +42,7 @@ class Identified:
 
     ``materials`` are the constants at each of ``temperatures`` (one, None, where the tests tell none); ``reference``
     is the number of the one the material is described at. ``tests`` has the figures of every test, None where it
-    reaches beyond the law's limit.
+    reaches beyond the law's limit. ``along`` is the direction that is the materials' first axis; None is the warp.
     """
 
     law: Law
@@ -56,6 +56,7 @@ class Identified:
     certainty: Certainty
     ranges: dict[str, Range]
     stable: bool
+    along: str | None = None
 
     @property
     def material(self) -> Material:
@@ -77,7 +78,9 @@ def identify(law: Law, curves: Sequence[Reading], setting: Setting) -> Identifie
         None,
     )
     reference = _reference(temperatures)
-    rows = _rows(used, temperatures, setting)
+    if not law.isotropic and (wrong := _misses_directions(used)):
+        return wrong
+    rows = _rows(used, temperatures, setting, law)
     problem = Problem(law, rows)
     wanted = len(problem.free) * rows.groups + len(problem.axes)
     if len(rows) < wanted:
@@ -109,13 +112,37 @@ def identify(law: Law, curves: Sequence[Reading], setting: Setting) -> Identifie
     return found
 
 
+def along_direction(found: Identified, name: str, curves: Sequence[Reading], setting: Setting) -> Identified:
+    """Return an anisotropic law as seen along one direction of the fabric, with the figures of its tests alone."""
+    sure, materials = found.certainty, found.materials
+    if name == "weft":
+        materials = tuple(material.turned() for material in materials)
+        order = [int(k) for k in found.law.turned(list(range(len(sure.names))))]
+        sure = replace(sure, sd=sure.sd[order], correlation=sure.correlation[np.ix_(order, order)])
+    ranges = stable_ranges(materials[found.reference])
+    part = replace(
+        found,
+        materials=materials,
+        certainty=sure,
+        ranges=ranges,
+        stable=stable_over(ranges, reach(curves)),
+        along=name,
+        tests={},
+    )
+    part.tests.update({mode: _test(part, mode, curves, setting) for mode in _modes(curves)})
+    used = [curve for curve in curves if curve.mode in setting.fit_on]
+    own = [predict(part, curve)[0] for curve in used]
+    total = figures(np.concatenate([curve.stress for curve in used]), np.concatenate(own))
+    return part if total is None else replace(part, total=total)
+
+
 def without_test(found: Identified, mode: str, curves: Sequence[Reading], setting: Setting) -> Figures | None:
     """Return how constants fitted without the test ``mode``, near those of all, predict it; None if they cannot."""
     rest = [curve for curve in curves if curve.mode in setting.fit_on and curve.mode != mode]
     temperatures = tuple(sorted({t for t in (curve.temperature for curve in rest) if t is not None})) or (
         None,
     )
-    rows = _rows(rest, temperatures, setting)
+    rows = _rows(rest, temperatures, setting, found.law)
     problem = Problem(found.law, rows)
     if len(rows) < len(problem.free) * rows.groups + len(problem.axes):
         return None
@@ -128,19 +155,21 @@ def without_test(found: Identified, mode: str, curves: Sequence[Reading], settin
     return _test(again, mode, curves, setting)[0]
 
 
-def _rows(used: Sequence[Reading], temperatures: Sequence[float | None], setting: Setting) -> Rows:
+def _rows(used: Sequence[Reading], temperatures: Sequence[float | None], setting: Setting, law: Law) -> Rows:
     """Gather the rows to fit; linear constants are shared by the curves of one temperature."""
     reference = _reference(temperatures)
     groups = [
         temperatures.index(curve.temperature) if curve.temperature is not None else reference
         for curve in used
     ]
-    return Rows.of([_curve(curve, setting) for curve in used], groups)
+    return Rows.of([_curve(curve, setting, _axis(law, curve)) for curve in used], groups)
 
 
 def predict(found: Identified, curve: Reading) -> tuple[Array, Array | None]:
     """Return the stress [MPa] the constants give at the rows of a curve, along both directions where both are known."""
     material = found.material_at(curve.temperature)
+    if _axis(found.law, curve) == 2 and found.along != "weft":
+        material = material.turned()
     if curve.stretch2 is not None and curve.mode == "biaxial-general":
         answer = material.membrane(curve.stretch, curve.stretch2)
         return answer.P1, answer.P2
@@ -160,7 +189,19 @@ def reach(curves: Sequence[Reading]) -> dict[str, tuple[float, float]]:
     return found
 
 
-def _curve(reading: Reading, setting: Setting) -> Curve:
+def _misses_directions(used: Sequence[Reading]) -> str | None:
+    directions = {curve.direction for curve in used}
+    other = sorted(name for name in directions if name not in ("warp", "weft", None))
+    if other:
+        return f"its fibres lie along warp and weft, a test at {other[0]} cannot take part"
+    return None if {"warp", "weft"} <= directions else "its fibres need tests along warp and weft"
+
+
+def _axis(law: Law, curve: Reading) -> int:
+    return 2 if not law.isotropic and curve.direction == "weft" else 1
+
+
+def _curve(reading: Reading, setting: Setting, axis: int) -> Curve:
     sd = reading.sd if reading.sd is not None else setting.noise
 
     def weight(stress: Array) -> Array:
@@ -177,6 +218,7 @@ def _curve(reading: Reading, setting: Setting) -> Curve:
         stretch2=reading.stretch2,
         stress2=reading.stress2,
         weight2=None if reading.stress2 is None else weight(reading.stress2),
+        axis=axis,
     )
 
 

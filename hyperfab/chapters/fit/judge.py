@@ -6,7 +6,13 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from hyperfab.chapters.fit.identify import Identified, Setting, identify, without_test
+from hyperfab.chapters.fit.identify import (
+    Identified,
+    Setting,
+    along_direction,
+    identify,
+    without_test,
+)
 from hyperfab.chapters.fit.reading import Reading
 from hyperfab.materials.identification.quality import Figures
 from hyperfab.materials.identification.transfer import transfer_risk
@@ -45,7 +51,7 @@ class Judged:
 
 def judge(law: Law, sets: Sets, setting: Setting, ranked: bool) -> Judged:
     """Fit ``law`` to every set of curves; with ``ranked``, find how it carries over."""
-    results = {name: identify(law, curves, setting) for name, curves in sets.items()}
+    results = _results(law, sets, setting)
     parts = [results[name] for name in sets if name is not None] or [results[None]]
     good = [part for part in parts if isinstance(part, Identified)]
     if len(good) < len(parts) or isinstance(results[None], str):
@@ -62,6 +68,20 @@ def judge(law: Law, sets: Sets, setting: Setting, ranked: bool) -> Judged:
         stable=all(part.stable for part in good),
         accepted=all(part.total.relative_rms <= setting.accept for part in good),
     )
+
+
+def _results(law: Law, sets: Sets, setting: Setting) -> dict[str | None, Identified | str]:
+    """Fit every set; a law with directions of its own is fitted once and seen along each."""
+    if law.isotropic:
+        return {name: identify(law, curves, setting) for name, curves in sets.items()}
+    whole = identify(law, sets[None], setting)
+    if isinstance(whole, str):
+        return dict.fromkeys(sets, whole)
+    found: dict[str | None, Identified | str] = {None: whole}
+    for name, curves in sets.items():
+        if name is not None:
+            found[name] = along_direction(whole, name, curves, setting)
+    return found
 
 
 def _carry_over(law: Law, curves: Sequence[Reading], setting: Setting, found: Identified | str) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from hyperfab.chapters.fit import describe
-from hyperfab.chapters.fit.doubts import doubts, outliers, replicates
+from hyperfab.chapters.fit.doubts import doubts, outliers, replicates, rows_of
 from hyperfab.chapters.fit.identify import Identified, Setting, reach
 from hyperfab.chapters.fit.judge import Judged, Sets, judge
 from hyperfab.chapters.fit.prepare import Steps
@@ -55,7 +55,7 @@ def run(
         raise UsageError(f"--objective {objective}: it is relative or absolute")
     if not accept > 0.0:
         raise UsageError(f"--accept {accept}: a relative rms above zero is needed, as 0.30")
-    candidates = list(laws().values()) if model == "all" else [law(model)]
+    candidates = [one for one in laws().values() if one.isotropic] if model == "all" else [law(model)]
     files = {"uniaxial": uniaxial, "shear": shear, "biaxial": biaxial, "volumetric": volumetric}
     sizes = geometry(
         specimen,
@@ -152,7 +152,9 @@ def _document(
     whole = best.results[None]
     assert isinstance(whole, Identified)
     directions = {
-        name: describe.direction(found, outliers(found, sets[name], setting), reach(sets[name]))
+        name: describe.direction(
+            found, outliers(found, rows_of(found, sets, name), setting), reach(sets[name])
+        )
         for name, found in best.results.items()
         if name is not None and isinstance(found, Identified)
     }
@@ -165,7 +167,9 @@ def _document(
         temperature_degC=whole.temperatures[whole.reference],
         directions=directions or None,
         temperatures=describe.temperatures(whole),
-        fit=describe.with_outliers(describe.fit_figures(whole), outliers(whole, sets[None], setting)),
+        fit=describe.with_outliers(
+            describe.fit_figures(whole, data_reach), outliers(whole, sets[None], setting)
+        ),
         stability=describe.stability(whole, data_reach),
         stable=best.stable,
         accepted=best.accepted,

@@ -19,7 +19,8 @@ class Curve:
     """Readings of one test: ``stretch`` and nominal ``stress`` [MPa] of the loading direction, one entry a row.
 
     ``mode`` is uniaxial, shear, biaxial or biaxial-general; the last has ``stretch2`` and ``stress2`` too.
-    ``weight`` multiplies the residual of each row [1/MPa]: 1/stress makes the fit relative.
+    ``weight`` multiplies the residual of each row [1/MPa]: 1/stress makes the fit relative. ``axis`` is 2 where the
+    test was made along the second axis of an anisotropic sheet.
     """
 
     mode: str
@@ -29,6 +30,7 @@ class Curve:
     stretch2: Array | None = None
     stress2: Array | None = None
     weight2: Array | None = None
+    axis: int = 1
 
 
 @dataclass(frozen=True)
@@ -64,7 +66,9 @@ class Rows:
                 parts.append((one, two, curve.stress2, curve.weight2, False, 1, number, group))
             else:
                 second = second_stretch(curve.mode, curve.stretch)
-                parts.append((curve.stretch, second, curve.stress, curve.weight, uniaxial, 0, number, group))
+                one, two = (curve.stretch, second) if curve.axis == 1 else (second, curve.stretch)
+                along = curve.axis - 1
+                parts.append((one, two, curve.stress, curve.weight, uniaxial, along, number, group))
         kinds = (float, float, float, float, bool, np.int64, np.int64, np.int64)
         columns: list[Any] = [
             np.concatenate(
