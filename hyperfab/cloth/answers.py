@@ -53,7 +53,7 @@ def answers(sheet: Sheet, mold: Mold, found: Equilibrium) -> Answers:
     rest = sheet.arrays.rest
     along = np.linalg.norm(np.diff(x, axis=0), axis=2)
     across = np.linalg.norm(np.diff(x, axis=1), axis=2)
-    for (i, j, d), length in zip(found.bent, found.bent_length, strict=True):
+    for (i, j, d, _), length in zip(found.bent, found.bent_length, strict=True):
         (along if d == 0 else across)[i, j] = length
     warp, weft = along / rest[0], across / rest[1]
     slack_warp, slack_weft = warp < 1.0 - SLACK, weft < 1.0 - SLACK

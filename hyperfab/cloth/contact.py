@@ -17,6 +17,8 @@ from .creases import over_edge
 from .features import beside, copy, decide, dot, edge_reached, outward, unfold, valley
 from .law import Floats
 from .mold import FREE, ON_FACE, SHARP, Ints, Mold, States
+from .net import Arrays
+from .pinning import pinned
 
 #: Share of the mold's size beyond which a step may lead through it, or along a tangent to nowhere.
 LONG = 1e-3
@@ -35,6 +37,9 @@ def move(
     state_t: States,
     slot_t: Ints,
     clear_t: Floats,
+    crossed: States,
+    crossed_t: States,
+    bent: Ints,
     ways: Floats,
     hinges: Ints,
     first: int,
@@ -42,7 +47,8 @@ def move(
 ) -> None:
     """Nodes of rows ``first:last`` moved by ``alpha d`` and set back onto the mold where they are on or in it.
 
-    ``ways`` and ``hinges``: the bent springs' frames, and those of each node (empty where no edge is sharp).
+    ``bent``, ``ways`` and ``hinges``: the bent springs, their frames, and those of each node (empty without sharp
+    edges). A node that goes over the same edge twice in a row (``crossed``) stops on it.
     ``clear`` is a distance below which a free node's ball holds no part of the mold: most free nodes need no search.
     """
     m = x.shape[1]
@@ -64,7 +70,19 @@ def move(
             if way == 0.0:
                 continue
             way = np.sqrt(way)
-            turned = ways.shape[0] > 0 and over_edge(ways, hinges[i, j], x[i, j], y)
+            crossed_t[i, j] = 0
+            turned = False
+            if ways.shape[0] > 0:
+                stop = crossed[i, j] > 0
+                c = over_edge(bent, ways, mold.creases, hinges[i, j], x[i, j], y, stop)
+                if c < 0:
+                    for k in range(3):
+                        xt[i, j, k] = y[k]
+                    slot_t[i, j], edge = mold.creases.facet[-c - 1, 0], mold.creases.facet[-c - 1, 1]
+                    state_t[i, j], clear_t[i, j] = ON_FACE + 1 + edge, 0.0
+                    continue
+                turned = c > 0
+                crossed_t[i, j] = 1 if turned else 0
             if not turned and state[i, j] == FREE and clear[i, j] > way:
                 clear_t[i, j] -= way
                 continue
@@ -78,6 +96,12 @@ def move(
                         xt[i, j, k] = y[k] - off * n[k]
                     continue
                 if mold.turn[slot[i, j], edge] > SHARP:
+                    if crossed[i, j] > 0:
+                        for k in range(3):
+                            xt[i, j, k] = x[i, j, k] + s * (y[k] - x[i, j, k])
+                        state_t[i, j] = ON_FACE + 1 + edge
+                        continue
+                    crossed_t[i, j] = 1
                     hint = unfold(mold, slot[i, j], edge, x[i, j], y, s)
             cx, cy, cz, near, feature = nearest_one(
                 y[0],
@@ -124,7 +148,7 @@ def move(
                 slot_t[i, j] = slot[i, j]
                 continue
             xt[i, j, 0], xt[i, j, 1], xt[i, j, 2] = cx, cy, cz
-            if feature > 0 and beside(mold, near, feature, xt[i, j]):
+            if feature > 3 and beside(mold, near, feature, xt[i, j]):
                 feature = 0
             state_t[i, j], clear_t[i, j] = ON_FACE + feature, 0.0
 
@@ -164,6 +188,10 @@ def settle(
     x: Floats,
     f: Floats,
     mold: Mold,
+    net: Arrays,
+    bent: Ints,
+    ways: Floats,
+    hinges: Ints,
     fixed: npt.NDArray[np.uint8],
     slack: float,
     state: States,
@@ -173,19 +201,19 @@ def settle(
     q: Floats,
     r: Floats,
     press: Floats,
-) -> tuple[float, int, int, int]:
+) -> tuple[float, int, int, int, int]:
     """Decide the contact of every node under the forces f.
 
     Fills the projectors ``q``, the unbalanced force ``r`` and the normal force ``press`` (n, m) N; nodes are let go
     when the force points outward by more than ``slack`` N. ``before`` is the slot of each node before the last move.
-    Returns the largest unbalanced force, its node (flat index), the number of nodes on the mold, and how many
-    changed between free and contact.
+    Returns the largest unbalanced force, its node (flat index), the number of nodes on the mold, how many were let
+    go, and how many were put onto a valley's line or off a sharp edge, so that the forces are no longer theirs.
     """
     n, m = x.shape[0], x.shape[1]
     slots = np.empty(64, np.int64)
     t, u = np.empty(3), np.empty(3)
     normals = np.empty((2, 3))
-    worst, where, contacts, changed = 0.0, 0, 0, 0
+    worst, where, contacts, changed, moved = 0.0, 0, 0, 0, 0
     for i in range(n):
         for j in range(m):
             press[i, j] = 0.0
@@ -202,8 +230,13 @@ def settle(
                     if e >= 0:
                         s = ON_FACE + 1 + e
                         state[i, j] = s
+                        before[i, j] = slot[i, j]
+                        moved += 1
                 if s == ON_FACE and dot(f[i, j], mold.normals[slot[i, j], 0]) > slack:
                     s = FREE
+            elif s > ON_FACE and s <= ON_FACE + 3 and mold.turn[slot[i, j], s - ON_FACE - 1] > SHARP:
+                s = pinned(mold, net, x, f, i, j, slot, s, bent, ways, hinges, slack)
+                moved += 1 if s != state[i, j] else 0
             elif s > ON_FACE:
                 s, slot[i, j] = decide(mold, x[i, j], f[i, j], slot[i, j], s, slots, t, u)
                 if s == ON_FACE and dot(f[i, j], mold.normals[slot[i, j], 0]) > slack:
@@ -239,4 +272,4 @@ def settle(
             size = np.sqrt(dot(r[i, j], r[i, j]))
             if size > worst:
                 worst, where = size, i * m + j
-    return worst, where, contacts, changed
+    return worst, where, contacts, changed, moved

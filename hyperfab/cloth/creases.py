@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 from numba import njit
 
 from hyperfab.surface import bvh
@@ -18,16 +19,19 @@ from .law import Floats, evaluate
 from .mold import Creases, Ints
 from .net import Arrays
 
+#: A step that ends within this many mm of a sharp edge ends on it.
+ON_EDGE = 3e-7
+
 
 class Bends(NamedTuple):
-    """Bent springs: node (i, j), direction (0 warp, 1 weft), and the two ways that meet on the edge."""
+    """Bent springs: node (i, j), direction (0 warp, 1 weft), crease, and the two ways that meet on the edge."""
 
-    springs: Ints  # (k, 3)
+    springs: Ints  # (k, 4)
     ways: Floats  # (k, 13): unit ways to and from the edge, axis, reach of both, offset along the axis, their sum
 
 
 @njit(cache=True)
-def _over(creases: Creases, c: int, p: Floats, q: Floats, h: Floats, g: Floats) -> tuple[int, float, float]:
+def _over(creases: Creases, c: int, p: Floats, q: Floats, h: Floats) -> tuple[int, float, float]:
     """Shortest way from p to q over the line of creases around ``c``: (crease, place on it, its length)."""
     s, length = 0.0, 0.0
     came = -1
@@ -59,10 +63,68 @@ def _over(creases: Creases, c: int, p: Floats, q: Floats, h: Floats, g: Floats) 
 
 
 @njit(cache=True)
+def _parted(creases: Creases, c: int, p: Floats, q: Floats, g: Floats, h: Floats) -> bool:
+    """Does the straight way from p to q lead through the mold at the place g of a crease along h?
+
+    It does where p and q, seen from the crease, stand more than half a turn apart, measured outside the mold.
+    """
+    one, two = creases.normals[c, 0], creases.normals[c, 1]
+    x, y, z = one[1] * h[2] - one[2] * h[1], one[2] * h[0] - one[0] * h[2], one[0] * h[1] - one[1] * h[0]
+    sign = -1.0 if x * two[0] + y * two[1] + z * two[2] > 0.0 else 1.0
+    reach = np.pi + np.arccos(min(1.0, one[0] * two[0] + one[1] * two[1] + one[2] * two[2]))
+    turn = np.zeros(2)
+    for side in range(2):
+        v = p if side == 0 else q
+        dx, dy, dz = v[0] - g[0], v[1] - g[1], v[2] - g[2]
+        a = sign * (dx * x + dy * y + dz * z)
+        b = dx * one[0] + dy * one[1] + dz * one[2]
+        if a * a + b * b < 1e-24:
+            return False
+        angle = np.arctan2(b, a)
+        if angle < 0.0:
+            angle += 2.0 * np.pi
+        if angle > reach:
+            angle = reach if angle < 0.5 * reach + np.pi else 0.0
+        turn[side] = angle
+    return bool(abs(turn[0] - turn[1]) > np.pi)
+
+
+@njit(cache=True)
+def _crossed(creases: Creases, c: int, p: Floats, q: Floats, g: Floats, h: Floats) -> int:
+    """Crease near ``c`` over which the way from p to q is bent, at the place g of its line along h; -1: none."""
+    c, s, length = _over(creases, c, p, q, h)
+    end = -1
+    if s <= 0.0 and creases.beyond[c, 0] < 0:
+        end = 0
+    elif s >= length and creases.beyond[c, 1] < 0:
+        end = 1
+    if end < 0:
+        _place(creases, c, s, h, g)
+        return c if _parted(creases, c, p, q, g, h) else -1
+    for tries in range(4):  # at a corner the way slips off onto one of the other creases that meet there
+        other = creases.meeting[c, end, tries]
+        if other < 0:
+            continue
+        other, s, length = _over(creases, other, p, q, h)
+        if 0.0 < s < length:
+            _place(creases, other, s, h, g)
+            if _parted(creases, other, p, q, g, h):
+                return other
+    return -1
+
+
+@njit(cache=True)
+def _place(creases: Creases, c: int, s: float, h: Floats, g: Floats) -> None:
+    for r in range(3):
+        g[r] = creases.corners[c, 0, r] + s * h[r]
+
+
+@njit(cache=True)
 def find_bends(
     x: Floats,
     clear: Floats,
     creases: Creases,
+    straight: npt.NDArray[np.bool_],
     springs: Ints,
     ways: Floats,
     first: int,
@@ -70,7 +132,7 @@ def find_bends(
     found: int,
 ) -> int:
     """List the bent springs of node rows ``first:last`` after the ``found`` ones; their number, also where it is more
-    than fits.
+    than fits. Springs marked in ``straight`` (n, m, 2) are left out.
     """
     n, m = x.shape[0], x.shape[1]
     stack, stack_d = np.empty(bvh.DEPTH, np.int64), np.empty(bvh.DEPTH)
@@ -83,7 +145,7 @@ def find_bends(
                     continue
                 p, q = x[i, j], x[k, l]
                 len2 = (q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2 + (q[2] - p[2]) ** 2
-                if (clear[i, j] + clear[k, l]) ** 2 > len2:
+                if (clear[i, j] + clear[k, l]) ** 2 > len2 or straight[i, j, d] or len2 == 0.0:
                     continue
                 t, c = 0.5, -1
                 for _ in range(3):
@@ -106,25 +168,11 @@ def find_bends(
                         + (ez - p[2]) * (q[2] - p[2])
                     ) / len2
                     t = min(max(t, 0.0), 1.0)
-                c, s, _length = _over(creases, c, p, q, h, g)
-                a = creases.corners[c, 0]
-                for r in range(3):
-                    g[r] = a[r] + s * h[r]  # where the way crosses the crease
-                t = 0.0
-                for r in range(3):
-                    t += (g[r] - p[r]) * (q[r] - p[r])
-                t /= len2
-                if t <= 0.0 or t >= 1.0:
-                    continue
-                one, two = 0.0, 0.0
-                for r in range(3):
-                    off = p[r] + t * (q[r] - p[r]) - g[r]
-                    one += off * creases.normals[c, 0, r]
-                    two += off * creases.normals[c, 1, r]
-                if one > -1e-9 or two > -1e-9:
+                c = _crossed(creases, c, p, q, g, h)
+                if c < 0:
                     continue
                 if found < springs.shape[0]:
-                    springs[found, 0], springs[found, 1], springs[found, 2] = i, j, d
+                    springs[found, 0], springs[found, 1], springs[found, 2], springs[found, 3] = i, j, d, c
                     _ways(p, q, g, h, ways[found])
                 found += 1
     return found
@@ -166,7 +214,7 @@ def _ways(p: Floats, q: Floats, g: Floats, h: Floats, way: Floats) -> None:
 
 
 @njit(cache=True)
-def _law_of(net: Arrays, i: int, j: int, d: int, length: float) -> tuple[float, float, float]:
+def law_of(net: Arrays, i: int, j: int, d: int, length: float) -> tuple[float, float, float]:
     """Energy, force and stiffness of a spring of the given length."""
     rest = net.rest[d]
     if length <= rest:
@@ -197,8 +245,8 @@ def bend_forces(
             chord += (x[k, l, r] - x[i, j, r]) ** 2
         chord = np.sqrt(chord)
         w = ways[b]
-        e0, t0, _ = _law_of(net, i, j, d, chord)
-        e1, t1, _ = _law_of(net, i, j, d, w[12])
+        e0, t0, _ = law_of(net, i, j, d, chord)
+        e1, t1, _ = law_of(net, i, j, d, w[12])
         change += e1 - e0
         largest = max(largest, t1)
         across, along = (w[9] + w[10]) / w[12] * t1, w[11] / w[12] * t1
@@ -235,7 +283,7 @@ def bend_stiffness(
         for r in range(6):
             block[r] = 0.0
         w = ways[b]
-        _, force, slope = _law_of(net, i, j, d, w[12])
+        _, force, slope = law_of(net, i, j, d, w[12])
         along, across = max(slope, floor), max(force / w[12], floor)
         for r in range(3):
             t[r] = ((w[9] + w[10]) * w[r] + w[11] * w[6 + r]) / w[12]
@@ -305,12 +353,16 @@ def hinge_nodes(springs: Ints, hinges: Ints) -> None:
 
 
 @njit(cache=True)
-def over_edge(ways: Floats, hinge: Ints, x: Floats, y: Floats) -> bool:
+def over_edge(
+    springs: Ints, ways: Floats, creases: Creases, hinge: Ints, x: Floats, y: Floats, stop: bool
+) -> int:
     """A node stepping from x to y past the sharp edge that bends one of its springs goes on along that spring.
 
-    ``y`` is then where it gets to, True. Straight on, it would leave the way on which nothing jumps.
+    Straight on, it would leave the way on which nothing jumps. ``y`` is then where it gets to, or with ``stop`` the
+    place where it meets the edge; a step that ends on the edge stops there anyhow. Returns 1 + the crease, negative
+    where it stopped, 0 where none is passed.
     """
-    most, best = 0.0, 0
+    most, best = -ON_EDGE, 0
     for h in range(2):
         if hinge[h] == 0:
             continue
@@ -322,14 +374,21 @@ def over_edge(ways: Floats, hinge: Ints, x: Floats, y: Floats) -> bool:
         if past > most:
             most, best = past, hinge[h]
     if best == 0:
-        return False
+        return 0
     w = ways[abs(best) - 1]
     along = 0.0
     for k in range(3):
         along += (y[k] - x[k]) * w[6 + k]
+    stop = stop or most < ON_EDGE
+    beyond = 0.0 if stop else most
     for k in range(3):
         if best > 0:
-            y[k] = x[k] + w[9] * w[k] + along * w[6 + k] + most * w[3 + k]
+            y[k] = x[k] + w[9] * w[k] + along * w[6 + k] + beyond * w[3 + k]
         else:
-            y[k] = x[k] - w[10] * w[3 + k] + along * w[6 + k] - most * w[k]
-    return True
+            y[k] = x[k] - w[10] * w[3 + k] + along * w[6 + k] - beyond * w[k]
+    c = springs[abs(best) - 1, 3]
+    if stop:
+        cx, cy, cz, _f = bvh.closest_on_triangle(creases.corners[c], y[0], y[1], y[2])
+        y[0], y[1], y[2] = cx, cy, cz
+        return -(c + 1)
+    return int(c + 1)

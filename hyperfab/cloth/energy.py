@@ -19,9 +19,29 @@ class Energy:
     def __init__(self, sheet: Sheet, mold: Mold) -> None:
         self.net = sheet.arrays
         self.mold = mold
-        self.springs: Ints = np.zeros((0, 3), np.int64)  # laid over edges at the last place
+        self.springs: Ints = np.zeros((0, 4), np.int64)  # laid over edges at the last place
         self.ways: Floats = np.zeros((0, 13))
         self.push: Floats = np.zeros(3)  # N, of the edges on the sheet
+        self.straight = np.zeros((sheet.n, sheet.m, 2), np.bool_)  # springs not to be laid over edges
+
+    def leave_corners(self, x: Floats) -> bool:
+        """Leave the springs near corners of several sharp edges straight from now on; False where that is done or none.
+
+        There a spring has ways around the corner that jump from one edge to another, and no equilibrium may exist.
+        What it then cuts off the corner is part of the penetration reported.
+        """
+        creases = self.mold.creases
+        corners = creases.corners[:, :2][(creases.meeting >= 0).any(2)]
+        if not len(corners) or self.straight.any():
+            return False
+        reach = 3.0 * float(self.net.rest[:2].max())
+        near = np.zeros(x.shape[:2], np.bool_)
+        for corner in np.unique(corners, axis=0):
+            near |= ((x - corner) ** 2).sum(2) < reach**2
+        self.straight[:] = near[:, :, None]
+        self.straight[:-1, :, 0] |= near[1:]
+        self.straight[:, :-1, 1] |= near[:, 1:]
+        return bool(near.any())
 
     def forces(self, x: Floats, clear: Floats, f: Floats) -> tuple[float, float]:
         """Forces on the nodes at x into ``f``; (energy N mm, largest spring force N)."""
@@ -38,9 +58,11 @@ class Energy:
         room = max(256, 2 * len(self.springs))
         rows = max(1, ROWS // m)
         while True:
-            springs, ways, found = np.empty((room, 3), np.int64), np.empty((room, 13)), 0
+            springs, ways, found = np.empty((room, 4), np.int64), np.empty((room, 13)), 0
             for i in range(0, n, rows):
-                found = find_bends(x, clear, self.mold.creases, springs, ways, i, min(i + rows, n), found)
+                found = find_bends(
+                    x, clear, self.mold.creases, self.straight, springs, ways, i, min(i + rows, n), found
+                )
             if found <= room:
                 break
             room = found

@@ -23,7 +23,7 @@ class Tangent:
     two: Floats
     extra: Floats
     q: Floats
-    springs: Ints  # (k, 3) springs laid over edges: node and direction
+    springs: Ints  # (k, 4) springs laid over edges: node, direction, crease
     coupling: Floats  # (k, 9) between their two nodes
 
     @classmethod
@@ -37,7 +37,7 @@ class Tangent:
             np.zeros(cells),
             np.zeros((n, m, 6)),
             np.zeros((n, m, 6)),
-            np.zeros((0, 3), np.int64),
+            np.zeros((0, 4), np.int64),
             np.zeros((0, 9)),
         )
 

@@ -31,6 +31,8 @@ class Creases(NamedTuple):
     number: Ints
     normals: Floats  # (c, 2, 3) of the two facets
     beyond: Ints  # (c, 2) the crease that goes on at each end, or -1
+    meeting: Ints  # (c, 2, 4) creases that meet it at a corner of several, or -1
+    facet: Ints  # (c, 2) slot of a facet of the mold, and which of its edges the crease is
 
 
 class Mold(NamedTuple):
@@ -98,4 +100,18 @@ def creases_of(surface: Surface, shift: tuple[float, float, float] = (0.0, 0.0, 
         number,
         np.ascontiguousarray(normals[order]),
         np.ascontiguousarray(beyond[order]),
+        np.ascontiguousarray(_corners_of(ends, count, place)[order]),
+        np.ascontiguousarray(np.stack([surface.slot_of_face[face], edge], 1)[order]),
     )
+
+
+def _corners_of(ends: Ints, count: Ints, place: Ints) -> Ints:
+    """(c, 2, 4) other creases, by their place in the tree, at each end where more than two meet."""
+    out = np.full((len(ends), 2, 4), -1)
+    at: dict[int, list[int]] = {}
+    for crease, end in zip(*np.nonzero(count[ends] > 2), strict=True):
+        at.setdefault(int(ends[crease, end]), []).append(int(crease))
+    for crease, end in zip(*np.nonzero(count[ends] > 2), strict=True):
+        others = [int(place[c]) for c in at[int(ends[crease, end])] if c != crease][:4]
+        out[crease, end, : len(others)] = others
+    return out

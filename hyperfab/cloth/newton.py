@@ -16,6 +16,8 @@ from .net import FIXED, Sheet
 
 #: Springs whose forces stay below their section's stiffness times this are unstretched but for rounding.
 RELAXED = 1e-8
+#: Steps after which springs around corners of the mold are taken for what keeps the equilibrium away.
+PATIENCE = 25
 
 
 @dataclass
@@ -26,10 +28,13 @@ class State:
     contact: States  # (n, m) FREE, or 1 + feature
     slot: Ints  # (n, m) facet on or near
     clear: Floats  # (n, m) mm, free of the mold at least this far
+    crossed: States  # (n, m) 1: its last step led over a sharp edge
 
     def copy(self) -> State:
         """Arrays of its own."""
-        return State(self.x.copy(), self.contact.copy(), self.slot.copy(), self.clear.copy())
+        return State(
+            self.x.copy(), self.contact.copy(), self.slot.copy(), self.clear.copy(), self.crossed.copy()
+        )
 
 
 @dataclass(frozen=True)
@@ -60,7 +65,7 @@ class Equilibrium:
     force: Floats  # (n, m, 3) N spring forces and weight
     residual: Floats  # (n, m, 3) N
     largest_force: float
-    bent: Ints  # (k, 3) springs laid over sharp edges: node and direction
+    bent: Ints  # (k, 4) springs laid over sharp edges: node, direction, crease
     bent_length: Floats  # (k,) mm
     push: Floats  # (3,) N, of the sharp edges on the springs laid over them
     status: str = ""
@@ -68,7 +73,15 @@ class Equilibrium:
 
 
 def step_to(
-    x: Floats, d: Floats, alpha: float, mold: Mold, state: State, out: State, ways: Floats, hinges: Ints
+    x: Floats,
+    d: Floats,
+    alpha: float,
+    mold: Mold,
+    state: State,
+    out: State,
+    bent: Ints,
+    ways: Floats,
+    hinges: Ints,
 ) -> None:
     """``out`` = nodes at ``x + alpha d``, back on the mold where they touch it."""
     rows = max(1, ROWS // x.shape[1])
@@ -85,6 +98,9 @@ def step_to(
             out.contact,
             out.slot,
             out.clear,
+            state.crossed,
+            out.crossed,
+            bent,
             ways,
             hinges,
             i,
@@ -122,10 +138,31 @@ def equilibrium(
     alpha, inner, forcing, relative_old = 1.0, 0, 0.1, 1.0
     status = "no equilibrium within the allowed steps"
     for iteration in range(largest + 1):
-        slack = 1e-3 * tolerance * strongest
-        worst, where, contacts, changed = settle(
-            now.x, f, mold, fixed, slack, now.contact, now.slot, before, now.clear, tangent.q, r, press
-        )
+        changed = 0
+        while True:
+            slack = 1e-3 * tolerance * strongest
+            worst, where, contacts, let_go, moved = settle(
+                now.x,
+                f,
+                mold,
+                net,
+                model.springs,
+                model.ways,
+                model.hinges(),
+                fixed,
+                slack,
+                now.contact,
+                now.slot,
+                before,
+                now.clear,
+                tangent.q,
+                r,
+                press,
+            )
+            changed += let_go
+            if not moved:
+                break
+            energy, strongest = model.forces(now.x, now.clear, f)
         relative = worst / max(strongest, unstretched)
         history.append(Step((n, m), iteration, energy, relative, contacts, alpha, inner, changed > 0))
         if report:
@@ -143,9 +180,9 @@ def equilibrium(
         solver(tangent, r, d, forcing)
         inner = solver.iterations
         slope = dot(r, d)
-        alpha, ways, hinges = 1.0, model.ways, model.hinges()
+        alpha, bent, ways, hinges = 1.0, model.springs, model.ways, model.hinges()
         while True:
-            step_to(now.x, d, alpha, mold, now, trial, ways, hinges)
+            step_to(now.x, d, alpha, mold, now, trial, bent, ways, hinges)
             energy_t, strongest_t = model.forces(trial.x, trial.clear, ft)
             rounding = 1e-14 * abs(energy) + 1e-300
             if energy_t <= energy - 1e-4 * alpha * slope + rounding:
@@ -153,6 +190,9 @@ def equilibrium(
             alpha *= 0.5
             if alpha < 1e-6:
                 break
+        if (alpha < 1e-6 or iteration == PATIENCE) and model.leave_corners(now.x):
+            energy, strongest = model.forces(now.x, now.clear, f)
+            continue
         if alpha < 1e-6:
             status = "no step lowers the energy further"
             break

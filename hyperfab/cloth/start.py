@@ -67,7 +67,7 @@ def place(
                     bad, deepest = i * x.shape[1] + j, distance
             elif inside or distance <= skin[i, j]:
                 p[0], p[1], p[2] = cx, cy, cz
-                if feature > 0 and beside(mold, near, feature, p):
+                if feature > 3 and beside(mold, near, feature, p):
                     feature = 0
                 contact[i, j], clear[i, j] = ON_FACE + feature, 0.0
     return bad, deepest
@@ -92,7 +92,7 @@ def settled(
     n, m = x.shape[:2]
     skin = np.zeros((n, m)) if skin is None else skin
     clear, slot = known or (np.zeros((n, m)), np.full((n, m), -1))
-    state = State(x.copy(), np.zeros((n, m), np.int8), slot, clear)
+    state = State(x.copy(), np.zeros((n, m), np.int8), slot, clear, np.zeros((n, m), np.int8))
     rows = max(1, ROWS // m)
     fixed = sheet.fixed
     for i in range(0, n, rows):

@@ -44,7 +44,7 @@ def test_the_tangent_is_the_derivative_of_the_forces(options):
     tangent.q[:] = [1, 0, 0, 1, 0, 1]
     d = np.random.default_rng(1).normal(size=x.shape)
     kd, plus, minus = np.zeros_like(x), np.zeros_like(x), np.zeros_like(x)
-    apply(*tangent.blocks, tangent.extra, tangent.q, d, kd)
+    apply(tangent, d, kd)
     h = 1e-6
     forces(x + h * d, sheet.arrays, plus)
     forces(x - h * d, sheet.arrays, minus)
@@ -80,7 +80,7 @@ def test_multigrid_keeps_the_number_of_inner_steps_as_the_grid_grows(sheared):
         b = np.einsum("ijkl,ijl->ijk", q, np.random.default_rng(2).normal(size=x.shape))
         d, back = np.zeros_like(x), np.zeros_like(x)
         assert solver(tangent, b, d, 1e-8)
-        apply(*tangent.blocks, tangent.extra, tangent.q, d, back)
+        apply(tangent, d, back)
         assert np.abs(back - b).max() < 1e-5 * np.abs(b).max()
         steps.append(solver.iterations)
     assert max(steps) <= 40
@@ -92,7 +92,7 @@ def test_the_preconditioner_is_symmetric():
     tangent, solver = Tangent.empty(17, 14, False), Solver(17, 14, False)
     stiffness(x, sheet.arrays, 0.0, *tangent.blocks)
     tangent.q[1:-1, 1:-1] = [1, 0, 0, 1, 0, 1]
-    solver.grids.build(tangent.blocks, tangent.extra, tangent.q)
+    solver.grids.build(tangent.blocks, tangent.extra, tangent.q, tangent.springs, tangent.coupling)
     rng = np.random.default_rng(3)
     a, b = (rng.normal(size=x.shape) * (sheet.fixed == 0)[..., None] for _ in range(2))
     ma, mb = np.zeros_like(x), np.zeros_like(x)
