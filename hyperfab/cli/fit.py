@@ -34,6 +34,9 @@ def fit(
     stable: Annotated[
         bool, typer.Option("--stable", help="Only constants that are Drucker-stable over the data.")
     ] = False,
+    plane: Annotated[
+        bool, typer.Option("--plane", help="Check stability over all pairs of stretches too.")
+    ] = False,
     accept: Annotated[float, typer.Option(metavar="R", help="Largest relative rms that is accepted.")] = 0.30,
     specimen: Annotated[
         str | None, typer.Option(metavar="NAME", help="Standard specimen, as iso-37-2 or iso-13934-1.")

@@ -104,6 +104,17 @@ class StableRange(_Part):
     )
 
 
+class StablePlane(_Part):
+    """Drucker stability over all pairs of in-plane stretches between two bounds."""
+
+    stretch_min: float
+    stretch_max: float
+    stable_fraction: float = Field(description="share of the pairs, within the law's limit, that are stable")
+    first_unstable_stretches: list[float] | None = Field(
+        default=None, description="the unstable pair nearest to rest"
+    )
+
+
 class AtTemperature(_Part):
     """The constants at one temperature."""
 
@@ -118,6 +129,7 @@ class Direction(_Part):
     parameters: Parameters
     fit: FitFigures | None = None
     stability: dict[str, StableRange] | None = None
+    stability_plane: StablePlane | None = None
     stable: bool | None = None
     temperatures: list[AtTemperature] | None = None
 
@@ -169,6 +181,7 @@ class MaterialDocument(Document):
     )
     fit: FitFigures | None = None
     stability: dict[str, StableRange] | None = None
+    stability_plane: StablePlane | None = None
     stable: bool | None = Field(default=None, description="Drucker-stable over the stretches of the tests")
     accepted: bool | None = Field(default=None, description="whether the relative rms is within --accept")
     objective: str | None = Field(default=None, description="relative or absolute least squares")

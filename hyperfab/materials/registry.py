@@ -42,9 +42,9 @@ def law(name: str) -> Law:
 def bind(name: str, parameters: Mapping[str, float], anisotropic: bool = False) -> Material:
     """Return the material: the law called ``name`` with its constants, keyed as in a material document.
 
-    Raises InputError naming the law that is unknown, or the constant that is missing, unknown, not a finite number,
-    or without meaning. A law with directions of its own is refused unless the caller, with ``anisotropic``, says that
-    it lays the material's first axis along the fabric's.
+    Raises InputError naming the law that is unknown, the constant that is missing, unknown, not a finite number or
+    without meaning, and where the constants have no stiffness at rest. A law with directions of its own is refused
+    unless the caller, with ``anisotropic``, says that it lays the material's first axis along the fabric's.
 
     >>> bind("mooney-rivlin-2", {"C10_MPa": 0.16, "C01_MPa": 0.01}).c
     (0.16, 0.01)
@@ -71,7 +71,16 @@ def bind(name: str, parameters: Mapping[str, float], anisotropic: bool = False) 
     if complaint is not None:
         raise InputError(f"these constants have no meaning in {name}: {complaint}", key="parameters")
     c, theta = found.split(parameters)
-    return Material(found, tuple(c), tuple(theta))
+    material = Material(found, tuple(c), tuple(theta))
+    # A hair beyond rest, where fibres that bear tension only have begun to.
+    modulus = float(material.uniaxial(1.0 + 1e-4).A)
+    if not 0.0 < modulus < math.inf:
+        raise InputError(
+            f"these constants of {name} have no stiffness at rest (Young's modulus {modulus:.3g} MPa)",
+            key="parameters",
+            remedy="fit the fabric again with --stable, or correct the constants",
+        )
+    return material
 
 
 def _is_number(value: object) -> bool:

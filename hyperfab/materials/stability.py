@@ -102,6 +102,39 @@ def _end(material: Material, mode: str, lam: Array, row: Array) -> tuple[float, 
     return good, reason
 
 
+@dataclass(frozen=True)
+class Plane:
+    """Stability over all pairs of stretches from ``low`` to ``high``: the stable share, the unstable pair nearest rest.
+
+    Pairs beyond the law's limit count as neither.
+    """
+
+    low: float
+    high: float
+    stable_fraction: float
+    first_unstable: tuple[float, float] | None
+
+
+def stable_plane(material: Material, low: float, high: float, points: int = 161) -> Plane:
+    """Look at the plane of both stretches on a grid even in logarithmic strain.
+
+    >>> from hyperfab.materials import bind
+    >>> stable_plane(bind("neo-hookean", {"C10_MPa": 0.2}), 0.8, 2.0).stable_fraction
+    1.0
+    """
+    line = np.geomspace(low, high, points)
+    l1, l2 = np.meshgrid(line, line, indexing="ij")
+    values = margin(material, l1, l2)
+    known, wrong = ~np.isnan(values), values <= _ROUNDING
+    first = None
+    if wrong.any():
+        distance = np.where(wrong, np.hypot(np.log(l1), np.log(l2)), np.inf)
+        place = np.unravel_index(int(np.argmin(distance)), distance.shape)
+        first = (float(l1[place]), float(l2[place]))
+    share = float((known & ~wrong).sum() / max(int(known.sum()), 1))
+    return Plane(low, high, share, first)
+
+
 def stable_over(ranges: Mapping[str, Range], reach: Mapping[str, tuple[float, float]]) -> bool:
     """Say whether each mode in ``reach`` is stable from the smallest to the largest stretch given for it."""
     return all(

@@ -360,3 +360,20 @@ def test_the_orthotropic_law_needs_both_directions(hf: Run) -> None:
     done = hf("fit", "--uniaxial", "specimens/lycra/warp-23C.csv", "--model", "fabric-fibres")
     assert done.returncode == 3
     assert "along warp and weft" in done.stderr.decode()
+
+
+def test_stability_over_the_plane_of_both_stretches_on_request(hf: Run) -> None:
+    found = fit(hf, *ALL, "--model", "mooney-rivlin-9", "--fit-on", "uniaxial", "--plane")
+    plane = found["stability_plane"]
+    assert 0.0 < plane["stable_fraction"] < 1.0
+    # No farther from rest than the first unstable stretch of equal biaxial tension.
+    first = found["stability"]["biaxial"]["first_unstable_stretch"]
+    assert np.hypot(*np.log(plane["first_unstable_stretches"])) <= 2**0.5 * np.log(first) + 0.05
+    assert "stability_plane" not in fit(hf, *ALL, "--model", "yeoh-3")
+
+
+def test_measured_contraction_is_told(hf: Run, tmp_path: Path) -> None:
+    rows = "\n".join(f"{x},{x**-0.3:.9f},{0.4 * (x - x**-2):.9f}" for x in (1.1, 1.3, 1.6, 2.0))
+    (tmp_path / "t.csv").write_text(f"stretch,stretch 2,stress [MPa]\n{rows}\n")
+    found = fit(hf, "--uniaxial", "t.csv", "--model", "neo-hookean", cwd=tmp_path)
+    assert "stretch^-0.300" in found["preparation"][0]

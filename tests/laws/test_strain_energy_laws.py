@@ -179,3 +179,17 @@ def test_beyond_the_limiting_stretch_there_is_no_number(name: str) -> None:
     found = bind(name, dict(zip(law.names, CONSTANTS[name], strict=True)))
     assert np.isnan(found.membrane(40.0, 1.0).P1)
     assert np.isnan(found.membrane(40.0, 1.0).W)
+
+
+@pytest.mark.parametrize(
+    ("name", "constants"),
+    [
+        ("neo-hookean", (0.0,)),
+        ("yeoh-3", (-0.1, 0.2, 0.3)),
+        ("mooney-rivlin-2", (0.1, -0.2)),
+        ("ogden-1", (0.1, -2.0)),
+    ],
+)
+def test_constants_without_stiffness_at_rest_are_refused(name: str, constants: tuple[float, ...]) -> None:
+    with pytest.raises(InputError, match="no stiffness at rest"):
+        bind(name, dict(zip(laws()[name].names, constants, strict=True)))

@@ -15,11 +15,13 @@ from hyperfab.documents.material import (
     FitFigures,
     ModelRow,
     OutlierReading,
+    StablePlane,
     StableRange,
     TestFigures,
     Unpredicted,
 )
 from hyperfab.materials.identification.quality import Figures
+from hyperfab.materials.stability import stable_plane
 
 Reach = Mapping[str, tuple[float, float]]
 
@@ -65,6 +67,21 @@ def stability(found: Identified, reach: Reach) -> dict[str, StableRange]:
     return described
 
 
+def plane(found: Identified, reach: Reach, wanted: bool) -> StablePlane | None:
+    """Return the stability over the plane of both stretches, up to the largest stretch of the tests."""
+    if not wanted or not reach:
+        return None
+    high = max(high for _, high in reach.values())
+    seen = stable_plane(found.material, high**-0.5, high)
+    first = None if seen.first_unstable is None else list(seen.first_unstable)
+    return StablePlane(
+        stretch_min=seen.low,
+        stretch_max=seen.high,
+        stable_fraction=seen.stable_fraction,
+        first_unstable_stretches=first,
+    )
+
+
 def temperatures(found: Identified) -> list[AtTemperature] | None:
     """Return the constants against temperature, None where there is one temperature or none."""
     if len(found.materials) < 2:
@@ -99,12 +116,13 @@ def with_outliers(figures: FitFigures, far: Sequence[Outlier]) -> FitFigures:
     return figures
 
 
-def direction(found: Identified, far: Sequence[Outlier], reach: Reach) -> Direction:
+def direction(found: Identified, far: Sequence[Outlier], reach: Reach, with_plane: bool) -> Direction:
     """Return one direction of the fabric."""
     return Direction(
         parameters=found.material.parameters,
         fit=with_outliers(fit_figures(found, reach), far),
         stability=stability(found, reach),
+        stability_plane=plane(found, reach, with_plane),
         stable=found.stable,
         temperatures=temperatures(found),
     )

@@ -194,5 +194,21 @@ def _remarks(tests: Sequence[TestData], found: Readings) -> None:
         )
     for note in dict.fromkeys(f"{test.source}: {note}" for test in tests for note in test.notes):
         found.preparation.append(note)
-    if any(test.test == "uniaxial" and test.stretch2 is not None for test in tests):
-        found.preparation.append("the measured contraction of the uniaxial tests takes no part in the fit")
+    found.preparation += _contractions(found.curves)
+
+
+def _contractions(curves: Sequence[Reading]) -> list[str]:
+    """Say how much the uniaxial specimens contract, where it was measured."""
+    told = []
+    measured = [curve for curve in curves if curve.mode == "uniaxial" and curve.stretch2 is not None]
+    for direction in dict.fromkeys(curve.direction for curve in measured):
+        own = [curve for curve in measured if curve.direction == direction]
+        along = np.log(np.concatenate([curve.stretch for curve in own]))
+        across = np.log(np.concatenate([curve.stretch2 for curve in own if curve.stretch2 is not None]))
+        if along @ along > 0.0:
+            where = f" along the {direction}" if direction else ""
+            told.append(
+                f"measured contraction{where}: lateral stretch = stretch^{float(along @ across / (along @ along)):.3f} "
+                "(-0.5 keeps the volume); it takes no part in the fit"
+            )
+    return told

@@ -34,6 +34,7 @@ def run(
     fit_on: str | None = None,
     objective: str = "relative",
     stable: bool = False,
+    plane: bool = False,
     accept: float = 0.30,
     specimen: str | None = None,
     gauge_length: str | None = None,
@@ -81,7 +82,7 @@ def run(
             file=readings.curves[0].source,
             remedy="give more rows or tests, or a law with fewer constants",
         )
-    document = _document(best, judged if model == "all" else None, readings, sets, setting)
+    document = _document(best, judged if model == "all" else None, readings, sets, setting, plane)
     _tell(job, judged, document, setting)
     document = _portable(document, [file.name for file in job.inputs.files], output)
     if out.wants_files:
@@ -147,13 +148,18 @@ def _judge_all(job: Job, candidates: Sequence[Law], sets: Sets, setting: Setting
 
 
 def _document(
-    best: Judged, ranking: Sequence[Judged] | None, readings: Readings, sets: Sets, setting: Setting
+    best: Judged,
+    ranking: Sequence[Judged] | None,
+    readings: Readings,
+    sets: Sets,
+    setting: Setting,
+    with_plane: bool,
 ) -> MaterialDocument:
     whole = best.results[None]
     assert isinstance(whole, Identified)
     directions = {
         name: describe.direction(
-            found, outliers(found, rows_of(found, sets, name), setting), reach(sets[name])
+            found, outliers(found, rows_of(found, sets, name), setting), reach(sets[name]), with_plane
         )
         for name, found in best.results.items()
         if name is not None and isinstance(found, Identified)
@@ -171,6 +177,7 @@ def _document(
             describe.fit_figures(whole, data_reach), outliers(whole, sets[None], setting)
         ),
         stability=describe.stability(whole, data_reach),
+        stability_plane=describe.plane(whole, data_reach, with_plane),
         stable=best.stable,
         accepted=best.accepted,
         objective="relative" if setting.relative else "absolute",
