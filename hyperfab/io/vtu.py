@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-import base64
-import zlib
 from collections.abc import Mapping, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from xml.sax.saxutils import quoteattr
 
+import meshio
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from hyperfab.errors import OutputError
 
 #: VTK's number of a cell type, and its corners and mid-edge nodes. Nodes come in VTK's order.
 CELL_TYPES = {
@@ -23,8 +26,6 @@ CELL_TYPES = {
     "quad8": (23, 8),
     "tetra10": (24, 10),
 }
-_VTK_TYPES = {"f8": "Float64", "f4": "Float32", "i8": "Int64", "i4": "Int32", "u1": "UInt8"}
-_BLOCK = 2**20
 
 
 def unstructured(
@@ -39,39 +40,38 @@ def unstructured(
     ``point_data`` arrays are (n,) or (n, components); ``cell_data`` arrays count the cells of all types in their
     order. Names carry the unit, as ``stress_warp_MPa``. Truth values become 0 and 1.
 
-    Raises ValueError naming the array whose shape does not fit, or points that are not finite.
+    Raises ValueError naming the array whose shape does not fit, or points that are not finite; OutputError where
+    there is no room for a temporary file.
 
     >>> data = unstructured([[0, 0, 0], [1, 0, 0], [0, 1, 0]], {"triangle": [[0, 1, 2]]}, {"height_mm": [0, 1, 2]})
-    >>> data.startswith(b'<?xml version="1.0"?>'), b'Name="height_mm"' in data
+    >>> data.startswith(b"<?xml"), b'Name="height_mm"' in data
     (True, True)
     """
     place = np.asarray(points, dtype=np.float64)
     if place.ndim != 2 or place.shape[1] not in (2, 3) or not np.isfinite(place).all():
         raise ValueError("points must be a finite array (n, 3) or (n, 2)")
     place = np.pad(place, ((0, 0), (0, 3 - place.shape[1])))
-    connectivity, offsets, types = _cells(cells, len(place))
-    body = [
-        '<?xml version="1.0"?>',
-        '<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt64"'
-        ' compressor="vtkZLibDataCompressor">',
-        "<UnstructuredGrid>",
-        f'<Piece NumberOfPoints="{len(place)}" NumberOfCells="{len(types)}">',
-        "<Points>",
-        _array("Points", place),
-        "</Points>",
-        "<Cells>",
-        _array("connectivity", connectivity),
-        _array("offsets", offsets),
-        _array("types", types),
-        "</Cells>",
-        *_fields("PointData", point_data or {}, len(place)),
-        *_fields("CellData", cell_data or {}, len(types)),
-        "</Piece>",
-        "</UnstructuredGrid>",
-        "</VTKFile>",
-        "",
-    ]
-    return "\n".join(body).encode("ascii")
+    blocks = _cells(cells, len(place))
+    counts = [len(nodes) for _, nodes in blocks]
+    mesh = meshio.Mesh(
+        place,
+        blocks,
+        point_data=_fields(point_data or {}, len(place)),
+        cell_data={
+            name: np.split(values, np.cumsum(counts)[:-1])
+            for name, values in _fields(cell_data or {}, sum(counts)).items()
+        },
+    )
+    try:
+        # meshio writes to a path only.
+        with TemporaryDirectory(prefix="hf-") as folder:
+            path = Path(folder, "grid.vtu")
+            meshio.vtu.write(path, mesh, binary=True, compression="zlib", header_type="UInt64")
+            return path.read_bytes()
+    except OSError as error:
+        raise OutputError(
+            f"the folder for temporary files: {error.strerror}; free some space in it"
+        ) from error
 
 
 def collection(times_s: Sequence[float], files: Sequence[str]) -> bytes:
@@ -88,62 +88,39 @@ def collection(times_s: Sequence[float], files: Sequence[str]) -> bytes:
     return "\n".join([*head, *sets, "</Collection>", "</VTKFile>", ""]).encode("utf-8")
 
 
-def _cells(
-    cells: Mapping[str, ArrayLike], points: int
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.uint8]]:
-    nodes, sizes, types = [], [], []
+def _cells(cells: Mapping[str, ArrayLike], points: int) -> list[tuple[str, NDArray[np.int64]]]:
+    blocks = []
     for kind, given in cells.items():
         if kind not in CELL_TYPES:
             raise ValueError(f"no cell type {kind}; the types are {', '.join(CELL_TYPES)}")
-        number, width = CELL_TYPES[kind]
-        block = np.asarray(given, dtype=np.int64)
-        if block.ndim != 2 or block.shape[1] != width:
+        width = CELL_TYPES[kind][1]
+        nodes = np.asarray(given, dtype=np.int64)
+        if nodes.ndim != 2 or nodes.shape[1] != width:
             raise ValueError(f"cells {kind} must be an array (m, {width})")
-        if block.size and (block.min() < 0 or block.max() >= points):
+        if nodes.size and (nodes.min() < 0 or nodes.max() >= points):
             raise ValueError(f"cells {kind} name points that do not exist")
-        nodes.append(block.ravel())
-        sizes.append(np.full(len(block), width, dtype=np.int64))
-        types.append(np.full(len(block), number, dtype=np.uint8))
-    if not nodes:
+        blocks.append((kind, nodes))
+    if not blocks:
         raise ValueError("a grid needs cells")
-    return np.concatenate(nodes), np.cumsum(np.concatenate(sizes)), np.concatenate(types)
+    return blocks
 
 
-def _fields(tag: str, fields: Mapping[str, ArrayLike], count: int) -> list[str]:
-    lines = [f"<{tag}>"]
+def _fields(fields: Mapping[str, ArrayLike], count: int) -> dict[str, NDArray]:
+    found = {}
     for name, given in fields.items():
         values = np.asarray(given)
         if values.ndim not in (1, 2) or len(values) != count:
             raise ValueError(f"{name} has the shape {values.shape}, {count} values were expected")
-        lines.append(_array(name, values))
-    return [*lines, f"</{tag}>"]
-
-
-def _array(name: str, values: NDArray) -> str:
-    values = _storable(values, name)
-    components = "" if values.ndim == 1 else f' NumberOfComponents="{values.shape[1]}"'
-    kind = _VTK_TYPES[values.dtype.str[1:]]
-    data = _compressed(values.tobytes())
-    return f'<DataArray type="{kind}" Name={quoteattr(name)}{components} format="binary">{data}</DataArray>'
+        found[name] = _storable(values, name)
+    return found
 
 
 def _storable(values: NDArray, name: str) -> NDArray:
+    """Return numbers of a type the file knows; truth values become 0 and 1."""
     if values.dtype.kind == "b":
-        values = values.astype(np.uint8)
-    elif values.dtype.kind in "iu" and values.dtype.itemsize < 8 and values.dtype != np.uint8:
-        values = values.astype(np.int32)
-    elif values.dtype.kind in "iu" and values.dtype != np.uint8:
-        values = values.astype(np.int64)
-    elif values.dtype.kind == "f" and values.dtype.itemsize not in (4, 8):
-        values = values.astype(np.float64)
-    if values.dtype.kind not in "iuf":
-        raise ValueError(f"{name} is no array of numbers")
-    return np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<"))
-
-
-def _compressed(data: bytes) -> str:
-    """VTK's compressed form: number of blocks, block size, size of the last one, compressed sizes, blocks."""
-    blocks = [zlib.compress(data[start : start + _BLOCK], 6) for start in range(0, len(data), _BLOCK)]
-    last = len(data) % _BLOCK
-    header = np.array([len(blocks), _BLOCK, last, *map(len, blocks)], dtype="<u8")
-    return (base64.b64encode(header.tobytes()) + base64.b64encode(b"".join(blocks))).decode("ascii")
+        return values.astype(np.uint8)
+    if values.dtype.kind == "i":
+        return values.astype(np.int64)
+    if values.dtype.kind == "f":
+        return values.astype(np.float64)
+    raise ValueError(f"{name} is no array of numbers")
