@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hyperfab.loop.noise import Noise
-from hyperfab.loop.problem import Array, Constant, Form, Problem
+from hyperfab.loop.problem import Array, Constant, Form, Problem, split
 
 #: A step is accepted as the last one where it lowers chi-squared by less than this share, or this much.
 _SHARE, _AMOUNT = 1e-5, 2e-3
@@ -55,15 +55,6 @@ class Fit:
         raise KeyError(effect)
 
 
-def split(values: Array, forms: Mapping[str, Form]) -> dict[str, tuple[str, Array]]:
-    """Cut the constants of the terms apart."""
-    found, at = {}, 0
-    for name, form in forms.items():
-        found[name] = (form.name, values[at : at + len(form.constants)])
-        at += len(form.constants)
-    return found
-
-
 def fit(
     problem: Problem,
     noise: Noise,
@@ -96,21 +87,28 @@ def fit(
         if not np.all(np.isfinite(value)):
             return value, value, np.inf
         left = noise.whiten(target - value)
-        return value, left, float(left @ left + weight @ (x - centre) ** 2)
+        return value, left, float(left @ left)
+
+    def holds(left: Array) -> Array:
+        # While the model is wrong its misfit counts as noise: else a wrong model would break what is known before.
+        return weight * max(float(left @ left) / len(left), 1.0)
 
     x = np.clip(np.asarray(start, dtype=np.float64), low, high)
-    value, left, cost = state(x)
-    if not np.isfinite(cost):
+    value, left, misfit = state(x)
+    if not np.isfinite(misfit):
         x = centre.copy()
         x[:own] = np.asarray(start, dtype=np.float64)[:own]
-        value, left, cost = state(x)
-    jacobian = _jacobian(predict, x, value, scale, low, high, noise)
+        value, left, misfit = state(x)
+    jacobian = _jacobian(problem, forms, x, value, scale, low, high, noise)
     damping = 1e-4
+    prior = holds(left)
     for _ in range(iterations):
-        gradient = jacobian.T @ left - weight * (x - centre)
+        prior = holds(left)
+        cost = misfit + float(prior @ (x - centre) ** 2)
+        gradient = jacobian.T @ left - prior * (x - centre)
         held = ((x <= low) & (gradient < 0.0)) | ((x >= high) & (gradient > 0.0))
         free = ~held
-        normal = jacobian.T @ jacobian + np.diag(weight)
+        normal = jacobian.T @ jacobian + np.diag(prior)
         size = np.diag(normal) + 1e-12 / scale**2
         moved = False
         for _ in range(8):
@@ -118,7 +116,8 @@ def fit(
             matrix = normal[np.ix_(free, free)] + damping * np.diag(size[free])
             step[free] = np.linalg.lstsq(matrix, gradient[free], rcond=1e-14)[0]
             trial = np.clip(x + step, low, high)
-            new_value, new_left, new_cost = state(trial)
+            new_value, new_left, new_misfit = state(trial)
+            new_cost = new_misfit + float(prior @ (trial - centre) ** 2)
             if new_cost < cost:
                 moved = True
                 break
@@ -126,8 +125,8 @@ def fit(
         if not moved:
             break
         small = cost - new_cost < _SHARE * cost + _AMOUNT
-        x, value, left, cost = trial, new_value, new_left, new_cost
-        jacobian = _jacobian(predict, x, value, scale, low, high, noise)
+        x, value, left, misfit = trial, new_value, new_left, new_misfit
+        jacobian = _jacobian(problem, forms, x, value, scale, low, high, noise)
         damping = max(damping / 10.0, 1e-9)
         if small:
             break
@@ -140,10 +139,10 @@ def fit(
         predicted=value,
         residual=left,
         jacobian=jacobian,
-        precision=jacobian.T @ jacobian + np.diag(weight),
+        precision=jacobian.T @ jacobian + np.diag(prior),
         chi2=float(left @ left),
-        cost=cost,
-        prior=weight,
+        cost=misfit + float(prior @ (x - centre) ** 2),
+        prior=prior,
         own=own,
     )
 
@@ -153,17 +152,19 @@ def _column(constants: Sequence[Constant], name: str) -> Array:
 
 
 def _jacobian(
-    predict: object, x: Array, value: Array, scale: Array, low: Array, high: Array, noise: Noise
+    problem: Problem,
+    forms: Mapping[str, Form],
+    x: Array,
+    value: Array,
+    scale: Array,
+    low: Array,
+    high: Array,
+    noise: Noise,
 ) -> Array:
     """Return the whitened derivative of the prediction, by one-sided differences inside the bounds."""
-    columns = np.empty((len(value), len(x)))
-    for index in range(len(x)):
-        step = 1e-5 * max(abs(x[index]), scale[index])
-        if x[index] + step > high[index]:
-            step = -step
-        moved = x.copy()
-        moved[index] += step
-        found = predict(moved)  # type: ignore[operator]
-        column = (found - value) / step
-        columns[:, index] = np.where(np.isfinite(column), column, 0.0)
-    return noise.whiten(columns)
+    step = 1e-5 * np.maximum(np.abs(x), scale)
+    step = np.where(x + step > high, -step, step)
+    moved = x + np.diag(step)
+    own = len(problem.own)
+    found = (problem.predict_many(moved[:, :own], forms, moved[:, own:]) - value) / step[:, None]
+    return noise.whiten(np.where(np.isfinite(found), found, 0.0).T)

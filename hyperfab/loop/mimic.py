@@ -12,7 +12,6 @@ from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.search import MARGIN, Search, State, common_bic
 
-
 #: A rival that misses the imprint by more than this many standard deviations of the noise (rms) is told from it.
 _LEFT = 1.5
 

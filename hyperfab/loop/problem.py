@@ -74,6 +74,15 @@ class Effect:
         return next(form for form in self.forms if form.name == name)
 
 
+def split(values: Array, forms: Mapping[str, Form]) -> dict[str, tuple[str, Array]]:
+    """Cut the constants of the terms apart: effect id -> form and its constants."""
+    found, at = {}, 0
+    for name, form in forms.items():
+        found[name] = (form.name, values[at : at + len(form.constants)])
+        at += len(form.constants)
+    return found
+
+
 @dataclass(frozen=True)
 class Curve:
     """Rows ``start`` to ``stop`` of the data: one test of one specimen, or one probe.
@@ -134,6 +143,13 @@ class Problem(ABC):
     @abstractmethod
     def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return the prediction at every row, for own constants and ``terms``: effect id -> (form, constants)."""
+
+    def predict_many(self, own: Array, forms: Mapping[str, Form], values: Array) -> Array:
+        """Return the predictions (b, rows) for b sets of own constants (b, p) and of the terms' constants (b, q)."""
+        found = []
+        for one, rest in zip(own, values, strict=True):
+            found.append(self.predict(one, split(rest, forms)))
+        return np.stack(found)
 
     def extras(self) -> Sequence[Extra]:
         """Return the tests that could be done next."""

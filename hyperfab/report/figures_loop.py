@@ -95,6 +95,7 @@ def _scores(axes, scores: Mapping[str, float], label: str, added: Sequence[str])
     axes.set_yticks(range(len(rows)), [name for name, _ in rows], fontsize=8)
     if len(values) and values.max() > 0.0:
         axes.set_xscale("symlog", linthresh=10.0)
+        axes.xaxis.set_major_formatter("{x:g}")
     axes.set_xlabel(label)
 
 

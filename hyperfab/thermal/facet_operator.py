@@ -43,6 +43,10 @@ class FacetOperator:
         """Return a nodal field (n,) at the quadrature points (f, q)."""
         return (self._to_points @ nodal).reshape(self.weights.shape)
 
+    def at_points_of(self, fields: Array) -> Array:
+        """Return nodal fields (n, r) at the quadrature points, one row a point (f q, r)."""
+        return np.asarray(self._to_points @ fields)
+
     def load(self, density: Array | float) -> Array:
         """Return the nodal loads (n,) of a density per area (f, q): their sum is its integral."""
         return self._to_nodes @ (self.weights * density).ravel()

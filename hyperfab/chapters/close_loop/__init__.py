@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import importlib
+
 from hyperfab.chapters.close_loop.domain import kind_of
 from hyperfab.chapters.job import Job
 from hyperfab.errors import UsageError
 from hyperfab.io.units import quantity
 
-#: The kinds of model that the loop can be closed on.
-BUILT = ("material",)
+#: The kinds of model that the loop can be closed on, and the module of each.
+BUILT = {"material": "fabric", "mold": "heat"}
 
 
 def run(
@@ -29,11 +31,11 @@ def run(
     kind, data = kind_of(job, model)
     if kind not in BUILT:
         raise UsageError(
-            f"close-loop does not take a {kind} model yet ({model}); it takes a material document of hf fit"
+            f"close-loop does not take a {kind} model yet ({model}); it takes a material document of hf fit or a "
+            "mold.toml"
         )
-    from hyperfab.chapters.close_loop import fabric
-
-    return fabric.run(
+    chapter = importlib.import_module(f"hyperfab.chapters.close_loop.{BUILT[kind]}")
+    status: int = chapter.run(
         job,
         name=model,
         data=data,
@@ -45,3 +47,4 @@ def run(
         decimal=decimal,
         output=output,
     )
+    return status

@@ -1,0 +1,300 @@
+"""The loop on a heated mold: a mold document against thermocouples."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hyperfab.chapters.close_loop.describe import describe, say
+from hyperfab.chapters.close_loop.extended_mold import extend
+from hyperfab.chapters.job import Job
+from hyperfab.chapters.mold_heat.problem import MoldBuilder, Problem
+from hyperfab.console import NEGATIVE_VERDICT
+from hyperfab.documents.base import parse_document
+from hyperfab.documents.mold import ContactSection, MoldDocument
+from hyperfab.errors import InputError, UsageError
+from hyperfab.io.csv_table import read_table
+from hyperfab.io.output import Output
+from hyperfab.io.units import quantity
+from hyperfab.loop.engine import Finding, close
+from hyperfab.loop.heat import HeatProblem, heat_problem
+from hyperfab.loop.problem import Array
+from hyperfab.thermal.contact import Contact
+from hyperfab.thermal.convection import Convection
+from hyperfab.thermal.facet_operator import FacetOperator
+from hyperfab.thermal.heater import Heater
+from hyperfab.thermal.radiation import Radiation
+from hyperfab.thermal.reduced import reduce
+
+#: What is known of a mold's own constants where --prior does not say.
+PRIOR = 0.10
+#: Conductance that counts as a perfect joint [W/m^2/K].
+PERFECT = 1e7
+_REFITS = 40.0
+
+
+@dataclass(frozen=True)
+class Thermocouples:
+    """Times (t,) [s], readings (t, p) [degC] and the probes' names, in the order of the files."""
+
+    times: Array
+    readings: Array
+    names: list[str]
+
+
+def run(
+    job: Job,
+    *,
+    name: str,
+    data: Mapping[str, Any],
+    measured: list[str],
+    hold_out: list[str],
+    noise: str | None,
+    fix: list[str],
+    prior: float | None,
+    decimal: str | None,
+    output: str,
+) -> int:
+    """Close the loop on a mold document."""
+    out = Output(output, (".model.toml", ".png", ".csv"))
+    document = parse_document(data, name, MoldDocument)
+    if any(file != "auto" for file in hold_out):
+        raise UsageError("--hold-out takes only auto for a mold: each probe is predicted from the others")
+    if len(measured) != 1:
+        raise UsageError("--measured takes one file of thermocouples for a mold: one run, a column a probe")
+    if document.run.steady:
+        raise InputError(
+            "a steady run has no times to compare at",
+            file=name,
+            key="run.steady",
+            remedy="give until instead",
+        )
+    if any(heater.control is not None for heater in document.heater):
+        raise InputError(
+            "close-loop does not follow a thermostat yet",
+            file=name,
+            key="heater.control",
+            remedy='give the power that was drawn as schedule = "power.csv"',
+        )
+    probes = [probe.name for probe in document.probe]
+    read = read_thermocouples(job, measured[0], probes, decimal)
+    level = None if noise is None else quantity(noise, "temperature-difference", option="--noise")
+    if level is not None and level <= 0.0:
+        raise UsageError(f"--noise {noise}: must be more than zero")
+    builder = MoldBuilder(document, name, job.inputs)
+    out.refuse_inputs(job.inputs)
+    for text in builder.doubts:
+        job.console.warn(text)
+    with job.console.progress("Closing the loop") as advance:
+        advance(0.0, "meshing")
+        problem, warnings = pose(job, document, name, builder, read, fix, PRIOR if prior is None else prior)
+        for text in warnings:
+            job.console.warn(text)
+        count = 0
+
+        def tick(text: str) -> None:
+            nonlocal count
+            count += 1
+            advance(0.2 + 0.8 * (1.0 - float(np.exp(-count / _REFITS))), text)
+
+        found = close(problem, noise=level, tick=tick)
+    result = describe(problem, found, "K", {}, warnings, domain="heat")
+    if out.wants_files:
+        target = out.path(".model.toml")
+        folders = (os.path.dirname(name), str(target.parent))
+        files, notes = extend(data, document, problem, found.after.fit, out.path("").name, folders)
+        for text in notes:
+            job.console.warn(text)
+        result.warnings += notes
+        for suffix, content in files.items():
+            out.add(suffix, content)
+        result.model = out.path(".model.toml").name
+        _files(out, problem, found, read)
+    say(job.console, result)
+    job.write(out, result)
+    return NEGATIVE_VERDICT if found.verdict == "unexplained" else 0
+
+
+def read_thermocouples(job: Job, name: str, probes: Sequence[str], decimal: str | None) -> Thermocouples:
+    """Read a thermocouple file; every column must be a probe of the mold."""
+    table = read_table(
+        job.inputs.read(name), name, {"time": "time"}, increasing="time", rest="temperature", decimal=decimal
+    )
+    known = {probe.casefold(): probe for probe in probes}
+    columns = [column for column in table.columns if column != "time"]
+    for column in columns:
+        if column.casefold() not in known:
+            raise InputError(
+                f"is no probe of the mold; it has {', '.join(probes) or 'none'}",
+                file=name,
+                column=column,
+                remedy="name the columns after the [[probe]] tables",
+            )
+    readings = np.stack([table[column] for column in columns], axis=1)
+    if len(table["time"]) < 12:
+        raise InputError(
+            "has too few rows to tell noise from a residual", file=name, remedy="give 12 or more"
+        )
+    return Thermocouples(table["time"], readings, [known[column.casefold()] for column in columns])
+
+
+def pose(
+    job: Job,
+    document: MoldDocument,
+    name: str,
+    builder: MoldBuilder,
+    read: Thermocouples,
+    fix: Sequence[str],
+    prior: float,
+) -> tuple[HeatProblem, list[str]]:
+    """Return the problem of a mold and its thermocouples, and what to warn of."""
+    built = builder.build()
+    pairs = _touching(document, built)
+    if pairs:
+        more = [ContactSection(between=pair, h=f"{PERFECT:g} W/m^2/K") for pair in pairs]
+        document = document.model_copy(update={"contact": [*document.contact, *more]})
+        builder = MoldBuilder(document, name, job.inputs)
+        built = builder.build()
+    model = built.model
+    if model.prescribed:
+        raise InputError(
+            "close-loop does not take held temperatures yet",
+            file=name,
+            key="temperature",
+            remedy="model what holds them",
+        )
+    contacts = [c for c in model.conditions if isinstance(c, Contact)]
+    opened = contacts[len(contacts) - len(pairs) :]
+    declared = contacts[: len(contacts) - len(pairs)]
+    start = builder.start_field(built)
+    probes = np.stack([built.probes[key] for key in read.names])
+    mold = reduce(
+        model, probes, start, float(read.times[-1] - read.times[0]), _bench(built), opened, _corners(built)
+    )
+    own, skipped = _own(document, built)
+    for key in fix:
+        if key not in {one for one, _ in own}:
+            raise UsageError(
+                f"--fix {key}: the mold has no such constant; it has {', '.join(k for k, _ in own)}"
+            )
+    problem = heat_problem(
+        mold,
+        read.times,
+        read.readings,
+        range(len(read.names)),
+        read.names,
+        own,
+        [joint.conductance for joint in declared],
+        prior,
+        fix,
+    )
+    problem.pairs = pairs
+    lags = [probe.lag for probe in document.probe if probe.name in read.names]
+    problem.lag_s = float(np.mean(lags))
+    if max(lags) > min(lags):
+        skipped.append("the probes' lags differ: the loop takes their mean for all")
+    return problem, skipped
+
+
+def _touching(document: MoldDocument, built: Problem) -> list[tuple[str, str]]:
+    """Return pairs of parts that touch and conduct perfectly in the document."""
+    names = [part.name for part in document.part]
+    declared = {frozenset(contact.between) for contact in document.contact}
+    found = []
+    for i, one in enumerate(names):
+        for other in names[i + 1 :]:
+            if frozenset((one, other)) in declared:
+                continue
+            try:
+                built.faces.interface(one, other)
+            except InputError:
+                continue
+            found.append((one, other))
+    return found
+
+
+def _own(document: MoldDocument, built: Problem) -> tuple[list[tuple[str, str]], list[str]]:
+    """Return the mold's own constants, by key and kind, in the order of the reduced mold's matrices."""
+    own = [(f"convection.{i}.h", "film") for i in range(len(document.convection))]
+    used = list(dict.fromkeys(material.name for material in built.model.materials))
+    own += [(f"material.{key}.conductivity", "conductivity") for key in used]
+    own += [(f"material.{key}.specific_heat", "capacity") for key in used]
+    own += [(f"heater.{i}.power", "power") for i in range(len(document.heater))]
+    declared = [contact for contact in document.contact if contact.h < 0.99 * PERFECT]
+    own += [(f"contact.{i}.h", "joint") for i in range(len(declared))]
+    own += [("run.start", "start"), ("ambient", "ambient")]
+    warnings = []
+    tables = [
+        m for m in built.model.materials if not (m.conductivity.is_constant and m.specific_heat.is_constant)
+    ]
+    if tables:
+        warnings.append(
+            "materials that depend on temperature are taken at 50 degC in the loop; property-drift says how they change"
+        )
+    return own, warnings
+
+
+def _corners(built: Problem) -> list[float]:
+    """Return the times at which a heater's power or a joint's schedule really turns."""
+    found: set[float] = set()
+    for condition in built.model.conditions:
+        table = condition.power if isinstance(condition, Heater) else getattr(condition, "closed", None)
+        if table is None or len(table.x) < 2:
+            continue
+        slope = np.diff(table.y) / np.diff(table.x)
+        around = np.concatenate([[0.0], slope, [0.0]])
+        turns = np.abs(np.diff(around)) > 1e-9 * max(float(np.max(np.abs(slope))), 1e-300)
+        found |= {float(t) for t in table.x[turns]}
+    return sorted(found)
+
+
+def _bench(built: Problem) -> FacetOperator | None:
+    """Return the outer faces without film, radiation or cavity: where a model lets no heat out."""
+    mesh = built.mesh
+    outer = mesh.facets.outer & ~built.faces.cavity
+    cooled: set[tuple[int, ...]] = set()
+    for condition in built.model.conditions:
+        if isinstance(condition, (Convection, Radiation)):
+            cooled |= {tuple(sorted(row[:3])) for row in condition.facets.nodes.tolist()}
+    nodes = mesh.facet_nodes(outer)
+    free = np.array([tuple(sorted(row[:3])) not in cooled for row in nodes.tolist()], dtype=bool)
+    return FacetOperator(mesh.points, nodes[free]) if np.any(free) else None
+
+
+def _files(out: Output, problem: HeatProblem, found: Finding, read: Thermocouples) -> None:
+    from hyperfab.report.figures_loop import loop_figure
+
+    before, after = found.before.fit.predicted, found.after.fit.predicted
+    rows, count = len(read.times), len(read.names)
+    head = ["time [s]"] + [f"{n} {w} [degC]" for n in read.names for w in ("measured", "before", "after")]
+    lines = [",".join(head)]
+    for i in range(rows):
+        cells = [f"{read.times[i]:.8g}"]
+        for probe in range(count):
+            at = probe * rows + i
+            cells += [f"{float(v[at]):.8g}" for v in (problem.measured, before, after)]
+        lines.append(",".join(cells))
+    out.add(".csv", ("\n".join(lines) + "\n").encode())
+    out.add(
+        ".png",
+        loop_figure(
+            abscissa=problem.states["time_s"],
+            label="time [s]",
+            unit="degC",
+            curves=[curve.rows for curve in problem.curves],
+            names=[curve.name for curve in problem.curves],
+            measured=problem.measured,
+            before=before,
+            after=after,
+            sd=found.noise.sd,
+            states=problem.states,
+            scores={key: float(value.delta_bic) for key, value in found.tried.items()} or found.scores,
+            scores_label="BIC lowered by" if found.tried else "score",
+            verdict=found.verdict,
+            added=found.after.ids,
+        ),
+    )

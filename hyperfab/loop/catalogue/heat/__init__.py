@@ -1,0 +1,1 @@
+"""What the model of a heated mold lacks on thermocouple readings."""

@@ -1,0 +1,28 @@
+"""Surroundings that warm up or cool down during the run."""
+
+from __future__ import annotations
+
+from hyperfab.loop.catalogue.heat.scene import Scene
+from hyperfab.loop.problem import Constant, Effect, Form
+
+
+def entry(scene: Scene) -> Effect | None:
+    """Return the effect: ambient linear in time, and quadratic."""
+    if not scene.films:
+        return None
+    whole = scene.duration_s
+    slope = Constant("drift_K_s", 0.0, -80.0 / whole, 80.0 / whole, 2.0 / whole)
+    bend = Constant("drift_K_s2", 0.0, -80.0 / whole**2, 80.0 / whole**2, 2.0 / whole**2)
+    return Effect(
+        id="ambient-drift",
+        title="the ambient changes with time",
+        rides_on=("time_s",),
+        shown_by="a thermometer in the air, away from the mold",
+        source="Newton's law of cooling with a moving ambient",
+        forms=(
+            Form("linear", (slope,), ((8.0 / whole,), (-8.0 / whole,)), ((2.0 / whole,),)),
+            Form("quadratic", (slope, bend), ((8.0 / whole, 0.0),), refines="linear"),
+        ),
+        smooth=False,
+        mimic_share=0.98,
+    )

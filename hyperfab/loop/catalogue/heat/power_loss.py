@@ -1,0 +1,32 @@
+"""Heaters that give less than their rating, the less the hotter."""
+
+from __future__ import annotations
+
+from hyperfab.loop.catalogue.heat.scene import Scene
+from hyperfab.loop.problem import Constant, Effect, Form
+
+
+def entry(scene: Scene) -> Effect | None:
+    """Return the effect: a constant share, and one that grows with temperature (resistance of the wire, back loss)."""
+    if not scene.heaters:
+        return None
+    share = Constant("lost_share", 0.0, -0.3, 0.9, 0.05)
+    warm = Constant("lost_share_per_K", 0.0, -0.5 / scene.rise_K, 0.9 / scene.rise_K, 0.05 / scene.rise_K)
+    return Effect(
+        id="power-loss",
+        title="part of the power does not reach the mold",
+        rides_on=("power_W", "temperature_degC"),
+        shown_by="a power meter at the heaters at two plateaus",
+        source="energy balance of a resistance heater",
+        forms=(
+            Form("constant", (share,), ((0.15,),), ((0.03,),)),
+            Form(
+                "with temperature",
+                (share, warm),
+                ((0.1, 0.1 / scene.rise_K), (0.02, 0.2 / scene.rise_K)),
+                ((0.03, 0.0), (0.0, 0.03 / scene.rise_K)),
+            ),
+        ),
+        smooth=False,
+        mimic_share=0.98,
+    )

@@ -1,0 +1,35 @@
+"""Conductivity and specific heat that change with temperature."""
+
+from __future__ import annotations
+
+from hyperfab.loop.catalogue.heat.scene import Scene
+from hyperfab.loop.problem import Constant, Effect, Form
+
+
+def entry(scene: Scene) -> Effect:
+    """Return the effect: specific heat linear in temperature, then conductivity too."""
+    c = Constant("specific_heat_per_K", 0.0, -0.5 / scene.rise_K, 2.0 / scene.rise_K, 0.05 / scene.rise_K)
+    k = Constant("conductivity_per_K", 0.0, -0.7 / scene.rise_K, 2.0 / scene.rise_K, 0.05 / scene.rise_K)
+    return Effect(
+        id="property-drift",
+        title="conductivity or specific heat change with temperature",
+        rides_on=("temperature_degC", "heating rate_K_s"),
+        shown_by="heating and cooling through the same temperatures at two powers",
+        source="Touloukian (1970), Thermophysical Properties of Matter",
+        forms=(
+            Form(
+                "specific heat",
+                (c,),
+                ((0.2 / scene.rise_K,), (-0.1 / scene.rise_K,)),
+                ((0.03 / scene.rise_K,),),
+            ),
+            Form(
+                "both",
+                (c, k),
+                ((0.1 / scene.rise_K, -0.1 / scene.rise_K), (0.0, -0.3 / scene.rise_K)),
+                ((0.0, 0.03 / scene.rise_K),),
+            ),
+        ),
+        smooth=False,
+        mimic_share=0.98,
+    )

@@ -1,0 +1,22 @@
+"""Heat radiated to the surroundings: ``[[radiation]]`` of the mold document."""
+
+from __future__ import annotations
+
+from hyperfab.loop.catalogue.heat.scene import Scene
+from hyperfab.loop.problem import Constant, Effect, Form
+
+
+def entry(scene: Scene) -> Effect | None:
+    """Return the effect: a grey emissivity of the faces that have a film."""
+    if scene.emits or not scene.films:
+        return None
+    return Effect(
+        id="radiation",
+        title="the mold radiates to its surroundings",
+        rides_on=("temperature_degC",),
+        shown_by="a plateau at twice the temperature rise, and a cool-down with the power off",
+        source="Stefan-Boltzmann law",
+        forms=(Form("grey", (Constant("emissivity", 0.0, 0.0, 1.0, 0.1),), ((0.3,), (0.8,)), ((0.1,),)),),
+        smooth=False,
+        mimic_share=0.98,
+    )

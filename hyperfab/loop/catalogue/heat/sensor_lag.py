@@ -1,0 +1,24 @@
+"""Thermocouples that follow late: ``lag`` of a probe."""
+
+from __future__ import annotations
+
+from hyperfab.loop.catalogue.heat.scene import Scene
+from hyperfab.loop.problem import Constant, Effect, Form
+
+
+def entry(scene: Scene) -> Effect:
+    """Return the effect: a first-order lag of all probes."""
+    lag = Constant("lag_s", 0.0, 0.0, 0.2 * scene.duration_s, 0.01 * scene.duration_s)
+    starts = ((0.01 * scene.duration_s,), (0.04 * scene.duration_s,))
+    return Effect(
+        id="sensor-lag",
+        title="the sensors lag behind the metal",
+        rides_on=("heating rate_K_s",),
+        shown_by="a step of power sampled closely, with a probe of known quick response beside",
+        source="first-order lag; ASTM E839",
+        forms=(
+            Form("first-order", (lag,), starts, ((0.002 * scene.duration_s,), (0.02 * scene.duration_s,))),
+        ),
+        smooth=False,
+        mimic_share=0.98,
+    )

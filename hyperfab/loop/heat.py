@@ -1,0 +1,198 @@
+"""Thermocouples in a heated mold as a problem of the loop, on the reduced finite-element model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from hyperfab.loop.catalogue import catalogue
+from hyperfab.loop.catalogue.heat.scene import Scene
+from hyperfab.loop.problem import Array, Constant, Curve, Extra, Form, Problem, split
+from hyperfab.thermal.reduced import ReducedMold, Settings, lagging
+from hyperfab.thermal.tables import Table
+
+#: Settings that effects move: effect id -> names in the order of the form's constants.
+_MOVED = {
+    "radiation": ("emissivity",),
+    "sensor-lag": ("lag",),
+    "power-loss": ("lost", "lost_per_K"),
+    "base-conduction": ("bench",),
+    "property-drift": ("capacity_per_K", "conductivity_per_K"),
+    "ambient-drift": ("ambient_per_s", "ambient_per_s2"),
+    "convection-law": ("exponent",),
+}
+#: What is known of the temperature at the start and of the ambient [K]: what a thermometer on the wall tells.
+_LEVEL_SD = {"start": 0.5, "ambient": 1.0}
+#: Runs that could be done next: what to say, times in units of the present run, shares of the largest power then, and
+#: whether a probe sits in each part.
+_MENU = (
+    ("heat up at full power, then cool down with the power off", (0.0, 0.5, 0.502, 1.5), (1.0, 1.0, 0.0, 0.0), False),
+    ("a plateau at half the power, then full power", (0.0, 1.0, 1.002, 2.0), (0.5, 0.5, 1.0, 1.0), False),
+    ("full power until it settles, then a quarter of it", (0.0, 1.5, 1.502, 2.5), (1.0, 1.0, 0.25, 0.25), False),
+    ("power on and off four times, read closely",
+     (0.0, 0.125, 0.126, 0.25, 0.251, 0.375, 0.376, 0.5), (1.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0), False),
+    ("the present run and a cool-down, with a thermocouple in each part (both sides of every joint)",
+     (0.0, 0.5, 0.502, 1.5), (1.0, 1.0, 0.0, 0.0), True),
+)  # fmt: skip
+
+
+@dataclass
+class HeatProblem(Problem):
+    """A reduced mold, the times and probes that were read, and the readings, probe after probe."""
+
+    runs: Sequence[tuple[ReducedMold, Array]] = field(kw_only=True)
+    kinds: Sequence[str] = field(kw_only=True)
+    joints: Array = field(kw_only=True)
+    pairs: Sequence[tuple[str, str]] = field(default=(), kw_only=True)
+    lag_s: float = field(default=0.0, kw_only=True)
+
+    def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
+        """Return the temperatures [degC] of every probe at every time, probe after probe."""
+        return self._run(own[None, :], [terms])[0]
+
+    def predict_many(self, own: Array, forms: Mapping[str, Form], values: Array) -> Array:
+        """Return many predictions in one pass through time."""
+        return self._run(own, [split(rest, forms) for rest in values])
+
+    def _run(self, own: Array, terms: Sequence[Mapping[str, tuple[str, Array]]]) -> Array:
+        count = len(own)
+        mold = self.runs[0][0]
+        zero = np.zeros(count)
+        moved: dict[str, Array] = {name: zero.copy() for names in _MOVED.values() for name in names}
+        opened = np.zeros((count, len(mold.opened)))
+        for row, given in enumerate(terms):
+            for effect, (_, values) in given.items():
+                if effect == "contact-resistance":
+                    # One resistance for all joints, or one each.
+                    opened[row] = values if len(values) == opened.shape[1] else values[0]
+                    continue
+                for name, value in zip(_MOVED[effect], values, strict=False):
+                    moved[name][row] = value
+        lag = moved.pop("lag")
+        pick = {
+            kind: own[:, [i for i, other in enumerate(self.kinds) if other == kind]]
+            for kind in ("film", "conductivity", "capacity", "power", "joint")
+        }
+        level = {kind: own[:, self.kinds.index(kind)] for kind in ("start", "ambient")}
+        settings = Settings(
+            **{**pick, "joint": pick["joint"] * self.joints},
+            opened=opened,
+            start_K=level["start"],
+            ambient_K=level["ambient"],
+            **moved,
+        )
+        rows = []
+        for one, times in self.runs:
+            found = one.run(times, settings)
+            shown = lagging(times, found, np.maximum(self.lag_s + lag, 0.0))
+            rows.append(shown.transpose(0, 2, 1).reshape(count, -1))
+        return np.concatenate(rows, axis=1)
+
+    def extras(self) -> Sequence[Extra]:
+        """Return runs that could be done next, each with the problem it would make."""
+        mold, times = self.runs[0]
+        whole = float(times[-1] - times[0])
+        begin = float(times[0])
+        most = [float(np.max(np.abs(table.y))) for _, table in mold.heaters]
+        found = []
+        for text, knots, levels, everywhere in _MENU:
+            ends = begin + whole * np.array(knots)
+            clock = np.linspace(begin, float(ends[-1]), 200)
+            powered = [
+                (shape, Table(ends, np.array(levels) * top))
+                for (shape, _), top in zip(mold.heaters, most, strict=True)
+            ]
+            probes = np.concatenate([mold.probes, mold.parts]) if everywhere else mold.probes
+            run = (
+                replace(mold, heaters=powered, corners=tuple(float(t) for t in ends), probes=probes),
+                clock,
+            )
+            rows = len(self.measured)
+            extra = tuple(
+                Curve(f"{text}, probe {i}", rows + i * len(clock), rows + (i + 1) * len(clock), clock)
+                for i in range(len(probes))
+            )
+            size = len(probes) * len(clock)
+            problem = replace(
+                self,
+                runs=[*self.runs, run],
+                measured=np.concatenate([self.measured, np.zeros(size)]),
+                curves=(*self.curves, *extra),
+                states={},
+            )
+            details = {
+                "time_s": [float(t) for t in ends],
+                "power_share": list(levels),
+                "probe_in_each_part": everywhere,
+            }
+            found.append(Extra(text, details, problem))
+        return found
+
+
+def heat_problem(
+    mold: ReducedMold,
+    times: Array,
+    readings: Array,
+    probes: Sequence[int],
+    names: Sequence[str],
+    own: Sequence[tuple[str, str]],
+    joints: Sequence[float],
+    prior: float,
+    fixed: Sequence[str] = (),
+) -> HeatProblem:
+    """Return the problem of ``readings`` (times, probes read) [degC].
+
+    ``own`` are the keys of the mold's own constants and their kinds (film, conductivity, capacity, power,
+    joint); they are factors on the document's values with a relative standard deviation ``prior``.
+    """
+    constants = tuple(
+        Constant(key, 0.0, *((0.0, 0.0) if key in fixed else (-30.0, 30.0)), 0.5, _LEVEL_SD[kind])
+        if kind in _LEVEL_SD
+        else Constant(key, 1.0, *((1.0, 1.0) if key in fixed else (0.05, 20.0)), 0.1, prior)
+        for key, kind in own
+    )
+    rows, count = len(times), len(probes)
+    power = sum(table(times) for _, table in mold.heaters) if mold.heaters else np.zeros(rows)
+    jumps = np.flatnonzero(np.abs(np.diff(power)) > 0.02 * max(float(np.max(np.abs(power))), 1e-12)) + 1
+    curves = tuple(
+        Curve(
+            names[i], i * rows, (i + 1) * rows, times, tuple(int(i * rows + j) for j in jumps if 0 < j < rows)
+        )
+        for i in range(count)
+    )
+    air = mold.films[0].ambient if mold.films else None
+    scene = Scene(
+        duration_s=float(times[-1] - times[0]),
+        step_s=float(np.median(np.diff(times))),
+        rise_K=max(float(np.ptp(readings)), 1.0),
+        films=len(mold.films),
+        heaters=len(mold.heaters),
+        opened=len(mold.opened),
+        bench=len(mold.bench.weights) > 0,
+        emits=bool(mold.radiators),
+        typical_film=float(np.mean(mold.films[0].film(readings.ravel()))) if mold.films else 10.0,
+    )
+    measured = readings.T.ravel()
+    slope = np.stack([np.gradient(column, times) for column in readings.T]).ravel()
+    states = {
+        "time_s": np.tile(times, count),
+        "temperature_degC": measured,
+        "heating rate_K_s": slope,
+        "power_W": np.tile(power, count),
+        "probe": np.repeat(np.arange(count, dtype=np.float64), rows),
+    }
+    if air is not None:
+        states["above ambient_K"] = measured - np.tile(air(times), count)
+    return HeatProblem(
+        measured=measured,
+        curves=curves,
+        own=constants,
+        effects=catalogue("heat", scene),
+        states=states,
+        units=("K",),
+        runs=[(replace(mold, probes=mold.probes[list(probes)]), times)],
+        kinds=tuple(kind for _, kind in own),
+        joints=np.asarray(joints, dtype=np.float64),
+    )

@@ -1,0 +1,441 @@
+"""A heated mold in a few unknowns: the finite elements on a rational Krylov basis, many settings at a time.
+
+The basis holds what the mold answers to each heater, film and joint at a few time scales (Grimme (1997), Krylov
+projection methods for model reduction), and a uniform temperature for each part. Film coefficients, conductivities,
+capacities, powers, joints and the effects below stay free: they are numbers in front of small matrices.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.thermal.contact import Contact
+from hyperfab.thermal.convection import Convection
+from hyperfab.thermal.facet_operator import FacetOperator
+from hyperfab.thermal.heater import Heater
+from hyperfab.thermal.material import ThermalMaterial
+from hyperfab.thermal.medium import Medium
+from hyperfab.thermal.model import HeatModel
+from hyperfab.thermal.radiation import Radiation
+from hyperfab.thermal.step import GAMMA
+from hyperfab.thermal.tables import Table
+
+Array = NDArray[np.float64]
+
+#: Directions whose share of the capacity norm is smaller add nothing.
+_DROP = 1e-7
+#: Points that stand for a face.
+_POINTS = 48
+
+
+@dataclass(frozen=True)
+class Film:
+    """A face that loses heat: rows of the basis at its points (q, r), their areas (q,), its film and ambient."""
+
+    rows: Array
+    weights: Array
+    film: Table
+    ambient: Table
+    emissivity: float = 0.0
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Numbers of a batch of b runs; each array is (b,) or (b, how many there are).
+
+    ``film``, ``conductivity``, ``capacity``, ``power`` scale what the document says; ``joint`` is the
+    conductance of each joint [W/m^2/K], ``opened`` the resistance of each joint between parts that conduct perfectly
+    in the document [m^2 K/W]; ``start_K`` and ``ambient_K`` [K] are added to the start and to the ambient.
+    The others are effects, absent at 0: ``emissivity``; ``bench`` [W/m^2/K] through faces without
+    a film; ``lost`` and ``lost_per_K`` shares of the power; ``conductivity_per_K``, ``capacity_per_K``;
+    ``ambient_per_s``, ``ambient_per_s2``; ``exponent`` of a film coefficient in its temperature difference.
+    """
+
+    film: Array
+    conductivity: Array
+    capacity: Array
+    power: Array
+    joint: Array
+    opened: Array
+    start_K: Array
+    ambient_K: Array
+    emissivity: Array
+    bench: Array
+    lost: Array
+    lost_per_K: Array
+    conductivity_per_K: Array
+    capacity_per_K: Array
+    ambient_per_s: Array
+    ambient_per_s2: Array
+    exponent: Array
+
+
+@dataclass
+class ReducedMold:
+    """Small matrices of a mold on a basis of r vectors, and its probes (p, r)."""
+
+    mass: Array
+    stiffness: Array
+    films: Sequence[Film]
+    radiators: Sequence[Film]
+    bench: Film
+    heaters: Sequence[tuple[Array, Table]]
+    joints: Sequence[tuple[Array, Table]]
+    opened: Sequence[Array]
+    probes: Array
+    parts: Array
+    mean: Array
+    start: Array
+    uniform: Array
+    reference_degC: float
+    corners: Sequence[float] = field(default_factory=tuple)
+
+    def run(self, times: Array, settings: Settings, steps: int = 150) -> Array:
+        """Return the probes' temperatures (b, times, p) [degC] at ``times`` [s], the first the start.
+
+        Alexander's SDIRK2 on about ``steps`` steps that meet every corner of the powers; between their
+        ends the curve is the parabola through both values with the slope at the end.
+        """
+        grid = self._grid(times, steps)
+        stages = np.stack([grid[:-1] + GAMMA * np.diff(grid), grid[1:]], axis=1)
+        faces = [*self.films, *self.radiators, self.bench]
+        rows = np.ascontiguousarray(np.concatenate([face.rows for face in faces]))
+        weights = np.concatenate([face.weights for face in faces])
+        owner = np.repeat(np.arange(len(faces)), [len(face.weights) for face in faces])
+        air = np.stack([face.ambient(stages) for face in faces], axis=2)
+        knots = np.concatenate([face.film.x for face in faces])
+        values = np.concatenate([face.film.y for face in faces])
+        first = np.concatenate([[0], np.cumsum([len(face.film.x) for face in faces])])
+        sources = (
+            np.stack([shape for shape, _ in self.heaters]) if self.heaters else np.zeros((0, len(self.start)))
+        )
+        powers = (
+            np.stack([table(stages) for _, table in self.heaters], axis=2)
+            if self.heaters
+            else np.zeros((*stages.shape, 0))
+        )
+        jumps = (
+            np.stack([jump for jump, _ in self.joints]) if self.joints else np.zeros((0, *self.mass[0].shape))
+        )
+        closed = (
+            np.stack([table(stages) for _, table in self.joints], axis=2)
+            if self.joints
+            else np.zeros((*stages.shape, 0))
+        )
+        emits = np.array([*(0.0 for _ in self.films), *(face.emissivity for face in self.radiators), 0.0])
+        found = np.empty((len(settings.emissivity), len(times), len(self.probes)))
+        count = len(self.films)
+        for i in range(len(found)):
+            conduct = np.tensordot(settings.conductivity[i], self.stiffness, 1)
+            for resistance, jump in zip(settings.opened[i], self.opened, strict=True):
+                conduct = conduct + jump / (resistance + 1e-7)
+            scale = np.concatenate([settings.film[i], np.zeros(len(faces) - count)])
+            extra = np.concatenate([np.zeros(len(faces) - 1), [settings.bench[i]]])
+            grey = emits.copy()
+            grey[:count] += settings.emissivity[i]
+            drift = (
+                settings.ambient_K[i]
+                + settings.ambient_per_s[i] * stages
+                + settings.ambient_per_s2[i] * stages**2
+            )
+            states, slopes = _march(
+                grid,
+                self.start + settings.start_K[i] * self.uniform,
+                np.tensordot(settings.capacity[i], self.mass, 1),
+                conduct,
+                settings.joint[i],
+                jumps,
+                closed,
+                self.mean,
+                np.array(
+                    [
+                        self.reference_degC,
+                        settings.capacity_per_K[i],
+                        settings.conductivity_per_K[i],
+                        settings.lost[i],
+                        settings.lost_per_K[i],
+                        settings.exponent[i],
+                    ]
+                ),
+                rows,
+                weights,
+                owner,
+                scale,
+                extra,
+                grey,
+                air + drift[:, :, None],
+                knots,
+                values,
+                first,
+                sources,
+                powers * settings.power[i],
+            )
+            found[i] = self._read(times, grid, states, slopes)
+        return found
+
+    def _grid(self, times: Array, steps: int) -> Array:
+        whole = np.linspace(times[0], times[-1], steps + 1)
+        corners = np.array([t for t in self.corners if times[0] < t < times[-1]])
+        grid = np.unique(np.concatenate([whole, corners]))
+        # Steps shorter than a thousandth of the others only cost time.
+        keep = np.concatenate([[True], np.diff(grid) > 1e-3 * (whole[1] - whole[0])])
+        keep[-1] = True
+        return grid[keep]
+
+    def _read(self, times: Array, grid: Array, states: Array, slopes: Array) -> Array:
+        step = np.clip(np.searchsorted(grid, times, side="left") - 1, 0, len(grid) - 2)
+        length = (grid[step + 1] - grid[step])[:, None]
+        back = ((times - grid[step + 1]) / length[:, 0])[:, None]
+        end, slope = states[step + 1], slopes[step + 1] * length
+        bend = states[step] - end + slope
+        return np.asarray((end + slope * back + bend * back**2) @ self.probes.T)
+
+
+@numba.njit(cache=True)
+def _march(  # type: ignore[no-untyped-def]
+    grid,
+    start,
+    mass0,
+    conduct0,
+    joint,
+    jumps,
+    closed,
+    mean,
+    numbers,
+    rows,
+    weights,
+    owner,
+    scale,
+    extra,
+    grey,
+    air,
+    knots,
+    values,
+    first,
+    sources,
+    powers,
+):
+    """Step through ``grid``; one Newton step a stage from a guess of first order, exact for linear films."""
+    n, r = len(grid), len(start)
+    reference, capacity_rate, conduction_rate, lost, lost_rate, exponent = numbers
+    states, slopes = np.zeros((n, r)), np.zeros((n, r))
+    states[0] = start
+    slope = np.zeros(r)
+    for number in range(n - 1):
+        step = grid[number + 1] - grid[number]
+        g = 0.2928932188134524 * step
+        a = states[number]
+        base = a.copy()
+        guess = a + g * slope
+        mass = mass0 * (1.0 + capacity_rate * (mean @ (a + 0.5 * step * slope) - reference))
+        for stage in range(2):
+            warm = mean @ guess - reference
+            tangent = conduct0 * (1.0 + conduction_rate * warm)
+            for j in range(len(joint)):
+                tangent = tangent + joint[j] * closed[number, stage, j] * jumps[j]
+            flow = -(tangent @ guess)
+            at = rows @ guess
+            rate = np.zeros(len(at))
+            loss = np.zeros(len(at))
+            for q in range(len(at)):
+                face = owner[q]
+                away = at[q] - air[number, stage, face]
+                h = extra[face]
+                if scale[face] != 0.0:
+                    film = np.interp(
+                        at[q], knots[first[face] : first[face + 1]], values[first[face] : first[face + 1]]
+                    )
+                    film = film * scale[face]
+                    if exponent != 0.0:
+                        film = film * (max(abs(away), 0.5) / 30.0) ** exponent
+                    h += film
+                loss[q] = h * away
+                rate[q] = h * (1.0 + max(exponent, 0.0))
+                if grey[face] != 0.0:
+                    hot, cold = at[q] + 273.15, air[number, stage, face] + 273.15
+                    loss[q] += grey[face] * 5.670374419e-8 * (hot**4 - cold**4)
+                    rate[q] += 4.0 * grey[face] * 5.670374419e-8 * hot**3
+            flow -= rows.T @ (loss * weights)
+            weighted = rows.copy()
+            for q in range(len(at)):
+                weighted[q] *= rate[q] * weights[q]
+            tangent = tangent + rows.T @ weighted
+            share = 1.0 - lost - lost_rate * warm
+            for j in range(sources.shape[0]):
+                flow += share * powers[number, stage, j] * sources[j]
+            residual = mass @ (base - guess) + g * flow
+            end = guess + np.linalg.solve(mass + g * tangent, residual)
+            if stage == 0:
+                rise = (end - base) / g
+                base = a + (step - g) * rise
+                guess = base + g * rise
+            else:
+                slope = (end - base) / g
+        states[number + 1] = end
+        slopes[number + 1] = slope
+    return states, slopes
+
+
+def lagging(times: Array, values: Array, lag_s: Array) -> Array:
+    """Return what sensors with a first-order lag show: values (b, t, p), lag (b,) [s]; linear between the times.
+
+    >>> lagging(np.array([0.0, 1.0]), np.array([[[0.0], [1.0]]]), np.array([0.0]))[0, :, 0]
+    array([0., 1.])
+    """
+    found = values.copy()
+    slow = np.flatnonzero(lag_s > 0.0)
+    if len(slow) == 0:
+        return found
+    tau = lag_s[slow][:, None]
+    now = values[slow, 0]
+    for i in range(1, len(times)):
+        ratio = (times[i] - times[i - 1]) / tau
+        keep = np.exp(-ratio)
+        share = -np.expm1(-ratio) / ratio
+        change = values[slow, i] - values[slow, i - 1]
+        # The exact answer of a first-order lag to a ramp.
+        now = values[slow, i] + keep * (now - values[slow, i - 1]) - share * change
+        found[slow, i] = now
+    return found
+
+
+def reduce(
+    model: HeatModel,
+    probes: Array,
+    start: Array,
+    duration: float,
+    bench: FacetOperator | None,
+    opened: Sequence[Contact] = (),
+    corners: Sequence[float] = (),
+) -> ReducedMold:
+    """Return the reduced mold of a model whose joints that conduct perfectly are the contacts ``opened`` of it.
+
+    ``probes`` (p, n), ``start`` (n,) [degC], ``duration`` [s] of the experiment, ``bench`` the faces without a film.
+    """
+    films = [c for c in model.conditions if isinstance(c, Convection)]
+    radiators = [c for c in model.conditions if isinstance(c, Radiation)]
+    joints = [c for c in model.conditions if isinstance(c, Contact) and c not in opened]
+    basis = _basis(model, start, duration, [*films, *radiators], [*joints, *opened], bench)
+    mass, stiffness = _by_material(model, basis)
+    capacity = model.pattern.matrix(model.medium.capacity(start)) @ np.ones(model.size)
+
+    def jump(joint: Contact) -> Array:
+        apart = joint.near.at_points_of(basis) - joint.far.at_points_of(basis)
+        return np.asarray(apart.T @ (joint.near.weights.ravel()[:, None] * apart))
+
+    coefficients: Array = np.asarray(np.linalg.lstsq(basis, start, rcond=None)[0], dtype=np.float64)
+    uniform: Array = np.asarray(np.linalg.lstsq(basis, np.ones(model.size), rcond=None)[0], dtype=np.float64)
+    empty = Film(np.zeros((0, basis.shape[1])), np.zeros(0), Table.constant(0.0), Table.constant(0.0))
+    cooled: list[Convection | Radiation] = [*films, *radiators]
+    ambient = cooled[0].ambient if cooled else Table.constant(float(np.mean(start)))
+    return ReducedMold(
+        mass=mass,
+        stiffness=stiffness,
+        films=[_face(c.facets, basis, c.film, c.ambient) for c in films],
+        radiators=[_face(c.facets, basis, Table.constant(0.0), c.ambient, c.emissivity) for c in radiators],
+        bench=empty if bench is None else _face(bench, basis, Table.constant(0.0), ambient),
+        heaters=[(basis.T @ c.shape, c.power) for c in model.conditions if isinstance(c, Heater)],
+        joints=[(jump(c), c.closed) for c in joints],
+        opened=[jump(c) for c in opened],
+        probes=probes @ basis,
+        parts=_part_means(model, basis),
+        mean=capacity @ basis / capacity.sum(),
+        start=coefficients,
+        uniform=uniform,
+        reference_degC=float(np.mean(start)),
+        corners=tuple(corners),
+    )
+
+
+def _part_means(model: HeatModel, basis: Array) -> Array:
+    rows = []
+    for part in range(len(model.materials)):
+        nodes = np.unique(model.mesh.elements[model.mesh.parts == part])
+        rows.append(basis[nodes].mean(axis=0))
+    return np.stack(rows)
+
+
+def _face(facets: FacetOperator, basis: Array, film: Table, ambient: Table, emissivity: float = 0.0) -> Film:
+    """Return a face by a few points: neighbours in temperature count as one, with their areas together."""
+    rows = facets.at_points_of(basis)
+    weights = facets.weights.ravel()
+    if len(weights) > _POINTS:
+        # What varies most over the face orders its points; equal areas of that order are one point each.
+        spread = rows - (weights @ rows) / weights.sum()
+        _, _, axes = np.linalg.svd((spread * np.sqrt(weights)[:, None]), full_matrices=False)
+        order = np.argsort(spread @ axes[0], kind="stable")
+        label: NDArray[np.int64] = np.empty(len(order), dtype=np.int64)
+        label[order] = np.minimum(
+            (np.cumsum(weights[order]) / weights.sum() * _POINTS).astype(np.int64), _POINTS - 1
+        )
+        total: Array = np.asarray(np.bincount(label, weights, _POINTS), dtype=np.float64)
+        kept = total > 0.0
+        sums = np.stack([np.bincount(label, weights * column, _POINTS) for column in rows.T], axis=1)
+        return Film(sums[kept] / total[kept, None], total[kept], film, ambient, emissivity)
+    return Film(rows, weights, film, ambient, emissivity)
+
+
+def _by_material(model: HeatModel, basis: Array) -> tuple[Array, Array]:
+    """Return capacity and conduction matrices on the basis, one of each a material name."""
+    names = list(dict.fromkeys(material.name for material in model.materials))
+    mass, stiffness = [], []
+    for name in names:
+        chosen = [
+            ThermalMaterial(
+                material.name,
+                material.density,
+                Table.constant(material.conductivity.at(50.0) if material.name == name else 0.0),
+                Table.constant(material.specific_heat.at(50.0) if material.name == name else 0.0),
+            )
+            for material in model.materials
+        ]
+        medium = Medium(model.mesh, chosen, model.pattern)
+        zero = np.zeros(model.size)
+        mass.append(basis.T @ (model.pattern.matrix(medium.capacity(zero)) @ basis))
+        stiffness.append(basis.T @ (model.pattern.matrix(medium.conduction(zero)) @ basis))
+    return np.stack(mass), np.stack(stiffness)
+
+
+def _basis(
+    model: HeatModel,
+    start: Array,
+    duration: float,
+    faces: Sequence[Convection | Radiation],
+    joints: Sequence[Contact],
+    bench: FacetOperator | None,
+) -> Array:
+    loads = [c.shape for c in model.conditions if isinstance(c, Heater)]
+    loads += [face.facets.load(1.0) for face in faces]
+    loads += [joint.near.load(1.0) - joint.far.load(1.0) for joint in joints]
+    if bench is not None:
+        loads.append(bench.load(1.0))
+    parts = [
+        (np.bincount(model.mesh.elements[model.mesh.parts == part].ravel(), minlength=model.size) > 0).astype(
+            float
+        )
+        for part in range(len(model.materials))
+    ]
+    found = [np.ones(model.size), start, *parts]
+    capacity = model.pattern.matrix(model.medium.capacity(start))
+    for scale in (duration / 300.0, duration / 30.0, duration / 3.0):
+        matrix = model.step_matrix(0.0, scale, start)
+        for load in loads:
+            found.append(model.solve(matrix, scale * load, 1e-8))
+    kept: list[Array] = []
+    for vector in found:
+        size = np.sqrt(float(vector @ (capacity @ vector)))
+        if size == 0.0:
+            continue
+        rest = vector / size
+        for _ in range(2):
+            for other in kept:
+                rest = rest - other * float(other @ (capacity @ rest))
+        left = np.sqrt(max(float(rest @ (capacity @ rest)), 0.0))
+        if left > _DROP:
+            kept.append(rest / left)
+    return np.stack(kept, axis=1)
