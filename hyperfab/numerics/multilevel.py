@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from hyperfab.errors import NotConverged
 from hyperfab.numerics.vectors import dot, norm
 
 Array = NDArray[np.float64]
@@ -154,9 +155,13 @@ def largest_eigenvalue(matrix: sparse.csr_matrix, inverse_diagonal: Array, steps
 
 
 def _factorise(matrix: sparse.csr_matrix):  # type: ignore[no-untyped-def]
-    return splu(
-        sparse.csc_matrix(matrix),
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
+    try:
+        return splu(
+            sparse.csc_matrix(matrix),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+    except RuntimeError as error:
+        remedy = "check the orders of magnitude of the material values and loads"
+        raise NotConverged(f"the equations cannot be solved ({error})", remedy=remedy) from error
