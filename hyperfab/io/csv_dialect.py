@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import csv
 import re
 from collections.abc import Iterable
@@ -17,7 +18,7 @@ MAX_COLUMNS = 256
 MAX_LINE = 32_768
 MAX_CELLS = 4_000_000
 
-_BOMS = ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"))
+_BOMS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16"))
 _CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f]")
 _BRACKETED = re.compile(r"(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))", re.DOTALL)
 #: Anything that starts like a number: enough to tell a row of data from a row of words.
@@ -171,8 +172,8 @@ def _decoded(data: bytes, name: str) -> str:
     try:
         return data.decode(encoding or "utf-8")
     except UnicodeDecodeError as error:
-        if encoding is None:
-            return data.decode("latin-1")
+        if encoding in (None, "utf-8-sig"):  # some machines put the mark of UTF-8 in front of Latin-1
+            return data.removeprefix(codecs.BOM_UTF8).decode("latin-1")
         raise InputError(
             f"is no {encoding.upper()[:6].rstrip('-')} text though it starts like it (byte {error.start})",
             file=name,

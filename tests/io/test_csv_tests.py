@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import math
 
 import numpy as np
@@ -44,6 +45,12 @@ def test_an_export_gives_the_bits_of_its_plain_twin(encoding: str, ends: str, se
     same(found, one(PLAIN))
     assert found.metadata["prüfer"] == "Jörg Weiß"
     assert found.notes == ("columns not used: Temperatur-Nr",)
+
+
+def test_the_mark_of_utf_8_in_front_of_latin_1_is_read() -> None:
+    found = one(codecs.BOM_UTF8 + EXPORT.encode("latin-1"))
+    same(found, one(PLAIN))
+    assert found.metadata["prüfer"] == "Jörg Weiß"
 
 
 @pytest.mark.parametrize(
