@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.surface import Nearest, Surface
+from hyperfab.surface.bvh import nearest_many
 from hyperfab.surface.walk import Found, Walker
 
 Array = NDArray[np.float64]
@@ -36,41 +37,44 @@ class Search:
 
         ``directions`` (n, 3) point roughly there.
         """
-        if self.distrusted:
-            return self.surface.nearest(points)
-        found = self.walker.nearest(points, directions)
-        lost = np.flatnonzero(found.hit < 0)
-        checked = np.unique(np.concatenate([lost, _some(len(points))]))
-        exact = self.surface.nearest(points[checked])
-        wrong = np.abs(np.sqrt(found.distance2[checked]) - np.abs(exact.distance)) > self._tolerance
-        if (wrong & (found.hit[checked] >= 0)).any():
-            self.distrusted = True
-            return self.surface.nearest(points)
-        self.mended += len(lost)
-        distance, normal = self._signed(points, found)
-        result = Nearest(distance, found.point, normal, found.face, found.feature)
-        result.distance[checked], result.point[checked] = exact.distance, exact.point
-        result.normal[checked], result.face[checked] = exact.normal, exact.face
-        result.feature[checked] = exact.feature
-        return result
+        return self.both(points, directions)[0]
 
     def along(self, points: Array, directions: Array) -> tuple[Array, Ints]:
         """Return the distance (n,) to the surface along ``directions`` (n, 3) and the facet hit from its front.
 
         NaN and -1 where none is hit. Points behind the surface get a negative distance.
         """
+        return self.both(points, directions)[1:]
+
+    def both(self, points: Array, directions: Array) -> tuple[Nearest, Array, Ints]:
+        """Return what ``nearest`` and ``along`` do, at the price of one."""
         if self.distrusted:
-            return self._rays(points, directions)
+            return self.surface.nearest(points), *self._rays(points, directions)
         found = self.walker.nearest(points, directions)
         lost = np.flatnonzero(found.hit < 0)
-        checked = np.unique(np.concatenate([lost, _some(len(points))]))
-        exact, face = self._rays(points[checked], directions[checked])
-        wrong = np.abs(found.along[checked] - exact) > 1e3 * self._tolerance
-        if (wrong & (found.hit[checked] >= 0)).any():
+        sample = _some(len(points))
+        sample = sample[found.hit[sample] >= 0]
+        exact, _, _, _ = self._tree(points[sample])
+        ray, _ = self._rays(points[sample], directions[sample])
+        wrong = np.abs(np.sqrt(found.distance2[sample]) - exact) > self._tolerance
+        # Along a slanted ray the same facets leave a little more rounding.
+        if wrong.any() or (np.abs(found.along[sample] - ray) > 1e3 * self._tolerance).any():
             self.distrusted = True
-            return self._rays(points, directions)
-        found.along[checked], found.hit[checked] = exact, face
-        return found.along, found.hit
+            return self.surface.nearest(points), *self._rays(points, directions)
+        if len(lost):
+            self.mended += len(lost)
+            distance, found.point[lost], found.face[lost], found.feature[lost] = self._tree(points[lost])
+            found.distance2[lost], found.side[lost] = distance**2, 0.0
+            found.along[lost], found.hit[lost] = self._rays(points[lost], directions[lost])
+        distance, normal = self._signed(points, found)
+        return Nearest(distance, found.point, normal, found.face, found.feature), found.along, found.hit
+
+    def _tree(self, points: Array) -> tuple[Array, Array, Ints, Ints]:
+        """Distance, point, face and feature of the exact search; no normals."""
+        n, points = len(points), np.ascontiguousarray(points)
+        point, slot, feature = np.empty((n, 3)), np.empty(n, np.int64), np.empty(n, np.int64)
+        nearest_many(points, np.full(n, -1), *self.surface.tree, point, slot, feature)
+        return np.linalg.norm(points - point, axis=1), point, self.surface.order[slot], feature
 
     def _rays(self, points: Array, directions: Array) -> tuple[Array, Ints]:
         ahead, face = self._first(points, directions, 1.0)
@@ -83,28 +87,43 @@ class Search:
 
     def _first(self, points: Array, directions: Array, side: float) -> tuple[Array, Ints]:
         t, face = self.surface.ray(points, directions)
-        cosine = -side * (self.surface.normals[face] * directions).sum(axis=1)
-        right = (face >= 0) & (cosine > 0.0)
+        a, b, c = (self.surface.vertices[self.surface.faces[face, k]] for k in range(3))
+        right = (face >= 0) & (side * (np.cross(b - a, c - a) * directions).sum(axis=1) < 0.0)
         return np.where(right, t, np.nan), np.where(right, face, -1)
 
     def _signed(self, points: Array, found: Found) -> tuple[Array, Array]:
         """Signed distances and directions: the normal of face, edge or vertex decides on which side a point is."""
-        surface = self.surface
         away = points - found.point
         length = np.sqrt(found.distance2)
-        normal = surface.normals[found.face]
-        edge = np.flatnonzero((found.feature >= 1) & (found.feature <= 3))
-        other = self.walker.twins[found.face[edge], found.feature[edge] - 1]
-        normal[edge] += np.where((other >= 0)[:, None], surface.normals[other], 0.0)
-        vertex = np.flatnonzero(found.feature >= 4)
-        if len(vertex):
-            normal[vertex] = surface.vertex_normals[
-                surface.faces[found.face[vertex], found.feature[vertex] - 4]
-            ]
-        distance = np.where((away * normal).sum(axis=1) < 0.0, -length, length)
+        side = found.side
+        # Points that the tree found have no side yet.
+        open_question = np.flatnonzero(side == 0.0)
+        normal = np.empty_like(away)
+        if len(open_question):
+            face, feature = found.face[open_question], found.feature[open_question]
+            normal[open_question] = self._feature_normal(face, feature)
+            inside = (away[open_question] * normal[open_question]).sum(axis=1) < 0.0
+            side[open_question] = np.where(inside, -1.0, 1.0)
+        distance = side * length
         clear = length > 1e-9
         normal[clear] = away[clear] / distance[clear, None]
+        on_it = np.flatnonzero(~clear)
+        if len(on_it):
+            normal[on_it] = self._feature_normal(found.face[on_it], found.feature[on_it])
         return distance, normal
+
+    def _feature_normal(self, face: Ints, feature: Ints) -> Array:
+        """Mean normals (n, 3) of faces, edges and vertices."""
+        surface = self.surface
+        normal = surface.normals[face]
+        edge = np.flatnonzero((feature >= 1) & (feature <= 3))
+        other = self.walker.twins[face[edge], feature[edge] - 1]
+        normal[edge] += np.where((other >= 0)[:, None], surface.normals[other], 0.0)
+        vertex = np.flatnonzero(feature >= 4)
+        if len(vertex):
+            normal[vertex] = surface.vertex_normals[surface.faces[face[vertex], feature[vertex] - 4]]
+        length = np.linalg.norm(normal, axis=1, keepdims=True)
+        return np.asarray(normal / np.where(length > 0.0, length, 1.0))
 
 
 def _some(count: int) -> Ints:

@@ -46,6 +46,7 @@ class Walker:
             np.empty((n, 3)),
             np.full(n, -1),
             np.zeros(n, np.int64),
+            np.zeros(n),
             np.full(n, np.nan),
             np.full(n, -1),
         )
@@ -65,6 +66,7 @@ class Walker:
                 found.point,
                 found.face,
                 found.feature,
+                found.side,
                 found.along,
                 found.hit,
             )
@@ -73,13 +75,22 @@ class Walker:
 
 class Found:
     """What walks found for n points: squared ``distance2`` (n,) to the nearest ``point`` (n, 3), its ``face`` and
-    ``feature`` (as ``Surface.nearest`` counts them); distance ``along`` (n,) the direction to the face ``hit``. A walk
-    that lost its way leaves NaN and -1."""
+    ``feature`` (as ``Surface.nearest`` counts them), the ``side`` (n,) on which the point lies: 1 outside, -1 inside,
+    by the normal of face, edge or vertex; distance ``along`` (n,) the
+    direction to the face ``hit``. A walk that lost its way leaves NaN and -1."""
 
     def __init__(
-        self, distance2: Floats, point: Floats, face: Ints, feature: Ints, along: Floats, hit: Ints
+        self,
+        distance2: Floats,
+        point: Floats,
+        face: Ints,
+        feature: Ints,
+        side: Floats,
+        along: Floats,
+        hit: Ints,
     ) -> None:
         self.distance2, self.point, self.face, self.feature = distance2, point, face, feature
+        self.side = side
         self.along, self.hit = along, hit
 
 
@@ -260,6 +271,7 @@ def _walk_all(  # type: ignore[no-untyped-def]
     point,
     face,
     feature,
+    side,
     along,
     hit,
 ):
@@ -283,9 +295,52 @@ def _walk_all(  # type: ignore[no-untyped-def]
                 f = g
                 break
         distance2[i], face[i], feature[i] = d, g, where
+        side[i] = _side(vertices, faces, twins, first, incident, g, where, x - qx, y - qy, z - qz)
         point[i, 0], point[i, 1], point[i, 2] = qx, qy, qz
         along[i], hit[i] = t, h
     last[0] = f
+
+
+@njit(cache=True)
+def _side(vertices, faces, twins, first, incident, f, feature, x, y, z):  # type: ignore[no-untyped-def]
+    """On which side of a feature of facet ``f`` a point lies that stands off it by (x, y, z).
+
+    The normal is that of the face, the mean of the edge's two, or the angle-weighted mean around the vertex, with
+    which the sign is right there too (Baerentzen and Aanaes, IEEE TVCG 11 (2005) 243).
+    """
+    if feature <= 3:
+        height = _height(vertices, faces, f, 0, x, y, z)[0]
+        if feature >= 1 and twins[f, feature - 1] >= 0:
+            height += _height(vertices, faces, twins[f, feature - 1], 0, x, y, z)[0]
+        return -1.0 if height < 0.0 else 1.0
+    v = faces[f, feature - 4]
+    height = 0.0
+    for i in range(first[v], first[v + 1]):
+        g = incident[i]
+        corner = 0 if faces[g, 0] == v else (1 if faces[g, 1] == v else 2)
+        above, angle = _height(vertices, faces, g, corner, x, y, z)
+        height += angle * above
+    return -1.0 if height < 0.0 else 1.0
+
+
+@njit(cache=True)
+def _height(vertices, faces, f, corner, x, y, z):  # type: ignore[no-untyped-def]
+    """Share of (x, y, z) along the normal of facet ``f``, and the facet's angle at ``corner``."""
+    a, b, c = faces[f, corner], faces[f, (corner + 1) % 3], faces[f, (corner + 2) % 3]
+    ux, uy, uz = (
+        vertices[b, 0] - vertices[a, 0],
+        vertices[b, 1] - vertices[a, 1],
+        vertices[b, 2] - vertices[a, 2],
+    )
+    vx, vy, vz = (
+        vertices[c, 0] - vertices[a, 0],
+        vertices[c, 1] - vertices[a, 1],
+        vertices[c, 2] - vertices[a, 2],
+    )
+    nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+    size = np.sqrt(nx * nx + ny * ny + nz * nz)
+    angle = np.arctan2(size, ux * vx + uy * vy + uz * vz)
+    return ((nx * x + ny * y + nz * z) / size if size > 0.0 else 0.0), angle
 
 
 @njit(cache=True)
