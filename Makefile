@@ -9,7 +9,7 @@ BUILD  := build
 SOURCES := $(shell find hyperfab -name '*.py' -o -name '*.toml' -o -name '*.csv')
 
 .DELETE_ON_ERROR:
-.PHONY: run study test test-slow lint types bench fuzz samples pictures clean distclean help
+.PHONY: run study test test-slow lint types bench blind fuzz samples pictures clean distclean help
 
 help:
 	@echo "make run     the whole chain on the sample specimens and molds, with a summary and pictures in $(BUILD)/"
@@ -17,6 +17,7 @@ help:
 	@echo "make test    the tests (make test-slow: heavy physics and long fault runs)"
 	@echo "make lint    format, lint and import arrows;  make types: the type checker"
 	@echo "make bench   timings beside other programs;   make fuzz: readers against random bytes"
+	@echo "make blind   undeclared effects drawn at random: how often close-loop names them"
 	@echo "make clean   remove $(BUILD)/;                 make distclean: remove $(VENV)/ too"
 
 # ---- the environment -------------------------------------------------------------------------------------
@@ -104,6 +105,11 @@ types: $(VENV)/dev
 
 bench: $(VENV)/dev
 	@for script in benchmarks/*.py; do echo "== $$script"; $(BIN)/python $$script || exit 1; done
+
+# Effects that nobody declares, drawn at random: how often the loop names them (about ten minutes).
+blind: $(VENV)/dev
+	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind fabric 20
+	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind fabric 20 --poor hysteresis mullins rate permanent-set grip-slack load-offset elastic-law none
 
 fuzz: $(VENV)/dev
 	HYPOTHESIS_PROFILE=fuzz $(BIN)/python -m pytest tests/io tests/documents

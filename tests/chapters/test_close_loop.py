@@ -1,0 +1,136 @@
+"""``hf close-loop`` as a user calls it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import jsonschema
+import pytest
+from conftest import Run
+from loop.generators import fabric as truths
+
+from hyperfab.documents.base import schema
+
+MODEL = {
+    "format": "hyperfab.material/1",
+    "model": "yeoh-3",
+    "parameters": {"C10_MPa": 0.1, "C20_MPa": 0.02, "C30_MPa": 0.01},
+}
+
+
+def shop(folder: Path, effects: tuple[str, ...], seed: int = 4, noise: float = 0.004) -> list[str]:
+    """Write a model and the tests of a fabric with effects nobody declares; return the arguments."""
+    import numpy as np
+
+    random = np.random.default_rng(seed)
+    truth = truths.draw(random, effects)
+    readings = truths.measure(truth, truths.rich(1.5, 0.01, 60.0), random, noise)
+    (folder / "fabric.json").write_text(json.dumps(MODEL))
+    arguments = ["close-loop", "fabric.json"]
+    for number, reading in enumerate(readings):
+        setup = reading.setup
+        head = [
+            f"# test: {setup.mode}",
+            f"# direction: {'weft' if setup.angle else 'warp'}",
+            f"# temperature: {setup.temperature} degC",
+            f"# specimen: {reading.specimen}",
+            "time [s],stretch [-],stress [MPa]",
+        ]
+        rows = zip(reading.time, reading.stretch, reading.stress, strict=True)
+        body = [f"{t:.6g},{lam:.8g},{p:.6g}" for t, lam, p in rows]
+        (folder / f"{number}.csv").write_text("\n".join([*head, *body]) + "\n")
+        arguments += ["--measured", f"{number}.csv"]
+    return arguments
+
+
+def test_undeclared_effect_is_found_and_added(hf: Run, tmp_path: Path) -> None:
+    arguments = shop(tmp_path, ("thermal-softening",))
+    done = hf(*arguments, "-o", "loop.json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr.decode()
+    assert done.stdout == b""
+    document = json.loads((tmp_path / "loop.json").read_text())
+    jsonschema.validate(document, schema("loop"))
+    assert document["verdict"] == "effect"
+    assert [effect["id"] for effect in document["effects"]] == ["thermal-softening"]
+    assert document["error"]["before"]["chi2_reduced"] > 1.5
+    assert document["error"]["after"]["rms"] < 1.1 * document["error"]["noise"]["rms"]
+    assert document["held_out"]["after"]["rms"] < 1.2 * document["held_out"]["noise"]["rms"]
+    assert set(document["files"]) == {"loop.csv", "loop.model.json", "loop.png"}
+    extended = json.loads((tmp_path / document["model"]).read_text())
+    jsonschema.validate(extended, schema("material"))
+    assert len(extended["temperatures"]) >= 2
+
+
+def test_extended_model_leaves_nothing_to_find(hf: Run, tmp_path: Path) -> None:
+    arguments = shop(tmp_path, ("anisotropy",))
+    assert hf(*arguments, "-o", "loop.json", cwd=tmp_path).returncode == 0
+    again = ["close-loop", "loop.model.json", *arguments[2:], "-o", "again.json"]
+    done = hf(*again, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr.decode()
+    found = json.loads((tmp_path / "again.json").read_text())
+    assert found["verdict"] == "noise"
+    assert found["effects"] == []
+
+
+def test_same_inputs_give_the_same_bytes(hf: Run, tmp_path: Path) -> None:
+    arguments = shop(tmp_path, ("load-offset",))
+    outputs = [hf(*arguments, cwd=tmp_path) for _ in range(2)]
+    assert outputs[0].stdout == outputs[1].stdout != b""
+    assert json.loads(outputs[0].stdout)["format"] == "hyperfab.loop/1"
+
+
+def test_data_set_apart_are_predicted(hf: Run, tmp_path: Path) -> None:
+    arguments = shop(tmp_path, ("thermal-softening",))
+    # The weft at the high temperature takes no part.
+    arguments = [*arguments[: 2 + 2 * 5], *arguments[2 + 2 * 6 :], "--hold-out", "5.csv"]
+    found = json.loads(hf(*arguments, cwd=tmp_path).stdout)
+    assert found["held_out"]["source"] == "the files of --hold-out"
+    assert found["held_out"]["after"]["rms"] < 1.2 * found["held_out"]["noise"]["rms"]
+    assert found["held_out"]["before"]["rms"] > 2.0 * found["held_out"]["after"]["rms"]
+
+
+@pytest.mark.parametrize(
+    ("change", "status", "words"),
+    [
+        (["--fix", "C99_MPa"], 2, "no such constant"),
+        (["--noise", "3"], 2, "unit"),
+        (["--noise", "0MPa"], 2, "more than zero"),
+        (["--measured", "0.csv"], 2, "given twice"),
+        (["--measured", "nowhere.csv"], 3, "no such file"),
+    ],
+)
+def test_mistakes_are_told(hf: Run, tmp_path: Path, change: list[str], status: int, words: str) -> None:
+    arguments = shop(tmp_path, ())
+    done = hf(*arguments, *change, cwd=tmp_path)
+    assert done.returncode == status
+    assert words in done.stderr.decode()
+    assert b"Traceback" not in done.stderr
+
+
+def test_domain_that_is_not_built_is_refused_by_name(hf: Run, tmp_path: Path) -> None:
+    (tmp_path / "d.json").write_text('{"format": "hyperfab.drape/1"}')
+    done = hf("close-loop", "d.json", "--measured", "x.csv", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "drape" in done.stderr.decode()
+
+
+@pytest.mark.parametrize("knit", ["knit-glove-garter", "knit-acrylic-stockinette"])
+def test_knits_differ_in_their_two_directions(hf: Run, tmp_path: Path, data_dir: Path, knit: str) -> None:
+    (tmp_path / "m.json").write_text(json.dumps(MODEL))
+    files = [data_dir / knit / f"uniaxial-{way}.csv" for way in ("warp", "weft")]
+    done = hf("close-loop", "m.json", "--measured", files[0], "--measured", files[1], cwd=tmp_path)
+    found = json.loads(done.stdout)
+    assert found["effects"][0]["id"] == "anisotropy"
+    assert found["error"]["before"]["nrmse"] > 0.1
+    assert found["error"]["after"]["nrmse"] < 0.055
+
+
+@pytest.mark.slow
+def test_elastomer_shows_rate_and_temperature(hf: Run, tmp_path: Path, data_dir: Path) -> None:
+    (tmp_path / "m.json").write_text(json.dumps(MODEL))
+    files = [data_dir / "vhb4905" / f"uniaxial-{t}C.csv" for t in (20, 40)]
+    done = hf("close-loop", "m.json", "--measured", files[0], "--measured", files[1], cwd=tmp_path)
+    found = json.loads(done.stdout)
+    assert {"rate", "thermal-softening"} <= {effect["id"] for effect in found["effects"]}
+    assert found["error"]["after"]["nrmse"] < 0.05

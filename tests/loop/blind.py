@@ -1,0 +1,153 @@
+"""Blind trials: truths drawn at random, nothing declared, and what ``close`` calls them. ``make blind``
+prints the table.
+
+Run as ``PYTHONPATH=.:tests python -m loop.blind [domain] [trials]``; deterministic for given arguments.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections import Counter
+from collections.abc import Sequence
+
+import numpy as np
+from loop.generators import fabric as truths
+
+from hyperfab.loop.engine import Finding, close
+from hyperfab.loop.fabric import FabricProblem, FabricTest, fabric_problem
+from hyperfab.materials.registry import law
+
+MODES = {"uniaxial": 0, "shear": 1, "biaxial": 2}
+
+
+def as_tests(readings: Sequence[truths.Reading]) -> list[FabricTest]:
+    """Return the readings as the loop takes them: nothing of the truth goes along."""
+    return [
+        FabricTest(
+            name=f"test {number}",
+            mode=MODES[reading.setup.mode],
+            stretch=reading.stretch,
+            stress=reading.stress,
+            transverse=reading.transverse,
+            time_s=reading.time,
+            temperature_degC=np.full_like(reading.stretch, reading.setup.temperature),
+            angle_deg=reading.setup.angle,
+            specimen=reading.specimen,
+        )
+        for number, reading in enumerate(readings)
+    ]
+
+
+def problem_of(readings: Sequence[truths.Reading], model: str = "yeoh-3") -> FabricProblem:
+    """Return the problem an engineer would pose: a law with constants that are about right."""
+    constants = {"yeoh-3": (0.1, 0.02, 0.01), "neo-hookean": (0.1,)}[model]
+    return fabric_problem(law(model), constants, as_tests(readings))
+
+
+def case(
+    seed: int, effects: Sequence[str], poor: bool
+) -> tuple[FabricProblem, float, truths.Truth, list[truths.Setup]]:
+    """Return a problem whose effects raise the rms to 1.5 times the noise or more after the constants are refitted."""
+    model = "neo-hookean" if "elastic-law" in effects else "yeoh-3"
+    for attempt in range(50):
+        random = np.random.default_rng([seed, attempt, sum(map(ord, "".join(effects)))])
+        turn, rate = float(random.uniform(1.35, 1.7)), float(10.0 ** random.uniform(-2.3, -1.3))
+        setups = (truths.poor if poor else truths.rich)(turn, rate, float(random.uniform(53.0, 90.0)))
+        truth = truths.draw(random, effects)
+        clean = truths.measure(truth, setups, np.random.default_rng(0), 0.0)
+        top = max(float(np.max(reading.stress)) for reading in clean)
+        noise = float(random.uniform(0.005, 0.02)) * top
+        readings = truths.measure(truth, setups, random, noise)
+        if not effects:
+            break
+        problem = problem_of(readings, model)
+        trial = problem_of(clean, model)
+        from hyperfab.loop.fitting import fit
+        from hyperfab.loop.noise import Noise
+
+        sd = np.concatenate(
+            [np.full(len(trial.fabric.path.stretch), noise), np.full(len(trial.transverse_rows), 0.002)]
+        )
+        base = fit(trial, Noise(sd, np.inf, "known"), {}, [c.value for c in trial.own])
+        if np.sqrt(1.0 + base.chi2 / len(base.residual)) >= 1.5:
+            return problem, noise, truth, setups
+    return problem_of(readings, model), noise, truth, setups
+
+
+def label(found: Finding) -> str:
+    """Return the verdict in a word or two."""
+    if found.verdict == "effect":
+        return "+".join(found.after.ids)
+    if found.verdict == "ambiguous":
+        return (
+            "{"
+            + ",".join(sorted({name for one in found.indistinguishable for name in one}))
+            + "}"
+            + "+".join(found.after.ids)
+        )
+    return found.verdict
+
+
+def in_answer(name: str, found: Finding) -> bool:
+    """Whether an effect is among those named or among their look-alikes."""
+    return name in found.after.ids or any(name in one for one in found.indistinguishable)
+
+
+def table(
+    effects: Sequence[Sequence[str]], trials: int, poor: bool = False, show: bool = False
+) -> dict[tuple[str, ...], Counter[str]]:
+    """Run the trials and count the verdicts."""
+    counts: dict[tuple[str, ...], Counter[str]] = {}
+    for truth in effects:
+        counts[tuple(truth)] = Counter()
+        for seed in range(trials):
+            problem, _, drawn, _ = case(seed, truth, poor)
+            began = time.perf_counter()
+            found = close(problem)
+            took = time.perf_counter() - began
+            counts[tuple(truth)][label(found)] += 1
+            tally = counts[tuple(truth)]
+            named = found.verdict in ("effect", "ambiguous")
+            tally["#named alone"] += found.verdict == "effect" and set(found.after.ids) == set(truth)
+            tally["#right or in the set"] += named and all(in_answer(name, found) for name in truth)
+            tally["#one right"] += named and any(in_answer(name, found) for name in truth)
+            tally["#held out <= 1.2"] += bool(found.after.held_out.mean_square <= 1.44)
+            tally["#spurious"] += (
+                named and any(name not in truth for name in found.after.ids) and found.verdict == "effect"
+            )
+            if show:
+                before, left = found.before.judgement.structured, found.after.judgement.structured
+                kinds = [int(one["kind"]) for one in drawn.draws.values()]
+                print(
+                    f"  {seed:3d} {'+'.join(truth) or 'none':24s} {label(found):50s} kinds {kinds}"
+                    f" structure in sd: {before:.2f}, left {left:.2f}; {took:.1f} s",
+                    flush=True,
+                )
+    return counts
+
+
+def main() -> None:
+    """Print the tables."""
+    domain = sys.argv[1] if len(sys.argv) > 1 else "fabric"
+    trials = int(sys.argv[2]) if len(sys.argv) > 2 else 20
+    show = "--show" in sys.argv
+    only = [word for word in sys.argv[3:] if not word.startswith("--")]
+    if domain != "fabric":
+        raise SystemExit(f"no blind trials for {domain}")
+    poor = "--poor" in sys.argv
+    if only:
+        effects = [tuple(part for part in word.split("+") if part and part != "none") for word in only]
+    else:
+        effects = [(name,) for name in truths.IDS] + [()] + [(name,) for name in truths.OUTSIDE]
+    for truth, tally in table(effects, trials, poor, show).items():
+        names = {key: value for key, value in tally.items() if not key.startswith("#")}
+        sums = ", ".join(f"{key[1:]} {value}" for key, value in tally.items() if key.startswith("#"))
+        print(
+            f"{'+'.join(truth) or 'none':28s} {sums} | "
+            + ", ".join(f"{key} {value}" for key, value in Counter(names).most_common())
+        )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,137 @@
+"""Effects of a fabric: absent at their null, and what each does in a case worked by hand."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from loop.generators import fabric as truths
+
+from hyperfab.loop.fabric import FabricTest, fabric_problem
+from hyperfab.materials import bind
+from hyperfab.materials.effects.fabric import Fabric
+from hyperfab.materials.effects.path import UNIAXIAL, Path
+from hyperfab.materials.effects.rate import relaxing
+from hyperfab.materials.registry import law
+
+WARP = np.array([0.06, 0.02, 0.017])
+
+
+def path_of(stretch: np.ndarray, rate: float = 0.01, temperature: float = 23.0, angle: float = 0.0) -> Path:
+    time = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(stretch)))]) / rate
+    n = len(stretch)
+    return Path(
+        starts=(0, n),
+        mode=np.full(n, UNIAXIAL),
+        stretch=stretch,
+        across=np.full(n, np.nan),
+        time_s=time,
+        temperature_degC=np.full(n, temperature),
+        angle_deg=np.full(n, angle),
+        branch=np.zeros(n, dtype=np.int64),
+    )
+
+
+def cycles() -> np.ndarray:
+    turns = [1.0, 1.3, 1.0, 1.3, 1.0, 1.6, 1.0]
+    return np.concatenate([[1.0], *(np.linspace(a, b, 41)[1:] for a, b in pairwise(turns))])
+
+
+def rich_problem():  # type: ignore[no-untyped-def]
+    tests = []
+    for number, (angle, temperature, mode) in enumerate([(0.0, 23.0, 0), (90.0, 23.0, 0), (0.0, 60.0, 1)]):
+        lam = cycles()
+        tests.append(
+            FabricTest(
+                f"t{number}",
+                mode,
+                lam,
+                np.full_like(lam, 0.1),
+                time_s=np.linspace(0.0, 100.0 / (1 + 9 * number), len(lam)),
+                temperature_degC=np.full_like(lam, temperature),
+                angle_deg=angle,
+            )
+        )
+    return fabric_problem(law("yeoh-3"), WARP, tests)
+
+
+def test_catalogue_has_every_id_of_a_fabric() -> None:
+    assert sorted(effect.id for effect in rich_problem().effects) == sorted(truths.IDS)
+
+
+@pytest.mark.parametrize("effect", [effect.id for effect in rich_problem().effects])
+def test_null_leaves_the_prediction_as_it_is(effect: str) -> None:
+    problem = rich_problem()
+    entry = problem.effect(effect)
+    plain = problem.predict(WARP, {})
+    for form in entry.forms:
+        with_null = problem.predict(WARP, {effect: (form.name, np.array(form.null))})
+        assert np.allclose(with_null, plain, rtol=1e-14, atol=1e-16), form.name
+        moved = problem.predict(WARP, {effect: (form.name, np.array(form.starts[0]))})
+        assert np.max(np.abs(moved - plain)) > 1e-6, form.name
+
+
+def test_without_terms_the_fabric_is_its_law_to_the_bit() -> None:
+    lam = np.linspace(1.0, 1.8, 50)
+    fabric = Fabric(law("yeoh-3"), path_of(lam))
+    alone = bind("yeoh-3", {"C10_MPa": 0.06, "C20_MPa": 0.02, "C30_MPa": 0.017}).uniaxial(lam).P
+    assert np.allclose(fabric.stress(WARP, None, {}), alone, rtol=1e-14)
+
+
+def test_maxwell_branch_follows_the_convolution_integral() -> None:
+    # A ramp of stress s t on a branch g, tau: g s tau (1 - exp(-t/tau)).
+    lam = np.linspace(1.0, 1.5, 81)
+    path = path_of(lam)
+    found = relaxing(path, 2.0 * path.time_s, [0.3], [7.0])
+    assert np.allclose(found, 0.3 * 2.0 * 7.0 * (1.0 - np.exp(-path.time_s / 7.0)), rtol=1e-12)
+
+
+def test_mullins_softens_only_below_the_largest_stretch() -> None:
+    lam = cycles()
+    fabric = Fabric(law("yeoh-3"), path_of(lam))
+    plain = fabric.stress(WARP, None, {})
+    soft = fabric.stress(WARP, None, {"mullins": ("pseudo-elastic", np.array([0.4, 0.01]))})
+    virgin = lam >= np.maximum.accumulate(lam)
+    assert np.array_equal(soft[virgin], plain[virgin])
+    below = ~virgin & (lam > 1.01)
+    assert np.all(soft[below] < plain[below])
+
+
+def test_friction_encloses_a_loop_of_the_same_width_at_every_rate() -> None:
+    widths = []
+    for rate in (0.01, 1.0):
+        lam = cycles()
+        fabric = Fabric(law("yeoh-3"), path_of(lam, rate))
+        stress = fabric.stress(WARP, None, {"hysteresis": ("friction", np.array([0.1, 0.05]))})
+        widths.append(np.trapezoid(stress, lam))
+    assert widths[0] == pytest.approx(widths[1], rel=1e-12)
+    assert widths[0] > 0.0
+
+
+def test_set_leaves_the_first_pull_and_slackens_the_second() -> None:
+    lam = cycles()
+    fabric = Fabric(law("yeoh-3"), path_of(lam))
+    plain = fabric.stress(WARP, None, {})
+    found = fabric.stress(WARP, None, {"permanent-set": ("returned", np.array([0.2]))})
+    assert np.array_equal(found[:41], plain[:41])
+    second = slice(81, 121)
+    slack = lam[second] < 1.0 + 0.2 * 0.3 - 1e-9
+    assert np.all(found[second][slack] == 0.0)
+
+
+def test_weft_of_its_own_is_the_weft() -> None:
+    lam = np.linspace(1.0, 1.6, 30)
+    weft = 0.5 * WARP
+    both = Fabric(law("yeoh-3"), path_of(lam, angle=90.0)).stress(WARP, weft, {})
+    alone = Fabric(law("yeoh-3"), path_of(lam)).stress(weft, None, {})
+    assert np.array_equal(both, alone)
+
+
+def test_foam_of_one_term_is_told_exactly() -> None:
+    # Blatz-Ko, f = 1: P = mu (l - l3^2 / l) with l3 = l^-nu in tension.
+    lam = np.linspace(1.0, 2.0, 20)
+    fabric = Fabric(law("neo-hookean"), path_of(lam))
+    terms = {"compressibility": ("uniform", np.array([0.3]))}
+    assert np.allclose(fabric.stress(np.array([0.2]), None, terms), 0.4 * (lam - lam**-1.6), rtol=1e-12)
+    assert np.allclose(fabric.across(terms), lam**-0.3, rtol=1e-14)

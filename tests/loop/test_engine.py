@@ -1,0 +1,74 @@
+"""The engine: what it calls noise, what it names, what it leaves open. Truths come from tests/loop/generators."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from loop.blind import case, problem_of
+from loop.generators import fabric as truths
+
+from hyperfab.loop.engine import close
+from hyperfab.loop.heldout import leave_curves_out
+from hyperfab.loop.noise import estimate_noise
+from hyperfab.loop.problem import Curve
+from hyperfab.loop.search import Search
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_noise_is_called_noise(seed: int) -> None:
+    problem, _, _, _ = case(seed, (), poor=False)
+    found = close(problem)
+    assert found.verdict == "noise"
+    assert not found.after.ids
+
+
+@pytest.mark.parametrize("effect", truths.IDS)
+@pytest.mark.parametrize("seed", [0, 2])
+def test_effect_is_named_or_among_its_look_alikes(effect: str, seed: int) -> None:
+    problem, _, _, _ = case(seed, (effect,), poor=False)
+    found = close(problem, design=False)
+    named = set(found.after.ids) | {name for one in found.indistinguishable for name in one}
+    assert found.verdict in ("effect", "ambiguous")
+    assert effect in named
+
+
+@pytest.mark.parametrize("effect", ["hysteresis", "mullins", "rate"])
+def test_poor_protocol_is_ambiguous_and_asks_for_a_measurement(effect: str) -> None:
+    problem, _, _, _ = case(0, (effect,), poor=True)
+    found = close(problem)
+    assert found.verdict == "ambiguous"
+    assert any(effect in one for one in found.indistinguishable)
+    assert found.measurements[0].misfit > found.measurements[-1].misfit
+
+
+@pytest.mark.parametrize("outside", ["ripple", "one-gain", "stick-slip"])
+def test_what_no_entry_explains_stays_unexplained(outside: str) -> None:
+    problem, _, _, _ = case(0, (outside,), poor=False)
+    found = close(problem, design=False)
+    assert found.verdict == "unexplained"
+    assert found.rides_on
+
+
+def test_local_differences_find_the_noise_and_replicates_the_scatter() -> None:
+    random = np.random.default_rng(3)
+    truth = truths.draw(random, ())
+    setups = [truths.Setup(turns=(1.5, 1.0), rate=0.01) for _ in range(6)]
+    readings = truths.measure(truth, setups, random, 0.003, scatter=0.04)
+    noise = estimate_noise(problem_of(readings))
+    assert np.median(noise.sd) == pytest.approx(0.003, rel=0.15)
+    assert 0.015 < noise.gain_sd < 0.09
+
+
+def test_leaving_a_curve_out_is_exact_for_a_linear_model() -> None:
+    # The law is linear in its constants: refit without the curve and predict it.
+    problem, _, _, _ = case(1, ("thermal-softening",), poor=False)
+    noise = estimate_noise(problem)
+    state = Search(problem, noise).base()
+    held = leave_curves_out(state.fit, problem.curves)
+    curve: Curve = problem.curves[3]
+    columns = np.stack([problem.predict(np.eye(3)[i], {}) for i in range(3)], axis=1)
+    rest = np.ones(len(problem.measured), dtype=bool)
+    rest[curve.rows] = False
+    c = np.linalg.lstsq(columns[rest], problem.measured[rest], rcond=None)[0]
+    expected = (problem.measured - columns @ c)[curve.rows] / noise.sd[curve.rows]
+    assert held.residual[curve.rows] == pytest.approx(expected, rel=1e-4, abs=1e-5)
