@@ -31,6 +31,11 @@ class Advance(Protocol):
     def __call__(self, fraction: float, text: str = "") -> None: ...
 
 
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C arrived. A class of its own: where KeyboardInterrupt itself passes an exec(), as it may in an import,
+    Python ends by killing itself whatever status is returned."""
+
+
 class Terminated(BaseException):
     """SIGTERM arrived: unwinds the stack like KeyboardInterrupt, so that nothing half-written stays."""
 
@@ -153,7 +158,7 @@ def _on_signal(number: int, frame: FrameType | None) -> None:
     if _in_conversion(frame):
         _raise_behind(number, frame)
     else:
-        raise KeyboardInterrupt if number == signal.SIGINT else Terminated
+        raise Interrupted if number == signal.SIGINT else Terminated
 
 
 def _raise_behind(number: int, frame: FrameType | None) -> None:

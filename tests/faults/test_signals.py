@@ -202,3 +202,20 @@ def test_an_early_ctrl_c_is_no_traceback(after: float, folder: Path) -> None:
     ended = interrupt(LONG["fit"], folder, signal.SIGINT, after, group=True)
     assert "hyperfab" not in ended.said
     assert ended.status in (130, -signal.SIGINT)  # before our first line the interpreter just dies of it
+
+
+def test_ctrl_c_inside_an_exec_is_still_status_130(tmp_path: Path) -> None:
+    script = tmp_path / "exec.py"
+    script.write_text(
+        "import sys\n"
+        "from hyperfab.console import run_guarded\n"
+        "source = 'import os, signal\\nos.kill(os.getpid(), signal.SIGINT)\\nfor i in range(10**6): pass'\n"
+        "sys.exit(run_guarded(lambda: exec(source), debug=False))\n"
+    )
+    done = subprocess.run(
+        [sys.executable, script],
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        check=False,
+    )
+    assert done.returncode == 130, done.stderr
