@@ -27,6 +27,26 @@ def drape(
     clamp: Annotated[
         str, typer.Option(metavar="EDGES", help="Clamped edges: edges (all four), or some of x-,x+,y-,y+.")
     ] = "edges",
+    slide: Annotated[
+        str | None, typer.Option(metavar="EDGES", help="Edges held down but free to slide along their line.")
+    ] = None,
+    prestretch: Annotated[
+        str, typer.Option(metavar="S[xS]", help="Stretch along warp x weft in which the sheet is mounted.")
+    ] = "1",
+    mass: Annotated[
+        str | None, typer.Option(metavar="MASS/AREA", help="Fabric's mass per area: lets its weight act.")
+    ] = None,
+    shear_modulus: Annotated[
+        str | None, typer.Option(metavar="STRESS", help="Springs on the diagonals, of this shear modulus.")
+    ] = None,
+    max_stretch: Annotated[
+        float | None, typer.Option(metavar="S", help="Exit 1 where a spring is stretched further.")
+    ] = None,
+    solver: Annotated[
+        str, typer.Option(metavar="NAME", help="newton, or relaxation: the report's own, for comparison.")
+    ] = "newton",
+    steps: Annotated[int, typer.Option(metavar="N", help="Steps of the relaxation.")] = 400,
+    divisor: Annotated[float, typer.Option(metavar="C", help="Constant c of the relaxation's step.")] = 40.0,
     tolerance: Annotated[
         float, typer.Option(metavar="R", help="Largest nodal residual over the largest spring force.")
     ] = 1e-6,

@@ -39,6 +39,7 @@ class Answers:
     slack_springs: int
     contact_force: Floats  # (n, m, 3) N, of the mold on the sheet
     reaction: Floats  # (n, m, 3) N, of the clamps on the sheet
+    spring_energy: float  # N mm
     press_force: float  # N, along z
     imbalance: float  # N, clamp reactions + contact forces + weight
     node_penetration: float  # mm
@@ -87,6 +88,7 @@ def answers(sheet: Sheet, mold: Mold, found: Equilibrium) -> Answers:
         int(slack_warp.sum() + slack_weft.sum()),
         contact,
         reaction,
+        found.energy - float((sheet.arrays.weight * x[:, :, 2]).sum()),
         float(contact[:, :, 2].sum() + found.push[2]),
         float(np.abs(total).max()),
         inside,

@@ -131,7 +131,7 @@ def equilibrium(
     f, ft = np.zeros((n, m, 3)), np.zeros((n, m, 3))
     r, d, press = np.zeros((n, m, 3)), np.zeros((n, m, 3)), np.zeros((n, m))
     before = np.full((n, m), -1)
-    reference = _stiffness_scale(sheet)
+    reference = stiffness_scale(sheet)
     unstretched = RELAXED * reference * float(net.rest.max())
     energy, strongest = model.forces(now.x, now.clear, f)
     history: list[Step] = []
@@ -220,7 +220,8 @@ def equilibrium(
     )
 
 
-def _stiffness_scale(sheet: Sheet) -> float:
+def stiffness_scale(sheet: Sheet) -> float:
+    """Stiffness of the stiffest spring at rest, N/mm."""
     net = sheet.arrays
     warp, weft = sheet.warp(1.0 + 1e-9)[2][0], sheet.weft(1.0 + 1e-9)[2][0]
     return float(max(warp * net.warp_area.max() / net.rest[0], weft * net.weft_area.max() / net.rest[1]))

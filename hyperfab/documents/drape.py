@@ -66,6 +66,16 @@ class DrapeDocument(Document):
     size_mm: list[float]
     depth_mm: float
     clamp: list[str]
+    slide: list[str] = Field(default_factory=list, description="edges held but free along their line")
+    solver: str = Field(default="newton")
+    prestretch: list[float] = Field(default_factory=lambda: [1.0, 1.0], description="along warp and weft")
+    mass_g_m2: float | None = None
+    shear_modulus_MPa: float | None = None
+    draw_in_mm: dict[str, float] | None = Field(
+        default=None, description="how far each edge that is not clamped is drawn in"
+    )
+    max_stretch: float | None = Field(default=None, description="--max-stretch")
+    over_max_stretch: int | None = Field(default=None, description="springs stretched further")
     warp: SpringUse
     weft: SpringUse
     mold: DrapeMold

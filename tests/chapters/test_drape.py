@@ -167,6 +167,11 @@ def test_constants_that_soften_where_they_are_used_end_with_status_4(drape, fold
         ("--clamp", "north", "x-,x+,y-,y+"),
         ("--thickness", "0mm", "more than 0mm"),
         ("--tolerance", "0", "1e-6"),
+        ("--slide", "x-", "clamped"),
+        ("--prestretch", "5mm", "1.05x1.1"),
+        ("--mass", "180", "g/m^2"),
+        ("--solver", "magic", "relaxation"),
+        ("--max-stretch", "0.5", "1.8"),
     ],
 )
 def test_an_option_that_means_nothing_is_refused_with_the_right_form(drape, option, value, says):
@@ -174,3 +179,41 @@ def test_an_option_that_means_nothing_is_refused_with_the_right_form(drape, opti
     assert status == 2
     assert out == ""
     assert says in err
+
+
+def test_edges_that_are_free_are_drawn_in_and_sliding_ones_stay_on_their_line(drape):
+    _, out, _ = drape("--clamp", "x-,x+")
+    free = json.loads(out)["draw_in_mm"]
+    assert free["y-"] > 1.0
+    assert free["y-"] == pytest.approx(free["y+"], abs=0.1)
+    _, out, _ = drape("--clamp", "x-,x+", "--slide", "y-,y+")
+    assert json.loads(out)["draw_in_mm"] == {"y-": 0.0, "y+": 0.0}
+
+
+def test_prestretch_weight_and_shear_stiffness_act_and_are_off_by_default(drape):
+    _, out, _ = drape()
+    plain = json.loads(out)
+    assert plain["left_out"] == ["friction", "pre-tension", "gravity", "shear stiffness"]
+    for option in ("--prestretch=1.05x1.1", "--mass=2 kg/m^2", "--shear-modulus=50 kPa"):
+        status, out, _ = drape(option)
+        document = json.loads(out)
+        assert status == 0
+        assert document["force_N"] > plain["force_N"]
+        assert len(document["left_out"]) == 3
+
+
+def test_a_stretch_beyond_what_the_fabric_bears_ends_with_status_1(drape):
+    status, out, err = drape("--max-stretch", "1.1")
+    assert status == 1
+    assert "tear" in err
+    assert json.loads(out)["over_max_stretch"] > 0
+    assert drape("--max-stretch", "1.9")[0] == 0
+
+
+def test_the_relaxation_of_the_report_does_not_reach_equilibrium_and_says_so(drape):
+    status, out, _ = drape("--solver", "relaxation", "--steps", "600")
+    document = json.loads(out)
+    assert status == 4
+    assert document["converged"] is False
+    assert "1/c" in document["status"]
+    assert document["residual_relative"] > 1e-2

@@ -7,21 +7,21 @@ import re
 import numpy as np
 
 from hyperfab.chapters.drape import files
+from hyperfab.chapters.drape.effects import SIDES, edge_names, held, read_effects
 from hyperfab.chapters.drape.fabric import Fabric, read_fabric, use_of
 from hyperfab.chapters.drape.mold import PlacedMold, read_mold
 from hyperfab.chapters.job import Job
 from hyperfab.cloth import Answers, Equilibrium, HeldNodeInside, Sheet, Step, answers, drape, mold_of
 from hyperfab.cloth.cascade import grid_sizes
 from hyperfab.cloth.mold import FREE
-from hyperfab.cloth.net import FIXED
+from hyperfab.cloth.relaxation import relax
+from hyperfab.cloth.start import lowered
 from hyperfab.documents.drape import DrapeDocument, DrapeMold
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io import units
 from hyperfab.io.output import Output
 
-SIDES = ("x-", "x+", "y-", "y+")
 MOST_NODES = 4_000_000
-LEFT_OUT = ["friction", "shear stiffness", "gravity", "pre-tension", "draw-in"]
 
 
 def run(
@@ -34,16 +34,35 @@ def run(
     depth: str,
     thickness: str | None,
     clamp: str,
+    slide: str | None,
+    prestretch: str,
+    mass: str | None,
+    shear_modulus: str | None,
+    max_stretch: float | None,
+    solver: str,
+    steps: int,
+    divisor: float,
     tolerance: float,
     stl_unit: str,
     output: str,
 ) -> int:
-    """Relax a sheet onto a mold and write where it rests; 4 where no equilibrium was found."""
+    """Relax a sheet onto a mold and write where it rests.
+
+    1 where ``max_stretch`` is exceeded, 4 where no equilibrium was found or the constants are unstable.
+    """
     out = Output(output, (".vtu", ".csv", ".png"))
     n, m = _grid(grid)
     sides = units.size(size, option="--size")
     rise = units.quantity(depth, "length", option="--depth")
-    edges = _edges(clamp)
+    edges = edge_names("--clamp", clamp)
+    sliding = edge_names("--slide", slide) if slide else []
+    effects = read_effects(prestretch, mass, shear_modulus)
+    if solver not in ("newton", "relaxation"):
+        raise UsageError(f"--solver {solver}: choose newton or relaxation")
+    if steps < 1 or divisor <= 0.0:
+        raise UsageError(f"--steps {steps}, --divisor {divisor:g}: both must be more than 0")
+    if max_stretch is not None and max_stretch <= 1.0:
+        raise UsageError(f"--max-stretch {max_stretch:g}: a stretch is more than 1; write 1.8 for 80 %")
     if min(sides) <= 0.0:
         raise UsageError(f"--size {size}: both sides must be longer than 0")
     if rise < 0.0:
@@ -54,7 +73,18 @@ def run(
     placed = read_mold(job, mold, stl_unit, rise)
     out.refuse_inputs(job.inputs)
 
-    sheet = Sheet(n, m, sides, fabric.thickness, fabric.warp, fabric.weft, edges=_held(edges))
+    sheet = Sheet(
+        n,
+        m,
+        sides,
+        fabric.thickness,
+        fabric.warp,
+        fabric.weft,
+        prestretch=effects.prestretch,
+        shear=effects.shear_law(sides, (n, m)),
+        mass=effects.mass,
+        edges=held(edges, sliding),
+    )
     surface = mold_of(placed.surface, placed.shift)
     with job.console.progress("Draping") as advance:
         total = sum(a * b for a, b in grid_sizes(n, m))
@@ -66,19 +96,29 @@ def run(
             advance((done + max(share, 0.0) * a * b) / total, f"{a}x{b} nodes, residual {step.residual:.1e}")
 
         try:
-            found = drape(sheet, surface, tolerance, report)
+            if solver == "newton":
+                found = drape(sheet, surface, tolerance, report)
+            else:
+                found = relax(sheet, surface, lowered(sheet, surface), divisor, tolerance, steps, report)
         except HeldNodeInside as error:
             raise _held_inside(error, sheet, placed) from None
     fields = answers(sheet, surface, found)
     document = _document(fabric, sheet, placed, found, fields, tolerance)
-    document.depth_mm, document.clamp = rise, edges
+    document.depth_mm, document.clamp, document.slide = rise, edges, sliding
+    if solver == "relaxation":
+        document.iterations = document.iterations_finest
+    document.solver, document.prestretch = solver, list(effects.prestretch)
+    document.mass_g_m2, document.shear_modulus_MPa = effects.mass or None, effects.shear_modulus
+    document.draw_in_mm = _draw_in(sheet, found, [side for side in SIDES if side not in edges])
+    document.left_out = ["friction", *effects.absent]
     sound = _judge(job, document)
+    torn = max_stretch is not None and _exceeds(job, document, fields, max_stretch)
     if out.wants_files:
         out.add(".vtu", files.field(sheet, found, fields))
         out.add(".csv", files.history(found))
         out.add(".png", files.picture(sheet, found, fields))
     job.write(out, document)
-    return 0 if sound else 4
+    return 4 if not sound else 1 if torn else 0
 
 
 def _grid(text: str) -> tuple[int, int]:
@@ -93,17 +133,26 @@ def _grid(text: str) -> tuple[int, int]:
     return n, m
 
 
-def _edges(text: str) -> list[str]:
-    names = list(SIDES) if text.strip() == "edges" else [part.strip() for part in text.split(",")]
-    wrong = [name for name in names if name not in SIDES]
-    if wrong or not names:
-        raise UsageError(f"--clamp {text}: {wrong[0]!r} is no edge; write edges, or some of x-,x+,y-,y+")
-    return [side for side in SIDES if side in names]
+def _draw_in(sheet: Sheet, found: Equilibrium, edges: list[str]) -> dict[str, float] | None:
+    """How far in mm each edge that is not clamped is drawn in, at most over its nodes."""
+    way = found.state.x - sheet.flat()
+    inward = {"x-": way[0, :, 0], "x+": -way[-1, :, 0], "y-": way[:, 0, 1], "y+": -way[:, -1, 1]}
+    out = {name: float(inward[name].max()) + 0.0 for name in edges}
+    return out or None
 
 
-def _held(edges: list[str]) -> tuple[int, int, int, int]:
-    a, b, c, d = (FIXED if side in edges else 0 for side in SIDES)
-    return a, b, c, d
+def _exceeds(job: Job, document: DrapeDocument, fields: Answers, largest: float) -> bool:
+    """Note and say where springs are stretched further than the fabric can bear."""
+    over = int(
+        np.count_nonzero(fields.stretch_warp > largest) + np.count_nonzero(fields.stretch_weft > largest)
+    )
+    document.max_stretch, document.over_max_stretch = largest, over
+    if over:
+        top = max(document.warp.stretch_max, document.weft.stretch_max)
+        job.console.warn(
+            f"{over} springs are stretched beyond {largest:g}, up to {top:.3f}: the fabric would tear"
+        )
+    return over > 0
 
 
 def _held_inside(error: HeldNodeInside, sheet: Sheet, placed: PlacedMold) -> InputError:
@@ -134,7 +183,7 @@ def _document(
         residual_max_N=found.residual_max,
         residual_relative=found.residual_relative,
         tolerance=tolerance,
-        energy_J=found.energy * 1e-3,
+        energy_J=fields.spring_energy * 1e-3,
         force_N=fields.press_force,
         imbalance_N=fields.imbalance,
         contact_nodes=int(np.count_nonzero(found.state.contact != FREE)),
@@ -156,7 +205,6 @@ def _document(
         mold=DrapeMold(
             facets=len(placed.surface.faces), closed=placed.soundness.closed, shift_mm=list(placed.shift)
         ),
-        left_out=LEFT_OUT,
     )
 
 
