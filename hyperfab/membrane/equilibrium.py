@@ -112,6 +112,7 @@ class Press:
         away, settled, step = 1.0, False, np.zeros_like(places)
         most = self.max_iterations * (4 if careful else 1)
         entered = np.zeros(len(places), int)
+        last = touching
         for iteration in range(most + 1):
             support = max(_LEAST_SUPPORT, min(1.0, away)) * (1.0 if cold else 0.1)
             system = self._linearise(depth, places, touching, grip, support, cold)
@@ -134,6 +135,11 @@ class Press:
                 entered += chosen & ~touching
                 chosen |= entered >= _KEPT_AFTER
             settled = bool((chosen == touching).all())
+            if not settled and iteration > 2 and bool((chosen == last).all()):
+                # Going to and fro between two sets of touching nodes: half a step leads out.
+                step = 0.5 * step
+                chosen = touching | ((self.punch.near(places + step, depth).gap < 0) & self._movable)
+            last = touching
             places, touching = places + step, chosen
         raise NoEquilibriumError(f"Newton's method did not settle within {most} iterations")
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from math import ceil, log
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +31,8 @@ Array = NDArray[np.float64]
 _GROWTH = 0.25
 #: Edges on the sphere, relative to its radius; edges at the contact edge, relative to the mesh size.
 _ON_SPHERE, _AT_EDGE = 1 / 8, 1 / 4
+#: Edges of the rough mesh away from the sphere, at least, relative to half the size of the sheet.
+_ROUGH = 0.08
 #: Edges at the pole of the sphere where there is friction, relative to the mesh size.
 _AT_POLE = 1 / 12
 #: From one level of refinement to the next: fineness at the edge of contact, and elsewhere.
@@ -37,6 +40,8 @@ _FINER_EDGE, _FINER = 1.6, 1.25
 #: A change of the force from one mesh to the next overestimates the error left by at least this.
 _CAUTION = 3.0
 _MOST_LEVELS = 8
+#: Meshes of nested starts differ by at most this in their size.
+_FASTEST = 2.6
 _MOST_UNKNOWNS = 200_000
 
 
@@ -95,12 +100,13 @@ def rough_path(
     test: SphereTest, depths: Sequence[float], watch: Watch = lambda state: None
 ) -> tuple[Press, Path]:
     """Follow the test through ``depths`` [mm] on a mesh that is uniform where the sphere may touch."""
-    inner = min(test.mesh_size, test.radius * _ON_SPHERE)
+    coarse = max(test.mesh_size, _ROUGH * test.outline.reach)
+    inner = min(coarse, test.radius * _ON_SPHERE)
     span = 0.8 * test.radius
 
     def size(points: Array) -> Array:
         beyond = np.maximum(np.hypot(points[:, 0], points[:, 1]) - span, 0.0)
-        return np.asarray(np.minimum(test.mesh_size, inner + _GROWTH * beyond))
+        return np.asarray(np.minimum(coarse, inner + _GROWTH * beyond))
 
     press = press_on(test, _mesh(test, size))
     return press, follow(press, depths, watch)
@@ -199,15 +205,19 @@ def _fitted(
 
     Where the fitted mesh has no equilibrium (at a turning point) the solutions ``near`` stand.
     """
+    stages = _stages(tests[0])
     while True:
         edges = [edge for solved in near if (edge := contact_edge(solved.press, solved.state))]
         if not edges:
             return list(near), level
-        mesh = fitted_mesh(tests[0], edges, level)
+        mesh = fitted_mesh(replace(tests[0], mesh_size=stages[0]), edges, level)
         try:
             found = [solve_on(test, mesh, solved) for test, solved in zip(tests, near, strict=True)]
         except NoEquilibriumError:
             return list(near), level
+        if len(stages) > 1:
+            near, stages = found, stages[1:]
+            continue
         errors = [
             abs(new.state.force - old.state.force) / max(abs(new.state.force), 1e-300) / _CAUTION
             for new, old in zip(found, near, strict=True)
@@ -217,6 +227,18 @@ def _fitted(
         if done or level >= _MOST_LEVELS or mesh.unknowns > _MOST_UNKNOWNS:
             return found, level
         near, level = found, level + 1.0
+
+
+def _stages(test: SphereTest) -> list[float]:
+    """Return mesh sizes [mm] from one that the rough solution can start to the test's own.
+
+    The set of touching nodes moves by about a ring of elements an iteration: a start on a much finer mesh is slow.
+    """
+    rough = max(test.mesh_size, _ROUGH * test.outline.reach)
+    count = max(1, ceil(log(rough / test.mesh_size) / log(_FASTEST)))
+    return [rough * (test.mesh_size / rough) ** (stage / count) for stage in range(1, count)] + [
+        test.mesh_size
+    ]
 
 
 def _mesh(test: SphereTest, size: SizeField) -> SheetMesh:

@@ -148,6 +148,10 @@ def test_same_inputs_give_the_same_bytes(press, tmp_path):
         (["--size", "60mm", "--depth", "50mm"], "strike the clamp"),
         (["--tolerance", "0"], "--tolerance"),
         (["--friction", "glue"], "stick"),
+        (["--depth", "1e6mm"], "--depth"),
+        (["--depth", "1e-9mm"], "--depth"),
+        (["--size", "1e9mm"], "--size"),
+        (["--sphere-radius", "1um"], "--sphere-radius"),
         (["--friction", "30"], "coefficient"),
     ],
 )

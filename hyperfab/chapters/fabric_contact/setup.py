@@ -79,6 +79,9 @@ def read_setup(
     width = _length(size, "--size")
     radius = _length(sphere_radius, "--sphere-radius")
     deep = _length(depth, "--depth")
+    _within(width, 1.0, 10_000.0, f"--size {size}")
+    _within(radius, 5e-3 * width, 20.0 * width, f"--sphere-radius {sphere_radius}")
+    _within(deep, 1e-3 * width, 2.0 * width, f"--depth {depth}")
     if not (0.5 <= prestretch <= 5.0):
         raise UsageError(
             f"--prestretch {prestretch:g}: a stretch ratio between 0.5 and 5 is meant, 1.05 for 5 %"
@@ -138,7 +141,8 @@ def _bound(model: str, parameters: dict[str, float], name: str, key: str) -> Mat
     try:
         return bind(model, parameters)
     except InputError as error:
-        raise InputError(error.message, file=name, key=key, remedy=error.remedy) from None
+        place = f"{key}.{error.key}" if error.key in parameters else error.key or key
+        raise InputError(error.message, file=name, key=place, remedy=error.remedy) from None
 
 
 def _length(text: str, option: str) -> float:
@@ -159,6 +163,12 @@ def _friction(text: str | None) -> Tangential:
     if not 0.0 <= coefficient <= _MOST_FRICTION:
         raise UsageError(f"--friction {text}: a coefficient from 0 to {_MOST_FRICTION:g}, as 0.3, or stick")
     return Coulomb(coefficient) if coefficient > 0.0 else Frictionless()
+
+
+def _within(value: float, least: float, most: float, shown: str) -> None:
+    """Refuse what cannot be meant with this sheet."""
+    if not least <= value <= most:
+        raise UsageError(f"{shown}: between {least:g}mm and {most:g}mm for this sheet; check the unit")
 
 
 def _check_clamp(rim: float, radius: float, depth: float) -> None:

@@ -1,0 +1,106 @@
+"""All laws on Treloar's rubber: constants from uniaxial tension (A) against constants from all tests (B) on the sphere.
+
+Fits each law twice to ``specimens/treloar-1944``, pushes a sphere of radius 40 mm into a disc of diameter 200 mm and
+thickness 1 mm, and prints the table of docs/fabric-contact-laws.md:
+
+    python benchmarks/contact_laws.py > docs/fabric-contact-laws.md
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+TESTS = ROOT / "specimens" / "treloar-1944"
+DEPTH_MM = 80
+STEPS = 8
+
+HEAD = """# The sphere's verdict on all laws
+
+Made by `python benchmarks/contact_laws.py`. Constants of each law from Treloar's uniaxial test alone (A) and from
+uniaxial, planar and equibiaxial tests together (B); a sphere of radius 40 mm pushed 10 to 80 mm into a clamped disc of
+diameter 200 mm and thickness 1 mm. Force in N at 40, 60 and 80 mm; e is the largest difference of the Cauchy principal
+stresses at the same material points over the largest stress of A, at the last depth both reach (80 mm unless said
+otherwise); F_A/F_B there. Unstable: the depth and the larger stretch where the constants first lose Drucker stability.
+
+| law | F_A 40 | F_A 60 | F_A 80 | F_B 40 | F_B 60 | F_B 80 | e % | F_A/F_B | A | B |
+|---|---|---|---|---|---|---|---|---|---|---|"""
+
+
+def hf(*words: str, folder: Path) -> int:
+    """Run a command quietly and return its exit status."""
+    command = [sys.executable, "-m", "hyperfab", *words, "--quiet"]
+    return subprocess.run(command, cwd=folder, check=False, stderr=subprocess.DEVNULL).returncode
+
+
+def fitted(law: str, case: str, folder: Path) -> str | None:
+    """Fit a law; case A on the uniaxial test alone. Returns the document's name, None where there is no fit."""
+    name = f"{law}-{case}.json"
+    words = ["fit", "--model", law, "--accept", "1000000", "-o", name]
+    for test in ("uniaxial", "shear", "biaxial"):
+        words += [f"--{test}", str(TESTS / f"{test}.csv")]
+    hf(*words, *(["--fit-on", "uniaxial"] if case == "A" else []), folder=folder)
+    return name if (folder / name).exists() else None
+
+
+def pressed(law: str, folder: Path) -> dict | None:
+    """Press both sets of constants; None where a law has no fit."""
+    names = [fitted(law, case, folder) for case in "AB"]
+    if None in names:
+        return None
+    out = f"{law}.json"
+    hf(
+        "fabric-contact", names[0], "--against", names[1], "--depth", f"{DEPTH_MM}mm", "--steps", str(STEPS),
+        "-o", out, folder=folder,
+    )  # fmt: skip
+    path = folder / out
+    return json.loads(path.read_text()) if path.exists() else None
+
+
+def verdict(part: dict) -> str:
+    """Say how a set of constants ended: fine, unstable from a depth on, or without equilibrium beyond one."""
+    words = []
+    stability = part["stability"]
+    if not stability["stable"]:
+        words.append(
+            f"unstable at {stability['first_unstable_depth_mm']:.1f} mm ({stability['stretches'][0]:.2f})"
+        )
+    if not part["converged"]:
+        words.append(f"ends at {part['depth_reached_mm']:.2f} mm")
+    return ", ".join(words) or "stable"
+
+
+def row(law: str, found: dict | None) -> str:
+    """Return the table's line of one law."""
+    if found is None:
+        return f"| {law} | no result |" + " |" * 9
+    cells = [law]
+    for part in (found, found["against"]):
+        forces = {round(depth, 6): force for depth, force in part["force_depth"]}
+        cells += [f"{forces[depth]:.2f}" if depth in forces else "–" for depth in (40.0, 60.0, 80.0)]
+    at = found.get("compared_at_depth_mm")
+    where = "" if at is None or at == DEPTH_MM else f" (at {at:.1f} mm)"
+    cells.append(f"{found['stress_difference_percent']:.1f}{where}" if at is not None else "–")
+    cells.append(f"{found['force_ratio']:.3f}" if "force_ratio" in found else "–")
+    cells += [verdict(found), verdict(found["against"])]
+    return "| " + " | ".join(cells) + " |"
+
+
+def main(laws: list[str]) -> None:
+    """Print the table, law by law."""
+    if not laws:
+        from hyperfab.materials import laws as known
+
+        laws = [name for name, one in known().items() if one.isotropic]
+    print(HEAD)
+    with tempfile.TemporaryDirectory() as folder:
+        for law in laws:
+            print(row(law, pressed(law, Path(folder))), flush=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
