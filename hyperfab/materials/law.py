@@ -112,6 +112,10 @@ class Law(ABC):
         """Return the order in which exchangeable terms are written."""
         return list(range(len(theta)))
 
+    def lower(self) -> Law | None:
+        """Return the law with one exchangeable term less, or None."""
+        return None
+
     def turned(self, values: Sequence[float]) -> list[float]:
         """Return constants in the order of ``names`` for the sheet turned by a quarter."""
         return list(values)

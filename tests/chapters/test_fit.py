@@ -377,3 +377,23 @@ def test_measured_contraction_is_told(hf: Run, tmp_path: Path) -> None:
     (tmp_path / "t.csv").write_text(f"stretch,stretch 2,stress [MPa]\n{rows}\n")
     found = fit(hf, "--uniaxial", "t.csv", "--model", "neo-hookean", cwd=tmp_path)
     assert "stretch^-0.300" in found["preparation"][0]
+
+
+def test_few_readings_are_not_judged_by_each_other(hf: Run, tmp_path: Path) -> None:
+    (tmp_path / "t.csv").write_text("stretch,stress [MPa]\n1.2,0.2\n1.4,0.4\n1.6,0.5\n1.8,0.5\n")
+    found = fit(hf, "--uniaxial", "t.csv", "--model", "yeoh-3", cwd=tmp_path)
+    assert "outliers" not in found["fit"]
+
+
+def test_stable_constants_that_cannot_be_shown_are_not_written(hf: Run, tmp_path: Path) -> None:
+    # Readings without any order: no nine constants that follow them can be shown to be stable.
+    rows = "\n".join(f"{1.1 + 0.1 * k:.1f},{0.05 + 0.9 * ((k * 37) % 17) / 17:.4f}" for k in range(40))
+    (tmp_path / "t.csv").write_text(f"stretch,stress [MPa]\n{rows}\n")
+    done = hf(
+        "fit", "--uniaxial", "t.csv", "--model", "mooney-rivlin-9", "--stable", "--accept", "99", cwd=tmp_path
+    )
+    if done.returncode == 0:
+        assert json.loads(done.stdout)["stable"] is True
+    else:
+        assert done.returncode == 3
+        assert "stable" in done.stderr.decode()

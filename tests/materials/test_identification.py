@@ -203,3 +203,28 @@ def test_fitting_raises_no_warning(curves: list[Curve]) -> None:
         for name, law in laws().items():
             if law.isotropic:
                 fitted(name, curves[:1])
+
+
+def test_a_law_with_more_powers_than_the_readings_bear_falls_back_on_fewer() -> None:
+    # Falling stress: any second power would need the wrong sign.
+    lam = np.linspace(1.1, 5.0, 20)
+    stress = 0.3 / lam
+    one, two = (
+        fit_law(Problem(laws()[name], Rows.of([Curve("uniaxial", lam, stress, 1.0 / stress)])))
+        for name in ("ogden-1", "ogden-2")
+    )
+    assert one is not None
+    assert two is not None
+    assert two.sse <= one.sse * (1.0 + 1e-6)
+
+
+def test_long_tests_give_the_constants_of_all_their_rows() -> None:
+    lam = np.linspace(1.01, 4.0, 3000)
+    stress = (
+        0.4 * (lam - lam**-2) * (1.0 + 0.01 * np.sin(40.0 * lam)) / (1.0 - (lam**2 + 2.0 / lam - 3.0) / 40.0)
+    )
+    long = fit_law(Problem(laws()["gent"], Rows.of([Curve("uniaxial", lam, stress, 1.0 / stress)])))
+    assert long is not None
+    # At the optimum of all rows the derivative by each constant is zero.
+    slope = long.jacobian.T @ long.residual / np.linalg.norm(long.jacobian, axis=0)
+    assert np.abs(slope).max() < 1e-9 * np.sqrt(long.sse)

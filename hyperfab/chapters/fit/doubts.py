@@ -14,6 +14,10 @@ from hyperfab.documents.material import Replicates
 
 #: A reading so many standard deviations off is no chance; laws that fit poorly leave up to 5 at the ends of a curve.
 FAR = 6.5
+#: Below this share of the reading (of the largest stress in an absolute fit) an error is rounding, not a mistake.
+SMALL = 0.05
+#: Readings beyond the constants that it takes to judge one of them by the others.
+ENOUGH = 8
 #: So many readings are named in warnings; the document has all.
 SHOWN = 5
 
@@ -88,8 +92,13 @@ def outliers(part: Identified, curves: Sequence[Reading], setting: Setting) -> l
     sure = part.certainty
     used = [curve for curve in curves if curve.mode in setting.fit_on]
     rows = part.fit.problem.rows
+    residual = part.fit.residual
+    if len(residual) < part.fit.jacobian.shape[1] + ENOUGH:
+        return []
+    scale = 1.0 if setting.relative else float(np.abs(part.fit.problem.b).max())
+    large = np.abs(residual) > SMALL * scale * np.clip(1.0 - sure.leverage, 1e-3, None)
     found = []
-    for k in np.flatnonzero(np.abs(sure.studentised) > FAR):
+    for k in np.flatnonzero((np.abs(sure.studentised) > FAR) & large):
         number = int(rows.curve[k])
         place = int(k) - int(np.flatnonzero((rows.curve == number) & (rows.along == rows.along[k]))[0])
         found.append(Outlier(used[number], place, float(sure.studentised[k]), float(sure.leverage[k])))

@@ -94,6 +94,8 @@ def identify(law: Law, curves: Sequence[Reading], setting: Setting) -> Identifie
     if total is None:
         return "the law has no finite stress on these rows"
     ranges = stable_ranges(fit.materials[reference])
+    if setting.stable and not stable_over(ranges, reach(curves)):
+        return "no constants in its box could be shown to be stable over the data"
     per_temperature = [figures(measured[rows.group == g], model[rows.group == g]) for g in range(rows.groups)]
     found = Identified(
         law=law,

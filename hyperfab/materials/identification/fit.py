@@ -10,12 +10,17 @@ import numpy as np
 from hyperfab.materials.identification.design import Problem
 from hyperfab.materials.identification.linear import least_norm
 from hyperfab.materials.identification.polish import polish
-from hyperfab.materials.identification.search import starts
+from hyperfab.materials.identification.search import starts, thinned
 from hyperfab.materials.identification.stable import stable_optimum
 from hyperfab.materials.kinematics import Array
 from hyperfab.materials.material import Material
 from hyperfab.materials.stability import stable_over as stable
 from hyperfab.materials.stability import stable_ranges
+
+#: Rows beyond which not every start is followed on all of them.
+MANY = 800
+#: The power of a term that takes no part.
+_IDLE = 2.0
 
 Reach = Mapping[str, tuple[float, float]]
 
@@ -81,14 +86,32 @@ def _free_optimum(problem: Problem, near: Sequence[float] | None) -> Fit | None:
         c = least_norm(A, problem.b)
         return _fit(problem, u, c)
     points = starts(problem) if near is None else problem.coordinates(near)[None]
+    if near is None and len(problem.rows) > MANY:
+        # Long tests: the starts are compared on some of the rows, the best one is finished on all.
+        few = polish(thinned(problem, MANY), points, finish=False)
+        points = few.u if len(few.u) == 1 else points
     state = polish(problem, points, finish=near is None)
     if not np.isfinite(state.sse).any():
-        return None
+        return _with_idle_term(problem)
     u, c = state.u[0], state.projection.c[0]
     if problem.law.exchangeable:
         order = problem.law.order([float(value) for value in problem.theta(list(u))])
         u, c = u[order], c.reshape(problem.rows.groups, -1)[:, order].ravel()
     return _fit(problem, u, c)
+
+
+def _with_idle_term(problem: Problem) -> Fit | None:
+    """Return the optimum of the law with one term less, and that term with the constant zero.
+
+    This is the optimum where every set of terms has one whose constant would need the wrong sign.
+    """
+    lower = problem.law.lower()
+    found = None if lower is None else _free_optimum(Problem(lower, problem.rows), None)
+    if found is None:
+        return None
+    theta = [*found.material.theta, _IDLE]
+    columns = np.array([[*material.c, 0.0] for material in found.materials])
+    return _fit(problem, problem.coordinates(theta), columns.ravel())
 
 
 def _fit(problem: Problem, u: Array, c: Array) -> Fit:

@@ -88,9 +88,12 @@ def certainty(fit: Fit, group: int = 0) -> Certainty:
 
 
 def _studentised(residual: Array, leverage: Array, sse: float, freedom: int) -> Array:
-    open_share = np.clip(1.0 - leverage, 1e-12, None)
+    open_share = 1.0 - leverage
+    # A reading that decides its own prediction leaves a residual of rounding: nothing to judge it by.
+    judged = open_share > 1e-3
+    open_share = np.where(judged, open_share, 1.0)
     without = np.clip(sse - residual**2 / open_share, 1e-12 * sse + 1e-300, None) / max(freedom - 1, 1)
-    return np.asarray(residual / np.sqrt(without * open_share))
+    return np.asarray(np.where(judged, residual / np.sqrt(without * open_share), 0.0))
 
 
 def _by_parameter(fit: Fit, group: int) -> Array:

@@ -22,10 +22,7 @@ STARTS = 12
 def starts(problem: Problem) -> Array:
     """Return the most promising points of the box, shape (STARTS, axes), none beside another."""
     axes = problem.axes
-    if len(problem.rows) > _ROWS:
-        chosen = np.unique(np.linspace(0, len(problem.rows) - 1, _ROWS).astype(int))
-        problem = Problem(problem.law, problem.rows.take(chosen))
-        problem.__dict__["axes"] = axes
+    problem = thinned(problem, _ROWS)
     if problem.law.exchangeable and len(axes) > 1:
         return _scan_of_equals(problem)
     count = _POINTS[len(axes)]
@@ -38,6 +35,16 @@ def box_points(axes: Sequence[Axis], count: int) -> Array:
     """Return the points of a grid over the box, ``count`` along each axis, shape (points, axes)."""
     lines = [np.linspace(axis.low, axis.high, count) for axis in axes]
     return np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, len(axes))
+
+
+def thinned(problem: Problem, rows: int) -> Problem:
+    """Return the problem with no more than ``rows`` of its rows, evenly taken, in the same box."""
+    if len(problem.rows) <= rows:
+        return problem
+    chosen = np.unique(np.linspace(0, len(problem.rows) - 1, rows).astype(int))
+    fewer = Problem(problem.law, problem.rows.take(chosen))
+    fewer.__dict__["axes"] = problem.axes
+    return fewer
 
 
 def scan(problem: Problem, u: Array) -> Array:

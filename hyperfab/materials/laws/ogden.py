@@ -55,6 +55,10 @@ class Ogden(Law):
         """Positive powers first, each sign by rising magnitude."""
         return sorted(range(len(theta)), key=lambda r: (theta[r] < 0.0, abs(theta[r])))
 
+    def lower(self) -> Law | None:
+        """Return the law with one power less."""
+        return Ogden(len(self.linear) - 1) if len(self.linear) > 1 else None
+
     def refusal(self, parameters: Mapping[str, float]) -> str | None:
         """Refuse an exponent of zero: the term would be a constant."""
         zero = [name for name in self.nonlinear if parameters[name] == 0.0]
