@@ -117,9 +117,9 @@ def _fields(fields: Mapping[str, ArrayLike], count: int) -> dict[str, NDArray]:
 
 def _storable(values: NDArray, name: str) -> NDArray:
     """Return numbers of a type the file knows; truth values become 0 and 1."""
-    if values.dtype.kind == "b":
+    if values.dtype.kind == "b" or values.dtype == np.uint8:
         return values.astype(np.uint8)
-    if values.dtype.kind == "i":
+    if values.dtype.kind in "iu":
         return values.astype(np.int64)
     if values.dtype.kind == "f":
         return values.astype(np.float64)
