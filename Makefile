@@ -43,8 +43,13 @@ LYCRA   := $(wildcard specimens/lycra/*-23C.csv)
 DOCUMENTS := $(addprefix $(BUILD)/, fabric.json case-a.json case-b.json contact.json drape.json \
                heat-original.json heat-proposed.json press.json)
 
-run: $(DOCUMENTS)
+run: $(DOCUMENTS) $(BUILD)/report.html
 	@$(HF) summary $(DOCUMENTS)
+	@echo "page: $(BUILD)/report.html"
+
+# All of it on one page.
+$(BUILD)/report.html: $(DOCUMENTS)
+	$(HF) report $(DOCUMENTS) -o $@
 
 $(DOCUMENTS): $(VENV)/run | $(BUILD)
 

@@ -110,7 +110,7 @@ def _press(data: Plain) -> Iterator[str]:
 
 
 def _sweep(data: Plain) -> Iterator[str]:
-    failed = sum(count for status, count in data["by_status"].items() if status != "0")
+    failed = sum(count for status, count in data["by_status"].items() if status not in ("0", "1"))
     yield f"{data['name']}: {data['cases']} cases, {failed} failed; table {data['table']}"
     if "within_limits" in data:
         yield f"{data['within_limits']} cases keep to the limits"

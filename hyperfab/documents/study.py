@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -70,6 +71,12 @@ class AxisSection(Section):
         if self.values == []:
             raise ValueError("the axis is empty: a study over it has no case; give it values")
         return self
+
+    @property
+    def count(self) -> int:
+        """How many listed values there are; 1 where they are drawn."""
+        span = self.range or self.log_range
+        return span.count if span is not None else len(self.values or [0])
 
     @property
     def drawn(self) -> bool:
@@ -169,6 +176,12 @@ class StudyDocument(HandWritten):
                 if name not in self.figures:
                     raise ValueError(f"{key} asks for {name!r}; the figures are {', '.join(self.figures)}")
         return self
+
+    @property
+    def cases(self) -> int:
+        """How many cases the study has."""
+        listed = math.prod(axis.count for axis in self.axis.values())
+        return listed * (self.sampling.count if self.sampling is not None else 1)
 
     def _front(self) -> list[str]:
         return [] if self.pareto is None else [*self.pareto.minimize, *self.pareto.maximize]

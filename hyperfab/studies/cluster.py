@@ -51,8 +51,9 @@ def local(jobs: int) -> Iterator[Any]:
             threads_per_worker=1,
             processes=True,
             host="127.0.0.1",
-            dashboard_address=None,
-            worker_dashboard_address=None,
+            # Any free port of the loopback, for the scheduler's own state; the usual one may be another study's.
+            dashboard_address="127.0.0.1:0",
+            worker_dashboard_address="127.0.0.1:0",
             memory_limit=0,
             local_directory=scratch,
             silence_logs=logging.CRITICAL,
@@ -72,12 +73,17 @@ def remote(address: str, folder: Path) -> Iterator[Any]:
     Certificates for ``tls://`` come from Dask's own configuration. Raises InputError where no scheduler or worker
     answers, or where a worker does not see ``folder``: results are put there by the workers themselves.
     """
-    _dask()
+    dask = _dask()
     import distributed
 
+    if address.startswith("tls:") and not dask.config.get("distributed.comm.tls.ca-file", None):
+        raise InputError(
+            f"--scheduler {address}: no certificates are set for TLS",
+            remedy="set Dask's comm.tls.ca-file, client.cert and client.key, see docs/sweep.md",
+        )
     connect: Any = distributed.Client
     try:
-        client = connect(address, set_as_default=False, timeout=20)
+        client = connect(address, set_as_default=False, timeout=10)
     except (OSError, ValueError, TypeError) as error:
         raise InputError(
             f"--scheduler {address}: no scheduler answers ({error})",

@@ -44,14 +44,14 @@ def run(
     if parquet:
         _need_pyarrow()
     document = read_document(job.inputs, study, StudyDocument)
+    if document.cases > MANY and not yes:
+        factors = " x ".join(str(axis.count) for axis in document.axis.values() if not axis.drawn)
+        drawn = f", {document.sampling.count} samples" if document.sampling is not None else ""
+        raise UsageError(
+            f"{study}: {document.cases} cases ({factors}{drawn}); more than {MANY} need --yes, or fewer values"
+        )
     commands: Any = importlib.import_module(runner)
     plan = Plan(document, study, job.inputs)
-    if len(plan) > MANY and not yes:
-        factors = " x ".join(str(len(axis.levels)) for axis in plan.layout.listed) or "1"
-        raise UsageError(
-            f"{study}: {len(plan)} cases ({factors} x {plan.layout.samples} samples); "
-            f"more than {MANY} need --yes, or fewer values"
-        )
     check_study(plan, commands)
     store = Store(out)
     with store.held():
@@ -61,11 +61,12 @@ def run(
         if isinstance(engine, int):
             return engine
         job.console.note(_account(plan, engine.progress))
-        failed = write_result(job, plan, store, engine.accidents, output, parquet)
+        failed, negative = write_result(job, plan, store, engine.accidents, output, parquet)
     if failed:
         job.console.warn(f"{failed} of {len(plan)} cases failed; the table {output.path('.csv')} says why")
-        return NEGATIVE_VERDICT
-    return 0
+    if negative:
+        job.console.note(f"{negative} of {len(plan)} cases have a negative verdict")
+    return NEGATIVE_VERDICT if failed or negative else 0
 
 
 def _run_cases(

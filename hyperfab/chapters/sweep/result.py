@@ -20,8 +20,8 @@ from hyperfab.studies.table import Table, collect, to_csv, to_parquet
 
 def write_result(
     job: Job, plan: Plan, store: Store, accidents: Mapping[str, Outcome], output: Output, parquet: bool
-) -> int:
-    """Write the table and the document; return how many cases failed."""
+) -> tuple[int, int]:
+    """Write the table and the document; return how many cases failed, and how many have a negative verdict."""
     table = collect(plan, store, accidents)
     effects = main_effects(table, plan.axes)
     document = SweepDocument(
@@ -47,7 +47,8 @@ def write_result(
         output.add(".effects.png", effects_png(effects))
         output.add(".cases.png", cases_png(table, None if document.front is None else document.front.cases))
     job.write(output, document)
-    return sum(status not in (0, None) for status in table.columns["status"])
+    statuses = table.columns["status"]
+    return sum(status not in (0, 1) for status in statuses), sum(status == 1 for status in statuses)
 
 
 def _different_steps(table: Table) -> int:

@@ -26,7 +26,7 @@ MAX_CASES = 2000
 def section(source: Source) -> Section:
     """Return the section of a sweep document."""
     data = source.data
-    failed = sum(count for status, count in data["by_status"].items() if status != "0")
+    failed = sum(count for status, count in data["by_status"].items() if status not in ("0", "1"))
     found = Section("", *_verdict(data, failed))
     if data.get("question"):
         found.notes.append(f"The question: {data['question']}")
