@@ -8,7 +8,13 @@ import pytest
 from hyperfab.materials import bind
 from hyperfab.membrane import outline
 from hyperfab.membrane.contact_edge import contact_edge
+from hyperfab.membrane.equilibrium import Press
 from hyperfab.membrane.measures import fields, wrinkled_fraction
+from hyperfab.membrane.mesh import sheet_mesh
+from hyperfab.membrane.meshing import triangulate, uniform
+from hyperfab.membrane.path import cold_start
+from hyperfab.membrane.sheet import Sheet
+from hyperfab.membrane.sphere import Sphere
 from hyperfab.membrane.sphere_test import Outcome, SphereTest, run
 from hyperfab.membrane.tension_field import IsotropicSheet
 from hyperfab.membrane.verdict import first_instability, stress_difference, work
@@ -169,3 +175,22 @@ def test_accuracy_does_not_hang_on_a_lucky_mesh(depth):
         for seed in range(1, 7)
     ]
     assert np.sqrt(np.mean(np.square(errors))) < 1e-4
+
+
+@pytest.mark.parametrize(
+    ("order", "sizes", "measure", "least"), [(1, (10.0, 5.0), "force", 1.8), (2, (16.0, 8.0), "energy", 2.8)]
+)
+def test_errors_fall_with_the_order_of_the_elements(order, sizes, measure, least):
+    """P1: force of second order; P2: energy of third. Uniform, jittered meshes; rms over several."""
+    expected = getattr(DISC["neo-hookean", 60.0], measure)
+    sheet = outline.Disc(100.0, quarter=True)
+    law = IsotropicSheet(bind("neo-hookean", NEO_HOOKEAN))
+    errors = []
+    for size in sizes:
+        found = []
+        for seed in range(4):
+            mesh = sheet_mesh(sheet, triangulate(sheet, uniform(size), seed=seed, jitter=0.1), order)
+            state = cold_start(Press(Sheet(mesh, law, 1.0), Sphere(40.0)), 60.0)
+            found.append(getattr(state, measure) / expected - 1.0)
+        errors.append(np.sqrt(np.mean(np.square(found))))
+    assert np.log2(errors[0] / errors[1]) > least
