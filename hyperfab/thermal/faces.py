@@ -22,6 +22,8 @@ Mask = NDArray[np.bool_]
 
 #: A face looks a way where its normal has at least this component in it (edge-on faces do not).
 FACING = 0.01
+#: A curved face looks a way only if it does so clearly somewhere.
+CURVED_FACING = 0.4
 
 #: The middle of a flat facet on a curved surface may be this share of its size away from the surface.
 SAGITTA = 0.08
@@ -184,7 +186,7 @@ class Faces:
         on_cavity = self.cavity & mask
         inward[on_cavity] = True  # a cavity's outside is the part's inside
         facing = (self._normal @ way) * np.where(flip ^ inward, -1.0, 1.0)
-        candidates = np.flatnonzero(mask & (facing > FACING))
+        candidates = np.flatnonzero(mask & (facing > FACING) & self._not_edge_on(mask, facing))
         height = self._centre @ way
         blockers = np.flatnonzero(mask & (facing < -FACING))
         if len(candidates) == 0:
@@ -200,6 +202,17 @@ class Faces:
         kept = np.zeros_like(mask)
         kept[candidates[~hidden]] = True
         return kept
+
+    def _not_edge_on(self, mask: Mask, facing: Array) -> Mask:
+        """Leave out curved faces that only seem to look that way: flat facets on an upright wall lean a little."""
+        face = self.mesh.facets.face
+        known = mask & (face >= 0)
+        count = int(face.max()) + 1
+        most, least = np.full(count, -1.0), np.full(count, 1.0)
+        np.maximum.at(most, face[known], facing[known])
+        np.minimum.at(least, face[known], facing[known])
+        real = (most > CURVED_FACING) | (most - least < 1e-6)
+        return (face < 0) | real[np.maximum(face, 0)] if count else np.ones_like(mask)
 
 
 def _covered(points: Array, heights: Array, triangles: Array, triangle_heights: Array) -> Mask:

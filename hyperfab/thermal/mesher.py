@@ -7,10 +7,13 @@ mesher that crashes or never returns ends with a message, Ctrl-C works at once, 
 
 from __future__ import annotations
 
+import contextlib
 import io
 import json
+import os
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
@@ -102,7 +105,11 @@ def make_mesh(
 
 
 def remesh_surface(
-    surface: Stl, mesh_size: float, *, waiting: Callable[[float], None] = lambda seconds: None
+    surface: Stl,
+    mesh_size: float,
+    *,
+    patience: float = PATIENCE_BASE,
+    waiting: Callable[[float], None] = lambda seconds: None,
 ) -> tuple[Stl, float]:
     """Mesh a closed surface anew with triangles of edge ``mesh_size`` [mm], so that it makes no tiny tetrahedra.
 
@@ -115,7 +122,7 @@ def remesh_surface(
         "mesh_size": mesh_size,
         "grading": GRADING,
     }
-    arrays = _ask(job, PATIENCE_BASE, waiting)
+    arrays = _ask(job, patience, waiting)
     near = Surface(arrays["vertices"], arrays["triangles"]).nearest(surface.vertices)
     deviation = float(np.abs(near.distance).max())
     return Stl(arrays["vertices"], arrays["triangles"], surface.name), deviation
@@ -144,28 +151,39 @@ def _ask(job: dict[str, Any], limit: float, waiting: Callable[[float], None]) ->
 def _run(job: bytes, limit: float, waiting: Callable[[float], None]) -> tuple[int | None, bytes]:
     """Run the worker; the status is None where it had to be stopped."""
     start = time.monotonic()
-    with subprocess.Popen(
-        [sys.executable, "-m", "hyperfab.thermal.netgen_worker"],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        start_new_session=True,  # Ctrl-C reaches the parent alone, which then stops the worker
-    ) as process:
+    read, write = os.pipe()
+    # A thread feeds the job: communicate() forgets the rest of its input when it is asked again after a timeout.
+    threading.Thread(target=_feed, args=(write, job), daemon=True).start()
+    try:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "hyperfab.thermal.netgen_worker"],
+            stdin=read,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,  # Ctrl-C reaches the parent alone, which then stops the worker
+        )
+    finally:
+        os.close(read)
+    with process:
         try:
-            pending: bytes | None = job
             while True:
                 try:
-                    answer, _ = process.communicate(pending, timeout=0.2)
+                    answer, _ = process.communicate(timeout=0.2)
                     return process.returncode, answer
                 except subprocess.TimeoutExpired:
-                    pending = None
-                gone = time.monotonic() - start
+                    gone = time.monotonic() - start
                 if gone > limit:
                     return None, b""
                 waiting(gone)
         finally:
             process.kill()
             process.wait()  # also on Ctrl-C: no dead child is left to others
+
+
+def _feed(descriptor: int, job: bytes) -> None:
+    """Write the job and close the pipe; a worker that ended early has closed its side."""
+    with contextlib.suppress(BrokenPipeError), os.fdopen(descriptor, "wb") as stream:
+        stream.write(job)
 
 
 def _body(body: Body) -> dict[str, Any]:

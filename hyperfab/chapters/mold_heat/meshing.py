@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Callable
 
-from hyperfab.errors import InputError
+import numpy as np
+
+from hyperfab.errors import InputError, NotConverged
 from hyperfab.thermal.geometry import Body, Geometry, Shape, Stl
 from hyperfab.thermal.mesher import (
     NODES_PER_TETRAHEDRON,
@@ -22,8 +25,9 @@ WORTH_SAYING = 1e9
 
 #: STL surfaces of more facets are meshed anew before booleans: sewing them takes a millisecond a facet and more.
 MANY_FACETS = 3000
-#: Edge lengths tried for it, and the deviation that is small enough, as shares of mesh_size.
-COARSER = (1.0, 0.6, 0.4)
+#: Edge lengths tried for it, and the deviation that is small enough, as shares of mesh_size; seconds for each try.
+SHARES = (1.0, 0.6)
+PATIENCE = 15.0
 DEVIATION = 0.05
 
 Waiting = Callable[[float], None]
@@ -68,10 +72,20 @@ def _coarsened(geometry: Geometry, size: float, notes: list[str], waiting: Waiti
     def coarser(shape: Shape) -> Shape:
         if not isinstance(shape, Stl) or len(shape.triangles) <= MANY_FACETS:
             return shape
-        for share in COARSER:
-            found, deviation = remesh_surface(shape, share * size, waiting=waiting)
+        found, deviation = None, np.inf
+        for share in SHARES:
+            with contextlib.suppress(
+                NotConverged
+            ):  # the mesher gives up on some edge lengths and not on others
+                finer, closer = remesh_surface(shape, share * size, patience=PATIENCE, waiting=waiting)
+                if found is not None and len(finer.triangles) > 2 * MANY_FACETS:
+                    break
+                if closer < deviation:
+                    found, deviation = finer, closer
             if deviation <= DEVIATION * size:
                 break
+        if found is None:
+            return shape
         notes.append(
             f"an STL surface of {len(shape.triangles)} facets was meshed anew with {len(found.triangles)}; "
             f"they deviate by {deviation:.2g} mm at most"

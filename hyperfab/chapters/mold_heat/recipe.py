@@ -114,10 +114,11 @@ def _steady(document: MoldDocument, name: str, problem: Problem, start: Array) -
             key="run.steady",
             remedy="add convection, radiation or a held temperature to it",
         )
+    after = max(problem.corners, default=0.0)  # schedules and tables in time keep their last values
     state = initial_state(model, 0.0, start)
-    temperature, _ = model.solve_steady(0.0, model.hold(0.0, start))
+    temperature, _ = model.solve_steady(after, model.hold(after, start))
     history = History([state], [None], Ledger.begin(model, state.stored))
-    history.states.append(initial_state(model, 0.0, temperature))
+    history.states.append(initial_state(model, after, temperature))
     return history
 
 

@@ -1,0 +1,116 @@
+"""The mesher's door: exact volumes, named faces, refusals, and a watchdog that always comes back."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hyperfab.errors import InputError, NotConverged
+from hyperfab.thermal.faces import Faces
+from hyperfab.thermal.geometry import Body, Box, Cylinder, Ellipsoid, Geometry, Patch, Stl
+from hyperfab.thermal.mesh import build_mesh
+from hyperfab.thermal.mesher import make_mesh, remesh_surface
+
+
+def meshed(geometry, size):
+    raw = make_mesh(geometry, size)
+    return raw, build_mesh(raw.points / 1e3, raw.elements, raw.parts, raw.surface, raw.surface_face)
+
+
+@pytest.fixture(scope="module")
+def domed():
+    """A block with a dome on top, a chamber of the same kind below, and a plate it stands on."""
+    block = Box((-50.0, -40.0, 10.0), (100.0, 80.0, 30.0), name="block")
+    dome = Ellipsoid((0.0, 0.0, 40.0), (35.0, 30.0, 20.0), "z+", name="dome")
+    shaft = Cylinder((0.0, 0.0, 10.0), "z", 25.0, (20.0, 15.0), name="shaft")
+    geometry = Geometry(
+        (Body("plate", (Box((-60.0, -40.0, 0.0), (120.0, 80.0, 10.0)),)), Body("mold", (block, dome))),
+        (Body("chamber", (shaft,)),),
+        (Patch("plate", Box((-60.0, -40.0, -1.0), (30.0, 30.0, 1.0))),),
+    )
+    raw, mesh = meshed(geometry, 12.0)
+    return raw, mesh, Faces(mesh, geometry)
+
+
+def test_volumes_are_those_of_the_formulas(domed):
+    from hyperfab.thermal import elements
+
+    raw, mesh, _ = domed
+    volume = np.bincount(mesh.parts, elements.metric(mesh.points[mesh.elements]).volume.sum(axis=1)) * 1e9
+    mold = 100 * 80 * 30 + 2 / 3 * np.pi * 35 * 30 * 20 - np.pi * 20 * 15 * 25
+    np.testing.assert_allclose(volume, [120 * 80 * 10, mold], rtol=2e-4)
+    np.testing.assert_allclose(raw.volumes, [120 * 80 * 10, mold], rtol=1e-5)
+
+
+def test_faces_have_the_areas_of_the_formulas(domed):
+    _, _, faces = domed
+
+    def area(name):
+        return faces.area(faces.named(name)) * 1e6
+
+    assert area("plate.z-") == pytest.approx(120 * 80, rel=1e-9)
+    assert area("plate.x+") == pytest.approx(10 * 80, rel=1e-9)
+    assert area("plate.z+") == pytest.approx(120 * 80 - np.pi * 20 * 15, rel=2e-3)  # not the chamber's floor
+    assert area("chamber.z-") == pytest.approx(np.pi * 20 * 15, rel=2e-3)
+    assert area("chamber.z+") == pytest.approx(np.pi * 20 * 15, rel=2e-3)
+    perimeter = 2 * np.pi * np.sqrt((20**2 + 15**2) / 2) * 0.9922  # of the ellipse, within half a percent
+    assert area("shaft.all") - 2 * np.pi * 20 * 15 == pytest.approx(25 * perimeter, rel=0.01)
+    top = 100 * 80 - np.pi * 35 * 30
+    assert area("mold.z+") - area("dome.z+") == pytest.approx(top, rel=2e-3)
+    joint = faces.interface("plate", "mold")
+    assert faces.area(joint) * 1e6 == pytest.approx(100 * 80 - np.pi * 20 * 15, rel=2e-3)
+
+
+def test_faces_in_a_box_end_at_its_outline(domed):
+    _, _, faces = domed
+    found = faces.inside("plate", Box((-60.0, -40.0, -1.0), (30.0, 30.0, 1.0)))
+    assert faces.area(found) * 1e6 == pytest.approx(900.0, rel=1e-9)
+
+
+def test_the_nearest_names_are_offered(domed):
+    with pytest.raises(InputError, match=r"dome\.z\+"):
+        domed[2].named("domme.z+")
+    with pytest.raises(InputError, match=r"NAME\.WAY"):
+        domed[2].named("dome.up")
+
+
+def test_the_same_geometry_gives_the_same_mesh():
+    geometry = Geometry((Body("ball", (Ellipsoid((0.0, 0.0, 0.0), (10.0, 8.0, 12.0)),)),))
+    first, second = make_mesh(geometry, 5.0), make_mesh(geometry, 5.0)
+    assert first.points.tobytes() == second.points.tobytes()
+    assert first.elements.tobytes() == second.elements.tobytes()
+
+
+@pytest.mark.parametrize("axes", [(10.0, 8.0, 12.0), (8.0, 12.0, 10.0), (12.0, 10.0, 8.0)])
+def test_semi_axes_are_along_x_y_z(axes):
+    raw = make_mesh(Geometry((Body("ball", (Ellipsoid((1.0, 2.0, 3.0), axes),)),)), 4.0)
+    np.testing.assert_allclose(raw.points.max(axis=0) - [1.0, 2.0, 3.0], axes, rtol=0.02)
+    assert raw.volumes[0] == pytest.approx(4 / 3 * np.pi * np.prod(axes), rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("axis", "low", "high"), [("x", (0, -3, -5), (20, 3, 5)), ("y", (-5, 0, -3), (5, 20, 3))]
+)
+def test_elliptic_cylinders_take_their_semi_axes_in_cyclic_order(axis, low, high):
+    raw = make_mesh(Geometry((Body("rod", (Cylinder((0.0, 0.0, 0.0), axis, 20.0, (3.0, 5.0)),)),)), 3.0)
+    np.testing.assert_allclose(raw.points.min(axis=0), low, atol=0.1)
+    np.testing.assert_allclose(raw.points.max(axis=0), high, atol=0.1)
+
+
+def test_a_mesher_that_takes_too_long_is_stopped():
+    geometry = Geometry((Body("block", (Box((0.0, 0.0, 0.0), (100.0, 100.0, 100.0)),)),))
+    with pytest.raises(NotConverged, match="stopped"):
+        make_mesh(geometry, 1.5, patience=1.0)
+
+
+def test_a_fine_stl_is_meshed_anew_and_its_deviation_said():
+    import trimesh
+
+    ball = trimesh.creation.icosphere(5, radius=30.0)  # 20 480 facets: far more than a pipe holds
+    fine = Stl(np.asarray(ball.vertices), np.asarray(ball.faces, dtype=np.int64))
+    coarse, deviation = remesh_surface(fine, 8.0)
+    assert len(coarse.triangles) < 2000
+    # The middle of a triangle of 8 mm on a radius of 30 mm lies 8^2/3 / (2 30) = 0.36 mm deep; of one of 11 mm 0.67.
+    assert 0.1 < deviation < 0.7
+    raw = make_mesh(Geometry((Body("ball", (coarse,)),)), 8.0)
+    assert raw.volumes[0] == pytest.approx(4 / 3 * np.pi * 30.0**3, rel=0.03)
