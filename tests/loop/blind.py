@@ -7,15 +7,25 @@ Run as ``PYTHONPATH=.:tests python -m loop.blind [domain] [trials]``; determinis
 from __future__ import annotations
 
 import sys
+import tempfile
 import time
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from pathlib import Path
 
 import numpy as np
 from loop.generators import fabric as truths
+from loop.generators import heat as heat_truths
 
+from hyperfab.chapters.close_loop import heat
+from hyperfab.chapters.job import Job
+from hyperfab.console import Console
+from hyperfab.documents.base import parse_document
+from hyperfab.documents.mold import MoldDocument
+from hyperfab.io.toml_io import load_toml
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fabric import FabricProblem, FabricTest, fabric_problem
+from hyperfab.loop.heat import HeatProblem, heat_problem
 from hyperfab.materials.registry import law
 
 MODES = {"uniaxial": 0, "shear": 1, "biaxial": 2}
@@ -127,19 +137,75 @@ def table(
     return counts
 
 
+def heat_problems() -> Callable[[heat_truths.Truth, float, int], HeatProblem]:
+    """Return a function from truth, noise and seed to a problem; the mold is meshed and reduced once."""
+    folder = tempfile.mkdtemp()
+    text, power = heat_truths.mold_toml()
+    (Path(folder) / "power.csv").write_text(power)
+    name = str(Path(folder) / "mold.toml")
+    Path(name).write_text(text)
+    job = Job("close-loop", [], Console(True))
+    document = parse_document(load_toml(text.encode(), name), name, MoldDocument)
+    names = ["T1", "T2", "T3", "T4"]
+    times = np.linspace(0.0, heat_truths.DURATION, 200)
+    empty = heat.Thermocouples(times, np.full((200, 4), heat_truths.AIR), names)
+    posed, _ = heat.pose(
+        job, document, name, heat.MoldBuilder(document, name, job.inputs), empty, [], heat.PRIOR
+    )
+    mold = posed.runs[0][0]
+    own = [(constant.name, kind) for constant, kind in zip(posed.own, posed.kinds, strict=True)]
+
+    def problem(truth: heat_truths.Truth, noise: float, seed: int) -> HeatProblem:
+        at, readings = heat_truths.measure(truth, np.random.default_rng([seed, 7]), noise)
+        return heat_problem(mold, at, readings, range(4), names, own, list(posed.joints), heat.PRIOR)
+
+    return problem
+
+
+def heat_table(effects: Sequence[Sequence[str]], trials: int) -> None:
+    """Run trials on the mold and print each, then the sums."""
+    make = heat_problems()
+    for truth in effects:
+        tally: Counter[str] = Counter()
+        for seed in range(trials):
+            drawn = heat_truths.draw(np.random.default_rng([seed, len(truth)]), tuple(truth))
+            began = time.perf_counter()
+            found = close(make(drawn, 0.3, seed), design=False)
+            took = time.perf_counter() - began
+            named = found.verdict in ("effect", "ambiguous")
+            tally["named alone"] += found.verdict == "effect" and set(found.after.ids) == set(truth)
+            tally["right or in the set"] += named and all(in_answer(name, found) for name in truth)
+            tally["noise"] += found.verdict == "noise"
+            tally["unexplained"] += found.verdict == "unexplained"
+            before, left = found.before.judgement.structured, found.after.judgement.structured
+            name = "+".join(truth) or "none"
+            print(
+                f"  {seed:3d} {name:22s} {label(found):50s} {before:.2f}, {left:.2f}; {took:.0f} s",
+                flush=True,
+            )
+        print(
+            f"{'+'.join(truth) or 'none':22s} of {trials}: "
+            + ", ".join(f"{k} {v}" for k, v in tally.items()),
+            flush=True,
+        )
+
+
 def main() -> None:
     """Print the tables."""
     domain = sys.argv[1] if len(sys.argv) > 1 else "fabric"
     trials = int(sys.argv[2]) if len(sys.argv) > 2 else 20
     show = "--show" in sys.argv
     only = [word for word in sys.argv[3:] if not word.startswith("--")]
-    if domain != "fabric":
+    if domain not in ("fabric", "heat"):
         raise SystemExit(f"no blind trials for {domain}")
     poor = "--poor" in sys.argv
     if only:
         effects = [tuple(part for part in word.split("+") if part and part != "none") for word in only]
     else:
         effects = [(name,) for name in truths.IDS] + [()] + [(name,) for name in truths.OUTSIDE]
+    if domain == "heat":
+        heat_table(effects if only else [*((name,) for name in heat_truths.IDS), ()], trials)
+        return
     for truth, tally in table(effects, trials, poor, show).items():
         names = {key: value for key, value in tally.items() if not key.startswith("#")}
         sums = ", ".join(f"{key[1:]} {value}" for key, value in tally.items() if key.startswith("#"))

@@ -26,7 +26,7 @@ def held_terms(
     for index, item in enumerate(document.effects or []):
         key = f"effects.{index}"
         kind, form_name, values = item.get("id"), item.get("form"), item.get("parameters")
-        if kind in _TOLD_ELSEWHERE or item.get("told_by"):
+        if kind in _TOLD_ELSEWHERE or item.get("told_by") in ("directions", "model"):
             continue
         effect = entries.get(str(kind))
         form = None if effect is None else next((f for f in effect.forms if f.name == form_name), None)
@@ -83,6 +83,7 @@ def extend(document: MaterialDocument, problem: FabricProblem, fit: Fit, law: La
                 record["diagonal_softness"] = float(values[count])
         if effect_id == "thermal-softening":
             record["reference_degC"] = problem.fabric.reference_degC
+            record["told_by"] = "temperatures"
             result.temperature_degC = problem.fabric.reference_degC
         if (
             effect_id == "elastic-law"

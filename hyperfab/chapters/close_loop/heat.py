@@ -253,7 +253,7 @@ def _corners(built: Problem) -> list[float]:
 
 
 def _bench(built: Problem) -> FacetOperator | None:
-    """Return the outer faces without film, radiation or cavity: where a model lets no heat out."""
+    """Return the faces a mold stands on, or else all outer faces without film, radiation or cavity."""
     mesh = built.mesh
     outer = mesh.facets.outer & ~built.faces.cavity
     cooled: set[tuple[int, ...]] = set()
@@ -262,6 +262,10 @@ def _bench(built: Problem) -> FacetOperator | None:
             cooled |= {tuple(sorted(row[:3])) for row in condition.facets.nodes.tolist()}
     nodes = mesh.facet_nodes(outer)
     free = np.array([tuple(sorted(row[:3])) not in cooled for row in nodes.tolist()], dtype=bool)
+    # What a mold stands on is below it; only where nothing is free there do other insulated faces count.
+    height = mesh.points[nodes][:, :, 2]
+    below = free & np.all(height < float(mesh.points[:, 2].min()) + 1e-6, axis=1)
+    free = below if np.any(below) else free
     return FacetOperator(mesh.points, nodes[free]) if np.any(free) else None
 
 

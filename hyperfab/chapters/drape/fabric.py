@@ -42,6 +42,11 @@ def read_fabric(job: Job, name: str, thickness: str | None) -> Fabric:
         job.console.note(f"{name} states no thickness: 1 mm is taken (--thickness sets it)")
     else:
         thick = document.thickness_mm
+    untold = [str(effect.get("id", "?")) for effect in document.effects or [] if not effect.get("told_by")]
+    if untold:
+        job.console.warn(
+            f"{name}: the springs do not act on {', '.join(untold)}: they answer as on a first, slow pull"
+        )
     laws, tested = [], []
     for direction in ("warp", "weft"):
         own = (document.directions or {}).get(direction)

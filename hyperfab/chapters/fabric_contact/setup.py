@@ -114,8 +114,9 @@ def read_fabric(job: Job, name: str) -> Fabric:
     """Read a material document and make a sheet's law of it."""
     document = read_document(job.inputs, name, MaterialDocument)
     left_out = []
-    if document.effects:
-        named = ", ".join(str(effect.get("id", "?")) for effect in document.effects)
+    untold = [effect for effect in document.effects or [] if not effect.get("told_by")]
+    if untold:
+        named = ", ".join(str(effect.get("id", "?")) for effect in untold)
         left_out.append(f"effects of the material document: {named}; the sheet obeys the law at rest alone")
     directions = document.directions or {}
     if {"warp", "weft"} <= set(directions):
