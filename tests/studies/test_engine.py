@@ -17,7 +17,7 @@ from conftest import ROOT
 from hyperfab.chapters import sweep
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
-from hyperfab.errors import UsageError
+from hyperfab.errors import OutputError, UsageError
 
 pytest.importorskip("distributed", reason="Dask is not installed (pip install . brings it)")
 
@@ -185,6 +185,20 @@ def test_a_failing_case_is_told_in_the_table_and_the_others_go_on(shop: Shop) ->
     # Failures are results too: only --retry-failed tries them again.
     assert "0 steps run" in shop.inline("out")[1]
     assert "1 steps run" in shop.inline("out", retry=True)[1]
+
+
+def test_a_full_disk_stops_the_study_and_the_next_run_goes_on(shop: Shop) -> None:
+    shop.study(command="fill")
+    with pytest.raises(OutputError, match="No space left"):
+        shop.inline("out")
+    kept = shop.finished("out").count(1)
+    assert kept >= 2
+    assert not list((shop.folder / "out").glob("steps/*/.*run-*"))
+    (shop.folder / "freed").touch()
+    status, said = shop.inline("out")
+    assert status == 0
+    assert f"{kept} found finished" in said
+    assert shop.finished("out") == [1] * 12
 
 
 @pytest.mark.slow

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import time
@@ -13,7 +14,7 @@ from hyperfab.io.json_io import dump_json, load_json
 from hyperfab.studies.store import Outcome
 
 #: "none" is no kind of document: its keys are not known beforehand.
-COMMANDS = {"add": "none", "fail": "none", "sleep": "none", "die": "none", "die-once": "none"}
+COMMANDS = {"add": "none", "fill": "none", "fail": "none", "sleep": "none", "die": "none"}
 
 
 def check(command: str, words: Sequence[str]) -> str | None:
@@ -36,6 +37,8 @@ def run(command: str, words: Sequence[str], output: str) -> Outcome:
     total = sum(numbers)
     if command == "fail" and total > 3:
         return Outcome(4, f"{output}: {total} is more than 3")
+    if command == "fill" and total > 2 and not Path(output).parents[4].joinpath("freed").exists():
+        raise OSError(errno.ENOSPC, "No space left on device")
     if command == "sleep":
         time.sleep(total)
     if command == "die":

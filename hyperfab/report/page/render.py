@@ -46,7 +46,7 @@ def page(title: str, told: Sequence[tuple[Source, Section]], comparison: Table |
             {
                 "id": own,
                 "heading": heading(source),
-                "name": _short(source.name),
+                "name": _name(source),
                 "section": section,
                 "mark": {True: "pass", False: "fail", None: ""}[section.passed],
                 "badge": {True: "Pass", False: "Does not pass", None: ""}[section.passed],
@@ -190,6 +190,13 @@ def _provenance(sources: Sequence[Source]) -> Table:
             ]
         )
     return Table("Documents", ["document", "made by", "hf", "sha256"], rows)
+
+
+def _name(source: Source) -> str:
+    """Return what a section is called: studies all write sweep.json, and have a name of their own."""
+    return (
+        str(source.data.get("name") or _short(source.name)) if source.kind == "sweep" else _short(source.name)
+    )
 
 
 def _short(name: str) -> str:
