@@ -1,0 +1,117 @@
+"""The reduced mold against solutions in closed form, and the loop on a mold that something was done to."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import Run
+from loop.generators import heat as truths
+
+from hyperfab.chapters.close_loop import heat
+from hyperfab.chapters.job import Job
+from hyperfab.chapters.mold_heat.problem import MoldBuilder
+from hyperfab.console import Console
+from hyperfab.documents.base import parse_document
+from hyperfab.documents.mold import MoldDocument
+from hyperfab.io.toml_io import load_toml
+from hyperfab.loop.heat import HeatProblem
+from hyperfab.thermal.reduced import lagging
+
+CUBE = """format = "hyperfab.mold/1"
+[material.copper]
+density = "8900 kg/m^3"
+conductivity = "4000 W/m/K"
+specific_heat = "385 J/kg/K"
+[[part]]
+name = "cube"
+material = "copper"
+box = { origin = ["0 mm", "0 mm", "0 mm"], size = ["20 mm", "20 mm", "20 mm"] }
+[[heater]]
+volume = "cube"
+power = "POWER W"
+[[convection]]
+on = "exposed"
+h = "20 W/m^2/K"
+ambient = "25 degC"
+[[probe]]
+name = "T"
+at = ["10 mm", "10 mm", "10 mm"]
+[run]
+start = "START degC"
+until = "1000 s"
+mesh_size = "20 mm"
+"""
+
+
+def cube(power: float, start: float) -> tuple[HeatProblem, np.ndarray]:
+    text = CUBE.replace("POWER", f"{power}").replace("START", f"{start}")
+    document = parse_document(load_toml(text.encode(), "cube.toml"), "cube.toml", MoldDocument)
+    job = Job("close-loop", [], Console(True))
+    times = np.linspace(0.0, 1000.0, 101)
+    read = heat.Thermocouples(times, np.full((101, 1), start), ["T"])
+    builder = MoldBuilder(document, "cube.toml", job.inputs)
+    problem, _ = heat.pose(job, document, "cube.toml", builder, read, [], 0.1)
+    return problem, times
+
+
+def test_cube_warms_as_one_body() -> None:
+    problem, times = cube(10.0, 25.0)
+    found = problem.predict(np.array([constant.value for constant in problem.own]), {})
+    capacity, loss = 8900.0 * 385.0 * 8e-6, 20.0 * 2.4e-3
+    expected = 25.0 + 10.0 / loss * (1.0 - np.exp(-loss / capacity * times))
+    assert np.max(np.abs(found - expected)) < 0.02
+
+
+def test_radiation_cools_as_stefan_and_boltzmann_say() -> None:
+    problem, _ = cube(0.0, 400.0)
+    own = np.array([constant.value for constant in problem.own])
+    own[[constant.name for constant in problem.own].index("convection.0.h")] = 0.05
+    found = problem.predict(own, {"radiation": ("grey", np.array([0.8]))})
+    capacity, now, expected = 8900.0 * 385.0 * 8e-6, 673.15, [400.0]
+    for _ in range(100):
+        for _ in range(200):
+            loss = 2.4e-3 * (0.8 * 5.670374419e-8 * (now**4 - 298.15**4) + 1.0 * (now - 298.15))
+            now -= 10.0 / 200 * loss / capacity
+        expected.append(now - 273.15)
+    assert np.max(np.abs(found - np.array(expected))) < 0.15
+
+
+def test_effects_of_a_mold_are_absent_at_their_null() -> None:
+    problem, _ = cube(10.0, 25.0)
+    own = np.array([constant.value for constant in problem.own])
+    plain = problem.predict(own, {})
+    for effect in problem.effects:
+        for form in effect.forms:
+            with_null = problem.predict(own, {effect.id: (form.name, np.array(form.null))})
+            assert np.array_equal(with_null, plain), effect.id
+
+
+def test_lag_of_a_ramp_is_exact() -> None:
+    times = np.linspace(0.0, 50.0, 26)
+    ramp = 2.0 * times[None, :, None]
+    found = lagging(times, ramp, np.array([8.0]))[0, :, 0]
+    assert found == pytest.approx(2.0 * (times - 8.0 * (1.0 - np.exp(-times / 8.0))), abs=1e-9)
+
+
+@pytest.mark.slow
+def test_sensor_lag_of_a_mold_is_found_and_written(hf: Run, tmp_path: Path) -> None:
+    text, power = truths.mold_toml()
+    (tmp_path / "mold.toml").write_text(text)
+    (tmp_path / "power.csv").write_text(power)
+    times, readings = truths.measure(
+        truths.Truth(("sensor-lag",), {"sensor-lag": 1.0}), np.random.default_rng(2), 0.3
+    )
+    rows = [",".join(f"{v:.4f}" for v in (t, *row)) for t, row in zip(times, readings, strict=True)]
+    head = "time [s]," + ",".join(f"T{i} [degC]" for i in range(1, 5))
+    (tmp_path / "tc.csv").write_text("\n".join([head, *rows]) + "\n")
+    done = hf("close-loop", "mold.toml", "--measured", "tc.csv", "-o", "loop.json", cwd=tmp_path, timeout=900)
+    found = json.loads((tmp_path / "loop.json").read_text())
+    assert done.returncode == 0, done.stderr.decode()
+    named = {effect["id"] for effect in found["effects"]} | {
+        name for one in found["indistinguishable"] for name in one
+    }
+    assert "sensor-lag" in named
+    assert hf("mold-heat", found["model"], cwd=tmp_path, timeout=300).returncode == 0
