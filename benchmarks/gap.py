@@ -4,10 +4,10 @@
 
 Each program is given the female's triangles and the male's vertices, in a process of its own. hyperfab finds the
 nearest point and the hit along the male's normal, and compares a sample with its exact tree; the others (installed
-apart: pip install libigl open3d point-cloud-utils trimesh rtree) find the nearest point alone. Seconds are CPU time of
-the whole process after import and compilation, with building whatever is searched. The difference is the largest one
-from libigl's distances, or from hyperfab's exact tree where libigl is not there. A dash: not installed, or (trimesh
-above 60,000 triangles) far too slow.
+apart: pip install libigl open3d point-cloud-utils trimesh rtree) find the nearest point alone. Seconds are CPU time
+of the whole process after import and compilation, the better of two runs, with building whatever is searched. The
+difference is the largest one from libigl's distances, or from hyperfab's exact tree where libigl is not there. A
+dash: not installed, or (trimesh above 60,000 triangles) far too slow.
 """
 
 from __future__ import annotations

@@ -54,9 +54,11 @@ def main():
     ]()
     data = np.load(pair)
     v, f, p = data["vertices"], data["faces"], data["points"]
-    start = time.process_time()
-    distance = search(v, f, p)
-    seconds = time.process_time() - start
+    seconds = float("inf")
+    for _ in range(2):
+        start = time.process_time()
+        distance = search(v, f, p)
+        seconds = min(seconds, time.process_time() - start)
     np.save(out, np.asarray(distance, dtype=float).ravel())
     print(json.dumps({"seconds": seconds, "peak_MB": peak()}))
 

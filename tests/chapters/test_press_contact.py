@@ -188,8 +188,8 @@ def test_a_yielding_frame_opens_the_press(shop, monkeypatch):
     _, stiff = press(shop, monkeypatch, gap="3mm")
     _, soft = press(shop, monkeypatch, gap="3mm", frame_stiffness="1kN/mm")
     assert soft["force_N"] < stiff["force_N"]
-    assert soft["clearance_cold_mm"] == pytest.approx(3.0 + soft["force_N"] / 1000.0, rel=1e-9)
-    assert soft["clearance_to_set_mm"] == pytest.approx(3.0, abs=1e-9)
+    assert soft["clearance_cold_mm"] == pytest.approx(3.0 + soft["force_N"] / 1000.0, abs=1e-7)
+    assert soft["clearance_to_set_mm"] == pytest.approx(3.0, abs=1e-7)
 
 
 def test_the_designed_male_presses_evenly(shop, monkeypatch):
