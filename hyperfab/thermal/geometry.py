@@ -30,8 +30,8 @@ DIRECTIONS: dict[str, Vector] = {
 class Box:
     """A box with edges along the axes: the corner with the least coordinates, and the edge lengths [mm].
 
-    >>> Box((0, 0, 0), (2, 2, 2)).distance(np.array([[1.0, 1.0, 2.0], [1.0, 1.0, 1.0], [1.0, 1.0, 4.0]]))
-    array([0., 1., 2.])
+    >>> Box((0, 0, 0), (2, 2, 2)).distance(np.array([[1.0, 1.0, 1.0], [1.0, 1.0, 4.0]]))
+    array([1., 2.])
     """
 
     origin: Vector
