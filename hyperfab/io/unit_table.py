@@ -109,10 +109,11 @@ _FACTOR = re.compile(r"""(1|[^\W\d_]+(?:_deg[CF]|_K)?|°[CF]?|[%‰"])(?:(?:\^|\
 
 
 @lru_cache(maxsize=256)
-def parse_unit(text: str) -> Unit:
+def parse_unit(text: str, rare: bool = False) -> Unit:
     """Return the unit ``text`` stands for: ``MPa``, ``W/m^2/K``, ``W/(m² K)``, ``lbf/in2``, ``1/s``, ``s^-1``, ``%``.
 
     A product is read from left to right, so ``J/kg K`` is (J/kg) K; parentheses are allowed once. ``/K`` is ``1/K``.
+    With ``rare`` names that are not in this table are looked up in pint's, which takes a second to load.
 
     Raises UnitError where it is none.
 
@@ -131,8 +132,8 @@ def parse_unit(text: str) -> Unit:
     if parenthesis:
         if not denominator.endswith(")"):
             raise UnitError(f"{text} is no unit")
-        return _product(numerator, text, _product(denominator[:-1], text, None), -1)
-    return _product(cleaned, text, None)
+        return _product(numerator, text, rare, _product(denominator[:-1], text, rare, None), -1)
+    return _product(cleaned, text, rare, None)
 
 
 def _clean(text: str) -> str:
@@ -143,7 +144,7 @@ def _clean(text: str) -> str:
     return re.sub(r"[·⋅×]", "*", text)
 
 
-def _product(text: str, whole: str, start: Unit | None, sign: int = 1) -> Unit:
+def _product(text: str, whole: str, rare: bool, start: Unit | None, sign: int = 1) -> Unit:
     """Multiply out ``text``, times ``start`` to the power ``sign``."""
     factor, dimension = Fraction(1), list(_NONE)
     if start is not None:
@@ -156,7 +157,7 @@ def _product(text: str, whole: str, start: Unit | None, sign: int = 1) -> Unit:
         power = int(match[2] or 1) * operator
         if abs(power) > 6:
             raise UnitError(f"{whole} is no unit")
-        base = _symbol(match[1], whole)
+        base = _symbol(match[1], whole, rare)
         factor *= base.factor**power
         dimension = [
             total + power * exponent for total, exponent in zip(dimension, base.dimension, strict=True)
@@ -174,7 +175,7 @@ def _product(text: str, whole: str, start: Unit | None, sign: int = 1) -> Unit:
     return Unit(factor, (length, mass, time, temperature, angle))
 
 
-def _symbol(symbol: str, whole: str) -> Unit:
+def _symbol(symbol: str, whole: str, rare: bool) -> Unit:
     symbol = _DIFFERENCES.get(symbol, symbol)
     if symbol in _PLAIN:
         return Unit(*_PLAIN[symbol])
@@ -192,4 +193,10 @@ def _symbol(symbol: str, whole: str) -> Unit:
         for known in (*_PLAIN, *_PREFIXED, *_SCALES, "mm", "MPa", "kPa", "kN", "kW")
         if known.lower() == symbol.lower()
     ]
+    if rare and not near:
+        from hyperfab.io.rare_units import rare_unit
+
+        found = rare_unit(symbol)
+        if found is not None:
+            return Unit(*found)
     raise UnitError(f"{whole} is no unit" + (f"; write {near[0]}" if near else ""))
