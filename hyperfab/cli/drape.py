@@ -16,7 +16,10 @@ def drape(
     material: Annotated[
         str, typer.Argument(metavar="FABRIC.json", help="Material document of hf fit, or -.")
     ],
-    mold: Annotated[str, typer.Option(metavar="MOLD.stl", help="Surface of the mold.")],
+    mold: Annotated[
+        list[str],
+        typer.Option(metavar="MOLD.stl", help="Surface of the mold; repeated for several in one frame."),
+    ],
     grid: Annotated[str, typer.Option(metavar="NxM", help="Nodes along x (warp) and y (weft).")] = "100x100",
     size: Annotated[str, typer.Option(metavar="LxL", help="The flat sheet, as 220mmx220mm.")] = "220mmx220mm",
     depth: Annotated[str, typer.Option(metavar="LENGTH", help="How far the mold is pushed up.")] = "60mm",

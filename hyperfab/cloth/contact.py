@@ -14,7 +14,7 @@ from numba import njit
 from hyperfab.surface.bvh import DEPTH, nearest_one, ray_one
 
 from .creases import over_edge
-from .features import beside, copy, decide, dot, edge_reached, outward, unfold, valley
+from .features import beside, copy, decide, dot, edge_reached, outward, sharp_edge_at, unfold, valley
 from .law import Floats
 from .mold import FREE, ON_FACE, SHARP, Ints, Mold, States
 from .net import Arrays
@@ -94,6 +94,8 @@ def move(
                     off = (y[0] - a[0]) * n[0] + (y[1] - a[1]) * n[1] + (y[2] - a[2]) * n[2]
                     for k in range(3):
                         xt[i, j, k] = y[k] - off * n[k]
+                    if mold.creases.corners.shape[0] > 0:
+                        state_t[i, j] = ON_FACE + 1 + sharp_edge_at(mold, slot[i, j], xt[i, j])
                     continue
                 if mold.turn[slot[i, j], edge] > SHARP:
                     if crossed[i, j] > 0:
@@ -150,6 +152,8 @@ def move(
             xt[i, j, 0], xt[i, j, 1], xt[i, j, 2] = cx, cy, cz
             if feature > 3 and beside(mold, near, feature, xt[i, j]):
                 feature = 0
+            if feature == 0 and mold.creases.corners.shape[0] > 0:
+                feature = 1 + sharp_edge_at(mold, near, xt[i, j])
             state_t[i, j], clear_t[i, j] = ON_FACE + feature, 0.0
 
 

@@ -15,12 +15,10 @@ from numba import njit
 
 from hyperfab.surface import bvh
 
+from .features import ON_EDGE
 from .law import Floats, evaluate
 from .mold import Creases, Ints
 from .net import Arrays
-
-#: A step that ends within this many mm of a sharp edge ends on it.
-ON_EDGE = 3e-7
 
 
 class Bends(NamedTuple):

@@ -12,6 +12,8 @@ from .mold import FREE, ON_FACE, SHARP, Ints, Mold
 
 #: How far in mm a node that lands on a sharp edge or corner is put beside it, onto one of the facets.
 BESIDE = 1e-6
+#: A step that ends within this many mm of a sharp edge ends on it.
+ON_EDGE = 3e-7
 
 
 @njit(cache=True)
@@ -222,3 +224,17 @@ def beside(mold: Mold, slot: int, feature: int, x: Floats) -> bool:
     for k in range(3):
         x[k] += share * ((tri[0, k] + tri[1, k] + tri[2, k]) / 3.0 - x[k])
     return True
+
+
+@njit(cache=True)
+def sharp_edge_at(mold: Mold, slot: int, x: Floats) -> int:
+    """Sharp edge of a facet on which a node of the facet lies but for rounding; -1: none."""
+    u = np.empty(3)
+    for e in range(3):
+        if mold.turn[slot, e] > SHARP:
+            outward(mold, slot, e, u)
+            a = mold.corners[slot, e]
+            off = (x[0] - a[0]) * u[0] + (x[1] - a[1]) * u[1] + (x[2] - a[2]) * u[2]
+            if abs(off) < ON_EDGE:
+                return e
+    return -1

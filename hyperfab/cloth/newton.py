@@ -18,6 +18,8 @@ from .net import FIXED, Sheet
 RELAXED = 1e-8
 #: Steps after which springs around corners of the mold are taken for what keeps the equilibrium away.
 PATIENCE = 25
+#: The linear systems are solved at least this well: setting them up costs more than a few inner steps.
+FORCING = 5e-3
 
 
 @dataclass
@@ -135,7 +137,7 @@ def equilibrium(
     unstretched = RELAXED * reference * float(net.rest.max())
     energy, strongest = model.forces(now.x, now.clear, f)
     history: list[Step] = []
-    alpha, inner, forcing, relative_old = 1.0, 0, 0.1, 1.0
+    alpha, inner, relative_old = 1.0, 0, 1.0
     status = "no equilibrium within the allowed steps"
     for iteration in range(largest + 1):
         changed = 0
@@ -174,7 +176,7 @@ def equilibrium(
             break
         floor = reference * min(1e-3, 0.1 * relative)
         model.tangent(now.x, floor, tangent)
-        forcing = min(0.1, max(1e-3, 0.5 * (relative / relative_old) ** 2)) if iteration else 0.1
+        forcing = min(FORCING, max(1e-3, 0.5 * (relative / relative_old) ** 2)) if iteration else FORCING
         forcing = min(0.1, max(forcing, 0.3 * tolerance / relative))
         relative_old = relative
         solver(tangent, r, d, forcing)

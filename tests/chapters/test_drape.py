@@ -217,3 +217,15 @@ def test_the_relaxation_of_the_report_does_not_reach_equilibrium_and_says_so(dra
     assert document["converged"] is False
     assert "1/c" in document["status"]
     assert document["residual_relative"] > 1e-2
+
+
+def test_several_molds_in_one_frame_carry_one_sheet(drape, folder):
+    for name, x, z in (("left", -40.0, 0.0), ("right", 40.0, 8.0)):
+        mesh = trimesh.creation.icosphere(subdivisions=3, radius=30.0)
+        (folder / f"{name}.stl").write_bytes(stl_bytes(mesh.vertices + np.array([x, 0.0, z]), mesh.faces))
+    status, out, _ = drape("--mold", "right.stl", "--depth", "40mm", mold="left.stl")
+    document = json.loads(out)
+    assert status == 0
+    assert document["mold"]["facets"] == 2 * 1280
+    assert document["mold"]["shift_mm"][2] == pytest.approx(2.0)
+    assert len(document["provenance"]["inputs"]) == 3

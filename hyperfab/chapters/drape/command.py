@@ -9,7 +9,7 @@ import numpy as np
 from hyperfab.chapters.drape import files
 from hyperfab.chapters.drape.effects import SIDES, edge_names, held, read_effects
 from hyperfab.chapters.drape.fabric import Fabric, read_fabric, use_of
-from hyperfab.chapters.drape.mold import PlacedMold, read_mold
+from hyperfab.chapters.drape.mold import PlacedMold, read_molds
 from hyperfab.chapters.job import Job
 from hyperfab.cloth import Answers, Equilibrium, HeldNodeInside, Sheet, Step, answers, drape, mold_of
 from hyperfab.cloth.cascade import grid_sizes
@@ -28,7 +28,7 @@ def run(
     job: Job,
     *,
     material: str,
-    mold: str,
+    mold: list[str],
     grid: str,
     size: str,
     depth: str,
@@ -70,7 +70,7 @@ def run(
     if not 1e-12 <= tolerance <= 1e-2:
         raise UsageError(f"--tolerance {tolerance:g}: choose between 1e-12 and 1e-2; 1e-6 is usual")
     fabric = read_fabric(job, material, thickness)
-    placed = read_mold(job, mold, stl_unit, rise)
+    placed = read_molds(job, mold, stl_unit, rise)
     out.refuse_inputs(job.inputs)
 
     sheet = Sheet(
@@ -202,9 +202,7 @@ def _document(
         clamp=[],
         warp=warp,
         weft=weft,
-        mold=DrapeMold(
-            facets=len(placed.surface.faces), closed=placed.soundness.closed, shift_mm=list(placed.shift)
-        ),
+        mold=DrapeMold(facets=len(placed.surface.faces), closed=placed.closed, shift_mm=list(placed.shift)),
     )
 
 

@@ -5,11 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from hyperfab.chapters.job import Job
 from hyperfab.errors import InputError
 from hyperfab.io.stl import read_stl
 from hyperfab.surface import Soundness, Surface, consistently_wound
+
+Ints = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -18,16 +21,43 @@ class PlacedMold:
 
     name: str
     surface: Surface
-    soundness: Soundness
+    closed: bool
     shift: tuple[float, float, float]
 
 
-def read_mold(job: Job, name: str, stl_unit: str, depth: float) -> PlacedMold:
-    """Read an STL and centre it under the sheet, its highest point ``depth`` above the sheet's plane.
+def read_molds(job: Job, names: list[str], stl_unit: str, depth: float) -> PlacedMold:
+    """Read the STL files, which share one frame, and centre them under the sheet.
 
-    Facets wound the wrong way round are turned, with a warning. Raises InputError where the surface has holes the
-    sheet could fall through.
+    The highest point of all is put ``depth`` above the sheet's plane. Facets wound the wrong way round are turned, with
+    a warning. Raises InputError where a surface has holes the sheet could fall through.
     """
+    bodies = [_read(job, name, stl_unit) for name in names]
+    low = np.min([body.surface.bounds[0, :3] for body in bodies], axis=0)
+    high = np.max([body.surface.bounds[0, 3:] for body in bodies], axis=0)
+    for body in bodies:
+        _refuse_holes(body, float(high[2] - depth))
+    offsets = np.cumsum([0, *(len(body.surface.vertices) for body in bodies)])
+    surface = bodies[0].surface
+    if len(bodies) > 1:
+        surface = Surface(
+            np.vstack([body.surface.vertices for body in bodies]),
+            np.vstack([body.surface.faces + offset for body, offset in zip(bodies, offsets, strict=False)]),
+        )
+    shift = (float(-0.5 * (low[0] + high[0])), float(-0.5 * (low[1] + high[1])), float(depth - high[2]))
+    return PlacedMold(", ".join(names), surface, all(body.found.closed for body in bodies), shift)
+
+
+@dataclass(frozen=True)
+class _Body:
+    """One file's surface, mended; ``facet`` numbers its faces as the file does."""
+
+    name: str
+    surface: Surface
+    found: Soundness
+    facet: Ints
+
+
+def _read(job: Job, name: str, stl_unit: str) -> _Body:
     mesh = read_stl(job.inputs.read(name), name, stl_unit)
     for question in mesh.questions:
         job.console.warn(question)
@@ -42,8 +72,9 @@ def read_mold(job: Job, name: str, stl_unit: str, depth: float) -> PlacedMold:
         faces, facet = faces[keep], facet[keep]
     faces, turned = consistently_wound(vertices, faces)
     if len(turned):
+        first = facet[turned[0]] + 1
         job.console.warn(
-            f"{name}: {len(turned)} facets faced the wrong way and were turned, facet {facet[turned[0]] + 1} first"
+            f"{name}: {len(turned)} facets faced the wrong way and were turned, facet {first} first"
         )
     surface = Surface(vertices, faces)
     found = surface.soundness()
@@ -51,10 +82,7 @@ def read_mold(job: Job, name: str, stl_unit: str, depth: float) -> PlacedMold:
         job.console.warn(f"{name}: all facets faced inward and were turned")
         surface = Surface(vertices, faces[:, ::-1])
         found = surface.soundness()
-    low, high = surface.bounds[0, :3], surface.bounds[0, 3:]
-    shift = (-0.5 * (low[0] + high[0]), -0.5 * (low[1] + high[1]), depth - high[2])
-    _refuse_holes(surface, found, facet, name, float(high[2] - depth))
-    return PlacedMold(name, surface, found, (float(shift[0]), float(shift[1]), float(shift[2])))
+    return _Body(name, surface, found, facet)
 
 
 def _inside_out(surface: Surface, found: Soundness) -> bool:
@@ -68,22 +96,20 @@ def _inside_out(surface: Surface, found: Soundness) -> bool:
     return bool(surface.normals[face[face >= 0], 2].sum() < 0.0)
 
 
-def _refuse_holes(surface: Surface, found: Soundness, facet: np.ndarray, name: str, plane: float) -> None:
+def _refuse_holes(body: _Body, plane: float) -> None:
     """Refuse open or crowded edges that rise above the sheet's plane (z = ``plane`` in the mold's coordinates)."""
-    for what, faces in (
-        ("an open edge (a hole)", found.open_facets),
-        ("an edge of more than two facets", found.crowded_facets),
-    ):
-        above = [f for f in faces if surface.vertices[surface.faces[f], 2].max() > plane + 1e-9]
-        if what.startswith("an open"):
-            above = [f for f in above if _open_above(surface, f, plane)]
+    surface, found = body.surface, body.found
+    top = surface.vertices[surface.faces, 2].max(1)
+    holes = [f for f in found.open_facets if top[f] > plane + 1e-9 and _open_above(surface, f, plane)]
+    crowded = [f for f in found.crowded_facets if top[f] > plane + 1e-9]
+    for what, above in (("an open edge (a hole)", holes), ("an edge of more than two facets", crowded)):
         if above:
             at = surface.vertices[surface.faces[above[0]]].mean(0)
             raise InputError(
                 f"has {what} above the plane of the sheet, near ({at[0]:.4g}, {at[1]:.4g}, {at[2]:.4g}) mm, and "
                 f"{len(above) - 1} more such facets",
-                file=name,
-                facet=int(facet[above[0]]) + 1,
+                file=body.name,
+                facet=int(body.facet[above[0]]) + 1,
                 remedy="close the surface in the program it comes from; below the sheet's plane it may be open",
             )
 

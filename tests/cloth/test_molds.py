@@ -1,0 +1,68 @@
+"""Molds as they come: concave, with many triangles, several bodies; the sheet lies outside all of them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+from cloth_molds import ball
+
+from hyperfab.cloth import Sheet, answers, drape, mold_of, tabulate
+from hyperfab.surface import Surface
+
+SOFT = tabulate(lambda lam: (0.4 * (lam - lam**-2), 0.4 * (1 + 2 * lam**-3)), 4.0)
+
+
+def torso(step: float = 3.0) -> Surface:
+    """Height field of a back with two domes and a valley between them, closed below."""
+    x = np.arange(-90, 90 + step / 2, step)
+    u, v = np.meshgrid(x, x, indexing="ij")
+    z = 25 * np.exp(-((u / 80) ** 2) - (v / 70) ** 2)
+    for side in (-38.0, 38.0):
+        z += 38 * np.exp(-(((u - side) / 24) ** 2) - (v / 26) ** 2)
+    n = len(x)
+    number = np.arange(n * n).reshape(n, n)
+    a, b, c, d = (number[s].ravel() for s in (np.s_[:-1, :-1], np.s_[1:, :-1], np.s_[1:, 1:], np.s_[:-1, 1:]))
+    faces = np.vstack([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+    return Surface(np.column_stack([u.ravel(), v.ravel(), z.ravel()]), faces)
+
+
+def at_rest(sheet: Sheet, surface: Surface, shift: tuple[float, float, float]):
+    mold = mold_of(surface, shift)
+    found = drape(sheet, mold)
+    fields = answers(sheet, mold, found)
+    assert found.converged, found.status
+    assert fields.node_penetration <= 1e-9
+    assert fields.imbalance < 1e-5
+    return found, fields
+
+
+@pytest.mark.parametrize("n", [61, 90])
+def test_a_sheet_spans_the_valley_of_a_concave_mold(n):
+    surface = torso()
+    top = surface.vertices[:, 2].max()
+    found, fields = at_rest(Sheet(n, n, (220.0, 220.0), 1.0, SOFT, SOFT), surface, (0.0, 0.0, 50.0 - top))
+    height = found.state.x[:, n // 2, 2]
+    assert height[n // 2] > -top + 50.0 + surface.vertices[np.abs(surface.vertices[:, :2]).sum(1).argmin(), 2]
+    assert found.state.contact[:, n // 2 - 2 : n // 2 + 3].any()
+    assert fields.press_force > 0
+
+
+def test_two_molds_side_by_side_carry_the_sheet_together():
+    one = trimesh.creation.icosphere(subdivisions=4, radius=30.0)
+    two = one.copy()
+    one.apply_translation([-40, 0, 0])
+    two.apply_translation([40, 0, 8])
+    both = trimesh.util.concatenate([one, two])
+    found, _ = at_rest(
+        Sheet(61, 61, (200.0, 200.0), 1.0, SOFT, SOFT), Surface(both.vertices, both.faces), (0, 0, 10.0)
+    )
+    touching = found.state.x[found.state.contact != 0]
+    assert (touching[:, 0] < 0).any()
+    assert (touching[:, 0] > 0).any()
+
+
+def test_a_mold_of_300_000_triangles_is_no_harder():
+    coarse, _ = at_rest(Sheet(51, 51, (200.0, 200.0), 1.0, SOFT, SOFT), ball(5), (0.0, 0.0, 20.0))
+    fine, _ = at_rest(Sheet(51, 51, (200.0, 200.0), 1.0, SOFT, SOFT), ball(7), (0.0, 0.0, 20.0))
+    assert fine.energy == pytest.approx(coarse.energy, rel=1e-3)
