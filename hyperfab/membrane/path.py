@@ -34,11 +34,15 @@ class Limit:
 
 @dataclass
 class Path:
-    """States at the depths asked for, as far as they were reached, and where and why the path ended early."""
+    """States at the depths asked for, as far as they were reached, and where and why the path ended early.
+
+    ``jumps``: depths [mm] between which the path broke off, and equilibria of another shape were found beyond.
+    """
 
     states: list[State] = field(default_factory=list)
     limit: Limit | None = None
     iterations: int = 0
+    jumps: list[tuple[float, float]] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -60,7 +64,16 @@ def follow(press: Press, depths: Sequence[float], watch: Watch = lambda state: N
         try:
             _advance(press, footings, depth, _SMALLEST_STEP * depths[-1], path, watch)
         except NoEquilibriumError as error:
-            path.limit = _limit(footings, depth, str(error))
+            limit = _limit(footings, depth, str(error))
+            beyond = None if press.tangential.remembers else _jumped(press, depth)
+            if beyond is not None and limit.depth > 0.0:
+                path.jumps.append((limit.depth, depth))
+                footings.append(beyond)
+                path.iterations += beyond.state.iterations
+                path.states.append(beyond.state)
+                watch(beyond.state)
+                continue
+            path.limit = limit
             if footings and (not path.states or footings[-1].state.depth > path.states[-1].depth):
                 path.states.append(footings[-1].state)
             return path
@@ -89,14 +102,14 @@ def _advance(
 ) -> None:
     """Reach ``target`` from the last footing, by halved steps where need be."""
     step = target - (footings[-1].state.depth if footings else 0.0)
-    ceiling = np.inf
+    failed = False
     while not footings or footings[-1].state.depth < target:
         here = footings[-1].state.depth if footings else 0.0
         depth = target if target - here <= 1.01 * step else here + step
         try:
             found = _next(press, footings, depth)
         except NoEquilibriumError:
-            ceiling = depth
+            failed = True
             ahead = _turning_ahead(footings)
             step = 0.5 * step if ahead is None else min(0.5 * step, _SHY * ahead)
             if step < smallest or (not footings and step < 0.02 * target):
@@ -105,12 +118,19 @@ def _advance(
         footings.append(found)
         path.iterations += found.state.iterations
         watch(found.state)
-        step *= 2.0
-        if ceiling < np.inf:
-            ahead = _turning_ahead(footings)
-            step = min(step, 0.5 * (ceiling - found.state.depth), np.inf if ahead is None else _SHY * ahead)
-            if step < smallest:
-                raise NoEquilibriumError("the steps became too small")
+        # On the way to a turning point the next step is taken from how the sheet speeds up.
+        ahead = _turning_ahead(footings) if failed else None
+        step = 2.0 * step if ahead is None else min(2.0 * step, _SHY * ahead)
+        if step < smallest:
+            raise NoEquilibriumError("the steps became too small")
+
+
+def _jumped(press: Press, depth: float) -> _Footing | None:
+    """Return a stable equilibrium at ``depth`` that no path led to, None where a cold start finds none."""
+    try:
+        return _next(press, [], depth)
+    except NoEquilibriumError:
+        return None
 
 
 def _next(press: Press, footings: list[_Footing], depth: float) -> _Footing:

@@ -64,9 +64,7 @@ def run(
         if status:
             job.console.warn(f"{fabric.name}: {status}")
         _table(job, fabric, outcome, number)
-    failed = any(
-        status_of(outcome, unstable) for outcome, unstable in zip(outcomes, instabilities, strict=True)
-    )
+    failed = any(instabilities) or any(outcome.path.limit for outcome in outcomes)
     return NotConverged.exit_status if failed else 0
 
 

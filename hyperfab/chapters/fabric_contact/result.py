@@ -57,6 +57,10 @@ def status_of(outcome: Outcome, unstable: Instability | None) -> str | None:
             f"the constants lose Drucker stability at {unstable.depth:.2f} mm "
             f"(stretches {unstable.stretches[0]:.3f} and {unstable.stretches[1]:.3f})"
         )
+    if outcome.path.jumps:
+        words.append(
+            ", ".join(f"the sheet snaps between {a:.2f} and {b:.2f} mm" for a, b in outcome.path.jumps)
+        )
     if outcome.path.limit:
         words.append(outcome.path.limit.reason)
     return "; ".join(words) or None
