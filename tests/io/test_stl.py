@@ -80,8 +80,8 @@ def test_units_scale_and_odd_sizes_are_questioned() -> None:
     )
     [question] = read_stl(CUBE, "cube.stl", unit="um").questions
     assert "0.02 x 0.02 x 0.02 mm" in question
-    with pytest.raises(UsageError, match="--stl-unit parsec"):
-        read_stl(CUBE, "cube.stl", unit="parsec")
+    with pytest.raises(UsageError, match="--stl-unit spoon"):
+        read_stl(CUBE, "cube.stl", unit="spoon")
 
 
 def test_facets_without_an_area_are_left_out_and_counted() -> None:
