@@ -13,7 +13,9 @@ SHORT_HELP = "What the model lacks, found in measured data"
 
 def close_loop(
     context: typer.Context,
-    model: Annotated[str, typer.Argument(metavar="MODEL", help="Material document of hf fit, or -.")],
+    model: Annotated[
+        str, typer.Argument(metavar="MODEL", help="Material document of hf fit, a mold.toml, or -.")
+    ],
     measured: Annotated[
         list[str], typer.Option(metavar="CSV", help="Measured data; repeat for more files.")
     ] = [],

@@ -81,9 +81,10 @@ def measure(truth: Truth, random: Generator, noise: float, rows: int = 200) -> t
     lap = sparse.csc_matrix(
         (np.concatenate(values), (np.concatenate(rows_), np.concatenate(columns))), shape=(len(volume),) * 2
     )
-    steps, substeps = rows - 1, 4
+    steps, substeps = rows - 1, 6
     dt = DURATION / (steps * substeps)
     temperature = np.full(len(volume), AIR)
+    earlier = temperature
     places = [(0, 0, 1), (3, 3, 1), (0, 0, low + 2), (3, 3, low + 2)]
     probes = [int(index[place]) for place in places]
     shown = temperature[probes].copy()
@@ -95,24 +96,26 @@ def measure(truth: Truth, random: Generator, noise: float, rows: int = 200) -> t
         air = AIR
         if "ambient-drift" in size:
             air += 12.0 * size["ambient-drift"] * np.sin(0.5 * np.pi * time / DURATION)
-        away = temperature - air
+        # BDF2 in time, coefficients at the extrapolated temperature; one backward Euler step to begin with.
+        ahead = 2.0 * temperature - earlier
+        away = ahead - air
         h = np.full(len(volume), FILM)
         if "convection-law" in size:
             h = FILM * (0.5 + 0.5 * (np.maximum(away, 0.1) / 60.0) ** 0.33 * size["convection-law"] * 1.2)
         if "radiation" in size:
             grey = min(0.6 * size["radiation"], 1.0) * 5.67e-8
-            h = h + grey * ((temperature + 273.15) ** 2 + (air + 273.15) ** 2) * (temperature + air + 546.3)
+            h = h + grey * ((ahead + 273.15) ** 2 + (air + 273.15) ** 2) * (ahead + air + 546.3)
         loss = h * film_area + 25.0 * size.get("base-conduction", 0.0) * bottom
         power = schedule(time) / 4.0
         if "power-loss" in size:
-            hot = float(np.mean(temperature[bottom > 0.0])) - AIR
+            hot = float(np.mean(ahead[bottom > 0.0])) - AIR
             power *= 1.0 - 0.1 * size["power-loss"] - 0.0015 * size["power-loss"] * hot
-        rate = 1.0 + 0.0012 * size.get("property-drift", 0.0) * (temperature - AIR)
-        capacity = RHO * C * volume * rate
-        matrix = sparse.diags(capacity / dt + loss) - lap
-        temperature = splu(sparse.csc_matrix(matrix)).solve(
-            capacity / dt * temperature + loss * air + power * heated
-        )
+        rate = 1.0 + 0.0012 * size.get("property-drift", 0.0) * (ahead - AIR)
+        capacity = RHO * C * volume * rate / dt
+        lead, past = (1.0, temperature) if step == 0 else (1.5, 2.0 * temperature - 0.5 * earlier)
+        matrix = sparse.diags(lead * capacity + loss) - lap
+        earlier = temperature
+        temperature = splu(sparse.csc_matrix(matrix)).solve(capacity * past + loss * air + power * heated)
         keep = np.exp(-dt / lag) if lag > 0.0 else 0.0
         shown = temperature[probes] + keep * (shown - temperature[probes])
         if (step + 1) % substeps == 0:
