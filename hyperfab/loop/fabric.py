@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from hyperfab.loop.catalogue import catalogue
 from hyperfab.loop.catalogue.fabric.scene import Scene
 from hyperfab.loop.problem import Array, Constant, Curve, Extra, Problem
 from hyperfab.materials.effects.fabric import Fabric
-from hyperfab.materials.effects.path import BIAXIAL, MODE_NAMES, SHEAR, UNIAXIAL, Path
+from hyperfab.materials.effects.path import MODE_NAMES, UNIAXIAL, Path
 from hyperfab.materials.law import Law
 
 _SMOOTH_DEGREE = 5
@@ -275,12 +275,3 @@ def _nuisance(path: Path, rows: int) -> Array:
     found = np.zeros((rows, len(columns)))
     found[: len(path.stretch)] = np.stack(columns, axis=1)
     return found
-
-
-def shortened(problem: FabricProblem, keep: Sequence[int]) -> FabricProblem:
-    """Return the problem of some of its tests."""
-    chosen: FabricProblem = problem.remake([problem.tests[i] for i in keep])  # type: ignore[operator]
-    return replace(chosen)
-
-
-__all__ = ["BIAXIAL", "SHEAR", "UNIAXIAL", "FabricProblem", "FabricTest", "fabric_problem"]
