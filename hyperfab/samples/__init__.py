@@ -38,5 +38,5 @@ def sample_files() -> dict[str, bytes]:
         if here.joinpath(name).is_file()
     }
     for name, cup in (("male", male_cup()), ("female", female_cup())):
-        samples[f"molds/cup-{name}.stl"] = stl_bytes(cup.vertices, cup.faces, f"sample cup, {name}")
+        samples[f"molds/cup-{name}.stl"] = stl_bytes(cup.vertices, cup.faces)
     return samples

@@ -202,7 +202,7 @@ def design_of(closed: Closed, frame: PressFrame, gap: float, growth: Growth) -> 
         ) from None
     cold = ungrown(found.vertices, growth)
     vertices, faces = with_back(cold, found.faces, closed.case.male.mount)
-    data = stl_bytes(frame.outward(vertices), faces, f"male of constant gap {gap:g} mm")
+    data = stl_bytes(frame.outward(vertices), faces)
     return data, DesignPart(gap_mm=gap, spread_mm=found.spread, facets=len(faces))
 
 
