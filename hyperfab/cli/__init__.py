@@ -66,24 +66,16 @@ def hf(
 def main() -> None:
     """Entry point of ``hf``: exits with the statuses that README.md lists."""
     try:
-        app(prog_name="hf")
-    except SystemExit as end:
-        status = end.code if isinstance(end.code, int) else 0
-    except OSError as error:
-        # Help and usage are printed by typer, which lets a full disk through.
-        print(f"hf: output: {error.strerror or error}", file=sys.stderr)
-        status = OutputError.exit_status
-    status = _flush(status)
-    if status == OutputError.exit_status:
-        # The interpreter would try to flush standard output once more, and print a traceback.
-        os._exit(status)
-    sys.exit(status)
-
-
-def _flush(status: int) -> int:
-    try:
+        try:
+            app(prog_name="hf")
+        except SystemExit as end:
+            status = end.code if isinstance(end.code, int) else 0
         sys.stdout.flush()
     except OSError as error:
+        # Help and usage are printed by typer, which lets a full disk through.
         print(f"hf: output: standard output: {error.strerror or error}", file=sys.stderr)
-        return OutputError.exit_status
-    return status
+        # The interpreter would try to flush standard output once more, and print a traceback.
+        os._exit(OutputError.exit_status)
+    if status == OutputError.exit_status:
+        os._exit(status)
+    sys.exit(status)

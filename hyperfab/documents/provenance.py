@@ -51,7 +51,8 @@ def record(command: str, arguments: Sequence[str], inputs: Iterable[InputFile], 
 def relative_name(name: str, target: str) -> str:
     """Return the name of a file as seen from the folder of the document ``target``.
 
-    A place that shares no folder with the document is known by its base name alone.
+    A place that shares no folder with the document, or was named by an absolute path and does not lie in the
+    folder or beside it, is known by its base name alone.
 
     >>> relative_name("specimens/warp.csv", "build/fit.json")
     '../specimens/warp.csv'
@@ -65,4 +66,5 @@ def relative_name(name: str, target: str) -> str:
     if os.path.commonpath([folder, place]) == os.sep:
         return os.path.basename(place)
     seen = os.path.relpath(place, folder)
-    return os.path.basename(place) if seen.split(os.sep).count(os.pardir) > MAX_FOLDERS_UP else seen
+    furthest = 1 if os.path.isabs(name) else MAX_FOLDERS_UP
+    return os.path.basename(place) if seen.split(os.sep).count(os.pardir) > furthest else seen

@@ -136,8 +136,9 @@ def check(command: str, folder: Path, number: signal.Signals, after: float, grou
     before = {path.name for path in folder.iterdir()}
     ended = interrupt(LONG[command], folder, number, after, group)
     assert ended.status == 128 + number, ended.said
-    # The promise is two seconds on a free core; here other tests share it, so the processor's seconds count.
-    assert ended.cpu_s < SECONDS
+    # The promise is two seconds on a free core. Here other tests share it, so the processor's seconds count where
+    # the clock says more; they include what a reaped mesher used before the signal, so they are no bound by themselves.
+    assert min(ended.wall_s, ended.cpu_s) < SECONDS
     assert ended.wall_s < 15.0
     assert "Traceback" not in ended.said
     assert {path.name for path in folder.iterdir()} - {".stderr"} == before
