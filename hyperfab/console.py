@@ -21,6 +21,11 @@ from hyperfab.errors import HyperfabError
 #: Where numba unpickles what it needs to box the result of a compiled function.
 _CONVERTS = os.path.join("numba", "core", "serialize.py")
 
+#: A signal whose exception was swallowed is raised again after this time [s].
+AGAIN_S = 0.7
+#: The signals that ended, or try to end, the command now running.
+_arrived: list[int] = []
+
 #: How a run ends when the verdict of a computation is negative (no model accepted, a bound exceeded).
 NEGATIVE_VERDICT = 1
 
@@ -125,12 +130,21 @@ def run_guarded(action: Callable[[], int], debug: bool) -> int:
     if not debug:  # a library's warning about a line of ours is no message for the user
         warnings.simplefilter("ignore")
     numbers = (signal.SIGINT, signal.SIGTERM)
+    _arrived.clear()
+    sys.unraisablehook = _unraisable
     previous = {number: signal.signal(number, _on_signal) for number in numbers}
+    previous[signal.SIGALRM] = signal.signal(signal.SIGALRM, _on_alarm)
     try:
         try:
             return action()
+        except Exception as error:
+            # What a library makes of a signal that fell into one of its callbacks is the signal, no defect.
+            if _arrived:
+                raise _ending(_arrived[0]) from error
+            raise
         finally:  # a second Ctrl-C must not tear the message below
-            for number in numbers:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+            for number in previous:
                 signal.signal(number, signal.SIG_IGN)
     except HyperfabError as error:
         _say(f"hf: {_kind(error)}: {error}")
@@ -155,10 +169,28 @@ def run_guarded(action: Callable[[], int], debug: bool) -> int:
 
 
 def _on_signal(number: int, frame: FrameType | None) -> None:
+    """Raise where the signal fell, and once more a little later: callbacks of libraries swallow what is raised."""
+    _arrived.append(number)
+    signal.setitimer(signal.ITIMER_REAL, AGAIN_S)
     if _in_conversion(frame):
         _raise_behind(number, frame)
     else:
-        raise Interrupted if number == signal.SIGINT else Terminated
+        raise _ending(number)
+
+
+def _on_alarm(alarm: int, frame: FrameType | None) -> None:
+    if _arrived:
+        _on_signal(_arrived[0], frame)
+
+
+def _unraisable(swallowed: sys.UnraisableHookArgs) -> None:
+    """Say nothing of a signal that a callback swallowed: it is raised again."""
+    if not isinstance(swallowed.exc_value, (Interrupted, Terminated)):
+        sys.__unraisablehook__(swallowed)
+
+
+def _ending(number: int) -> BaseException:
+    return Interrupted() if number == signal.SIGINT else Terminated()
 
 
 def _raise_behind(number: int, frame: FrameType | None) -> None:

@@ -187,7 +187,7 @@ def _signals_held() -> Iterator[Any]:
             number, frame = pending.pop(0)
             previous[number](number, frame)
 
-    for number in (int(signal.SIGINT), int(signal.SIGTERM)):
+    for number in (int(signal.SIGINT), int(signal.SIGTERM), int(signal.SIGALRM)):
         if callable(signal.getsignal(number)):
             previous[number] = signal.signal(number, lambda signum, frame: pending.append((signum, frame)))
     try:

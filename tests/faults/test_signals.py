@@ -40,7 +40,7 @@ LONG = {
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     (tmp_path / "fabric.json").write_text(json.dumps(FABRIC))
-    rows = "".join(f"{1 + i / 40000:.6f},{0.1 + i / 20000 + (i % 7) / 1000:.6f}\n" for i in range(60_000))
+    rows = "".join(f"{1 + i / 160000:.6f},{0.1 + i / 80000 + (i % 7) / 1000:.6f}\n" for i in range(240_000))
     (tmp_path / "long.csv").write_text("stretch,stress [MPa]\n" + rows)
     mold = (ROOT / "molds/original.toml").read_text()
     mold = mold.replace("../specimens/film.csv", str(ROOT / "specimens/film.csv"))
