@@ -13,36 +13,13 @@ from pathlib import Path
 
 import pytest
 
+from tests.heated_plate import FILM, PLATE
+
 ROOT = Path(__file__).resolve().parents[2]
 SECONDS, MEGABYTES = 2.0, 400.0
 
 TRELOAR = ROOT / "specimens/treloar-1944"
 MALE, FEMALE = ROOT / "molds/cup-male.stl", ROOT / "molds/cup-female.stl"
-MOLD = """
-format = "hyperfab.mold/1"
-[material.aluminium]
-density = "2702 kg/m^3"
-conductivity = "237 W/m/K"
-specific_heat = "903 J/kg/K"
-[[part]]
-name = "plate"
-material = "aluminium"
-box = { origin = ["0 mm", "0 mm", "0 mm"], size = ["60 mm", "60 mm", "20 mm"] }
-[[heater]]
-on = "plate.z-"
-power = "3000 W"
-[[convection]]
-on = "exposed"
-h = { table = "film.csv" }
-ambient = "25 degC"
-[run]
-start = "25 degC"
-target = "200 degC"
-mesh_size = "20 mm"
-[work_surface]
-on = "plate.z+"
-"""
-FILM = b"temperature [degC],h [W/m^2/K]\n25,5\n100,9\n250,13\n"
 FOAM = """
 format = "hyperfab.foam/1"
 thickness = "3.5 mm"
@@ -82,7 +59,7 @@ SOUND: dict[str, bytes] = {
     "foam.toml": FOAM.encode(),
     "foam.csv": CURVE,
     "film.csv": FILM,
-    "mold.toml": MOLD.encode(),
+    "mold.toml": PLATE.encode(),
 }
 
 
@@ -111,8 +88,8 @@ def stl(name: str, data: bytes, *said: str) -> Bad:
 
 
 def mold(name: str, old: str, new: str, *said: str) -> Bad:
-    assert old in MOLD
-    return Bad(f"mold {name}", HEAT, 3, said, {"mold.toml": MOLD.replace(old, new, 1).encode()})
+    assert old in PLATE
+    return Bad(f"mold {name}", HEAT, 3, said, {"mold.toml": PLATE.replace(old, new, 1).encode()})
 
 
 def foam(name: str, old: str, new: str, *said: str) -> Bad:

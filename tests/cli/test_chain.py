@@ -11,6 +11,7 @@ import pytest
 from conftest import Run
 
 from hyperfab.documents.base import schema
+from tests.heated_plate import FILM, PLATE
 
 UNIAXIAL = "specimens/treloar-1944/uniaxial.csv"
 FIT = ["fit", "--uniaxial", UNIAXIAL, "--model", "yeoh-3"]
@@ -18,33 +19,6 @@ DRAPE = ["--mold", "molds/cup-male.stl", "--grid", "24x24", "--size", "220mmx220
 CONTACT = ["--sphere-radius", "40mm", "--depth", "20mm", "--mesh-size", "20mm"]
 PRESS = ["press-contact", "--male", "molds/cup-male.stl", "--female", "molds/cup-female.stl", "--axis", "z"]
 PRESS += ["--foam", "specimens/foam.toml", "--gap", "3mm"]
-
-# A small plate, so that the pipe is tested and not the patience.
-PLATE = """
-format = "hyperfab.mold/1"
-[material.aluminium]
-density = "2702 kg/m^3"
-conductivity = "237 W/m/K"
-specific_heat = "903 J/kg/K"
-[[part]]
-name = "plate"
-material = "aluminium"
-box = { origin = ["0 mm", "0 mm", "0 mm"], size = ["60 mm", "60 mm", "20 mm"] }
-[[heater]]
-on = "plate.z-"
-power = "300 W"
-[[convection]]
-on = "exposed"
-h = "12 W/m^2/K"
-ambient = "25 degC"
-[work_surface]
-on = "plate.z+"
-[run]
-start = "25 degC"
-target = "60 degC"
-until = "300 s"
-mesh_size = "15 mm"
-"""
 
 
 def only_document(done: Any, kind: str) -> dict[str, Any]:
@@ -80,6 +54,7 @@ def test_fit_pipes_into_drape_and_its_file_into_press(hf: Run, tmp_path: Path) -
 
 def test_mold_heat_pipes_into_press(hf: Run, tmp_path: Path) -> None:
     (tmp_path / "plate.toml").write_text(PLATE)
+    (tmp_path / "film.csv").write_bytes(FILM)
     heated = hf("mold-heat", tmp_path / "plate.toml")
     document = only_document(heated, "heat")
     assert document["warmup_time_s"] > 0

@@ -11,35 +11,14 @@ from pathlib import Path
 
 import pytest
 
+from tests.heated_plate import PLATE
+
 ROOT = Path(__file__).resolve().parents[2]
 
-MOLD = """
-format = "hyperfab.mold/1"
-[material.aluminium]
-density = "2702 kg/m^3"
-conductivity = "237 W/m/K"
-specific_heat = "903 J/kg/K"
-[[part]]
-name = "plate"
-material = "aluminium"
-box = { origin = ["0 mm", "0 mm", "0 mm"], size = ["60 mm", "60 mm", "20 mm"] }
-[[heater]]
-on = "plate.z-"
-power = "300 W"
-[[convection]]
-on = "exposed"
-h = { table = "film.csv" }
-ambient = "25 degC"
+PROBE = """
 [[probe]]
 name = "top"
 at = ["30 mm", "30 mm", "20 mm"]
-[work_surface]
-on = "plate.z+"
-[run]
-start = "25 degC"
-target = "60 degC"
-until = "300 s"
-mesh_size = "15 mm"
 """
 TESTS = [f"--{mode}={mode}.csv" for mode in ("uniaxial", "shear", "biaxial")]
 COMMANDS = {
@@ -71,7 +50,7 @@ def prepare(folder: Path) -> None:
     for name in ("foam.toml", "foam.csv", "film.csv"):
         (folder / name).write_bytes((ROOT / "specimens" / name).read_bytes())
     (folder / "fabric.json").write_text(json.dumps(FABRIC))
-    (folder / "mold.toml").write_text(MOLD)
+    (folder / "mold.toml").write_text(PLATE + PROBE)
 
 
 def hashes(arguments: list[str], folder: Path, **environment: str) -> dict[str, str]:

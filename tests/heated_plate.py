@@ -1,0 +1,30 @@
+"""A small heated plate for tests that are about the command and not about the heat."""
+
+from __future__ import annotations
+
+PLATE = """
+format = "hyperfab.mold/1"
+[material.aluminium]
+density = "2702 kg/m^3"
+conductivity = "237 W/m/K"
+specific_heat = "903 J/kg/K"
+[[part]]
+name = "plate"
+material = "aluminium"
+box = { origin = ["0 mm", "0 mm", "0 mm"], size = ["60 mm", "60 mm", "20 mm"] }
+[[heater]]
+on = "plate.z-"
+power = "3000 W"
+[[convection]]
+on = "exposed"
+h = { table = "film.csv" }
+ambient = "25 degC"
+[run]
+start = "25 degC"
+target = "200 degC"
+mesh_size = "20 mm"
+[work_surface]
+on = "plate.z+"
+"""
+#: The film coefficient the plate's table names.
+FILM = b"temperature [degC],h [W/m^2/K]\n25,5\n100,9\n250,13\n"
