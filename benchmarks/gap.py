@@ -4,8 +4,9 @@
 
 Each program is given the female's triangles and the male's vertices, in a process of its own. hyperfab finds the
 nearest point and the hit along the male's normal, and compares a sample with its exact tree; the others (installed
-apart: pip install libigl open3d point-cloud-utils trimesh rtree) find the nearest point alone. Seconds are CPU time
-of the whole process after import and compilation, the better of two runs, with building whatever is searched. The
+apart: pip install libigl open3d point-cloud-utils trimesh rtree; Debian's package cloudcompare) find the nearest
+point alone. Seconds are CPU time of the whole process after import and compilation, the better of two runs, with
+building whatever is searched; of CloudCompare those of its process less those of one that only reads the files. The
 difference is the largest one from libigl's distances, or from hyperfab's exact tree where libigl is not there. A
 dash: not installed, or (trimesh above 60,000 triangles) far too slow.
 """
@@ -28,7 +29,7 @@ from hyperfab.samples.cup import female_cup, male_cup
 from hyperfab.surface import Surface
 
 PEERS = Path(__file__).parent / "gap_peers"
-PROGRAMS = ("hyperfab", "hyperfab-tree", "libigl", "open3d", "point-cloud-utils", "trimesh")
+PROGRAMS = ("hyperfab", "hyperfab-tree", "libigl", "open3d", "point-cloud-utils", "trimesh", "cloudcompare")
 TRIMESH_LIMIT = 60_000
 
 
@@ -87,7 +88,7 @@ def run(name: str, folder: Path, peers: str, faces: int) -> tuple[dict, np.ndarr
     if name == "trimesh" and faces > TRIMESH_LIMIT:
         return None
     ours = name.startswith("hyperfab")
-    script = PEERS / ("own.py" if ours else "nearest.py")
+    script = PEERS / ("own.py" if ours else "cloudcompare.py" if name == "cloudcompare" else "nearest.py")
     python = sys.executable if ours else peers
     command = [python, str(script), name, str(folder / "pair.npz"), str(folder / "found.npy")]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
