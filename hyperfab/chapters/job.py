@@ -24,6 +24,10 @@ class Job:
     console: Console
     inputs: Inputs = field(default_factory=Inputs)
 
+    def opened(self, target: str, suffixes: Sequence[str]) -> Output:
+        """Return where the command writes: ``target`` and its siblings; a run inside another command keeps them."""
+        return Output(target, suffixes)
+
     def write(self, output: Output, document: Document) -> None:
         """Write the document with its provenance, and the siblings queued in ``output``."""
         document.format = document.format_name()

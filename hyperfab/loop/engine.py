@@ -47,13 +47,14 @@ class Finding:
 def close(
     problem: Problem,
     *,
-    noise: float | None = None,
+    noise: float | Noise | None = None,
     tick: Callable[[str], None] = lambda text: None,
     refit: int = 6,
     design: bool = True,
 ) -> Finding:
-    """Close the loop on a problem; ``noise`` is the stated standard deviation of a reading, else it is estimated."""
-    level = estimate_noise(problem, noise)
+    """Close the loop on a problem; ``noise`` is the standard deviation of a reading or all that is known of the noise,
+    else it is estimated."""
+    level = noise if isinstance(noise, Noise) else estimate_noise(problem, noise)
     search = Search(problem, level, tick, refit)
     before = search.base()
     scores = {effect.id: score for effect, score in search.ranking(before)}

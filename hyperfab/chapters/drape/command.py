@@ -19,7 +19,6 @@ from hyperfab.cloth.start import lowered
 from hyperfab.documents.drape import DrapeDocument, DrapeMold
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io import units
-from hyperfab.io.output import Output
 
 MOST_NODES = 4_000_000
 
@@ -50,7 +49,7 @@ def run(
 
     1 where ``max_stretch`` is exceeded, 4 where no equilibrium was found or the constants are unstable.
     """
-    out = Output(output, (".vtu", ".csv", ".png"))
+    out = job.opened(output, (".vtu", ".csv", ".png"))
     n, m = _grid(grid)
     sides = units.size(size, option="--size")
     rise = units.quantity(depth, "length", option="--depth")

@@ -40,7 +40,7 @@ def run(
     output: str,
 ) -> int:
     """Press the sphere into the sheet; return 0, or 4 where the depth was not reached or the constants are unstable."""
-    out = Output(output, (".vtu", ".csv", ".png"))
+    out = job.opened(output, (".vtu", ".csv", ".png"))
     if material == "-" == against:
         raise UsageError("only one of the two materials can come from standard input")
     fabrics = [read_fabric(job, name) for name in (material, against) if name is not None]

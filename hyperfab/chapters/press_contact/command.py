@@ -21,7 +21,6 @@ from hyperfab.chapters.press_contact.result import (
 from hyperfab.console import NEGATIVE_VERDICT
 from hyperfab.documents.press import PressDocument
 from hyperfab.errors import UsageError
-from hyperfab.io.output import Output
 from hyperfab.io.units import quantity
 from hyperfab.pressing.closing import Case, Closed, close_press
 from hyperfab.pressing.placement import check_roles, in_frame
@@ -54,7 +53,7 @@ def run(
     output: str,
 ) -> int:
     """Read, place, heat, close, judge, write. Returns 1 where the molds collide or too little is spotted."""
-    out = Output(output, (".vtu", ".csv", ".png", ".design.stl"))
+    out = job.opened(output, (".vtu", ".csv", ".png", ".design.stl"))
     wanted_gap, wanted_force = _setting(gap, force)
     _check(mounted, zero, facets, min_spotted, strokes)
     frame = None if frame_stiffness is None else _positive(frame_stiffness, "stiffness", "--frame-stiffness")
