@@ -1,4 +1,4 @@
-"""Nearest distances by CloudCompare's command line: ``cloudcompare.py NAME PAIR.npz FOUND.npy``, JSON on standard output.
+"""Nearest distances by CloudCompare: ``cloudcompare.py NAME PAIR.npz FOUND.npy``, JSON on standard output.
 
 Its seconds are those of a run with the distances less those of a run that only reads both files.
 """
