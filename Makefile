@@ -40,8 +40,9 @@ $(VENV)/dev: $(VENV)/run
 
 TRELOAR := specimens/treloar-1944
 LYCRA   := $(wildcard specimens/lycra/*-23C.csv)
+HEATED_LYCRA := $(wildcard specimens/lycra/*.csv)
 DOCUMENTS := $(addprefix $(BUILD)/, fabric.json case-a.json case-b.json contact.json drape.json \
-               heat-original.json heat-proposed.json press.json)
+               heat-original.json heat-proposed.json press.json warp.json loop.json)
 
 run: $(DOCUMENTS) $(BUILD)/report.html
 	@$(HF) summary $(DOCUMENTS)
@@ -84,6 +85,13 @@ $(BUILD)/heat-%.json: molds/%.toml specimens/film.csv
 $(BUILD)/press.json: $(BUILD)/drape.json specimens/foam.toml specimens/foam.csv molds/cup-male.stl molds/cup-female.stl
 	$(HF) press-contact --male molds/cup-male.stl --female molds/cup-female.stl --axis z \
 	  --foam specimens/foam.toml --gap 3mm --temperature 200degC --drape $(BUILD)/drape.json -o $@
+
+# Chapter 6: what constants from the warp at room temperature lack, judged by the tests across and at 80 and 105 degC.
+$(BUILD)/warp.json: specimens/lycra/warp-23C.csv
+	$(HF) fit --uniaxial $< --model yeoh-3 -o $@
+
+$(BUILD)/loop.json: $(BUILD)/warp.json $(HEATED_LYCRA)
+	$(HF) close-loop $< $(addprefix --measured ,$(HEATED_LYCRA)) -o $@
 
 # ---- the sample studies: many runs, each finished one kept -----------------------------------------------------
 
@@ -128,7 +136,7 @@ samples: $(VENV)/run
 pictures: $(DOCUMENTS)
 	@mkdir -p docs/images
 	cp $(BUILD)/case-b.png docs/images/fit.png
-	cp $(BUILD)/contact.png $(BUILD)/drape.png $(BUILD)/heat-proposed.png $(BUILD)/press.png docs/images/
+	cp $(BUILD)/contact.png $(BUILD)/drape.png $(BUILD)/heat-proposed.png $(BUILD)/press.png $(BUILD)/loop.png docs/images/
 
 clean:
 	rm -rf $(BUILD)

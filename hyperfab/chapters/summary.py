@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from hyperfab.chapters.job import Job
-from hyperfab.documents.base import KINDS, document_class, parse_document
+from hyperfab.documents.base import document_class, parse_document
 from hyperfab.errors import InputError
 from hyperfab.io.json_io import load_json
 from hyperfab.io.output import write_stdout
@@ -34,7 +34,10 @@ def _kind(loaded: object, name: str) -> str:
     kind = str(found).removeprefix("hyperfab.").split("/")[0]
     if kind not in _PARAGRAPHS:
         raise InputError(
-            "is not a document hf knows", file=name, key="format", remedy=f"the kinds are {', '.join(KINDS)}"
+            "is not a document hf sums up",
+            file=name,
+            key="format",
+            remedy=f"the kinds are {', '.join(_PARAGRAPHS)}",
         )
     return kind
 
@@ -109,6 +112,13 @@ def _press(data: Plain) -> Iterator[str]:
     yield f"hot gap {data['gap_min_mm']:.2f} to {data['gap_max_mm']:.2f} mm, mean {data['gap_mean_mm']:.2f} mm"
 
 
+def _loop(data: Plain) -> Iterator[str]:
+    yield f"verdict: {data['verdict']}"
+    yield from data["summary"]
+    if "next_measurement" in data:
+        yield f"measure next: {data['next_measurement']['text']}"
+
+
 def _sweep(data: Plain) -> Iterator[str]:
     failed = sum(count for status, count in data["by_status"].items() if status not in ("0", "1"))
     yield f"{data['name']}: {data['cases']} cases, {failed} failed; table {data['table']}"
@@ -128,5 +138,6 @@ _PARAGRAPHS: dict[str, Callable[[Plain], Iterator[str]]] = {
     "drape": _drape,
     "heat": _heat,
     "press": _press,
+    "loop": _loop,
     "sweep": _sweep,
 }

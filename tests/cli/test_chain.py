@@ -85,3 +85,25 @@ def test_summary_reads_what_fit_wrote(hf: Run, tmp_path: Path, quiet: list[str])
     done = hf("summary", target)
     assert done.returncode == 0
     assert "yeoh-3" in done.stdout.decode()
+
+
+def test_close_loop_extends_a_fabric_that_drape_takes(hf: Run, tmp_path: Path) -> None:
+    warp = tmp_path / "warp.json"
+    assert (
+        hf("fit", "--uniaxial", "specimens/lycra/warp-23C.csv", "--model", "yeoh-3", "-o", warp).returncode
+        == 0
+    )
+    tests = [
+        f"--measured=specimens/lycra/{way}-{heat}C.csv" for way in ("warp", "weft") for heat in (23, 80, 105)
+    ]
+    assert hf("close-loop", warp, *tests, "-o", tmp_path / "loop.json").returncode == 0
+    found = json.loads((tmp_path / "loop.json").read_bytes())
+    assert [effect["id"] for effect in found["effects"]] == ["anisotropy", "thermal-softening"]
+    assert found["error"]["after"]["rms"] < 0.1 * found["error"]["before"]["rms"]
+    before = only_document(hf("drape", warp, *DRAPE), "drape")
+    after = only_document(hf("drape", tmp_path / found["model"], *DRAPE), "drape")
+    # The warp alone took the fabric for as stiff across as along; the weft is softer.
+    assert after["force_N"] < 0.95 * before["force_N"]
+    told = hf("summary", tmp_path / "loop.json")
+    assert told.returncode == 0
+    assert "verdict: effect" in told.stdout.decode()
