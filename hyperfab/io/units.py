@@ -48,6 +48,7 @@ _ALL = (
     Kind("membrane-stress", "N/mm", "0.5 N/mm"),
     Kind("stiffness", "N/mm", "50 N/mm"),
     Kind("foundation-stiffness", "MPa/mm", "0.02 MPa/mm"),
+    Kind("compliance", "mm^2/N", "0.5 mm^2/N"),
     Kind("thermal-expansion", "1/K", "23e-6 1/K"),
     Kind("mass-per-area", "g/m^2", "180 g/m^2"),
     Kind("angle", "deg", "30 deg"),

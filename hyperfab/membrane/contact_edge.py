@@ -57,7 +57,7 @@ def contact_edge(press: Press, state: State, *, deformed: bool = False) -> Conta
     place = state.places[:, :2] if deformed else mesh.nodes
     radius, angle = np.hypot(place[:, 0], place[:, 1]), np.arctan2(place[:, 1], place[:, 0])
     judge = np.arange(len(place)) >= (mesh.corners if mesh.order == 2 else 0)
-    judge &= press.sheet.pattern.free.any(axis=1)
+    judge &= press.sheet.pattern.free[:, 2]
     inside = state.touching & judge
     last = float(radius[inside].max()) if inside.any() else 0.0
     gap = press.punch.near(state.places, state.depth).gap

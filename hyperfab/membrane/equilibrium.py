@@ -154,7 +154,7 @@ class Press:
 
     @property
     def _movable(self) -> Flags:
-        return np.asarray(self.sheet.pattern.free.any(axis=1))
+        return np.asarray(self.sheet.pattern.free[:, 2])
 
     def _linearise(
         self, depth: float, places: Array, touching: Flags, grip: Grip, support: float, everywhere: bool

@@ -57,8 +57,16 @@ class SheetMesh:
     @cached_property
     def pattern(self) -> BlockPattern:
         """The pattern of matrices on this mesh: three displacements a node, less clamped and symmetric ones."""
+        return self._pattern(slips=False)
+
+    @cached_property
+    def slipping_pattern(self) -> BlockPattern:
+        """The same where the clamp gives: the rim is held across the sheet's plane alone."""
+        return self._pattern(slips=True)
+
+    def _pattern(self, slips: bool) -> BlockPattern:
         free = np.ones((len(self.nodes), 3), bool)
-        free[self.rim] = False
+        free[self.rim] = [slips, slips, False]
         for axis, line in enumerate(self.symmetric):
             free[line, axis] = False
         return BlockPattern(self.elements, len(self.nodes), free)

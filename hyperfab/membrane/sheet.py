@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.membrane.clamp import Clamp
 from hyperfab.membrane.kernels import assemble, strains
 from hyperfab.membrane.mesh import SheetMesh
 from hyperfab.membrane.tension_field import TAUT, Principal, Response, SheetLaw
@@ -30,12 +31,16 @@ class Assembled:
 class Sheet:
     """A thin sheet of uniform ``thickness`` [mm], clamped on its rim.
 
-    ``mesh`` and ``law`` say what it is made of; ``prestretch`` s holds the rim at s times its undeformed place.
+    ``mesh`` and ``law`` say what it is made of; ``prestretch`` s holds the rim at s times its undeformed place;
+    ``rim_slip`` [mm per N/mm] lets the rim creep inward from there with the tension.
     """
 
-    def __init__(self, mesh: SheetMesh, law: SheetLaw, thickness: float, prestretch: float = 1.0) -> None:
+    def __init__(
+        self, mesh: SheetMesh, law: SheetLaw, thickness: float, prestretch: float = 1.0, rim_slip: float = 0.0
+    ) -> None:
         self.mesh, self.law, self.thickness, self.prestretch = mesh, law, thickness, prestretch
-        self.pattern = mesh.pattern
+        self.clamp = Clamp(mesh, rim_slip, self.flat) if rim_slip > 0.0 else None
+        self.pattern = mesh.pattern if self.clamp is None else mesh.slipping_pattern
         self._weights = mesh.weights * thickness
 
     @cached_property
@@ -61,8 +66,9 @@ class Sheet:
         return self.law.principal(self.strain(places))
 
     def energy(self, places: Array) -> float:
-        """Return the strain energy [N mm] of the whole sheet."""
-        return float(self.mesh.copies * (self.response(places).energy * self._weights.ravel()).sum())
+        """Return the strain energy [N mm] of the whole sheet, and of its clamp where that gives."""
+        own = float((self.response(places).energy * self._weights.ravel()).sum())
+        return self.mesh.copies * (own + (self.clamp.energy(places) if self.clamp else 0.0))
 
     def assemble(self, places: Array, support: float = 0.0, everywhere: bool = False) -> Assembled:
         """Return energy, nodal forces and stiffness at nodal places (n, 3).
@@ -78,7 +84,10 @@ class Sheet:
             places, mesh.elements, mesh.gradients, self._weights, found.stress, found.stiffness, carried,
             self.pattern.block_of, self.pattern.blocks,
         )  # fmt: skip
-        return Assembled(float((found.energy * self._weights.ravel()).sum()), force, blocks)
+        energy = float((found.energy * self._weights.ravel()).sum())
+        if self.clamp:
+            energy += self.clamp.add(places, force, blocks)
+        return Assembled(energy, force, blocks)
 
     @cached_property
     def modulus(self) -> float:

@@ -51,7 +51,7 @@ class SphereTest:
 
     ``prestretch``: the rim is held at this times its undeformed place; ``mesh_size`` [mm] away from the contact;
     ``order`` 1 or 2 of the elements; ``seed`` chooses among equally good meshes, ``jitter`` disturbs them;
-    ``friction`` between sheet and sphere.
+    ``friction`` between sheet and sphere; ``rim_slip`` [mm per N/mm]: how far the clamp gives, 0 not at all.
     """
 
     outline: Outline
@@ -64,6 +64,7 @@ class SphereTest:
     seed: int = 0
     jitter: float = 0.0
     friction: Tangential = field(default_factory=Frictionless)
+    rim_slip: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -92,7 +93,7 @@ class Outcome:
 
 def press_on(test: SphereTest, mesh: SheetMesh) -> Press:
     """Return the sheet of a test on ``mesh`` and its sphere."""
-    sheet = Sheet(mesh, test.law, test.thickness, test.prestretch)
+    sheet = Sheet(mesh, test.law, test.thickness, test.prestretch, test.rim_slip)
     return Press(sheet, Sphere(test.radius), test.friction)
 
 
@@ -142,7 +143,7 @@ def solve_on(test: SphereTest, mesh: SheetMesh, near: Solved) -> Solved:
     press = press_on(test, mesh)
     depth = near.state.depth
     places = interpolate(near.press.sheet.mesh, near.state.places, mesh.nodes)
-    free = mesh.pattern.free
+    free = press.sheet.pattern.free
     places[~free] = press.sheet.flat[~free]
     edge = contact_edge(near.press, near.state)
     touching = edge.encloses(mesh.nodes) if edge else np.zeros(len(mesh.nodes), bool)
