@@ -57,6 +57,13 @@ def press_contact(
     frame_stiffness: Annotated[
         str | None, typer.Option(metavar="STIFFNESS", help="The press frame yields, as 50kN/mm.")
     ] = None,
+    tilt: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ANGLE,ANGLE",
+            help="The female stands tilted about the two axes across the closing axis, as 0.05deg,0deg.",
+        ),
+    ] = None,
     strokes: Annotated[int, typer.Option(metavar="N", help="Points of the force-stroke curve.")] = 21,
     min_spotted: Annotated[
         float | None,

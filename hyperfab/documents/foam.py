@@ -15,6 +15,7 @@ from pydantic import (
 )
 
 from hyperfab.documents.base import HandWritten
+from hyperfab.documents.press_terms import Poisson, PressSection, Relaxation, Variation
 from hyperfab.documents.quantity import PositiveLength, Time, parsed, written
 from hyperfab.io.units import KINDS
 
@@ -211,4 +212,15 @@ class FoamDocument(HandWritten):
     compression: Compression
     fabric: Fabric = Fabric()
     shrinkage: Shrinkage = Shrinkage()
+    relaxation: Relaxation = Relaxation()
+    variation: Variation = Variation()
     expansion: ExpansionSection = ExpansionSection()
+    poisson: Poisson = Poisson()
+    press: PressSection = PressSection()
+
+    @model_validator(mode="after")
+    def _dwell_is_known(self) -> FoamDocument:
+        dwell = self.relaxation.dwell or self.shrinkage.dwell
+        if any(self.relaxation.share) and dwell is None:
+            raise ValueError('relaxation needs a dwell: how long the foam is held, as dwell = "40 s"')
+        return self

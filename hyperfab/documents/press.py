@@ -117,7 +117,9 @@ class PressDocument(Document):
         description="travel from the first touch of the sandwich; negative: not yet touched"
     )
     tilt_deg: float
-    tilt_vector_deg: Place | None = Field(default=None, description="rotation vector of the floating female")
+    tilt_vector_deg: Place | None = Field(
+        default=None, description="rotation vector of a floating or tilted female"
+    )
     centre_of_pressure_mm: Place | None = None
     energy_J: float
     regions: list[RegionPart]
@@ -140,6 +142,10 @@ class PressDocument(Document):
     foam_shrinkage: float = Field(
         description="share of the foam's thickness lost to heat by the end of the dwell"
     )
+    foam_relaxation: float = Field(
+        default=0.0, description="share of the foam's stress lost by the end of the dwell"
+    )
+    frame_stiffness_N_mm: float | None = Field(default=None, description="of the press; absent: rigid")
     final_thickness: ThicknessRange = Field(description="of the sandwich when the press has opened")
     chord_error_mm: float = Field(
         description="how far the facets stand off the smooth molds (95 % of the area)"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +39,8 @@ class Case:
     ``force`` [N] is given; the clearance is set cold, or, with ``zero_hot``, again on the hot molds. The ``sandwich``
     has one value for all or one a vertex of the whole male. The press ``frame`` [N/mm] yields under the force; a
     ``floating`` female turns about a joint in its mounting face, at ``force_at`` (2,) [mm] across the axis, in the
-    middle of the tool where not given.
+    middle of the tool where not given. A press out of parallel holds the female at a ``tilt`` (2,) [rad] about the
+    first and second axis, through the middle of the tool in its mounting face; clearances are set before.
     """
 
     male: Mold
@@ -53,6 +54,7 @@ class Case:
     frame: float | None = None
     floating: bool = False
     force_at: Array | None = None
+    tilt: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -110,7 +112,9 @@ def close_press(case: Case) -> Closed:
         female, start = female.raised(shift), start + shift
 
     front = molding_front(male, female)
-    press = Press(front, female, case.sandwich.of_vertices(front.of_mold))
+    at = guide_line(case.male) if case.force_at is None else case.force_at
+    base = Pose(0.0, case.tilt, (float(at[0]), float(at[1]), female.mount))
+    press = Press(front, female, case.sandwich.of_vertices(front.of_mold), base)
     pose = _pose(case, press)
     result = press.at(pose)
     there = female.moved(pose.carry(female.vertices), female.mount + pose.opening)
@@ -139,7 +143,6 @@ def close_press(case: Case) -> Closed:
 
 
 def _pose(case: Case, press: Press) -> Pose:
-    at = guide_line(case.male) if case.force_at is None else case.force_at
     opening = 0.0 if case.force is None else press.opening_for(case.force)
-    start = Pose(opening, (0.0, 0.0), (float(at[0]), float(at[1]), press.female.mount))
+    start = replace(press.base, opening=opening)
     return balance(press, start, case.force, None if case.force else case.frame, case.floating)

@@ -39,7 +39,7 @@ class Contact:
     @property
     def closing_force(self) -> float:
         """Force [N] that holds the molds at this position, along the closing axis."""
-        return float(-self.force[2])
+        return float(0.0 - self.force[2])
 
     @property
     def pressed_area(self) -> float:

@@ -46,6 +46,22 @@ class FoamLaw:
         top = np.asarray(self.limit)
         return self.raw_energy(inside) + self.raw_stress(top) * beyond + 0.5 * self.raw_slope(top) * beyond**2
 
+    def scaled(self, factor: float) -> FoamLaw:
+        """The law with all stresses multiplied by ``factor``, as foam that has relaxed.
+
+        >>> float(linear(0.05).scaled(0.5).stress(0.5))
+        0.0125
+        """
+        if factor == 1.0:
+            return self
+        return FoamLaw(
+            self.name,
+            self.limit,
+            lambda e: factor * self.raw_stress(e),
+            lambda e: factor * self.raw_slope(e),
+            lambda e: factor * self.raw_energy(e),
+        )
+
     def _split(self, strain: ArrayLike) -> tuple[Array, Array]:
         strain = np.asarray(strain, dtype=float)
         inside = np.clip(strain, 0.0, self.limit)
@@ -154,6 +170,18 @@ def hyperfoam(mu: ArrayLike, alpha: ArrayLike, nu: ArrayLike) -> FoamLaw:
         return np.asarray(sum(pieces))
 
     return FoamLaw("hyperfoam", 0.95, stress, slope, energy)
+
+
+def relaxed(shares: ArrayLike, times: ArrayLike, dwell: float) -> float:
+    """Return what is left of the pressure after ``dwell`` [s]: ``1 - sum share (1 - exp(-dwell / time))``.
+
+    A Prony series; ``times`` in s, one a share.
+
+    >>> round(relaxed([0.2], [10.0], 1e9), 12), relaxed([0.2], [10.0], 0.0)
+    (0.8, 1.0)
+    """
+    lost = np.asarray(shares, dtype=float) * -np.expm1(-dwell / np.asarray(times, dtype=float))
+    return 1.0 - float(lost.sum())
 
 
 def _packed_integral(e: Array, power: float) -> Array:

@@ -52,3 +52,7 @@ class Pose:
         pivot = np.array(self.pivot)
         moved = points - np.array([0.0, 0.0, self.opening])
         return moved if self.angle == 0.0 else np.asarray((moved - pivot) @ self.rotation + pivot)
+
+
+#: The female where it was given.
+UPRIGHT = Pose(0.0)

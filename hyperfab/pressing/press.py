@@ -13,7 +13,7 @@ from hyperfab.errors import InputError
 from hyperfab.pressing.contact import Contact, contact
 from hyperfab.pressing.gap import Front, nearest_gap
 from hyperfab.pressing.mold import Mold
-from hyperfab.pressing.pose import Pose
+from hyperfab.pressing.pose import UPRIGHT, Pose
 from hyperfab.pressing.sandwich import Sandwich
 
 Array = NDArray[np.float64]
@@ -26,16 +26,18 @@ _POSITION_TOLERANCE = 1e-9
 class Press:
     """A male's front, the female over it, and the sandwich between them.
 
-    A position is an ``opening`` [mm]: how much further the female stands from the male than where it was given.
+    A position is an ``opening`` [mm]: how much further the female stands from the male than where it was given. On
+    its way it is turned as ``base`` says.
     """
 
     front: Front
     female: Mold
     sandwich: Sandwich
+    base: Pose = UPRIGHT
 
     def at(self, pose: Pose | float) -> Contact:
-        """Return what the sandwich does with the female at ``pose``, or raised by an opening [mm] only."""
-        pose = pose if isinstance(pose, Pose) else Pose(float(pose))
+        """Return what the sandwich does with the female at ``pose``, or raised by an opening [mm] from ``base``."""
+        pose = pose if isinstance(pose, Pose) else replace(self.base, opening=float(pose))
         # Not the female is moved but the points against it: its search tree stays as it is.
         towards = self.front.normals if pose.angle == 0.0 else self.front.normals @ pose.rotation
         gap = nearest_gap(pose.into_female(self.front.vertices), self.female, towards)

@@ -44,6 +44,11 @@ class Sandwich:
         """Whole thickness [mm] when nothing presses."""
         return self.foam + self.fabric
 
+    @property
+    def uneven(self) -> bool:
+        """Whether its thickness varies from place to place."""
+        return np.ndim(self.thickness) > 0
+
     def strain(self, gap: ArrayLike) -> Array:
         """Engineering compression of the foam in a ``gap`` [mm]; zero where it is not touched."""
         return np.maximum((self.thickness - np.asarray(gap, dtype=float)) / self.foam, 0.0)

@@ -72,6 +72,7 @@ def press(folder, monkeypatch, output="press.json", **options):
                 "drape",
                 "force_at",
                 "frame_stiffness",
+                "tilt",
                 "min_spotted",
                 "design_gap",
             ]
@@ -249,10 +250,13 @@ def test_shrunk_foam_touches_less_and_stays_thinner(shop, monkeypatch):
         ({"gap": "3mm", "facets": "round"}, "smooth or flat"),
         ({"gap": "3mm", "min_spotted": 120.0}, "between 0 and 100"),
         ({"gap": "3mm", "force_at": "1mm,2mm"}, "add --float"),
-        ({"gap": "3mm", "floating": True, "force_at": "1mm"}, "two coordinates"),
+        ({"gap": "3mm", "floating": True, "force_at": "1mm"}, "two components"),
         ({"gap": "3mm", "temperature": "200degC", "male_heat": "h.json"}, "exclude each other"),
         ({"gap": "3mm", "female": "male.stl"}, "the same file"),
         ({"gap": "3mm", "strokes": 1}, "between 2 and 1001"),
+        ({"gap": "3mm", "tilt": "0.1deg"}, "two components"),
+        ({"gap": "3mm", "tilt": "30deg,0deg"}, "more than 5 deg"),
+        ({"gap": "3mm", "tilt": "0.1deg,0deg", "floating": True}, "finds its tilt by itself"),
     ],
 )
 def test_options_that_cannot_mean_anything_are_refused(shop, monkeypatch, options, message):
@@ -288,6 +292,13 @@ def test_inputs_that_do_not_fit_are_refused_with_the_way_out(shop, monkeypatch, 
         (('{ law = "linear", modulus = "0.05 MPa" }', '{ table = "percent.csv" }'), "below 1"),
         (('male = "23.6e-6 1/K"', 'male = "23.6e-6 mm"'), "expansion"),
         (('{ male = "23.6e-6 1/K"', '{ reference = "200 degC", male = "23.6e-6 1/K"'), "room temperature"),
+        (("expansion =", 'relaxation = { share = 0.2, time = "9 s" }\nexpansion ='), "needs a dwell"),
+        (("expansion =", "relaxation = { share = [0.2, 0.1] }\nexpansion ="), "one value a term"),
+        (("expansion =", "variation = { x = 0.8, yy = 0.3 }\nexpansion ="), "nothing would be left"),
+        (("expansion =", "variation = { z = 0.1 }\nexpansion ="), "closing axis z"),
+        (("expansion =", 'press = { tilt = { z = "1 deg" } }\nexpansion ='), "no tilt"),
+        (("expansion =", 'press = { stiffness = "0 N/mm" }\nexpansion ='), "greater than 0"),
+        (("expansion =", "poisson = { male = 0.6 }\nexpansion ="), "poisson.male"),
     ],
 )
 def test_a_foam_document_that_is_wrong_is_refused_by_key_or_line(shop, monkeypatch, change, message):
@@ -318,7 +329,7 @@ def test_only_the_document_goes_to_standard_output(hf, shop):
 
 def test_a_mold_grows_by_its_own_field_of_temperature(tmp_path, monkeypatch):
     """Two blocks, the male hotter at its foot: free to warp it bends as the closed solution of a linear field says."""
-    male, female = _block(-40.0, 0.0), _block(10.0, 50.0)
+    male, female = block(-40.0, 0.0), block(10.0, 50.0)
     alpha, slope = 23.6e-6, -1.0
     for name, (points, tets, faces), gradient in (("male", male, slope), ("female", female, 0.0)):
         (tmp_path / f"{name}.stl").write_bytes(stl_bytes(points, faces))
@@ -326,7 +337,7 @@ def test_a_mold_grows_by_its_own_field_of_temperature(tmp_path, monkeypatch):
         (tmp_path / f"{name}-heat.vtu").write_bytes(
             unstructured(points, {"tetra10": tets}, {"temperature_degC": celsius})
         )
-        (tmp_path / f"{name}-heat.json").write_text(json.dumps(_heat(f"{name}-heat.vtu")))
+        (tmp_path / f"{name}-heat.json").write_text(json.dumps(heat_document(f"{name}-heat.vtu")))
     (tmp_path / "foam.toml").write_text(FOAM.replace("4.5 mm", "12 mm"))
     heat = {"male_heat": "male-heat.json", "female_heat": "female-heat.json", "mounted": "free"}
     _, document = press(tmp_path, monkeypatch, gap="10mm", **heat)
@@ -343,10 +354,10 @@ def test_a_mold_grows_by_its_own_field_of_temperature(tmp_path, monkeypatch):
 
 
 def test_the_field_of_another_mold_counts_by_its_mean_and_that_is_said(shop, monkeypatch, capsys):
-    points, tets, _ = _block(-40.0, 0.0)
+    points, tets, _ = block(-40.0, 0.0)
     grid = unstructured(points, {"tetra10": tets}, {"temperature_degC": np.full(len(points), 150.0)})
     (shop / "other.vtu").write_bytes(grid)
-    (shop / "other.json").write_text(json.dumps(_heat("other.vtu")))
+    (shop / "other.json").write_text(json.dumps(heat_document("other.vtu")))
     _, document = press(shop, monkeypatch, gap="3mm", male_heat="other.json")
     assert "its mold is another one" in capsys.readouterr().err
     assert document["male"]["temperature_degC"] == pytest.approx(150.0)
@@ -354,7 +365,7 @@ def test_the_field_of_another_mold_counts_by_its_mean_and_that_is_said(shop, mon
     assert any("uneven temperature" in line for line in document["left_out"])
 
 
-def _block(low, high, cells=4, side=80.0):
+def block(low, high, cells=4, side=80.0):
     """A block of ten-node tetrahedra and its outer triangles."""
     from hyperfab.pressing.tetra import EDGES, TetraMesh, boundary
 
@@ -377,7 +388,7 @@ def _block(low, high, cells=4, side=80.0):
     return points, tets, boundary(TetraMesh(points, tets))[:, :3]
 
 
-def _heat(file):
+def heat_document(file):
     energy = dict.fromkeys(["supplied_J", "lost_J", "stored_J", "imbalance_relative"], 0.0)
     numbers = {"steps": 1, "unknowns": 1, "mass_kg": 1.0}
     return {"format": "hyperfab.heat/1", "converged": True, **numbers, "energy": energy, "files": [file]}

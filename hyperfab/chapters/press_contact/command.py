@@ -20,6 +20,7 @@ from hyperfab.chapters.press_contact.result import (
 )
 from hyperfab.console import NEGATIVE_VERDICT
 from hyperfab.documents.press import PressDocument
+from hyperfab.documents.press_terms import MOST_TILT_DEG
 from hyperfab.errors import UsageError
 from hyperfab.io.units import quantity
 from hyperfab.pressing.closing import Case, Closed, close_press
@@ -45,6 +46,7 @@ def run(
     floating: bool,
     force_at: str | None,
     frame_stiffness: str | None,
+    tilt: str | None,
     strokes: int,
     min_spotted: float | None,
     design_gap: str | None,
@@ -56,22 +58,31 @@ def run(
     out = job.opened(output, (".vtu", ".csv", ".png", ".design.stl"))
     wanted_gap, wanted_force = _setting(gap, force)
     _check(mounted, zero, facets, min_spotted, strokes)
-    frame = None if frame_stiffness is None else _positive(frame_stiffness, "stiffness", "--frame-stiffness")
+    stiffness = (
+        None if frame_stiffness is None else _positive(frame_stiffness, "stiffness", "--frame-stiffness")
+    )
+    turned = None if tilt is None else _across(tilt, axis, "angle", "--tilt", "0.05deg,0deg")
+    if turned is not None and np.linalg.norm(turned) > MOST_TILT_DEG:
+        raise UsageError(f"--tilt {tilt}: a press does not tilt by more than {MOST_TILT_DEG:g} deg")
     design_mm = None if design_gap is None else _positive(design_gap, "length", "--design-gap")
-    place = None if force_at is None else _place(force_at, axis)
+    place = None if force_at is None else _across(force_at, axis, "length", "--force-at", "10mm,5mm")
     if place is not None and not floating:
         raise UsageError("--force-at says where a floating mold is pushed: add --float")
     if design_mm is not None and not out.wants_files:
         raise UsageError("--design-gap writes an STL beside the document: name it with -o press.json")
 
     document = read.read_foam(job.inputs, foam)
-    law = read.compression_law(job.inputs, foam, document)
+    law, relaxed = read.compression_law(job.inputs, foam, document)
     fabric = read.fabric_thickness(job.inputs, foam, document)
     expansions = read.expansions(job.inputs, foam, document)
     heat = read_heat(job.inputs, temperature, (male_heat, female_heat), document.expansion.reference)
     lost = read.shrinkage(job.inputs, foam, document, 0.5 * (heat[0].temperature + heat[1].temperature))
     one, two, way = read.read_molds(job, male, female, axis, stl_unit)
-    sandwich = Sandwich(document.thickness * (1.0 - lost), fabric, law)
+    uneven = read.variation(foam, document, axis, one.vertices)
+    turned = read.tilt(foam, document, axis) if turned is None else turned
+    if floating and turned.any():
+        raise UsageError("a floating mold finds its tilt by itself: leave out --float, or the tilt")
+    sandwich = Sandwich(document.thickness * (1.0 - lost) * uneven, fabric, law)
     if drape is not None:
         sandwich = sandwich.thinned(read.thinning(job, drape, male, one.vertices))
     out.refuse_inputs(job.inputs)
@@ -80,8 +91,10 @@ def run(
         molds = in_frame(one, way, 1, facets == "smooth"), in_frame(two, way, -1, facets == "smooth")
         check_roles(*molds)
         growth = [
-            grow(job, mold, molds[0], known, expansion, way, mounted == "flat")
-            for mold, known, expansion in zip(molds, heat, expansions, strict=True)
+            grow(job, mold, molds[0], known, expansion, poisson, way, mounted == "flat")
+            for mold, known, expansion, poisson in zip(
+                molds, heat, expansions, (document.poisson.male, document.poisson.female), strict=True
+            )
         ]
         advance(0.3, "closing")
         case = Case(
@@ -93,9 +106,10 @@ def run(
             gap=wanted_gap,
             force=wanted_force,
             zero_hot=zero == "hot",
-            frame=frame,
+            frame=document.press.stiffness if stiffness is None else stiffness,
             floating=floating,
             force_at=None if place is None else way.inward(place)[:2],
+            tilt=read.in_plan(way, turned),
         )
         closed = close_press(case)
         advance(0.6, "force over stroke")
@@ -108,7 +122,7 @@ def run(
             document.expansion.reference,
             expansions,
             (growth[0], growth[1]),
-            Foam(lost, document.shrinkage.recovery, drape is not None),
+            Foam(lost, relaxed, document.shrinkage.recovery, sandwich.uneven),
             None if design is None else design[1],
         )
         result = document_of(told)
@@ -192,12 +206,12 @@ def _check(mounted: str, zero: str, facets: str, min_spotted: float | None, stro
         raise UsageError(f"--strokes {strokes}: the curve has between 2 and 1001 points")
 
 
-def _place(text: str, axis: str) -> np.ndarray:
-    """Read ``--force-at 10mm,5mm``: the coordinates across the closing axis, in the order x, y, z."""
+def _across(text: str, axis: str, kind: str, option: str, example: str) -> np.ndarray:
+    """Read ``--force-at 10mm,5mm``: two components across the closing axis, in the order x, y, z."""
     parts = text.split(",")
     if len(parts) != 2:
-        raise UsageError(f"--force-at {text}: give the two coordinates across the axis, as 10mm,5mm")
-    values = [quantity(part, "length", option="--force-at") for part in parts]
-    place = np.zeros(3)
-    place[[index for index, name in enumerate("xyz") if name != axis]] = values
-    return place
+        raise UsageError(f"{option} {text}: give the two components across the axis, as {example}")
+    values = [quantity(part, kind, option=option) for part in parts]
+    found = np.zeros(3)
+    found[[index for index, name in enumerate("xyz") if name != axis]] = values
+    return found

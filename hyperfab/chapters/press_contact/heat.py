@@ -58,7 +58,14 @@ def read_heat(
 
 
 def grow(
-    job: Job, mold: Mold, male: Mold, heat: HeatInput, expansion: Expansion, frame: PressFrame, flat: bool
+    job: Job,
+    mold: Mold,
+    male: Mold,
+    heat: HeatInput,
+    expansion: Expansion,
+    poisson: float,
+    frame: PressFrame,
+    flat: bool,
 ) -> Grown:
     """Return how ``mold`` has grown; sideways both molds grow from the middle of the ``male``.
 
@@ -84,7 +91,9 @@ def grow(
         )
         known = "mean of the field of another mold's heat document"
         return Grown(even_growth(mold, strain, line), mean, strain, known, True)
-    moved = deform(mesh, np.asarray(expansion.strain(celsius)), mounting(mesh, mold.side, flat, line))
+    moved = deform(
+        mesh, np.asarray(expansion.strain(celsius)), mounting(mesh, mold.side, flat, line), poisson
+    )
     known = "field of the heat document, thermoelastic"
     return Grown(FieldGrowth(mesh, faces, moved), mean, strain, known, False)
 

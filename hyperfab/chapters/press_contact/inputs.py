@@ -28,6 +28,7 @@ from hyperfab.pressing.growth import Expansion
 from hyperfab.pressing.mold import PressFrame
 from hyperfab.pressing.placement import closing_frame
 from hyperfab.pressing.thinning import thinning_at
+from hyperfab.pressing.variation import thickness_factor
 from hyperfab.surface import Surface, consistently_wound
 
 #: Aluminium 6061: mean coefficients of expansion from 20 degC to 100 and to 300 degC (ASM Handbook, volume 2).
@@ -70,8 +71,50 @@ def read_foam(inputs: Inputs, name: str) -> FoamDocument:
     return read_document(inputs, name, FoamDocument)
 
 
-def compression_law(inputs: Inputs, name: str, document: FoamDocument) -> FoamLaw:
-    """Return the law of ``compression``; a table is read from beside the document."""
+def compression_law(inputs: Inputs, name: str, document: FoamDocument) -> tuple[FoamLaw, float]:
+    """Return the law at the end of the dwell, and the share of its stress that is relaxed by then."""
+    left = 1.0
+    dwell = document.relaxation.dwell or document.shrinkage.dwell
+    if dwell is not None:
+        left = foam_law.relaxed(document.relaxation.share, document.relaxation.time, dwell)
+    return _law(inputs, name, document).scaled(left), 1.0 - left
+
+
+def variation(name: str, document: FoamDocument, axis: str, vertices: np.ndarray) -> np.ndarray | float:
+    """Return the foam's thickness at the male's ``vertices`` (n, 3), as drawn, over its nominal one; 1 if even."""
+    terms = document.variation.terms()
+    for term in terms:
+        if axis in term:
+            raise InputError(
+                f"the foam's thickness cannot vary along the closing axis {axis}",
+                file=name,
+                key=f"variation.{term}",
+                remedy=f"name coordinates across {axis}",
+            )
+    return thickness_factor(vertices, terms) if terms else 1.0
+
+
+def tilt(name: str, document: FoamDocument, axis: str) -> np.ndarray:
+    """Return the tilt (3,) [deg] of ``press.tilt`` about the drawing's axes."""
+    given = document.press.tilt
+    found = np.array([given.x, given.y, given.z])
+    if found["xyz".index(axis)] != 0.0:
+        raise InputError(
+            f"a turn about the closing axis {axis} is no tilt",
+            file=name,
+            key=f"press.tilt.{axis}",
+            remedy=f"name an axis across {axis}",
+        )
+    return found
+
+
+def in_plan(frame: PressFrame, degrees: np.ndarray) -> tuple[float, float]:
+    """Return a tilt (3,) [deg] about the drawing's axes in the press frame [rad]."""
+    first, second, _ = np.radians(frame.inward(degrees)) + 0.0  # no negative zeros
+    return float(first), float(second)
+
+
+def _law(inputs: Inputs, name: str, document: FoamDocument) -> FoamLaw:
     given = document.compression
     if isinstance(given, LinearLaw):
         return foam_law.linear(given.modulus)

@@ -39,12 +39,13 @@ _SIGNS = {1: "+", -1: "-"}
 
 @dataclass(frozen=True)
 class Foam:
-    """The share of its thickness the foam has lost to heat, how much of its compression it gives back, and whether
-    the sandwich was thinned by a drape."""
+    """The shares of its thickness and of its stress that the foam has lost by the end of the dwell, how much of its
+    compression it gives back, and whether the sandwich is not equally thick everywhere."""
 
     lost: float
+    relaxed: float
     recovery: float
-    draped: bool
+    uneven: bool
 
 
 @dataclass(frozen=True)
@@ -94,7 +95,7 @@ def document_of(told: Told) -> PressDocument:
         pressure_mean_MPa=contact.load / touching if touching > 0.0 else 0.0,
         stroke_mm=closed.stroke,
         tilt_deg=float(np.degrees(closed.pose.angle)),
-        tilt_vector_deg=_place(frame, np.degrees([*closed.pose.tilt, 0.0])) if closed.case.floating else None,
+        tilt_vector_deg=_tilt_vector(told),
         centre_of_pressure_mm=_centre_of_pressure(told),
         energy_J=1e-3 * contact.energy,
         regions=[
@@ -120,9 +121,11 @@ def document_of(told: Told) -> PressDocument:
         male=male_part,
         female=female_part,
         sandwich_mm=float(np.average(thickness, weights=area)),
-        sandwich_min_mm=float(thickness[molded].min()) if told.foam.draped else None,
-        sandwich_max_mm=float(thickness[molded].max()) if told.foam.draped else None,
+        sandwich_min_mm=float(thickness[molded].min()) if told.foam.uneven else None,
+        sandwich_max_mm=float(thickness[molded].max()) if told.foam.uneven else None,
         foam_shrinkage=told.foam.lost,
+        foam_relaxation=told.foam.relaxed,
+        frame_stiffness_N_mm=closed.case.frame,
         final_thickness=_range(_final_thickness(told), area),
         chord_error_mm=_chord_error(closed.case.male) + _chord_error(closed.case.female),
         search=_search(closed),
@@ -152,6 +155,8 @@ def grid_of(told: Told) -> bytes:
             "pressure_MPa": contact.pressure,
             "final_thickness_mm": _final_thickness(told),
             "contact": (closed.touch < sandwich.thickness).astype(np.uint8),
+            "at_border": closed.at_border.astype(np.uint8),
+            "oblique": closed.oblique.astype(np.uint8),
             "state": sandwich.state(contact.gap).astype(np.uint8),
             "growth_mm": told.frame.outward(front.vertices - closed.cold),
         },
@@ -204,6 +209,12 @@ def design_of(closed: Closed, frame: PressFrame, gap: float, growth: Growth) -> 
     vertices, faces = with_back(cold, found.faces, closed.case.male.mount)
     data = stl_bytes(frame.outward(vertices), faces)
     return data, DesignPart(gap_mm=gap, spread_mm=found.spread, facets=len(faces))
+
+
+def _tilt_vector(told: Told) -> tuple[float, float, float] | None:
+    if not told.closed.case.floating and told.closed.pose.angle == 0.0:
+        return None
+    return _place(told.frame, np.degrees([*told.closed.pose.tilt, 0.0]))
 
 
 def _centre_of_pressure(told: Told) -> tuple[float, float, float] | None:
@@ -298,7 +309,7 @@ def _final_thickness(told: Told) -> Array:
 
 
 def _place(frame: PressFrame, point: Array) -> tuple[float, float, float]:
-    x, y, z = (float(value) for value in frame.outward(point))
+    x, y, z = (float(value) + 0.0 for value in frame.outward(point))  # no negative zeros
     return x, y, z
 
 
@@ -350,7 +361,8 @@ def _search(closed: Closed) -> str:
 
 
 def _left_out(told: Told) -> list[str]:
-    out = [] if told.closed.case.floating else ["tilt: the molds are guided and stay parallel (--float)"]
+    guided = not told.closed.case.floating and told.closed.pose.angle == 0.0
+    out = ["tilt: the molds are guided and stay parallel (--float, --tilt)"] if guided else []
     if any(grown.even and "mean" in grown.known_from for grown in told.grown):
         out.append("uneven temperature: each mold grows with one mean temperature")
     return out

@@ -1,0 +1,140 @@
+"""Sections of ``foam.toml`` for what a real press adds to the drawing: tilt, a yielding frame, uneven or tired foam."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema, model_validator
+
+from hyperfab.documents.quantity import Time, parsed, written
+
+#: A press further out of parallel is broken, or the angle is a slip of the pen.
+MOST_TILT_DEG = 5.0
+
+
+class _Section(BaseModel):
+    """A table of the document: keys it does not know are refused."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+
+Angle = Annotated[
+    float,
+    BeforeValidator(parsed("angle")),
+    written("angle"),
+    WithJsonSchema({"type": "string", "description": "an angle with its unit", "examples": ["0.05 deg"]}),
+]
+Stiffness = Annotated[
+    float,
+    BeforeValidator(parsed("stiffness", 0.0, open_end=True)),
+    written("stiffness"),
+    WithJsonSchema({"type": "string", "description": "a stiffness with its unit", "examples": ["50 kN/mm"]}),
+]
+
+
+class Tilt(_Section):
+    """How the female is turned about the drawing's axes; none about the closing axis."""
+
+    x: Angle = 0.0
+    y: Angle = 0.0
+    z: Angle = 0.0
+
+    @model_validator(mode="after")
+    def _small(self) -> Tilt:
+        if math.hypot(self.x, self.y, self.z) > MOST_TILT_DEG:
+            raise ValueError(f"a press does not tilt by more than {MOST_TILT_DEG:g} deg")
+        return self
+
+
+class PressSection(_Section):
+    """The press: how far its platens are out of parallel, and how stiff its frame is (left out: rigid)."""
+
+    tilt: Tilt = Tilt()
+    stiffness: Stiffness | None = None
+
+
+class Poisson(_Section):
+    """Poisson's ratio of the molds, for their deformation by an uneven temperature."""
+
+    male: Annotated[float, Field(ge=0.0, le=0.49)] = 0.33
+    female: Annotated[float, Field(ge=0.0, le=0.49)] = 0.33
+
+
+def _list(value: object) -> object:
+    return value if isinstance(value, list) else [value]
+
+
+Shares = Annotated[
+    list[Annotated[float, Field(ge=0.0, le=1.0)]],
+    BeforeValidator(_list),
+    Field(min_length=1, max_length=9),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {"type": "number", "minimum": 0, "maximum": 1},
+                {"type": "array", "items": {"type": "number", "minimum": 0, "maximum": 1}},
+            ]
+        }
+    ),
+]
+Times = Annotated[
+    list[Time],
+    BeforeValidator(_list),
+    Field(min_length=1, max_length=9),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {"type": "string", "examples": ["15 s"]},
+                {"type": "array", "items": {"type": "string", "examples": ["15 s"]}},
+            ]
+        }
+    ),
+]
+
+
+class Relaxation(_Section):
+    """How the foam's pressure fades while it is held: by ``sum share (1 - exp(-dwell / time))`` of it."""
+
+    share: Shares = [0.0]
+    time: Times = [1.0]
+    dwell: Time | None = None
+
+    @model_validator(mode="after")
+    def _terms_fit(self) -> Relaxation:
+        if len(self.share) != len(self.time):
+            raise ValueError("share and time need one value a term each")
+        if sum(self.share) > 0.99:
+            raise ValueError("the shares add up to more than 0.99: nothing would be left of the pressure")
+        return self
+
+
+class Variation(_Section):
+    """How the foam's thickness varies over the male's plan, as shares of it.
+
+    Thickness times ``1 + x u + y v + xx u^2 + xy u v + yy v^2``: u and v are the drawing's coordinates across the
+    closing axis, from the middle of the male's plan (0) to its ends (-1 and 1).
+    """
+
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+    xx: float = 0.0
+    xy: float = 0.0
+    yy: float = 0.0
+    xz: float = 0.0
+    yz: float = 0.0
+    zz: float = 0.0
+
+    @model_validator(mode="after")
+    def _some_is_left(self) -> Variation:
+        if sum(abs(value) for value in self.terms().values()) > 0.9:
+            raise ValueError(
+                "the shares add up to more than 0.9: somewhere nothing would be left of the foam"
+            )
+        return self
+
+    def terms(self) -> dict[str, float]:
+        """The terms that are not zero."""
+        found: dict[str, Any] = self.model_dump()
+        return {name: value for name, value in found.items() if value != 0.0}

@@ -1,0 +1,115 @@
+"""Sections of foam.toml for what a real press adds: nothing where they are zero, and what they say where not."""
+
+import json
+
+import numpy as np
+import pytest
+from chapters.test_press_contact import FOAM, block, heat_document, press, solids
+
+from hyperfab.io.stl_write import stl_bytes
+from hyperfab.io.vtu import unstructured
+from hyperfab.io.vtu_read import read_vtu
+
+NOTHING = """
+relaxation = { share = 0.0, time = "5 s", dwell = "40 s" }
+variation = { x = 0.0, yy = 0.0 }
+poisson = { male = 0.33, female = 0.33 }
+press = { tilt = { x = "0 deg", y = "0 deg" } }
+"""
+
+
+@pytest.fixture(scope="module")
+def shop(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("shop")
+    for name, solid in zip(("male", "female"), solids((24, 25)), strict=True):
+        (folder / f"{name}.stl").write_bytes(stl_bytes(solid.vertices, solid.faces))
+    (folder / "foam.toml").write_text(FOAM)
+    return folder
+
+
+def with_foam(shop, monkeypatch, text, **options):
+    (shop / "other.toml").write_text(FOAM + text)
+    return press(shop, monkeypatch, foam="other.toml", **{"gap": "3mm", **options})[1]
+
+
+def test_terms_of_zero_change_no_bit(shop, monkeypatch):
+    _, plain = press(shop, monkeypatch, gap="3mm", temperature="200degC")
+    picture = (shop / "press.vtu").read_bytes()
+    zeros = with_foam(shop, monkeypatch, NOTHING, temperature="200degC")
+    assert {**zeros, "provenance": None} == {**plain, "provenance": None}
+    assert (shop / "press.vtu").read_bytes() == picture
+
+
+def test_a_tilt_in_the_document_is_the_tilt_of_the_option(shop, monkeypatch):
+    written = with_foam(shop, monkeypatch, 'press = { tilt = { x = "0.1 deg", y = "-0.05 deg" } }\n')
+    _, asked = press(shop, monkeypatch, gap="3mm", tilt="0.1deg,-0.05deg")
+    assert {**written, "provenance": None} == {**asked, "provenance": None}
+    assert written["tilt_vector_deg"] == pytest.approx([0.1, -0.05, 0.0])
+    assert written["tilt_deg"] == pytest.approx(np.hypot(0.1, 0.05))
+    _, plain = press(shop, monkeypatch, gap="3mm")
+    # Turned about x the half at positive y comes closer: the pressure moves there by the press frame's right hand.
+    assert written["centre_of_pressure_mm"][1] != pytest.approx(plain["centre_of_pressure_mm"][1], abs=0.1)
+    _, option_wins = press(shop, monkeypatch, gap="3mm", foam="other.toml", tilt="0deg,0deg")
+    assert {**option_wins, "provenance": None} == {**plain, "provenance": None}
+
+
+def test_the_frame_in_the_document_yields_as_the_option_does(shop, monkeypatch):
+    written = with_foam(shop, monkeypatch, 'press = { stiffness = "1 kN/mm" }\n')
+    _, asked = press(shop, monkeypatch, gap="3mm", frame_stiffness="1kN/mm")
+    assert {**written, "provenance": None} == {**asked, "provenance": None}
+    assert written["frame_stiffness_N_mm"] == 1000.0
+
+
+def test_relaxed_and_uneven_foam(shop, monkeypatch):
+    _, plain = press(shop, monkeypatch, gap="3mm")
+    tired = with_foam(
+        shop,
+        monkeypatch,
+        'relaxation = { share = 0.3, time = "10 s" }\nshrinkage = { time = "1 s", dwell = "10 s" }\n',
+    )
+    lost = 0.3 * (1.0 - np.exp(-1.0))
+    assert tired["foam_relaxation"] == pytest.approx(lost)
+    assert tired["force_N"] == pytest.approx((1.0 - lost) * plain["force_N"], rel=1e-12)
+    assert tired["contact_area_mm2"] == plain["contact_area_mm2"]
+    uneven = with_foam(shop, monkeypatch, "variation = { x = 0.1, xx = -0.05 }\n")
+    assert uneven["sandwich_max_mm"] > 4.6 > 4.4 > uneven["sandwich_min_mm"]
+    grid = read_vtu((shop / "press.vtu").read_bytes(), "press.vtu")
+    half = np.abs(grid.points[:, 0]).max()
+    u = grid.points[:, 0] / half
+    assert grid.point_data["sandwich_mm"] == pytest.approx(4.5 * (1.0 + 0.1 * u - 0.05 * u * u), abs=2e-3)
+
+
+def test_flags_lie_in_the_field(shop, monkeypatch):
+    _, document = press(shop, monkeypatch, gap="3mm")
+    grid = read_vtu((shop / "press.vtu").read_bytes(), "press.vtu")
+    for name, share in (("at_border", "border_area_fraction"), ("oblique", "oblique_area_fraction")):
+        assert bool(grid.point_data[name].any()) == (document[share] > 0.0)
+
+
+def test_nothing_touched_is_no_force_and_no_minus_sign(shop, monkeypatch):
+    press(shop, monkeypatch, gap="9mm")
+    text = (shop / "press.json").read_text()
+    assert json.loads(text)["force_N"] == 0.0
+    assert "-0.0," not in text
+    assert "-0.0\n" not in text
+
+
+def test_poissons_ratio_of_a_mold_decides_how_an_uneven_heat_bends_it(tmp_path, monkeypatch):
+    """A strain that is quadratic through the thickness: the sideways stress pushes the surface out by nu."""
+    male, female = block(-40.0, 0.0), block(10.0, 50.0)
+    for name, (points, tets, faces) in (("male", male), ("female", female)):
+        (tmp_path / f"{name}.stl").write_bytes(stl_bytes(points, faces))
+        celsius = 100.0 + 0.05 * (points[:, 2] if name == "male" else 0.0 * points[:, 2]) ** 2
+        (tmp_path / f"{name}-heat.vtu").write_bytes(
+            unstructured(points, {"tetra10": tets}, {"temperature_degC": celsius})
+        )
+        (tmp_path / f"{name}-heat.json").write_text(json.dumps(heat_document(f"{name}-heat.vtu")))
+    heat = {"male_heat": "male-heat.json", "female_heat": "female-heat.json"}
+    found = []
+    for ratio in (0.0, 0.33):
+        (tmp_path / "foam.toml").write_text(
+            FOAM.replace("4.5 mm", "12 mm") + f"poisson = {{ male = {ratio}, female = 0.33 }}\n"
+        )
+        found.append(press(tmp_path, monkeypatch, gap="10mm", **heat)[1])
+    assert found[0]["male"]["growth_strain"] == found[1]["male"]["growth_strain"]
+    assert found[0]["gap_mean_mm"] != pytest.approx(found[1]["gap_mean_mm"], abs=1e-4)
