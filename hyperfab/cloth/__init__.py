@@ -3,9 +3,10 @@
 from .answers import Answers, answers
 from .cascade import drape
 from .law import SpringLaw, piecewise_linear, tabulate
-from .mold import Mold, mold_of
+from .mold import Mold, mold_of, raised
 from .net import Sheet
 from .newton import Equilibrium, Step
+from .path import Rest, follow
 from .start import HeldNodeInside
 
 __all__ = [
@@ -13,12 +14,15 @@ __all__ = [
     "Equilibrium",
     "HeldNodeInside",
     "Mold",
+    "Rest",
     "Sheet",
     "SpringLaw",
     "Step",
     "answers",
     "drape",
+    "follow",
     "mold_of",
     "piecewise_linear",
+    "raised",
     "tabulate",
 ]

@@ -72,6 +72,7 @@ def answers(sheet: Sheet, mold: Mold, found: Equilibrium) -> Answers:
         held[:, :, axis] = (sheet.fixed >> axis) & 1
     contact = np.where(touching, (unbalanced - found.force) * (1.0 - held), 0.0)
     reaction = -found.force * held
+    reaction += np.where(touching, 0.0, (unbalanced - found.force) * (1.0 - held))  # of the blank holder
     weight = sheet.arrays.weight.sum()
     total = contact.sum((0, 1)) + reaction.sum((0, 1)) + found.push - [0.0, 0.0, weight]
     inside, edge, at = penetration(x, sheet, mold, found.state, found.bent)

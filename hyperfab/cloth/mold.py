@@ -74,6 +74,20 @@ def mold_of(surface: Surface, shift: tuple[float, float, float] = (0.0, 0.0, 0.0
     )
 
 
+def raised(mold: Mold, height: float) -> Mold:
+    """The mold moved up by ``height`` mm."""
+    if height == 0.0:
+        return mold
+    up, creases = np.array([0.0, 0.0, height]), mold.creases
+    return mold._replace(
+        corners=mold.corners + up,
+        bounds=mold.bounds + np.concatenate([up, up]),
+        creases=creases._replace(
+            corners=creases.corners + up, bounds=creases.bounds + np.concatenate([up, up])
+        ),
+    )
+
+
 def creases_of(surface: Surface, shift: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Creases:
     """Sharp convex edges of ``surface`` moved by ``shift`` mm."""
     face, edge = np.nonzero(surface.edge_turn > SHARP)

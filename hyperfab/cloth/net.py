@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -43,6 +43,8 @@ class Sheet:
     direction add up to width times thickness). ``prestretch``: the springs' rest length is their length in the flat
     sheet over this. ``fixed`` (n, m): bits X, Y, Z of the axes held at each node. ``shear``: law of the diagonals,
     their section per unit of the cell's thickness and mean side; ``mass`` in g/m^2 loads the nodes downward.
+    ``holder`` N/mm at each edge: a blank holder's friction a unit length, against which the edge is drawn in (its bits
+    then hold Z alone).
 
     >>> law = piecewise_linear([1.0, 2.0], [0.0, 1.0])
     >>> sheet = Sheet(5, 3, (40.0, 20.0), 1.0, law, law)
@@ -60,6 +62,7 @@ class Sheet:
     shear: SpringLaw | None = None
     mass: float = 0.0
     edges: tuple[int, int, int, int] = (FIXED, FIXED, FIXED, FIXED)  # x-, x+, y-, y+
+    holder: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
 
     @property
     def spacing(self) -> tuple[float, float]:
@@ -73,6 +76,18 @@ class Sheet:
         for bits, side in zip(self.edges, (out[0], out[-1], out[:, 0], out[:, -1]), strict=True):
             side |= np.uint8(bits)
         return out
+
+    @property
+    def holder_force(self) -> Floats:
+        """(n, m) N that the blank holder's friction on each node can reach; none where a node is held in the plane."""
+        hx, hy = self.spacing
+        out = np.zeros((self.n, self.m))
+        along, across = _shares(self.n) * hx, _shares(self.m) * hy
+        for force, side, share in zip(
+            self.holder, (out[0], out[-1], out[:, 0], out[:, -1]), (across, across, along, along), strict=True
+        ):
+            side += force * share
+        return np.where((self.fixed & (X | Y)) == (X | Y), 0.0, out)
 
     def flat(self) -> Floats:
         """Positions (n, m, 3) of the nodes in the flat sheet, centred at the origin."""
@@ -102,18 +117,7 @@ class Sheet:
 
     def coarser(self, n: int, m: int) -> Sheet:
         """The same sheet held by n by m nodes."""
-        return Sheet(
-            n,
-            m,
-            self.size,
-            self.thickness,
-            self.warp,
-            self.weft,
-            self.prestretch,
-            self.shear,
-            self.mass,
-            self.edges,
-        )
+        return replace(self, n=n, m=m)
 
 
 def _shares(n: int) -> Floats:

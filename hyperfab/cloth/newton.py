@@ -9,6 +9,7 @@ import numpy as np
 
 from .contact import move, settle
 from .energy import ROWS, Energy
+from .friction import Friction
 from .law import Floats
 from .linear import Solver, Tangent, dot
 from .mold import FREE, Ints, Mold, States
@@ -117,13 +118,14 @@ def equilibrium(
     tolerance: float = 1e-6,
     largest: int = 60,
     report: Callable[[Step], None] | None = None,
+    friction: Friction | None = None,
 ) -> Equilibrium:
     """Move a sheet from ``start`` to where no node feels an unbalanced force.
 
     At each step the contact set is decided by the forces (released where pulled outward, kept on edges by the cone of
     normals), Newton's step is found in the allowed subspace of every node, and shortened until the energy has fallen.
     Nodes that would enter the mold are set on it. Ends when the largest unbalanced nodal force is below ``tolerance``
-    times the largest spring force.
+    times the largest spring force. ``friction`` resists within one load step.
     """
     n, m = sheet.n, sheet.m
     model, fixed = Energy(sheet, mold), sheet.fixed
@@ -137,7 +139,7 @@ def equilibrium(
     unstretched = RELAXED * reference * float(net.rest.max())
     energy, strongest = model.forces(now.x, now.clear, f)
     history: list[Step] = []
-    alpha, inner, relative_old = 1.0, 0, 1.0
+    alpha, inner, relative_old, retried = 1.0, 0, 1.0, False
     status = "no equilibrium within the allowed steps"
     for iteration in range(largest + 1):
         changed = 0
@@ -165,6 +167,8 @@ def equilibrium(
             if not moved:
                 break
             energy, strongest = model.forces(now.x, now.clear, f)
+        if friction is not None:
+            worst, where = friction.resist(now.x, now.contact, press, tangent.q, r)
         relative = worst / max(strongest, unstretched)
         history.append(Step((n, m), iteration, energy, relative, contacts, alpha, inner, changed > 0))
         if report:
@@ -176,6 +180,8 @@ def equilibrium(
             break
         floor = reference * min(1e-3, 0.1 * relative)
         model.tangent(now.x, floor, tangent)
+        if friction is not None:
+            friction.stiffen(tangent.q, tangent.extra)
         forcing = min(FORCING, max(1e-3, 0.5 * (relative / relative_old) ** 2)) if iteration else FORCING
         forcing = min(0.1, max(forcing, 0.3 * tolerance / relative))
         relative_old = relative
@@ -185,9 +191,13 @@ def equilibrium(
         alpha, bent, ways, hinges = 1.0, model.springs, model.ways, model.hinges()
         while True:
             step_to(now.x, d, alpha, mold, now, trial, bent, ways, hinges)
+            spent = 0.0
+            if friction is not None:
+                friction.catch(trial.x, trial.contact, trial.slot, trial.clear)
+                spent = friction.cost(now.x, trial.x, tangent.q)
             energy_t, strongest_t = model.forces(trial.x, trial.clear, ft)
             rounding = 1e-14 * abs(energy) + 1e-300
-            if energy_t <= energy - 1e-4 * alpha * slope + rounding:
+            if energy_t + spent <= energy - 1e-4 * alpha * slope + rounding:
                 break
             alpha *= 0.5
             if alpha < 1e-6:
@@ -195,9 +205,15 @@ def equilibrium(
         if (alpha < 1e-6 or iteration == PATIENCE) and model.leave_corners(now.x):
             energy, strongest = model.forces(now.x, now.clear, f)
             continue
+        if alpha < 1e-6 and friction is not None and friction.blocked.any() and not retried:
+            retried = True  # nodes that were let go slid backwards: they stick after all
+            continue
         if alpha < 1e-6:
             status = "no step lowers the energy further"
             break
+        if friction is not None:
+            friction.blocked[:] = False
+        retried = False
         before, old = now.slot, now
         now, trial = trial, old
         before = before.copy()
