@@ -127,11 +127,15 @@ class Ellipsoid:
 
 @dataclass(frozen=True)
 class Stl:
-    """A closed triangle surface: vertices (n, 3) in mm and triangles (m, 3), seen counter-clockwise from outside."""
+    """A closed triangle surface: vertices (n, 3) in mm and triangles (m, 3), seen counter-clockwise from outside.
+
+    ``fine`` is the surface of many facets that a coarser one stands for.
+    """
 
     vertices: Array
     triangles: NDArray[np.int64]
     name: str | None = None
+    fine: Stl | None = None
 
     @property
     def bounds(self) -> tuple[Array, Array]:

@@ -23,7 +23,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.errors import InputError, NotConverged
-from hyperfab.surface import Surface
 from hyperfab.thermal.geometry import Body, Box, Cylinder, Ellipsoid, Geometry, Shape, Stl
 
 #: Seconds a mesh may take: a base, and so much per tetrahedron expected (Netgen makes some 15 000 a second).
@@ -104,16 +103,17 @@ def make_mesh(
     return RawMesh(**_ask(job, limit, waiting))
 
 
-def remesh_surface(
+def mesh_surface(
     surface: Stl,
     mesh_size: float,
+    sizes: NDArray[np.float64],
     *,
     patience: float = PATIENCE_BASE,
     waiting: Callable[[float], None] = lambda seconds: None,
-) -> tuple[Stl, float]:
-    """Mesh a closed surface anew with triangles of edge ``mesh_size`` [mm], so that it makes no tiny tetrahedra.
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Mesh a closed surface with triangles of edge ``mesh_size`` [mm], smaller near the points of ``sizes``.
 
-    Returns the new surface and how far the old vertices lie from it at most [mm]. Raises as ``make_mesh`` does.
+    ``sizes`` (s, 4): x, y, z, edge length [mm]. Returns vertices and triangles. Raises as ``make_mesh`` does.
     """
     job = {
         "task": "surface",
@@ -121,11 +121,10 @@ def remesh_surface(
         "triangles": surface.triangles.tolist(),
         "mesh_size": mesh_size,
         "grading": GRADING,
+        "sizes": sizes.tolist(),
     }
     arrays = _ask(job, patience, waiting)
-    near = Surface(arrays["vertices"], arrays["triangles"]).nearest(surface.vertices)
-    deviation = float(np.abs(near.distance).max())
-    return Stl(arrays["vertices"], arrays["triangles"], surface.name), deviation
+    return arrays["vertices"], arrays["triangles"]
 
 
 def _ask(job: dict[str, Any], limit: float, waiting: Callable[[float], None]) -> dict[str, Any]:

@@ -97,13 +97,28 @@ def surface(job: dict[str, Any]) -> dict[str, Any]:
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     record["normal"] = normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
     record["corners"] = corners
-    descriptor = os.memfd_create("surface.stl")  # Netgen reads files only
-    os.write(descriptor, bytes(80) + np.uint32(len(record)).tobytes() + record.tobytes())
-    geometry = stl.STLGeometry(f"/proc/self/fd/{descriptor}")
+    geometry = stl.STLGeometry(_as_file(bytes(80) + np.uint32(len(record)).tobytes() + record.tobytes()))
+    parameters = {"maxh": job["mesh_size"], "grading": job["grading"]}
+    if job["sizes"]:
+        lines = [
+            str(len(job["sizes"])),
+            *(" ".join(f"{value:.9g}" for value in row) for row in job["sizes"]),
+            "0",
+            "",
+        ]
+        parameters["meshsizefilename"] = _as_file("\n".join(lines).encode())
     step = nm.MeshingStep.MESHSURFACE
-    found = geometry.GenerateMesh(maxh=job["mesh_size"], grading=job["grading"], perfstepsend=step)
+    found = geometry.GenerateMesh(**parameters, perfstepsend=step)
     triangles = found.Elements2D().NumPy()["nodes"][:, :3].astype(np.int64) - 1
     return {"vertices": np.array(found.Coordinates(), dtype=np.float64), "triangles": triangles}
+
+
+def _as_file(data: bytes) -> str:
+    """Return the path of a file in memory: Netgen reads files only."""
+    descriptor = os.memfd_create("netgen")
+    with os.fdopen(os.dup(descriptor), "wb") as stream:
+        stream.write(data)
+    return f"/proc/self/fd/{descriptor}"
 
 
 def _refuse_overlap(names: list[str], solids: list[Any]) -> None:

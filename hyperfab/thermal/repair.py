@@ -1,7 +1,9 @@
 """Dirty triangle surfaces made into closed solids where that takes only a little, and refused with the place where not.
 
-Corners that nearly coincide are welded, with the smallest tolerance that closes the surface; facets without area and
-doubled ones go; the winding is made consistent and outward. How far any corner moved is stated.
+Corners that nearly coincide are welded, with the smallest tolerance that closes the surface; corners on the middle of
+a neighbour's edge split it; facets without area and doubled ones go; the winding is made consistent and outward. How
+far any corner moved is stated. Several closed pieces are told apart: their union is meant, and a piece turned inward
+inside another is a void.
 """
 
 from __future__ import annotations
@@ -15,13 +17,18 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from hyperfab.errors import InputError
-from hyperfab.surface import Soundness, consistently_wound, soundness
+from hyperfab.surface import Soundness, Surface, consistently_wound, soundness
+from hyperfab.surface.topology import twin_edges
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-#: Welding distances tried, as shares of the surface's size; gaps beyond the last are holes.
+#: Welding distances tried, as shares of the surface's size.
 WELDS = (0.0, 1e-7, 1e-6, 1e-5, 1e-4, 5e-4)
+#: Those tried on the rims of gaps alone; gaps beyond the last are holes.
+GAPS = (1e-3, 2e-3)
+#: An edge goes through a facet where both its ends lie further away from it than this share of the size.
+THROUGH = 1e-6
 
 
 @dataclass(frozen=True)
@@ -43,18 +50,145 @@ def repaired(vertices: Array, triangles: Index, name: str) -> Repaired:
     ('the surface was inside out and was turned over',)
     """
     size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
-    found = soundness(vertices, triangles)
-    for share in WELDS:
-        points, faces, moved = _welded(vertices, triangles, share * size)
+    everywhere = np.ones(len(vertices), dtype=bool)
+    for share in WELDS + GAPS:
+        where = everywhere if share in WELDS else _rim(vertices, triangles)
+        points, faces, moved = _welded(vertices, triangles, share * size, where)
+        dropped = len(triangles) - len(faces)
+        faces, strayed, split = _stitched(points, faces, max(share * size, WELDS[1] * size))
         found = soundness(points, faces)
         if found.closed:
-            return _outward(points, faces, moved, share * size, len(triangles) - len(faces), found)
+            notes = _said(share * size, moved, dropped, strayed, split)
+            return _outward(points, faces, max(moved, strayed), notes, found)
     raise _refusal(vertices, triangles, soundness(vertices, triangles), name)
 
 
-def _welded(vertices: Array, triangles: Index, distance: float) -> tuple[Array, Index, float]:
+def pieces(vertices: Array, triangles: Index) -> list[tuple[Array, Index]]:
+    """Return the closed pieces whose union a closed surface means, each with the voids inside it.
+
+    A piece that faces inward is a void of the smallest piece around it; where there is none it is turned over.
+
+    >>> corner = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
+    >>> outward = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    >>> len(pieces(np.concatenate([corner, corner + 5]), np.concatenate([outward, outward + 4])))
+    2
+    """
+    twin, _, _ = twin_edges(triangles)
+    face = np.repeat(np.arange(len(triangles)), 3)
+    graph = sparse.coo_matrix((np.ones(len(face)), (face, twin.ravel())), shape=(len(triangles),) * 2)
+    count, label = connected_components(graph, directed=False)
+    if count == 1:
+        return [(vertices, triangles)]
+    parts = [triangles[label == number] for number in range(count)]
+    volumes = [soundness(vertices, part).volume_mm3 for part in parts]
+    solid: dict[int, list[Index]] = {i: [parts[i]] for i in range(count) if volumes[i] > 0.0}
+    outer = {i: Surface(*_used(vertices, parts[i])) for i in solid}
+    for i in range(count):
+        if i in solid:
+            continue
+        corner = vertices[parts[i][0, 0]]
+        around = [j for j in outer if outer[j].nearest(corner[None]).distance[0] < 0.0]
+        if around:
+            solid[min(around, key=lambda j: volumes[j])].append(parts[i])
+        else:
+            solid[i] = [parts[i][:, ::-1].copy()]
+    return [_used(vertices, np.concatenate(faces)) for faces in solid.values()]
+
+
+def crossing(vertices: Array, triangles: Index) -> tuple[int, Array] | None:
+    """Return a facet that goes through another one and the place, or None: edges are followed as rays.
+
+    >>> flat = np.array([[0, 0, 0], [2, 0, 0], [0, 2, 0], [0.5, 0.5, -1], [0.5, 0.5, 1], [9, 9, 0.0]])
+    >>> crossing(flat, np.array([[0, 1, 2], [3, 4, 5]]))
+    (0, array([1., 1., 0.]))
+    """
+    size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    tail, head = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
+    owner = np.repeat(np.arange(len(triangles)), 3)
+    start, way = vertices[tail], vertices[head] - vertices[tail]
+    surface = Surface(vertices, triangles)
+    t, hit = surface.ray(start + THROUGH * way, (1.0 - 2.0 * THROUGH) * way)
+    near = np.flatnonzero((hit >= 0) & (t < 1.0))
+    apart = ~(triangles[hit[near]][:, :, None] == np.stack([tail[near], head[near]], axis=1)[:, None]).any(
+        (1, 2)
+    )
+    near = near[apart]
+    first, normal = vertices[triangles[hit[near], 0]], surface.normals[hit[near]]
+    deep = [np.abs(np.einsum("ij,ij->i", vertices[ends[near]] - first, normal)) for ends in (tail, head)]
+    through = near[np.minimum(*deep) > THROUGH * size]
+    if len(through) == 0:
+        return None
+    edge = int(through[0])
+    return int(owner[edge]), start[edge] + t[edge] * way[edge]
+
+
+def _rim(vertices: Array, triangles: Index) -> NDArray[np.bool_]:
+    """Whether a vertex lies on an open edge."""
+    found = np.zeros(len(vertices), dtype=bool)
+    found[_open_edges(triangles)[1].ravel()] = True
+    return found
+
+
+def _open_edges(triangles: Index) -> tuple[Index, Index]:
+    """Return the facets of open edges (e,), and the ends of these (e, 2) in the facet's sense."""
+    _, number, _ = twin_edges(triangles)
+    face, side = np.nonzero(number == 1)
+    return face, np.stack([triangles[face, side], triangles[face, (side + 1) % 3]], axis=1)
+
+
+def _stitched(points: Array, faces: Index, distance: float) -> tuple[Index, float, int]:
+    """Split facets at corners of others that lie on their open edges, within ``distance``.
+
+    Returns the facets, how far such a corner lay from its edge at most, and how many edges were split.
+    """
+    strayed, split = 0.0, 0
+    for _ in range(3):  # a facet may have three such edges; each round splits one of each facet
+        face, ends = _open_edges(faces)
+        if len(face) == 0:
+            break
+        corners = np.unique(ends)
+        tree = cKDTree(points[corners])
+        added: list[list[int]] = []
+        gone: set[int] = set()
+        for f, (a, b) in zip(face.tolist(), ends.tolist(), strict=True):
+            if f in gone:
+                continue
+            way = points[b] - points[a]
+            length = float(np.linalg.norm(way))
+            if length == 0.0:
+                continue
+            near = corners[tree.query_ball_point(0.5 * (points[a] + points[b]), 0.5 * length + distance)]
+            along = (points[near] - points[a]) @ way / length**2
+            off = np.linalg.norm(points[near] - points[a] - along[:, None] * way, axis=1)
+            margin = distance / length
+            on = (off <= distance) & (along > margin) & (along < 1.0 - margin) & (near != a) & (near != b)
+            if not on.any():
+                continue
+            strayed = max(strayed, float(off[on].max()))
+            chain = [a, *near[on][np.argsort(along[on], kind="stable")].tolist(), b]
+            opposite = next(v for v in faces[f].tolist() if v not in (a, b))
+            added += [[chain[i], chain[i + 1], opposite] for i in range(len(chain) - 1)]
+            gone.add(f)
+            split += 1
+        if not gone:
+            break
+        kept = np.delete(faces, sorted(gone), axis=0)
+        faces = np.concatenate([kept, np.array(added, dtype=np.int64)])
+    return faces, strayed, split
+
+
+def _used(vertices: Array, triangles: Index) -> tuple[Array, Index]:
+    used, small = np.unique(triangles, return_inverse=True)
+    return vertices[used], small.reshape(-1, 3).astype(np.int64)
+
+
+def _welded(
+    vertices: Array, triangles: Index, distance: float, where: NDArray[np.bool_]
+) -> tuple[Array, Index, float]:
+    """Make one of the vertices ``where`` that are chained by steps of ``distance``."""
     if distance > 0.0:
-        pairs = cKDTree(vertices).query_pairs(distance, output_type="ndarray")
+        chosen = np.flatnonzero(where)
+        pairs = chosen[cKDTree(vertices[chosen]).query_pairs(distance, output_type="ndarray")]
         graph = sparse.coo_matrix(
             (np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(vertices),) * 2
         )
@@ -71,9 +205,7 @@ def _welded(vertices: Array, triangles: Index, distance: float) -> tuple[Array, 
     return points, faces[np.sort(first)], moved
 
 
-def _outward(
-    points: Array, faces: Index, moved: float, distance: float, dropped: int, found: Soundness
-) -> Repaired:
+def _said(distance: float, moved: float, dropped: int, strayed: float, split: int) -> list[str]:
     notes = []
     if moved > 0.0:
         notes.append(
@@ -81,6 +213,14 @@ def _outward(
         )
     if dropped:
         notes.append(f"{dropped} facets without area or doubled were left out")
+    if split:
+        notes.append(
+            f"{split} edges were split at the corners that lie on them, {strayed:.2g} mm away at most"
+        )
+    return notes
+
+
+def _outward(points: Array, faces: Index, moved: float, notes: list[str], found: Soundness) -> Repaired:
     if not found.consistent:
         faces, turned = consistently_wound(points, faces)
         notes.append(f"{len(turned)} facets wound the other way were turned")
@@ -88,8 +228,7 @@ def _outward(
     if volume < 0.0:
         faces = faces[:, ::-1].copy()
         notes.append("the surface was inside out and was turned over")
-    used, small = np.unique(faces, return_inverse=True)
-    return Repaired(points[used], small.reshape(-1, 3).astype(np.int64), moved, tuple(notes))
+    return Repaired(*_used(points, faces), moved, tuple(notes))
 
 
 def _refusal(vertices: Array, triangles: Index, found: Soundness, name: str) -> InputError:

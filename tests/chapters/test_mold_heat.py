@@ -396,6 +396,25 @@ def test_dirty_stl_is_welded_and_meshed_with_a_cavity(tmp_path):
     assert document["conditions"]["heater hole.all"]["area_mm2"] == pytest.approx(600.0, rel=1e-6)
 
 
+def test_bodies_of_one_stl_are_a_union_and_one_through_itself_is_refused_with_the_place(tmp_path):
+    import trimesh
+
+    block, dome = trimesh.creation.box((40, 40, 20)), trimesh.creation.icosphere(2, radius=12.0)
+    dome.apply_translation([0, 0, 10])
+    both = trimesh.util.concatenate([block, dome])
+    (tmp_path / "part.stl").write_bytes(trimesh.exchange.stl.export_stl(both))
+    part = PLATE.split("box =")[0] + 'stl = "part.stl"\n' + HEATER + RUN.replace('"25 mm"', '"12 mm"')
+    status, document, _ = heat(tmp_path, part)
+    assert status == 0
+    assert document["mass_kg"] == pytest.approx((32e-6 + 2e-9 * np.pi / 3 * 12.0**3) * 2702.0, rel=0.005)
+    vertices = dome.vertices.copy()
+    vertices[np.argmax(vertices[:, 2]), 2] = -30.0
+    spike = trimesh.Trimesh(vertices, dome.faces, process=False)
+    (tmp_path / "part.stl").write_bytes(trimesh.exchange.stl.export_stl(spike))
+    with pytest.raises(InputError, match=r"goes through itself at \("):
+        heat(tmp_path, part)
+
+
 @pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_signals_end_it_at_once_and_leave_no_child(tmp_path, number, status):
     (tmp_path / "mold.toml").write_text(PLATE.replace('"25 mm"', '"1.5 mm"'))

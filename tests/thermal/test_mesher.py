@@ -7,9 +7,9 @@ import pytest
 
 from hyperfab.errors import InputError, NotConverged
 from hyperfab.thermal.faces import Faces
-from hyperfab.thermal.geometry import Body, Box, Cylinder, Ellipsoid, Geometry, Patch, Stl
+from hyperfab.thermal.geometry import Body, Box, Cylinder, Ellipsoid, Geometry, Patch
 from hyperfab.thermal.mesh import build_mesh
-from hyperfab.thermal.mesher import make_mesh, remesh_surface
+from hyperfab.thermal.mesher import make_mesh
 
 
 def meshed(geometry, size):
@@ -101,16 +101,3 @@ def test_a_mesher_that_takes_too_long_is_stopped():
     geometry = Geometry((Body("block", (Box((0.0, 0.0, 0.0), (100.0, 100.0, 100.0)),)),))
     with pytest.raises(NotConverged, match="stopped"):
         make_mesh(geometry, 1.5, patience=1.0)
-
-
-def test_a_fine_stl_is_meshed_anew_and_its_deviation_said():
-    import trimesh
-
-    ball = trimesh.creation.icosphere(5, radius=30.0)  # 20 480 facets: far more than a pipe holds
-    fine = Stl(np.asarray(ball.vertices), np.asarray(ball.faces, dtype=np.int64))
-    coarse, deviation = remesh_surface(fine, 8.0)
-    assert len(coarse.triangles) < 2000
-    # The middle of a triangle of 8 mm on a radius of 30 mm lies 8^2/3 / (2 30) = 0.36 mm deep; of one of 11 mm 0.67.
-    assert 0.1 < deviation < 0.7
-    raw = make_mesh(Geometry((Body("ball", (coarse,)),)), 8.0)
-    assert raw.volumes[0] == pytest.approx(4 / 3 * np.pi * 30.0**3, rel=0.03)

@@ -7,7 +7,7 @@ from hyperfab.errors import InputError
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.stl import read_stl
 from hyperfab.thermal.geometry import Body, Box, Cylinder, Ellipsoid, Geometry, Patch, Shape, Stl
-from hyperfab.thermal.repair import repaired
+from hyperfab.thermal.repair import pieces, repaired
 
 
 def geometry_of(
@@ -39,21 +39,22 @@ class _Reader:
     def body(self, section: BodySection) -> Body:
         """Return a part or cavity."""
         if section.shapes is not None:
-            return Body(section.name, tuple(self.shape(shape) for shape in section.shapes))
-        return Body(section.name, (self.shape(section),))
+            shapes = [found for shape in section.shapes for found in self.shape(shape)]
+            return Body(section.name, tuple(shapes))
+        return Body(section.name, tuple(self.shape(section)))
 
-    def shape(self, section: ShapeSection | BodySection) -> Shape:
-        """Return one shape."""
+    def shape(self, section: ShapeSection | BodySection) -> list[Shape]:
+        """Return one shape, or the pieces of an STL."""
         name = section.name if isinstance(section, ShapeSection) else None
         if section.box is not None:
-            return Box(section.box.origin, section.box.size, name)
+            return [Box(section.box.origin, section.box.size, name)]
         if section.cylinder is not None:
             c = section.cylinder
             semi_axes = c.semi_axes if c.semi_axes is not None else (c.radius or 0.0, c.radius or 0.0)
-            return Cylinder(c.origin, c.axis, c.length, semi_axes, name)
+            return [Cylinder(c.origin, c.axis, c.length, semi_axes, name)]
         if section.ellipsoid is not None:
             e = section.ellipsoid
-            return Ellipsoid(e.centre, e.semi_axes, e.half, name)
+            return [Ellipsoid(e.centre, e.semi_axes, e.half, name)]
         if section.stl is None:
             raise InputError("has no shape", file=self.name)
         file = self.inputs.beside(self.name, section.stl)
@@ -61,4 +62,4 @@ class _Reader:
         found = repaired(surface.vertices, surface.faces, file)
         self.questions.extend(surface.questions)
         self.questions.extend(f"{file}: {note}" for note in found.notes)
-        return Stl(found.vertices, found.triangles, name)
+        return [Stl(*piece, name) for piece in pieces(found.vertices, found.triangles)]

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 from collections.abc import Callable
 
-import numpy as np
-
 from hyperfab.errors import InputError, NotConverged
-from hyperfab.thermal.geometry import Body, Geometry, Shape, Stl
+from hyperfab.thermal.geometry import Geometry, Stl
 from hyperfab.thermal.mesher import (
     NODES_PER_TETRAHEDRON,
     RawMesh,
     expected_bytes,
     expected_tetrahedra,
     make_mesh,
-    remesh_surface,
 )
+from hyperfab.thermal.remesh import laid_back, remesh_surface, standing_for
+from hyperfab.thermal.repair import crossing
 
 #: Share of the machine's memory a run may take, and from where on the expectation is worth a line.
 MEMORY_SHARE = 0.8
@@ -25,10 +23,8 @@ WORTH_SAYING = 1e9
 
 #: STL surfaces of more facets are meshed anew before booleans: sewing them takes a millisecond a facet and more.
 MANY_FACETS = 3000
-#: Edge lengths tried for it, and the deviation that is small enough, as shares of mesh_size; seconds for each try.
-SHARES = (1.0, 0.6)
-PATIENCE = 15.0
-DEVIATION = 0.05
+#: The deviation from them that is small enough, as a share of mesh_size.
+DEVIATION = 0.015
 
 Waiting = Callable[[float], None]
 
@@ -43,9 +39,30 @@ def mesh_mold(
     _refuse_too_large(geometry, mesh_size, file, notes)
     try:
         coarser = _coarsened(geometry, mesh_size, notes, waiting)
-        return coarser, make_mesh(coarser, mesh_size, waiting=waiting)
+        return coarser, laid_back(make_mesh(coarser, mesh_size, waiting=waiting), coarser)
     except InputError as error:
         raise InputError(error.message, file=file, key="part", remedy=error.remedy) from None
+    except NotConverged:
+        _refuse_crossing(geometry, file)
+        raise
+
+
+def _refuse_crossing(geometry: Geometry, file: str) -> None:
+    """Say where an STL surface goes through itself, which may be why it was not meshed."""
+    for kind, bodies in (("part", geometry.parts), ("cavity", geometry.cavities)):
+        for number, body in enumerate(bodies):
+            for shape in body.shapes:
+                found = crossing(shape.vertices, shape.triangles) if isinstance(shape, Stl) else None
+                if found is None:
+                    continue
+                x, y, z = found[1]
+                raise InputError(
+                    f"the STL surface of {body.name!r} goes through itself at ({x:.4g}, {y:.4g}, {z:.4g}) mm, "
+                    "and could not be meshed",
+                    file=file,
+                    key=f"{kind}.{number}",
+                    remedy="mend it there in the program that made it",
+                )
 
 
 def _refuse_too_large(geometry: Geometry, mesh_size: float, file: str, notes: list[str]) -> None:
@@ -69,30 +86,16 @@ def _refuse_too_large(geometry: Geometry, mesh_size: float, file: str, notes: li
 def _coarsened(geometry: Geometry, size: float, notes: list[str], waiting: Waiting) -> Geometry:
     """Mesh STL surfaces of many facets anew: each facet would become a face of the solid."""
 
-    def coarser(shape: Shape) -> Shape:
-        if not isinstance(shape, Stl) or len(shape.triangles) <= MANY_FACETS:
-            return shape
-        found, deviation = None, np.inf
-        for share in SHARES:
-            with contextlib.suppress(
-                NotConverged
-            ):  # the mesher gives up on some edge lengths and not on others
-                finer, closer = remesh_surface(shape, share * size, patience=PATIENCE, waiting=waiting)
-                if found is not None and len(finer.triangles) > 2 * MANY_FACETS:
-                    break
-                if closer < deviation:
-                    found, deviation = finer, closer
-            if deviation <= DEVIATION * size:
-                break
+    def coarser(given: Stl) -> Stl:
+        if len(given.triangles) <= MANY_FACETS:
+            return given
+        found = remesh_surface(given, size, DEVIATION * size, waiting=waiting)
         if found is None:
-            return shape
+            return given
         notes.append(
-            f"an STL surface of {len(shape.triangles)} facets was meshed anew with {len(found.triangles)}; "
-            f"they deviate by {deviation:.2g} mm at most"
+            f"an STL surface of {len(given.triangles)} facets was meshed anew with "
+            f"{len(found.surface.triangles)} curved ones; they deviate by {found.deviation:.2g} mm at most"
         )
-        return found
+        return found.surface
 
-    def body(given: Body) -> Body:
-        return Body(given.name, tuple(coarser(shape) for shape in given.shapes))
-
-    return Geometry(tuple(map(body, geometry.parts)), tuple(map(body, geometry.cavities)), geometry.patches)
+    return standing_for(geometry, coarser)

@@ -1,0 +1,201 @@
+"""STL surfaces of many facets meshed anew, and the mesh laid back on the surface it was made from.
+
+Each facet of an STL part would become a face of the solid: thousands of them make tiny tetrahedra and slow booleans.
+The surface is therefore meshed anew at about the wanted edge length, finer where that would stray; then the nodes of
+the ten-node tetrahedra, those in the middle of edges too, are laid on the given surface. The curved facets follow
+it an order closer than flat ones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.errors import NotConverged
+from hyperfab.surface import Surface
+from hyperfab.thermal.geometry import Body, Geometry, Stl
+from hyperfab.thermal.mesher import RawMesh, mesh_surface
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+#: Rounds of refinement where the new surface strays, and the longest edges tried first, as shares of mesh_size: the
+#: mesher gives up on some edge lengths and not on others.
+ROUNDS = 6
+SHARES = (1.0, 0.8, 0.6)
+#: Seconds for each try.
+PATIENCE = 30.0
+#: The distance of a curved facet falls with the third power of its edge; edges are not cut below this share at once.
+ORDER = 3.0
+LEAST_CUT = 0.4
+#: The mesher smooths what sizes it is given, so they are asked for smaller.
+HARDER = 0.7
+#: Each facet is looked at on this many pieces a side.
+PIECES = 4
+#: A node is not moved where an element would fall below this share of its volume.
+LEAST_VOLUME = 0.3
+
+_EDGES = np.array([[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]])
+
+
+@dataclass(frozen=True)
+class Remeshed:
+    """A coarser surface, with the given one as its ``fine``, and how far its curved facets lie from it [mm]."""
+
+    surface: Stl
+    deviation: float
+
+
+def remesh_surface(
+    given: Stl,
+    mesh_size: float,
+    tolerance: float,
+    *,
+    waiting: Callable[[float], None] = lambda seconds: None,
+) -> Remeshed | None:
+    """Mesh a closed surface anew with edges up to ``mesh_size`` [mm], until curved facets keep to ``tolerance`` [mm].
+
+    Returns the closest of some rounds, and None where the mesher makes nothing of the surface.
+    """
+    onto = Surface(given.vertices, given.triangles)
+    sizes = np.full(len(given.vertices), mesh_size)
+    best: Remeshed | None = None
+    failures = 0
+    for _ in range(ROUNDS):
+        finer = sizes < 0.999 * mesh_size
+        points = np.column_stack([given.vertices[finer], sizes[finer]])
+        try:
+            vertices, triangles = mesh_surface(
+                given, SHARES[failures] * mesh_size, points, patience=PATIENCE, waiting=waiting
+            )
+        except NotConverged:
+            failures += 1
+            if failures == len(SHARES):
+                break
+            continue
+        curved = _curved(vertices, triangles, onto)
+        near = curved.nearest(given.vertices)
+        strays = np.abs(near.distance)
+        deviation = float(max(strays.max(), np.abs(onto.nearest(curved.vertices).distance).max()))
+        if best is None or deviation < best.deviation:
+            best = Remeshed(Stl(vertices, triangles, given.name, fine=given), deviation)
+        if deviation <= tolerance:
+            break
+        facet = near.face // PIECES**2
+        worst = np.zeros(len(triangles))
+        np.maximum.at(worst, facet, strays)
+        corners = vertices[triangles]
+        edge = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+        wanted = edge * np.clip((tolerance / np.maximum(worst, 1e-300)) ** (1 / ORDER), LEAST_CUT, 1.0)
+        stray = worst[facet] > tolerance
+        sizes[stray] = np.minimum(sizes, wanted[facet])[stray] * HARDER
+    return best
+
+
+def laid_back(raw: RawMesh, geometry: Geometry) -> RawMesh:
+    """Move the nodes on coarser STL surfaces onto the surfaces these stand for.
+
+    Only nodes whose every facet lies on one such surface move, and none that would spoil an element.
+    """
+    shapes = [
+        shape for body in (*geometry.parts, *geometry.cavities) for shape in body.shapes
+        if isinstance(shape, Stl) and shape.fine is not None
+    ]  # fmt: skip
+    if not shapes:
+        return raw
+    low, high = geometry.bounds
+    tight = 1e-6 * float(np.linalg.norm(high - low))
+    points = raw.points.copy()
+    corners = raw.points[raw.surface]
+    ends, middles = _edge_nodes(raw)
+    moved = np.zeros(len(points), dtype=bool)
+    for shape in shapes:
+        assert shape.fine is not None
+        coarse = Surface(shape.vertices, shape.triangles)
+        at = np.concatenate([corners.reshape(-1, 3), corners.mean(axis=1)])
+        near = np.abs(coarse.nearest(at).distance) <= tight
+        lies = near[: corners.shape[0] * 3].reshape(-1, 3).all(axis=1) & near[corners.shape[0] * 3 :]
+        vertices = np.setdiff1d(raw.surface[lies], raw.surface[~lies])
+        mine = _on(ends, raw.surface[lies]) & ~_on(ends, raw.surface[~lies])
+        chosen = np.concatenate([vertices, middles[mine]])
+        onto = Surface(shape.fine.vertices, shape.fine.triangles)
+        points[chosen] = onto.nearest(raw.points[chosen]).point
+        moved[chosen] = True
+    return replace(raw, points=_unspoiled(raw, points, moved, ends, middles))
+
+
+def standing_for(geometry: Geometry, coarser: Callable[[Stl], Stl]) -> Geometry:
+    """Return the geometry with ``coarser`` put in for its STL surfaces."""
+
+    def body(given: Body) -> Body:
+        shapes = tuple(coarser(shape) if isinstance(shape, Stl) else shape for shape in given.shapes)
+        return Body(given.name, shapes)
+
+    return Geometry(tuple(map(body, geometry.parts)), tuple(map(body, geometry.cavities)), geometry.patches)
+
+
+def _unspoiled(raw: RawMesh, points: Array, moved: NDArray[np.bool_], ends: Index, middles: Index) -> Array:
+    """Put vertices back where elements would be squashed; edge nodes between them then follow the chord."""
+    before = _volumes(raw.points, raw.elements)
+    back = np.zeros(len(points), dtype=bool)
+    for _ in range(10):
+        bad = _volumes(points, raw.elements) < LEAST_VOLUME * before
+        if not bad.any():
+            break
+        nodes = np.unique(raw.elements[bad])
+        nodes = nodes[moved[nodes]]
+        points[nodes] = raw.points[nodes]
+        back[nodes] = True
+    # An edge node whose edge was moved but which itself stayed lies in the middle again.
+    loose = ~moved[middles] | back[middles]
+    dragged = loose & (moved[ends] & ~back[ends]).any(axis=1)
+    points[middles[dragged]] += (points[ends[dragged]] - raw.points[ends[dragged]]).mean(axis=1)
+    return points
+
+
+def _volumes(points: Array, elements: Index) -> Array:
+    a, b, c, d = (points[elements[:, i]] for i in range(4))
+    return np.abs(np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a))
+
+
+def _edge_nodes(raw: RawMesh) -> tuple[Index, Index]:
+    """Return the ends (e, 2), sorted, and the middle nodes (e,) of all edges."""
+    ends = np.sort(raw.elements[:, _EDGES].reshape(-1, 2), axis=1)
+    middles, first = np.unique(raw.elements[:, 4:].ravel(), return_index=True)
+    return ends[first], middles
+
+
+def _on(ends: Index, triangles: Index) -> NDArray[np.bool_]:
+    """Whether an edge is one of the triangles'."""
+    size = int(ends.max()) + 1
+    sides = np.sort(triangles[:, [[0, 1], [1, 2], [0, 2]]].reshape(-1, 2), axis=1)
+    found: NDArray[np.bool_] = np.isin(ends[:, 0] * size + ends[:, 1], sides[:, 0] * size + sides[:, 1])
+    return found
+
+
+def _curved(vertices: Array, triangles: Index, onto: Surface) -> Surface:
+    """Return the six-node facets with their edge nodes on a surface, each cut into PIECES squared flat ones."""
+    count = len(triangles)
+    sides = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    edges, number = np.unique(sides, axis=0, return_inverse=True)
+    nodes = np.concatenate([vertices, onto.nearest(vertices[edges].mean(axis=1)).point])
+    six = np.concatenate([triangles, len(vertices) + number.reshape(-1, 3)], axis=1)
+    grid = [(i, j) for i in range(PIECES + 1) for j in range(PIECES + 1 - i)]
+    place = {pair: number for number, pair in enumerate(grid)}
+    b, c = np.array(grid).T / PIECES
+    a = 1.0 - b - c
+    values = np.stack(
+        [a * (2 * a - 1), b * (2 * b - 1), c * (2 * c - 1), 4 * a * b, 4 * b * c, 4 * c * a], axis=1
+    )
+    small = []
+    for i, j in grid:
+        if i + j < PIECES:
+            small.append((place[i, j], place[i + 1, j], place[i, j + 1]))
+        if i + j < PIECES - 1:
+            small.append((place[i + 1, j], place[i + 1, j + 1], place[i, j + 1]))
+    points = np.einsum("gi,fik->fgk", values, nodes[six]).reshape(-1, 3)
+    faces = (np.arange(count) * len(grid))[:, None, None] + np.array(small)
+    return Surface(points, faces.reshape(-1, 3))

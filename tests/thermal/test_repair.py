@@ -1,0 +1,80 @@
+"""Dirty STL surfaces: closed where little is missing, several pieces told apart, refused with the place where not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+
+from hyperfab.errors import InputError
+from hyperfab.surface import soundness
+from hyperfab.thermal.repair import crossing, pieces, repaired
+
+
+def soup(mesh, move=lambda corners: corners):
+    """The facets of a mesh with corners of their own."""
+    corners = move(np.array(mesh.triangles))
+    return corners.reshape(-1, 3), np.arange(corners.size // 3, dtype=np.int64).reshape(-1, 3)
+
+
+def box(*size, at=(0.0, 0.0, 0.0)):
+    return trimesh.creation.box(size, transform=trimesh.transformations.translation_matrix(at))
+
+
+def arrays(mesh):
+    return np.asarray(mesh.vertices), np.asarray(mesh.faces, dtype=np.int64)
+
+
+def volume(found):
+    return soundness(*found).volume_mm3
+
+
+def test_a_narrow_slit_is_welded_and_how_far_is_said():
+    def lifted(corners):
+        return corners + np.where(corners.mean(axis=1, keepdims=True)[..., 2:] > 0, 0.1, 0.0) * [0, 0, 1]
+
+    found = repaired(*soup(trimesh.creation.icosphere(3, radius=40.0), lifted), "slit.stl")
+    assert 0.05 <= found.deviation_mm <= 0.1  # both lips meet between them
+    assert any("none moved more than" in note for note in found.notes)
+    assert soundness(found.vertices, found.triangles).sound
+
+
+def test_a_corner_on_a_neighbours_edge_splits_it():
+    whole = box(100, 80, 20)
+    top = whole.face_normals[:, 2] > 0.5
+    finer = trimesh.util.concatenate(whole.submesh([np.flatnonzero(top)])).subdivide().subdivide()
+    rest = trimesh.util.concatenate(whole.submesh([np.flatnonzero(~top)]))
+    found = repaired(*soup(trimesh.util.concatenate([finer, rest])), "box.stl")
+    assert found.deviation_mm < 1e-9
+    assert volume((found.vertices, found.triangles)) == pytest.approx(160e3)
+    assert any("4 edges were split" in note for note in found.notes)
+
+
+@pytest.mark.parametrize("gap", [1.0, 5.0])
+def test_a_wide_gap_is_refused_with_facet_and_place(gap):
+    def lifted(corners):
+        return corners + np.where(corners.mean(axis=1, keepdims=True)[..., 2:] > 0, gap, 0.0) * [0, 0, 1]
+
+    with pytest.raises(InputError, match=r"gap\.stl, facet \d+: the surface is not closed.*one at \("):
+        repaired(*soup(trimesh.creation.icosphere(3, radius=40.0), lifted), "gap.stl")
+
+
+def test_pieces_are_a_union_and_inward_ones_inside_are_voids():
+    void, turned = box(20, 20, 10), box(30, 30, 30, at=(200, 0, 0))
+    void.invert()
+    turned.invert()
+    found = pieces(*arrays(trimesh.util.concatenate([box(100, 80, 20), void, turned])))
+    assert sorted(volume(piece) for piece in found) == pytest.approx([27e3, 156e3])
+    assert len(pieces(*arrays(box(1, 2, 3)))) == 1
+
+
+def test_a_facet_through_another_is_found_and_a_sound_surface_has_none():
+    ball = trimesh.creation.icosphere(3, radius=40.0)
+    assert crossing(*arrays(ball)) is None
+    assert crossing(*arrays(box(3, 2, 1))) is None
+    vertices, faces = arrays(ball)
+    vertices = vertices.copy()
+    vertices[np.argmax(vertices[:, 2]), 2] = -60.0
+    facet, place = crossing(vertices, faces)
+    assert 0 <= facet < len(faces)
+    assert np.linalg.norm(place) == pytest.approx(40.0, abs=0.5)
