@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
+from hyperfab.numerics.kernels import kernel, part
 from hyperfab.surface.bvh import DEPTH, nearest_one, ray_one
 
 from .creases import over_edge
@@ -24,7 +24,7 @@ from .pinning import pinned
 LONG = 1e-3
 
 
-@njit(cache=True)
+@kernel
 def move(
     x: Floats,
     d: Floats,
@@ -157,7 +157,7 @@ def move(
             state_t[i, j], clear_t[i, j] = ON_FACE + feature, 0.0
 
 
-@njit(cache=True)
+@part
 def _projector(bits: int, normals: Floats, count: int, q: Floats) -> None:
     """q (6): projector off the fixed axes and off the first ``count`` of ``normals`` (overwritten)."""
     q[0], q[1], q[2], q[3], q[4], q[5] = 1.0, 0.0, 0.0, 1.0, 0.0, 1.0
@@ -187,7 +187,7 @@ def _projector(bits: int, normals: Floats, count: int, q: Floats) -> None:
             q[k] = 0.0
 
 
-@njit(cache=True)
+@kernel
 def settle(
     x: Floats,
     f: Floats,

@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
+from hyperfab.numerics.kernels import kernel, part
 from hyperfab.surface import bvh
 
 from .features import ON_EDGE
@@ -28,7 +28,7 @@ class Bends(NamedTuple):
     ways: Floats  # (k, 13): unit ways to and from the edge, axis, reach of both, offset along the axis, their sum
 
 
-@njit(cache=True)
+@part
 def _over(creases: Creases, c: int, p: Floats, q: Floats, h: Floats) -> tuple[int, float, float]:
     """Shortest way from p to q over the line of creases around ``c``: (crease, place on it, its length)."""
     s, length = 0.0, 0.0
@@ -60,7 +60,7 @@ def _over(creases: Creases, c: int, p: Floats, q: Floats, h: Floats) -> tuple[in
     return c, s, length
 
 
-@njit(cache=True)
+@part
 def _parted(creases: Creases, c: int, p: Floats, q: Floats, g: Floats, h: Floats) -> bool:
     """Does the straight way from p to q lead through the mold at the place g of a crease along h?
 
@@ -87,7 +87,7 @@ def _parted(creases: Creases, c: int, p: Floats, q: Floats, g: Floats, h: Floats
     return bool(abs(turn[0] - turn[1]) > np.pi)
 
 
-@njit(cache=True)
+@part
 def _crossed(creases: Creases, c: int, p: Floats, q: Floats, g: Floats, h: Floats) -> int:
     """Crease near ``c`` over which the way from p to q is bent, at the place g of its line along h; -1: none."""
     c, s, length = _over(creases, c, p, q, h)
@@ -111,13 +111,13 @@ def _crossed(creases: Creases, c: int, p: Floats, q: Floats, g: Floats, h: Float
     return -1
 
 
-@njit(cache=True)
+@part
 def _place(creases: Creases, c: int, s: float, h: Floats, g: Floats) -> None:
     for r in range(3):
         g[r] = creases.corners[c, 0, r] + s * h[r]
 
 
-@njit(cache=True)
+@kernel
 def find_bends(
     x: Floats,
     clear: Floats,
@@ -176,7 +176,7 @@ def find_bends(
     return found
 
 
-@njit(cache=True)
+@part
 def _ways(p: Floats, q: Floats, g: Floats, h: Floats, way: Floats) -> None:
     """Frames on both sides of a crossing g of the crease along h: to it from p (w1), from it to q (w2), axis."""
     # The axis of unfolding is the crease where the way crosses it inside, else square to both ways (at a corner).
@@ -211,7 +211,7 @@ def _ways(p: Floats, q: Floats, g: Floats, h: Floats, way: Floats) -> None:
     way[12] = np.sqrt((dp + dq) ** 2 + (sq - sp) ** 2)
 
 
-@njit(cache=True)
+@part
 def law_of(net: Arrays, i: int, j: int, d: int, length: float) -> tuple[float, float, float]:
     """Energy, force and stiffness of a spring of the given length."""
     rest = net.rest[d]
@@ -226,7 +226,7 @@ def law_of(net: Arrays, i: int, j: int, d: int, length: float) -> tuple[float, f
     return w * area * rest, p * area, a * area / rest
 
 
-@njit(cache=True)
+@kernel
 def bend_forces(
     x: Floats, net: Arrays, springs: Ints, ways: Floats, f: Floats, push: Floats
 ) -> tuple[float, float]:
@@ -258,7 +258,7 @@ def bend_forces(
     return change, largest
 
 
-@njit(cache=True)
+@kernel
 def bend_stiffness(
     net: Arrays,
     springs: Ints,
@@ -318,12 +318,12 @@ def bend_stiffness(
                 coupling[b, 3 * r + c] = v
 
 
-@njit(cache=True)
+@part
 def _cross(a: Floats, b: Floats, out: Floats) -> None:
     out[0], out[1], out[2] = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-@njit(cache=True)
+@part
 def couple(springs: Ints, coupling: Floats, u: Floats, out: Floats) -> None:
     """out += coupling of the bent springs times u."""
     for b in range(springs.shape[0]):
@@ -335,7 +335,7 @@ def couple(springs: Ints, coupling: Floats, u: Floats, out: Floats) -> None:
             out[k, l, r] += c[r] * u[i, j, 0] + c[3 + r] * u[i, j, 1] + c[6 + r] * u[i, j, 2]
 
 
-@njit(cache=True)
+@kernel
 def hinge_nodes(springs: Ints, hinges: Ints) -> None:
     """Note at each node up to two bent springs it belongs to: 1 + their number, negative for the second end."""
     for b in range(springs.shape[0]):
@@ -350,7 +350,7 @@ def hinge_nodes(springs: Ints, hinges: Ints) -> None:
                 h[1] = v
 
 
-@njit(cache=True)
+@part
 def over_edge(
     springs: Ints, ways: Floats, creases: Creases, hinge: Ints, x: Floats, y: Floats, stop: bool
 ) -> int:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
+
+from hyperfab.numerics.kernels import part
 
 from .law import Floats
 from .mold import FREE, ON_FACE, SHARP, Ints, Mold
@@ -16,17 +17,17 @@ BESIDE = 1e-6
 ON_EDGE = 3e-7
 
 
-@njit(cache=True)
+@part
 def dot(a: Floats, b: Floats) -> Any:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@njit(cache=True)
+@part
 def copy(a: Floats, b: Floats) -> None:
     b[0], b[1], b[2] = a[0], a[1], a[2]
 
 
-@njit(cache=True)
+@part
 def outward(mold: Mold, slot: int, edge: int, out: Floats) -> None:
     """Unit vector in the facet's plane across an edge, away from the facet."""
     a, b, n = mold.corners[slot, edge], mold.corners[slot, (edge + 1) % 3], mold.normals[slot, 0]
@@ -38,7 +39,7 @@ def outward(mold: Mold, slot: int, edge: int, out: Floats) -> None:
             out[k] /= length
 
 
-@njit(cache=True)
+@part
 def edge_reached(mold: Mold, slot: int, x: Floats, y: Floats, u: Floats) -> tuple[int, float]:
     """First edge that the way from x to y in a facet's plane crosses: (edge or -1, fraction of the way)."""
     found, least = -1, 2.0
@@ -54,7 +55,7 @@ def edge_reached(mold: Mold, slot: int, x: Floats, y: Floats, u: Floats) -> tupl
     return found, least
 
 
-@njit(cache=True)
+@part
 def _in_cone(mold: Mold, slots: Ints, count: int, r: Floats, rest: Floats) -> bool:
     """Does -r lie in the cone of the facets' normals? ``rest``: r + sum of the nearest combination of normals."""
     weights = np.empty(64)
@@ -76,7 +77,7 @@ def _in_cone(mold: Mold, slots: Ints, count: int, r: Floats, rest: Floats) -> bo
     return bool(dot(rest, rest) <= 1e-20 * dot(r, r))
 
 
-@njit(cache=True)
+@part
 def _facets_at(mold: Mold, slot: int, state: int, out: Ints) -> int:
     """Facets around a node's edge or vertex."""
     feature = state - ON_FACE
@@ -95,7 +96,7 @@ def _facets_at(mold: Mold, slot: int, state: int, out: Ints) -> int:
     return count
 
 
-@njit(cache=True)
+@part
 def _follow(mold: Mold, slots: Ints, count: int, x: Floats, r: Floats, t: Floats, u: Floats) -> int:
     """Facet along which a node at x, on the rim of all of them, can follow the force r best; -1: none."""
     best, found = 0.0, -1
@@ -125,7 +126,7 @@ def _follow(mold: Mold, slots: Ints, count: int, x: Floats, r: Floats, t: Floats
     return found
 
 
-@njit(cache=True)
+@part
 def decide(
     mold: Mold, x: Floats, r: Floats, slot: int, state: int, slots: Ints, t: Floats, u: Floats
 ) -> tuple[int, int]:
@@ -157,7 +158,7 @@ def decide(
     return state, slot
 
 
-@njit(cache=True)
+@part
 def valley(mold: Mold, x: Floats, r: Floats, slot: int, before: int, u: Floats, t: Floats) -> int:
     """Edge of a valley just crossed, if the force pushes back to it from both sides; -1 else."""
     for e in range(3):
@@ -179,7 +180,7 @@ def valley(mold: Mold, x: Floats, r: Floats, slot: int, before: int, u: Floats, 
     return -1
 
 
-@njit(cache=True)
+@part
 def unfold(mold: Mold, slot: int, edge: int, x: Floats, y: Floats, s: float) -> int:
     """Way from x to y, in a facet's plane, that crosses an edge at the fraction s: the rest of it is turned into the
     plane of the facet beyond, y becomes its end. Returns that facet.
@@ -205,7 +206,7 @@ def unfold(mold: Mold, slot: int, edge: int, x: Floats, y: Floats, s: float) -> 
     return other
 
 
-@njit(cache=True)
+@part
 def beside(mold: Mold, slot: int, feature: int, x: Floats) -> bool:
     """Put a node on a sharp edge or corner a little beside it, onto the facet; False where the feature is not sharp."""
     sharp = False
@@ -226,7 +227,7 @@ def beside(mold: Mold, slot: int, feature: int, x: Floats) -> bool:
     return True
 
 
-@njit(cache=True)
+@part
 def sharp_edge_at(mold: Mold, slot: int, x: Floats) -> int:
     """Sharp edge of a facet on which a node of the facet lies but for rounding; -1: none."""
     u = np.empty(3)

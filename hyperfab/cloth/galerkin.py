@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
+
+from hyperfab.numerics.kernels import kernel, part
 
 from .law import Floats
 
@@ -16,7 +17,7 @@ OX = np.array([1, 0, 1, 1])
 OY = np.array([0, 1, 1, -1])
 
 
-@njit(cache=True)
+@part
 def _sandwich(q: Floats, b: Floats, r: Floats, sign: float, out: Singles) -> None:
     """out (9) = sign * Q B R with symmetric Q, R (6) and full B (3, 3)."""
     t = np.empty((3, 3))
@@ -30,20 +31,20 @@ def _sandwich(q: Floats, b: Floats, r: Floats, sign: float, out: Singles) -> Non
         out[3 * k + 2] = sign * (t[k, 0] * r[2] + t[k, 1] * r[4] + t[k, 2] * r[5])
 
 
-@njit(cache=True)
+@part
 def _full(s: Floats, b: Floats) -> None:
     b[0, 0], b[0, 1], b[0, 2] = s[0], s[1], s[2]
     b[1, 0], b[1, 1], b[1, 2] = s[1], s[3], s[4]
     b[2, 0], b[2, 1], b[2, 2] = s[2], s[4], s[5]
 
 
-@njit(cache=True)
+@part
 def _add6(a: Floats, b: Floats) -> None:
     for k in range(6):
         a[k] += b[k]
 
 
-@njit(cache=True)
+@kernel
 def assemble(
     warp: Floats,
     weft: Floats,
@@ -98,7 +99,7 @@ def assemble(
                 _sandwich(q[i, j + 1], b, q[i + 1, j], -1.0, off[i, j + 1, 3])
 
 
-@njit(cache=True)
+@kernel
 def assemble_bent(springs: Ints, coupling: Floats, q: Floats, off: Singles) -> None:
     """Forward blocks of the springs that are laid over an edge."""
     b = np.empty((3, 3))
@@ -111,7 +112,7 @@ def assemble_bent(springs: Ints, coupling: Floats, q: Floats, off: Singles) -> N
         _sandwich(q[i, j], b, other, 1.0, off[i, j, d])
 
 
-@njit(cache=True)
+@kernel
 def invert(diag: Singles, q: Floats, inverse: Singles) -> None:
     """Pseudo-inverse of each diagonal block on its node's subspace."""
     n, m = q.shape[0], q.shape[1]
@@ -149,7 +150,7 @@ def invert(diag: Singles, q: Floats, inverse: Singles) -> None:
             inverse[i, j, 5] = (a0 * a3 - a1 * a1) * inv - s2 * (1.0 - q[i, j, 5])
 
 
-@njit(cache=True, inline="always")
+@part
 def _accumulate(
     cd: Singles, co: Singles, ci: int, cj: int, di: int, dj: int, w: float, a: Singles, both: bool
 ) -> None:
@@ -190,7 +191,7 @@ def _accumulate(
             co[di, dj, d, 3 * c + r] += w * a[3 * r + c]
 
 
-@njit(cache=True)
+@kernel
 def galerkin(
     diag: Singles,
     off: Singles,
@@ -240,7 +241,7 @@ def galerkin(
                             )
 
 
-@njit(cache=True)
+@kernel
 def sandwich_all(q: Floats, diag: Singles, off: Singles) -> None:
     """Put the projectors of the coarse nodes around a coarse operator."""
     n, m = q.shape[0], q.shape[1]

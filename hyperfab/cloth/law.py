@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
+
+from hyperfab.numerics.kernels import kernel, part
 
 Floats = npt.NDArray[np.float64]
 
@@ -115,7 +116,7 @@ def piecewise_linear(stretch: object, stress: object) -> SpringLaw:
     return _law(lam, p, slope, slope)
 
 
-@njit(cache=True)
+@part
 def evaluate(lam: float, knots: Floats, pieces: Floats, buckets: npt.NDArray[np.int64]) -> Any:
     """Energy density, nominal stress and slope at one stretch above 1."""
     last = knots.shape[0] - 1
@@ -132,7 +133,7 @@ def evaluate(lam: float, knots: Floats, pieces: Floats, buckets: npt.NDArray[np.
     return w, p, a
 
 
-@njit(cache=True)
+@kernel
 def _evaluate(
     lam: Floats, knots: Floats, pieces: Floats, buckets: npt.NDArray[np.int64], out: Floats
 ) -> None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
+
+from hyperfab.numerics.kernels import kernel, part
 
 from .creases import couple
 from .law import Floats
@@ -47,7 +48,7 @@ class Tangent:
         return self.warp, self.weft, self.one, self.two
 
 
-@njit(cache=True)
+@part
 def _difference(b: Floats, u: Floats, i: int, j: int, k: int, l: int, out: Floats) -> None:
     x, y, z = u[i, j, 0] - u[k, l, 0], u[i, j, 1] - u[k, l, 1], u[i, j, 2] - u[k, l, 2]
     fx, fy, fz = (
@@ -63,7 +64,7 @@ def _difference(b: Floats, u: Floats, i: int, j: int, k: int, l: int, out: Float
     out[k, l, 2] -= fz
 
 
-@njit(cache=True)
+@kernel
 def _apply(
     warp: Floats,
     weft: Floats,
@@ -109,7 +110,7 @@ def apply(k: Tangent, u: Floats, out: Floats) -> float:
     return float(_apply(*k.blocks, k.extra, k.springs, k.coupling, k.q, u, out))
 
 
-@njit(cache=True)
+@kernel
 def dot(a: Floats, b: Floats) -> float:
     """Sum of products, row by row."""
     total = 0.0
@@ -121,7 +122,7 @@ def dot(a: Floats, b: Floats) -> float:
     return total
 
 
-@njit(cache=True)
+@kernel
 def combine(a: float, x: Floats, b: float, y: Floats) -> None:
     """y = a x + b y."""
     for i in range(x.shape[0]):

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numba import njit
+
+from hyperfab.numerics.kernels import kernel, part
 
 from .galerkin import OX, OY, Ints, Singles, assemble, assemble_bent, galerkin, invert, sandwich_all
 from .law import Floats
@@ -62,21 +63,21 @@ def injected(n: int) -> Ints:
     return np.arange(n) if nc == n else np.minimum(2 * np.arange(nc), n - 1)
 
 
-@njit(cache=True, inline="always")
+@part
 def _add(a: Singles, u: Floats, s: Floats) -> None:
     s[0] -= a[0] * u[0] + a[1] * u[1] + a[2] * u[2]
     s[1] -= a[3] * u[0] + a[4] * u[1] + a[5] * u[2]
     s[2] -= a[6] * u[0] + a[7] * u[1] + a[8] * u[2]
 
 
-@njit(cache=True, inline="always")
+@part
 def _add_t(a: Singles, u: Floats, s: Floats) -> None:
     s[0] -= a[0] * u[0] + a[3] * u[1] + a[6] * u[2]
     s[1] -= a[1] * u[0] + a[4] * u[1] + a[7] * u[2]
     s[2] -= a[2] * u[0] + a[5] * u[1] + a[8] * u[2]
 
 
-@njit(cache=True, inline="always")
+@part
 def _gather(off: Singles, u: Floats, i: int, j: int, s: Floats) -> None:
     """s -= sum over the neighbours of (i, j) of their block times u."""
     n, m = u.shape[0], u.shape[1]
@@ -99,7 +100,7 @@ def _gather(off: Singles, u: Floats, i: int, j: int, s: Floats) -> None:
             _add(off[i, j, 3], u[i + 1, j - 1], s)
 
 
-@njit(cache=True)
+@kernel
 def sweep(inverse: Singles, off: Singles, b: Floats, u: Floats, forward: bool) -> None:
     """One Gauss-Seidel sweep over the nodes, in order or in reverse."""
     n, m = u.shape[0], u.shape[1]
@@ -116,7 +117,7 @@ def sweep(inverse: Singles, off: Singles, b: Floats, u: Floats, forward: bool) -
             u[i, j, 2] = d[2] * s[0] + d[4] * s[1] + d[5] * s[2]
 
 
-@njit(cache=True)
+@kernel
 def residual(diag: Singles, off: Singles, b: Floats, u: Floats, r: Floats) -> None:
     """r = b - A u."""
     n, m = u.shape[0], u.shape[1]
@@ -131,7 +132,7 @@ def residual(diag: Singles, off: Singles, b: Floats, u: Floats, r: Floats) -> No
             r[i, j, 2] = s[2] - (d[2] * v[0] + d[4] * v[1] + d[5] * v[2])
 
 
-@njit(cache=True)
+@kernel
 def project(q: Floats, v: Floats) -> None:
     """v = Q v at every node."""
     for i in range(v.shape[0]):
@@ -142,7 +143,7 @@ def project(q: Floats, v: Floats) -> None:
             v[i, j, 2] = p[2] * a + p[4] * b + p[5] * c
 
 
-@njit(cache=True)
+@kernel
 def restrict(r: Floats, pi: Ints, wi: Floats, pj: Ints, wj: Floats, out: Floats) -> None:
     """out += P^T r."""
     for i in range(r.shape[0]):
@@ -155,7 +156,7 @@ def restrict(r: Floats, pi: Ints, wi: Floats, pj: Ints, wj: Floats, out: Floats)
                         out[a, b, k] += w * r[i, j, k]
 
 
-@njit(cache=True)
+@kernel
 def prolong(e: Floats, pi: Ints, wi: Floats, pj: Ints, wj: Floats, q: Floats, u: Floats) -> None:
     """u += Q P e."""
     s = np.empty(3)

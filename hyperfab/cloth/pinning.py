@@ -8,7 +8,8 @@ springs shorten: the cone of normals, for springs that turn with the edge.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from hyperfab.numerics.kernels import part
 
 from .creases import law_of
 from .features import BESIDE, dot, outward
@@ -19,7 +20,7 @@ from .net import Arrays
 DIRECTIONS = 73
 
 
-@njit(cache=True)
+@part
 def _pull(
     net: Arrays, x: Floats, i: int, j: int, side: int, ways: Floats, hinge: Ints, bent: Ints, out: Floats
 ) -> bool:
@@ -58,7 +59,7 @@ def _pull(
     return True
 
 
-@njit(cache=True)
+@part
 def hinges_to(hinge: int, bent: Ints, i: int, j: int, side: int) -> bool:
     """Is this hinge of node (i, j) the spring on its ``side``?"""
     if hinge == 0 or bent[abs(hinge) - 1, 2] != side // 2:
@@ -66,7 +67,7 @@ def hinges_to(hinge: int, bent: Ints, i: int, j: int, side: int) -> bool:
     return (hinge > 0) == (side % 2 == 0)
 
 
-@njit(cache=True)
+@part
 def pinned(
     mold: Mold,
     net: Arrays,

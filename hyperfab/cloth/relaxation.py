@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numba import njit
+
+from hyperfab.numerics.kernels import kernel
 
 from .contact import settle
 from .energy import Energy
@@ -23,7 +24,7 @@ from .newton import RELAXED, Equilibrium, State, Step, step_to, stiffness_scale
 EVERY = 10
 
 
-@njit(cache=True)
+@kernel
 def _steps(x: Floats, net: Arrays, r: Floats, c: float, d: Floats) -> None:
     """d = direction of the unbalanced force r times the sum of the node's elongations over c."""
     n, m = x.shape[0], x.shape[1]

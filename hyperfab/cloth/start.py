@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from scipy.sparse import csr_array
 
+from hyperfab.numerics.kernels import kernel
 from hyperfab.surface.bvh import DEPTH, nearest_one, ray_many
 
 from .energy import ROWS
@@ -16,7 +16,7 @@ from .net import FIXED, Sheet
 from .newton import State
 
 
-@njit(cache=True)
+@kernel
 def place(
     x: Floats,
     mold: Mold,
