@@ -14,8 +14,10 @@ SHORT_HELP = "Fabric relaxed onto a mold (STL)"
 def drape(
     context: typer.Context,
     material: Annotated[
-        str, typer.Argument(metavar="FABRIC.json", help="Material document of hf fit, or -.")
-    ],
+        str | None,
+        typer.Argument(metavar="FABRIC.json", help="Material document of hf fit, or -; or --warp, --weft."),
+    ] = None,
+    *,
     mold: Annotated[
         list[str],
         typer.Option(metavar="MOLD.stl", help="Surface of the mold; repeated for several in one frame."),
@@ -23,6 +25,20 @@ def drape(
     grid: Annotated[str, typer.Option(metavar="NxM", help="Nodes along x (warp) and y (weft).")] = "100x100",
     size: Annotated[str, typer.Option(metavar="LxL", help="The flat sheet, as 220mmx220mm.")] = "220mmx220mm",
     depth: Annotated[str, typer.Option(metavar="LENGTH", help="How far the mold is pushed up.")] = "60mm",
+    states: Annotated[
+        int | None, typer.Option(metavar="N", help="Also the sheet at N equal depths up to --depth.")
+    ] = None,
+    depths: Annotated[
+        str | None, typer.Option(metavar="L,L,...", help="In place of --depth: several, as 20mm,40mm,60mm.")
+    ] = None,
+    warp: Annotated[
+        str | None,
+        typer.Option(metavar="TEST.csv", help="Uniaxial test taken as the warp's law as it stands."),
+    ] = None,
+    weft: Annotated[
+        str | None,
+        typer.Option(metavar="TEST.csv", help="Uniaxial test taken as the weft's law as it stands."),
+    ] = None,
     thickness: Annotated[
         str | None,
         typer.Option(metavar="LENGTH", help="Thickness; the material's own where it has one, else 1mm."),
@@ -33,6 +49,19 @@ def drape(
     slide: Annotated[
         str | None, typer.Option(metavar="EDGES", help="Edges held down but free to slide along their line.")
     ] = None,
+    blank_holder: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="[EDGES=]F/L",
+            help="Clamped edges give way where pulled by more, as 0.5N/mm or y-,y+=0.5N/mm.",
+        ),
+    ] = None,
+    friction: Annotated[
+        str | None, typer.Option(metavar="MU", help="Coulomb friction on the mold, as 0.3.")
+    ] = None,
+    load_steps: Annotated[
+        int | None, typer.Option(metavar="N", help="Steps of the mold's way with friction; 20 if not given.")
+    ] = None,
     prestretch: Annotated[
         str, typer.Option(metavar="S[xS]", help="Stretch along warp x weft in which the sheet is mounted.")
     ] = "1",
@@ -41,6 +70,10 @@ def drape(
     ] = None,
     shear_modulus: Annotated[
         str | None, typer.Option(metavar="STRESS", help="Springs on the diagonals, of this shear modulus.")
+    ] = None,
+    shear_law: Annotated[
+        str | None,
+        typer.Option(metavar="BIAS.csv", help="Springs on the diagonals, of a test cut at 45 deg."),
     ] = None,
     max_stretch: Annotated[
         float | None, typer.Option(metavar="S", help="Exit 1 where a spring is stretched further.")

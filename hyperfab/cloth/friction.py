@@ -13,7 +13,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
+
+from hyperfab.numerics.kernels import kernel
 
 from .law import Floats
 from .mold import FREE, Ints, States
@@ -43,7 +44,7 @@ class Friction:
     near: float
     rubs: States = field(init=False)
     most: Floats = field(init=False)  # (n, m) N, the largest friction
-    way: Floats = field(init=False)  # (n, m, 3) unit, the way slid
+    way: Floats = field(init=False)  # (n, m, 3) the way slid, of length 1; shorter where a node sticks
     slid: Floats = field(init=False)  # (n, m) mm
     blocked: npt.NDArray[np.bool_] = field(init=False)
 
@@ -102,11 +103,11 @@ class Friction:
         return float(_cost(x, trial, q, self.rubs, self.most, self.way, self.slid))
 
     def forces(self) -> Floats:
-        """(n, m, 3) N: friction on the sliding nodes (that of sticking nodes balances the rest)."""
-        return np.where((self.rubs >= STARTS)[:, :, None], -self.most[:, :, None] * self.way, 0.0)
+        """(n, m, 3) N: friction on each node."""
+        return np.where((self.rubs > NONE)[:, :, None], -self.most[:, :, None] * self.way, 0.0)
 
 
-@njit(cache=True)
+@kernel
 def _resist(
     x: Floats,
     contact: States,
@@ -157,6 +158,7 @@ def _resist(
                         p[k] = 0.0
                     excess = max(size - c, 0.0) / size if size > 0.0 else 0.0
                     for k in range(3):
+                        way[i, j, k] = (1.0 - excess) * v[k] / c
                         v[k] *= excess
                 else:
                     rubs[i, j] = STARTS
@@ -172,7 +174,7 @@ def _resist(
     return worst, where
 
 
-@njit(cache=True)
+@kernel
 def _stiffen(q: Floats, rubs: States, most: Floats, way: Floats, slid: Floats, extra: Floats) -> None:
     for i in range(q.shape[0]):
         for j in range(q.shape[1]):
@@ -186,7 +188,7 @@ def _stiffen(q: Floats, rubs: States, most: Floats, way: Floats, slid: Floats, e
                 e[5] += k * (p[5] - w[2] * w[2])
 
 
-@njit(cache=True)
+@kernel
 def _catch(
     x: Floats,
     contact: States,
@@ -218,7 +220,7 @@ def _catch(
     return caught
 
 
-@njit(cache=True)
+@kernel
 def _cost(
     x: Floats, trial: Floats, q: Floats, rubs: States, most: Floats, way: Floats, slid: Floats
 ) -> float:

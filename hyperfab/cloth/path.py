@@ -35,7 +35,7 @@ class Rest:
     """Where the sheet rests at one height of the mold, and what it took to get there.
 
     ``work`` of the press and ``rubbed`` (on the mold) and ``drawn`` (under the blank holder) in N mm are sums over the
-    way from height 0.
+    ``steps`` of the way from height 0, where the energy was ``unstressed``.
     """
 
     height: float
@@ -44,6 +44,8 @@ class Rest:
     work: float
     rubbed: float
     drawn: float
+    unstressed: float
+    steps: int
 
 
 def follow(
@@ -61,10 +63,11 @@ def follow(
     ``tolerance``, the others to a looser one. Ends early where no equilibrium is found.
     """
     wanted = heights[-1:] if wanted is None else wanted
-    flat = settled(sheet.flat(), mold, sheet)
+    loaded = sheet.mass > 0.0
+    flat = drape(clamped(sheet), mold, BETWEEN).state if loaded else settled(sheet.flat(), mold, sheet)
     rubbing = _rubbing(sheet, mold, flat, mu, 0.0)
     found = equilibrium(sheet, mold, flat, tolerance, report=report, friction=rubbing)
-    rest = Rest(0.0, found, rubbing, 0.0, *_spent(sheet, rubbing, rubbing, flat, found))
+    rest = Rest(0.0, found, rubbing, 0.0, 0.0, 0.0, found.energy, 0)
     before, pace = flat, 0.0
     if 0.0 in heights or not found.converged:
         yield rest
@@ -116,7 +119,14 @@ def _step(
     rubbed, drawn = _spent(sheet, rest.friction, rubbing, old, found)
     work = 0.5 * (_push(rest.found) + _push(found)) * rise
     return Rest(
-        rest.height + rise, found, rubbing, rest.work + work, rest.rubbed + rubbed, rest.drawn + drawn
+        rest.height + rise,
+        found,
+        rubbing,
+        rest.work + work,
+        rest.rubbed + rubbed,
+        rest.drawn + drawn,
+        rest.unstressed,
+        rest.steps + 1,
     )
 
 

@@ -33,6 +33,40 @@ class SpringUse(Part):
     )
     beyond_tested: int = Field(default=0, description="springs stretched beyond the tests")
     softens_at: float | None = Field(default=None, description="stretch at which the stress stops rising")
+    fails_at: float | None = Field(
+        default=None, description="stretch at which the tested specimen failed, where springs pass it"
+    )
+
+
+class Rubbing(Part):
+    """What friction took on the way: the press's work is the energy stored plus what was rubbed away."""
+
+    load_steps: int
+    work_J: float = Field(description="of the press, by the trapezoidal rule over the load steps")
+    rubbed_J: float = Field(description="dissipated on the mold")
+    drawn_J: float = Field(description="dissipated under the blank holder")
+    balance_relative: float = Field(
+        description="(work - stored - dissipated)/work; vanishes with the square of the load step"
+    )
+    sticking_nodes: int = Field(description="nodes on the mold that do not slide in the last load step")
+    sliding_nodes: int
+
+
+class DrapeState(Part):
+    """The sheet at one depth."""
+
+    depth_mm: float
+    converged: bool
+    residual_relative: float
+    force_N: float
+    energy_J: float
+    contact_nodes: int
+    slack_springs: int
+    stress_warp_max_MPa: float
+    stress_weft_max_MPa: float
+    thickness_min_mm: float
+    penetration_max_mm: float
+    draw_in_mm: dict[str, float] | None = None
 
 
 class DrapeDocument(Document):
@@ -67,15 +101,34 @@ class DrapeDocument(Document):
     depth_mm: float
     clamp: list[str]
     slide: list[str] = Field(default_factory=list, description="edges held but free along their line")
+    blank_holder_N_mm: dict[str, float] | None = Field(
+        default=None,
+        description="friction of the blank holder a unit length of an edge: drawn in at this pull",
+    )
+    friction: float | None = Field(default=None, description="coefficient of Coulomb friction on the mold")
+    rubbing: Rubbing | None = Field(default=None, description="where something rubs")
+    depth_reached_mm: float | None = Field(
+        default=None, description="where the way ended early: the last depth with an equilibrium"
+    )
+    force_depth: list[list[float]] | None = Field(
+        default=None, description="[[depth_mm, force_N], ...] at the states asked for"
+    )
+    states: list[DrapeState] | None = Field(default=None, description="the sheet at each depth asked for")
     solver: str = Field(default="newton")
     prestretch: list[float] = Field(default_factory=lambda: [1.0, 1.0], description="along warp and weft")
     mass_g_m2: float | None = None
     shear_modulus_MPa: float | None = None
+    shear_law: str | None = Field(
+        default=None, description="measured: the diagonals carry a bias test's stress"
+    )
     draw_in_mm: dict[str, float] | None = Field(
         default=None, description="how far each edge that is not clamped is drawn in"
     )
     max_stretch: float | None = Field(default=None, description="--max-stretch")
     over_max_stretch: int | None = Field(default=None, description="springs stretched further")
+    over_max_stretch_at_mm: list[float] | None = Field(
+        default=None, description="place on the flat sheet of the most stretched spring, where it is over"
+    )
     warp: SpringUse
     weft: SpringUse
     mold: DrapeMold

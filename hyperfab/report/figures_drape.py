@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -26,21 +27,37 @@ def drape_figure(
     thickness: Floats,
     contact: npt.NDArray[np.bool_],
     slack: npt.NDArray[np.bool_],
+    force_depth: Sequence[tuple[float, float]] | None = None,
 ) -> bytes:
-    """PNG of a draped sheet.
+    """PNG of a draped sheet, and where given the force in N of the press against the depth in mm.
 
     ``points`` and ``flat`` (n, m, 3) mm; stresses (n, m) MPa; ``thickness`` (n - 1, m - 1) mm; ``contact`` (n, m);
     ``slack`` (n - 1, m - 1).
     """
     figure = Figure(figsize=(12.0, 7.2), layout="constrained")
     FigureCanvasAgg(figure)
+    heights = (1.0, 1.0) if force_depth is None else (1.7, 1.0)
     grid = figure.add_gridspec(2, 3, width_ratios=(1.7, 1.0, 1.0))
-    scene = figure.add_subplot(grid[:, 0], projection="3d")
+    left = grid[:, 0].subgridspec(2, 1, height_ratios=heights)
+    scene = figure.add_subplot(left[:] if force_depth is None else left[0], projection="3d")
+    if force_depth is not None:
+        axes = figure.add_subplot(left[1])
+        axes.plot(*zip(*force_depth, strict=True), marker="o", color="tab:blue")
+        axes.set_title("Force of the press", fontsize=10)
+        axes.set_xlabel("depth [mm]", fontsize=8)
+        axes.set_ylabel("force [N]", fontsize=8)
+        axes.grid(alpha=0.3)
+        axes.tick_params(labelsize=7)
     top = float(max(stress_warp.max(), stress_weft.max(), 1e-12))
     scale = Normalize(0.0, top)
     _net(scene, points, np.maximum(stress_warp, stress_weft), scale)
     figure.colorbar(
-        ScalarMappable(scale, "viridis"), ax=scene, label="larger nominal stress [MPa]", shrink=0.6, pad=0.02
+        ScalarMappable(scale, "viridis"),
+        ax=scene,
+        label="larger nominal stress [MPa]",
+        location="bottom",
+        shrink=0.7,
+        pad=0.02,
     )
     x, y = flat[:, :, 0], flat[:, :, 1]
     panels = (
@@ -96,8 +113,10 @@ def _net(scene: Any, points: Floats, field: Floats, scale: Normalize) -> None:
     scene.set_xlim(low[0], high[0])
     scene.set_ylim(low[1], high[1])
     scene.set_zlim(low[2], max(high[2], low[2] + 1e-9))
-    scene.set_box_aspect((span[0], span[1], max(span[2], 0.05 * span[0])))
-    scene.set_xlabel("x [mm]")
-    scene.set_ylabel("y [mm]")
-    scene.set_zlabel("z [mm]")
+    scene.set_box_aspect((span[0], span[1], max(span[2], 0.05 * span[0])), zoom=1.15)
+    scene.set_xlabel("x [mm]", fontsize=8)
+    scene.set_ylabel("y [mm]", fontsize=8)
+    scene.set_zlabel("z [mm]", fontsize=8)
+    scene.locator_params(axis="z", nbins=3)
+    scene.tick_params(labelsize=7, pad=0)
     scene.view_init(32.0, -58.0)

@@ -32,8 +32,10 @@ def folder(tmp_path: Path, monkeypatch) -> Path:
 
 @pytest.fixture
 def drape(folder, monkeypatch, capfd) -> Callable[..., tuple[int, str, str]]:
-    def run(*arguments: str, mold: str = "ball.stl", fabric: str = "fabric.json") -> tuple[int, str, str]:
-        words = ["hf", "drape", fabric, "--mold", mold]
+    def run(
+        *arguments: str, mold: str = "ball.stl", fabric: str | None = "fabric.json"
+    ) -> tuple[int, str, str]:
+        words = ["hf", "drape", *([fabric] if fabric else []), "--mold", mold]
         for name, value in (("--grid", "31x21"), ("--size", "200mmx180mm"), ("--depth", "50mm")):
             if name not in arguments:
                 words += [name, value]
@@ -193,13 +195,13 @@ def test_edges_that_are_free_are_drawn_in_and_sliding_ones_stay_on_their_line(dr
 def test_prestretch_weight_and_shear_stiffness_act_and_are_off_by_default(drape):
     _, out, _ = drape()
     plain = json.loads(out)
-    assert plain["left_out"] == ["friction", "pre-tension", "gravity", "shear stiffness"]
+    assert plain["left_out"] == ["friction", "pre-tension", "gravity", "shear stiffness", "bending stiffness"]
     for option in ("--prestretch=1.05x1.1", "--mass=2 kg/m^2", "--shear-modulus=50 kPa"):
         status, out, _ = drape(option)
         document = json.loads(out)
         assert status == 0
         assert document["force_N"] > plain["force_N"]
-        assert len(document["left_out"]) == 3
+        assert len(document["left_out"]) == 4
 
 
 def test_a_stretch_beyond_what_the_fabric_bears_ends_with_status_1(drape):
@@ -229,3 +231,125 @@ def test_several_molds_in_one_frame_carry_one_sheet(drape, folder):
     assert document["mold"]["facets"] == 2 * 1280
     assert document["mold"]["shift_mm"][2] == pytest.approx(2.0)
     assert len(document["provenance"]["inputs"]) == 3
+
+
+def test_friction_costs_force_and_its_work_is_accounted_for(drape):
+    _, out, _ = drape()
+    plain = json.loads(out)
+    status, out, _ = drape("--friction", "0.3")
+    rubbed = json.loads(out)
+    assert status == 0
+    assert rubbed["friction"] == 0.3
+    assert "friction" not in rubbed["left_out"]
+    assert "friction" in plain["left_out"]
+    assert rubbed["force_N"] > 1.02 * plain["force_N"]
+    assert rubbed["residual_relative"] <= 1e-6
+    assert abs(rubbed["rubbing"]["balance_relative"]) < 5e-3
+    assert rubbed["rubbing"]["rubbed_J"] > 0.01 * rubbed["rubbing"]["work_J"]
+    assert rubbed["rubbing"]["sliding_nodes"] + rubbed["rubbing"]["sticking_nodes"] > 0
+
+
+def test_effects_at_their_null_value_change_no_digit(drape):
+    documents = []
+    for options in ((), ("--friction", "0", "--prestretch", "1", "--mass", "0 g/m^2")):
+        document = json.loads(drape(*options)[1])
+        del document["provenance"]
+        documents.append(document)
+    assert documents[0] == documents[1]
+
+
+def test_states_on_the_way_give_the_force_depth_curve_and_a_series(drape, folder):
+    status, _, _ = drape("--states", "3", "-o", "drape.json")
+    document = json.loads((folder / "drape.json").read_text())
+    assert status == 0
+    assert [row["depth_mm"] for row in document["states"]] == pytest.approx([50 / 3, 100 / 3, 50])
+    assert [row[1] for row in document["force_depth"]] == [row["force_N"] for row in document["states"]]
+    assert document["force_depth"][-1] == [50.0, document["force_N"]]
+    assert np.all(np.diff([row[1] for row in document["force_depth"]]) > 0)
+    assert {"drape.001.vtu", "drape.003.vtu", "drape.pvd"} <= set(document["files"])
+    assert 'timestep="50.0"' in (folder / "drape.pvd").read_text()
+    alone = json.loads(drape()[1])
+    assert alone["force_N"] == document["force_N"]
+    named = json.loads(drape("--depths", "25mm,50mm", "--depth", "60mm")[1])
+    assert [row[0] for row in named["force_depth"]] == [25.0, 50.0]
+
+
+def test_a_blank_holder_lets_its_edges_be_drawn_in_and_the_others_not(drape):
+    firm = json.loads(drape("--blank-holder", "5N/mm")[1])
+    plain = json.loads(drape()[1])
+    assert firm["draw_in_mm"] == {"x-": 0.0, "x+": 0.0, "y-": 0.0, "y+": 0.0}
+    # On so coarse a ball a net has several places to rest among the facets.
+    assert firm["energy_J"] == pytest.approx(plain["energy_J"], rel=1e-4)
+    status, out, _ = drape("--blank-holder", "y-,y+=0.05N/mm")
+    loose = json.loads(out)
+    assert status == 0
+    assert loose["blank_holder_N_mm"] == {"y-": 0.05, "y+": 0.05}
+    assert loose["draw_in_mm"]["y-"] > 1.0
+    assert loose["draw_in_mm"]["y-"] == pytest.approx(loose["draw_in_mm"]["y+"], rel=0.05)
+    assert loose["rubbing"]["drawn_J"] > 0
+    assert loose["force_N"] < plain["force_N"]
+
+
+def test_tests_are_taken_as_laws_as_they_stand(drape, folder):
+    stretch = np.linspace(1.0, 2.5, 301)
+    stress = 2 * 0.2 * (stretch - stretch**-2)
+    rows = "\n".join(f"{s - 1:.6f},{p:.8f}" for s, p in zip(stretch, stress, strict=True))
+    (folder / "warp.csv").write_text(f"# thickness: 0.5 mm\nstrain [-],stress [MPa]\n{rows}\n")
+    status, out, err = drape("--warp", "warp.csv", fabric=None)
+    measured = json.loads(out)
+    assert status == 0
+    assert "both directions" in err
+    assert measured["thickness_mm"] == 0.5
+    assert measured["warp"]["model"] == "measured"
+    assert measured["warp"]["tested_stretch_max"] == 2.5
+    fitted = json.loads(drape("--thickness", "0.5mm")[1])
+    assert measured["energy_J"] == pytest.approx(fitted["energy_J"], rel=1e-4)
+    short = "\n".join(rows.splitlines()[:30])
+    (folder / "warp.csv").write_text(f"strain [-],stress [MPa]\n{short}\n")
+    status, out, err = drape("--warp", "warp.csv")
+    assert status == 0
+    assert "beyond the tests" in err
+    assert json.loads(out)["warp"]["beyond_tested"] > 0
+    assert json.loads(out)["weft"]["model"] == "neo-hookean"
+
+
+def test_a_specimen_that_failed_says_where_the_fabric_would_tear(drape, folder):
+    (folder / "warp.csv").write_text("strain [-],stress [MPa]\n0.05,0.02\n0.1,0.05\n0.2,0.04\n0.3,0.01\n")
+    status, out, err = drape("--warp", "warp.csv")
+    assert status == 1
+    assert "tear" in err
+    assert "2 rows left out" in err
+    assert json.loads(out)["warp"]["fails_at"] == pytest.approx(1.1)
+
+
+def test_the_diagonals_take_the_law_of_a_bias_test(drape, folder):
+    # A linear bias test of slope 4 G is what a shear modulus of G is on square cells.
+    (folder / "bias.csv").write_text("# direction: 45\nstrain [-],stress [MPa]\n0.5,0.1\n1,0.2\n")
+    square = ("--grid", "31x31", "--size", "200mm")
+    measured = json.loads(drape(*square, "--shear-law", "bias.csv")[1])
+    modulus = json.loads(drape(*square, "--shear-modulus", "50 kPa")[1])
+    assert measured["shear_law"] == "measured"
+    assert measured["energy_J"] == pytest.approx(modulus["energy_J"], rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (("--friction", "much"), "0.3"),
+        (("--friction", "-0.1"), "0.3"),
+        (("--blank-holder", "5"), "N/mm"),
+        (("--blank-holder", "0N/mm"), "--clamp"),
+        (("--blank-holder", "y-=1N/mm", "--clamp", "x-,x+"), "--clamp"),
+        (("--depths", "20mm,20mm"), "20mm,40mm,60mm"),
+        (("--depths", "20mm", "--states", "2"), "one of them"),
+        (("--states", "0"), "six"),
+        (("--load-steps", "5"), "--friction"),
+        (("--friction", "0.3", "--solver", "relaxation"), "relaxation"),
+        (("--shear-law", "bias.csv", "--shear-modulus", "1 MPa"), "one of them"),
+    ],
+)
+def test_effects_that_mean_nothing_are_refused_with_the_right_form(drape, options, says):
+    status, out, err = drape(*options)
+    assert status == 2
+    assert out == ""
+    assert says in err

@@ -7,16 +7,15 @@ import re
 import numpy as np
 
 from hyperfab.chapters.drape import files
-from hyperfab.chapters.drape.effects import SIDES, edge_names, held, read_effects
-from hyperfab.chapters.drape.fabric import Fabric, read_fabric, use_of
+from hyperfab.chapters.drape.depths import read_depths
+from hyperfab.chapters.drape.effects import SIDES, Effects, edge_names, held, read_effects
+from hyperfab.chapters.drape.fabric import read_fabric
 from hyperfab.chapters.drape.mold import PlacedMold, read_molds
+from hyperfab.chapters.drape.result import document_of, judge, tears
+from hyperfab.chapters.drape.states import Solver, State, at_depths
 from hyperfab.chapters.job import Job
-from hyperfab.cloth import Answers, Equilibrium, HeldNodeInside, Sheet, Step, answers, drape, mold_of
+from hyperfab.cloth import HeldNodeInside, Mold, Sheet, Step, mold_of
 from hyperfab.cloth.cascade import grid_sizes
-from hyperfab.cloth.mold import FREE
-from hyperfab.cloth.relaxation import relax
-from hyperfab.cloth.start import lowered
-from hyperfab.documents.drape import DrapeDocument, DrapeMold
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io import units
 
@@ -26,50 +25,48 @@ MOST_NODES = 4_000_000
 def run(
     job: Job,
     *,
-    material: str,
+    material: str | None,
     mold: list[str],
     grid: str,
     size: str,
     depth: str,
-    thickness: str | None,
-    clamp: str,
-    slide: str | None,
-    prestretch: str,
-    mass: str | None,
-    shear_modulus: str | None,
-    max_stretch: float | None,
-    solver: str,
-    steps: int,
-    divisor: float,
-    tolerance: float,
-    stl_unit: str,
     output: str,
+    states: int | None = None,
+    depths: str | None = None,
+    warp: str | None = None,
+    weft: str | None = None,
+    thickness: str | None = None,
+    clamp: str = "edges",
+    slide: str | None = None,
+    blank_holder: list[str] | None = None,
+    friction: str | None = None,
+    load_steps: int | None = None,
+    prestretch: str = "1",
+    mass: str | None = None,
+    shear_modulus: str | None = None,
+    shear_law: str | None = None,
+    max_stretch: float | None = None,
+    solver: str = "newton",
+    steps: int = 400,
+    divisor: float = 40.0,
+    tolerance: float = 1e-6,
+    stl_unit: str = "mm",
 ) -> int:
-    """Relax a sheet onto a mold and write where it rests.
+    """Relax a sheet onto a mold and write where it rests, at each depth asked for.
 
-    1 where ``max_stretch`` is exceeded, 4 where no equilibrium was found or the constants are unstable.
+    1 where the fabric would tear, 4 where no equilibrium was found or the constants are unstable.
     """
-    out = job.opened(output, (".vtu", ".csv", ".png"))
+    out = job.opened(output, (".vtu", ".csv", ".png", ".pvd"))
     n, m = _grid(grid)
     sides = units.size(size, option="--size")
-    rise = units.quantity(depth, "length", option="--depth")
+    wanted = read_depths(depth, states, depths)
     edges = edge_names("--clamp", clamp)
     sliding = edge_names("--slide", slide) if slide else []
-    effects = read_effects(prestretch, mass, shear_modulus)
-    if solver not in ("newton", "relaxation"):
-        raise UsageError(f"--solver {solver}: choose newton or relaxation")
-    if steps < 1 or divisor <= 0.0:
-        raise UsageError(f"--steps {steps}, --divisor {divisor:g}: both must be more than 0")
-    if max_stretch is not None and max_stretch <= 1.0:
-        raise UsageError(f"--max-stretch {max_stretch:g}: a stretch is more than 1; write 1.8 for 80 %")
-    if min(sides) <= 0.0:
-        raise UsageError(f"--size {size}: both sides must be longer than 0")
-    if rise < 0.0:
-        raise UsageError(f"--depth {depth}: the mold is pushed up by 0mm or more")
-    if not 1e-12 <= tolerance <= 1e-2:
-        raise UsageError(f"--tolerance {tolerance:g}: choose between 1e-12 and 1e-2; 1e-6 is usual")
-    fabric = read_fabric(job, material, thickness)
-    placed = read_molds(job, mold, stl_unit, rise)
+    effects = read_effects(job, prestretch, mass, shear_modulus, shear_law, friction, blank_holder, edges)
+    fixed = held(edges, sliding, effects.holder)
+    _check(solver, steps, divisor, max_stretch, tolerance, size, min(sides), load_steps, effects)
+    fabric = read_fabric(job, material, thickness, warp, weft)
+    placed = read_molds(job, mold, stl_unit, wanted[-1])
     out.refuse_inputs(job.inputs)
 
     sheet = Sheet(
@@ -82,42 +79,98 @@ def run(
         prestretch=effects.prestretch,
         shear=effects.shear_law(sides, (n, m)),
         mass=effects.mass,
-        edges=held(edges, sliding),
+        edges=fixed,
+        holder=effects.holder_forces,
     )
-    surface = mold_of(placed.surface, placed.shift)
-    with job.console.progress("Draping") as advance:
-        total = sum(a * b for a, b in grid_sizes(n, m))
-
-        def report(step: Step) -> None:
-            a, b = step.nodes
-            done = sum(p * q for p, q in grid_sizes(n, m) if p * q < a * b)
-            share = float(np.log(max(step.residual, tolerance)) / np.log(tolerance))
-            advance((done + max(share, 0.0) * a * b) / total, f"{a}x{b} nodes, residual {step.residual:.1e}")
-
-        try:
-            if solver == "newton":
-                found = drape(sheet, surface, tolerance, report)
-            else:
-                found = relax(sheet, surface, lowered(sheet, surface), divisor, tolerance, steps, report)
-        except HeldNodeInside as error:
-            raise _held_inside(error, sheet, placed) from None
-    fields = answers(sheet, surface, found)
-    document = _document(fabric, sheet, placed, found, fields, tolerance)
-    document.depth_mm, document.clamp, document.slide = rise, edges, sliding
+    touching = (placed.shift[0], placed.shift[1], placed.shift[2] - wanted[-1])
+    found = _drape(
+        job,
+        sheet,
+        mold_of(placed.surface, touching),
+        placed,
+        wanted,
+        effects,
+        Solver(solver, tolerance, steps, divisor, load_steps),
+    )
+    last = found[-1]
+    loose = [side for side in SIDES if side not in edges or side in effects.holder]
+    document = document_of(fabric, sheet, placed, found, wanted, loose, tolerance)
+    document.clamp, document.slide = edges, sliding
+    document.blank_holder_N_mm = effects.holder or None
+    document.friction = effects.friction or None
     if solver == "relaxation":
         document.iterations = document.iterations_finest
     document.solver, document.prestretch = solver, list(effects.prestretch)
     document.mass_g_m2, document.shear_modulus_MPa = effects.mass or None, effects.shear_modulus
-    document.draw_in_mm = _draw_in(sheet, found, [side for side in SIDES if side not in edges])
-    document.left_out = ["friction", *effects.absent]
-    sound = _judge(job, document)
-    torn = max_stretch is not None and _exceeds(job, document, fields, max_stretch)
+    document.shear_law = "measured" if effects.bias is not None else None
+    document.left_out = effects.absent
+    sharp = len(last.mold.creases.corners) > 0
+    if effects.friction > 0.0 and sharp:
+        document.left_out.append("friction of the threads between nodes where they run over sharp edges")
+    sound = judge(job, document)
+    torn = tears(job, document, sheet, last, max_stretch)
     if out.wants_files:
-        out.add(".vtu", files.field(sheet, found, fields))
-        out.add(".csv", files.history(found))
-        out.add(".png", files.picture(sheet, found, fields))
+        files.write(out, sheet, found, max_stretch)
     job.write(out, document)
     return 4 if not sound else 1 if torn else 0
+
+
+def _check(
+    solver: str,
+    steps: int,
+    divisor: float,
+    max_stretch: float | None,
+    tolerance: float,
+    size: str,
+    side: float,
+    load_steps: int | None,
+    effects: Effects,
+) -> None:
+    """Refuse options that mean nothing, with the right form."""
+    if solver not in ("newton", "relaxation"):
+        raise UsageError(f"--solver {solver}: choose newton or relaxation")
+    if steps < 1 or divisor <= 0.0:
+        raise UsageError(f"--steps {steps}, --divisor {divisor:g}: both must be more than 0")
+    if solver == "relaxation" and effects.rubs:
+        raise UsageError("--solver relaxation knows no friction; leave out --friction and --blank-holder")
+    if load_steps is not None and (load_steps < 1 or not effects.rubs):
+        raise UsageError(
+            f"--load-steps {load_steps}: 1 or more, and only where --friction or --blank-holder makes the way matter"
+        )
+    if max_stretch is not None and max_stretch <= 1.0:
+        raise UsageError(f"--max-stretch {max_stretch:g}: a stretch is more than 1; write 1.8 for 80 %")
+    if side <= 0.0:
+        raise UsageError(f"--size {size}: both sides must be longer than 0")
+    if not 1e-12 <= tolerance <= 1e-2:
+        raise UsageError(f"--tolerance {tolerance:g}: choose between 1e-12 and 1e-2; 1e-6 is usual")
+
+
+def _drape(
+    job: Job,
+    sheet: Sheet,
+    mold: Mold,
+    placed: PlacedMold,
+    wanted: list[float],
+    effects: Effects,
+    solver: Solver,
+) -> list[State]:
+    """The states at the depths ``wanted``, as far as there are any."""
+    sizes = grid_sizes(sheet.n, sheet.m)
+    total = sum(a * b for a, b in sizes)
+    with job.console.progress("Draping") as advance:
+
+        def report(depth: float, step: Step) -> None:
+            a, b = step.nodes
+            share = float(np.log(max(step.residual, solver.tolerance)) / np.log(solver.tolerance))
+            way = (sum(p * q for p, q in sizes if p * q < a * b) + max(share, 0.0) * a * b) / total
+            if wanted[-1] > 0.0 and (effects.rubs or len(wanted) > 1):
+                way = depth / wanted[-1]
+            advance(way, f"{depth:.3g} mm, {a}x{b} nodes, residual {step.residual:.1e}")
+
+        try:
+            return list(at_depths(sheet, mold, wanted, effects.friction, solver, report))
+        except HeldNodeInside as error:
+            raise _held_inside(error, sheet, placed) from None
 
 
 def _grid(text: str) -> tuple[int, int]:
@@ -132,28 +185,6 @@ def _grid(text: str) -> tuple[int, int]:
     return n, m
 
 
-def _draw_in(sheet: Sheet, found: Equilibrium, edges: list[str]) -> dict[str, float] | None:
-    """How far in mm each edge that is not clamped is drawn in, at most over its nodes."""
-    way = found.state.x - sheet.flat()
-    inward = {"x-": way[0, :, 0], "x+": -way[-1, :, 0], "y-": way[:, 0, 1], "y+": -way[:, -1, 1]}
-    out = {name: float(inward[name].max()) + 0.0 for name in edges}
-    return out or None
-
-
-def _exceeds(job: Job, document: DrapeDocument, fields: Answers, largest: float) -> bool:
-    """Note and say where springs are stretched further than the fabric can bear."""
-    over = int(
-        np.count_nonzero(fields.stretch_warp > largest) + np.count_nonzero(fields.stretch_weft > largest)
-    )
-    document.max_stretch, document.over_max_stretch = largest, over
-    if over:
-        top = max(document.warp.stretch_max, document.weft.stretch_max)
-        job.console.warn(
-            f"{over} springs are stretched beyond {largest:g}, up to {top:.3f}: the fabric would tear"
-        )
-    return over > 0
-
-
 def _held_inside(error: HeldNodeInside, sheet: Sheet, placed: PlacedMold) -> InputError:
     x, y, _ = sheet.flat()[error.node]
     return InputError(
@@ -161,67 +192,3 @@ def _held_inside(error: HeldNodeInside, sheet: Sheet, placed: PlacedMold) -> Inp
         file=placed.name,
         remedy="make --size larger or --depth smaller, or leave that edge out of --clamp",
     )
-
-
-def _document(
-    fabric: Fabric, sheet: Sheet, placed: PlacedMold, found: Equilibrium, fields: Answers, tolerance: float
-) -> DrapeDocument:
-    warp, weft = use_of(fabric, fields.stretch_warp, fields.stretch_weft)
-    status = None
-    if not found.converged:
-        x, y, _ = sheet.flat()[found.worst]
-        status = (
-            f"{found.status}: residual {found.residual_relative:.2e} above {tolerance:g}, "
-            f"worst at the node that lies at ({x:.4g}, {y:.4g}) mm of the flat sheet"
-        )
-    return DrapeDocument(
-        converged=found.converged,
-        status=status,
-        iterations=sum(1 for step in found.history if step.iteration > 0),
-        iterations_finest=found.history[-1].iteration,
-        residual_max_N=found.residual_max,
-        residual_relative=found.residual_relative,
-        tolerance=tolerance,
-        energy_J=fields.spring_energy * 1e-3,
-        force_N=fields.press_force,
-        imbalance_N=fields.imbalance,
-        contact_nodes=int(np.count_nonzero(found.state.contact != FREE)),
-        penetration_max_mm=max(fields.node_penetration, fields.edge_penetration),
-        penetration_nodes_mm=fields.node_penetration,
-        penetration_edges_mm=fields.edge_penetration,
-        penetration_edges_at_mm=list(fields.edge_at) if fields.edge_penetration > 0.0 else None,
-        slack_springs=fields.slack_springs,
-        stress_warp_max_MPa=float(fields.stress_warp.max()),
-        stress_weft_max_MPa=float(fields.stress_weft.max()),
-        thickness_min_mm=float(fields.cell_thickness.min()),
-        thickness_mm=sheet.thickness,
-        grid=[sheet.n, sheet.m],
-        size_mm=list(sheet.size),
-        depth_mm=0.0,
-        clamp=[],
-        warp=warp,
-        weft=weft,
-        mold=DrapeMold(facets=len(placed.surface.faces), closed=placed.closed, shift_mm=list(placed.shift)),
-    )
-
-
-def _judge(job: Job, document: DrapeDocument) -> bool:
-    """Say what the user must know before trusting the answer; False where it is no equilibrium to rely on."""
-    sound = document.converged
-    if document.status is not None:
-        job.console.warn(document.status)
-    for name, use in (("warp", document.warp), ("weft", document.weft)):
-        if use.beyond_tested:
-            job.console.warn(
-                f"{use.beyond_tested} {name} springs are stretched up to {use.stretch_max:.3f}, beyond the tests "
-                f"of the fabric (up to {use.tested_stretch_max:.3f}): their stress is extrapolated"
-            )
-        if use.softens_at is not None:
-            sound = False
-            text = (
-                f"the constants along {name} are unstable where they are used: the stress falls beyond stretch "
-                f"{use.softens_at:.3f}, and springs reach {use.stretch_max:.3f}; fit the fabric again with --stable"
-            )
-            document.status = text if document.status is None else f"{document.status}; {text}"
-            job.console.warn(text)
-    return sound

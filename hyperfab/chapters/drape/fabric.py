@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hyperfab.chapters.drape.curves import read_curve
 from hyperfab.chapters.job import Job
 from hyperfab.cloth import SpringLaw
 from hyperfab.cloth.fabric import spring_law
@@ -18,30 +19,96 @@ from hyperfab.errors import InputError, UsageError
 from hyperfab.io import units
 from hyperfab.materials import bind
 
+#: Thickness in mm where nothing states one.
+USUAL_THICKNESS = 1.0
+
 
 @dataclass(frozen=True)
 class Fabric:
-    """Laws of the springs along warp and weft, and the sheet's thickness in mm."""
+    """Laws of the springs along warp and weft, and the sheet's thickness in mm.
 
-    model: str
+    By direction: ``models`` says what the law is, ``tested`` how far the tests behind it went, ``fails`` the stretch
+    at which a specimen failed.
+    """
+
+    models: tuple[str, str]
     warp: SpringLaw
     weft: SpringLaw
     thickness: float
     tested: tuple[float | None, float | None]
+    fails: tuple[float | None, float | None] = (None, None)
 
 
-def read_fabric(job: Job, name: str, thickness: str | None) -> Fabric:
-    """Read a material document; ``thickness`` from the command line goes before the document's own."""
-    document = read_document(job.inputs, name, MaterialDocument)
-    if thickness is not None:
-        thick = units.quantity(thickness, "length", option="--thickness")
-        if thick <= 0.0:
-            raise UsageError(f"--thickness {thickness}: must be more than 0mm")
-    elif document.thickness_mm is None:
-        thick = 1.0
-        job.console.note(f"{name} states no thickness: 1 mm is taken (--thickness sets it)")
+def read_fabric(
+    job: Job, name: str | None, thickness: str | None, warp: str | None = None, weft: str | None = None
+) -> Fabric:
+    """Read a material document, or the tests ``warp`` and ``weft`` in its place or in place of one direction.
+
+    ``thickness`` from the command line goes before what the files state.
+    """
+    given = None if thickness is None else units.quantity(thickness, "length", option="--thickness")
+    if given is not None and given <= 0.0:
+        raise UsageError(f"--thickness {thickness}: must be more than 0mm")
+    if name is None and warp is None and weft is None:
+        raise UsageError(
+            "no fabric: name a material document (FABRIC.json), or uniaxial tests with --warp and --weft"
+        )
+    curves = [
+        None if file is None else read_curve(job, option, file, angle, given)
+        for option, file, angle in (("--warp", warp, 0.0), ("--weft", weft, 90.0))
+    ]
+    if name is None:
+        for option, curve in zip(("--weft", "--warp"), curves, strict=True):
+            if curve is None:
+                other = "--warp" if option == "--weft" else "--weft"
+                job.console.note(f"no {other}: the curve of {option} is taken for both directions")
+        curves = [curve or next(c for c in curves if c is not None) for curve in curves]
+        fabric = None
     else:
-        thick = document.thickness_mm
+        fabric = _of_document(job, name)
+    known = [curve.thickness for curve in curves if curve is not None and curve.thickness is not None]
+    if given is None and known and max(known) > 1.02 * min(known):
+        raise InputError(
+            f"is {max(known):g} mm thick, the other test {min(known):g} mm",
+            file=warp if curves[0] is not None and curves[0].thickness == max(known) else weft,
+            key="thickness",
+            remedy="give --thickness",
+        )
+    stated = fabric.thickness if fabric is not None and np.isfinite(fabric.thickness) else None
+    thick = given or stated or (float(np.mean(known)) if known else None)
+    if thick is None:
+        thick = USUAL_THICKNESS
+        job.console.note(f"{name or warp or weft} states no thickness: 1 mm is taken (--thickness sets it)")
+    for curve, file in zip(curves, (warp, weft), strict=True):
+        if curve is not None and curve.per_width and thick != USUAL_THICKNESS:
+            raise InputError(
+                f"is force per width, and the sheet is {thick:g} mm thick",
+                file=file or warp or weft,
+                key="thickness",
+                remedy="give --thickness",
+            )
+    models, laws = [], []
+    tested: list[float | None] = []
+    fails: list[float | None] = []
+    for k, curve in enumerate(curves):
+        if curve is not None:
+            models.append("measured")
+            laws.append(curve.law)
+            tested.append(curve.tested)
+            fails.append(curve.fails_at)
+        elif fabric is not None:
+            models.append(fabric.models[k])
+            laws.append((fabric.warp, fabric.weft)[k])
+            tested.append(fabric.tested[k])
+            fails.append(None)
+    return Fabric(
+        (models[0], models[1]), laws[0], laws[1], thick, (tested[0], tested[1]), (fails[0], fails[1])
+    )
+
+
+def _of_document(job: Job, name: str) -> Fabric:
+    """The fabric of a material document; thickness not a number where it states none."""
+    document = read_document(job.inputs, name, MaterialDocument)
     untold = [str(effect.get("id", "?")) for effect in document.effects or [] if not effect.get("told_by")]
     if untold:
         job.console.warn(
@@ -54,7 +121,8 @@ def read_fabric(job: Job, name: str, thickness: str | None) -> Fabric:
         parameters = document.constants(direction if own is not None else None)
         laws.append(_law(document.model, parameters, name, key))
         tested.append(_tested(document.fit if own is None else own.fit))
-    return Fabric(document.model, laws[0], laws[1], thick, (tested[0], tested[1]))
+    thick = np.nan if document.thickness_mm is None else document.thickness_mm
+    return Fabric((document.model, document.model), laws[0], laws[1], thick, (tested[0], tested[1]))
 
 
 def _tested(fit: FitFigures | None) -> float | None:
@@ -82,17 +150,23 @@ def _law(model: str, parameters: Mapping[str, float], name: str, key: str) -> Sp
 def use_of(fabric: Fabric, stretch_warp: Floats, stretch_weft: Floats) -> tuple[SpringUse, SpringUse]:
     """How far each law was used, and whether it was tested and rising there."""
     uses = []
-    for law, stretch, tested in zip(
-        (fabric.warp, fabric.weft), (stretch_warp, stretch_weft), fabric.tested, strict=True
+    for model, law, stretch, tested, fails in zip(
+        fabric.models,
+        (fabric.warp, fabric.weft),
+        (stretch_warp, stretch_weft),
+        fabric.tested,
+        fabric.fails,
+        strict=True,
     ):
         largest = float(stretch.max())
         uses.append(
             SpringUse(
-                model=fabric.model,
+                model=model,
                 stretch_max=largest,
                 tested_stretch_max=tested,
                 beyond_tested=0 if tested is None else int(np.count_nonzero(stretch > tested * (1.0 + 1e-9))),
                 softens_at=law.softens if law.softens is not None and largest > law.softens else None,
+                fails_at=fails if fails is not None and largest > fails else None,
             )
         )
     return uses[0], uses[1]

@@ -4,57 +4,83 @@ from __future__ import annotations
 
 import numpy as np
 
-from hyperfab.cloth import Answers, Equilibrium, Sheet
+from hyperfab.chapters.drape.states import State
+from hyperfab.cloth import Sheet
+from hyperfab.cloth.friction import SLIDES, STARTS, STICKS
 from hyperfab.cloth.mold import FREE
 from hyperfab.io import vtu
+from hyperfab.io.output import Output
 from hyperfab.report.figures_drape import drape_figure
 
 CSV_HEADER = (
     "nodes_x,nodes_y,iteration,energy_J,residual_relative,contact_nodes,step,inner_iterations,"
-    "contact_set_changed"
+    "contact_set_changed,depth_mm"
 )
 
 
-def field(sheet: Sheet, found: Equilibrium, fields: Answers) -> bytes:
+def write(out: Output, sheet: Sheet, states: list[State], max_stretch: float | None) -> None:
+    """Queue the files: of the last state, and where several were asked for a field of each."""
+    last = states[-1]
+    out.add(".vtu", field(sheet, last, max_stretch))
+    if len(states) > 1:
+        names = []
+        for number, state in enumerate(states, 1):
+            suffix = f".{number:03d}.vtu"
+            out.add(suffix, field(sheet, state, max_stretch))
+            names.append(out.path(suffix).name)
+        out.add(".pvd", vtu.collection([state.depth for state in states], names))
+    out.add(".csv", history(states))
+    out.add(".png", picture(sheet, states))
+
+
+def field(sheet: Sheet, state: State, max_stretch: float | None) -> bytes:
     """The draped net as quads; ``flat_mm`` is each node's place on the flat sheet."""
     n, m = sheet.n, sheet.m
+    found, fields = state.found, state.fields
     number = np.arange(n * m).reshape(n, m)
     quads = np.stack([number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]], 2).reshape(-1, 4)
     flat = sheet.flat().reshape(-1, 3)
-    return vtu.unstructured(
-        found.state.x.reshape(-1, 3),
-        {"quad": quads},
-        {
-            "stress_warp_MPa": fields.stress_warp.ravel(),
-            "stress_weft_MPa": fields.stress_weft.ravel(),
-            "contact": (found.state.contact != FREE).ravel(),
-            "residual_N": np.linalg.norm(found.residual, axis=2).ravel(),
-            "contact_force_N": fields.contact_force.reshape(-1, 3),
-            "flat_mm": flat,
-        },
-        {
-            "thickness_mm": fields.cell_thickness.ravel(),
-            "stretch_warp": fields.cell_stretch_warp.ravel(),
-            "stretch_weft": fields.cell_stretch_weft.ravel(),
-            "shear_deg": fields.cell_shear.ravel(),
-            "slack": fields.cell_slack.ravel(),
-        },
-    )
+    points = {
+        "stress_warp_MPa": fields.stress_warp.ravel(),
+        "stress_weft_MPa": fields.stress_weft.ravel(),
+        "contact": (found.state.contact != FREE).ravel(),
+        "residual_N": np.linalg.norm(found.residual, axis=2).ravel(),
+        "contact_force_N": fields.contact_force.reshape(-1, 3),
+        "flat_mm": flat,
+    }
+    if state.rest is not None:
+        points["friction_N"] = state.rest.friction.forces().reshape(-1, 3)
+        points["sliding"] = np.isin(state.rest.friction.rubs, (STARTS, SLIDES)).ravel()
+        points["sticking"] = (state.rest.friction.rubs == STICKS).ravel()
+    cells = {
+        "thickness_mm": fields.cell_thickness.ravel(),
+        "stretch_warp": fields.cell_stretch_warp.ravel(),
+        "stretch_weft": fields.cell_stretch_weft.ravel(),
+        "shear_deg": fields.cell_shear.ravel(),
+        "slack": fields.cell_slack.ravel(),
+    }
+    if max_stretch is not None:
+        cells["over_max_stretch"] = (
+            np.maximum(fields.cell_stretch_warp, fields.cell_stretch_weft) > max_stretch
+        ).ravel()
+    return vtu.unstructured(found.state.x.reshape(-1, 3), {"quad": quads}, points, cells)
 
 
-def history(found: Equilibrium) -> bytes:
-    """The energy and the residual step by step, grid by grid."""
+def history(states: list[State]) -> bytes:
+    """The energy and the residual step by step, grid by grid, depth by depth."""
     lines = [CSV_HEADER]
-    for s in found.history:
-        lines.append(
-            f"{s.nodes[0]},{s.nodes[1]},{s.iteration},{s.energy * 1e-3!r},{s.residual!r},{s.contacts},"
-            f"{s.step_length!r},{s.inner},{int(s.set_changed)}"
-        )
+    for state in states:
+        for s in state.found.history:
+            lines.append(
+                f"{s.nodes[0]},{s.nodes[1]},{s.iteration},{s.energy * 1e-3!r},{s.residual!r},{s.contacts},"
+                f"{s.step_length!r},{s.inner},{int(s.set_changed)},{state.depth!r}"
+            )
     return ("\n".join(lines) + "\n").encode()
 
 
-def picture(sheet: Sheet, found: Equilibrium, fields: Answers) -> bytes:
+def picture(sheet: Sheet, states: list[State]) -> bytes:
     """The draped sheet, and on the flat sheet its stresses, thickness, contact and slack."""
+    found, fields = states[-1].found, states[-1].fields
     return drape_figure(
         found.state.x,
         sheet.flat(),
@@ -63,4 +89,5 @@ def picture(sheet: Sheet, found: Equilibrium, fields: Answers) -> bytes:
         fields.cell_thickness,
         found.state.contact != FREE,
         fields.cell_slack,
+        [(0.0, 0.0), *((s.depth, s.fields.press_force) for s in states)] if len(states) > 1 else None,
     )

@@ -1,0 +1,176 @@
+"""``drape.json`` from the states of the sheet, and what the user must know before trusting it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hyperfab.chapters.drape.fabric import Fabric, use_of
+from hyperfab.chapters.drape.mold import PlacedMold
+from hyperfab.chapters.drape.states import State
+from hyperfab.chapters.job import Job
+from hyperfab.cloth import Sheet
+from hyperfab.cloth.friction import SLIDES, STARTS, STICKS
+from hyperfab.cloth.mold import FREE
+from hyperfab.documents.drape import DrapeDocument, DrapeMold, DrapeState, Rubbing
+
+
+def draw_in(sheet: Sheet, state: State, edges: list[str]) -> dict[str, float] | None:
+    """How far in mm each of ``edges`` is drawn in, at most over its nodes."""
+    way = state.found.state.x - sheet.flat()
+    inward = {"x-": way[0, :, 0], "x+": -way[-1, :, 0], "y-": way[:, 0, 1], "y+": -way[:, -1, 1]}
+    return {name: float(inward[name].max()) + 0.0 for name in edges} or None
+
+
+def document_of(
+    fabric: Fabric,
+    sheet: Sheet,
+    placed: PlacedMold,
+    states: list[State],
+    depths: list[float],
+    loose: list[str],
+    tolerance: float,
+) -> DrapeDocument:
+    """The document of the last state; ``loose`` are the edges that can be drawn in."""
+    state = states[-1]
+    found, fields = state.found, state.fields
+    warp, weft = use_of(fabric, fields.stretch_warp, fields.stretch_weft)
+    status = None
+    if not found.converged:
+        x, y, _ = sheet.flat()[found.worst]
+        status = (
+            f"{found.status}: residual {found.residual_relative:.2e} above {tolerance:g}, "
+            f"worst at the node that lies at ({x:.4g}, {y:.4g}) mm of the flat sheet"
+        )
+        if len(depths) > 1 or state.rest is not None:
+            status += f", at a depth of {state.depth:.4g} mm"
+    x_mm, y_mm, z_mm = placed.shift
+    document = DrapeDocument(
+        converged=found.converged,
+        status=status,
+        iterations=sum(1 for s in states for step in s.found.history if step.iteration > 0),
+        iterations_finest=found.history[-1].iteration,
+        residual_max_N=found.residual_max,
+        residual_relative=found.residual_relative,
+        tolerance=tolerance,
+        energy_J=fields.spring_energy * 1e-3,
+        force_N=fields.press_force,
+        imbalance_N=fields.imbalance,
+        contact_nodes=int(np.count_nonzero(found.state.contact != FREE)),
+        penetration_max_mm=max(fields.node_penetration, fields.edge_penetration),
+        penetration_nodes_mm=fields.node_penetration,
+        penetration_edges_mm=fields.edge_penetration,
+        penetration_edges_at_mm=list(fields.edge_at) if fields.edge_penetration > 0.0 else None,
+        slack_springs=fields.slack_springs,
+        stress_warp_max_MPa=float(fields.stress_warp.max()),
+        stress_weft_max_MPa=float(fields.stress_weft.max()),
+        thickness_min_mm=float(fields.cell_thickness.min()),
+        thickness_mm=sheet.thickness,
+        grid=[sheet.n, sheet.m],
+        size_mm=list(sheet.size),
+        depth_mm=depths[-1],
+        clamp=[],
+        warp=warp,
+        weft=weft,
+        mold=DrapeMold(
+            facets=len(placed.surface.faces),
+            closed=placed.closed,
+            shift_mm=[x_mm, y_mm, z_mm + state.depth - depths[-1]],
+        ),
+        draw_in_mm=draw_in(sheet, state, loose),
+    )
+    if (not found.converged and state.depth < depths[-1] - 1e-9) or len(states) < len(depths):
+        reached = [s.depth for s in states if s.found.converged]
+        document.depth_reached_mm = reached[-1] if reached else 0.0
+    if len(depths) > 1:
+        document.states = [_state(sheet, s, loose) for s in states]
+        document.force_depth = [[s.depth, s.fields.press_force] for s in states if s.found.converged]
+    if state.rest is not None:
+        document.rubbing = _rubbing(state)
+    return document
+
+
+def _state(sheet: Sheet, state: State, loose: list[str]) -> DrapeState:
+    found, fields = state.found, state.fields
+    return DrapeState(
+        depth_mm=state.depth,
+        converged=found.converged,
+        residual_relative=found.residual_relative,
+        force_N=fields.press_force,
+        energy_J=fields.spring_energy * 1e-3,
+        contact_nodes=int(np.count_nonzero(found.state.contact != FREE)),
+        slack_springs=fields.slack_springs,
+        stress_warp_max_MPa=float(fields.stress_warp.max()),
+        stress_weft_max_MPa=float(fields.stress_weft.max()),
+        thickness_min_mm=float(fields.cell_thickness.min()),
+        penetration_max_mm=max(fields.node_penetration, fields.edge_penetration),
+        draw_in_mm=draw_in(sheet, state, loose),
+    )
+
+
+def _rubbing(state: State) -> Rubbing:
+    rest = state.rest
+    assert rest is not None
+    rubs = rest.friction.rubs[state.found.state.contact != FREE]
+    stored = state.found.energy - rest.unstressed
+    return Rubbing(
+        load_steps=rest.steps,
+        work_J=rest.work * 1e-3,
+        rubbed_J=rest.rubbed * 1e-3,
+        drawn_J=rest.drawn * 1e-3,
+        balance_relative=(rest.work - stored - rest.rubbed - rest.drawn) / rest.work if rest.work else 0.0,
+        sticking_nodes=int(np.count_nonzero(rubs == STICKS)),
+        sliding_nodes=int(np.count_nonzero((rubs == STARTS) | (rubs == SLIDES))),
+    )
+
+
+def judge(job: Job, document: DrapeDocument) -> bool:
+    """Say what the user must know before trusting the answer; False where it is no equilibrium to rely on."""
+    sound = document.converged
+    if document.status is not None:
+        job.console.warn(document.status)
+    for name, use in (("warp", document.warp), ("weft", document.weft)):
+        if use.beyond_tested:
+            job.console.warn(
+                f"{use.beyond_tested} {name} springs are stretched up to {use.stretch_max:.3f}, beyond the tests "
+                f"of the fabric (up to {use.tested_stretch_max:.3f}): their stress is extrapolated"
+            )
+        if use.softens_at is not None:
+            sound = False
+            text = (
+                f"the constants along {name} are unstable where they are used: the stress falls beyond stretch "
+                f"{use.softens_at:.3f}, and springs reach {use.stretch_max:.3f}; fit the fabric again with --stable"
+            )
+            document.status = text if document.status is None else f"{document.status}; {text}"
+            job.console.warn(text)
+    return sound
+
+
+def tears(job: Job, document: DrapeDocument, sheet: Sheet, state: State, largest: float | None) -> bool:
+    """Note and say where springs are stretched further than the fabric can bear."""
+    torn = False
+    for name, use in (("warp", document.warp), ("weft", document.weft)):
+        if use.fails_at is not None:
+            torn = True
+            job.console.warn(
+                f"{name} springs are stretched up to {use.stretch_max:.3f}; the tested specimen failed at "
+                f"{use.fails_at:.3f}: the fabric would tear"
+            )
+    if largest is None:
+        return torn
+    fields = state.fields
+    over = int(
+        np.count_nonzero(fields.stretch_warp > largest) + np.count_nonzero(fields.stretch_weft > largest)
+    )
+    document.max_stretch, document.over_max_stretch = largest, over
+    if over:
+        along_warp = fields.stretch_warp.max() >= fields.stretch_weft.max()
+        stretch = fields.stretch_warp if along_warp else fields.stretch_weft
+        i, j = np.unravel_index(int(stretch.argmax()), stretch.shape)
+        k, l = (i + 1, j) if along_warp else (i, j + 1)
+        x, y, _ = (float(v) for v in 0.5 * (sheet.flat()[i, j] + sheet.flat()[k, l]))
+        document.over_max_stretch_at_mm = [x, y]
+        job.console.warn(
+            f"{over} springs are stretched beyond {largest:g}, up to {float(stretch.max()):.3f} at ({x:.4g}, {y:.4g}) "
+            "mm of the flat sheet: the fabric would tear"
+        )
+    return torn or over > 0
