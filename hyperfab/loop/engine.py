@@ -17,6 +17,11 @@ from hyperfab.loop.search import MARGIN, Evidence, Search, State, common_bic
 
 #: Terms added at most, and models carried along at each number of terms.
 _DEPTH, _BEAM = 3, 2
+#: A model that leaves this many times more variance than the best is not carried along.
+_HOPELESS = 9.0
+#: Terms that take this share of what is not noise, and leave a total of less than 1.2 times the noise (this rms beside
+#: it, in its standard deviations), are what the model lacked: the rest is their law's own inaccuracy.
+EXPLAINED, ENOUGH = 0.95, 0.66
 
 
 @dataclass(frozen=True)
@@ -82,7 +87,7 @@ def close(
         return finding("noise" if before.judgement.is_small else "unexplained", before, {}, tried)
     best = _ordered(search, before, best)
     added = _worth_of_each(search, best)
-    found = finding("effect" if best.judgement.is_small else "unexplained", best, added, tried)
+    found = finding("effect" if explains(before, best) else "unexplained", best, added, tried)
     tick("rivals")
     others = rivals(search, best)
     sets = indistinguishable(problem, others, best)
@@ -122,7 +127,7 @@ def _grow(search: Search, base: State) -> tuple[State, dict[str, Evidence]]:
                 ids = frozenset(larger.ids)
                 if evidence.delta_bic >= MARGIN:
                     grown.setdefault(ids, larger)
-                if evidence.accepted(first=depth == 0) and _worth_a_name(base, larger):
+                if evidence.accepted(first=depth == 0) and _worth_a_name(base, state, larger, evidence):
                     accepted.add(ids)
         if not grown:
             break
@@ -131,29 +136,38 @@ def _grow(search: Search, base: State) -> tuple[State, dict[str, Evidence]]:
         beam = order[:_BEAM]
         passing = [state for state in order if frozenset(state.ids) in accepted]
         if passing:
-            best = passing[0]
-            beam = [best, *[state for state in beam if state is not best]][:_BEAM]
+            best = passing[0] if explains(base, passing[0]) else search.polished(passing[0])
+            beam = [best, *[state for state in beam if frozenset(state.ids) != frozenset(best.ids)]][:_BEAM]
+        # A model that misses three times as much as the best would only find its way to the same terms.
+        beam = [state for state in beam if state.excess - 1.0 <= _HOPELESS * max(beam[0].excess - 1.0, 0.01)]
         if best.judgement.is_small and len(best.ids) == depth + 1:
             break
     return best, tried
 
 
-def _worth_a_name(base: State, larger: State) -> bool:
-    """Where the residual is already below the noise, a term is named only if it explains all that is left."""
-    return not base.judgement.is_small or larger.judgement.is_noise
+def _worth_a_name(base: State, smaller: State, larger: State, evidence: Evidence) -> bool:
+    """Where little is left a term is named only if it explains all of that."""
+    if base.judgement.is_small:
+        return larger.judgement.is_noise
+    if smaller is not base and explains(base, smaller):
+        return evidence.variance_share >= 0.5 and larger.judgement.is_small
+    if evidence.help is None and len(smaller.held_out.counted) > 1:
+        # Constants of each specimen cannot be tested on others: they have to explain what is left.
+        return larger.judgement.is_noise or (smaller is base and explains(base, larger))
+    return True
 
 
-def _smaller(search: Search, state: State, name: str) -> State:
-    forms = {key: form for key, form in state.fit.forms.items() if key != name}
-    keep = np.ones(len(state.fit.x), dtype=bool)
-    keep[state.fit.place(name)] = False
-    return search.state(fit(search.problem, search.noise, forms, state.fit.x[keep]))
+def explains(base: State, state: State) -> bool:
+    """Whether what a model leaves is noise, or so little beside what was there that its terms are what was lacking."""
+    left = state.judgement
+    most = min(ENOUGH, np.sqrt(1.0 - EXPLAINED) * base.judgement.structured)
+    return left.is_small or left.structured <= most
 
 
 def _pruned(search: Search, best: State) -> State:
     """Take out every term that no longer pays now that the others are there."""
     while len(best.ids) > 1:
-        worth = {name: _smaller(search, best, name) for name in best.ids}
+        worth = {name: search.without(best, name) for name in best.ids}
         evidence = {name: search.evidence(smaller, best) for name, smaller in worth.items()}
         weak = [name for name in best.ids if not evidence[name].accepted(first=False)]
         if not weak:
@@ -163,11 +177,9 @@ def _pruned(search: Search, best: State) -> State:
 
 
 def _ordered(search: Search, base: State, best: State) -> State:
-    """Put the terms in the order of what they take from the error, the largest first."""
-    if len(best.ids) < 2:
-        return best
+    """Put the terms in the order of what they take from the error, the largest first, and fit them to the end."""
     first = search.problem.channel == 0
-    worth = {name: float(np.sum(_smaller(search, best, name).fit.residual[first] ** 2)) for name in best.ids}
+    worth = {name: float(np.sum(search.without(best, name).fit.residual[first] ** 2)) for name in best.ids}
     order = sorted(best.ids, key=lambda name: -worth[name])
     forms = {name: best.fit.forms[name] for name in order}
     x = np.concatenate([best.fit.x[: best.fit.own], *(best.fit.x[best.fit.place(name)] for name in order)])
@@ -176,4 +188,4 @@ def _ordered(search: Search, base: State, best: State) -> State:
 
 
 def _worth_of_each(search: Search, best: State) -> dict[str, Evidence]:
-    return {name: search.evidence(_smaller(search, best, name), best) for name in best.ids}
+    return {name: search.evidence(search.without(best, name), best) for name in best.ids}

@@ -10,8 +10,9 @@ import numpy as np
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Array, Constant, Form, Problem, split
 
-#: A step is accepted as the last one where it lowers chi-squared by less than this share, or this much.
-_SHARE, _AMOUNT = 1e-5, 2e-3
+#: A step is accepted as the last one where it lowers chi-squared by less than this share, or this much; coarser where
+#: fits are only compared: the gain is then below a tenth of what one constant has to earn.
+_SHARE, _AMOUNT, _COARSE = 1e-5, 2e-3, 0.3
 
 
 @dataclass(frozen=True)
@@ -63,12 +64,14 @@ def fit(
     *,
     data: Array | None = None,
     iterations: int = 30,
+    coarse: bool = False,
 ) -> Fit:
     """Fit all constants to ``data`` (the measured values by default) from ``start``, Levenberg-Marquardt.
 
     Priors pull towards the constants' values; bounds hold by projection. The fit weighs rows by their standard
     deviations alone: in a metric that forgives each specimen its stiffness, a wrong model would drift off the
-    data. What is left is then given in the full metric of the noise.
+    data. What is left is then given in the full metric of the noise. ``coarse`` stops where what can still be gained
+    no longer matters in a comparison.
     """
     constants = [*problem.own, *(constant for form in forms.values() for constant in form.constants)]
     low, high = _column(constants, "low"), _column(constants, "high")
@@ -125,6 +128,8 @@ def fit(
         if not moved:
             break
         small = cost - new_cost < _SHARE * cost + _AMOUNT
+        # In units of what is left: a misfit counts as noise.
+        small = small or (coarse and cost - new_cost < _COARSE * max(new_misfit / len(left), 1.0))
         x, value, left, misfit = trial, new_value, new_left, new_misfit
         jacobian = _jacobian(problem, forms, x, value, scale, low, high, noise)
         damping = max(damping / 10.0, 1e-9)

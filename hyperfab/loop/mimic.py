@@ -12,8 +12,8 @@ from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.search import MARGIN, Search, State, common_bic
 
-#: A rival that misses the imprint by more than this many standard deviations of the noise (rms) is told from it.
-_LEFT = 1.5
+#: Constants a rival may always have.
+_FEWEST = 2
 
 
 @dataclass(frozen=True)
@@ -32,22 +32,24 @@ class Rival:
     delta_bic: float
     state: State | None
 
-    def passes(self, limit: float) -> bool:
+    def passes(self, limit: float, most_left: float) -> bool:
         """Whether the data cannot tell it from the found effect."""
         close = bool(self.delta_bic < MARGIN and self.share > 0.5)
-        return (self.share >= limit and self.left <= _LEFT) or close
+        return (self.share >= limit and self.left <= most_left) or close
 
 
 def rivals(search: Search, best: State) -> list[Rival]:
     """Return every entry that could stand in place of each effect of ``best``, with how well it would."""
     found = []
     for name in best.ids:
-        without = search.state(_without(search, best, name))
+        without = search.without(best, name)
+        most = max(len(best.fit.forms[name].constants), _FEWEST)
         imprint = _misfit(search.problem, search.noise, best.fit, without.fit)
         for effect, _ in search.ranking(without):
             if effect.id == name:
                 continue
-            fitted = search.with_term(without, effect)
+            # A rival with more constants than the found law would pass for nearly anything.
+            fitted = search.with_term(without, effect, most=most)
             if fitted is None:
                 continue
             state = search.state(fitted)
@@ -65,19 +67,15 @@ def indistinguishable(problem: Problem, found: Sequence[Rival], best: State) -> 
     """Return, for each found effect, the set of it and the rivals the data cannot tell from it."""
     sets = []
     for name in best.ids:
-        limit = problem.effect(name).mimic_share
-        same = [rival.effect for rival in found if rival.instead_of == name and rival.passes(limit)]
+        effect = problem.effect(name)
+        same = [
+            rival.effect
+            for rival in found
+            if rival.instead_of == name and rival.passes(effect.mimic_share, effect.mimic_left)
+        ]
         if same:
             sets.append([name, *same])
     return sets
-
-
-def _without(search: Search, best: State, name: str) -> Fit:
-    """Return the fit of the model without one of its terms, starting where the whole one is."""
-    forms = {key: form for key, form in best.fit.forms.items() if key != name}
-    keep = np.ones(len(best.fit.x), dtype=bool)
-    keep[best.fit.place(name)] = False
-    return fit(search.problem, search.noise, forms, best.fit.x[keep])
 
 
 def _misfit(problem: Problem, noise: Noise, truth: Fit, start: Fit) -> float:

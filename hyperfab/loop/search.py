@@ -18,6 +18,10 @@ from hyperfab.loop.score import Signature, points_at, signatures
 
 #: A term must lower BIC by this much.
 MARGIN = 8.0
+#: Steps from each of several starts.
+_FEW = 5
+#: Forms of an entry that are tried, and entries of which the forms that refine them are tried too.
+_FORMS, _RICH = 3, 3
 #: Shares of the structured variance a first and a further term must take.
 FIRST_SHARE, NEXT_SHARE = 0.01, 0.05
 #: Shares of the structured held-out error and of the tests.
@@ -107,8 +111,12 @@ class Search:
         order = sorted(best, key=lambda name: -best[name])
         return [(self.problem.effect(name), best[name]) for name in order]
 
-    def with_term(self, state: State, effect: Effect) -> Fit | None:
-        """Return the best joint fit of the model with ``effect``: its forms, then those that refine them."""
+    def with_term(self, state: State, effect: Effect, families: int = 1, most: int = 99) -> Fit | None:
+        """Return the best joint fit of the model with ``effect``: its forms, then those that refine them.
+
+        ``families`` are the simple forms, the best first, that are refined; ``most`` bounds the constants of the forms
+        that refine.
+        """
         rank: dict[str, float] = {}
         for signature in state.found:
             if signature.effect is effect:
@@ -117,16 +125,54 @@ class Search:
             (form for form in effect.forms if form.refines is None and form.name in rank),
             key=lambda form: -rank[form.name],
         )
-        fits = [found for form in basic[:2] if (found := self._joint(state.fit, effect, form)) is not None]
+        fits = [
+            found for form in basic[:_FORMS] if (found := self._joint(state.fit, effect, form)) is not None
+        ]
         if not fits:
             return None
-        best = self.lowest(fits)
-        for form in effect.forms:
-            if form.refines is not None and form.refines == best.forms[effect.id].name:
-                richer = self._joint(state.fit, effect, form, best)
-                if richer is not None:
-                    best = self.lowest([best, richer])
+        found = self.lowest(fits)
+        for one in sorted(fits, key=lambda one: one.chi2)[:families]:
+            if not _is_spent(found):
+                found = self.lowest([found, self._refined(state.fit, effect, one, most)])
+        return found
+
+    def _refined(self, parent: Fit, effect: Effect, best: Fit, most: int) -> Fit:
+        """Return the best of a fit and the forms that refine its, unless it already leaves no more than noise."""
+        while not _is_spent(best):
+            name = best.forms[effect.id].name
+            richer = [
+                found
+                for form in effect.forms
+                if form.refines == name
+                and len(form.constants) <= most
+                and (found := self._joint(parent, effect, form, best)) is not None
+            ]
+            better = self.lowest([best, *richer])
+            if better is best:
+                break
+            best = better
         return best
+
+    def without(self, state: State, name: str) -> State:
+        """Return the model without one of its terms, refitted from where it is."""
+        forms = {key: form for key, form in state.fit.forms.items() if key != name}
+        key = tuple(sorted((one, form.name) for one, form in forms.items()))
+        if key in self._states:
+            return self._states[key]
+        keep = np.ones(len(state.fit.x), dtype=bool)
+        keep[state.fit.place(name)] = False
+        return self.state(fit(self.problem, self.noise, forms, state.fit.x[keep]))
+
+    def polished(self, state: State) -> State:
+        """Return the model with each term in the form that suits it best now that the others are there."""
+        if len(state.ids) < 2:
+            return state
+        for name in state.ids:
+            rest = self.without(state, name)
+            again = self.with_term(rest, self.problem.effect(name), _FORMS)
+            if again is not None and self.lowest([state.fit, again]) is again:
+                state = self.state(again)
+        return state
 
     def lowest(self, fits: Sequence[Fit]) -> Fit:
         """Return the fit of lowest BIC; a form with more constants has to earn them by half the margin."""
@@ -153,11 +199,15 @@ class Search:
             starts.append(np.concatenate([simpler.x[: len(parent.x)], given, tail]))
         else:
             starts = [np.concatenate([parent.x, np.array(start)]) for start in form.starts]
+        if len(starts) > 1:
+            # A few steps from each start tell which of them leads on.
+            tries = [
+                fit(self.problem, self.noise, forms, start, iterations=_FEW, coarse=True) for start in starts
+            ]
+            starts = [min(tries, key=lambda one: one.cost).x]
         best: Fit | None = None
         for start in starts:
-            found = fit(self.problem, self.noise, forms, start)
-            if best is None or found.cost < best.cost:
-                best = found
+            best = fit(self.problem, self.noise, forms, start, coarse=True)
         if best is not None and np.isfinite(best.chi2):
             self._fits[key] = best
             return best
@@ -195,14 +245,26 @@ class Search:
         return True
 
     def candidates(self, state: State) -> list[tuple[State, Evidence]]:
-        """Return the models with one term more, those of lowest BIC first."""
-        found = []
+        """Return the models with one term more, those of lowest BIC first; the best of them in their richest form."""
+        simple = []
         for effect, _ in self.ranking(state)[: self.refit]:
-            fitted = self.with_term(state, effect)
+            fitted = self.with_term(state, effect, families=0)
             if fitted is not None:
-                larger = self.state(fitted)
-                found.append((larger, self.evidence(state, larger)))
+                simple.append((effect, fitted))
+        simple.sort(key=lambda pair: pair[1].chi2)
+        found = []
+        for place, (effect, fitted) in enumerate(simple):
+            if place < _RICH:
+                fitted = self.with_term(state, effect, _FORMS if place == 0 else 1) or fitted
+            larger = self.state(fitted)
+            found.append((larger, self.evidence(state, larger)))
         return sorted(found, key=lambda pair: -pair[1].delta_bic)
+
+
+def _is_spent(fitted: Fit) -> bool:
+    """Whether a fit leaves no more than noise, so that nothing richer is called for."""
+    rows = len(fitted.residual)
+    return fitted.chi2 <= rows - len(fitted.x) + float(np.sqrt(2.0 * rows))
 
 
 def common_bic(states: Sequence[State], problem: Problem) -> Mapping[tuple[str, ...], float]:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.special import expit
 
 from hyperfab.materials.kinematics import Sheet
 from hyperfab.materials.log_i2 import log_I2
-from hyperfab.materials.term import PowerTerm, Term, of_I1
+from hyperfab.materials.term import InvariantTerm, PowerTerm, Term, of_I1, of_I2
 
 #: Forms of what is added, and the names of their constants; those that end in _MPa are linear.
 FORMS = {
@@ -17,12 +18,19 @@ FORMS = {
     "ogden": ("mu_MPa", "alpha"),
     "exponential": ("D_MPa", "b"),
     "high-powers": ("C40_MPa", "C2_MPa"),
+    "second-invariant": ("C01_MPa", "C11_MPa", "C02_MPa"),
+    "straightening": ("D_MPa", "at", "width"),
+    "straightening-log": ("D_MPa", "at", "width", "C2_MPa"),
 }
+#: Forms that add to an Ogden or exponential term, in the order of their linear constants.
+_WITH_LOG = {"ogden-log": "ogden", "exponential-log": "exponential"}
+FORMS |= {name: (*FORMS[simple], "C2_MPa") for name, simple in _WITH_LOG.items()}
 
 
 def added_terms(form: str, sheet: Sheet, shape: Sequence[float]) -> list[Term]:
     """Return the terms of the linear constants of a form; ``shape`` holds the others (alpha, b).
 
+    ``straightening`` is a stiffness that rises by D where yarns have straightened, at I1 - 3 = ``at``, over ``width``;
     ``exponential`` is Fung's ``D/b (exp(b (I1 - 3)) - 1)``: Fung (1967), Am. J. Physiol. 213, 1532.
     """
     x = sheet.x
@@ -33,6 +41,18 @@ def added_terms(form: str, sheet: Sheet, shape: Sequence[float]) -> list[Term]:
         return [square, cube, log_I2(sheet)]
     if form == "high-powers":
         return [of_I1(x**4, 4.0 * x**3, 12.0 * x**2), log_I2(sheet)]
+    if form in _WITH_LOG:
+        return [*added_terms(_WITH_LOG[form], sheet, shape), log_I2(sheet)]
+    if form == "second-invariant":
+        y = sheet.y
+        mixed = InvariantTerm(W=x * y, W1=y, W2=x, W12=1.0 + 0.0 * x)
+        return [of_I2(y, 1.0 + 0.0 * y, 0.0 * y), mixed, of_I2(y**2, 2.0 * y, 2.0 + 0.0 * y)]
+    if form.startswith("straightening"):
+        at, width = shape
+        step = expit((x - at) / width)
+        grown = width * (np.logaddexp(0.0, (x - at) / width) - np.logaddexp(0.0, -at / width))
+        found: list[Term] = [of_I1(grown, step, step * (1.0 - step) / width)]
+        return [*found, log_I2(sheet)] if form.endswith("log") else found
     if form == "ogden":
         return [PowerTerm(shape[0])]
     grown = np.exp(np.minimum(shape[0] * x, 50.0))

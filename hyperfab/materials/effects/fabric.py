@@ -61,17 +61,13 @@ class Fabric:
                 )
                 stress = stress * factor
             if "mullins" in terms:
-                stress = stress * self._mullins(terms["mullins"], energy)
+                stress = stress * self._mullins(terms["mullins"], stretch, energy)
             if "hysteresis" in terms:
                 stress = self._hysteresis(terms["hysteresis"], stress, stretch, energy)
             if "rate" in terms:
                 stress = self._rate(terms["rate"], stress)
             if "load-offset" in terms:
-                form, values = terms["load-offset"]
-                drifts = form == "drift"
-                stress = load_offset.shifted(
-                    stress, values[0], path.time_s if drifts else None, values[1] if drifts else 0.0
-                )
+                stress = self._offset(terms["load-offset"], stress)
         return np.asarray(stress)
 
     def across(self, terms: Terms) -> Array:
@@ -79,28 +75,36 @@ class Fabric:
         stretch, _ = self._stretch(terms)
         if "compressibility" not in terms:
             return np.asarray(stretch**-0.5)
-        form, values = terms["compressibility"]
-        nu = np.full_like(stretch, values[0])
-        if form == "directions":
+        nu, bend = self._contraction(terms["compressibility"])
+        return compressibility.across(stretch, nu, bend)
+
+    def _contraction(self, term: tuple[str, Array]) -> tuple[Array, float]:
+        form, values = term
+        nu = np.full_like(self.path.stretch, values[0])
+        if form.startswith("directions"):
             share, _ = anisotropy.weft_share(self.path)
             nu = nu + share * (values[1] - values[0])
-        return compressibility.across(stretch, nu)  # type: ignore[arg-type]
+        return nu, float(values[-1]) if form.endswith("bent") else 0.0
 
     def _stretch(self, terms: Terms) -> tuple[Array, tuple[object, ...]]:
         stretch = self.path.stretch
         place: tuple[object, ...] = ()
         if "grip-slack" in terms:
-            _, values = terms["grip-slack"]
-            stretch = grip_slack.taken_up(stretch, *values)
+            form, values = terms["grip-slack"]
+            if form == "each":
+                stretch = grip_slack.taken_up(stretch, grip_slack.of_each(self.path, values))
+            else:
+                stretch = grip_slack.taken_up(stretch, *values)
             place = (*place, *values)
         if "permanent-set" in terms:
             form, values = terms["permanent-set"]
-            if form == "returned":
-                peak = np.maximum.accumulate(stretch) if len(self.path.curves) == 1 else self._peak(stretch)
-                stretch = permanent_set.returned(stretch, peak, values[0])
+            if form == "crept":
+                stretch = np.minimum(stretch, permanent_set.crept(self.path, *values))
+            elif form.startswith("returned"):
+                stretch = permanent_set.returned(stretch, self._peak(stretch), *values)
             else:
-                peak = self.path.peak if form == "flow" else self.path.earlier_peak
-                stretch = permanent_set.grown(stretch, peak, values[0])
+                peak = self.path.peak if form.startswith("flow") else self.path.earlier_peak
+                stretch = permanent_set.grown(stretch, peak, *values)
             place = (*place, form, *values)
         return stretch, place
 
@@ -186,11 +190,17 @@ class Fabric:
         terms: Terms,
         needs_energy: bool,
     ) -> tuple[Array, Array | None]:
-        sheet = Sheet.of(stretch, self._second(theta, stretch, terms))
+        form = terms.get("compressibility", ("", np.empty(0)))[0]
+        second = self._second(theta, stretch, terms)
+        plain: Array | float = 1.0
+        if form.startswith("slope"):
+            thinner, second = second, self._second(theta, stretch, {})
+            plain = compressibility.pull(stretch, thinner, second)
+        sheet = Sheet.of(stretch, second)
         parts: list[Term] = list(self.law.terms(sheet, theta))
         if extra_form:
             parts += elastic_law.added_terms(extra_form, sheet, shape)
-        columns = np.stack([part.stress(sheet) + 0.0 * stretch for part in parts], axis=1)
+        columns = np.stack([part.stress(sheet) * plain + 0.0 * stretch for part in parts], axis=1)
         if not needs_energy:
             return columns, None
         return columns, np.stack([_energy(part, sheet) + 0.0 * stretch for part in parts], axis=1)
@@ -201,22 +211,21 @@ class Fabric:
         second = np.where(path.mode == BIAXIAL, stretch, np.where(path.mode == SHEAR, 1.0, path.across))
         second = np.where(path.mode == UNIAXIAL, stretch**-nu, second)
         if "compressibility" in terms:
-            form, values = terms["compressibility"]
-            contraction = np.full_like(stretch, values[0])
-            if form == "directions":
-                share, _ = anisotropy.weft_share(path)
-                contraction = contraction + share * (values[1] - values[0])
-            second = compressibility.as_incompressible(path.mode, stretch, second, contraction)  # type: ignore[arg-type]
+            contraction, bend = self._contraction(terms["compressibility"])
+            second = compressibility.as_incompressible(path.mode, stretch, second, contraction, bend)
         return np.asarray(second)
 
-    def _mullins(self, term: tuple[str, Array], energy: Array) -> Array:
+    def _mullins(self, term: tuple[str, Array], stretch: Array, energy: Array) -> Array:
         form, values = term
-        if form == "damage":
-            return mullins.damaged(self.path.peak, *values)
-        if form == "strain":
-            return mullins.weakened(self.path.stretch, self.path.peak, *values)
+        path = self.path
+        if form.startswith("damage"):
+            return mullins.damaged(path.peak, *values)
+        if form == "strain-cycles":
+            return mullins.worn(path.stretch, path.peak, path.returns, *values)
+        if form.startswith("strain"):
+            return mullins.weakened(path.stretch, path.peak, *values)
         greatest = np.empty_like(energy)
-        for rows in self.path.curves:
+        for rows in path.curves:
             greatest[rows] = np.maximum.accumulate(energy[rows])
         return mullins.softened(energy, greatest, *values)
 
@@ -224,10 +233,11 @@ class Fabric:
         form, values = term
         if form == "pseudo-elastic":
             return stress * hysteresis.unloading(self.path, energy, *values)
+        if form == "returning":
+            return stress * hysteresis.returning(self.path, stretch, *values)
         if form == "bent":
             return hysteresis.bent(self.path, stress, values[0])
-        slip = values[0] * np.abs(stress) if form == "friction" else np.full_like(stress, values[0])
-        return stress + hysteresis.friction(self.path, stretch, slip, values[1])
+        return stress + hysteresis.sliding(self.path, stretch, stress, form, values)
 
     def _rate(self, term: tuple[str, Array], stress: Array) -> Array:
         form, values = term
@@ -236,7 +246,22 @@ class Fabric:
             known = self.speed[np.isfinite(self.speed)]
             reference = float(np.exp(np.mean(np.log(known))))
             return stress * rate.quickened(self.speed, reference, values[0])
+        if form.endswith("bent"):
+            branches = values[:-1]
+            return stress + rate.relaxing_bent(
+                self.path, stress, list(branches[0::2]), list(branches[1::2]), values[-1]
+            )
         return stress + rate.relaxing(self.path, stress, list(values[0::2]), list(values[1::2]))
+
+    def _offset(self, term: tuple[str, Array], stress: Array) -> Array:
+        form, values = term
+        time = self.path.time_s
+        if form == "each":
+            return load_offset.shifted(stress, grip_slack.of_each(self.path, values))
+        if form == "settling":
+            return load_offset.shifted(stress, values[0] + load_offset.settling(time, values[1], values[2]))
+        drifts = form == "drift"
+        return load_offset.shifted(stress, values[0], time if drifts else None, values[1] if drifts else 0.0)
 
 
 def _energy(term: Term, sheet: Sheet) -> Array:

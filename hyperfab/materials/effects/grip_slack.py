@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from hyperfab.materials.effects.path import Path
 from hyperfab.materials.kinematics import Array
 
 
-def taken_up(stretch: Array, slack: float, toe: float = 0.0) -> Array:
+def taken_up(stretch: Array, slack: float | Array, toe: float = 0.0) -> Array:
     """Return the specimen's stretch: ``max(stretch - slack, 1)``, rounded over a strain ``toe`` where the play ends.
 
     A negative slack is a specimen mounted taut. ASTM D412 and D638 (toe compensation).
@@ -16,8 +17,22 @@ def taken_up(stretch: Array, slack: float, toe: float = 0.0) -> Array:
     array([1.  , 1.  , 1.48])
     """
     strain = stretch - 1.0 - slack
+    if np.ndim(slack):
+        return np.asarray(np.where(np.asarray(slack) < 0.0, 1.0 + strain, 1.0 + np.maximum(strain, 0.0)))
     if slack < 0.0:
         return np.asarray(1.0 + strain)
     if toe > 0.0:
         return np.asarray(1.0 + 0.5 * (strain + np.sqrt(strain**2 + toe**2)))
     return np.asarray(1.0 + np.maximum(strain, 0.0))
+
+
+def of_each(path: Path, values: Array) -> Array:
+    """Return one value a row: the first of ``values`` for the first curve, and that plus its own for each other.
+
+    Curves beyond those told, not measured yet, get the mean.
+    """
+    told = np.concatenate([values[:1], values[0] + values[1:]])
+    found = np.full(len(path.stretch), float(np.mean(told)))
+    for value, rows in zip(told, path.curves, strict=False):
+        found[rows] = value
+    return found

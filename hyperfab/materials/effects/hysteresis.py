@@ -9,6 +9,17 @@ from hyperfab.materials.effects.path import Path
 from hyperfab.materials.effects.recurrence import along
 from hyperfab.materials.kinematics import Array
 
+#: Forms of friction: of each set of yarns, whether it slides at a share of the load or at a stress.
+FRICTION = {
+    "friction": ("share",),
+    "dry": ("stress",),
+    "friction-dry": ("share", "stress"),
+    "friction-two": ("share", "share"),
+    "dry-two": ("stress", "stress"),
+    "stop": ("stress",),
+    "stop-two": ("stress", "stress"),
+}
+
 
 def friction(path: Path, stretch: Array, slip: Array, strain: float) -> Array:
     """Return the stress of dry friction between yarns: towards +slip when pulled, -slip when let go.
@@ -17,12 +28,41 @@ def friction(path: Path, stretch: Array, slip: Array, strain: float) -> Array:
     ``slip`` is the stress at which yarns slide, a row each.
     """
     first = list(path.starts[:-1])
-    moved = np.abs(np.diff(stretch, prepend=1.0))
+    moved = np.empty_like(stretch)
+    np.abs(stretch[1:] - stretch[:-1], out=moved[1:])
     moved[first] = np.abs(stretch[first] - 1.0)
     keep = np.exp(-moved / strain)
     gain = path.up * slip * -np.expm1(-moved / strain)
     keep[first] = 0.0
-    return along(keep, gain, path.longest)
+    return along(keep, gain)
+
+
+def sliding(path: Path, stretch: Array, stress: Array, form: str, values: Array) -> Array:
+    """Return the friction of a form: one or two sets of yarns, each in proportion to the load or constant.
+
+    ``values`` are pairs of a level (a share of the stress, or a stress [MPa]) and the strain over which it turns.
+    """
+    kinds = FRICTION[form]
+    total = np.zeros_like(stress)
+    if form.startswith("stop"):
+        # The slide follows the stress rather than the strain: Prandtl's stop operator, rounded.
+        stretch = 1.0 + stress
+    for number, kind in enumerate(kinds):
+        level, strain = values[2 * number], values[2 * number + 1]
+        slip = level * np.abs(stress) if kind == "share" else np.full_like(stress, level)
+        total = total + friction(path, stretch, slip, strain)
+    return total
+
+
+def returning(path: Path, stretch: Array, amount: float, power: float) -> Array:
+    """Return the factor ``1 - amount (1 - (strain/turning strain)^power)`` on the way down, 1 on every way up.
+
+    Softening measured in strain from the last turn: the form of Zuniga & Beatty (2002),
+    doi:10.1016/S0020-7225(02)00140-4, healed when the pull begins anew.
+    """
+    top = stretch[np.maximum(path.turn, 0)] - 1.0
+    share = np.clip((stretch - 1.0) / np.where(top > 0.0, top, 1.0), 1e-12, 1.0)
+    return np.asarray(np.where((path.turn >= 0) & (top > 0.0), 1.0 - amount * (1.0 - share**power), 1.0))
 
 
 def unloading(path: Path, energy: Array, amount: float, scale: float) -> Array:

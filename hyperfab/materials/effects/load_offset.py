@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from hyperfab.materials.kinematics import Array
 
 
-def shifted(stress: Array, offset: float, time: Array | None = None, drift: float = 0.0) -> Array:
+def shifted(stress: Array, offset: float | Array, time: Array | None = None, drift: float = 0.0) -> Array:
     """Return ``stress + offset + drift time``: offset in the stress's unit, drift in it per second.
 
     >>> import numpy as np
@@ -13,3 +15,13 @@ def shifted(stress: Array, offset: float, time: Array | None = None, drift: floa
     array([0.01, 1.01])
     """
     return stress + offset if time is None else stress + offset + drift * time
+
+
+def settling(time: Array, drift: float, tau: float) -> Array:
+    """Return what an amplifier that warms up adds: ``drift tau (1 - exp(-time/tau))``, first ``drift`` per second.
+
+    >>> import numpy as np
+    >>> float(settling(np.array([0.0]), 0.1, 5.0)[0])
+    0.0
+    """
+    return np.asarray(-drift * tau * np.expm1(-time / tau))

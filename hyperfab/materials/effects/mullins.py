@@ -20,25 +20,44 @@ def softened(energy: Array, greatest: Array, amount: float, scale: float, beta: 
     return np.asarray(1.0 - amount * erf(np.maximum(greatest - energy, 0.0) / (scale + beta * greatest)))
 
 
-def weakened(stretch: Array, peak: Array, amount: float, power: float) -> Array:
-    """Return the factor ``1 - amount (1 - (strain/peak strain)^power)``: softening measured in strain, 1 at the peak.
+def weakened(
+    stretch: Array, peak: Array, amount: float, power: float, outer: float = 1.0, growth: float = 0.0
+) -> Array:
+    """Return ``1 - amount (1 - (strain/peak strain)^power)^outer``: softening measured in strain, 1 at the peak.
 
-    A factor of strain amplification that is 1 on the first pull: Zuniga & Beatty (2002),
-    doi:10.1016/S0020-7225(02)00140-4.
+    With ``growth`` the amount goes with that power of the peak strain (over 1/2). A factor of strain amplification
+    that is 1 on the first pull: Zuniga & Beatty (2002), doi:10.1016/S0020-7225(02)00140-4.
 
     >>> weakened(np.array([1.5]), np.array([1.5]), 0.3, 1.0)
     array([1.])
     """
+    most = np.maximum(peak - 1.0, 1e-12)
+    share = np.clip((stretch - 1.0) / most, 1e-12, 1.0)
+    below = np.maximum(1.0 - share**power, 0.0)
+    if outer != 1.0:
+        below = np.where(below > 0.0, np.maximum(below, 1e-300) ** outer, 0.0)
+    return np.asarray(np.maximum(1.0 - amount * (most / 0.5) ** growth * below, 0.0))
+
+
+def worn(stretch: Array, peak: Array, turns: Array, amount: float, power: float, kept: float) -> Array:
+    """Return the factor of ``weakened`` where each turn takes its share: ``amount (1 - kept^turns)``.
+
+    ``turns`` counts how often the specimen was let go so far. At ``kept`` 0 the first turn does it all.
+    Diani, Fayolle & Gilormini (2009), doi:10.1016/j.eurpolymj.2008.11.017: softening goes on over some cycles.
+
+    >>> worn(np.array([1.5]), np.array([2.0]), np.array([1.0]), 0.4, 1.0, 0.0)
+    array([0.8])
+    """
     share = np.clip((stretch - 1.0) / np.maximum(peak - 1.0, 1e-12), 1e-12, 1.0)
-    return np.asarray(1.0 - amount * (1.0 - share**power))
+    return np.asarray(1.0 - amount * (1.0 - kept**turns) * (1.0 - share**power))
 
 
-def damaged(peak: Array, amount: float, strain: float) -> Array:
-    """Return the factor ``1 - amount (1 - exp(-(peak - 1)/strain))``: damage by the largest stretch.
+def damaged(peak: Array, amount: float, strain: float, power: float = 1.0) -> Array:
+    """Return the factor ``1 - amount (1 - exp(-((peak - 1)/strain)^power))``: damage by the largest stretch.
 
     Simo (1987), Comput. Methods Appl. Mech. Eng. 60, 153, doi:10.1016/0045-7825(87)90107-1.
 
     >>> damaged(np.array([1.0]), 0.5, 0.3)
     array([1.])
     """
-    return np.asarray(1.0 + amount * np.expm1(-(peak - 1.0) / strain))
+    return np.asarray(1.0 + amount * np.expm1(-(((peak - 1.0) / strain) ** power)))

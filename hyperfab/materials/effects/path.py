@@ -85,6 +85,15 @@ class Path:
         return found
 
     @cached_property
+    def returns(self) -> Array:
+        """How often the specimen was let go so far."""
+        found = np.zeros_like(self.stretch)
+        for rows in self.curves:
+            up = self.up[rows]
+            found[rows.start + 1 : rows.stop] = np.cumsum((up[1:] < 0) & (up[:-1] > 0))
+        return found
+
+    @cached_property
     def elapsed(self) -> Array:
         """Time since the row before [s]; since rest for the first row, at the pace of the next."""
         found = np.full_like(self.stretch, np.nan)
@@ -99,9 +108,9 @@ class Path:
         return found
 
     @cached_property
-    def longest(self) -> int:
-        """Rows of the longest curve."""
-        return max(rows.stop - rows.start for rows in self.curves)
+    def waited(self) -> Array:
+        """``elapsed``, never less than zero."""
+        return np.maximum(self.elapsed, 0.0)
 
     @property
     def knows_time(self) -> bool:

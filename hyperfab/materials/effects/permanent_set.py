@@ -4,31 +4,54 @@ from __future__ import annotations
 
 import numpy as np
 
+from hyperfab.materials.effects.path import Path
+from hyperfab.materials.effects.recurrence import along
 from hyperfab.materials.kinematics import Array
 
 
-def returned(stretch: Array, peak: Array, share: float) -> Array:
+def returned(stretch: Array, peak: Array, share: float, power: float = 1.0) -> Array:
     """Return the elastic stretch where ``share`` of the largest strain so far stays when the load is gone.
 
     The first pull is the law's own; coming down, and up again to the old peak, the strain runs from the set to the peak
-    on a scale of its own: ``(strain - set) peak / (peak - set)``. Below the set the fabric is slack.
+    on a scale of its own: ``(strain - set) peak / (peak - set)``. Below the set the fabric is slack. With ``power`` the
+    set goes with that power of the largest strain (over 1/2).
 
     >>> returned(np.array([1.5, 1.1]), np.array([1.5, 1.5]), 0.2)
     array([1.5, 1. ])
     """
     most = peak - 1.0
-    kept = share * most
+    kept = np.minimum(_rest(peak, share, power), 0.95 * most)
     strain = (stretch - 1.0 - kept) * most / np.maximum(most - kept, 1e-12)
     return np.asarray(np.where(stretch >= peak, stretch, 1.0 + np.maximum(strain, 0.0)))
 
 
-def grown(stretch: Array, peak: Array, share: float) -> Array:
+def grown(stretch: Array, peak: Array, share: float, power: float = 1.0) -> Array:
     """Return the elastic stretch where the rest length has grown by ``share`` of the largest strain so far.
 
     With ``peak`` the largest stretch including the present pull this is plastic flow as it happens; with that of the
-    earlier pulls it is a set that shows from the second pull on.
+    earlier pulls it is a set that shows from the second pull on. ``power`` as in ``returned``.
 
     >>> grown(np.array([1.5]), np.array([1.5]), 0.0)
     array([1.5])
     """
-    return np.asarray(np.maximum(stretch / (1.0 + share * (peak - 1.0)), 1.0))
+    return np.asarray(np.maximum(stretch / (1.0 + _rest(peak, share, power)), 1.0))
+
+
+def crept(path: Path, share: float, strain: float) -> Array:
+    """Return the elastic stretch where the rest length follows the largest strain pull by pull.
+
+    With every pull it comes nearer to ``share`` of the largest strain so far, over the strain ``strain`` pulled: a set
+    that grows with the cycles. Evolution of Armstrong & Frederick (1966), CEGB RD/B/N 731.
+    """
+    first = list(path.starts[:-1])
+    pulled = np.maximum(np.diff(path.stretch, prepend=1.0), 0.0)
+    pulled[first] = np.maximum(path.stretch[first] - 1.0, 0.0)
+    keep = np.exp(-pulled / strain)
+    keep[first] = 0.0
+    rest = along(keep, (1.0 - np.exp(-pulled / strain)) * share * (path.peak - 1.0))
+    return np.asarray(np.maximum(path.stretch / (1.0 + rest), 1.0))
+
+
+def _rest(peak: Array, share: float, power: float) -> Array:
+    most = peak - 1.0
+    return share * most if power == 1.0 else share * most * (np.maximum(most, 1e-12) / 0.5) ** (power - 1.0)

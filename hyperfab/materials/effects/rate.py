@@ -19,17 +19,29 @@ def relaxing(path: Path, stress: Array, weights: Sequence[float], times_s: Seque
     Fung (1981), Biomechanics, ch. 7; recursion of Taylor, Pister & Goudreau (1970), doi:10.1002/nme.1620020106.
     """
     first = list(path.starts[:-1])
-    change = np.diff(stress, prepend=0.0)
+    change = np.empty_like(stress)
+    np.subtract(stress[1:], stress[:-1], out=change[1:])
     change[first] = stress[first]
-    elapsed = np.maximum(path.elapsed, 0.0)
+    elapsed = path.waited
     total = np.zeros_like(stress)
     for weight, tau in zip(weights, times_s, strict=True):
         ratio = elapsed / tau
         keep = np.exp(-ratio)
         keep[first] = 0.0
         share = np.where(ratio > 1e-9, -np.expm1(-ratio) / np.maximum(ratio, 1e-9), 1.0)
-        total += along(keep, weight * share * change, path.longest)
+        total += along(keep, weight * share * change)
     return total
+
+
+def relaxing_bent(
+    path: Path, stress: Array, weights: Sequence[float], times_s: Sequence[float], bend: float
+) -> Array:
+    """Return the stress of Maxwell branches driven by ``stress stretch^bend``: they stiffen or weaken.
+
+    At ``bend`` 0 that of ``relaxing``; with a negative one the branch follows the strain rather than the stress.
+    Simo (1987), doi:10.1016/0045-7825(87)90107-1: an energy of its own for the overstress.
+    """
+    return relaxing(path, stress * path.stretch**bend, weights, times_s)
 
 
 def quickened(speed: Array, reference: float, amount: float) -> Array:

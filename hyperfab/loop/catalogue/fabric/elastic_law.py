@@ -19,6 +19,11 @@ def entry(scene: Scene) -> Effect:
         for name, power in (("C20_MPa", 1), ("C30_MPa", 2), ("C2_MPa", 0), ("C40_MPa", 3))
     ]
     square, cube, log, fourth = free
+    toe = (
+        Constant("D_MPa", 0.0, scale=0.1 * size),
+        Constant("at", 0.3 * far, 0.0, 1.5 * far, 0.2 * far),
+        Constant("width", 0.1 * far, 0.01 * far, far, 0.1 * far),
+    )
     forms = []
     if not set(scene.law.linear) >= _ALL:
         forms += [
@@ -43,7 +48,23 @@ def entry(scene: Scene) -> Effect:
             ((0.01 * size, 1.0 / far), (0.001 * size, 6.0 / far)),
             ((0.01 * size, 1.0 / far), (0.001 * size, 5.0 / far)),
         ),
+        Form(
+            "second-invariant",
+            (
+                Constant("C01_MPa", 0.0, scale=0.1 * size),
+                Constant("C11_MPa", 0.0, scale=0.1 * size / far),
+                Constant("C02_MPa", 0.0, scale=0.1 * size / far),
+            ),
+            ((0.01 * size, 0.0, 0.0),),
+            ((0.01 * size, 0.0, 0.0),),
+        ),
+        Form("straightening", toe, _toes(size, far), _toes(0.1 * size, far)),
+        Form("straightening-log", (*toe, log), ((*_toes(size, far)[0], 0.0),), refines="straightening"),
     ]
+    for name in ("ogden", "exponential"):
+        simple = next(form for form in forms if form.name == name)
+        start = (*simple.starts[0], 0.01 * size)
+        forms.append(Form(f"{name}-log", (*simple.constants, log), (start,), refines=name))
     return Effect(
         id="elastic-law",
         title="the strain-energy law is too poor",
@@ -57,6 +78,10 @@ def entry(scene: Scene) -> Effect:
 
 def _starts(*constants: Constant) -> tuple[tuple[float, ...], ...]:
     return (tuple(0.1 * constant.scale for constant in constants),)
+
+
+def _toes(size: float, far: float) -> tuple[tuple[float, ...], ...]:
+    return tuple((0.1 * size, at * far, 0.1 * far) for at in (0.2, 0.5))
 
 
 def _singles(*constants: Constant) -> tuple[tuple[float, ...], ...]:

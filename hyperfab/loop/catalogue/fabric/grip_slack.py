@@ -10,6 +10,14 @@ def entry(scene: Scene) -> Effect:
     """Return the effect: strain that only takes up play, with or without a rounded end."""
     reach = scene.reach
     slack = Constant("slack", 0.0, -0.1 * reach, 0.6 * reach, 0.02 * reach)
+    count = len(scene.path.curves)
+    each = []
+    if count > 1:
+        own = [
+            Constant(f"of_test_{k}", 0.0, -0.3 * reach, 0.6 * reach, 0.02 * reach)
+            for k in range(2, count + 1)
+        ]
+        each.append(Form("each", (slack, *own), ((0.03 * reach, *(0.0 for _ in own)),), refines="play"))
     return Effect(
         id="grip-slack",
         title="the first extension takes up slack",
@@ -18,6 +26,7 @@ def entry(scene: Scene) -> Effect:
         source="ASTM D638, annex A1 (toe compensation)",
         forms=(
             Form("play", (slack,), ((0.03 * reach,), (0.1 * reach,), (-0.02 * reach,)), ((0.005 * reach,),)),
+            *each,
             Form(
                 "toe",
                 (slack, Constant("toe", 0.0, 0.0, 0.6 * reach, 0.02 * reach)),

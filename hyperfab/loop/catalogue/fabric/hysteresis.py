@@ -12,6 +12,7 @@ def entry(scene: Scene) -> Effect | None:
         return None
     reach, peak, energy = scene.reach, scene.peak_stress, scene.energy
     turn = Constant("turn_strain", 0.1 * reach, 0.002 * reach, 2.0 * reach, 0.1 * reach)
+    again = Constant("turn_strain_2", 0.3 * reach, 0.002 * reach, 5.0 * reach, 0.1 * reach)
     return Effect(
         id="hysteresis",
         title="loading and unloading differ, whatever the rate",
@@ -39,6 +40,65 @@ def entry(scene: Scene) -> Effect | None:
                 ),
                 ((0.2, 0.15 * energy), (0.3, 0.7 * energy)),
                 ((0.03, 0.1 * energy), (0.03, 0.5 * energy)),
+            ),
+            Form(
+                "returning",
+                (Constant("amount", 0.0, 0.0, 0.98, 0.1), Constant("power", 1.0, 0.05, 6.0, 0.5)),
+                ((0.2, 0.7), (0.3, 2.0)),
+                ((0.03, 0.5), (0.03, 1.5)),
+            ),
+            Form(
+                "friction-dry",
+                (
+                    Constant("friction", 0.0, 0.0, 0.9, 0.1),
+                    turn,
+                    Constant("friction_MPa", 0.0, 0.0, peak, 0.05 * peak),
+                    again,
+                ),
+                ((0.1, 0.05 * reach, 0.02 * peak, 0.2 * reach),),
+                refines="friction",
+            ),
+            Form(
+                "friction-two",
+                (
+                    Constant("friction", 0.0, 0.0, 0.9, 0.1),
+                    turn,
+                    Constant("friction_2", 0.0, 0.0, 0.9, 0.1),
+                    again,
+                ),
+                ((0.1, 0.05 * reach, 0.05, 0.3 * reach),),
+                refines="friction",
+            ),
+            Form(
+                "dry-two",
+                (
+                    Constant("friction_MPa", 0.0, 0.0, peak, 0.05 * peak),
+                    turn,
+                    Constant("friction_2_MPa", 0.0, 0.0, peak, 0.05 * peak),
+                    again,
+                ),
+                ((0.05 * peak, 0.05 * reach, 0.03 * peak, 0.3 * reach),),
+                refines="dry",
+            ),
+            Form(
+                "stop",
+                (
+                    Constant("friction_MPa", 0.0, 0.0, peak, 0.05 * peak),
+                    Constant("turn_MPa", 0.1 * peak, 0.002 * peak, 3.0 * peak, 0.1 * peak),
+                ),
+                ((0.05 * peak, 0.05 * peak), (0.05 * peak, 0.3 * peak)),
+                ((0.01 * peak, 0.03 * peak), (0.01 * peak, 0.2 * peak)),
+            ),
+            Form(
+                "stop-two",
+                (
+                    Constant("friction_MPa", 0.0, 0.0, peak, 0.05 * peak),
+                    Constant("turn_MPa", 0.1 * peak, 0.002 * peak, 3.0 * peak, 0.1 * peak),
+                    Constant("friction_2_MPa", 0.0, 0.0, peak, 0.05 * peak),
+                    Constant("turn_2_MPa", 0.3 * peak, 0.002 * peak, 3.0 * peak, 0.1 * peak),
+                ),
+                ((0.05 * peak, 0.05 * peak, 0.03 * peak, 0.3 * peak),),
+                refines="stop",
             ),
             Form("bent", (Constant("power", 0.0, 0.0, 5.0, 0.1),), ((0.3,), (1.0,)), ((0.05,),)),
         ),

@@ -17,6 +17,23 @@ def entry(scene: Scene) -> Effect:
         forms.append(
             Form("drift", (offset, drift), ((0.01 * peak, 0.01 * peak / whole),), refines="constant")
         )
+        tau = Constant("tau_s", 0.3 * whole, 0.01 * whole, 10.0 * whole, 0.3 * whole)
+        rise = Constant("drift_MPa_s", 0.0, -50.0 * peak / whole, 50.0 * peak / whole, 0.05 * peak / whole)
+        forms.append(
+            Form(
+                "settling",
+                (offset, rise, tau),
+                ((0.01 * peak, 0.05 * peak / whole, 0.2 * whole),),
+                refines="constant",
+            )
+        )
+    count = len(scene.path.curves)
+    if count > 1:
+        own = [
+            Constant(f"of_test_{k}_MPa", 0.0, -0.5 * peak, 0.5 * peak, 0.01 * peak)
+            for k in range(2, count + 1)
+        ]
+        forms.append(Form("each", (offset, *own), ((0.01 * peak, *(0.0 for _ in own)),), refines="constant"))
     return Effect(
         id="load-offset",
         title="the load cell is off its zero",

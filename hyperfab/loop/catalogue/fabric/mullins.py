@@ -39,6 +39,27 @@ def entry(scene: Scene) -> Effect | None:
                 ((0.03, 0.5), (0.03, 1.5)),
             ),
             Form(
+                "strain-shape",
+                (
+                    Constant("amount", 0.0, 0.0, 3.0, 0.1),
+                    Constant("power", 1.0, 0.1, 6.0, 0.5),
+                    Constant("outer", 1.0, 0.2, 4.0, 0.3),
+                    Constant("growth", 0.0, -1.0, 3.0, 0.3),
+                ),
+                ((0.3, 1.0, 0.9, 0.2),),
+                refines="strain",
+            ),
+            Form(
+                "strain-cycles",
+                (
+                    Constant("amount", 0.0, 0.0, 0.98, 0.1),
+                    Constant("power", 1.0, 0.1, 6.0, 0.5),
+                    Constant("kept", 0.0, 0.0, 0.98, 0.2),
+                ),
+                ((0.3, 1.0, 0.3),),
+                refines="strain",
+            ),
+            Form(
                 "damage",
                 (
                     Constant("amount", 0.0, 0.0, 0.98, 0.1),
@@ -46,6 +67,16 @@ def entry(scene: Scene) -> Effect | None:
                 ),
                 ((0.2, 0.3 * reach), (0.4, 2.0 * reach)),
                 ((0.03, 0.3 * reach), (0.03, reach)),
+            ),
+            Form(
+                "damage-power",
+                (
+                    Constant("amount", 0.0, 0.0, 0.98, 0.1),
+                    Constant("strain", 0.5 * reach, 0.02 * reach, 20.0 * reach, reach),
+                    Constant("power", 1.0, 0.3, 5.0, 0.3),
+                ),
+                ((0.3, 0.5 * reach, 1.5),),
+                refines="damage",
             ),
         ),
     )

@@ -15,11 +15,21 @@ def entry(scene: Scene) -> Effect | None:
     def form(name: str) -> Form:
         return Form(name, (share,), ((0.04,), (0.15,)), ((0.01,),))
 
+    power = Constant("power", 1.0, 0.2, 5.0, 0.3)
+    plain = [form(name) for name in ("returned", "flow", "next-pull")]
+    curved = [Form(f"{one.name}-power", (share, power), ((0.1, 1.4),), refines=one.name) for one in plain]
+    reach = scene.reach
+    crept = Form(
+        "crept",
+        (share, Constant("strain", reach, 0.05 * reach, 50.0 * reach, reach)),
+        ((0.1, reach),),
+        ((0.01, 0.5 * reach), (0.01, 3.0 * reach)),
+    )
     return Effect(
         id="permanent-set",
         title="part of the strain stays",
         rides_on=("cycle", "branch"),
         shown_by="unloading to zero force, a wait, and a second pull: the stretch at which force begins",
         source="ASTM D412 (tension set)",
-        forms=(form("returned"), form("flow"), form("next-pull")),
+        forms=(*plain, *curved, crept),
     )
