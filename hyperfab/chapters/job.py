@@ -28,6 +28,9 @@ class Job:
         """Return where the command writes: ``target`` and its siblings; a run inside another command keeps them."""
         return Output(target, suffixes)
 
+    def keep(self, told: object) -> None:
+        """Offer what was computed to a command that runs this one inside itself; nobody takes it otherwise."""
+
     def write(self, output: Output, document: Document) -> None:
         """Write the document with its provenance, and the siblings queued in ``output``."""
         document.format = document.format_name()

@@ -54,4 +54,6 @@ def close_loop(
       hf close-loop fabric.json --measured specimens/lycra/warp-23C.csv \\
          --measured specimens/lycra/weft-23C.csv -o loop.json
     """
-    run_chapter(context)
+    from hyperfab.cli.steps import chapter_words
+
+    run_chapter(context, parse=chapter_words)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer.main
 
+from hyperfab import errors
 from hyperfab.cli.shared import arguments_given, chapter_options
 from hyperfab.console import Console
 from hyperfab.errors import HyperfabError
@@ -50,7 +51,8 @@ def run(command: str, words: Sequence[str], output: str) -> Outcome:
         context = parse(command, [*words, "-o", output])
         chapter = importlib.import_module(f"hyperfab.chapters.{command.replace('-', '_')}")
         job = Job(command, arguments_given(context), listener)
-        status = int(chapter.run(job, **chapter_options(context)))
+        more: dict[str, Any] = {"parse": chapter_words} if command == "close-loop" else {}
+        status = int(chapter.run(job, **chapter_options(context), **more))
         message = listener.warnings[-1] if status and listener.warnings else ""
         return Outcome(status, message, tuple(listener.warnings))
     except HyperfabError as error:
@@ -86,6 +88,14 @@ def parse(command: str, words: Sequence[str]) -> typer.Context:
     found: Any = _commands().commands[command]
     context: typer.Context = found.make_context(command, list(words), resilient_parsing=False)
     return context
+
+
+def chapter_words(command: str, words: Sequence[str]) -> dict[str, Any]:
+    """Return the options that the chapter of ``command`` takes, from the words of a command line."""
+    try:
+        return chapter_options(parse(command, words))
+    except UsageError as error:
+        raise errors.UsageError(error.format_message()) from None
 
 
 def _commands() -> Any:

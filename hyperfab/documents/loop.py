@@ -137,5 +137,8 @@ class LoopDocument(Document):
     )
     next_measurement: NextMeasurement | None = None
     model: str | None = Field(default=None, description="the extended model, relative to this document")
+    model_command: str | None = Field(
+        default=None, description="the command that makes the extended model again, from its folder"
+    )
     left_out: dict[str, int] = Field(default_factory=dict, description="rows left out, by reason")
     warnings: list[str] = Field(default_factory=list)

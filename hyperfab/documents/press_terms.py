@@ -112,7 +112,7 @@ class Relaxation(_Section):
 class Variation(_Section):
     """How the foam's thickness varies over the male's plan, as shares of it.
 
-    Thickness times ``1 + x u + y v + xx u^2 + xy u v + yy v^2``: u and v are the drawing's coordinates across the
+    Thickness times ``1 + x u + y v + xx u^2 + xy u v + yy v^2 + xxx u^3 + ...``: u and v are the drawing's coordinates across the
     closing axis, from the middle of the male's plan (0) to its ends (-1 and 1).
     """
 
@@ -125,6 +125,15 @@ class Variation(_Section):
     xz: float = 0.0
     yz: float = 0.0
     zz: float = 0.0
+    xxx: float = 0.0
+    xxy: float = 0.0
+    xyy: float = 0.0
+    yyy: float = 0.0
+    xxz: float = 0.0
+    xzz: float = 0.0
+    zzz: float = 0.0
+    yyz: float = 0.0
+    yzz: float = 0.0
 
     @model_validator(mode="after")
     def _some_is_left(self) -> Variation:

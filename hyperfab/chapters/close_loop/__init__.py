@@ -5,12 +5,13 @@ from __future__ import annotations
 import importlib
 
 from hyperfab.chapters.close_loop.domain import kind_of
+from hyperfab.chapters.close_loop.recall import MADE_BY, Parse
 from hyperfab.chapters.job import Job
 from hyperfab.errors import UsageError
 from hyperfab.io.units import quantity
 
 #: The kinds of model that the loop can be closed on, and the module of each.
-BUILT = {"material": "fabric", "mold": "heat"}
+BUILT = {"material": "fabric", "mold": "heat", "press": "press"}
 
 
 def run(
@@ -24,8 +25,12 @@ def run(
     prior: str | None,
     decimal: str | None,
     output: str,
+    parse: Parse | None = None,
 ) -> int:
-    """Close the loop on ``model``: 0, or 1 where the residual stays unexplained."""
+    """Close the loop on ``model``: 0, or 1 where the residual stays unexplained.
+
+    ``parse`` reads the words of another command's line, for documents that are models by how they were made.
+    """
     if not measured:
         raise UsageError("nothing to compare with; give measured data with --measured FILE.csv")
     kind, data = kind_of(job, model)
@@ -34,6 +39,7 @@ def run(
             f"close-loop does not take a {kind} model yet ({model}); it takes a material document of hf fit or a "
             "mold.toml"
         )
+    more: dict[str, object] = {"parse": parse} if kind in MADE_BY else {}
     chapter = importlib.import_module(f"hyperfab.chapters.close_loop.{BUILT[kind]}")
     status: int = chapter.run(
         job,
@@ -46,5 +52,6 @@ def run(
         prior=None if prior is None else quantity(prior, "dimensionless", option="--prior"),
         decimal=decimal,
         output=output,
+        **more,
     )
     return status

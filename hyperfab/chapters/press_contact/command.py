@@ -125,6 +125,7 @@ def run(
             Foam(lost, relaxed, document.shrinkage.recovery, sandwich.uneven),
             None if design is None else design[1],
         )
+        job.keep(told)
         result = document_of(told)
         advance(0.8, "pictures")
         if out.wants_files:

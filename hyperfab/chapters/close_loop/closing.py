@@ -1,0 +1,226 @@
+"""What the loop on a contact, drape or press document has in common: run the engine, tell, write."""
+
+from __future__ import annotations
+
+import os
+import shlex
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from hyperfab.chapters.close_loop.describe import describe, say
+from hyperfab.chapters.close_loop.recall import Parse, Recalled
+from hyperfab.chapters.close_loop.rerun import rerun
+from hyperfab.chapters.job import Job
+from hyperfab.console import NEGATIVE_VERDICT
+from hyperfab.documents.loop import LoopDocument
+from hyperfab.documents.provenance import relative_name
+from hyperfab.errors import HyperfabError, UsageError
+from hyperfab.io.csv_table import Table
+from hyperfab.io.json_io import dump_json
+from hyperfab.io.output import Output
+from hyperfab.io.units import quantity
+from hyperfab.loop.engine import Finding, close
+from hyperfab.loop.noise import Noise
+from hyperfab.loop.problem import Array, Problem
+
+#: Files the extended model may have beside it.
+MODEL_SUFFIXES = (".model.json", ".model.vtu", ".model.csv", ".model.png")
+_REFITS = 40.0
+
+
+@dataclass(frozen=True)
+class Extension:
+    """The command that makes the extended model: its words, and files it reads that are not written yet (by suffix)."""
+
+    words: list[str]
+    files: Mapping[str, bytes] = field(default_factory=dict)
+    notes: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
+class Axis:
+    """What the curves are drawn over: values of the rows of the first channel, and their label."""
+
+    values: Array
+    label: str
+
+
+def stated(text: str | None, kinds: Sequence[str]) -> tuple[str, float] | None:
+    """Return the kind and size of ``--noise``, which states the reading of one of ``kinds``."""
+    if text is None:
+        return None
+    failure: HyperfabError | None = None
+    for kind in kinds:
+        try:
+            value = quantity(text, kind, option="--noise")
+        except HyperfabError as error:
+            failure = failure or error
+            continue
+        if value <= 0.0:
+            raise UsageError(f"--noise {text}: must be more than zero")
+        return kind, value
+    raise failure or UsageError(f"--noise {text}: no kind of reading fits")
+
+
+def spread(table: Table, column: str) -> Array | None:
+    """Return the standard deviations a file states beside a column, or None."""
+    name = f"{column} sd"
+    return table[name] if name in table and np.all(table[name] > 0.0) else None
+
+
+def finish(
+    job: Job,
+    out: Output,
+    problem: Problem,
+    noise: Callable[[Problem, Array | None], Noise],
+    *,
+    domain: str,
+    recalled: Recalled,
+    parse: Parse,
+    axis: Callable[[Problem], Axis],
+    extend: Callable[[Finding], Extension],
+    rounds: Callable[[Problem, Finding], Problem | None] = lambda problem, found: None,
+    left_out: Mapping[str, int] | None = None,
+    warnings: Sequence[str] = (),
+    progress: tuple[Any, float] | None = None,
+) -> int:
+    """Close the loop, write the finding and the extended model; return the exit status.
+
+    ``noise`` estimates the noise, from the readings less what a model predicts. ``rounds`` returns the problem posed
+    anew around a finding (a better linearisation), or None where it is good.
+    """
+    for text in warnings:
+        job.console.warn(text)
+    told = list(warnings)
+    with job.console.progress("Closing the loop") as advance:
+        count = 0
+
+        def tick(text: str) -> None:
+            nonlocal count
+            count += 1
+            advance(0.3 + 0.7 * (1.0 - float(np.exp(-count / _REFITS))), text)
+
+        found = close_anew(problem, noise, tick)
+        for _ in range(2):
+            again = rounds(problem, found)
+            if again is None:
+                break
+            problem = again
+            found = close_anew(problem, noise, tick)
+        result = describe(problem, found, problem.units[0], left_out or {}, told, domain=domain)
+        if out.wants_files:
+            tick("the extended model")
+            _model(job, out, extend(found), result, recalled, parse)
+            _files(out, problem, found, axis(problem))
+    say(job.console, result)
+    job.write(out, result)
+    return NEGATIVE_VERDICT if found.verdict == "unexplained" else 0
+
+
+def close_anew(
+    problem: Problem,
+    noise: Callable[[Problem, Array | None], Noise],
+    tick: Callable[[str], None] = lambda text: None,
+    design: bool = True,
+) -> Finding:
+    """Close the loop; once more where what the model leaves between neighbours shows the noise to be less.
+
+    Where a field is steep, neighbours differ by more than the noise until the model tells why.
+    """
+    level = noise(problem, None)
+    found = close(problem, noise=level, tick=tick, design=design)
+    less = noise(problem, found.after.fit.predicted)
+    if np.any(less.sd < 0.85 * level.sd):
+        found = close(problem, noise=less, tick=tick, design=design)
+    return found
+
+
+def _model(
+    job: Job, out: Output, extension: Extension, result: LoopDocument, recalled: Recalled, parse: Parse
+) -> None:
+    """Run the model's own command with the found terms, and queue what it writes as the extended model."""
+    target = str(out.path(".model.json"))
+    given = {str(out.path(suffix)): data for suffix, data in extension.files.items()}
+    notes = list(extension.notes)
+    for suffix, data in extension.files.items():
+        out.add(suffix, data)
+    try:
+        made = rerun(
+            recalled.command,
+            extension.words,
+            parse(recalled.command, [*extension.words, "-o", target, "--quiet"]),
+            given,
+        )
+    except HyperfabError as error:
+        notes.append(f"hf {recalled.command} does not run with what was found: {error}")
+        result.warnings += notes
+        for text in notes:
+            job.console.warn(text)
+        return
+    document = dict(made.document)
+    tail: dict[str, Any] = {key: document.pop(key) for key in ("files", "provenance") if key in document}
+    document["effects"] = [
+        {"id": one.id, "form": one.form, "parameters": one.parameters} for one in result.effects
+    ]
+    document["constants"] = result.constants.get("with_effects", {})
+    document |= tail
+    out.add(".model.json", dump_json(document))
+    for suffix, data in made.siblings.items():
+        out.add(f".model{suffix}", data)
+    result.model = out.path(".model.json").name
+    words = [relative_name(word, target) if os.path.exists(word) or word in given else word
+             for word in extension.words]  # fmt: skip
+    result.model_command = shlex.join(["hf", recalled.command, *words, "-o", result.model])
+    for text in notes:
+        job.console.warn(text)
+    result.warnings += [*notes, *(text for text in made.warnings if text not in result.warnings)]
+
+
+def _files(out: Output, problem: Problem, found: Finding, axis: Axis) -> None:
+    from hyperfab.report.figures_loop import loop_figure
+
+    first = problem.channel == 0
+    unit = problem.units[0]
+    curves = [curve for curve in problem.curves if curve.channel == 0]
+    before, after = found.before.fit.predicted, found.after.fit.predicted
+    quantities = [curve for curve in problem.curves if curve.channel < len(problem.units)]
+    head = [
+        axis.label,
+        f"measured [{unit}]",
+        f"before [{unit}]",
+        f"after [{unit}]",
+        f"noise sd [{unit}]",
+        "file",
+    ]
+    rows = [",".join(head)]
+    place = np.full(len(problem.measured), np.nan)
+    place[np.flatnonzero(first)] = axis.values
+    for curve in quantities:
+        name = '"' + curve.name.replace('"', "'") + '"'
+        for i in range(curve.start, curve.stop):
+            at = place[i] if np.isfinite(place[i]) else curve.abscissa[i - curve.start]
+            values = (at, problem.measured[i], before[i], after[i], found.noise.sd[i])
+            rows.append(",".join([*(f"{float(v):.8g}" for v in values), name]))
+    out.add(".csv", ("\n".join(rows) + "\n").encode())
+    out.add(
+        ".png",
+        loop_figure(
+            abscissa=axis.values,
+            label=axis.label,
+            unit=unit,
+            curves=[curve.rows for curve in curves],
+            names=[curve.name for curve in curves],
+            measured=problem.measured[first],
+            before=before[first],
+            after=after[first],
+            sd=found.noise.sd[first],
+            states=problem.states,
+            scores={key: float(value.delta_bic) for key, value in found.tried.items()} or found.scores,
+            scores_label="BIC lowered by" if found.tried else "score",
+            verdict=found.verdict,
+            added=found.after.ids,
+        ),
+    )

@@ -1,0 +1,179 @@
+"""The extended press: a foam.toml with refitted constants and the found terms, and the command that presses it."""
+
+from __future__ import annotations
+
+import copy
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import tomli_w
+
+from hyperfab.chapters.close_loop.closing import Extension
+from hyperfab.chapters.close_loop.recall import Recalled, reworded
+from hyperfab.chapters.job import Job
+from hyperfab.chapters.press_contact.inputs import ALUMINIUM
+from hyperfab.chapters.press_contact.result import Told
+from hyperfab.io.csv_table import read_table
+from hyperfab.io.inputs import Inputs
+from hyperfab.io.output import Output
+from hyperfab.io.toml_io import load_toml
+from hyperfab.io.units import quantity
+from hyperfab.loop.engine import Finding
+from hyperfab.loop.press import TERMS, PressProblem
+
+#: Where the new sandwich is written.
+FOAM = ".model.foam.toml"
+_TABLE = ".model.foam.csv"
+
+
+def extend(
+    job: Job, out: Output, recalled: Recalled, told: Told, problem: PressProblem, found: Finding
+) -> Extension:
+    """Return the command of the extended press, and the files it reads."""
+    name = str(recalled.options["foam"])
+    foam = copy.deepcopy(dict(load_toml(job.inputs.read(name), name)))
+    fit = found.after.fit
+    own = {one.name: float(v) for one, v in zip(problem.own, fit.x, strict=False)}
+    terms = {key: [float(v) for v in values] for key, (_, values) in fit.terms.items()}
+    files: dict[str, bytes] = {}
+    _relocate(foam, os.path.dirname(name), str(out.path("").parent))
+    _stiffen(foam, job, name, own["foam.compression"], files, out)
+    thickness = quantity(foam["thickness"], "length") * own["foam.thickness"]
+    foam["thickness"] = f"{thickness!r} mm"
+    words: Mapping[str, str | None] = _set(recalled, told, own)
+    notes: list[str] = []
+    for key, values in terms.items():
+        if key == "tilt":
+            turned = told.frame.outward(np.array([*values, 0.0]))
+            before = foam.setdefault("press", {}).get("tilt", {})
+            if recalled.options.get("tilt"):
+                first, second = (quantity(part, "angle") for part in str(recalled.options["tilt"]).split(","))
+                axes = [axis for axis in "xyz" if axis != told.frame.axis]
+                before = {axes[0]: f"{first!r} deg", axes[1]: f"{second!r} deg"}
+                words = {**words, "--tilt": None}
+            foam["press"]["tilt"] = {
+                axis: f"{quantity(before.get(axis, '0 deg'), 'angle') + float(angle)!r} deg"
+                for axis, angle in zip("xyz", turned, strict=True)
+                if axis != told.frame.axis
+            }
+        elif key == "foam-shrinkage":
+            section = dict(foam.get("shrinkage", {}))
+            lost = 1.0 - (1.0 - told.foam.lost) * (1.0 - values[0])
+            if "time" in section:
+                dwell, time = quantity(section["dwell"], "time"), quantity(section["time"], "time")
+                lost /= -float(np.expm1(-dwell / time))
+            foam["shrinkage"] = {**section, "amount": min(lost, 0.9)}
+        elif key == "foam-relaxation":
+            foam["relaxation"] = _relaxation(foam, values, fit.terms[key][0], problem)
+        elif key == "thickness-variation":
+            one, other = (axis for axis in "xyz" if axis != told.frame.axis)
+            section = dict(foam.get("variation", {}))
+            for (i, j), coefficient in zip(TERMS[fit.terms[key][0]], values, strict=True):
+                term = i * one + j * other
+                section[term] = float(section.get(term, 0.0)) + coefficient
+            foam["variation"] = section
+        elif key == "thermal-expansion":
+            words = {**words, **_hot(foam, told, values, notes)}
+        elif key == "frame-compliance":
+            total = problem.setting.compliance + 1e-3 * values[0]
+            words = {**words, "--frame-stiffness": f"{1.0 / total!r}N/mm"}
+    files[FOAM] = tomli_w.dumps(foam).encode()
+    words = {**words, "--foam": str(out.path(FOAM)), "--design-gap": None}
+    return Extension(reworded(recalled.words, words), files, notes)
+
+
+def _set(recalled: Recalled, told: Told, own: Mapping[str, float]) -> dict[str, str | None]:
+    """Return the press as it was really set: its gap or its force."""
+    case = told.closed.case
+    if "gap" in own and case.gap is not None and own["gap"]:
+        return {"--gap": f"{max(case.gap + own['gap'], 0.0)!r}mm"}
+    if "force" in own and case.force is not None and own["force"] != 1.0:
+        return {"--force": f"{case.force * own['force']!r}N"}
+    return {}
+
+
+def _stiffen(
+    foam: dict[str, Any], job: Job, name: str, factor: float, files: dict[str, bytes], out: Output
+) -> None:
+    """Scale the compression law, as a table of its own or by its moduli."""
+    law = foam["compression"]
+    if "table" in law:
+        # Named by its place as seen from the new document.
+        original = dict(load_toml(job.inputs.read(name), name))["compression"]["table"]
+        path = Inputs.beside(name, original)
+        table = read_table(job.inputs.read(path), path, {"strain": "dimensionless", "stress": "stress"})
+        rows = ["strain [-],stress [MPa]"]
+        rows += [
+            f"{e!r},{factor * s!r}"
+            for e, s in zip(table["strain"].tolist(), table["stress"].tolist(), strict=True)
+        ]
+        files[_TABLE] = ("\n".join(rows) + "\n").encode()
+        law["table"] = out.path(_TABLE).name
+        return
+    for key in ("modulus", "plateau", "densification"):
+        if key in law:
+            law[key] = f"{factor * quantity(law[key], 'stress')!r} MPa"
+    if "mu" in law:
+        law["mu"] = [f"{factor * quantity(one, 'stress')!r} MPa" for one in law["mu"]]
+
+
+def _relaxation(
+    foam: Mapping[str, Any], values: list[float], form: str, problem: PressProblem
+) -> dict[str, Any]:
+    given = dict(foam.get("relaxation", {}))
+    dwell = given.get("dwell") or foam.get("shrinkage", {}).get("dwell")
+    if form != "share":
+        longest = max(float(np.max(one.time_s)) for one in problem.readings if one.time_s is not None)
+        dwell = dwell or f"{longest!r} s"
+        if form == "in time":
+            return {"share": values[0], "time": f"{values[1]!r} s", "dwell": dwell}
+        # A stretched exponential has no key: what has faded by the end of the dwell.
+        values = [-values[0] * float(np.expm1(-((quantity(dwell, "time") / values[1]) ** values[2])))]
+    share = given.get("share", 0.0)
+    shares = [*share] if isinstance(share, list) else [share]
+    times = given.get("time", "1 s")
+    times = [*times] if isinstance(times, list) else [times]
+    dwell = dwell or "60 s"
+    seconds = quantity(dwell, "time")
+    lasting = [
+        s * -float(np.expm1(-seconds / quantity(t, "time"))) for s, t in zip(shares, times, strict=True)
+    ]
+    left = (1.0 - sum(lasting)) * values[0]
+    # Long over by the end of the dwell.
+    return {"share": [*shares, left], "time": [*times, f"{seconds / 40.0!r} s"], "dwell": dwell}
+
+
+def _hot(foam: dict[str, Any], told: Told, values: list[float], notes: list[str]) -> dict[str, str | None]:
+    """Let both molds have the strain that was found, by their coefficients at the temperature they have."""
+    more = (values[0], values[0] + (values[1] if len(values) > 1 else 0.0))
+    section = dict(foam.get("expansion", {}))
+    words: dict[str, str | None] = {}
+    if not all(grown.even for grown in told.grown):
+        notes.append(
+            "thermal-expansion: the fields of temperature give way to even growth by their means and what was found"
+        )
+    warm = told.grown[0].temperature
+    if abs(warm - told.reference) < 1.0 or abs(warm - told.grown[1].temperature) > 1e-6 or notes:
+        coefficient = float(np.interp(told.reference, *ALUMINIUM))
+        warm = told.reference + (told.grown[0].strain + more[0]) / coefficient
+        words = {"--temperature": f"{warm!r}degC", "--male-heat": None, "--female-heat": None}
+    for side, grown, extra in zip(("male", "female"), told.grown, more, strict=True):
+        value = (grown.strain + extra) / (warm - told.reference)
+        if value < 0.0:
+            notes.append(f"thermal-expansion: the {side} mold would shrink; its coefficient is taken as 0")
+        section[side] = f"{max(value, 0.0)!r} 1/K"
+    return foam.update(expansion=section) or words
+
+
+def _relocate(node: Any, old: str, new: str) -> None:
+    """Count the names of tables and documents from the new document's folder."""
+    items = node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ()
+    for key, value in list(items):
+        named = isinstance(value, str) and (key == "table" or value.endswith(".json"))
+        if named and not os.path.isabs(value):
+            node[key] = os.path.relpath(Path(old) / value, new or ".")
+        else:
+            _relocate(value, old, new)

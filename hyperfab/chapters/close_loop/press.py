@@ -1,0 +1,277 @@
+"""The loop on a press: a press document against pressure, contact, thickness, or force over stroke."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from hyperfab.chapters.close_loop.closing import MODEL_SUFFIXES, Axis, finish, spread, stated
+from hyperfab.chapters.close_loop.extended_press import FOAM, extend
+from hyperfab.chapters.close_loop.recall import Parse, check_unchanged, recall
+from hyperfab.chapters.close_loop.rerun import rerun
+from hyperfab.chapters.job import Job
+from hyperfab.chapters.press_contact.result import Told
+from hyperfab.errors import InputError, UsageError
+from hyperfab.io.csv_table import read_table
+from hyperfab.loop.noise import Noise
+from hyperfab.loop.press import Kind, PressProblem, Reading, Setting, press_problem
+from hyperfab.loop.press_table import press_table
+from hyperfab.loop.problem import Array, Problem
+from hyperfab.loop.scatter import cloud_noise, level_of_curve
+from hyperfab.surface import Surface
+
+#: What is known of the foam's stiffness where --prior does not say.
+PRIOR = 0.10
+_KINDS: dict[str, Kind] = {
+    "stress": "pressure",
+    "length": "thickness",
+    "force": "force",
+    "dimensionless": "contact",
+}
+_COLUMNS = {"pressure": "stress", "contact": "dimensionless", "thickness": "length"}
+#: Places further off the male's front than this share of its size are of another mold.
+_OFF = 0.03
+_LEAST = 12
+
+
+def run(
+    job: Job,
+    *,
+    name: str,
+    data: Mapping[str, Any],
+    measured: list[str],
+    hold_out: list[str],
+    noise: str | None,
+    fix: list[str],
+    prior: float | None,
+    decimal: str | None,
+    output: str,
+    parse: Parse,
+) -> int:
+    """Close the loop on a press document."""
+    out = job.opened(output, (*MODEL_SUFFIXES, FOAM, ".model.foam.csv", ".png", ".csv"))
+    if any(file != "auto" for file in hold_out):
+        raise UsageError(
+            "--hold-out takes only auto for a press: each patch of readings is predicted from the others"
+        )
+    level = stated(noise, tuple(_KINDS))
+    recalled = recall(job, name, data, "press", parse)
+    files = [read_press(job, file, decimal) for file in measured]
+    out.refuse_inputs(job.inputs)
+    with job.console.progress("Closing the loop") as advance:
+        advance(0.05, "the model")
+        made = rerun(
+            recalled.command, recalled.words, {**recalled.options, "output": "-", "design_gap": None}
+        )
+        for file in made.read.files:
+            job.inputs.read(file.name)
+        check_unchanged(job, recalled, name, measured)
+        told = made.kept[-1]
+        assert isinstance(told, Told)
+        advance(0.15, "gaps over the stroke")
+        problem = pose(told, files, PRIOR if prior is None else prior, fix)
+    return finish(
+        job,
+        out,
+        problem,
+        noise_of(files, level),
+        domain="press",
+        recalled=recalled,
+        parse=parse,
+        axis=_axis,
+        extend=lambda found: extend(job, out, recalled, told, problem, found),
+        warnings=made.warnings,
+    )
+
+
+def read_press(job: Job, name: str, decimal: str | None) -> tuple[Reading, Array | None]:
+    """Read a file of ``x, y, z`` with one of pressure, contact, thickness, or of ``stroke, force``; and its sd column.
+
+    The coordinates are those of the drawing (STL).
+    """
+    optional = dict.fromkeys("xyz", "length") | dict(_COLUMNS) | {"stroke": "length", "force": "force"}
+    optional |= {f"{key} sd": kind for key, kind in {**_COLUMNS, "force": "force"}.items()} | {"time": "time"}
+    table = read_table(job.inputs.read(name), name, {}, optional=optional, decimal=decimal)
+    time = table.columns.get("time")
+    if "stroke" in table and "force" in table:
+        order = np.argsort(table["stroke"], kind="stable")
+        sd = spread(table, "force")
+        reading = Reading(name, "force", table["force"], stroke=table["stroke"], time_s=time).rows(order)
+        return reading, None if sd is None else sd[order]
+    kinds = [kind for kind in _COLUMNS if kind in table]
+    if not all(axis in table for axis in "xyz") or len(kinds) != 1:
+        raise InputError(
+            "is no reading of a press",
+            file=name,
+            remedy='give "x [mm]", "y [mm]", "z [mm]" with one of "pressure [MPa]", "contact" or "thickness [mm]", '
+            'or "stroke [mm]" with "force [N]"',
+        )
+    kind: Kind = kinds[0]  # type: ignore[assignment]
+    values = table[kind]
+    if kind == "contact" and not np.all((values == 0.0) | (values == 1.0)):
+        row = int(np.flatnonzero((values != 0.0) & (values != 1.0))[0])
+        raise InputError(
+            f"is {values[row]:g}", file=name, line=int(table.lines[row]), column="contact",
+            remedy="write 1 where it touches and 0 where it does not",
+        )  # fmt: skip
+    places = np.stack([table[axis] for axis in "xyz"], axis=1)
+    return Reading(name, kind, values, places=places, time_s=time), spread(table, kind)
+
+
+def pose(
+    told: Told,
+    files: Sequence[tuple[Reading, Array | None]],
+    prior: float,
+    fix: Sequence[str],
+) -> PressProblem:
+    """Return the problem of a closed press and its readings."""
+    closed = told.closed
+    if sum(len(reading.values) for reading, _ in files) < _LEAST:
+        raise InputError(
+            "there are too few readings to tell noise from a residual",
+            file=files[0][0].name,
+            remedy=f"give {_LEAST} or more",
+        )
+    travel = max((float(np.max(r.stroke)) for r, _ in files if r.stroke is not None), default=0.0)
+    whole, summed, correction = press_table(closed, plan_of(told), travel)
+    placed, used = [], []
+    front = Surface(closed.cold, closed.front.faces)
+    for reading, _ in files:
+        if reading.places is None:
+            placed.append(reading)
+            continue
+        corners, weights = _on_front(front, told.frame.inward(reading.places), reading)
+        placed.append(Reading(**{**vars(reading), "corners": corners, "weights": weights}))
+        used.append(np.unique(corners))
+    spare = np.linspace(0, len(whole.foam) - 1, 80).astype(np.int64)
+    chosen = np.unique(np.concatenate([spare, *used]))
+    placed = [
+        reading
+        if reading.corners is None
+        else Reading(**{**vars(reading), "corners": np.searchsorted(chosen, reading.corners)})
+        for reading in placed
+    ]
+    half = 0.5 * float(np.ptp(closed.case.male.vertices[:, :2], axis=0).max())
+    problem = press_problem(
+        (whole.of(chosen), summed, correction), setting_of(told), placed, half_mm=half, prior=prior, fixed=fix
+    )
+    names = [one.name for one in problem.own]
+    for key in fix:
+        if key not in names:
+            raise UsageError(f"--fix {key}: the press has no such constant; it has {', '.join(names)}")
+    return problem
+
+
+def setting_of(told: Told) -> Setting:
+    """Return how the press of a document was set."""
+    closed, case = told.closed, told.closed.case
+    compliance = 0.0 if case.frame is None or case.force is not None else 1.0 / case.frame
+    start = closed.pose.opening - compliance * closed.contact.closing_force
+    rate = (0.0, 0.0)
+    if case.zero_hot:
+        at = float(closed.datum.at[2])
+        rate = (at - case.male.mount, case.female.mount - at)
+    back = told.foam.recovery
+    return Setting(
+        opening=start,
+        force=case.force,
+        compliance=compliance,
+        zero_rate=rate,
+        recovery=back if back < 1.0 else None,
+        floating=case.floating,
+    )
+
+
+def plan_of(told: Told) -> Array:
+    """Return the coordinates (n, 2) of thickness variation at the vertices of the front."""
+    drawn = told.frame.outward(told.closed.case.male.vertices)
+    low, high = drawn.min(axis=0), drawn.max(axis=0)
+    half = np.where(high > low, 0.5 * (high - low), 1.0)
+    scaled = (told.frame.outward(told.closed.cold) - 0.5 * (low + high)) / half
+    return np.asarray(scaled[:, across(told)])
+
+
+def across(told: Told) -> list[int]:
+    """Return the drawing's axes across the closing axis."""
+    return [i for i, axis in enumerate("xyz") if axis != told.frame.axis]
+
+
+def _on_front(front: Surface, places: Array, reading: Reading) -> tuple[np.ndarray, Array]:
+    """Return the corners (m, 3) of the facets nearest to places, and the places' weights on them."""
+    near = front.nearest(places)
+    size = float(np.ptp(front.vertices, axis=0).max())
+    off = np.abs(near.distance)
+    far = int(np.argmax(off))
+    if off[far] > _OFF * size:
+        x, y, z = reading.places[far] if reading.places is not None else places[far]
+        raise InputError(
+            f"the place ({x:.4g}, {y:.4g}, {z:.4g}) mm is {off[far]:.3g} mm off the molding surface of the male",
+            file=reading.name,
+            remedy="give places on the male, in the coordinates of its STL",
+        )
+    corners = front.faces[near.face]
+    a, b, c = (front.vertices[corners[:, k]] for k in range(3))
+    normal = np.cross(b - a, c - a)
+    area = np.sum(normal**2, axis=1)
+    one = np.sum(np.cross(b - near.point, c - near.point) * normal, axis=1) / area
+    two = np.sum(np.cross(c - near.point, a - near.point) * normal, axis=1) / area
+    weights = np.clip(np.stack([one, two, 1.0 - one - two], axis=1), 0.0, 1.0)
+    return corners, weights / weights.sum(axis=1, keepdims=True)
+
+
+def noise_of(
+    files: Sequence[tuple[Reading, Array | None]], level: tuple[str, float] | None = None
+) -> Callable[[Problem, Array | None], Noise]:
+    """Return what tells the noise: stated, or the sd columns, or what neighbours differ by less a prediction."""
+    if level is not None and not any(reading.kind == _KINDS[level[0]] for reading, _ in files):
+        raise UsageError("--noise states another kind of reading than the files hold")
+
+    def noise(problem: Problem, predicted: Array | None) -> Noise:
+        assert isinstance(problem, PressProblem)
+        if predicted is None:
+            predicted = problem.predict(np.array([one.value for one in problem.own]), {})
+        sd, unsure, count, source = np.ones(len(problem.measured)), 0.0, 0, ""
+        for reading, column in files:
+            parts = [
+                (part, curve.rows)
+                for part, curve in zip(problem.readings, problem.curves, strict=False)
+                if part.name == reading.name
+            ]
+            rows = np.concatenate([np.arange(place.start, place.stop) for _, place in parts])
+            if level is not None and _KINDS[level[0]] == reading.kind:
+                size, known, how = level[1], np.inf, "stated"
+            elif column is not None:
+                size, known = float(np.sqrt(np.mean(column**2))), np.inf
+                how = "standard deviations in the data"
+            elif reading.stroke is not None:
+                size, known = level_of_curve(reading.values, reading.stroke)
+                how = "local differences"
+            else:
+                places = np.concatenate([part.places for part, _ in parts if part.places is not None])
+                size, known = _cloud(reading.kind, places, problem.measured[rows], predicted[rows])
+                how = "neighbouring readings"
+            sd[rows], source = size, source or how
+            count += len(rows)
+            unsure += len(rows) ** 2 / known
+        return Noise(sd, count**2 / unsure if unsure > 0.0 else np.inf, source)
+
+    return noise
+
+
+def _cloud(kind: str, places: Array, values: Array, predicted: Array) -> tuple[float, float]:
+    """Return the noise of scattered readings: what neighbours differ by, less what the model says they do."""
+    sd, dof = cloud_noise(places, values)
+    if kind == "contact":
+        # Ones and zeros: what neighbours disagree by is the edge's own width.
+        _, near = cKDTree(places).query(places, min(7, len(values)))
+        share = values[near].mean(axis=1)
+        return max(float(np.sqrt(np.mean(share * (1.0 - share)))), 0.1), dof
+    return min(sd, cloud_noise(places, values - predicted)[0]), dof
+
+
+def _axis(problem: Problem) -> Axis:
+    name = next(iter(problem.states))
+    return Axis(problem.states[name], name.replace("_", " [") + "]")

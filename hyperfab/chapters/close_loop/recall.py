@@ -1,0 +1,152 @@
+"""A contact, drape or press document as a model: the command that made it, its options, and the files it read."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from hyperfab.chapters.job import Job
+from hyperfab.documents.base import document_class, parse_document
+from hyperfab.documents.provenance import Provenance
+from hyperfab.errors import InputError, UsageError
+from hyperfab.io.inputs import Inputs
+
+#: Reads the words of a command line: command and words to the options its chapter takes.
+Parse = Callable[[str, Sequence[str]], Mapping[str, Any]]
+
+#: The command that makes each kind of document, and which of its options name files.
+MADE_BY = {
+    "contact": ("fabric-contact", ("material", "against")),
+    "drape": ("drape", ("material", "mold")),
+    "press": ("press-contact", ("male", "female", "foam", "male_heat", "female_heat", "drape")),
+}
+
+
+@dataclass(frozen=True)
+class Recalled:
+    """How a document was made: ``words`` of its command with the files where they are now, and ``options`` of the
+    chapter; ``known`` are the SHA-256 of what was read then."""
+
+    command: str
+    words: list[str]
+    options: dict[str, Any]
+    known: frozenset[str]
+    data: Mapping[str, Any]
+
+
+def recall(job: Job, name: str, data: Mapping[str, Any], kind: str, parse: Parse) -> Recalled:
+    """Return how the document ``name`` was made; every file it was made from is found again and unchanged.
+
+    Raises InputError naming what is missing or has changed since.
+    """
+    command, takes = MADE_BY[kind]
+    document = parse_document(data, name, document_class(kind))
+    provenance = document.provenance
+    if provenance is None or provenance.command != command:
+        raise InputError(
+            "does not say how it was made",
+            file=name,
+            key="provenance",
+            remedy=f"make it with hf {command}",
+        )
+    given = _options(parse, command, provenance.arguments, name)
+    words = list(provenance.arguments)
+    options = dict(given)
+    for option in takes:
+        value = given.get(option)
+        if value is None:
+            continue
+        several = isinstance(value, (list, tuple))
+        places = []
+        for one in value if several else [value]:
+            place = _found(job, name, str(one), provenance, command)
+            words = [place if word == one else word for word in words]
+            places.append(place)
+        options[option] = places if several else places[0]
+    for record in provenance.inputs:
+        # Also what the files named on the command line name in their turn.
+        _found(job, name, record.name, provenance, command)
+    return Recalled(command, words, options, frozenset(one.sha256 for one in provenance.inputs), data)
+
+
+def reparse(recalled: Recalled, parse: Parse, words: Sequence[str], target: str) -> dict[str, Any]:
+    """Return the options of the command with other ``words``, writing to ``target``."""
+    return dict(parse(recalled.command, [*words, "-o", target]))
+
+
+def check_unchanged(job: Job, recalled: Recalled, name: str, besides: Iterable[str]) -> None:
+    """Refuse files read for the model that are not those it was made from; ``besides`` were read for other ends."""
+    other = {name, *besides}
+    for file in job.inputs.files:
+        if file.name not in other and file.sha256 not in recalled.known:
+            raise _changed(file.name, name, recalled.command)
+
+
+def reworded(words: Sequence[str], changes: Mapping[str, str | None]) -> list[str]:
+    """Return a command's words with options set anew; None takes one out.
+
+    >>> reworded(["a.json", "--depth", "60mm"], {"--depth": "50mm", "--friction": "0.2"})
+    ['a.json', '--depth', '50mm', '--friction', '0.2']
+    """
+    found = list(words)
+    for option, value in changes.items():
+        if option in found:
+            at = found.index(option)
+            found[at : at + 2] = [] if value is None else [option, value]
+        elif value is not None:
+            found += [option, value]
+    return found
+
+
+def _options(parse: Parse, command: str, words: Sequence[str], name: str) -> Mapping[str, Any]:
+    try:
+        return parse(command, [*words, "-o", "-"])
+    except UsageError as error:
+        raise InputError(
+            f"has arguments that hf {command} does not take: {error}",
+            file=name,
+            key="provenance.arguments",
+            remedy=f"make it again with hf {command}",
+        ) from None
+
+
+def _found(job: Job, name: str, relative: str, provenance: Provenance, command: str) -> str:
+    """Return where an input lies now: beside the document, or below the present folder, known by its hash."""
+    if relative == "-":
+        raise InputError(
+            "was made from a document on standard input, which is gone",
+            file=name,
+            key="provenance.arguments",
+            remedy=f"keep that document in a file and run hf {command} on it",
+        )
+    wanted = {one.sha256 for one in provenance.inputs if one.name == relative}
+    first = Inputs.beside(name, relative)
+    base = os.path.basename(relative)
+    others = [relative, base, *(str(path) for path in sorted(Path().glob(f"*/{base}")))]
+    for place in (first, *(os.path.normpath(place) for place in others)):
+        if os.path.isfile(place) and (not wanted or _hash(place) in wanted):
+            job.inputs.read(place)
+            return place
+    if os.path.isfile(first):
+        raise _changed(first, name, command)
+    raise InputError(
+        f"no such file; {name} was made from it",
+        file=first,
+        remedy=f"put it back, or make {os.path.basename(name)} again with hf {command}",
+    )
+
+
+def _hash(place: str) -> str:
+    return hashlib.sha256(Path(place).read_bytes()).hexdigest()
+
+
+def _changed(file: str, name: str, command: str) -> InputError:
+    return InputError(
+        f"has changed since {name} was made from it",
+        file=file,
+        remedy=f"make {os.path.basename(name)} again with hf {command}",
+    )

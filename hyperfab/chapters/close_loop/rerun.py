@@ -1,0 +1,96 @@
+"""A command run again inside this one: its document and its files are kept in memory."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from hyperfab.chapters.job import Job
+from hyperfab.console import Console
+from hyperfab.io.inputs import MAX_BYTES, Inputs
+from hyperfab.io.output import Output
+
+
+class Overlay(Inputs):
+    """Files on disk, and those in ``given`` (by name) that are not written yet."""
+
+    def __init__(self, given: Mapping[str, bytes]) -> None:
+        super().__init__()
+        self._given = dict(given)
+
+    def read(self, name: str, limit: int = MAX_BYTES) -> bytes:
+        """Return the bytes of a file; what is given goes before what lies on disk."""
+        if name in self._given:
+            return self._take(name, self._given[name], limit)
+        return super().read(name, limit)
+
+
+class Kept(Output):
+    """An output that writes nothing."""
+
+    document: dict[str, Any]
+
+    def finish(self, document: dict[str, Any], inputs: Inputs) -> None:
+        """Keep the document, with ``files`` filled in."""
+        names = sorted(self.path(suffix).name for suffix in self._siblings)
+        self.document = {**document, "files": names} if self.wants_files else document
+
+    @property
+    def siblings(self) -> dict[str, bytes]:
+        """What would lie beside the document, by suffix."""
+        return dict(self._siblings)
+
+
+class Listener(Console):
+    """A console nobody sits at: keeps the warnings."""
+
+    def __init__(self) -> None:
+        super().__init__(quiet=True)
+        self.warnings: list[str] = []
+
+    def warn(self, text: str) -> None:
+        """Keep a warning."""
+        self.warnings.append(text)
+
+
+@dataclass
+class Rerun(Job):
+    """A run whose output is kept."""
+
+    outputs: list[Kept] = field(default_factory=list)
+    kept: list[object] = field(default_factory=list)
+
+    def opened(self, target: str, suffixes: Sequence[str]) -> Output:
+        """Return an output that is kept."""
+        self.outputs.append(Kept(target, suffixes))
+        return self.outputs[-1]
+
+    def keep(self, told: object) -> None:
+        """Keep what was computed."""
+        self.kept.append(told)
+
+
+@dataclass(frozen=True)
+class Made:
+    """What a command would have written: the document, its siblings by suffix; status, warnings, and what it kept."""
+
+    document: dict[str, Any]
+    siblings: dict[str, bytes]
+    status: int
+    warnings: list[str]
+    kept: list[object]
+    read: Inputs
+
+
+def rerun(
+    command: str, words: Sequence[str], options: Mapping[str, Any], given: Mapping[str, bytes] = {}
+) -> Made:
+    """Run ``command`` with the ``options`` its chapter takes; errors are those of the command."""
+    listener = Listener()
+    job = Rerun(command, list(words), listener, Overlay(given))
+    chapter = importlib.import_module(f"hyperfab.chapters.{command.replace('-', '_')}")
+    status = int(chapter.run(job, **options))
+    kept = job.outputs[-1]
+    return Made(kept.document, kept.siblings, status, listener.warnings, job.kept, job.inputs)

@@ -1,0 +1,1 @@
+"""What the model of a press lacks on readings between the molds."""

@@ -1,0 +1,39 @@
+"""Foam whose pressure dies away while it is held: ``relaxation`` of foam.toml."""
+
+from __future__ import annotations
+
+from hyperfab.loop.catalogue.press.scene import Scene
+from hyperfab.loop.problem import Constant, Effect, Form
+
+
+def entry(scene: Scene) -> Effect | None:
+    """Return the effect: a share of the pressure, and with readings over time its time."""
+    share = Constant("share", 0.0, 0.0, 0.95, 0.03)
+    forms = [Form("share", (share,), ((0.2,), (0.5,)), ((0.05,),))]
+    if scene.timed:
+        time = Constant(
+            "time_s", 0.3 * scene.time_s, 1e-3 * scene.time_s, 30.0 * scene.time_s, 0.1 * scene.time_s
+        )
+        half = 0.3 * scene.time_s
+        forms += [
+            Form(
+                "in time", (share, time), ((0.2, half), (0.2, 0.1 * half)), ((0.05, half), (0.05, 0.1 * half))
+            ),
+            Form(
+                "stretched",
+                (share, time, Constant("power", 1.0, 0.2, 1.5, 0.1)),
+                ((0.2, half, 1.0),),
+                refines="in time",
+            ),
+        ]
+    return Effect(
+        id="foam-relaxation",
+        title="the foam's pressure relaxes",
+        rides_on=("time_s",),
+        shown_by="the force at a held gap over time",
+        source="ISO 3385; one Maxwell branch, or Kohlrausch's stretched exponential",
+        forms=tuple(forms),
+        smooth=False,
+        mimic_share=0.95,
+        mimic_left=0.35,
+    )

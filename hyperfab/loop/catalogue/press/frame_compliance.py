@@ -1,0 +1,27 @@
+"""A press that yields under its force: ``[press] stiffness`` of foam.toml."""
+
+from __future__ import annotations
+
+from hyperfab.loop.catalogue.press.scene import Scene
+from hyperfab.loop.problem import Constant, Effect, Form
+
+
+def entry(scene: Scene) -> Effect | None:
+    """Return the effect: the frame opens in proportion to the force."""
+    whole = 1e3 * scene.travel_mm / scene.force_N
+    return Effect(
+        id="frame-compliance",
+        title="the frame of the press yields",
+        rides_on=("stroke_mm",),
+        shown_by="force over stroke with the molds metal on metal, or a dial gauge between the platens",
+        source="a linear spring in series",
+        forms=(
+            Form(
+                "spring", (Constant("compliance_mm_kN", 0.0, 0.0, 20.0 * whole, 0.02 * whole),),
+                ((0.1 * whole,), (0.5 * whole,)), ((0.02 * whole,),),
+            ),
+        ),
+        smooth=False,
+        mimic_share=0.95,
+        mimic_left=0.35,
+    )  # fmt: skip

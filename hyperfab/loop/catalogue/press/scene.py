@@ -1,0 +1,20 @@
+"""The readings an entry is scaled to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Half the male's width and its height [mm], the largest force [N], the travel from the first touch [mm], the
+    foam's pressure half pressed [MPa]; whether strokes and times were read, and the longest time [s]."""
+
+    half_mm: float
+    height_mm: float
+    force_N: float
+    travel_mm: float
+    pressure_MPa: float
+    strokes: bool
+    timed: bool
+    time_s: float

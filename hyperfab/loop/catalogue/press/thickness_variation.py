@@ -1,0 +1,31 @@
+"""Foam that is not equally thick everywhere: ``variation`` of foam.toml."""
+
+from __future__ import annotations
+
+from hyperfab.loop.catalogue.press.scene import Scene
+from hyperfab.loop.problem import Constant, Effect, Form
+
+
+def entry(scene: Scene) -> Effect | None:
+    """Return the effect: a wedge, a bowl, or both, or bent ones, over the plan of the male."""
+    x, y, xx, xy, yy = (Constant(name, 0.0, -0.8, 0.8, 0.02) for name in ("x", "y", "xx", "xy", "yy"))
+    cubes = tuple(Constant(name, 0.0, -0.8, 0.8, 0.02) for name in ("xxx", "xxy", "xyy", "yyy"))
+    some, zeros = 0.05, (0.0,) * 8
+    wedge = ((some, 0.0), (0.0, some), (-some, 0.0), (0.0, -some))
+    return Effect(
+        id="thickness-variation",
+        title="the foam is not equally thick everywhere",
+        rides_on=("x_mm", "y_mm"),
+        shown_by="the thickness of the foam before it is pressed, at nine places",
+        source="a polynomial over the plan",
+        forms=(
+            Form("wedge", (x, y), wedge, ((0.02, 0.0), (0.0, 0.02))),
+            Form("bowl", (xx, yy), wedge[:1] + wedge[2:3], ((0.02, 0.0), (0.0, 0.02))),
+            Form("quadric", (x, y, xx, xy, yy), ((some, *zeros[:4]),), ((*zeros[:4], 0.02),), refines="wedge"),
+            Form("quadric of a bowl", (xx, yy, x, y, xy), ((some, *zeros[:4]),), refines="bowl"),
+            Form("cubic", (x, y, xx, xy, yy, *cubes), ((some, *zeros),), refines="quadric"),
+        ),
+        smooth=False,
+        mimic_share=0.95,
+        mimic_left=0.35,
+    )  # fmt: skip

@@ -1,0 +1,378 @@
+"""Readings in a press as a problem of the loop: pressure, contact, thickness at places, and force over stroke."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+from scipy.special import ndtr
+
+from hyperfab.loop.catalogue import catalogue
+from hyperfab.loop.catalogue.press.scene import Scene
+from hyperfab.loop.known import known, known_curve, sure, without_prior
+from hyperfab.loop.press_table import PressTable
+from hyperfab.loop.problem import Array, Constant, Curve, Extra, Problem
+from hyperfab.loop.scatter import patches
+
+Kind = Literal["pressure", "contact", "thickness", "force"]
+Ints = NDArray[np.int64]
+
+#: Units the readings are told in.
+UNITS: dict[str, str] = {"pressure": "MPa", "contact": "1", "thickness": "mm", "force": "N"}
+#: A place reads half contact half open over this much of a gap [mm]: a film's or a paste's own thickness.
+CONTACT_BLUR = 0.05
+#: What is known of the press beside the foam's stiffness: gap [mm], force and foam thickness (shares), zero of a
+#: stroke [mm].
+GAP_SD, FORCE_SD, THICKNESS_SD, STROKE_SD = 0.02, 0.02, 0.01, 0.02
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One file: ``kind`` and values (m,); at places of the male (``corners`` (m, 3) of the table of the places with
+    their ``weights``) or at machine ``stroke`` (m,) [mm]; ``time_s`` since the foam was first pressed."""
+
+    name: str
+    kind: Kind
+    values: Array
+    corners: Ints | None = None
+    weights: Array | None = None
+    places: Array | None = None
+    stroke: Array | None = None
+    time_s: Array | None = None
+
+    def rows(self, chosen: Ints) -> Reading:
+        """Return some of the rows, in that order."""
+        parts: dict[str, Any] = {
+            key: None if value is None else value[chosen]
+            for key, value in vars(self).items()
+            if key not in ("name", "kind")
+        }
+        return Reading(self.name, self.kind, **parts)
+
+
+@dataclass(frozen=True)
+class Setting:
+    """How the press was set: the opening [mm] without a yielding frame, or the force [N]; ``compliance`` [mm/N] of
+    the frame the model has already; ``zero_rate`` (2,) is what resetting the clearance hot gives back per strain of
+    male and female [mm]; ``recovery`` the share of its compression the foam gives back, None where thickness was read
+    under the press; a ``floating`` female has no tilt of its own."""
+
+    opening: float
+    force: float | None = None
+    compliance: float = 0.0
+    zero_rate: tuple[float, float] = (0.0, 0.0)
+    recovery: float | None = None
+    floating: bool = False
+    touch_offset: float = 0.0
+
+
+@dataclass(frozen=True)
+class Moved:
+    """The press with effects: the table of what bears, its correction, and what scales the stress."""
+
+    table: PressTable
+    places: PressTable
+    factor: float
+    compliance: float
+    shift: float
+
+
+@dataclass
+class PressProblem(Problem):
+    """A press and what was read in it."""
+
+    summed: PressTable = field(kw_only=True)
+    correction: Array = field(kw_only=True)
+    places: PressTable = field(kw_only=True)
+    setting: Setting = field(kw_only=True)
+    readings: tuple[Reading, ...] = field(kw_only=True)
+    priors: tuple[Constant, ...] = field(kw_only=True)
+    scale: tuple[float, ...] = field(kw_only=True)
+    measured_files: int = field(kw_only=True)
+
+    def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
+        """Return the readings that the press would give, then what is known of the constants, then further tests."""
+        value = dict(zip((one.name for one in self.own), own, strict=True))
+        now = self._moved(value, terms)
+        found = []
+        set_to: float | None = None
+        for reading, scale in zip(self.readings, self.scale, strict=True):
+            factor = now.factor * self._relaxed(terms, reading)
+            if reading.kind == "force":
+                found.append(self._force(now, factor, reading, value.get("stroke.zero", 0.0)) * scale)
+                continue
+            if set_to is None or np.ndim(factor):
+                set_to = self._opening(now, float(np.mean(factor)), value)
+            found.append(self._at_places(now, factor, set_to, reading) * scale)
+        found.insert(self.measured_files, known(self.priors, np.asarray(own, dtype=np.float64)))
+        return np.concatenate(found)
+
+    def _moved(self, value: Mapping[str, float], terms: Mapping[str, tuple[str, Array]]) -> Moved:
+        mechanical = np.zeros(4)
+        if "tilt" in terms and not self.setting.floating:
+            mechanical[:2] = np.radians(terms["tilt"][1])
+        if "thermal-expansion" in terms:
+            given = terms["thermal-expansion"][1]
+            mechanical[2:] = given[0], given[0] + (given[1] if len(given) > 1 else 0.0)
+        foam = value["foam.thickness"]
+        if "foam-shrinkage" in terms:
+            foam *= 1.0 - float(terms["foam-shrinkage"][1][0])
+        compliance = self.setting.compliance
+        if "frame-compliance" in terms:
+            compliance += 1e-3 * float(terms["frame-compliance"][1][0])
+        tables = []
+        for table in (self.summed, self.places):
+            factor: Array | float = foam
+            if "thickness-variation" in terms:
+                form, given = terms["thickness-variation"]
+                factor = foam * np.maximum(1.0 + variation(table.plan, form, given), 0.05)
+            tables.append(table.moved(mechanical).with_foam(factor))
+        shift = float(np.dot(self.setting.zero_rate, mechanical[2:]))
+        return Moved(tables[0], tables[1], value["foam.compression"], compliance, shift)
+
+    def _relaxed(self, terms: Mapping[str, tuple[str, Array]], reading: Reading) -> Array | float:
+        if "foam-relaxation" not in terms:
+            return 1.0
+        form, given = terms["foam-relaxation"]
+        if form == "share" or reading.time_s is None:
+            return 1.0 - float(given[0])
+        power = float(given[2]) if len(given) > 2 else 1.0
+        return np.asarray(1.0 + given[0] * np.expm1(-((reading.time_s / given[1]) ** power)))
+
+    def _sum(self, now: Moved, openings: Array) -> Array:
+        """Return the force (m,) [N] of the law as it is, corrected for the thinned sum."""
+        table = now.table
+        # The correction hangs on the stroke, and moves with the first touch.
+        at = openings - now.table.first_touch + self.summed.first_touch
+        return table.force(openings) * np.interp(at, table.openings, self.correction)
+
+    def _opening(self, now: Moved, factor: float, value: Mapping[str, float]) -> float:
+        table, force = now.table, self.setting.force
+        if force is not None:
+            wanted = force * value.get("force", 1.0)
+            forces = factor * self._sum(now, table.openings)
+            falling = np.flatnonzero(np.diff(forces) < 0.0)
+            if not len(falling) or wanted > forces[0]:
+                return float(table.openings[0])
+            order = slice(falling[0], falling[-1] + 2)
+            guess = float(np.interp(-wanted, -forces[order], table.openings[order]))
+            return self._solved(lambda s: factor * self._sum(now, s) - wanted, guess)
+        start = self.setting.opening + value.get("gap", 0.0) + now.shift
+        if now.compliance == 0.0:
+            return start
+        guess = start
+        for _ in range(3):
+            guess = start + now.compliance * factor * float(self._sum(now, np.array([guess]))[0])
+        return self._solved(lambda s: now.compliance * factor * self._sum(now, s) - (s - start), guess)
+
+    @staticmethod
+    def _solved(value, guess: float) -> float:  # type: ignore[no-untyped-def]
+        """Secant steps on a falling function of the opening."""
+        a, b = guess, guess + 0.01
+        fa, fb = (float(value(np.array([s]))[0]) for s in (a, b))
+        for _ in range(6):
+            if fb == fa:
+                break
+            c = b - fb * (b - a) / (fb - fa)
+            a, fa, b = b, fb, float(np.clip(c, b - 0.5, b + 0.5))
+            fb = float(value(np.array([b]))[0])
+            if abs(b - a) < 1e-8:
+                break
+        return b
+
+    def _force(self, now: Moved, factor: Array | float, reading: Reading, zero: float) -> Array:
+        assert reading.stroke is not None
+        touch = now.table.first_touch + self.setting.touch_offset
+        stroke = reading.stroke - zero
+        if now.compliance == 0.0:
+            return np.asarray(factor * self._sum(now, touch - stroke))
+        grid = np.linspace(touch + 0.2, now.table.openings[0], 60)
+        forces = float(np.mean(factor)) * self._sum(now, grid)
+        machine = touch - grid + now.compliance * forces
+        opening = PchipInterpolator(machine, grid, extrapolate=True)(stroke)
+        return np.asarray(factor * self._sum(now, opening))
+
+    def _at_places(self, now: Moved, factor: Array | float, opening: float, reading: Reading) -> Array:
+        assert reading.corners is not None
+        assert reading.weights is not None
+        table, weights, corners = now.places, reading.weights, reading.corners
+
+        def there(values: Array) -> Array:
+            return np.asarray(np.sum(values[corners] * weights, axis=1))
+
+        at = np.array([opening])
+        gap = there(table.at(at, table.gap)[0])
+        foam, fabric = there(table.foam), there(table.fabric)
+        whole = foam + fabric
+        if reading.kind == "contact":
+            touch = there(table.at(at, table.touch)[0])
+            return np.asarray(ndtr((whole - touch) / CONTACT_BLUR))
+        if reading.kind == "thickness":
+            pressed = np.clip(gap - fabric, 0.0, foam)
+            back = self.setting.recovery
+            left = pressed if back is None else pressed + back * (foam - pressed)
+            return np.asarray(fabric + left)
+        strain = np.maximum((whole - gap) / foam, 0.0)
+        return np.asarray(factor * table.law.stress(strain))
+
+    @cached_property
+    def largest_force(self) -> float:
+        """The force [N] at the setting, as the model is."""
+        return float(self._sum(self._moved(self._given, {}), np.array([self.setting.opening]))[0])
+
+    @property
+    def _given(self) -> dict[str, float]:
+        return {one.name: one.value for one in self.own}
+
+    def extras(self) -> Sequence[Extra]:
+        """Return what could be read next: pressure, thickness and contact all over the male, and force over stroke."""
+        n = len(self.places.foam)
+        some = np.linspace(0, n - 1, 80).astype(np.int64)
+        corners, weights = np.repeat(some[:, None], 3, axis=1), np.full((80, 3), 1.0 / 3.0)
+        travel = max(self.summed.first_touch - self.summed.openings[0] - 0.3, 0.1)
+        menu: list[tuple[str, Kind, float]] = [
+            ("a pressure film over the whole male, 80 places", "pressure", 0.03),
+            (
+                "the thickness of the pressed sandwich at 80 places (clay or lead between the molds)",
+                "thickness",
+                0.0,
+            ),
+            ("spotting paste over the whole male, 80 places", "contact", 0.0),
+            ("force over stroke, 40 readings from the first touch to the deepest", "force", 0.01),
+        ]
+        first = float(np.std(self.measured[self.channel == 0])) or 1.0
+        found = []
+        for text, kind, share in menu:
+            reading = Reading(
+                text, kind, np.zeros(80 if kind != "force" else 40),
+                corners=None if kind == "force" else corners,
+                weights=None if kind == "force" else weights,
+                stroke=np.linspace(0.02, travel, 40) if kind == "force" else None,
+            )  # fmt: skip
+            # The engine takes new rows to be as loud as the old ones: they are scaled to be.
+            loud = {"thickness": 0.02, "contact": 0.3}.get(kind) or share * max(self._largest(kind), 1e-9)
+            found.append(Extra(text, {"reading": kind}, self._with(reading, 0.03 * first / loud)))
+        return found
+
+    def _largest(self, kind: str) -> float:
+        same = [np.max(np.abs(one.values)) for one in self.readings if one.kind == kind]
+        if same:
+            return float(max(same))
+        return self.largest_force if kind == "force" else float(self.places.law.stress(0.5))
+
+    def _with(self, reading: Reading, scale: float) -> Problem:
+        rows, size = len(self.measured), len(reading.values)
+        return replace(
+            self,
+            readings=(*self.readings, reading),
+            scale=(*self.scale, scale),
+            measured=np.concatenate([self.measured, np.zeros(size)]),
+            curves=(*self.curves, Curve(reading.name, rows, rows + size, np.arange(size, dtype=np.float64))),
+            states={},
+        )
+
+
+#: Powers of the two plan coordinates in each form of thickness variation.
+TERMS: dict[str, tuple[tuple[int, int], ...]] = {
+    "wedge": ((1, 0), (0, 1)),
+    "bowl": ((2, 0), (0, 2)),
+    "quadric": ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2)),
+    "quadric of a bowl": ((2, 0), (0, 2), (1, 0), (0, 1), (1, 1)),
+    "cubic": ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3)),
+}
+
+
+def variation(plan: Array, form: str, given: Array) -> Array:
+    """Return the relative change (n,) of foam thickness over the plan (n, 2)."""
+    x, y = plan[:, 0], plan[:, 1]
+    return np.asarray(sum(float(c) * x**i * y**j for c, (i, j) in zip(given, TERMS[form], strict=True)))
+
+
+def press_problem(
+    tables: tuple[PressTable, PressTable, Array],
+    setting: Setting,
+    readings: Sequence[Reading],
+    *,
+    half_mm: float,
+    prior: float = 0.10,
+    fixed: Sequence[str] = (),
+) -> PressProblem:
+    """Return the problem of ``readings``; each cloud is cut into patches, which are left out in turn.
+
+    ``tables`` are those of ``press_table``, ``half_mm`` half the width of the male.
+    """
+    whole, summed, correction = tables
+    kinds = list(dict.fromkeys(reading.kind for reading in readings))
+    parts: list[Reading] = []
+    for reading in readings:
+        if reading.places is None:
+            parts.append(reading)
+            continue
+        parts += [reading.rows(rows) for rows in patches(reading.places)]
+    constants = [Constant("foam.compression", 1.0, 0.05, 20.0, 0.1, prior)]
+    if any(reading.kind != "force" for reading in readings):
+        named = ("gap", 0.0, -1.0, 1.0, 0.02, GAP_SD)
+        if setting.force is not None:
+            named = ("force", 1.0, 0.1, 10.0, 0.02, FORCE_SD)
+        constants.append(Constant(*named))
+    if "force" in kinds:
+        constants.append(Constant("stroke.zero", 0.0, -1.0, 1.0, 0.02, STROKE_SD))
+    constants.append(Constant("foam.thickness", 1.0, 0.5, 2.0, 0.02, THICKNESS_SD))
+    priors = tuple(
+        replace(one, low=one.value, high=one.value, prior_sd=np.inf) if one.name in fixed else sure(one)
+        for one in constants
+    )
+    curves, row = [], 0
+    for number, part in enumerate(parts):
+        size = len(part.values)
+        abscissa = part.stroke if part.stroke is not None else np.arange(size, dtype=np.float64)
+        name = part.name if part.places is None else f"{part.name}, patch {number + 1}"
+        curves.append(Curve(name, row, row + size, abscissa, channel=kinds.index(part.kind)))
+        row += size
+    curves.append(known_curve(priors, row, len(kinds)))
+    deep = summed.law.stress(0.5)
+    travel = max(float(summed.first_touch - setting.opening), 0.2)
+    scene = Scene(
+        half_mm=half_mm,
+        force_N=max(float(summed.force(np.array([summed.openings[1]]))[0]), 1e-6),
+        travel_mm=travel,
+        strokes="force" in kinds,
+        timed=any(part.time_s is not None for part in parts),
+        time_s=max((float(np.max(p.time_s)) for p in parts if p.time_s is not None), default=1.0),
+        height_mm=max(float(np.max(np.abs(whole.shift[0, :, 2]))), 1.0),
+        pressure_MPa=float(deep),
+    )
+    first = [part for part in parts if part.kind == kinds[0]]
+    return PressProblem(
+        measured=np.concatenate([*(part.values for part in parts), np.zeros(curves[-1].stop - row)]),
+        curves=tuple(curves),
+        own=without_prior(priors),
+        effects=catalogue("press", scene),
+        states=_states(first),
+        units=tuple(UNITS[kind] for kind in kinds),
+        summed=summed,
+        correction=correction,
+        places=whole,
+        setting=setting,
+        readings=tuple(parts),
+        priors=priors,
+        scale=(1.0,) * len(parts),
+        measured_files=len(parts),
+    )
+
+
+def _states(parts: Sequence[Reading]) -> dict[str, Array]:
+    found: dict[str, Array] = {}
+    if parts[0].places is not None:
+        places = np.concatenate([part.places for part in parts if part.places is not None])
+        found = {f"{axis}_mm": places[:, i] for i, axis in enumerate("xyz")}
+    else:
+        found["stroke_mm"] = np.concatenate([part.stroke for part in parts if part.stroke is not None])
+    if all(part.time_s is not None for part in parts):
+        found["time_s"] = np.concatenate([part.time_s for part in parts if part.time_s is not None])
+    return found

@@ -1,0 +1,173 @@
+"""A press as numbers the loop can move quickly: the gap at chosen places over the opening, and how it shifts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.loop.problem import Array
+from hyperfab.pressing.closing import Closed
+from hyperfab.pressing.foam_law import FoamLaw
+from hyperfab.pressing.gap import normal_gap, touch_gap, vertex_areas
+from hyperfab.pressing.growth import guide_line
+
+Ints = NDArray[np.int64]
+
+#: Openings between the deepest and the first touch, and places the force is summed over, at most.
+_KNOTS, _PLACES = 33, 2000
+#: How much further [mm] the table reaches than what the model itself needs: what effects may shift it by.
+MARGIN = 1.0
+
+
+@dataclass(frozen=True)
+class PressTable:
+    """Gaps at n vertices of the male's front for each of ``openings`` (k,) [mm], evenly spaced and rising.
+
+    ``gap`` and ``touch`` (k, n) [mm]; ``shift`` (k, n, 4) is what the gap gains per radian of tilt about the two axes
+    across and per thermal strain of male and female. ``push`` (k, n) [mm^2] is each vertex' share of the area times
+    how squarely it meets the axis. ``foam`` and ``fabric`` (n,) [mm], ``plan`` (n, 2) the coordinates of thickness
+    variation, -1 to 1 over the male.
+    """
+
+    openings: Array
+    gap: Array
+    touch: Array
+    shift: Array
+    push: Array
+    foam: Array
+    fabric: Array
+    plan: Array
+    law: FoamLaw
+
+    def of(self, chosen: Ints) -> PressTable:
+        """Return the table of some of the vertices."""
+        return replace(
+            self,
+            gap=self.gap[:, chosen],
+            touch=self.touch[:, chosen],
+            shift=self.shift[:, chosen],
+            push=self.push[:, chosen],
+            foam=self.foam[chosen],
+            fabric=self.fabric[chosen],
+            plan=self.plan[chosen],
+        )
+
+    def moved(self, settings: Array) -> PressTable:
+        """Return the table with both molds' ``settings`` (4,): tilts [rad] and strains, added to what they are."""
+        if not np.any(settings):
+            return self
+        gap = self.gap + self.shift @ settings
+        ratio = np.where(np.abs(self.gap) > 1e-3, self.touch / np.where(self.gap == 0.0, 1.0, self.gap), 1.0)
+        return replace(self, gap=gap, touch=gap * ratio)
+
+    def with_foam(self, factor: Array | float) -> PressTable:
+        """Return the table with foam of other thickness."""
+        return replace(self, foam=self.foam * factor)
+
+    @property
+    def step(self) -> float:
+        """Distance between openings [mm]."""
+        return float(self.openings[1] - self.openings[0])
+
+    def at(self, openings: Array, values: Array) -> Array:
+        """Return ``values`` (k, n) at ``openings`` (m,), by cubics through the four nearest."""
+        place = np.clip((openings - self.openings[0]) / self.step, 0.0, len(self.openings) - 1.0)
+        first = np.clip(place.astype(np.int64) - 1, 0, len(self.openings) - 4)
+        t = (place - first)[:, None]
+        a, b, c, d = t, t - 1.0, t - 2.0, t - 3.0
+        weights = (-b * c * d / 6.0, a * c * d / 2.0, -a * b * d / 2.0, a * b * c / 6.0)
+        return np.asarray(sum(w * values[first + i] for i, w in enumerate(weights)))
+
+    def strain(self, gap: Array) -> Array:
+        """Return the compression of the foam in ``gap`` (..., n)."""
+        return np.maximum((self.foam + self.fabric - gap) / self.foam, 0.0)
+
+    def force(self, openings: Array) -> Array:
+        """Return the closing force (m,) [N] at ``openings``, of the law as it is."""
+        pressure = self.law.stress(self.strain(self.at(openings, self.gap)))
+        return np.asarray(np.sum(pressure * self.at(openings, self.push), axis=1))
+
+    @cached_property
+    def first_touch(self) -> float:
+        """The opening [mm] at which the sandwich is first touched."""
+        above = self.gap - (self.foam + self.fabric)
+        over = above > 0.0
+        index = np.clip(np.argmax(over, axis=0), 1, len(self.openings) - 1)
+        n = np.arange(above.shape[1])
+        low, high = above[index - 1, n], above[index, n]
+        share = np.clip(-low / np.where(high > low, high - low, 1.0), -1.0, 2.0)
+        return float(np.max(self.openings[index - 1] + share * self.step))
+
+
+def press_table(closed: Closed, plan: Array, travel: float) -> tuple[PressTable, PressTable, Array]:
+    """Return tables of all vertices of the front, and of those the force is summed over with its correction (k,).
+
+    ``plan`` (n, 2) are the front's coordinates of thickness variation; ``travel`` [mm] is the largest stroke from the
+    first touch that was measured.
+    """
+    press, front = closed.press, closed.front
+    low = min(closed.pose.opening, closed.first_touch - travel) - MARGIN
+    high = max(closed.first_touch, closed.pose.opening) + MARGIN
+    openings = np.linspace(low, high, _KNOTS)
+    line = guide_line(closed.case.male)
+    male_fixed = np.array([line[0], line[1], closed.case.male.mount])
+    pivot = np.array(closed.pose.pivot)
+    gaps, touches, shifts, pushes, exact = [], [], [], [], []
+    area = vertex_areas(front, np.ones(len(front.faces), dtype=bool))
+    for opening in openings:
+        pose = replace(closed.pose, opening=float(opening))
+        found = press.at(pose)
+        turned = front.normals if pose.angle == 0.0 else front.normals @ pose.rotation
+        along = normal_gap(pose.into_female(front.vertices), turned, press.female)
+        gaps.append(found.gap)
+        touches.append(touch_gap(front, found.gap, along))
+        exact.append(found.closing_force)
+        pushes.append(-area * found.direction[:, 2])
+        up = np.array([0.0, 0.0, float(opening)])
+        # The gap's gradient is taken at the male; the female moving by v shifts it by -v.
+        lever = front.vertices - pivot - up
+        foot = front.vertices - found.gap[:, None] * found.direction
+        female_fixed = np.array([line[0], line[1], press.female.mount]) + up
+        ways = (
+            -np.cross([1.0, 0.0, 0.0], lever),
+            -np.cross([0.0, 1.0, 0.0], lever),
+            front.vertices - male_fixed,
+            -(foot - female_fixed),
+        )
+        shifts.append(np.stack([np.sum(found.direction * way, axis=1) for way in ways], axis=1))
+    n = len(front.vertices)
+    sandwich = press.sandwich
+    table = PressTable(
+        openings=openings,
+        gap=np.stack(gaps),
+        touch=np.stack(touches),
+        shift=np.stack(shifts),
+        push=np.stack(pushes),
+        foam=np.broadcast_to(np.asarray(sandwich.foam, dtype=np.float64), (n,)).copy(),
+        fabric=np.broadcast_to(np.asarray(sandwich.fabric, dtype=np.float64), (n,)).copy(),
+        plan=plan,
+        law=sandwich.law,
+    )
+    few = _summed(table)
+    summed = few.force(openings)
+    true = np.array(exact)
+    sure = true > 0.02 * max(float(true.max()), 1e-300)
+    ratio = np.where(sure, true / np.where(summed > 0.0, summed, 1.0), np.nan)
+    known = np.flatnonzero(sure)
+    ratio = np.interp(openings, openings[known], ratio[known]) if len(known) else np.ones(len(openings))
+    return table, few, ratio
+
+
+def _summed(table: PressTable) -> PressTable:
+    """Return the vertices that ever bear, thinned to what the sum needs; their areas stand for those left out."""
+    bears = np.flatnonzero(np.min(table.gap, axis=0) < 1.3 * (table.foam + table.fabric))
+    if len(bears) <= _PLACES:
+        return table.of(bears)
+    # Along a path by height, so that every height keeps its share.
+    order = bears[np.argsort(table.gap[len(table.openings) // 2, bears], kind="stable")]
+    chosen = order[np.linspace(0, len(order) - 1, _PLACES).astype(np.int64)]
+    few = table.of(chosen)
+    return replace(few, push=few.push * (np.sum(table.push[0, bears]) / np.sum(few.push[0])))
