@@ -48,7 +48,8 @@ class Energy(Part):
     lost_J: float | None = Field(default=None, description="left through all other conditions")
     stored_J: float = Field(description="gained by the parts")
     imbalance_relative: float = Field(
-        description="largest |supplied - lost - stored| after any step, over all heat turned over"
+        description="largest |supplied - lost - stored| after any step, over all heat turned over, "
+        "at least what changes the parts by 0.1 mK"
     )
     by_condition_J: dict[str, float] = Field(
         default_factory=dict, description="heat that entered through each condition; lost heat is negative"

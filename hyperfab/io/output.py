@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import json
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -80,15 +82,46 @@ class Output:
             self._siblings[suffix] = data
 
     def finish(self, document: dict[str, Any], inputs: Inputs) -> None:
-        """Write the siblings and then the document, with ``files`` filled in; OutputError where that fails."""
+        """Write the siblings and then the document, with ``files`` filled in; OutputError where that fails.
+
+        Siblings of an earlier run that this one does not write again are removed.
+        """
         self.refuse_inputs(inputs)
         if not self.wants_files:
             write_stdout(dump_json(document))
             return
         names = {suffix: self.path(suffix) for suffix in self._siblings}
+        earlier = self._written_earlier(document.get("format"))
         document = {**document, "files": sorted(path.name for path in names.values())}
         batch = [(names[suffix], data) for suffix, data in self._siblings.items()]
         write_files([*batch, (Path(self.target), dump_json(document))])
+        inputs_read = [Path(file.name) for file in inputs.files]
+        for path in earlier - set(names.values()):
+            if not any(_same_file(path, read) for read in inputs_read):
+                with contextlib.suppress(OSError):
+                    path.unlink()
+
+    def _written_earlier(self, kind: object) -> set[Path]:
+        """Return the siblings that the document of this kind lists which is about to be replaced.
+
+        Those that are not written again would pass for this run's (a longer series of frames); nothing else goes.
+        """
+        try:
+            found = json.loads(Path(self.target).read_bytes())
+        except (OSError, ValueError, RecursionError):
+            return set()
+        if (
+            not isinstance(found, dict)
+            or found.get("format") != kind
+            or not isinstance(found.get("files"), list)
+        ):
+            return set()
+        target = Path(self.target)
+        return {
+            target.with_name(name)
+            for name in found["files"]
+            if isinstance(name, str) and name.startswith(f"{target.stem}.") and name == Path(name).name
+        }
 
 
 def _same_file(first: Path, second: Path) -> bool:

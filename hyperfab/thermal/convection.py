@@ -36,8 +36,10 @@ class Convection:
 
     def flow(self, time: float, temperature: Array) -> Array:
         """Return the nodal heat flow into the body [W]."""
-        at = self.facets.at_points(temperature)
-        return self.facets.load(-self.film(at) * (at - self.ambient.at(time)))
+        # The difference is taken at the nodes: at ambient temperature the flow is zero to the last digit.
+        ambient = self.ambient.at(time)
+        away = self.facets.at_points(temperature - ambient)
+        return self.facets.load(-self.film(ambient + away) * away)
 
     def tangent(self, time: float, temperature: Array) -> Array:
         """Return minus the derivative of the flow; a film that falls steeply counts as insulated, never negative."""

@@ -13,18 +13,22 @@ from hyperfab.thermal.model import HeatModel
 
 Array = NDArray[np.float64]
 
+#: A body that changes by less [K] has turned no heat over that an error could be measured by.
+LEAST_CHANGE = 1e-4
+
 
 @dataclass
 class Ledger:
     """Heat since the start [J]. ``entered`` has one row a step and one column a condition (then held nodes).
 
     ``supplying`` marks the heaters' columns. ``stored`` is the heat in the body after each step, less that at the
-    start.
+    start. ``least`` is the heat that changes the body by LEAST_CHANGE [J].
     """
 
     names: list[str]
     supplying: NDArray[np.bool_]
     first_stored: float
+    least: float = 0.0
     entered: list[Array] = field(default_factory=list)
     stored: list[float] = field(default_factory=list)
     moved: float = 0.0
@@ -35,7 +39,8 @@ class Ledger:
         others = [*(held.name for held in model.prescribed), *exchanged]
         names = [c.name for c in model.conditions] + others
         heaters = [isinstance(c, Heater) for c in model.conditions] + [False] * len(others)
-        return Ledger(names, np.array(heaters, dtype=bool), float(stored.sum()))
+        least = LEAST_CHANGE * float(model.lumped_capacity.sum())
+        return Ledger(names, np.array(heaters, dtype=bool), float(stored.sum()), least)
 
     def add(self, heat: Array, stored: Array, moved: float) -> None:
         """Enter one step; ``moved`` is the heat that it moved from node to node."""
@@ -66,12 +71,13 @@ class Ledger:
     def imbalance(self) -> float:
         """Return the largest |supplied - lost - stored| after any step, over the heat turned over in the whole run.
 
-        The heat turned over is all that passed through any condition, in or out, or moved inside the body.
+        The heat turned over is all that passed through any condition, in or out, or moved inside the body; at
+        least what changes the body's temperature by LEAST_CHANGE, or rounding would be held against nothing.
         """
         if not self.entered:
             return 0.0
         entered = np.cumsum([row.sum() for row in self.entered])
         turned = max(float(np.sum(np.abs(self.entered))), self.moved)
         open_by = float(np.abs(entered - np.array(self.stored)).max())
-        scale = max(turned, float(np.abs(self.stored).max()))
+        scale = max(turned, float(np.abs(self.stored).max()), self.least)
         return open_by / scale if scale > 0.0 else 0.0

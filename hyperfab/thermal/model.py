@@ -157,6 +157,8 @@ class HeatModel:
             if size <= goal or moved <= STILL:
                 uniform = self.free.astype(float)
                 capacity = dot(uniform, matrix @ uniform)
+                if step and self.linear:  # what was carried along has gathered rounding
+                    residual = self._residual(time, interval, storage, target, temperature)
                 for _ in range(BALANCINGS):
                     shift = float(residual.sum()) / capacity
                     temperature[self.free] += shift

@@ -50,7 +50,8 @@ class Settings:
 
     ``film``, ``conductivity``, ``capacity``, ``power`` scale what the document says; ``joint`` is the
     conductance of each joint [W/m^2/K], ``opened`` the resistance of each joint between parts that conduct perfectly
-    in the document [m^2 K/W]; ``start_K`` and ``ambient_K`` [K] are added to the start and to the ambient.
+    in the document [m^2 K/W]; ``start_K`` (b, groups of parts) and ``ambient_K`` [K] are added to the start and to the
+    ambient.
     The others are effects, absent at 0: ``emissivity``; ``bench`` [W/m^2/K] through faces without
     a film; ``lost`` and ``lost_per_K`` shares of the power; ``conductivity_per_K``, ``capacity_per_K``;
     ``ambient_per_s``, ``ambient_per_s2``; ``exponent`` of a film coefficient in its temperature difference.
@@ -91,7 +92,7 @@ class ReducedMold:
     parts: Array
     mean: Array
     start: Array
-    uniform: Array
+    warmer: Array
     reference_degC: float
     corners: Sequence[float] = field(default_factory=tuple)
 
@@ -145,7 +146,7 @@ class ReducedMold:
             )
             states, slopes = march(
                 grid,
-                self.start + settings.start_K[i] * self.uniform,
+                self.start + settings.start_K[i] @ self.warmer,
                 np.tensordot(settings.capacity[i], self.mass, 1),
                 conduct,
                 settings.joint[i],
@@ -227,10 +228,12 @@ def reduce(
     bench: FacetOperator | None,
     opened: Sequence[Contact] = (),
     corners: Sequence[float] = (),
+    groups: Sequence[Sequence[int]] = (),
 ) -> ReducedMold:
     """Return the reduced mold of a model whose joints that conduct perfectly are the contacts ``opened`` of it.
 
-    ``probes`` (p, n), ``start`` (n,) [degC], ``duration`` [s] of the experiment, ``bench`` the faces without a film.
+    ``probes`` (p, n), ``start`` (n,) [degC], ``duration`` [s] of the experiment, ``bench`` the faces without a film;
+    ``groups`` of parts begin at temperatures of their own, all other parts at another.
     """
     films = [c for c in model.conditions if isinstance(c, Convection)]
     radiators = [c for c in model.conditions if isinstance(c, Radiation)]
@@ -244,7 +247,8 @@ def reduce(
         return np.asarray(apart.T @ (joint.near.weights.ravel()[:, None] * apart))
 
     coefficients: Array = np.asarray(np.linalg.lstsq(basis, start, rcond=None)[0], dtype=np.float64)
-    uniform: Array = np.asarray(np.linalg.lstsq(basis, np.ones(model.size), rcond=None)[0], dtype=np.float64)
+    began = _groups(model, groups)
+    warmer: Array = np.asarray(np.linalg.lstsq(basis, began.T, rcond=None)[0].T, dtype=np.float64)
     empty = Film(np.zeros((0, basis.shape[1])), np.zeros(0), Table.constant(0.0), Table.constant(0.0))
     cooled: list[Convection | Radiation] = [*films, *radiators]
     ambient = cooled[0].ambient if cooled else Table.constant(float(np.mean(start)))
@@ -261,10 +265,21 @@ def reduce(
         parts=_part_means(model, basis),
         mean=capacity @ basis / capacity.sum(),
         start=coefficients,
-        uniform=uniform,
+        warmer=warmer,
         reference_degC=float(np.mean(start)),
         corners=tuple(corners),
     )
+
+
+def _groups(model: HeatModel, groups: Sequence[Sequence[int]]) -> Array:
+    """Return which nodes belong to the parts of no group, and to those of each (1 + groups, n); a node counts once."""
+    found = np.zeros((1 + len(groups), model.size))
+    found[0] = 1.0
+    for number, parts in enumerate(groups, start=1):
+        nodes = np.unique(model.mesh.elements[np.isin(model.mesh.parts, parts)])
+        found[:, nodes] = 0.0
+        found[number, nodes] = 1.0
+    return found
 
 
 def _part_means(model: HeatModel, basis: Array) -> Array:

@@ -164,9 +164,7 @@ def _first_length(model: HeatModel, state: State, schedule: Schedule) -> float:
     """Guess a first step: ten times the time in which the fastest mean change makes the allowed error."""
     speed = model.capacity_norm(state.rate / model.lumped_capacity)
     guess = 10.0 * schedule.tolerance / speed if speed > 0 else np.inf
-    if schedule.until is not None:
-        guess = min(guess, schedule.until / 20)
-    return guess if np.isfinite(guess) else 1.0
+    return min(guess, (LONGEST if schedule.until is None else schedule.until) / 20)
 
 
 def _length_after_jump(

@@ -149,6 +149,30 @@ def test_steady_state_balances(tmp_path):
     assert document["power_lost_W"]["convection exposed"] == pytest.approx(400.0, rel=1e-8)
 
 
+@pytest.mark.parametrize("end", ['until = "300 s"', 'target = "80 degC"', "steady = true"])
+@pytest.mark.parametrize("ambient", ["25 degC", "60 degC"])
+def test_a_mold_without_power_balances_too(tmp_path, end, ambient):
+    text = PLATE.replace('"400 W"', '"0 W"').replace('until = "300 s"', end)
+    status, document, _ = heat(tmp_path, text.replace('ambient = "25 degC"', f'ambient = "{ambient}"'))
+    assert status == 0
+    assert document["energy"]["imbalance_relative"] < 1e-10
+    if ambient == "25 degC":
+        assert document["energy"]["stored_J"] == 0.0
+        assert document["hottest"]["temperature_degC"] == document["coldest"]["temperature_degC"] == 25.0
+
+
+def test_a_shorter_run_leaves_no_frames_of_a_longer_one(tmp_path):
+    heat(tmp_path, PLATE)
+    frames = sorted(path.name for path in tmp_path.glob("heat.0*.vtu"))
+    (tmp_path / "heat.900.vtu").write_text("someone else's")
+    (tmp_path / "heat.txt").write_text("notes")
+    status, document, _ = heat(tmp_path, PLATE.replace('until = "300 s"', "steady = true"))
+    assert status == 0
+    assert len(frames) > 2
+    left = {"mold.toml", "heat.json", "heat.900.vtu", "heat.txt", *document["files"]}
+    assert {path.name for path in tmp_path.iterdir()} == left
+
+
 def test_thermostat_keeps_its_band(tmp_path):
     control = 'control = { probe = "centre", set = "60 degC", band = "2 K" }'
     text = (HEAD + HEATER + control + FILM + PROBE + RUN).replace('"12 W', '"60 W')

@@ -12,6 +12,7 @@ from hyperfab.numerics.vectors import dot
 from hyperfab.thermal import surface
 from hyperfab.thermal.curves import curve, curve_times, lagging
 from hyperfab.thermal.heater import Heater
+from hyperfab.thermal.ledger import LEAST_CHANGE
 from hyperfab.thermal.step import State
 from hyperfab.thermal.transient import History
 
@@ -63,7 +64,10 @@ def steady_document(problem: Problem, history: History) -> HeatDocument:
     """Return the document of a steady state."""
     first, last = history.states[0], history.states[-1]
     powers = _powers(problem, last)
-    turned = sum(abs(power) for power in powers.values())
+    # Against nothing but rounding, what the mold would lose if it were warmer by LEAST_CHANGE.
+    uniform = problem.model.free.astype(float)
+    conductance = dot(uniform, problem.model.steady_matrix(last.time, last.temperature) @ uniform)
+    turned = max(sum(abs(power) for power in powers.values()), LEAST_CHANGE * conductance)
     imbalance = abs(sum(powers.values())) / turned if turned else 0.0
     energy = Energy(stored_J=float((last.stored - first.stored).sum()), imbalance_relative=imbalance)
     converged = bool(np.isfinite(imbalance) and imbalance <= IMBALANCE_ALLOWED)
