@@ -10,7 +10,7 @@ from hyperfab.chapters.drape import files
 from hyperfab.chapters.drape.depths import read_depths
 from hyperfab.chapters.drape.effects import SIDES, Effects, edge_names, held, read_effects
 from hyperfab.chapters.drape.fabric import read_fabric
-from hyperfab.chapters.drape.mold import PlacedMold, read_molds
+from hyperfab.chapters.molds import PlacedMold, read_molds
 from hyperfab.chapters.drape.result import document_of, judge, tears
 from hyperfab.chapters.drape.states import Solver, State, at_depths
 from hyperfab.chapters.job import Job

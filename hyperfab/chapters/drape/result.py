@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from hyperfab.chapters.drape.fabric import Fabric, use_of
-from hyperfab.chapters.drape.mold import PlacedMold
+from hyperfab.chapters.molds import PlacedMold
 from hyperfab.chapters.drape.states import State
 from hyperfab.chapters.job import Job
 from hyperfab.cloth import Sheet

@@ -1,4 +1,4 @@
-"""The mold of ``hf drape``: read, mended or refused, and put under the sheet."""
+"""Molds that a sheet is laid on: read, mended or refused, and put under the sheet."""
 
 from __future__ import annotations
 
