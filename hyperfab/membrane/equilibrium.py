@@ -11,7 +11,7 @@ from hyperfab.membrane.contact import STIFF, Frictionless, Grip, Tangential, Ter
 from hyperfab.membrane.memory import Memory, landings, mounted, remembered
 from hyperfab.membrane.sheet import Assembled, Sheet
 from hyperfab.membrane.sphere import Nearness, Punch
-from hyperfab.numerics.linear import SingularMatrixError, SuperLUFactor, factorise
+from hyperfab.numerics.linear import Factor, SingularMatrixError
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -29,6 +29,8 @@ _LEAST_SUPPORT = 1e-6
 _SLACK_ENERGY = 1e-14
 #: Touching nodes lie on the punch to this [mm].
 _GAP_TOLERANCE = 1e-9
+#: On facets a node may be pulled off by this part of the largest nodal force and still touches.
+_FLAT = 1e-9
 
 
 class NoEquilibriumError(Exception):
@@ -143,7 +145,7 @@ class Press:
             places, touching = places + step, chosen
         raise NoEquilibriumError(f"Newton's method did not settle within {most} iterations")
 
-    def tangent(self, state: State) -> tuple[Array, SuperLUFactor]:
+    def tangent(self, state: State) -> tuple[Array, Factor]:
         """Return how the places move per mm of depth (n, 3), and the factorised stiffness at an equilibrium."""
         grip = self.tangential.begin(state.memory, state.memory.places)
         system = self._linearise(state.depth, state.places, state.touching, grip, 1e-9, False)
@@ -176,7 +178,7 @@ class Press:
         worst = float(np.abs(unbalanced).max() / max(pushed, least))
         return _Linearised(found, near, nodes, terms, spring, unbalanced, worst)
 
-    def _factor(self, system: _Linearised) -> SuperLUFactor:
+    def _factor(self, system: _Linearised) -> Factor:
         blocks = system.sheet.blocks
         if system.terms.mix is not None:
             place = np.full(len(self.sheet.mesh.nodes), -1)
@@ -185,9 +187,10 @@ class Press:
             mix = system.terms.mix[place[self.sheet.pattern.rows[mine]]]
             blocks[mine] = np.einsum("kij,kjl->kil", mix, blocks[mine])
         blocks[self.sheet.pattern.diagonal[system.nodes]] += system.terms.blocks
-        return factorise(self.sheet.pattern.matrix(blocks))
+        pattern = self.sheet.pattern
+        return pattern.solver.factorise(pattern.matrix(blocks), symmetric=self.tangential.symmetric)
 
-    def _solve(self, factor: SuperLUFactor, right: Array) -> Array:
+    def _solve(self, factor: Factor, right: Array) -> Array:
         pattern = self.sheet.pattern
         return pattern.extend(factor.solve(pattern.restrict(right)))
 
@@ -206,12 +209,14 @@ class Press:
         nodes, near = system.nodes, system.near
         normal = near.normal[nodes]
         change = -system.spring * ((step[nodes] * normal).sum(axis=1) + near.gap[nodes])
-        pressed = (system.terms.force * normal).sum(axis=1) + change > 0
+        pressed = (system.terms.force * normal).sum(axis=1) + change
         step *= min(1.0, _LARGEST_STEP * self.sheet.reach / max(float(np.abs(step).max()), 1e-300))
         if careful:
             step *= self._part_that_descends(depth, places, touching, system, step)
-        chosen = (self.punch.near(places + step, depth).gap < 0) & self._movable
-        chosen[nodes] = pressed
+        # On a flat facet a taut sheet lies without pressing: rounding must not decide there.
+        flat = near.facet is not None
+        chosen = (self.punch.near(places + step, depth).gap < (-_GAP_TOLERANCE if flat else 0.0)) & self._movable
+        chosen[nodes] = pressed > (-_FLAT * float(np.abs(pressed).max(initial=0.0)) if flat else 0.0)
         return step, chosen
 
     def _is_slack(self, system: _Linearised) -> bool:

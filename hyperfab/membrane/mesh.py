@@ -69,7 +69,7 @@ class SheetMesh:
         free[self.rim] = [slips, slips, False]
         for axis, line in enumerate(self.symmetric):
             free[line, axis] = False
-        return BlockPattern(self.elements, len(self.nodes), free)
+        return BlockPattern(self.elements, len(self.nodes), free, self.nodes)
 
     @property
     def unknowns(self) -> int:

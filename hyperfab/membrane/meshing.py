@@ -121,7 +121,10 @@ def _spread(outline: Outline, size: SizeField, fixed: Array, moving: Array) -> A
         if round_ in (2, 4, 6):
             points = _thinned(points, size, count)
         triangles = _delaunay(points)
-        bars = np.unique(np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
+        ends = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+        keys = np.unique(ends[:, 0] * len(points) + ends[:, 1])
+        bars = np.column_stack([keys // len(points), keys % len(points)])
+        clearance = _CLEARANCE * size(points[count:])
         wanted = size(0.5 * (points[bars[:, 0]] + points[bars[:, 1]]))
         for _ in range(_MOVES_PER_ROUND):
             vector = points[bars[:, 0]] - points[bars[:, 1]]
@@ -134,7 +137,7 @@ def _spread(outline: Outline, size: SizeField, fixed: Array, moving: Array) -> A
                 force[:, axis] -= np.bincount(bars[:, 1], push[:, axis], len(points))
             force[:count] = 0.0
             trial = points + _TIME_STEP * force
-            kept = outline.inside(trial[count:], _CLEARANCE * size(trial[count:]))
+            kept = outline.inside(trial[count:], clearance)
             points[count:][kept] = trial[count:][kept]
     return points
 

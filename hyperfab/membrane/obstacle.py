@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from hyperfab.membrane.sheet import Sheet
 from hyperfab.membrane.sphere import Punch
 from hyperfab.numerics.blocks import BlockPattern
-from hyperfab.numerics.linear import factorise
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -26,7 +25,7 @@ def film_over(sheet: Sheet, punch: Punch, depth: float) -> tuple[Array, Flags]:
     floor = punch.height(places[:, :2], depth)
     free = np.ones((len(mesh.nodes), 1), bool)
     free[mesh.rim] = False
-    pattern = BlockPattern(mesh.elements, len(mesh.nodes), free)
+    pattern = BlockPattern(mesh.elements, len(mesh.nodes), free, mesh.nodes)
     local = np.einsum("mqai,mqbi,mq->mab", mesh.gradients, mesh.gradients, mesh.weights)
     blocks = np.zeros((pattern.blocks, 1, 1))
     np.add.at(blocks[:, 0, 0], pattern.block_of.ravel(), local.ravel())
@@ -37,7 +36,9 @@ def film_over(sheet: Sheet, punch: Punch, depth: float) -> tuple[Array, Flags]:
         held = blocks.copy()
         held[pattern.diagonal[touching]] += stiff
         right = np.where(touching, stiff * np.where(touching, floor, 0.0), 0.0)[:, None]
-        height = pattern.extend(factorise(pattern.matrix(held)).solve(pattern.restrict(right)))[:, 0]
+        height = pattern.extend(
+            pattern.solver.factorise(pattern.matrix(held)).solve(pattern.restrict(right))
+        )[:, 0]
         pressed = touching & (np.where(touching, floor, 0.0) > height)
         chosen = (pressed | (~touching & (height < floor))) & free[:, 0]
         if (chosen == touching).all():

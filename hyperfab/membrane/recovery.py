@@ -7,6 +7,7 @@ that meet there, and differentiated (polynomial-preserving recovery; Zhang and N
 
 from __future__ import annotations
 
+import numba as nb
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,72 +15,121 @@ from hyperfab.membrane.mesh import SheetMesh
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+Indices = NDArray[np.int64]
 
 #: Weights of the corners' polynomials at the element's nodes: an own or adjacent corner counts, others stand in
 #: where those lie on the rim and have no polynomial.
-_NEAR, _FAR = 1.0, 1e-6
-_BESIDE = np.array([[0], [1], [2], [0, 1], [1, 2], [2, 0]], dtype=object)
+_FAR = 1e-6
+_SHARES = np.array(
+    [
+        [1, _FAR, _FAR, 1, _FAR, 1],
+        [_FAR, 1, _FAR, 1, 1, _FAR],
+        [_FAR, _FAR, 1, _FAR, 1, 1],
+    ]
+)  # fmt: skip
+_MIRRORS = np.array([[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]])
 
 
 def recovered_strain(mesh: SheetMesh, places: Array) -> Array:
     """Return C11, C22, C12 (n, 3) of the right Cauchy–Green tensor at the nodes for places (n, 3) [mm]."""
-    powers = [(i, j) for i in range(4) for j in range(4) if i + j <= mesh.order + 1]
-    polynomials = _fit(mesh, places, powers)
+    powers = np.array([(i, j) for i in range(4) for j in range(4) if i + j <= mesh.order + 1])
     corner_size = mesh.node_size[: mesh.corners]
+    on_line = np.zeros((2, mesh.corners), bool)
+    for axis, line in enumerate(mesh.symmetric):
+        on_line[axis, line[line < mesh.corners]] = True
+    normal, right = _sums(mesh.elements, mesh.nodes, places, corner_size, on_line, powers, _MIRRORS)
+    # The ridge decides only where a corner of the outline has too few nodes around it.
+    normal[:, range(len(powers)), range(len(powers))] += 1e-9
+    polynomials = np.asarray(np.linalg.solve(normal, right), float)
     inner = np.ones(mesh.corners, bool)
     inner[mesh.rim[mesh.rim < mesh.corners]] = False
-    total = np.zeros((len(mesh.nodes), 3, 2))
-    weight = np.full(len(mesh.nodes), 1e-12)
-    total += 1e-12 * _averaged(mesh, places)
-    for own in range(3):
-        corner = mesh.elements[:, own]
-        for local in range(mesh.elements.shape[1]):
-            node = mesh.elements[:, local]
-            share = np.where(inner[corner], _NEAR if own in _BESIDE[local] else _FAR, 0.0)
-            offset = (mesh.nodes[node] - mesh.nodes[corner]) / corner_size[corner, None]
-            slope = np.einsum("mpx,mpi->mxi", polynomials[corner], _slopes(offset, powers))
-            np.add.at(total, node, (share / corner_size[corner])[:, None, None] * slope)
-            np.add.at(weight, node, share)
-    gradient = total / weight[:, None, None]
-    strain = np.einsum("nxi,nxj->nij", gradient, gradient)
-    return np.column_stack([strain[:, 0, 0], strain[:, 1, 1], strain[:, 0, 1]])
+    return np.asarray(
+        _strains(
+            mesh.elements, mesh.nodes, corner_size, inner, polynomials, powers, _SHARES,
+            1e-12 * _averaged(mesh, places),
+        )
+    )  # fmt: skip
 
 
-def _fit(mesh: SheetMesh, places: Array, powers: list[tuple[int, int]]) -> Array:
-    """Return polynomials (corners, terms, 3) in (X - X_corner) / size of the places around each corner."""
+@nb.njit(cache=True)
+def _sums(
+    elements: Indices,
+    nodes: Array,
+    places: Array,
+    size: Array,
+    on_line: Flags,
+    powers: Indices,
+    mirrors: Array,
+) -> tuple[Array, Array]:
+    """Return the normal equations (corners, terms, terms) and (corners, terms, 3) of the polynomials.
+
+    They are in (X - X_corner) / size of the places around each corner.
+    """
     count = len(powers)
-    normal = np.zeros((mesh.corners, count, count))
-    right = np.zeros((mesh.corners, count, 3))
-    on_line = [np.isin(np.arange(mesh.corners), line) for line in mesh.symmetric]
-    for flip_x, flip_y in ((False, False), (True, False), (False, True), (True, True)):
-        mirror = np.array([-1.0 if flip_x else 1.0, -1.0 if flip_y else 1.0])
-        taking = np.ones(mesh.corners, bool)
-        if flip_x:
-            taking &= on_line[0]
-        if flip_y:
-            taking &= on_line[1]
-        for own in range(3):
-            mine = taking[mesh.elements[:, own]]
-            corner, nodes = mesh.elements[mine, own], mesh.elements[mine]
-            offset = mirror * mesh.nodes[nodes] - mesh.nodes[corner][:, None]
-            terms = _terms(offset / mesh.node_size[corner][:, None, None], powers)
-            seen = places[nodes] * np.append(mirror, 1.0)
-            np.add.at(normal, corner, np.einsum("map,maq->mpq", terms, terms))
-            np.add.at(right, corner, np.einsum("map,max->mpx", terms, seen))
-    # The ridge decides only where a corner of the outline has too few nodes around it.
-    normal[:, range(count), range(count)] += 1e-9
-    return np.asarray(np.linalg.solve(normal, right), float)
+    normal = np.zeros((len(size), count, count))
+    right = np.zeros((len(size), count, 3))
+    term = np.empty(count)
+    seen = np.empty(3)
+    for mirror in mirrors:
+        for e in range(elements.shape[0]):
+            for own in range(3):
+                corner = elements[e, own]
+                if (mirror[0] < 0 and not on_line[0, corner]) or (mirror[1] < 0 and not on_line[1, corner]):
+                    continue
+                for node in elements[e]:
+                    x = (mirror[0] * nodes[node, 0] - nodes[corner, 0]) / size[corner]
+                    y = (mirror[1] * nodes[node, 1] - nodes[corner, 1]) / size[corner]
+                    seen[0], seen[1] = mirror[0] * places[node, 0], mirror[1] * places[node, 1]
+                    seen[2] = places[node, 2]
+                    for p in range(count):
+                        term[p] = x ** powers[p, 0] * y ** powers[p, 1]
+                    for p in range(count):
+                        for q in range(count):
+                            normal[corner, p, q] += term[p] * term[q]
+                        for i in range(3):
+                            right[corner, p, i] += term[p] * seen[i]
+    return normal, right
 
 
-def _terms(offset: Array, powers: list[tuple[int, int]]) -> Array:
-    return np.stack([offset[..., 0] ** i * offset[..., 1] ** j for i, j in powers], axis=-1)
-
-
-def _slopes(offset: Array, powers: list[tuple[int, int]]) -> Array:
-    x, y = offset[..., 0], offset[..., 1]
-    by_x = [i * x ** max(i - 1, 0) * y**j for i, j in powers]
-    by_y = [j * x**i * y ** max(j - 1, 0) for i, j in powers]
-    return np.stack([np.stack(by_x, axis=-1), np.stack(by_y, axis=-1)], axis=-1)
+@nb.njit(cache=True)
+def _strains(
+    elements: Indices,
+    nodes: Array,
+    size: Array,
+    inner: Flags,
+    polynomials: Array,
+    powers: Indices,
+    shares: Array,
+    total: Array,
+) -> Array:
+    """Return the strains (n, 3) of the mean of the corners' slopes at each node; ``total`` (n, 3, 2) is kept low."""
+    weight = np.full(len(nodes), 1e-12)
+    for own in range(3):
+        for e in range(elements.shape[0]):
+            corner = elements[e, own]
+            if not inner[corner]:
+                continue
+            for local in range(elements.shape[1]):
+                node = elements[e, local]
+                share = shares[own, local]
+                x = (nodes[node, 0] - nodes[corner, 0]) / size[corner]
+                y = (nodes[node, 1] - nodes[corner, 1]) / size[corner]
+                for p in range(len(powers)):
+                    i, j = powers[p]
+                    by_x = i * x ** max(i - 1, 0) * y**j * share / size[corner]
+                    by_y = j * x**i * y ** max(j - 1, 0) * share / size[corner]
+                    for axis in range(3):
+                        total[node, axis, 0] += polynomials[corner, p, axis] * by_x
+                        total[node, axis, 1] += polynomials[corner, p, axis] * by_y
+                weight[node] += share
+    strain = np.zeros((len(nodes), 3))
+    for node in range(len(nodes)):
+        for axis in range(3):
+            f1, f2 = total[node, axis, 0] / weight[node], total[node, axis, 1] / weight[node]
+            strain[node, 0] += f1 * f1
+            strain[node, 1] += f2 * f2
+            strain[node, 2] += f1 * f2
+    return strain
 
 
 def _averaged(mesh: SheetMesh, places: Array) -> Array:

@@ -5,9 +5,15 @@ The pattern is found once; new values only have to be copied into place.
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
+
+from hyperfab.numerics.dissection import dissect
+from hyperfab.numerics.linear import DirectSolver
+from hyperfab.numerics.multifrontal import Elimination
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -17,6 +23,7 @@ class BlockPattern:
     """The pattern of a matrix that couples the nodes of each element through ``size`` × ``size`` blocks.
 
     ``elements`` (m, a) are node numbers below ``nodes``; ``free`` (nodes, size) marks the unknowns that stay.
+    ``points`` (nodes, d), where given, are their places: neighbours are then eliminated together (``solver``).
     ``block_of`` (m, a, a) is the block of each pair of element nodes, ``diagonal`` (nodes,) that of each node,
     ``rows`` (blocks,) the node whose rows a block belongs to.
 
@@ -28,7 +35,10 @@ class BlockPattern:
            [1., 1.]])
     """
 
-    def __init__(self, elements: Indices, nodes: int, free: NDArray[np.bool_]) -> None:
+    def __init__(
+        self, elements: Indices, nodes: int, free: NDArray[np.bool_], points: Array | None = None
+    ) -> None:
+        self._elements, self._points = elements, points
         count, shapes = elements.shape
         rows = np.repeat(elements, shapes, axis=1).ravel()
         columns = np.tile(elements, (1, shapes)).ravel()
@@ -45,6 +55,19 @@ class BlockPattern:
     def unknowns(self) -> int:
         """Number of rows of the matrix."""
         return int(self.free.sum())
+
+    @cached_property
+    def solver(self) -> DirectSolver:
+        """Factorises matrices of this pattern."""
+        return DirectSolver(None if self._points is None else lambda: self.elimination)
+
+    @cached_property
+    def elimination(self) -> Elimination:
+        """The plan of an elimination front by front; ValueError where the places of the nodes are not known."""
+        if self._points is None:
+            raise ValueError("the places of the nodes are not known")
+        columns = np.repeat(np.arange(self.unknowns), np.diff(self._indptr))
+        return Elimination(dissect(self._elements, self._points, self.free), self._indices, columns)
 
     def _index(self, rows: Indices, columns: Indices, nodes: int) -> None:
         """Find, for each entry of the compressed columns, its place in the array of blocks."""

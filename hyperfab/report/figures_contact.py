@@ -43,9 +43,14 @@ def contact_figure(curves: Sequence[Curve], stress: Surface | None, difference: 
     views = [("larger Cauchy stress [MPa]", stress, "viridis")] if stress is not None else []
     if difference is not None:
         views.append(("difference of the two laws' stresses [MPa]", difference, "magma"))
-    figure = Figure(figsize=(5.2 + 5.6 * len(views), 4.8), layout="constrained")
+    # A fixed layout: one that looks for the best place draws all triangles twice.
+    width = 5.2 + 5.6 * len(views)
+    figure = Figure(figsize=(width, 4.8))
     FigureCanvasAgg(figure)
-    grid = figure.add_gridspec(1, 1 + len(views), width_ratios=[1.0] + [1.15] * len(views))
+    grid = figure.add_gridspec(
+        1, 1 + len(views), width_ratios=[1.0] + [1.15] * len(views), left=0.7 / width, right=1 - 0.55 / width,
+        bottom=0.12, top=0.96, wspace=0.12,
+    )  # fmt: skip
     axes = figure.add_subplot(grid[0, 0])
     for curve, colour in zip(curves, _COLOURS, strict=False):
         axes.plot(curve.depth, curve.force, marker="o", markersize=3, color=colour, label=curve.name)

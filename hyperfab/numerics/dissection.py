@@ -1,0 +1,122 @@
+"""Nested dissection of a mesh: the order in which unknowns are eliminated, and the dense fronts this is done in.
+
+The elements are halved again and again across their longest extent. A node between two halves waits until both are
+done; a node inside a piece goes with that piece (George, SIAM J. Numer. Anal. 10 (1973) 345, on elements).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+#: Elements that are not divided any more.
+_LEAF = 16
+
+
+@dataclass(frozen=True)
+class Front:
+    """Unknowns ``first`` to ``first + pivots`` (in the order of elimination) and the later ones they are tied to.
+
+    ``rest`` (b,) are those, ascending; ``children`` the numbers of earlier fronts whose remainders go into this one,
+    ``places`` (one array a child) where the unknowns of their ``rest`` stand in this front.
+    """
+
+    first: int
+    pivots: int
+    rest: Indices
+    children: tuple[int, ...]
+    places: tuple[Indices, ...]
+
+
+@dataclass(frozen=True)
+class Dissection:
+    """The order of elimination: ``order`` (unknowns,) lists the unknowns, first eliminated first.
+
+    ``fronts``: children before parents; together their pivots are all unknowns, in order.
+    """
+
+    order: Indices
+    fronts: tuple[Front, ...]
+
+
+def dissect(elements: Indices, points: Array, free: NDArray[np.bool_]) -> Dissection:
+    """Dissect a mesh of ``elements`` (m, a) between nodes at ``points`` (n, d); ``free`` (n, s) are the unknowns.
+
+    >>> free = np.ones((3, 1), bool)
+    >>> dissect(np.array([[0, 1], [1, 2]]), np.array([[0.0], [1.0], [2.0]]), free).order
+    array([0, 1, 2])
+    """
+    levels = max(0, int(np.ceil(np.log2(len(elements) / _LEAF))))
+    piece = _pieces(points[elements].mean(axis=1), levels)
+    first = np.full(len(points), 1 << levels, np.int64)
+    last = np.full(len(points), -1, np.int64)
+    np.minimum.at(first, elements, piece[:, None])
+    np.maximum.at(last, elements, piece[:, None])
+    first = np.minimum(first, np.maximum(last, 0))
+    # Pieces are leaves of a binary tree in order: a node belongs to the lowest branch that holds all its pieces.
+    _, height = np.frexp((first ^ np.maximum(last, 0)).astype(float))
+    branch = (1 << (levels - height)) + (first >> height)
+    turn = np.empty(2 << levels, np.int64)
+    walk = _children_first(levels)
+    turn[walk] = np.arange(len(walk))
+    unknown_turn = np.repeat(turn[branch], free.shape[1])[free.ravel()]
+    order = np.argsort(unknown_turn, kind="stable")
+    ends = np.concatenate([[0], np.cumsum(np.bincount(unknown_turn, minlength=len(walk)))])
+    number = np.full(free.size, -1, np.int64)
+    number[np.flatnonzero(free.ravel())[order]] = np.arange(len(order))
+    numbers = number.reshape(free.shape)
+    by_piece = np.argsort(piece, kind="stable")
+    bounds = np.searchsorted(piece[by_piece], np.arange((1 << levels) + 1))
+    fronts: list[Front] = []
+    for step, place in enumerate(walk.tolist()):
+        begin, end = int(ends[step]), int(ends[step + 1])
+        if place >= 1 << levels:
+            leaf = place - (1 << levels)
+            seen = np.unique(numbers[elements[by_piece[bounds[leaf] : bounds[leaf + 1]]]])
+            children: tuple[int, ...] = ()
+        else:
+            children = (int(turn[2 * place]), int(turn[2 * place + 1]))
+            seen = np.union1d(fronts[children[0]].rest, fronts[children[1]].rest)
+        rest = seen[np.searchsorted(seen, end) :]
+        rows = np.concatenate([np.arange(begin, end), rest])
+        places = tuple(np.searchsorted(rows, fronts[child].rest) for child in children)
+        fronts.append(Front(begin, end - begin, rest, children, places))
+    return Dissection(order, tuple(fronts))
+
+
+def _pieces(centres: Array, levels: int) -> Indices:
+    """Return the piece of each element: halved ``levels`` times across the direction of largest spread."""
+    piece = np.zeros(len(centres), np.int64)
+    for level in range(levels):
+        count = np.bincount(piece, minlength=1 << level)
+        mean = _sums(piece, centres, 1 << level) / count[:, None]
+        away = centres - mean[piece]
+        spread = _sums(piece, (away[:, :, None] * away[:, None, :]).reshape(len(away), -1), 1 << level)
+        _, directions = np.linalg.eigh(spread.reshape(1 << level, centres.shape[1], centres.shape[1]))
+        along = (away * directions[piece, :, -1]).sum(axis=1)
+        sorted_ = np.lexsort((along, piece))
+        start = np.concatenate([[0], np.cumsum(count)[:-1]])
+        rank = np.empty_like(piece)
+        rank[sorted_] = np.arange(len(piece)) - start[piece[sorted_]]
+        piece = 2 * piece + (rank >= (count[piece] + 1) // 2)
+    return piece
+
+
+def _sums(piece: Indices, values: Array, pieces: int) -> Array:
+    return np.column_stack([np.bincount(piece, column, pieces) for column in values.T])
+
+
+def _children_first(levels: int) -> Indices:
+    """Return the branches of a binary tree (1 the root, 2 k and 2 k + 1 below k), children before parents."""
+    walk: Indices = np.array([1], np.int64)
+    for _ in range(levels):
+        # A branch at the end of each of its halves' walks: shift the walk below the root into both halves.
+        depth = np.frexp(walk.astype(float))[1] - 1
+        left, right = walk + (1 << depth), walk + (2 << depth)
+        walk = np.concatenate([left, right, [1]])
+    return walk
