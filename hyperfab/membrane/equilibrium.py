@@ -114,10 +114,11 @@ class Press:
         away, settled, step = 1.0, False, np.zeros_like(places)
         most = self.max_iterations * (4 if careful else 1)
         entered = np.zeros(len(places), int)
-        last = touching
+        last, facet = touching, None
         for iteration in range(most + 1):
             support = max(_LEAST_SUPPORT, min(1.0, away)) * (1.0 if cold else 0.1)
-            system = self._linearise(depth, places, touching, grip, support, cold)
+            system = self._linearise(depth, places, touching, grip, support, cold, facet)
+            facet = system.near.facet
             if not np.isfinite(system.worst):
                 # Beyond the limit of the law (Gent's Im, a chain's length): half the way back.
                 step = 0.5 * step
@@ -159,12 +160,19 @@ class Press:
         return np.asarray(self.sheet.pattern.free[:, 2])
 
     def _linearise(
-        self, depth: float, places: Array, touching: Flags, grip: Grip, support: float, everywhere: bool
+        self,
+        depth: float,
+        places: Array,
+        touching: Flags,
+        grip: Grip,
+        support: float,
+        everywhere: bool,
+        facet: Indices | None = None,
     ) -> _Linearised:
         found = self.sheet.assemble(places, support, everywhere)
         near = self.punch.near(places, depth)
         nodes = np.flatnonzero(touching)
-        mine = Nearness(near.gap[nodes], near.normal[nodes], near.turning[nodes])
+        mine = near.at(nodes, facet)
         spring = STIFF * np.trace(found.blocks[self.sheet.pattern.diagonal[nodes]], axis1=1, axis2=2)
         relative = places[nodes] - np.array([0.0, 0.0, depth])
         terms = grip.terms(
@@ -215,7 +223,9 @@ class Press:
             step *= self._part_that_descends(depth, places, touching, system, step)
         # On a flat facet a taut sheet lies without pressing: rounding must not decide there.
         flat = near.facet is not None
-        chosen = (self.punch.near(places + step, depth).gap < (-_GAP_TOLERANCE if flat else 0.0)) & self._movable
+        chosen = (
+            self.punch.near(places + step, depth).gap < (-_GAP_TOLERANCE if flat else 0.0)
+        ) & self._movable
         chosen[nodes] = pressed > (-_FLAT * float(np.abs(pressed).max(initial=0.0)) if flat else 0.0)
         return step, chosen
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -16,12 +17,23 @@ class Nearness:
     """How points lie to a rigid surface.
 
     ``gap`` (n,) [mm], negative inside; ``normal`` (n, 3) outward at the nearest point; ``turning`` (n, 3, 3)
-    [1/mm]: derivative of the normal with respect to the point.
+    [1/mm]: derivative of the normal with respect to the point. ``facet`` (n,): number of the nearest facet, where
+    there are any; the normal turns from facet to facet then, and ``turning`` is its mean.
     """
 
     gap: Array
     normal: Array
     turning: Array
+    facet: Indices | None = None
+
+    def at(self, nodes: Indices, before: Indices | None = None) -> Nearness:
+        """Return the same for some ``nodes`` (k,). Those still on the facet ``before`` (n,) see no turning normal."""
+        turning = self.turning[nodes]
+        if self.facet is None:
+            return Nearness(self.gap[nodes], self.normal[nodes], turning)
+        if before is not None:
+            turning = np.where((self.facet[nodes] == before[nodes])[:, None, None], 0.0, turning)
+        return Nearness(self.gap[nodes], self.normal[nodes], turning, self.facet[nodes])
 
 
 class Punch(Protocol):
