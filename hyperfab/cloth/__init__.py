@@ -5,9 +5,9 @@ from .cascade import drape
 from .law import SpringLaw, piecewise_linear, tabulate
 from .mold import Mold, mold_of, raised
 from .net import Sheet
-from .newton import Equilibrium, Step
 from .path import Rest, follow
 from .start import HeldNodeInside
+from .state import Equilibrium, Step
 
 __all__ = [
     "Answers",

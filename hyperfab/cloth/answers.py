@@ -14,7 +14,7 @@ from .energy import ROWS
 from .law import Floats, SpringLaw
 from .mold import FREE, Ints, Mold
 from .net import Sheet
-from .newton import Equilibrium, State
+from .state import Equilibrium, State
 
 #: A spring shorter than its rest length by more than this share is slack (below it: rounding).
 SLACK = 1e-9

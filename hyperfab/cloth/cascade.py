@@ -6,8 +6,9 @@ from collections.abc import Callable
 
 from .mold import Mold
 from .net import Sheet
-from .newton import Equilibrium, Step, equilibrium
+from .newton import equilibrium
 from .start import lowered, refined
+from .state import Equilibrium, Step
 
 #: The first grid has at most this many nodes a side; a few hundred unknowns find the contact at no cost.
 COARSEST = 24

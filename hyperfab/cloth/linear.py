@@ -28,8 +28,8 @@ class Tangent:
     coupling: Floats  # (k, 9) between their two nodes
 
     @classmethod
-    def empty(cls, n: int, m: int, sheared: bool) -> Tangent:
-        """Room for an n by m grid."""
+    def empty(cls, n: int, m: int, sheared: bool, q: Floats | None = None) -> Tangent:
+        """Room for an n by m grid; ``q`` are projectors kept elsewhere."""
         cells = (n - 1, m - 1, 6) if sheared else (0, 0, 6)
         return cls(
             np.zeros((n - 1, m, 6)),
@@ -37,7 +37,7 @@ class Tangent:
             np.zeros(cells),
             np.zeros(cells),
             np.zeros((n, m, 6)),
-            np.zeros((n, m, 6)),
+            np.zeros((n, m, 6)) if q is None else q,
             np.zeros((0, 4), np.int64),
             np.zeros((0, 9)),
         )

@@ -17,8 +17,9 @@ from .friction import STUCK, Friction
 from .law import Floats
 from .mold import FREE, Mold, raised
 from .net import FIXED, Sheet
-from .newton import Equilibrium, State, Step, equilibrium
+from .newton import equilibrium
 from .start import settled
+from .state import Equilibrium, State, Step
 
 #: Steps in between are brought to this residual at least; the ones asked for to the tolerance.
 BETWEEN = 1e-5

@@ -13,12 +13,11 @@ import numpy as np
 
 from hyperfab.numerics.kernels import kernel
 
-from .contact import settle
-from .energy import Energy
+from .balance import Balance
 from .law import Floats
 from .mold import Mold
 from .net import Arrays, Sheet
-from .newton import RELAXED, Equilibrium, State, Step, step_to, stiffness_scale
+from .state import Equilibrium, State, Step
 
 #: Every so many steps a line of the history is kept.
 EVERY = 10
@@ -68,62 +67,24 @@ def relax(
 
     The result says what residual was reached; ``converged`` only where it is within ``tolerance``.
     """
-    n, m = sheet.n, sheet.m
-    model, fixed = Energy(sheet, mold), sheet.fixed
-    now, trial = start.copy(), start.copy()
-    f, r, d, q = np.zeros((n, m, 3)), np.zeros((n, m, 3)), np.zeros((n, m, 3)), np.zeros((n, m, 6))
-    press, before = np.zeros((n, m)), np.full((n, m), -1)
-    unstretched = RELAXED * stiffness_scale(sheet) * float(model.net.rest.max())
+    balance = Balance(sheet, mold, tolerance)
+    now, trial, d = start.copy(), start.copy(), np.zeros((sheet.n, sheet.m, 3))
     history: list[Step] = []
     status = f"the relaxation's step does not vanish: its residual floors near 1/c, c = {c:g}"
     for iteration in range(largest + 1):
-        energy, strongest = model.forces(now.x, now.clear, f)
-        laid = (model.springs, model.ways, model.hinges())
-        slack = 1e-3 * tolerance * strongest
-        worst, where, contacts, changed, _ = settle(
-            now.x,
-            f,
-            mold,
-            model.net,
-            *laid,
-            fixed,
-            slack,
-            now.contact,
-            now.slot,
-            before,
-            now.clear,
-            q,
-            r,
-            press,
-        )
-        relative = worst / max(strongest, unstretched)
-        done = relative <= tolerance
+        balance.forces(now)
+        balance.settle(now)
+        done = balance.residual <= tolerance
         if iteration % EVERY == 0 or done or iteration == largest:
-            history.append(Step((n, m), iteration, energy, relative, contacts, 1.0, 0, changed > 0))
+            history.append(balance.line(iteration))
             if report:
                 report(history[-1])
         if done:
             status = ""
             break
         if iteration < largest:
-            _steps(now.x, model.net, r, c, d)
-            before = now.slot.copy()
-            step_to(now.x, d, 1.0, mold, now, trial, *laid)
+            _steps(now.x, balance.model.net, balance.r, c, d)
+            balance.before = now.slot.copy()
+            balance.move(now, d, 1.0, trial)
             now, trial = trial, now
-    return Equilibrium(
-        now,
-        not status,
-        energy,
-        worst,
-        relative,
-        divmod(where, m),
-        press,
-        f,
-        r,
-        strongest,
-        model.springs,
-        model.ways[:, 12],
-        model.push,
-        status,
-        history,
-    )
+    return balance.ended(now, status, history)

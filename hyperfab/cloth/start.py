@@ -13,7 +13,7 @@ from .features import beside
 from .law import Floats
 from .mold import FREE, ON_FACE, Ints, Mold, States
 from .net import FIXED, Sheet
-from .newton import State
+from .state import State
 
 
 @kernel

@@ -1,0 +1,141 @@
+"""The balance of forces on a sheet at a place: contact decided, residual found. What every solver asks at each step."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .contact import move, settle
+from .energy import ROWS, Energy
+from .law import Floats
+from .mold import Ints, Mold
+from .net import Sheet
+from .state import Equilibrium, State, Step
+
+#: Springs whose forces stay below their section's stiffness times this are unstretched but for rounding.
+RELAXED = 1e-8
+
+
+class Balance:
+    """Forces ``f``, projectors ``q`` on the allowed subspaces, unbalanced forces ``r`` and contact forces ``press``.
+
+    A node is let go by the mold when pulled off it by more than a thousandth of ``tolerance`` (relative).
+    """
+
+    def __init__(self, sheet: Sheet, mold: Mold, tolerance: float) -> None:
+        n, m = sheet.n, sheet.m
+        self.size, self.fixed, self.tolerance = (n, m), sheet.fixed, tolerance
+        self.model = Energy(sheet, mold)
+        self.f: Floats = np.zeros((n, m, 3))
+        self.r: Floats = np.zeros((n, m, 3))
+        self.q: Floats = np.zeros((n, m, 6))
+        self.press: Floats = np.zeros((n, m))
+        self.before: Ints = np.full((n, m), -1)  # facet of each node before its last step
+        self.stiffness = stiffness_scale(sheet)
+        self.unstretched = RELAXED * self.stiffness * float(self.model.net.rest.max())
+        self.energy, self.strongest = 0.0, 0.0
+        self.worst, self.where, self.contacts, self.released = 0.0, 0, 0, 0
+
+    @property
+    def residual(self) -> float:
+        """Largest unbalanced nodal force over the largest spring force."""
+        return self.worst / max(self.strongest, self.unstretched)
+
+    def forces(self, now: State) -> None:
+        """Find the energy and the forces."""
+        self.energy, self.strongest = self.model.forces(now.x, now.clear, self.f)
+
+    def settle(self, now: State) -> None:
+        """Decide the contact of every node under the forces; nodes put onto a valley or off an edge change them."""
+        self.released = 0
+        while True:
+            self.worst, self.where, self.contacts, released, moved = settle(
+                now.x,
+                self.f,
+                self.model.mold,
+                self.model.net,
+                *self.laid(),
+                self.fixed,
+                1e-3 * self.tolerance * self.strongest,
+                now.contact,
+                now.slot,
+                self.before,
+                now.clear,
+                self.q,
+                self.r,
+                self.press,
+            )
+            self.released += released
+            if not moved:
+                return
+            self.forces(now)
+
+    def laid(self) -> tuple[Ints, Floats, Ints]:
+        """Springs laid over sharp edges at the place of the last forces, their ways, and those of each node."""
+        return self.model.springs, self.model.ways, self.model.hinges()
+
+    def move(
+        self, now: State, d: Floats, alpha: float, out: State, laid: tuple[Ints, Floats, Ints] | None = None
+    ) -> None:
+        """``out`` = nodes at ``now.x + alpha d``, back on the mold where they touch it; ``laid`` as at ``now``."""
+        laid = laid or self.laid()
+        n, m = self.size
+        rows = max(1, ROWS // m)
+        for i in range(0, n, rows):
+            move(
+                now.x,
+                d,
+                alpha,
+                self.model.mold,
+                now.contact,
+                now.slot,
+                now.clear,
+                out.x,
+                out.contact,
+                out.slot,
+                out.clear,
+                now.crossed,
+                out.crossed,
+                *laid,
+                i,
+                min(i + rows, n),
+            )
+
+    def line(self, iteration: int, alpha: float = 1.0, inner: int = 0) -> Step:
+        """A line of the history."""
+        return Step(
+            self.size,
+            iteration,
+            self.energy,
+            self.residual,
+            self.contacts,
+            alpha,
+            inner,
+            self.released > 0,
+        )
+
+    def ended(self, now: State, status: str, history: list[Step]) -> Equilibrium:
+        """The end of a solve at ``now``, converged where ``status`` is empty."""
+        return Equilibrium(
+            now,
+            not status,
+            self.energy,
+            self.worst,
+            self.residual,
+            divmod(self.where, self.size[1]),
+            self.press,
+            self.f,
+            self.r,
+            self.strongest,
+            self.model.springs,
+            self.model.ways[:, 12],
+            self.model.push,
+            status,
+            history,
+        )
+
+
+def stiffness_scale(sheet: Sheet) -> float:
+    """Stiffness of the stiffest spring at rest, N/mm."""
+    net = sheet.arrays
+    warp, weft = sheet.warp(1.0 + 1e-9)[2][0], sheet.weft(1.0 + 1e-9)[2][0]
+    return float(max(warp * net.warp_area.max() / net.rest[0], weft * net.weft_area.max() / net.rest[1]))
