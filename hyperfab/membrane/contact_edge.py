@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.membrane.contact_front import ContactFront, contact_front
 from hyperfab.membrane.equilibrium import Press, State
 
 Array = NDArray[np.float64]
@@ -44,13 +45,20 @@ class ContactEdge:
         angle = np.linspace(0.0, 2 * np.pi, count, endpoint=False)
         return np.asarray(self.radius(angle)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)]))
 
+    def beyond(self, points: Array) -> Array:
+        """Return how far (n,) [mm] points (n, 2) lie outside of the circle of the mean radius."""
+        return np.asarray(np.maximum(np.hypot(points[:, 0], points[:, 1]) - self.mean, 0.0))
+
     def encloses(self, points: Array) -> NDArray[np.bool_]:
         """Whether points (n, 2) lie inside the curve."""
         return np.hypot(points[:, 0], points[:, 1]) < self.radius(np.arctan2(points[:, 1], points[:, 0]))
 
 
-def contact_edge(press: Press, state: State, *, deformed: bool = False) -> ContactEdge | None:
-    """Return the edge of contact, on the undeformed sheet or in ``deformed`` places; None without contact."""
+def contact_edge(press: Press, state: State, *, deformed: bool = False) -> ContactEdge | ContactFront | None:
+    """Return the edge of contact, on the undeformed sheet or in ``deformed`` places; None without contact.
+
+    That of a sphere is a curve around its axis; that of a punch with facets may lie anywhere.
+    """
     mesh = press.sheet.mesh
     if not state.touching.any() or state.force <= 0.0:
         return None
@@ -60,7 +68,10 @@ def contact_edge(press: Press, state: State, *, deformed: bool = False) -> Conta
     judge &= press.sheet.pattern.free[:, 2]
     inside = state.touching & judge
     last = float(radius[inside].max()) if inside.any() else 0.0
-    gap = press.punch.near(state.places, state.depth).gap
+    near = press.punch.near(state.places, state.depth)
+    gap = near.gap
+    if near.facet is not None:
+        return contact_front(mesh, place, state.touching, gap)
     edge_length = float(mesh.node_size[np.argmin(np.abs(radius - last))])
     window = judge & ~state.touching & (gap > 0) & (radius < last + _WINDOW * edge_length)
     multiple = 2 if mesh.copies == 4 else 1

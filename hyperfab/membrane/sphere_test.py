@@ -16,7 +16,9 @@ from numpy.typing import NDArray
 
 from hyperfab.membrane.contact import Frictionless, Tangential
 from hyperfab.membrane.contact_edge import ContactEdge, contact_edge
+from hyperfab.membrane.contact_front import ContactFront
 from hyperfab.membrane.equilibrium import NoEquilibriumError, Press, State
+from hyperfab.membrane.facets import Facets
 from hyperfab.membrane.mesh import SheetMesh, interpolate, sheet_mesh
 from hyperfab.membrane.meshing import SizeField, graded, triangulate
 from hyperfab.membrane.outline import Outline
@@ -31,6 +33,8 @@ Array = NDArray[np.float64]
 _GROWTH = 0.25
 #: Edges on the sphere, relative to its radius; edges at the contact edge, relative to the mesh size.
 _ON_SPHERE, _AT_EDGE = 1 / 8, 1 / 4
+#: Part of the punch's width that the rough mesh takes for touched.
+_TOUCHED = 0.8
 #: Edges of the rough mesh away from the sphere, at least, relative to half the size of the sheet.
 _ROUGH = 0.08
 #: Edges at the pole of the sphere where there is friction, relative to the mesh size.
@@ -65,6 +69,7 @@ class SphereTest:
     jitter: float = 0.0
     friction: Tangential = field(default_factory=Frictionless)
     rim_slip: float = 0.0
+    facets: Facets | None = None
 
 
 @dataclass(frozen=True)
@@ -80,21 +85,19 @@ class Solved:
 class Outcome:
     """A test's path, and its equilibria on fitted meshes in order of depth.
 
-    ``trace``: depth and force of every load step; ``extrapolated``: the last force for load steps of length zero,
-    where it hangs on them.
+    ``extrapolated``: the last force for load steps of length zero, where it hangs on them.
     """
 
     rough: Press
     path: Path
     solved: list[Solved] = field(default_factory=list)
-    trace: list[tuple[float, float]] = field(default_factory=list)
     extrapolated: float | None = None
 
 
 def press_on(test: SphereTest, mesh: SheetMesh) -> Press:
     """Return the sheet of a test on ``mesh`` and its sphere."""
     sheet = Sheet(mesh, test.law, test.thickness, test.prestretch, test.rim_slip)
-    return Press(sheet, Sphere(test.radius), test.friction)
+    return Press(sheet, test.facets or Sphere(test.radius), test.friction)
 
 
 def rough_path(
@@ -103,17 +106,29 @@ def rough_path(
     """Follow the test through ``depths`` [mm] on a mesh that is uniform where the sphere may touch."""
     coarse = max(test.mesh_size, _ROUGH * test.outline.reach)
     inner = min(coarse, test.radius * _ON_SPHERE)
-    span = 0.8 * test.radius
+    beyond_punch = _beyond(test, depths[-1])
 
     def size(points: Array) -> Array:
-        beyond = np.maximum(np.hypot(points[:, 0], points[:, 1]) - span, 0.0)
+        beyond = beyond_punch(points)
         return np.asarray(np.minimum(coarse, inner + _GROWTH * beyond))
 
     press = press_on(test, _mesh(test, size))
     return press, follow(press, depths, watch)
 
 
-def fitted_mesh(test: SphereTest, edges: Sequence[ContactEdge], level: float = 0.0) -> SheetMesh:
+def _beyond(test: SphereTest, depth: float) -> SizeField:
+    """Return how far [mm] points (n, 2) lie outside of where the punch may touch: most of a circle or of a box."""
+    if test.facets is None:
+        span = _TOUCHED * test.radius
+        return lambda points: np.maximum(np.hypot(points[:, 0], points[:, 1]) - span, 0.0)
+    above = test.facets.above(depth)[:, :2]
+    middle, half = 0.5 * (above.min(axis=0) + above.max(axis=0)), 0.5 * np.ptp(above, axis=0)
+    return lambda points: np.linalg.norm(np.maximum(np.abs(points - middle) - _TOUCHED * half, 0.0), axis=1)
+
+
+def fitted_mesh(
+    test: SphereTest, edges: Sequence[ContactEdge | ContactFront], level: float = 0.0
+) -> SheetMesh:
     """Mesh the sheet finely along ``edges`` of contact; each ``level`` is one step finer."""
     coarse = test.mesh_size / _FINER**level
     on_sphere = min(coarse, test.radius * _ON_SPHERE / _FINER**level)
@@ -128,8 +143,8 @@ def fitted_mesh(test: SphereTest, edges: Sequence[ContactEdge], level: float = 0
     def size(points: Array) -> Array:
         wanted = pole(points) if test.friction.remembers else np.full(len(points), coarse)
         for edge, at_edge in zip(edges, sizes, strict=True):
-            beyond = np.maximum(np.hypot(points[:, 0], points[:, 1]) - edge.mean, 0.0)
-            wanted = np.minimum(wanted, np.minimum(at_edge(points), on_sphere + _GROWTH * beyond))
+            inner = on_sphere + _GROWTH * edge.beyond(points)
+            wanted = np.minimum(wanted, np.minimum(at_edge(points), inner))
         return wanted
 
     return _mesh(test, size)
@@ -179,7 +194,6 @@ def run(
             watch(solved.state)
     for outcome in outcomes:
         outcome.solved.sort(key=lambda solved: solved.state.depth)
-        outcome.trace = [(solved.state.depth, solved.state.force) for solved in outcome.solved]
     return outcomes
 
 

@@ -1,0 +1,95 @@
+"""A rigid punch with flat facets: exact distance to the facets, their normals, and the curvature they stand for.
+
+Where a point is nearest to the inside of a facet the normal is the facet's own. Near edges and corners it is the
+direction to the nearest point, which turns from one facet's normal to the next. The sheet touches the facets as they
+are; the curvature of the surface that they approximate serves Newton's stiffness alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.membrane.sphere import Nearness
+from hyperfab.surface import Surface
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+#: Closer to an edge or corner than this part of the punch's size the direction to it is lost in rounding.
+_CLOSE = 1e-9
+#: An edge that turns by more than this (radians) is meant to be sharp: its facets stand for no curved surface.
+_SHARP = 0.45
+
+
+@dataclass(frozen=True)
+class Facets:
+    """The surface of a punch in its own coordinates, moved by ``shift`` (3,) [mm], its highest point to z = 0.
+
+    >>> from hyperfab.surface import Surface
+    >>> cone = Surface([[0, 0, 5], [9, 0, 0], [0, 9, 0], [-9, -9, 0]], [[0, 1, 2], [0, 2, 3], [0, 3, 1]])
+    >>> Facets(cone, np.array([0.0, 0.0, -5.0])).near(np.array([[0.0, 0.0, 3.0]]), depth=1.0).gap
+    array([2.])
+    """
+
+    surface: Surface
+    shift: Array
+    _seen: dict[int, Indices] = field(default_factory=dict, repr=False, compare=False)
+
+    def near(self, places: Array, depth: float) -> Nearness:
+        """Return how the points (n, 3) lie to the facets pushed in by ``depth`` [mm]."""
+        surface = self.surface
+        points = places - self.shift - np.array([0.0, 0.0, depth])
+        # The same nodes come again and again, hardly moved: their facets make the search short.
+        found = surface.nearest(points, hint=self._seen.get(len(points)))
+        self._seen[len(points)] = found.face
+        own = surface.normals[found.face]
+        inner = found.feature == 0
+        lost = np.abs(found.distance) < _CLOSE * self.size
+        normal = np.where((inner | lost)[:, None], own, found.normal)
+        gap = np.where(inner, ((points - found.point) * own).sum(axis=1), found.distance)
+        return Nearness(gap, normal, self._curvature[found.face], found.face)
+
+    def height(self, plane: Array, depth: float) -> Array:
+        """Return the height (n,) of the highest facet above points (n, 2) of the plane; minus infinity beside it."""
+        high = float(self.surface.bounds[0, 5]) + 1.0
+        origins = np.column_stack([plane - self.shift[:2], np.full(len(plane), high)])
+        way, _ = self.surface.ray(origins, [0.0, 0.0, -1.0])
+        return np.where(np.isfinite(way), high - way + self.shift[2] + depth, -np.inf)
+
+    @cached_property
+    def _curvature(self) -> Array:
+        """Shape operators (m, 3, 3) [1/mm] of what the facets stand for; zero beside edges that are meant to be sharp."""
+        surface = self.surface
+        face, edge = np.nonzero(np.abs(surface.edge_turn) > _SHARP)
+        sharp = np.zeros(len(surface.vertices), bool)
+        sharp[surface.faces[face, edge]] = sharp[surface.faces[face, (edge + 1) % 3]] = True
+        flat = sharp[surface.faces].any(axis=1)
+        return np.where(flat[:, None, None], 0.0, surface.curvature)
+
+    def above(self, depth: float) -> Array:
+        """Return corners (k, 3) [mm] of what rises above the sheet's plane, z = 0, where it is pushed in by ``depth``."""
+        vertices = self.surface.vertices + self.shift + np.array([0.0, 0.0, depth])
+        first = self.surface.faces.ravel()
+        last = self.surface.faces[:, [1, 2, 0]].ravel()
+        crossed = (vertices[first, 2] > 0.0) & (vertices[last, 2] < 0.0)
+        crossed |= (vertices[first, 2] < 0.0) & (vertices[last, 2] > 0.0)
+        a, b = vertices[first[crossed]], vertices[last[crossed]]
+        part = a[:, 2] / (a[:, 2] - b[:, 2])
+        cut = a + part[:, None] * (b - a)
+        cut[:, 2] = 0.0
+        return np.concatenate([vertices[vertices[:, 2] > 0.0], cut])
+
+    @cached_property
+    def size(self) -> float:
+        """Longest side [mm] of the box around it."""
+        return float((self.surface.bounds[0, 3:] - self.surface.bounds[0, :3]).max())
+
+
+def placed(surface: Surface) -> Facets:
+    """Return a punch under the sheet: the middle of its box on the axis x = y = 0, its highest point in z = 0."""
+    low, high = surface.bounds[0, :3], surface.bounds[0, 3:]
+    return Facets(surface, -np.array([*(0.5 * (low[:2] + high[:2])), high[2]]))
