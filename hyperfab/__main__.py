@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import sys
@@ -15,6 +16,9 @@ def main() -> None:
     # Sums over threads are rounded by their number: on one thread the same inputs give the same bytes on any share
     # of the machine. The work here is sparse; more threads gain nothing in it.
     os.environ.update(dict.fromkeys(("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"), "1"))
+    # Imports and compiled kernels leave many objects and few cycles: looking for these all the time takes a fifth of
+    # a first run.
+    gc.set_threshold(100_000)
     from hyperfab.cli import main as hf
 
     hf()

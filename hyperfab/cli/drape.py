@@ -79,9 +79,16 @@ def drape(
         float | None, typer.Option(metavar="S", help="Exit 1 where a spring is stretched further.")
     ] = None,
     solver: Annotated[
-        str, typer.Option(metavar="NAME", help="newton, or relaxation: the report's own, for comparison.")
+        str,
+        typer.Option(
+            metavar="NAME",
+            help="newton; to compare: dynamic (a slow second opinion), relaxation (the report's own).",
+        ),
     ] = "newton",
-    steps: Annotated[int, typer.Option(metavar="N", help="Steps of the relaxation.")] = 400,
+    steps: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="Steps of the relaxation (400), of the dynamic (100000)."),
+    ] = None,
     divisor: Annotated[float, typer.Option(metavar="C", help="Constant c of the relaxation's step.")] = 40.0,
     tolerance: Annotated[
         float, typer.Option(metavar="R", help="Largest nodal residual over the largest spring force.")

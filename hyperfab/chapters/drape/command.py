@@ -10,10 +10,10 @@ from hyperfab.chapters.drape import files
 from hyperfab.chapters.drape.depths import read_depths
 from hyperfab.chapters.drape.effects import SIDES, Effects, edge_names, held, read_effects
 from hyperfab.chapters.drape.fabric import read_fabric
-from hyperfab.chapters.molds import PlacedMold, read_molds
 from hyperfab.chapters.drape.result import document_of, judge, tears
-from hyperfab.chapters.drape.states import Solver, State, at_depths
+from hyperfab.chapters.drape.states import SOLVERS, Solver, State, at_depths
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.molds import PlacedMold, read_molds
 from hyperfab.cloth import HeldNodeInside, Mold, Sheet, Step, mold_of
 from hyperfab.cloth.cascade import grid_sizes
 from hyperfab.errors import InputError, UsageError
@@ -47,7 +47,7 @@ def run(
     shear_law: str | None = None,
     max_stretch: float | None = None,
     solver: str = "newton",
-    steps: int = 400,
+    steps: int | None = None,
     divisor: float = 40.0,
     tolerance: float = 1e-6,
     stl_unit: str = "mm",
@@ -98,7 +98,7 @@ def run(
     document.clamp, document.slide = edges, sliding
     document.blank_holder_N_mm = effects.holder or None
     document.friction = effects.friction or None
-    if solver == "relaxation":
+    if solver != "newton":
         document.iterations = document.iterations_finest
     document.solver, document.prestretch = solver, list(effects.prestretch)
     document.mass_g_m2, document.shear_modulus_MPa = effects.mass or None, effects.shear_modulus
@@ -117,7 +117,7 @@ def run(
 
 def _check(
     solver: str,
-    steps: int,
+    steps: int | None,
     divisor: float,
     max_stretch: float | None,
     tolerance: float,
@@ -127,12 +127,12 @@ def _check(
     effects: Effects,
 ) -> None:
     """Refuse options that mean nothing, with the right form."""
-    if solver not in ("newton", "relaxation"):
-        raise UsageError(f"--solver {solver}: choose newton or relaxation")
-    if steps < 1 or divisor <= 0.0:
+    if solver not in SOLVERS:
+        raise UsageError(f"--solver {solver}: choose {', '.join(SOLVERS[:-1])} or {SOLVERS[-1]}")
+    if (steps is not None and steps < 1) or divisor <= 0.0:
         raise UsageError(f"--steps {steps}, --divisor {divisor:g}: both must be more than 0")
-    if solver == "relaxation" and effects.rubs:
-        raise UsageError("--solver relaxation knows no friction; leave out --friction and --blank-holder")
+    if solver != "newton" and effects.rubs:
+        raise UsageError(f"--solver {solver} knows no friction; leave out --friction and --blank-holder")
     if load_steps is not None and (load_steps < 1 or not effects.rubs):
         raise UsageError(
             f"--load-steps {load_steps}: 1 or more, and only where --friction or --blank-holder makes the way matter"

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from hyperfab.chapters.drape.fabric import Fabric, use_of
-from hyperfab.chapters.molds import PlacedMold
 from hyperfab.chapters.drape.states import State
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.molds import PlacedMold
 from hyperfab.cloth import Sheet
 from hyperfab.cloth.friction import SLIDES, STARTS, STICKS
 from hyperfab.cloth.mold import FREE

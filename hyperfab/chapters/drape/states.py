@@ -9,17 +9,24 @@ import numpy as np
 
 from hyperfab.chapters.drape.depths import load_steps
 from hyperfab.cloth import Answers, Equilibrium, Mold, Rest, Sheet, Step, answers, drape, follow, raised
+from hyperfab.cloth.dynamic import swing
 from hyperfab.cloth.relaxation import relax
 from hyperfab.cloth.start import lowered
+
+#: By name: Newton's method on nested grids, dynamic relaxation, the report's relaxation.
+SOLVERS = ("newton", "dynamic", "relaxation")
+DYNAMIC_STEPS, RELAXATION_STEPS = 100_000, 400
 
 
 @dataclass(frozen=True)
 class Solver:
-    """``name``: newton or relaxation, the latter with its ``steps`` and ``divisor``; ``load_steps`` where it rubs."""
+    """``name`` of SOLVERS; ``steps`` at most of the slow ones, ``divisor`` of the relaxation; ``load_steps`` where it
+    rubs.
+    """
 
     name: str
     tolerance: float
-    steps: int
+    steps: int | None
     divisor: float
     load_steps: int | None
 
@@ -57,14 +64,19 @@ def at_depths(
         def told(step: Step, depth: float = depth) -> None:
             report(depth, step)
 
-        if solver.name == "newton":
-            found = drape(sheet, up, solver.tolerance, told)
-        else:
-            start = lowered(sheet, up)
-            found = relax(sheet, up, start, solver.divisor, solver.tolerance, solver.steps, told)
+        found = _solved(sheet, up, solver, told)
         yield State(depth, up, found, answers(sheet, up, found))
         if not found.converged:
             return
+
+
+def _solved(sheet: Sheet, mold: Mold, solver: Solver, told: Callable[[Step], None]) -> Equilibrium:
+    if solver.name == "newton":
+        return drape(sheet, mold, solver.tolerance, told)
+    start = lowered(sheet, mold)
+    if solver.name == "dynamic":
+        return swing(sheet, mold, start, solver.tolerance, solver.steps or DYNAMIC_STEPS, told)
+    return relax(sheet, mold, start, solver.divisor, solver.tolerance, solver.steps or RELAXATION_STEPS, told)
 
 
 def _rubbing(

@@ -1,0 +1,103 @@
+"""Dynamic relaxation: the sheet swings under its own forces and is stopped whenever its motion is at its height.
+
+Nodes get fictitious masses by which every mode is slower than the time step; at each peak of the kinetic energy all
+velocities are set to zero (kinetic damping; Barnes, Int. J. Space Structures 14, 1999). No matrix, no line search and
+no coarser grid: slow, and independent of Newton's method, whose answers it confirms.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from hyperfab.numerics.kernels import kernel
+
+from .balance import Balance
+from .law import Floats
+from .linear import Tangent
+from .mold import Mold
+from .net import Sheet
+from .state import Equilibrium, State, Step
+
+#: Every so many steps a line of the history is kept.
+EVERY = 100
+#: Masses are this many times what keeps the fastest mode stable: springs stiffen between two peaks.
+SAFETY = 1.5
+
+
+@kernel
+def _push(r: Floats, q: Floats, mass: Floats, v: Floats) -> float:
+    """v += r / mass, kept in the allowed subspaces; the kinetic energy."""
+    total = 0.0
+    for i in range(v.shape[0]):
+        for j in range(v.shape[1]):
+            w = 1.0 / mass[i, j]
+            a, b, c, p = v[i, j, 0] + w * r[i, j, 0], v[i, j, 1] + w * r[i, j, 1], v[i, j, 2], q[i, j]
+            c += w * r[i, j, 2]
+            v[i, j, 0] = p[0] * a + p[1] * b + p[2] * c
+            v[i, j, 1] = p[1] * a + p[3] * b + p[4] * c
+            v[i, j, 2] = p[2] * a + p[4] * b + p[5] * c
+            total += mass[i, j] * (v[i, j, 0] ** 2 + v[i, j, 1] ** 2 + v[i, j, 2] ** 2)
+    return 0.5 * total
+
+
+def swing(
+    sheet: Sheet,
+    mold: Mold,
+    start: State,
+    tolerance: float = 1e-6,
+    largest: int = 100_000,
+    report: Callable[[Step], None] | None = None,
+) -> Equilibrium:
+    """Let a sheet swing from ``start`` until no node feels an unbalanced force; at most ``largest`` time steps."""
+    balance = Balance(sheet, mold, tolerance)
+    tangent = Tangent.empty(sheet.n, sheet.m, balance.model.net.sheared)
+    now, trial, v = start.copy(), start.copy(), np.zeros((sheet.n, sheet.m, 3))
+    history: list[Step] = []
+    status = "no equilibrium within the allowed steps"
+    last, mass = np.inf, np.zeros((0, 0))
+    for iteration in range(largest + 1):
+        balance.forces(now)
+        balance.settle(now)
+        done = balance.residual <= tolerance
+        if iteration % EVERY == 0 or done or iteration == largest:
+            history.append(balance.line(iteration))
+            if report:
+                report(history[-1])
+        if done:
+            status = ""
+            break
+        if not mass.size:
+            mass = _masses(balance, now, tangent)
+        kinetic = _push(balance.r, balance.q, mass, v)
+        if kinetic < last and iteration > 0 and last < np.inf:
+            v[:] = 0.0  # past the peak: begin anew from here
+            mass = _masses(balance, now, tangent)
+            kinetic = _push(balance.r, balance.q, 2.0 * mass, v)
+        last = kinetic
+        balance.before = now.slot.copy()
+        balance.move(now, v, 1.0, trial)
+        now, trial = trial, now
+    return balance.ended(now, status, history)
+
+
+def _masses(balance: Balance, now: State, tangent: Tangent) -> Floats:
+    """Mass of each node for a time step of 1: half the stiffness of its springs, taut or about to be (Gershgorin)."""
+    balance.model.tangent(now.x, balance.stiffness / 3.0, tangent)
+    out = np.abs(_trace(tangent.extra))
+    warp, weft, one, two = (_trace(block) for block in tangent.blocks)
+    out[:-1] += warp
+    out[1:] += warp
+    out[:, :-1] += weft
+    out[:, 1:] += weft
+    if one.size:
+        out[:-1, :-1] += one
+        out[1:, 1:] += one
+        out[1:, :-1] += two
+        out[:-1, 1:] += two
+    return np.asarray(0.5 * SAFETY * out)
+
+
+def _trace(block: Floats) -> Floats:
+    return np.asarray(block[..., 0] + block[..., 3] + block[..., 5])
