@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.numerics.kernels import kernel
+
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
@@ -49,10 +51,41 @@ class Quadrature:
         out[whole:] = self.cut @ flat[whole:]
         return out.reshape(count, 6, *values.shape[1:])
 
+    def resultant(self, faces: Ints, load: Array, direction: Array, places: Array) -> tuple[Array, Array]:
+        """Force (3,) and moment (3,) about the origin of ``load`` (k, 6) at the points, along the ``direction``
+        (n, 3) and at the ``places`` (n, 3) given at the vertices and linear between them."""
+        found: tuple[Array, Array] = _resultant(faces, self.face, _POINTS, self.cut, load, direction, places)
+        return found
+
     def per_face(self, density: Array, count: int) -> Array:
         """Integral of ``density`` (k, 6) over each of ``count`` faces."""
         sums = np.bincount(self.face, weights=(density * self.area).sum(axis=1), minlength=count)
         return np.asarray(sums, dtype=float)
+
+
+@kernel
+def _resultant(
+    faces: Ints, pieces: Ints, whole: Array, cut: Array, load: Array, direction: Array, places: Array
+) -> tuple[Array, Array]:
+    force, moment = np.zeros(3), np.zeros(3)
+    first_cut = len(pieces) - len(cut)
+    for k in range(len(pieces)):
+        corners = faces[pieces[k]]
+        weights = whole if k < first_cut else cut[k - first_cut]
+        # Of one piece first: sums of like size lose fewer digits.
+        f0 = f1 = f2 = m0 = m1 = m2 = 0.0
+        for q in range(6):
+            d0 = d1 = d2 = x0 = x1 = x2 = 0.0
+            for c in range(3):
+                w, v = weights[q, c], corners[c]
+                d0, d1, d2 = d0 + w * direction[v, 0], d1 + w * direction[v, 1], d2 + w * direction[v, 2]
+                x0, x1, x2 = x0 + w * places[v, 0], x1 + w * places[v, 1], x2 + w * places[v, 2]
+            d0, d1, d2 = load[k, q] * d0, load[k, q] * d1, load[k, q] * d2
+            f0, f1, f2 = f0 + d0, f1 + d1, f2 + d2
+            m0, m1, m2 = m0 + x1 * d2 - x2 * d1, m1 + x2 * d0 - x0 * d2, m2 + x0 * d1 - x1 * d0
+        force[0], force[1], force[2] = force[0] + f0, force[1] + f1, force[2] + f2
+        moment[0], moment[1], moment[2] = moment[0] + m0, moment[1] + m1, moment[2] + m2
+    return force, moment
 
 
 def positive_part(level: Array, faces: Ints, areas: Array) -> Quadrature:

@@ -56,18 +56,17 @@ def contact(front: Front, gap: Gap, sandwich: Sandwich) -> Contact:
     points = positive_part(np.asarray(sandwich.thickness - gap.nearest), front.faces, front.areas)
     there = sandwich.at(partial(points.at_corners, front.faces))
     gap_there = points.at_corners(front.faces, gap.nearest)
-    place = points.at_corners(front.faces, front.vertices)
-    pressure = there.pressure(gap_there)
+    load = there.pressure(gap_there) * points.area
     # The gap's gradient points from the female to the male: so does the push on the male.
-    push = (pressure * points.area)[..., None] * points.at_corners(front.faces, gap.direction)
+    force, moment = points.resultant(front.faces, load, gap.direction, front.vertices)
     return Contact(
         gap=gap.nearest,
         direction=gap.direction,
         face=gap.face,
         pressure=sandwich.pressure(gap.nearest),
-        force=push.sum(axis=(0, 1)),
-        moment=np.cross(place, push).sum(axis=(0, 1)),
-        load=float((pressure * points.area).sum()),
+        force=force,
+        moment=moment,
+        load=float(load.sum()),
         energy=float((there.energy(gap_there) * points.area).sum()),
         pressed=points,
     )

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.pressing.curved import CREASE_DEG, smooth_normals
+from hyperfab.pressing.foot import smooth_gap
 from hyperfab.pressing.mold import Mold
 from hyperfab.surface import Surface
 
@@ -48,26 +49,30 @@ class Gap:
     at_border: Flags
 
 
-def nearest_gap(points: Array, female: Mold, towards: Array | None = None) -> Gap:
+def nearest_gap(points: Array, female: Mold, towards: Array | None = None, order: Ints | None = None) -> Gap:
     """Return the nearest signed gap at ``points`` (n, 3); with ``towards`` (n, 3), directions that point roughly to
-    the female, much faster."""
+    the female, much faster, and a little more so with an ``order`` in which neighbours follow each other."""
     surface = female.surface
-    near = surface.nearest(points) if towards is None else female.search.nearest(points, towards)
-    border = _at_border(surface, female.search.walker.twins, near.face, near.feature)
+    near = surface.nearest(points) if towards is None else female.search.nearest(points, towards, order)
+    border = _at_border(female, near.face, near.feature)
     if not female.smooth:
         return Gap(near.distance, near.normal, near.face, border)
-    facet = surface.normals[near.face]
-    along = (near.normal * facet).sum(axis=1)
-    height = female.curving.height(near.face, near.point)
-    normal = female.curving.normal(near.face, near.point, near.normal)
-    # The facet's foot lies a little beside that of the smooth surface. The distance to the tangent plane there is
-    # right to second order all the same, the distance to the foot itself would be too long.
-    foot = near.point + height[:, None] * facet
-    smooth = ((points - foot) * normal).sum(axis=1)
-    # At an open edge, on a crease, or far beside a face, the distance is that of the facets.
-    taken = female.curving.smooth[near.face] & ~border & (along > np.cos(np.radians(CREASE_DEG)))
-    distance = np.where(taken, smooth, near.distance - height * along)
-    return Gap(distance, np.where(taken[:, None], normal, near.normal), near.face, border)
+    curving = female.curving
+    distance, direction = smooth_gap(
+        np.ascontiguousarray(points),
+        near.distance,
+        near.point,
+        near.normal,
+        near.face,
+        border,
+        surface.vertices,
+        surface.faces,
+        curving.normals,
+        curving.rise,
+        curving.smooth,
+        float(np.cos(np.radians(CREASE_DEG))),
+    )
+    return Gap(distance, direction, near.face, border)
 
 
 def normal_gap(points: Array, normals: Array, female: Mold) -> Array:
@@ -142,15 +147,11 @@ def vertex_areas(front: Front, faces: Flags) -> Array:
     return np.asarray(areas, dtype=float)
 
 
-def _at_border(female: Surface, twins: NDArray[np.int32], face: Ints, feature: Ints) -> Flags:
+def _at_border(female: Mold, face: Ints, feature: Ints) -> Flags:
     """Whether the nearest feature is an open edge, or a vertex of one."""
-    open_edge = twins < 0
-    border_vertex = np.zeros(len(female.vertices), dtype=bool)
-    for edge in range(3):
-        ends = female.faces[open_edge[:, edge]][:, [edge, (edge + 1) % 3]]
-        border_vertex[ends] = True
-    on_edge = (feature >= 1) & (feature <= 3)
-    at_vertex = feature >= 4
+    open_edge, border_vertex = female.border
+    on_edge = np.flatnonzero((feature >= 1) & (feature <= 3))
+    at_vertex = np.flatnonzero(feature >= 4)
     found = np.zeros(len(face), dtype=bool)
     found[on_edge] = open_edge[face[on_edge], feature[on_edge] - 1]
     found[at_vertex] = border_vertex[female.faces[face[at_vertex], feature[at_vertex] - 4]]

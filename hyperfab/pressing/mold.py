@@ -80,6 +80,15 @@ class Mold:
         return Search(self.surface)
 
     @cached_property
+    def border(self) -> tuple[Flags, Flags]:
+        """Which edges ab, bc, ca of each face are open, (m, 3), and which vertices lie on such an edge, (n,)."""
+        open_edge = np.asarray(self.search.walker.twins < 0)
+        vertex = np.zeros(len(self.vertices), dtype=bool)
+        for edge in range(3):
+            vertex[self.faces[open_edge[:, edge]][:, [edge, (edge + 1) % 3]]] = True
+        return open_edge, vertex
+
+    @cached_property
     def looking(self) -> Flags:
         """Which faces look at the other mold, (m,)."""
         return self.surface.normals[:, 2] * self.side > LOOKING

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +16,10 @@ from hyperfab.pressing.gap import Front, nearest_gap
 from hyperfab.pressing.mold import Mold
 from hyperfab.pressing.pose import UPRIGHT, Pose
 from hyperfab.pressing.sandwich import Sandwich
+from hyperfab.surface.walk import along_a_curve
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 #: Positions are solved to this [mm]; forces follow to about 1e-9 of their stiffness.
 _POSITION_TOLERANCE = 1e-9
@@ -40,10 +43,15 @@ class Press:
         pose = pose if isinstance(pose, Pose) else replace(self.base, opening=float(pose))
         # Not the female is moved but the points against it: its search tree stays as it is.
         towards = self.front.normals if pose.angle == 0.0 else self.front.normals @ pose.rotation
-        gap = nearest_gap(pose.into_female(self.front.vertices), self.female, towards)
+        points = pose.into_female(self.front.vertices)
+        gap = nearest_gap(points, self.female, towards, self._order)
         if pose.angle != 0.0:
             gap = replace(gap, direction=gap.direction @ pose.rotation.T)
         return contact(self.front, gap, self.sandwich)
+
+    @cached_property
+    def _order(self) -> Ints:
+        return along_a_curve(self.front.vertices)
 
     def first_touch(self) -> float:
         """Return the opening at which the sandwich is first touched when the press closes."""

@@ -32,12 +32,12 @@ class Search:
         self.distrusted = False
         self._tolerance = _AGREE * float(np.ptp(surface.vertices, axis=0).max())
 
-    def nearest(self, points: Array, directions: Array) -> Nearest:
+    def nearest(self, points: Array, directions: Array, order: Ints | None = None) -> Nearest:
         """Return the nearest point of the surface to each of ``points`` (n, 3), with the sign its normal gives.
 
-        ``directions`` (n, 3) point roughly there.
+        ``directions`` (n, 3) point roughly there; in ``order`` (n,), if it is known, neighbours follow each other.
         """
-        return self.both(points, directions)[0]
+        return self.both(points, directions, order)[0]
 
     def along(self, points: Array, directions: Array) -> tuple[Array, Ints]:
         """Return the distance (n,) to the surface along ``directions`` (n, 3) and the facet hit from its front.
@@ -46,11 +46,13 @@ class Search:
         """
         return self.both(points, directions)[1:]
 
-    def both(self, points: Array, directions: Array) -> tuple[Nearest, Array, Ints]:
+    def both(
+        self, points: Array, directions: Array, order: Ints | None = None
+    ) -> tuple[Nearest, Array, Ints]:
         """Return what ``nearest`` and ``along`` do, at the price of one."""
         if self.distrusted:
             return self.surface.nearest(points), *self._rays(points, directions)
-        found = self.walker.nearest(points, directions)
+        found = self.walker.nearest(points, directions, order)
         lost = np.flatnonzero(found.hit < 0)
         sample = _some(len(points))
         sample = sample[found.hit[sample] >= 0]

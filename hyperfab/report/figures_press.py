@@ -57,29 +57,21 @@ def spotting(mold: SpottedMold, curve: Array, title: str) -> bytes:
 def _plan(figure: Any, axes: Any, mold: SpottedMold) -> None:
     """The mold from above: shaded steel, blue where it touches, deeper blue where it presses harder."""
     from matplotlib.cm import ScalarMappable
-    from matplotlib.collections import PolyCollection
+    from matplotlib.collections import TriMesh
     from matplotlib.colors import ListedColormap, Normalize
+    from matplotlib.tri import Triangulation
 
-    corners = mold.vertices[mold.faces]
-    order = np.argsort(corners[..., 2].mean(axis=1), kind="stable")
+    # What lies higher is drawn later.
+    order = np.argsort(mold.vertices[mold.faces, 2].mean(axis=1), kind="stable")
     shade = 0.55 + 0.45 * np.clip(mold.normals @ (_LIGHT / np.linalg.norm(_LIGHT)), 0.0, 1.0)
     top = max(float(mold.pressure.max()), 1e-30)
     # Half the blue comes with the first touch, as with paste; the rest grows with pressure.
-    depth = np.where(mold.level > 0.0, 0.35 + 0.65 * np.sqrt(mold.pressure / top), 0.0)
-    face = mold.faces[order]
-    metal = np.outer(shade[face].mean(axis=1), _STEEL)
-    blue = depth[face].mean(axis=1)[:, None]
-    colour = metal * (1.0 - blue) + _BLUE * blue * (0.6 + 0.4 * shade[face].mean(axis=1)[:, None])
-    overlap = (mold.gap[face] <= 0.0).any(axis=1)
-    colour[overlap] = _RED
-    axes.add_collection(
-        PolyCollection(
-            list(corners[order][..., :2]),
-            facecolors=np.clip(colour, 0.0, 1.0),
-            edgecolors="face",
-            linewidths=0.2,
-        )
-    )
+    blue = np.where(mold.level > 0.0, 0.35 + 0.65 * np.sqrt(mold.pressure / top), 0.0)[:, None]
+    colour = np.outer(shade, _STEEL) * (1.0 - blue) + _BLUE * blue * (0.6 + 0.4 * shade[:, None])
+    colour[mold.gap <= 0.0] = _RED
+    plan = TriMesh(Triangulation(mold.vertices[:, 0], mold.vertices[:, 1], mold.faces[order]))
+    plan.set_facecolor(np.clip(colour, 0.0, 1.0))
+    axes.add_collection(plan)
     if (mold.level > 0.0).any() and (mold.level < 0.0).any():
         axes.tricontour(
             mold.vertices[:, 0],

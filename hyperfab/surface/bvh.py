@@ -11,9 +11,11 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
+
+from hyperfab.numerics.kernels import kernel, part
 
 Floats = npt.NDArray[np.float64]
+Singles = npt.NDArray[np.float32]
 Ints = npt.NDArray[np.int64]
 
 LEAF = 4
@@ -23,19 +25,22 @@ DEPTH = 64
 FACE, EDGE_AB, EDGE_BC, EDGE_CA, VERTEX_A, VERTEX_B, VERTEX_C = range(7)
 
 
-@njit(cache=True)
-def _select(key: Floats, order: Ints, lo: int, hi: int, k: int) -> None:
-    """Reorder ``order[lo:hi]`` so that its k-th entry is in its sorted place by ``key`` (Hoare's select)."""
+@part
+def _select(centres: Singles, order: Ints, axis: int, lo: int, hi: int, k: int) -> None:
+    """Reorder ``lo:hi`` so that the k-th entry is in its sorted place along ``axis`` (Hoare's select)."""
     hi -= 1
     while lo < hi:
-        pivot = key[order[(lo + hi) // 2]]
+        pivot = centres[(lo + hi) // 2, axis]
         i, j = lo, hi
         while i <= j:
-            while key[order[i]] < pivot:
+            while centres[i, axis] < pivot:
                 i += 1
-            while key[order[j]] > pivot:
+            while centres[j, axis] > pivot:
                 j -= 1
             if i <= j:
+                # The centres move with their numbers: what is compared lies side by side in memory.
+                for a in range(3):
+                    centres[i, a], centres[j, a] = centres[j, a], centres[i, a]
                 order[i], order[j] = order[j], order[i]
                 i += 1
                 j -= 1
@@ -47,16 +52,55 @@ def _select(key: Floats, order: Ints, lo: int, hi: int, k: int) -> None:
             return
 
 
-@njit(cache=True)
+@part
+def _widest(centres: Singles, lo: int, hi: int) -> Any:
+    """The axis along which the centres ``lo:hi`` are spread most."""
+    x0, y0, z0 = centres[lo, 0], centres[lo, 1], centres[lo, 2]
+    x1, y1, z1 = x0, y0, z0
+    for t in range(lo + 1, hi):
+        x, y, z = centres[t, 0], centres[t, 1], centres[t, 2]
+        x0, x1 = min(x0, x), max(x1, x)
+        y0, y1 = min(y0, y), max(y1, y)
+        z0, z1 = min(z0, z), max(z1, z)
+    dx, dy, dz = x1 - x0, y1 - y0, z1 - z0
+    if dx >= dy and dx >= dz:
+        return 0
+    return 1 if dy >= dz else 2
+
+
+@part
+def _boxes(corners: Floats, order: Ints, right: Ints, start: Ints, count: Ints) -> Floats:
+    """Bounds (k, 6) of the nodes, from the leaves up."""
+    bounds = np.empty((len(right), 6))
+    for node in range(len(right) - 1, -1, -1):
+        if right[node] >= 0:
+            left, other = node + 1, right[node]
+            for a in range(3):
+                bounds[node, a] = min(bounds[left, a], bounds[other, a])
+                bounds[node, 3 + a] = max(bounds[left, 3 + a], bounds[other, 3 + a])
+            continue
+        bounds[node, :3], bounds[node, 3:] = np.inf, -np.inf
+        for t in range(start[node], start[node] + count[node]):
+            f = order[t]
+            for v in range(3):
+                for a in range(3):
+                    bounds[node, a] = min(bounds[node, a], corners[f, v, a])
+                    bounds[node, 3 + a] = max(bounds[node, 3 + a], corners[f, v, a])
+    return bounds
+
+
+@kernel
 def build(corners: Floats) -> tuple[Ints, Floats, Ints, Ints, Ints]:
     """Tree over triangles ``corners`` (m, 3, 3): (order, bounds (k, 6), right, start, count)."""
     m = corners.shape[0]
     order = np.arange(m)
-    bounds = np.empty((2 * m + 1, 6))
+    centres = np.empty((m, 3), np.float32)  # three times the middles, as precise as sorting asks for
+    for f in range(m):
+        for a in range(3):
+            centres[f, a] = corners[f, 0, a] + corners[f, 1, a] + corners[f, 2, a]
     right = np.full(2 * m + 1, -1)
     start = np.zeros(2 * m + 1, np.int64)
     count = np.zeros(2 * m + 1, np.int64)
-    key = np.empty(m)
     todo = np.empty((2 * DEPTH, 3), np.int64)  # range and the parent whose right child this is
     todo[0, 0], todo[0, 1], todo[0, 2] = 0, m, -1
     top, nodes = 1, 0
@@ -67,37 +111,19 @@ def build(corners: Floats) -> tuple[Ints, Floats, Ints, Ints, Ints]:
         nodes += 1
         if parent >= 0:
             right[parent] = node
-        for a in range(3):
-            low, high, clow, chigh = np.inf, -np.inf, np.inf, -np.inf
-            for t in range(lo, hi):
-                f = order[t]
-                c = 0.0
-                for v in range(3):
-                    x = corners[f, v, a]
-                    low, high = min(low, x), max(high, x)
-                    c += x
-                clow, chigh = min(clow, c), max(chigh, c)
-            bounds[node, a], bounds[node, 3 + a] = low, high
         if hi - lo <= LEAF:
             start[node], count[node] = lo, hi - lo
             continue
-        axis, widest = 0, -1.0
-        for a in range(3):
-            width = bounds[node, 3 + a] - bounds[node, a]
-            if width > widest:
-                axis, widest = a, width
-        for t in range(lo, hi):
-            f = order[t]
-            key[f] = corners[f, 0, axis] + corners[f, 1, axis] + corners[f, 2, axis]
         mid = (lo + hi) // 2
-        _select(key, order, lo, hi, mid)
+        _select(centres, order, _widest(centres, lo, hi), lo, hi, mid)
         todo[top, 0], todo[top, 1], todo[top, 2] = mid, hi, node
         todo[top + 1, 0], todo[top + 1, 1], todo[top + 1, 2] = lo, mid, -1
         top += 2
-    return order, bounds[:nodes].copy(), right[:nodes].copy(), start[:nodes].copy(), count[:nodes].copy()
+    right, start, count = right[:nodes].copy(), start[:nodes].copy(), count[:nodes].copy()
+    return order, _boxes(corners, order, right, start, count), right, start, count
 
 
-@njit(cache=True)
+@part
 def _box_distance2(bounds: Floats, node: int, x: float, y: float, z: float) -> Any:
     dx = max(max(bounds[node, 0] - x, x - bounds[node, 3]), 0.0)
     dy = max(max(bounds[node, 1] - y, y - bounds[node, 4]), 0.0)
@@ -105,7 +131,7 @@ def _box_distance2(bounds: Floats, node: int, x: float, y: float, z: float) -> A
     return dx * dx + dy * dy + dz * dz
 
 
-@njit(cache=True)
+@part
 def closest_on_triangle(tri: Floats, x: float, y: float, z: float) -> tuple[float, float, float, int]:
     """Nearest point of triangle ``tri`` (3, 3) to (x, y, z) and the feature it lies on.
 
@@ -151,7 +177,7 @@ def closest_on_triangle(tri: Floats, x: float, y: float, z: float) -> tuple[floa
     return ax + abx * v + acx * w, ay + aby * v + acy * w, az + abz * v + acz * w, FACE
 
 
-@njit(cache=True)
+@part
 def nearest_one(
     x: float,
     y: float,
@@ -205,7 +231,7 @@ def nearest_one(
     return bx, by, bz, slot, feature
 
 
-@njit(cache=True)
+@kernel
 def nearest_many(
     points: Floats,
     hints: Ints,
@@ -239,7 +265,7 @@ def nearest_many(
         slots[i], features[i] = s, f
 
 
-@njit(cache=True)
+@part
 def _hit(tri: Floats, o: Floats, d: Floats) -> float:
     """Distance along the ray to a triangle, in lengths of d; -1: none.
 
@@ -263,7 +289,7 @@ def _hit(tri: Floats, o: Floats, d: Floats) -> float:
     return float((bx * qx + by * qy + bz * qz) / det)
 
 
-@njit(cache=True)
+@part
 def ray_one(
     o: Floats, d: Floats, corners: Floats, bounds: Floats, right: Ints, start: Ints, count: Ints, stack: Ints
 ) -> tuple[float, int]:
@@ -298,7 +324,7 @@ def ray_one(
     return best, slot
 
 
-@njit(cache=True)
+@kernel
 def ray_many(
     origins: Floats,
     directions: Floats,

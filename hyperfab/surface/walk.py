@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
+
+from hyperfab.numerics.kernels import kernel, part
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -37,9 +38,12 @@ class Walker:
         self.first, self.incident = _incidence(self.faces, len(self.vertices))
         self.twins = _twins(self.faces, self.first, self.incident)
 
-    def nearest(self, points: Floats, directions: Floats) -> Found:
-        """Walk to the nearest point of each of ``points`` (n, 3), and along ``directions`` (n, 3) to the surface."""
-        order = _along_a_curve(points)
+    def nearest(self, points: Floats, directions: Floats, order: Ints | None = None) -> Found:
+        """Walk to the nearest point of each of ``points`` (n, 3), and along ``directions`` (n, 3) to the surface.
+
+        Points are taken in ``order`` (n,), or in that of ``along_a_curve``.
+        """
+        order = along_a_curve(points) if order is None else order
         n = len(points)
         found = Found(
             np.full(n, np.inf),
@@ -94,7 +98,7 @@ class Found:
         self.along, self.hit = along, hit
 
 
-@njit(cache=True)
+@kernel
 def _incidence(faces: Small, count: int) -> tuple[Small, Small]:
     first = np.zeros(count + 1, np.int32)
     for f in range(faces.shape[0]):
@@ -112,7 +116,7 @@ def _incidence(faces: Small, count: int) -> tuple[Small, Small]:
     return first, incident
 
 
-@njit(cache=True)
+@kernel
 def _twins(faces: Small, first: Small, incident: Small) -> Small:
     """Facet across each edge ab, bc, ca: the one that runs along it the other way; -1 where there is none."""
     twins = np.full(faces.shape, -1, np.int32)
@@ -131,13 +135,13 @@ def _twins(faces: Small, first: Small, incident: Small) -> Small:
     return twins
 
 
-def _along_a_curve(points: Floats) -> Ints:
-    """Order of the points along Morton's curve, so that each is near the one before."""
+def along_a_curve(points: Floats) -> Ints:
+    """Return the order (n,) of ``points`` (n, 3) along Morton's curve, so that each is near the one before."""
     low, span = points.min(axis=0), max(float(np.ptp(points, axis=0).max()), 1e-300)
     return np.argsort(_morton((points - low) * (1023.0 / span)), kind="stable")
 
 
-@njit(cache=True)
+@kernel
 def _morton(cells):  # type: ignore[no-untyped-def]
     out = np.empty(len(cells), np.int64)
     for i in range(len(cells)):
@@ -153,7 +157,7 @@ def _morton(cells):  # type: ignore[no-untyped-def]
     return out
 
 
-@njit(cache=True, inline="always")
+@part
 def _closest(  # type: ignore[no-untyped-def]
     vertices, faces, f, x, y, z
 ):
@@ -193,7 +197,7 @@ def _closest(  # type: ignore[no-untyped-def]
     return (x - qx) ** 2 + (y - qy) ** 2 + (z - qz) ** 2, qx, qy, qz, feature
 
 
-@njit(cache=True)
+@part
 def _to_nearest(  # type: ignore[no-untyped-def]
     vertices, faces, twins, first, incident, f, x, y, z
 ):
@@ -221,7 +225,7 @@ def _to_nearest(  # type: ignore[no-untyped-def]
     return best, qx, qy, qz, feature, f
 
 
-@njit(cache=True)
+@part
 def _to_hit(  # type: ignore[no-untyped-def]
     vertices, faces, twins, f, x, y, z, dx, dy, dz, limit
 ):
@@ -256,7 +260,7 @@ def _to_hit(  # type: ignore[no-untyped-def]
     return np.nan, -1
 
 
-@njit(cache=True)
+@kernel
 def _walk_all(  # type: ignore[no-untyped-def]
     points,
     directions,
@@ -301,7 +305,7 @@ def _walk_all(  # type: ignore[no-untyped-def]
     last[0] = f
 
 
-@njit(cache=True)
+@part
 def _side(vertices, faces, twins, first, incident, f, feature, x, y, z):  # type: ignore[no-untyped-def]
     """On which side of a feature of facet ``f`` a point lies that stands off it by (x, y, z).
 
@@ -323,7 +327,7 @@ def _side(vertices, faces, twins, first, incident, f, feature, x, y, z):  # type
     return -1.0 if height < 0.0 else 1.0
 
 
-@njit(cache=True)
+@part
 def _height(vertices, faces, f, corner, x, y, z):  # type: ignore[no-untyped-def]
     """Share of (x, y, z) along the normal of facet ``f``, and the facet's angle at ``corner``."""
     a, b, c = faces[f, corner], faces[f, (corner + 1) % 3], faces[f, (corner + 2) % 3]
@@ -343,7 +347,7 @@ def _height(vertices, faces, f, corner, x, y, z):  # type: ignore[no-untyped-def
     return ((nx * x + ny * y + nz * z) / size if size > 0.0 else 0.0), angle
 
 
-@njit(cache=True)
+@part
 def _nearest_anchor(vertices, faces, x, y, z):  # type: ignore[no-untyped-def]
     """Of some hundred facets spread over the list, the one whose first corner is nearest."""
     best, found = np.inf, 0
