@@ -36,7 +36,7 @@ class Field:
     colours: str = "Viridis"
 
 
-def load(source: Source) -> Grid | None:
+def _load(source: Source) -> Grid | None:
     """Return the field beside a document, or None where it is gone."""
     name = next((name for name in source.data.get("files", []) if _is_field(name, source)), None)
     data = None if name is None else source.sibling(name)
@@ -49,13 +49,14 @@ def _is_field(name: str, source: Source) -> bool:
     return name.endswith(".vtu") and not stem.rpartition(".")[2].isdecimal()
 
 
-def scene(
-    caption: str,
-    alt: str,
-    grid: Grid,
-    fields: Sequence[Field],
-    eye: tuple[float, float, float] = (1.5, -1.8, 1.3),
-) -> Scene | None:
+def views(source: Source, caption: str, alt: str, fields: Sequence[Field]) -> list[Scene]:
+    """Return the view of the field that lies beside a document; none where it is gone, or has none of ``fields``."""
+    grid = _load(source)
+    view = None if grid is None else scene(caption, alt, grid, fields)
+    return [] if view is None else [view]
+
+
+def scene(caption: str, alt: str, grid: Grid, fields: Sequence[Field]) -> Scene | None:
     """Return a view of the outside of ``grid`` with those of ``fields`` that it has; None where it has none."""
     surface = thinned(outside(grid))
     packed = [_field(grid, surface, field) for field in fields if _has(grid, field)]
@@ -65,7 +66,7 @@ def scene(
         **{axis: _packed(surface.points[:, index]) for index, axis in enumerate("xyz")},
         **{corner: _whole_numbers(surface.triangles[:, index]) for index, corner in enumerate("ijk")},
     }
-    return Scene(f"{caption} {_loss(surface)}", alt, mesh, packed, eye=eye)
+    return Scene(f"{caption} {_loss(surface)}", alt, mesh, packed)
 
 
 def _has(grid: Grid, field: Field) -> bool:

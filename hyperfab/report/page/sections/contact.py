@@ -6,7 +6,7 @@ from typing import Any
 
 from hyperfab.report.page.charts import chart, line
 from hyperfab.report.page.parts import Section, Source, facts, number, word
-from hyperfab.report.page.scenes import Field, load, scene
+from hyperfab.report.page.scenes import Field, views
 
 _FIELDS = (
     Field("stress_1_MPa", "greatest principal stress", "MPa"),
@@ -59,15 +59,9 @@ def section(source: Source) -> Section:
             traces,
         )
     )
-    grid = load(source)
-    if grid is not None:
-        view = scene(
-            "The pressed sheet.",
-            "The sheet as the sphere has deformed it, coloured by a field.",
-            grid,
-            _FIELDS,
-        )
-        found.parts += [view] if view else []
+    found.parts += views(
+        source, "The pressed sheet.", "The sheet as the sphere has deformed it, coloured by a field.", _FIELDS
+    )
     found.notes += [f"Left out: {text}." for text in data.get("left_out", [])]
     return found
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from hyperfab.report.page.charts import chart, line
 from hyperfab.report.page.parts import Section, Source, columns, facts, floats, number
-from hyperfab.report.page.scenes import Field, load, scene
+from hyperfab.report.page.scenes import Field, views
 
 _FIELDS = (
     Field("stress_warp_MPa", "stress along warp", "MPa"),
@@ -22,12 +22,9 @@ def section(source: Source) -> Section:
     """Return the section of a drape document."""
     data = source.data
     found = Section("", *_verdict(data))
-    grid = load(source)
-    if grid is not None:
-        view = scene(
-            "The draped fabric.", "The net of the fabric over the mold, coloured by a field.", grid, _FIELDS
-        )
-        found.parts += [view] if view else []
+    found.parts += views(
+        source, "The draped fabric.", "The net of the fabric over the mold, coloured by a field.", _FIELDS
+    )
     found.parts.append(
         facts(
             "Figures of the draped fabric",

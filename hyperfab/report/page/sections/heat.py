@@ -6,7 +6,7 @@ from typing import Any
 
 from hyperfab.report.page.charts import bars, chart, line
 from hyperfab.report.page.parts import Section, Source, columns, facts, floats, number
-from hyperfab.report.page.scenes import Field, load, scene
+from hyperfab.report.page.scenes import Field, views
 
 #: Curves of more rows than this are thinned out for the page; every n-th row is kept.
 MAX_ROWS = 1500
@@ -40,15 +40,12 @@ def section(source: Source) -> Section:
             ],
         )
     )
-    grid = load(source)
-    if grid is not None:
-        view = scene(
-            "Temperature at the end of the run.",
-            "The mold coloured by its temperature.",
-            grid,
-            [Field("temperature_degC", "temperature", "°C", "heat")],
-        )
-        found.parts += [view] if view else []
+    found.parts += views(
+        source,
+        "Temperature at the end of the run.",
+        "The mold coloured by its temperature.",
+        [Field("temperature_degC", "temperature", "°C", "heat")],
+    )
     table = columns(source.sibling(".csv", but=".history.csv"), source.name)
     if "time_s" in table:
         step = -(-len(table["time_s"]) // MAX_ROWS)

@@ -7,7 +7,7 @@ from typing import Any
 
 from hyperfab.report.page.charts import bars, chart, line
 from hyperfab.report.page.parts import Section, Source, Table, facts, number, word
-from hyperfab.report.page.scenes import Field, load, scene
+from hyperfab.report.page.scenes import Field, views
 
 #: The molds are said to fit where at least this part of the molding surface touches.
 ENOUGH = 0.95
@@ -26,12 +26,9 @@ def section(source: Source) -> Section:
     """Return the section of a press document."""
     data = source.data
     found = Section("", *_verdict(data))
-    grid = load(source)
-    if grid is not None:
-        view = scene(
-            "The male mold, as blue paint would show it.", "The male mold coloured by contact.", grid, _FIELDS
-        )
-        found.parts += [view] if view else []
+    found.parts += views(
+        source, "The male mold, as blue paint would show it.", "The male mold coloured by contact.", _FIELDS
+    )
     found.parts.append(
         facts(
             "Figures of the closed press",
