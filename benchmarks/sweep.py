@@ -2,8 +2,9 @@
 
     python benchmarks/sweep.py                 overhead at 10^3 cases, scaling, and a short run under killing
     python benchmarks/sweep.py overhead 10000  overhead, memory of the driver, at so many trivial cases
-    python benchmarks/sweep.py chaos 200       so many fits of a fabric, a worker killed every 20 s,
-                                               the driver twice; the table against that of an undisturbed run
+    python benchmarks/sweep.py chaos 200       so many cases of the sample study of the press, a worker killed every
+                                               20 s, the driver twice; the table against that of an undisturbed
+                                               serial run. Exit status 1 where a case is lost or run twice
 
 The driver holds Dask's scheduler, so its memory is that of both.
 """
@@ -35,23 +36,6 @@ arguments = ["{{a}}"]
 [figures]
 sum = "one.sum"
 """
-
-FITS = """
-format = "hyperfab.study/1"
-name = "Laws"
-[axis.model]
-values = ["ogden-2", "yeoh-3", "mooney-rivlin-5", "gent", "arruda-boyce"]
-[axis.accept]
-range = {{ from = 0.05, to = 0.5, count = {count} }}
-[[step]]
-name = "fit"
-command = "fit"
-arguments = ["--uniaxial", "uniaxial.csv", "--shear", "shear.csv", "--model", "{{model}}", "--accept", "{{accept}}"]
-[figures]
-relative_rms = "fit.fit.relative_rms"
-accepted = "fit.accepted"
-"""
-
 
 # ---- the trivial commands -------------------------------------------------------------------------------------
 
@@ -135,17 +119,14 @@ def scaling(count: int = 150) -> None:
         )
 
 
-def chaos(count: int, interval: float = 20.0) -> None:
-    """Print what is lost and run twice while workers and drivers are killed."""
+def chaos(count: int, interval: float = 20.0) -> bool:
+    """Print what is lost and run twice while workers and drivers are killed; return whether nothing is."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        (folder / "study.toml").write_text(FITS.format(count=-(-count // 5)))
-        for test in ("uniaxial.csv", "shear.csv"):
-            (folder / test).write_bytes((ROOT / "specimens" / "treloar-1944" / test).read_bytes())
+        _sample_study(folder, count)
         workers = drivers = 0
-        start = time.monotonic()
+        start = last = time.monotonic()
         process = _hf(folder, "out", 2)
-        last = start
         while process.poll() is None:
             time.sleep(0.2)
             if time.monotonic() - last < interval:
@@ -158,11 +139,7 @@ def chaos(count: int, interval: float = 20.0) -> None:
                 drivers += 1
                 process = _hf(folder, "out", 2)
                 continue
-            family = [
-                one
-                for one in psutil.Process(process.pid).children()
-                if "spawn_main" in " ".join(one.cmdline())
-            ]
+            family = _workers(process)
             if family:
                 family[workers % len(family)].kill()
                 workers += 1
@@ -172,20 +149,46 @@ def chaos(count: int, interval: float = 20.0) -> None:
             print(
                 f"no table: the last driver ended with {status} after {disturbed:.0f} s, {workers} workers killed"
             )
-            return
+            return False
         start = time.monotonic()
         _hf(folder, "serial", 1).wait()
         serial = time.monotonic() - start
         logs = [log.read_text() for log in (folder / "out").glob("steps/*/*.log")]
-        twice = sum(log.count(" finished ") > 1 for log in logs)
+        finished = [log.count(" finished ") for log in logs]
         begun = sum(log.count(" started") for log in logs)
         equal = (folder / "out" / "sweep.csv").read_bytes() == (folder / "serial" / "sweep.csv").read_bytes()
         rows = (folder / "out" / "sweep.csv").read_text().count("\n") - 1
         print(
-            f"{rows} cases, exit {status}: {workers} workers and {drivers} drivers killed; {len(logs)} steps finished, "
-            f"{twice} of them twice, {begun - len(logs)} begun in vain; table byte-equal to the serial run: {equal}; "
-            f"{disturbed:.0f} s, serial {serial:.0f} s"
+            f"{rows} cases, exit {status}: {workers} workers and {drivers} drivers killed; {finished.count(1)} steps "
+            f"finished once, {len(finished) - finished.count(1)} otherwise, {begun - len(logs)} begun in vain; table "
+            f"byte-equal to the serial run: {equal}; {disturbed:.0f} s, serial {serial:.0f} s"
         )
+        return equal and rows == count and finished == [1] * count
+
+
+def _sample_study(folder: Path, count: int) -> None:
+    """Write the sample study of the press with ``count`` cases: five foams and two temperatures by more gaps."""
+    for name in ("molds/cup-male.stl", "molds/cup-female.stl", "specimens/foam.toml", "specimens/foam.csv"):
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).write_bytes((ROOT / name).read_bytes())
+    text = (ROOT / "molds" / "study-press.toml").read_text()
+    for old, new in (
+        ('values = ["4 mm", "5 mm", "6 mm"]', 'range = { from = "4 mm", to = "6 mm", count = 5 }'),
+        ("count = 4", f"count = {count // 10}"),
+    ):
+        assert text.count(old) == 1, f"the sample study has no {old}"
+        text = text.replace(old, new)
+    (folder / "molds" / "study.toml").write_text(text)
+
+
+def _workers(driver: subprocess.Popen[bytes]) -> list[psutil.Process]:
+    """The driver's worker processes; none where it has just ended."""
+    try:
+        return [
+            one for one in psutil.Process(driver.pid).children() if "spawn_main" in " ".join(one.cmdline())
+        ]
+    except psutil.NoSuchProcess:
+        return []
 
 
 def _hf(folder: Path, out: str, jobs: int) -> subprocess.Popen[bytes]:
@@ -194,7 +197,7 @@ def _hf(folder: Path, out: str, jobs: int) -> subprocess.Popen[bytes]:
         "-m",
         "hyperfab",
         "sweep",
-        "study.toml",
+        "molds/study.toml",
         "--out",
         out,
         "--jobs",
@@ -224,5 +227,5 @@ if __name__ == "__main__":
         overhead(size or 1000)
     if what in ("all", "scaling"):
         scaling(size or 150)
-    if what in ("all", "chaos"):
-        chaos(size or 40, 20.0 if size else 8.0)
+    if what in ("all", "chaos") and not chaos(size or 40, 20.0 if size else 8.0):
+        sys.exit("something was lost, or run twice")

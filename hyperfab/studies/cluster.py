@@ -8,11 +8,13 @@ import os
 import signal
 import sys
 import tempfile
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from hyperfab.errors import InputError, OutputError
+from hyperfab.studies.program import program
 
 #: How often a batch may lose its worker before it is handed back to the driver.
 ALLOWED_DEATHS = 5
@@ -24,8 +26,8 @@ def cores() -> int:
 
 
 @contextlib.contextmanager
-def local(jobs: int) -> Iterator[Any]:
-    """Run ``jobs`` worker processes on this machine; yield their client.
+def local(jobs: int, plugin: Any) -> Iterator[Any]:
+    """Run ``jobs`` worker processes on this machine, each set up by ``plugin``; yield their client.
 
     They talk over the loopback interface, and nothing else listens. At the end, however it comes, no process is left.
     """
@@ -47,7 +49,7 @@ def local(jobs: int) -> Iterator[Any]:
         tempfile.TemporaryDirectory(prefix="hf-sweep-", ignore_cleanup_errors=True) as scratch,
     ):
         cluster = start(
-            n_workers=jobs,
+            n_workers=0,
             threads_per_worker=1,
             processes=True,
             host="127.0.0.1",
@@ -61,14 +63,58 @@ def local(jobs: int) -> Iterator[Any]:
         client = None
         try:
             client = connect(cluster, set_as_default=False)
+            client.register_plugin(plugin)
+            crew = _Crew(cluster, jobs)
+            crew.wait(client)
             yield client
         finally:
             _end(cluster, client)
 
 
+class _Crew:
+    """Keeps as many workers as are wanted.
+
+    Dask starts a killed worker anew, but gives up on one that is killed while it starts, or is slow to come back.
+    """
+
+    #: Seconds between two looks, and how many workers may fail to start, for each wanted, before the first has.
+    EVERY_S, FAILURES = 1.0, 10
+
+    def __init__(self, cluster: Any, jobs: int) -> None:
+        from tornado.ioloop import PeriodicCallback
+
+        self.cluster, self.jobs, self.failed = cluster, jobs, 0
+        self._look = PeriodicCallback(self._mend, 1000.0 * self.EVERY_S)
+        cluster.scale(jobs)
+        cluster.loop.add_callback(self._look.start)
+
+    def wait(self, client: Any) -> None:
+        """Wait for the first worker; OutputError where none ever starts."""
+        while not client.nthreads():
+            if self.failed > self.FAILURES * self.jobs:
+                raise OutputError(
+                    "no worker process starts on this machine: is it out of memory or processes?"
+                )
+            time.sleep(0.05)
+
+    def _mend(self) -> None:
+        """Replace workers that are gone for good. Runs in the cluster's own thread."""
+        from distributed.core import Status
+
+        if self.cluster.status != Status.running:
+            self._look.stop()
+            return
+        for name, nanny in list(self.cluster.workers.items()):
+            if nanny.status in (Status.failed, Status.closed):
+                del self.cluster.workers[name]
+                self.failed += 1
+        if len(self.cluster.workers) < self.jobs:
+            self.cluster.scale(self.jobs)
+
+
 @contextlib.contextmanager
-def remote(address: str, folder: Path) -> Iterator[Any]:
-    """Use the cluster whose scheduler is at ``address``; yield its client.
+def remote(address: str, folder: Path, plugin: Any) -> Iterator[Any]:
+    """Use the cluster whose scheduler is at ``address``, its workers set up by ``plugin``; yield its client.
 
     Certificates for ``tls://`` come from Dask's own configuration. Raises InputError where no scheduler or worker
     answers, or where a worker does not see ``folder``: results are put there by the workers themselves.
@@ -91,6 +137,7 @@ def remote(address: str, folder: Path) -> Iterator[Any]:
         ) from None
     try:
         _check_shared(client, folder, address)
+        client.register_plugin(plugin)
         yield client
     finally:
         client.close(timeout=1)
@@ -114,10 +161,8 @@ def _check_shared(client: Any, folder: Path, address: str) -> None:
         ) from None
     finally:
         probe.unlink(missing_ok=True)
-    from hyperfab import __version__
-
     blind = sorted(worker for worker, (sees, _) in answers.items() if not sees)
-    other = sorted({version for _, version in answers.values()} - {__version__})
+    other = sorted({version for _, version in answers.values()} - {program()})
     if blind:
         raise InputError(
             f"--scheduler {address}: {len(blind)} of {len(answers)} workers do not see {folder}",
@@ -125,15 +170,13 @@ def _check_shared(client: Any, folder: Path, address: str) -> None:
         )
     if other:
         raise InputError(
-            f"--scheduler {address}: workers have hf {', '.join(other)}, this is {__version__}",
+            f"--scheduler {address}: workers have hf {', '.join(other)}, this is {program()}",
             remedy="install the same version of hf on every worker",
         )
 
 
 def _sees(path: str) -> tuple[bool, str]:
-    from hyperfab import __version__
-
-    return Path(path).is_file() and os.access(Path(path).parent, os.W_OK), __version__
+    return Path(path).is_file() and os.access(Path(path).parent, os.W_OK), program()
 
 
 def _dask() -> Any:
@@ -157,6 +200,8 @@ def _end(cluster: Any, client: Any) -> None:
     if interrupted:
         for nanny in list(cluster.workers.values()):
             nanny.auto_restart = False
+            if nanny.pid is None:  # between two processes; and no pid would mean our own
+                continue
             with contextlib.suppress(psutil.Error):
                 worker = psutil.Process(nanny.pid)
                 family += [*worker.children(recursive=True), worker]

@@ -10,7 +10,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from hyperfab import __version__
 from hyperfab.documents.study import DocumentSection, StepSection, StudyDocument
 from hyperfab.errors import InputError
 from hyperfab.io.inputs import Inputs
@@ -18,6 +17,7 @@ from hyperfab.io.json_io import dump_json, load_json
 from hyperfab.io.toml_io import dump_toml, load_toml
 from hyperfab.studies.axes import Axis, Layout, Level, plain
 from hyperfab.studies.files import FileKnowledge, map_texts
+from hyperfab.studies.program import program
 from hyperfab.studies.template import TemplateError, fill, names
 
 #: Digits of a hash that name a step or a case: 128 bits.
@@ -158,7 +158,7 @@ class Plan:
             path = self.files.find(word)
             words.append(path or word)
             identity.append(symbol if path is None else self._file(path))
-        key = _hash({"hf": __version__, "command": section.command, "arguments": identity})
+        key = _hash({"hf": program(), "command": section.command, "arguments": identity})
         needs = tuple(sorted(earlier[name].key for name in steps))
         written = tuple(
             (self._file_name(name), _written(self._file_name(name), document))

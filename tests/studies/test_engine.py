@@ -63,9 +63,6 @@ class Inline:
     def nthreads(self) -> dict[str, int]:
         return {"here": 1}
 
-    def register_plugin(self, plugin: Any) -> None:
-        pass
-
 
 class Done:
     """A future that is there already."""
@@ -121,7 +118,9 @@ class Shop:
         said = Said()
         here = contextlib.chdir(self.folder)
         with here, pytest.MonkeyPatch.context() as patch:
-            patch.setattr("hyperfab.studies.cluster.local", lambda jobs: contextlib.nullcontext(Inline()))
+            patch.setattr(
+                "hyperfab.studies.cluster.local", lambda jobs, plugin: contextlib.nullcontext(Inline())
+            )
             status = sweep.run(
                 Job("sweep", ["study.toml"], said),
                 study="study.toml",

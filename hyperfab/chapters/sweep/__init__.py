@@ -94,13 +94,13 @@ def _run_cases(
             from hyperfab.studies.warmth import Warmth
 
             used = [step.command for step in plan.study.step]
+            warmth = Warmth(f"{runner}:warm", used, local=scheduler is None)
             workers = (
-                cluster.remote(scheduler, store.folder)
+                cluster.remote(scheduler, store.folder, warmth)
                 if scheduler
-                else cluster.local(jobs or cluster.cores())
+                else cluster.local(jobs or cluster.cores(), warmth)
             )
             with workers as client:
-                client.register_plugin(Warmth(f"{runner}:warm", used, local=scheduler is None))
                 engine.client = client
                 engine.run(plan)
                 return engine
