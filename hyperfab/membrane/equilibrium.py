@@ -60,18 +60,6 @@ class State:
 
 
 @dataclass(frozen=True)
-class Tangent:
-    """How an equilibrium moves on per mm of depth: places ``motion`` (n, 3) and force ``slope`` [N/mm].
-
-    ``factor`` is the factorised stiffness.
-    """
-
-    motion: Array
-    slope: float
-    factor: Factor
-
-
-@dataclass(frozen=True)
 class _Linearised:
     """Newton's equations at given places: what the sheet and the punch contribute."""
 
@@ -158,19 +146,14 @@ class Press:
             places, touching = places + step, chosen
         raise NoEquilibriumError(f"Newton's method did not settle within {most} iterations")
 
-    def tangent(self, state: State) -> Tangent:
-        """Return how an equilibrium moves on."""
+    def tangent(self, state: State) -> tuple[Array, Factor]:
+        """Return how the places move per mm of depth (n, 3), and the factorised stiffness at an equilibrium."""
         grip = self.tangential.begin(state.memory, state.memory.places)
         system = self._linearise(state.depth, state.places, state.touching, grip, 1e-9, False)
-        pattern = self.sheet.pattern
-        at_rim = np.flatnonzero(~pattern.free[pattern.rows, 2])
-        pulled, by = system.sheet.blocks[at_rim, 2], pattern.columns[at_rim]
         factor = self._factor(system)
         right = np.zeros_like(state.places)
         right[system.nodes] = system.terms.drive
-        motion = self._solve(factor, right)
-        slope = -self.sheet.mesh.copies * float((pulled * motion[by]).sum())
-        return Tangent(motion, slope, factor)
+        return self._solve(factor, right), factor
 
     @property
     def _movable(self) -> Flags:

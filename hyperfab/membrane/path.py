@@ -36,17 +36,19 @@ class Limit:
 class Path:
     """States at the depths asked for, as far as they were reached, and where and why the path ended early.
 
-    ``jumps``: depths [mm] between which the path broke off, and equilibria of another shape were found beyond.
+    ``footings``: all equilibria on the way, also those at depths that were not asked for; ``jumps``: depths [mm]
+    between which the path broke off, and equilibria of another shape were found beyond.
     """
 
     states: list[State] = field(default_factory=list)
     limit: Limit | None = None
     iterations: int = 0
     jumps: list[tuple[float, float]] = field(default_factory=list)
+    footings: list[Footing] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
-class _Footing:
+class Footing:
     """An equilibrium and how fast its places move with depth."""
 
     state: State
@@ -59,7 +61,7 @@ def follow(press: Press, depths: Sequence[float], watch: Watch = lambda state: N
     Steps that fail are halved; a path that cannot go on ends with a Limit.
     """
     path = Path()
-    footings: list[_Footing] = []
+    footings = path.footings
     for depth in depths:
         try:
             _advance(press, footings, depth, _SMALLEST_STEP * depths[-1], path, watch)
@@ -98,7 +100,7 @@ def cold_start(press: Press, depth: float) -> State:
 
 
 def _advance(
-    press: Press, footings: list[_Footing], target: float, smallest: float, path: Path, watch: Watch
+    press: Press, footings: list[Footing], target: float, smallest: float, path: Path, watch: Watch
 ) -> None:
     """Reach ``target`` from the last footing, by halved steps where need be."""
     step = target - (footings[-1].state.depth if footings else 0.0)
@@ -107,7 +109,7 @@ def _advance(
         here = footings[-1].state.depth if footings else 0.0
         depth = target if target - here <= 1.01 * step else here + step
         try:
-            found = _next(press, footings, depth)
+            found = next_footing(press, footings[-1] if footings else None, depth)
         except NoEquilibriumError:
             failed = True
             ahead = _turning_ahead(footings)
@@ -125,25 +127,26 @@ def _advance(
             raise NoEquilibriumError("the steps became too small")
 
 
-def _jumped(press: Press, depth: float) -> _Footing | None:
+def _jumped(press: Press, depth: float) -> Footing | None:
     """Return a stable equilibrium at ``depth`` that no path led to, None where a cold start finds none."""
     try:
-        return _next(press, [], depth)
+        return next_footing(press, None, depth)
     except NoEquilibriumError:
         return None
 
 
-def _next(press: Press, footings: list[_Footing], depth: float) -> _Footing:
-    if not footings:
+def next_footing(press: Press, below: Footing | None, depth: float) -> Footing:
+    """Return the equilibrium at ``depth`` on the path from the one ``below``, from a cold start where there is none.
+
+    Raises NoEquilibriumError, also where the equilibrium is unstable.
+    """
+    if below is None or below.state.force == 0.0:
         state = cold_start(press, depth)
     else:
-        last = footings[-1].state
-        if last.force == 0.0:
-            state = cold_start(press, depth)
-        else:
-            state = press.equilibrium(depth, last.places, last.touching, last.memory)
+        last = below.state
+        state = press.equilibrium(depth, last.places, last.touching, last.memory)
     if state.force == 0.0:
-        return _Footing(state, 1.0)
+        return Footing(state, 1.0)
     try:
         motion, factor = press.tangent(state)
     except SingularMatrixError as error:
@@ -152,10 +155,10 @@ def _next(press: Press, footings: list[_Footing], depth: float) -> _Footing:
         raise NoEquilibriumError("the equilibrium is unstable")
     drift = motion - np.array([0.0, 0.0, 1.0])
     state = replace(state, memory=replace(state.memory, drift=drift))
-    return _Footing(state, float(np.sqrt((motion**2).mean())))
+    return Footing(state, float(np.sqrt((motion**2).mean())))
 
 
-def _turning_ahead(footings: list[_Footing]) -> float | None:
+def _turning_ahead(footings: list[Footing]) -> float | None:
     """Return how far ahead [mm] a turning point is expected from the last two footings, None where they slow down."""
     if len(footings) < 2:
         return None
@@ -165,7 +168,7 @@ def _turning_ahead(footings: list[_Footing]) -> float | None:
     return (s2 - s1) * v1**2 / (v2**2 - v1**2)
 
 
-def _limit(footings: list[_Footing], target: float, reason: str) -> Limit:
+def _limit(footings: list[Footing], target: float, reason: str) -> Limit:
     """Say why the path ended. At a turning point the speed grows as one over the root of the depth that is left."""
     if not footings:
         return Limit(0.0, f"no equilibrium was found from a cold start up to {target:.4g} mm: {reason}")

@@ -22,10 +22,11 @@ from hyperfab.membrane.facets import Facets
 from hyperfab.membrane.mesh import SheetMesh, interpolate, sheet_mesh
 from hyperfab.membrane.meshing import SizeField, graded, triangulate
 from hyperfab.membrane.outline import Outline
-from hyperfab.membrane.path import Path, Watch, cold_start, follow
+from hyperfab.membrane.path import Path, Watch, cold_start, follow, next_footing
 from hyperfab.membrane.sheet import Sheet
 from hyperfab.membrane.sphere import Sphere
 from hyperfab.membrane.tension_field import SheetLaw
+from hyperfab.membrane.work import doubtful
 
 Array = NDArray[np.float64]
 
@@ -47,6 +48,8 @@ _MOST_LEVELS = 8
 #: Meshes of nested starts differ by at most this in their size.
 _FASTEST = 2.6
 _MOST_UNKNOWNS = 200_000
+#: The work of the punch is sought to this part of itself, with at most so many depths beyond those asked for.
+_WORK_TOLERANCE, _MOST_MORE_DEPTHS = 3e-5, 12
 
 
 @dataclass(frozen=True)
@@ -85,12 +88,14 @@ class Solved:
 class Outcome:
     """A test's path, and its equilibria on fitted meshes in order of depth.
 
+    ``trace``: depths and forces for the work of the punch, more than are in ``solved`` where the curve needs it;
     ``extrapolated``: the last force for load steps of length zero, where it hangs on them.
     """
 
     rough: Press
     path: Path
     solved: list[Solved] = field(default_factory=list)
+    trace: list[tuple[float, float]] = field(default_factory=list)
     extrapolated: float | None = None
 
 
@@ -194,7 +199,28 @@ def run(
             watch(solved.state)
     for outcome in outcomes:
         outcome.solved.sort(key=lambda solved: solved.state.depth)
+    for test, outcome in zip(tests, outcomes, strict=True):
+        _trace(test, outcome, watch)
     return outcomes
+
+
+def _trace(test: SphereTest, outcome: Outcome, watch: Watch) -> None:
+    """Fill in the curve of force against depth, with equilibria in between where its integral is in doubt."""
+    outcome.trace = [(solved.state.depth, solved.state.force) for solved in outcome.solved]
+    limit, footings = outcome.path.limit, list(outcome.path.footings)
+    for _ in range(0 if outcome.path.jumps else _MOST_MORE_DEPTHS):
+        depth = doubtful(outcome.trace, _WORK_TOLERANCE, limit.turning_point if limit else None)
+        if depth is None:
+            return
+        below = [footing for footing in footings if footing.state.depth < depth]
+        try:
+            footing = next_footing(outcome.rough, below[-1] if below else None, depth)
+        except NoEquilibriumError:
+            return
+        footings = sorted([*footings, footing], key=lambda one: one.state.depth)
+        found, _level = _fitted([test], [Solved(outcome.rough, footing.state)], None, 0.0)
+        watch(found[0].state)
+        outcome.trace = sorted([*outcome.trace, (depth, found[0].state.force)])
 
 
 def _at(outcome: Outcome, depth: float) -> State | None:

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import make_interp_spline
 
 from hyperfab.membrane.equilibrium import NoEquilibriumError, Press, State
 from hyperfab.membrane.measures import fields
 from hyperfab.membrane.path import cold_start
 from hyperfab.membrane.recovery import recovered_strain
 from hyperfab.membrane.sphere_test import Outcome, Solved
+from hyperfab.membrane.work import work as path_work
 
 Array = NDArray[np.float64]
 
@@ -77,17 +76,10 @@ def _located(outcome: Outcome, stable: float, unstable: Solved) -> Instability:
     return Instability(high, (float(place[0]), float(place[1])), (float(stretch[0]), float(stretch[1])))
 
 
-def work(trace: Sequence[tuple[float, float]]) -> float:
-    """Return the work of the sphere [N mm]: the integral of a spline through depths [mm] and forces [N]."""
-    depth, force = np.array([(0.0, 0.0), *trace]).T
-    # Where a slack sheet takes up the load the curve has a kink: nothing is integrated before it.
-    pulled = np.flatnonzero(force > 0.0)
-    if not len(pulled):
-        return 0.0
-    depth, force = depth[pulled[0] - 1 :], force[pulled[0] - 1 :]
-    degree = min(5, len(depth) - 1)
-    spline = make_interp_spline(depth, force, k=degree if degree % 2 else degree - 1)
-    return float(spline.integrate(depth[0], depth[-1]))
+def work(outcome: Outcome) -> float:
+    """Return the work of the punch [N mm] up to the last depth."""
+    limit = outcome.path.limit
+    return path_work(outcome.trace, limit.turning_point if limit else None)
 
 
 def stress_difference(first: Solved, second: Solved) -> tuple[float, Array]:

@@ -49,7 +49,7 @@ class BlockPattern:
         self.diagonal: Indices = np.searchsorted(keys, np.arange(nodes) * (nodes + 1)).astype(np.int64)
         self.free = free
         self.size = free.shape[1]
-        self._index(keys // nodes, keys % nodes, nodes)
+        self._index(self.rows, keys % nodes, nodes)
 
     @property
     def unknowns(self) -> int:

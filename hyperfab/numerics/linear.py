@@ -107,10 +107,17 @@ class DirectSolver:
 
     def __init__(self, plan: Callable[[], Elimination] | None = None) -> None:
         self._plan = plan
+        #: Names of the solvers that have been used.
+        self.used: set[str] = set()
         self._pardiso = pardiso.Solver() if pardiso.installed() else None
 
     def factorise(self, matrix: sparse.csc_matrix, *, symmetric: bool = True) -> Factor:
         """Factorise a matrix. The last factor alone can be relied on. Raises SingularMatrixError."""
+        factor = self._factor(matrix, symmetric)
+        self.used.add(factor.name)
+        return factor
+
+    def _factor(self, matrix: sparse.csc_matrix, symmetric: bool) -> Factor:
         if symmetric and self._plan is not None:
             try:
                 return _Definite(CholeskyFactor(self._plan(), matrix.data))

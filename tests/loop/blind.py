@@ -1,7 +1,9 @@
 """Blind trials: truths drawn at random, nothing declared, and what ``close`` calls them. ``make blind``
 prints the table.
 
-Run as ``PYTHONPATH=.:tests python -m loop.blind [domain] [trials]``; deterministic for given arguments.
+Run as ``PYTHONPATH=.:tests python -m loop.blind [domain] [trials] [effect or effect+effect ...]``; deterministic for
+given arguments. ``--poor`` takes one rate, one cycle, one direction (or one plate), ``--other`` the second set of
+generators, whose laws, protocols and mold are others.
 """
 
 from __future__ import annotations
@@ -16,6 +18,7 @@ from pathlib import Path
 import numpy as np
 from loop.generators import fabric as truths
 from loop.generators import heat as heat_truths
+from loop.generators import other_fabric, other_heat
 
 from hyperfab.chapters.close_loop import heat
 from hyperfab.chapters.job import Job
@@ -28,6 +31,15 @@ from hyperfab.loop.fabric import FabricProblem, FabricTest, fabric_problem
 from hyperfab.loop.heat import HeatProblem, heat_problem
 from hyperfab.materials.registry import law
 
+#: Pairs for the trials with two effects.
+PAIRS = (
+    "anisotropy+hysteresis", "rate+thermal-softening", "mullins+rate", "permanent-set+anisotropy",
+    "hysteresis+thermal-softening", "grip-slack+rate", "elastic-law+mullins", "mullins+permanent-set",
+)  # fmt: skip
+HEAT_PAIRS = (
+    "radiation+sensor-lag", "contact-resistance+ambient-drift", "base-conduction+property-drift",
+    "power-loss+sensor-lag",
+)  # fmt: skip
 MODES = {"uniaxial": 0, "shear": 1, "biaxial": 2}
 
 
@@ -56,19 +68,27 @@ def problem_of(readings: Sequence[truths.Reading], model: str = "yeoh-3") -> Fab
 
 
 def case(
-    seed: int, effects: Sequence[str], poor: bool
-) -> tuple[FabricProblem, float, truths.Truth, list[truths.Setup]]:
+    seed: int, effects: Sequence[str], poor: bool, other: bool = False
+) -> tuple[FabricProblem, float, truths.Truth | other_fabric.Truth, list[truths.Setup]]:
     """Return a problem whose effects raise the rms to 1.5 times the noise or more after the constants are refitted."""
     model = "neo-hookean" if "elastic-law" in effects else "yeoh-3"
     for attempt in range(50):
         random = np.random.default_rng([seed, attempt, sum(map(ord, "".join(effects)))])
         turn, rate = float(random.uniform(1.35, 1.7)), float(10.0 ** random.uniform(-2.3, -1.3))
         setups = (truths.poor if poor else truths.rich)(turn, rate, float(random.uniform(53.0, 90.0)))
-        truth = truths.draw(random, effects)
-        clean = truths.measure(truth, setups, np.random.default_rng(0), 0.0)
+        truth: truths.Truth | other_fabric.Truth
+        measure: Callable[..., list[truths.Reading]]
+        if other:
+            setups = other_fabric.protocol(random)
+            truth = other_fabric.draw(random, effects, seed if len(effects) == 1 else None)
+            measure = other_fabric.measure
+        else:
+            truth = truths.draw(random, effects)
+            measure = truths.measure
+        clean = measure(truth, setups, np.random.default_rng(0), 0.0)
         top = max(float(np.max(reading.stress)) for reading in clean)
         noise = float(random.uniform(0.005, 0.02)) * top
-        readings = truths.measure(truth, setups, random, noise)
+        readings = measure(truth, setups, random, noise)
         if not effects:
             break
         problem = problem_of(readings, model)
@@ -105,16 +125,16 @@ def in_answer(name: str, found: Finding) -> bool:
 
 
 def table(
-    effects: Sequence[Sequence[str]], trials: int, poor: bool = False, show: bool = False
+    effects: Sequence[Sequence[str]], trials: int, poor: bool = False, show: bool = False, other: bool = False
 ) -> dict[tuple[str, ...], Counter[str]]:
     """Run the trials and count the verdicts."""
     counts: dict[tuple[str, ...], Counter[str]] = {}
     for truth in effects:
         counts[tuple(truth)] = Counter()
         for seed in range(trials):
-            problem, _, drawn, _ = case(seed, truth, poor)
+            problem, _, drawn, _ = case(seed, truth, poor, other)
             began = time.perf_counter()
-            found = close(problem)
+            found = close(problem, design=False)
             took = time.perf_counter() - began
             counts[tuple(truth)][label(found)] += 1
             tally = counts[tuple(truth)]
@@ -137,44 +157,61 @@ def table(
     return counts
 
 
-def heat_problems() -> Callable[[heat_truths.Truth, float, int], HeatProblem]:
+def heat_problems(other: bool = False, poor: bool = False) -> Callable[..., HeatProblem]:
     """Return a function from truth, noise and seed to a problem; the mold is meshed and reduced once."""
     folder = tempfile.mkdtemp()
-    text, power = heat_truths.mold_toml()
+    text, power = other_heat.mold_toml(poor) if other else heat_truths.mold_toml()
+    duration, air = (
+        (other_heat.DURATION, other_heat.AIR) if other else (heat_truths.DURATION, heat_truths.AIR)
+    )
     (Path(folder) / "power.csv").write_text(power)
     name = str(Path(folder) / "mold.toml")
     Path(name).write_text(text)
     job = Job("close-loop", [], Console(True))
     document = parse_document(load_toml(text.encode(), name), name, MoldDocument)
-    names = ["T1", "T2", "T3", "T4"]
-    times = np.linspace(0.0, heat_truths.DURATION, 200)
-    empty = heat.Thermocouples(times, np.full((200, 4), heat_truths.AIR), names)
+    names = ["T1", "T2", "T3", "T4"][: 2 if poor else 4]
+    times = np.linspace(0.0, duration, 200)
+    empty = heat.Thermocouples(times, np.full((200, len(names)), air), names)
     posed, _ = heat.pose(
         job, document, name, heat.MoldBuilder(document, name, job.inputs), empty, [], heat.PRIOR
     )
     mold = posed.runs[0][0]
     own = [(constant.name, kind) for constant, kind in zip(posed.own, posed.kinds, strict=True)]
 
-    def problem(truth: heat_truths.Truth, noise: float, seed: int) -> HeatProblem:
-        at, readings = heat_truths.measure(truth, np.random.default_rng([seed, 7]), noise)
-        return heat_problem(mold, at, readings, range(4), names, own, list(posed.joints), heat.PRIOR)
+    def problem(truth: heat_truths.Truth | other_heat.Truth, noise: float, seed: int) -> HeatProblem:
+        random = np.random.default_rng([seed, 7])
+        if isinstance(truth, other_heat.Truth):
+            at, readings = other_heat.measure(truth, random, noise, poor=poor)
+        else:
+            at, readings = heat_truths.measure(truth, random, noise)
+        return heat_problem(mold, at, readings, range(len(names)), names, own, list(posed.joints), heat.PRIOR)
 
     return problem
 
 
-def heat_table(effects: Sequence[Sequence[str]], trials: int) -> None:
-    """Run trials on the mold and print each, then the sums."""
-    make = heat_problems()
+def heat_table(
+    effects: Sequence[Sequence[str]], trials: int, poor: bool = False, other: bool = False
+) -> None:
+    """Run trials on the mold and print each, then the sums; the poor mold is the second set's."""
+    other = other or poor
+    make = heat_problems(other, poor)
     for truth in effects:
         tally: Counter[str] = Counter()
         for seed in range(trials):
-            drawn = heat_truths.draw(np.random.default_rng([seed, len(truth)]), tuple(truth))
+            random = np.random.default_rng([seed, len(truth)])
+            drawn: heat_truths.Truth | other_heat.Truth
+            if other:
+                drawn = other_heat.draw(random, tuple(truth), seed if len(truth) == 1 else None)
+            else:
+                drawn = heat_truths.draw(random, tuple(truth))
             began = time.perf_counter()
             found = close(make(drawn, 0.3, seed), design=False)
             took = time.perf_counter() - began
             named = found.verdict in ("effect", "ambiguous")
             tally["named alone"] += found.verdict == "effect" and set(found.after.ids) == set(truth)
             tally["right or in the set"] += named and all(in_answer(name, found) for name in truth)
+            tally["one right"] += named and any(in_answer(name, found) for name in truth)
+            tally["spurious"] += found.verdict == "effect" and any(n not in truth for n in found.after.ids)
             tally["noise"] += found.verdict == "noise"
             tally["unexplained"] += found.verdict == "unexplained"
             before, left = found.before.judgement.structured, found.after.judgement.structured
@@ -198,15 +235,21 @@ def main() -> None:
     only = [word for word in sys.argv[3:] if not word.startswith("--")]
     if domain not in ("fabric", "heat"):
         raise SystemExit(f"no blind trials for {domain}")
-    poor = "--poor" in sys.argv
+    poor, other = "--poor" in sys.argv, "--other" in sys.argv
+    if "--two" in sys.argv:
+        only = list(PAIRS if domain == "fabric" else HEAT_PAIRS)
+    outside: Sequence[str] = truths.OUTSIDE if not other else other_fabric.OUTSIDE
+    if domain == "heat":
+        outside = other_heat.OUTSIDE if other else ()
     if only:
         effects = [tuple(part for part in word.split("+") if part and part != "none") for word in only]
     else:
-        effects = [(name,) for name in truths.IDS] + [()] + [(name,) for name in truths.OUTSIDE]
+        ids = truths.IDS if domain == "fabric" else heat_truths.IDS
+        effects = [(name,) for name in ids] + [()] + [(name,) for name in outside]
     if domain == "heat":
-        heat_table(effects if only else [*((name,) for name in heat_truths.IDS), ()], trials)
+        heat_table(effects, trials, poor, other)
         return
-    for truth, tally in table(effects, trials, poor, show).items():
+    for truth, tally in table(effects, trials, poor, show, other).items():
         names = {key: value for key, value in tally.items() if not key.startswith("#")}
         sums = ", ".join(f"{key[1:]} {value}" for key, value in tally.items() if key.startswith("#"))
         print(

@@ -18,7 +18,7 @@ from hyperfab.documents.base import parse_document
 from hyperfab.documents.mold import MoldDocument
 from hyperfab.io.toml_io import load_toml
 from hyperfab.loop.heat import HeatProblem
-from hyperfab.thermal.reduced import lagging
+from hyperfab.thermal.sensors import lagging
 
 CUBE = """format = "hyperfab.mold/1"
 [material.copper]

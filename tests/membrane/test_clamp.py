@@ -46,7 +46,7 @@ def test_force_energy_and_rim_of_a_clamp_that_gives(rim_slip):
 
 def test_work_goes_into_sheet_and_clamp():
     outcome = _pressed(20.0, np.linspace(7.5, 60.0, 8))
-    assert work(outcome.trace) == pytest.approx(outcome.solved[-1].state.energy, rel=1e-4)
+    assert work(outcome) == pytest.approx(outcome.solved[-1].state.energy, rel=1e-4)
 
 
 def test_no_slip_is_the_rigid_clamp_bit_for_bit():

@@ -51,7 +51,7 @@ def test_work_is_stored_or_dissipated(rubbed):
     state = rubbed.solved[-1].state
     lost = rubbed.solved[-1].press.sheet.mesh.copies * state.memory.dissipated
     assert lost == pytest.approx(18.9, abs=0.15)
-    assert work(rubbed.trace) == pytest.approx(state.energy + lost, rel=1e-4)
+    assert work(rubbed) == pytest.approx(state.energy + lost, rel=1e-4)
 
 
 def test_friction_that_vanishes_is_no_friction():

@@ -84,7 +84,7 @@ def test_a_flat_sheet_never_wrinkles(pressed):
 
 def test_work_of_the_sphere_is_the_energy_stored():
     outcome = _press("neo-hookean", np.linspace(7.5, 60.0, 8))
-    assert work(outcome.trace) == pytest.approx(outcome.solved[-1].state.energy, rel=1e-4)
+    assert work(outcome) == pytest.approx(outcome.solved[-1].state.energy, rel=1e-4)
 
 
 def test_force_is_the_slope_of_the_energy():

@@ -11,7 +11,7 @@ from hyperfab.errors import UsageError
 from hyperfab.io.units import quantity
 
 #: The kinds of model that the loop can be closed on, and the module of each.
-BUILT = {"material": "fabric", "mold": "heat", "press": "press"}
+BUILT = {"material": "fabric", "mold": "heat", "press": "press", "contact": "contact", "drape": "drape"}
 
 
 def run(

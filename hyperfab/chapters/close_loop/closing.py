@@ -103,13 +103,7 @@ def finish(
             count += 1
             advance(0.3 + 0.7 * (1.0 - float(np.exp(-count / _REFITS))), text)
 
-        found = close_anew(problem, noise, tick)
-        for _ in range(2):
-            again = rounds(problem, found)
-            if again is None:
-                break
-            problem = again
-            found = close_anew(problem, noise, tick)
+        problem, found = close_rounds(problem, noise, rounds, tick)
         result = describe(problem, found, problem.units[0], left_out or {}, told, domain=domain)
         if out.wants_files:
             tick("the extended model")
@@ -118,6 +112,24 @@ def finish(
     say(job.console, result)
     job.write(out, result)
     return NEGATIVE_VERDICT if found.verdict == "unexplained" else 0
+
+
+def close_rounds(
+    problem: Problem,
+    noise: Callable[[Problem, Array | None], Noise],
+    rounds: Callable[[Problem, Finding], Problem | None] = lambda problem, found: None,
+    tick: Callable[[str], None] = lambda text: None,
+    design: bool = True,
+) -> tuple[Problem, Finding]:
+    """Close the loop, and again on the problem posed anew around what was found, until that no longer changes it."""
+    found = close_anew(problem, noise, tick, design)
+    for _ in range(2):
+        again = rounds(problem, found)
+        if again is None:
+            break
+        problem = again
+        found = close_anew(problem, noise, tick, design)
+    return problem, found
 
 
 def close_anew(

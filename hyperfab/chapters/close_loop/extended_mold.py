@@ -127,6 +127,12 @@ def _scale(
             mold["heater"][index]["flux"] = f"{heater.flux * factor!r} W/m^2"
     if isinstance(document.run.start, float):
         mold["run"]["start"] = f"{document.run.start + factors.get('run.start', 0.0)!r} degC"
+        for index, part in enumerate(document.part):
+            warmer = factors.get(f"part.{part.name}.start", 0.0)
+            if warmer != 0.0 or part.start is not None:
+                begin = document.run.start if part.start is None else part.start
+                begin += factors.get("run.start", 0.0) + warmer
+                mold["part"][index]["start"] = f"{begin!r} degC"
     for kind in ("convection", "radiation"):
         for index, cooled in enumerate(getattr(document, kind)):
             if isinstance(cooled.ambient, float):
@@ -158,22 +164,26 @@ def _add(
             for pair in problem.pairs:
                 mold.setdefault("contact", []).append({"between": list(pair), "h": f"{h!r} W/m^2/K"})
         elif name == "sensor-lag":
+            numbers = {name: k for k, name in enumerate(problem.names, start=1)}
             for probe in mold["probe"]:
-                probe["lag"] = f"{problem.lag_s + values['lag_s']!r} s"
+                own = values.get(f"of_probe_{numbers.get(probe['name'], 1)}_s", 0.0)
+                probe["lag"] = f"{max(problem.lag_s + values['lag_s'] + own, 0.0)!r} s"
+            if values.get("second_lag_s", 0.0) > 0.0:
+                notes.append(
+                    f"sensor-lag: the second lag of {values['second_lag_s']:.3g} s has no key in a mold document; "
+                    "only the first is in the extended model"
+                )
         elif name == "base-conduction":
-            places = [place for kind in ("heater", "insulated") for section in mold.get(kind, [])
-                      for place in _listed(section.get("on", []))]  # fmt: skip
+            places = list(problem.base)
+            _uncover(mold, places)
             mold.setdefault("convection", []).append(
                 {"on": places, "h": f"{values['h_W_m2K']!r} W/m^2/K", "ambient": ambient}
             )
-            if not places:
-                notes.append(
-                    "base-conduction: the faces without a film have no name; name them in [[convection]]"
-                )
         elif name == "ambient-drift":
             times = problem.runs[0][1]
             at = np.linspace(0.0, float(times[-1]), 41)
             rise = values["drift_K_s"] * at + values.get("drift_K_s2", 0.0) * at**2
+            rise = rise + values.get("drift_K_s3", 0.0) * at**3
             base = (
                 problem.runs[0][0].films[0].ambient(at)
                 if problem.runs[0][0].films
@@ -189,6 +199,19 @@ def _add(
                 "document; only the constant share is in the extended model"
             )
     return notes
+
+
+def _uncover(mold: dict[str, Any], places: list[str]) -> None:
+    """Take faces that get a film out of the insulated ones."""
+    kept = []
+    for section in mold.get("insulated", []):
+        rest = [place for place in _listed(section["on"]) if place not in places]
+        if rest:
+            kept.append({**section, "on": rest})
+    if "insulated" in mold:
+        mold["insulated"] = kept
+        if not kept:
+            del mold["insulated"]
 
 
 def _listed(places: Any) -> list[Any]:

@@ -4,46 +4,35 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 
 from hyperfab.chapters.close_loop.describe import describe, say
 from hyperfab.chapters.close_loop.extended_mold import extend
+from hyperfab.chapters.close_loop.thermocouples import Thermocouples, follow_thermostats, read_thermocouples
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.mold_heat.problem import MoldBuilder, Problem
 from hyperfab.console import NEGATIVE_VERDICT
 from hyperfab.documents.base import parse_document
-from hyperfab.documents.mold import ContactSection, MoldDocument
+from hyperfab.documents.mold import ContactSection, ConvectionSection, MoldDocument
 from hyperfab.errors import InputError, UsageError
-from hyperfab.io.csv_table import read_table
 from hyperfab.io.output import Output
 from hyperfab.io.units import quantity
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.heat import HeatProblem, heat_problem
-from hyperfab.loop.problem import Array
 from hyperfab.thermal.contact import Contact
 from hyperfab.thermal.convection import Convection
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.radiation import Radiation
-from hyperfab.thermal.reduced import reduce
+from hyperfab.thermal.reduced import HOLDS, reduce
 
 #: What is known of a mold's own constants where --prior does not say.
 PRIOR = 0.10
 #: Conductance that counts as a perfect joint [W/m^2/K].
 PERFECT = 1e7
 _REFITS = 40.0
-
-
-@dataclass(frozen=True)
-class Thermocouples:
-    """Times (t,) [s], readings (t, p) [degC] and the probes' names, in the order of the files."""
-
-    times: Array
-    readings: Array
-    names: list[str]
 
 
 def run(
@@ -72,13 +61,6 @@ def run(
             file=name,
             key="run.steady",
             remedy="give until instead",
-        )
-    if any(heater.control is not None for heater in document.heater):
-        raise InputError(
-            "close-loop does not follow a thermostat yet",
-            file=name,
-            key="heater.control",
-            remedy='give the power that was drawn as schedule = "power.csv"',
         )
     probes = [probe.name for probe in document.probe]
     read = read_thermocouples(job, measured[0], probes, decimal)
@@ -119,29 +101,6 @@ def run(
     return NEGATIVE_VERDICT if found.verdict == "unexplained" else 0
 
 
-def read_thermocouples(job: Job, name: str, probes: Sequence[str], decimal: str | None) -> Thermocouples:
-    """Read a thermocouple file; every column must be a probe of the mold."""
-    table = read_table(
-        job.inputs.read(name), name, {"time": "time"}, increasing="time", rest="temperature", decimal=decimal
-    )
-    known = {probe.casefold(): probe for probe in probes}
-    columns = [column for column in table.columns if column != "time"]
-    for column in columns:
-        if column.casefold() not in known:
-            raise InputError(
-                f"is no probe of the mold; it has {', '.join(probes) or 'none'}",
-                file=name,
-                column=column,
-                remedy="name the columns after the [[probe]] tables",
-            )
-    readings = np.stack([table[column] for column in columns], axis=1)
-    if len(table["time"]) < 12:
-        raise InputError(
-            "has too few rows to tell noise from a residual", file=name, remedy="give 12 or more"
-        )
-    return Thermocouples(table["time"], readings, [known[column.casefold()] for column in columns])
-
-
 def pose(
     job: Job,
     document: MoldDocument,
@@ -152,6 +111,7 @@ def pose(
     prior: float,
 ) -> tuple[HeatProblem, list[str]]:
     """Return the problem of a mold and its thermocouples, and what to warn of."""
+    document, builder = _with_held_faces(document, builder, name, job)
     built = builder.build()
     pairs = _touching(document, built)
     if pairs:
@@ -160,22 +120,18 @@ def pose(
         builder = MoldBuilder(document, name, job.inputs)
         built = builder.build()
     model = built.model
-    if model.prescribed:
-        raise InputError(
-            "close-loop does not take held temperatures yet",
-            file=name,
-            key="temperature",
-            remedy="model what holds them",
-        )
+    follow_thermostats(document, built, read, name)
     contacts = [c for c in model.conditions if isinstance(c, Contact)]
     opened = contacts[len(contacts) - len(pairs) :]
     declared = contacts[: len(contacts) - len(pairs)]
     start = builder.start_field(built)
     probes = np.stack([built.probes[key] for key in read.names])
+    began = _probed(built, read.names)[1:]
     mold = reduce(
-        model, probes, start, float(read.times[-1] - read.times[0]), _bench(built), opened, _corners(built)
-    )
-    own, skipped = _own(document, built)
+        model, probes, start, float(read.times[-1] - read.times[0]), _bench(built), opened, _corners(built),
+        [[part] for part in began], [c for c in model.conditions if _holds(c)],
+    )  # fmt: skip
+    own, skipped = _own(document, built, [document.part[part].name for part in began])
     for key in fix:
         if key not in {one for one, _ in own}:
             raise UsageError(
@@ -193,11 +149,41 @@ def pose(
         fix,
     )
     problem.pairs = pairs
+    problem.base = _base(document, built)
     lags = [probe.lag for probe in document.probe if probe.name in read.names]
     problem.lag_s = float(np.mean(lags))
     if max(lags) > min(lags):
         skipped.append("the probes' lags differ: the loop takes their mean for all")
     return problem, skipped
+
+
+def _with_held_faces(
+    document: MoldDocument, builder: MoldBuilder, name: str, job: Job
+) -> tuple[MoldDocument, MoldBuilder]:
+    """Return the document with its held temperatures as films that leave the face no choice."""
+    if not document.temperature:
+        return document, builder
+    films = [
+        ConvectionSection.model_construct(on=held.on, h=HOLDS, ambient=held.value)
+        for held in document.temperature
+    ]
+    changed = document.model_copy(update={"temperature": [], "convection": [*document.convection, *films]})
+    return changed, MoldBuilder(changed, name, job.inputs)
+
+
+def _base(document: MoldDocument, built: Problem) -> list[str]:
+    """Return the names of the faces the mold stands on: ``part.z-`` of the parts that reach down to them."""
+    points, mesh = built.mesh.points, built.mesh
+    lowest = float(points[:, 2].min()) + 1e-6
+    return [
+        f"{part.name}.z-"
+        for number, part in enumerate(document.part)
+        if np.any(points[np.unique(mesh.elements[mesh.parts == number]), 2] <= lowest)
+    ]
+
+
+def _holds(condition: object) -> TypeGuard[Convection]:
+    return isinstance(condition, Convection) and bool(np.all(condition.film.y == HOLDS))
 
 
 def _touching(document: MoldDocument, built: Problem) -> list[tuple[str, str]]:
@@ -217,16 +203,33 @@ def _touching(document: MoldDocument, built: Problem) -> list[tuple[str, str]]:
     return found
 
 
-def _own(document: MoldDocument, built: Problem) -> tuple[list[tuple[str, str]], list[str]]:
+def _probed(built: Problem, names: Sequence[str]) -> list[int]:
+    """Return the parts that a probe reads, in order: each is known to begin where its probe begins."""
+    mesh, found = built.mesh, set()
+    for name in names:
+        nodes = np.flatnonzero(np.abs(built.probes[name]) > 1e-9)
+        inside = np.isin(mesh.elements, nodes).sum(axis=1)
+        found.add(int(mesh.parts[int(np.argmax(inside))]))
+    return sorted(found)
+
+
+def _own(
+    document: MoldDocument, built: Problem, began: Sequence[str] = ()
+) -> tuple[list[tuple[str, str]], list[str]]:
     """Return the mold's own constants, by key and kind, in the order of the reduced mold's matrices."""
-    own = [(f"convection.{i}.h", "film") for i in range(len(document.convection))]
+    films = [c for c in document.convection if c.h != HOLDS]
+    own = [(f"convection.{i}.h", "film") for i in range(len(films))]
     used = list(dict.fromkeys(material.name for material in built.model.materials))
     own += [(f"material.{key}.conductivity", "conductivity") for key in used]
     own += [(f"material.{key}.specific_heat", "capacity") for key in used]
     own += [(f"heater.{i}.power", "power") for i in range(len(document.heater))]
     declared = [contact for contact in document.contact if contact.h < 0.99 * PERFECT]
     own += [(f"contact.{i}.h", "joint") for i in range(len(declared))]
-    own += [("run.start", "start"), ("ambient", "ambient")]
+    own += [
+        ("run.start", "start"),
+        *((f"part.{name}.start", "start") for name in began),
+        ("ambient", "ambient"),
+    ]
     warnings = []
     tables = [
         m for m in built.model.materials if not (m.conductivity.is_constant and m.specific_heat.is_constant)

@@ -21,7 +21,7 @@ Parse = Callable[[str, Sequence[str]], Mapping[str, Any]]
 #: The command that makes each kind of document, and which of its options name files.
 MADE_BY = {
     "contact": ("fabric-contact", ("material", "against")),
-    "drape": ("drape", ("material", "mold")),
+    "drape": ("drape", ("material", "mold", "warp", "weft", "shear_law")),
     "press": ("press-contact", ("male", "female", "foam", "male_heat", "female_heat", "drape")),
 }
 

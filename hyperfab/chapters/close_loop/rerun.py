@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -72,6 +73,17 @@ class Rerun(Job):
         self.kept.append(told)
 
 
+class _EnoughError(Exception):
+    """What was asked for is known: the rest of the command need not run."""
+
+
+@dataclass
+class _Preview(Rerun):
+    def keep(self, told: object) -> None:
+        super().keep(told)
+        raise _EnoughError
+
+
 @dataclass(frozen=True)
 class Made:
     """What a command would have written: the document, its siblings by suffix; status, warnings, and what it kept."""
@@ -94,3 +106,14 @@ def rerun(
     status = int(chapter.run(job, **options))
     kept = job.outputs[-1]
     return Made(kept.document, kept.siblings, status, listener.warnings, job.kept, job.inputs)
+
+
+def preview(
+    command: str, words: Sequence[str], options: Mapping[str, Any], given: Mapping[str, bytes] = {}
+) -> tuple[Any, Inputs]:
+    """Run ``command`` until it has read and checked everything; return what it kept there, and its inputs."""
+    job = _Preview(command, list(words), Listener(), Overlay(given))
+    chapter = importlib.import_module(f"hyperfab.chapters.{command.replace('-', '_')}")
+    with contextlib.suppress(_EnoughError):
+        chapter.run(job, **options)
+    return job.kept[-1], job.inputs

@@ -100,7 +100,7 @@ def _add_last(found: ContactDocument, outcome: Outcome) -> None:
         edge = contact_edge(last.press, state, deformed=deformed)
         setattr(found, name, edge.mean if edge else 0.0)
     stored = state.energy - sheet.energy(sheet.flat)
-    done = work(outcome.trace)
+    done = work(outcome)
     lost = sheet.mesh.copies * state.memory.dissipated
     found.force_extrapolated_N = outcome.extrapolated
     found.balance = BalancePart(

@@ -20,6 +20,7 @@ def entry(scene: Scene) -> Effect | None:
         return Constant(f"g{k}", 0.0, 0.0, 20.0, 0.1), Constant(f"tau{k}_s", start, low, high, start)
 
     three = branch(3, times[3])
+    bend = Constant("bend", 0.0, -8.0, 8.0, 1.0)
     one, two = branch(1, times[1]), branch(2, times[2])
     return Effect(
         id="rate",
@@ -46,17 +47,18 @@ def entry(scene: Scene) -> Effect | None:
                 ((0.2, times[0], 0.2, times[2], 0.1, times[3]),),
                 refines="prony-2",
             ),
-            Form(
-                "prony-bent",
-                (*one, Constant("bend", 0.0, -8.0, 8.0, 1.0)),
-                ((0.3, times[1], 0.5),),
-                refines="prony-1",
-            ),
+            Form("prony-bent", (*one, bend), ((0.3, times[1], 0.5),), refines="prony-1"),
             Form(
                 "prony-2-bent",
-                (*one, *two, Constant("bend", 0.0, -8.0, 8.0, 1.0)),
-                ((0.2, times[0], 0.2, times[2], 0.5),),
-                refines="prony-2",
+                (*one, bend, *two),
+                ((0.2, times[0], 0.5, 0.2, times[2]), (0.2, times[0], 0.5, 0.2, times[0])),
+                refines="prony-bent",
+            ),
+            Form(
+                "prony-3-bent",
+                (*one, bend, *two, *three),
+                ((0.2, times[0], 0.5, 0.2, times[2], 0.2, times[3]),),
+                refines="prony-2-bent",
             ),
             Form("log-rate", (Constant("amount", 0.0, -0.5, 0.5, 0.02),), ((0.05,),), ((0.01,),)),
         ),

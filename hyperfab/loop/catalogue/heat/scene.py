@@ -18,6 +18,7 @@ class Scene:
     films: int
     heaters: int
     opened: int
+    probes: int
     bench: bool
     emits: bool
     typical_film: float

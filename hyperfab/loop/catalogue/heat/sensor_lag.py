@@ -7,9 +7,19 @@ from hyperfab.loop.problem import Constant, Effect, Form
 
 
 def entry(scene: Scene) -> Effect:
-    """Return the effect: a first-order lag of all probes."""
+    """Return the effect: a first-order lag of all probes; one each; or two in a row, of sheath and sensor."""
     lag = Constant("lag_s", 0.0, 0.0, 0.2 * scene.duration_s, 0.01 * scene.duration_s)
     starts = ((0.01 * scene.duration_s,), (0.04 * scene.duration_s,))
+    second = Constant("second_lag_s", 0.0, 0.0, 0.2 * scene.duration_s, 0.005 * scene.duration_s)
+    most = 0.2 * scene.duration_s
+    own = [
+        Constant(f"of_probe_{k}_s", 0.0, -most, most, 0.005 * scene.duration_s)
+        for k in range(2, scene.probes + 1)
+    ]
+    richer = [Form("two-stage", (lag, second), ((0.01 * scene.duration_s,) * 2,), refines="first-order")]
+    if own:
+        start = (0.01 * scene.duration_s, *(0.0 for _ in own))
+        richer.append(Form("each", (lag, *own), (start,), refines="first-order"))
     return Effect(
         id="sensor-lag",
         title="the sensors lag behind the metal",
@@ -18,6 +28,7 @@ def entry(scene: Scene) -> Effect:
         source="first-order lag; ASTM E839",
         forms=(
             Form("first-order", (lag,), starts, ((0.002 * scene.duration_s,), (0.02 * scene.duration_s,))),
+            *richer,
         ),
         smooth=False,
         mimic_share=0.98,

@@ -1,0 +1,335 @@
+"""The loop on a punched sheet: a contact document against force over depth."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from hyperfab.chapters.close_loop.closing import MODEL_SUFFIXES, Axis, finish, spread, stated
+from hyperfab.chapters.close_loop.extended_contact import FABRIC, extend
+from hyperfab.chapters.close_loop.recall import Parse, Recalled, check_unchanged, recall
+from hyperfab.chapters.close_loop.rerun import preview
+from hyperfab.chapters.close_loop.softer import linear_of, scaled_material
+from hyperfab.chapters.job import Job
+from hyperfab.documents.base import parse_document
+from hyperfab.documents.contact import ContactDocument
+from hyperfab.documents.material import MaterialDocument
+from hyperfab.errors import InputError, NotConverged, UsageError
+from hyperfab.io.csv_table import read_table
+from hyperfab.io.json_io import dump_json, load_json
+from hyperfab.io.units import quantity
+from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_problem
+from hyperfab.loop.emulator import Axis as Setting
+from hyperfab.loop.emulator import emulate
+from hyperfab.loop.engine import Finding
+from hyperfab.loop.noise import Noise
+from hyperfab.loop.problem import Array, Problem
+from hyperfab.loop.scatter import level_of_curve
+from hyperfab.materials.registry import bind
+from hyperfab.membrane.equilibrium import NoEquilibriumError
+from hyperfab.membrane.friction import Coulomb, Stick
+from hyperfab.membrane.sphere_test import SphereTest, rough_path
+
+#: What is known of the law's constants where --prior does not say.
+PRIOR = 0.10
+#: Depths the force is emulated at; the mesh of the loop, relative to half the sheet, and the order of its elements.
+_KNOTS, _MESH, _ORDER = 12, 0.16, 1
+#: How far an added prestretch and the friction may go.
+_MOST_STRETCH, _MOST_FRICTION = 0.10, 0.8
+_ROOM_TEMPERATURE = 23.0
+_LEAST = 12
+
+
+def run(
+    job: Job,
+    *,
+    name: str,
+    data: Mapping[str, Any],
+    measured: list[str],
+    hold_out: list[str],
+    noise: str | None,
+    fix: list[str],
+    prior: float | None,
+    decimal: str | None,
+    output: str,
+    parse: Parse,
+) -> int:
+    """Close the loop on a contact document."""
+    out = job.opened(output, (*MODEL_SUFFIXES, FABRIC, ".png", ".csv"))
+    if any(file != "auto" for file in hold_out):
+        raise UsageError(
+            "--hold-out takes only auto here: each part of the curve is predicted from the others"
+        )
+    level = stated(noise, ("force",))
+    recalled = recall(job, name, data, "contact", parse)
+    files = [read_force_depth(job, file, decimal) for file in measured]
+    if sum(len(one.depth) for one, _ in files) < _LEAST:
+        raise InputError(
+            "has too few readings to tell noise from a residual",
+            file=measured[0],
+            remedy=f"give {_LEAST} or more",
+        )
+    out.refuse_inputs(job.inputs)
+    document = parse_document(data, name, ContactDocument)
+    material = read_material(job, recalled)
+    with job.console.progress("Closing the loop") as advance:
+        sheet = pose_sheet(
+            job,
+            recalled,
+            document,
+            material,
+            [one for one, _ in files],
+            lambda s: advance(0.3 * s, "forward runs"),
+        )
+    check_unchanged(job, recalled, name, measured)
+    forward = Forward(recalled, material)
+    at = recalled.options.get("temperature")
+    problem = pose(
+        sheet, [one for one, _ in files], material, PRIOR if prior is None else prior, fix,
+        None if at is None else quantity(at, "temperature", option="--temperature"), forward.given.rim_slip,
+    )  # fmt: skip
+    return finish(
+        job,
+        out,
+        problem,
+        noise_of(files, None if level is None else level[1]),
+        domain="contact",
+        recalled=recalled,
+        parse=parse,
+        axis=lambda p: Axis(p.states["depth_mm"], "depth [mm]"),
+        extend=lambda found: extend(out, recalled, material, problem, found, document),
+        rounds=forward.corrected,
+        left_out={},
+    )
+
+
+def read_force_depth(job: Job, name: str, decimal: str | None) -> tuple[ForceDepth, Array | None]:
+    """Read depth and force, with temperature from a column or the metadata; and the force's sd column."""
+    optional = {"temperature": "temperature", "force sd": "force"}
+    table = read_table(
+        job.inputs.read(name), name, {"depth": "length", "force": "force"}, optional=optional, decimal=decimal
+    )
+    order = np.argsort(table["depth"], kind="stable")
+    temperature = table.columns.get("temperature")
+    if temperature is None and "temperature" in table.metadata:
+        given = quantity(table.metadata["temperature"], "temperature", key="temperature", file=name)
+        temperature = np.full(len(order), given)
+    sd = spread(table, "force")
+    reading = ForceDepth(
+        name,
+        table["depth"][order],
+        table["force"][order],
+        None if temperature is None else temperature[order],
+    )
+    return reading, None if sd is None else sd[order]
+
+
+def read_material(job: Job, recalled: Recalled) -> MaterialDocument:
+    """Return the material document the sheet was made with."""
+    name = str(recalled.options["material"])
+    return parse_document(load_json(job.inputs.read(name), name), name, MaterialDocument)
+
+
+def pose_sheet(
+    job: Job,
+    recalled: Recalled,
+    document: ContactDocument,
+    material: MaterialDocument,
+    files: Sequence[ForceDepth],
+    tick: Callable[[float], None],
+) -> Sheet:
+    """Run the sheet on a sparse grid of its constants and effects, on a coarse mesh, and return what stands for it."""
+    forward = Forward(recalled, material)
+    test = forward.test()
+    for file in forward.read:
+        job.inputs.read(file)
+    deepest = float(max(np.max(one.depth) for one in files))
+    if deepest <= 0.0:
+        raise InputError(
+            "has no depth above 0", file=files[0].name, remedy="count depth from the first touch"
+        )
+    knots = np.linspace(0.0, 1.02 * deepest, _KNOTS + 1)[1:]
+    names, linear = linear_of(material)
+    first = linear.index(True) if any(linear) else -1
+    reach = 0.35
+    axes = [
+        Setting(one, 1.0, reach, reach, level=1, mixes=False) for i, one in enumerate(names) if i != first
+    ]
+    base = forward.path(test, knots)
+    tension = float(base[-1] * knots[-1]) / (2.0 * np.pi * 0.5 * test.outline.reach)
+    # From the model on: taut or slacker where the model is taut already.
+    down = min(test.prestretch - 1.0, 0.05) if test.prestretch > 1.0 else 0.0
+    slips = 0.06 * test.outline.reach / max(tension, 1e-9)
+    sticks = isinstance(test.friction, Stick)
+    axes += [
+        Setting("prestretch", 0.0, _MOST_STRETCH, down),
+        Setting("friction", 0.0, _MOST_FRICTION, level=0 if sticks else 2, mixes=not sticks),
+        Setting("slip", 0.0, slips),
+    ]
+
+    def one(settings: Array) -> Array:
+        ratios = dict(zip((axis.name for axis in axes), (float(v) for v in settings), strict=True))
+        return forward.path(forward.test(ratios), knots)
+
+    for _ in range(4):
+        try:
+            emulator = emulate(one, axes, tick)
+            break
+        except NoEquilibriumError:
+            axes = [replace(axis, up=0.5 * axis.up, down=0.5 * axis.down) for axis in axes]
+    else:
+        raise NotConverged(
+            "the sheet has no equilibrium near the model's constants", remedy="measure to a smaller depth"
+        )
+    correction = _finer(document, knots, base)
+    return Sheet(emulator, knots, correction, names, linear, np.ones_like(knots), friction=not sticks)
+
+
+class Forward:
+    """The forward model on the loop's coarse mesh."""
+
+    def __init__(self, recalled: Recalled, material: MaterialDocument) -> None:
+        self.recalled, self.material = recalled, material
+        self.file = str(recalled.options["material"])
+        (tests, _), inputs = self._preview({})
+        self.given: SphereTest = tests[0]
+        self.read = [file.name for file in inputs.files]
+
+    def _preview(self, files: Mapping[str, bytes]) -> Any:
+        options = {**self.recalled.options, "output": "-", "against": None}
+        return preview(self.recalled.command, self.recalled.words, options, files)
+
+    def test(self, settings: Mapping[str, float] = {}) -> SphereTest:
+        """Return the test with relative law constants and added effects."""
+        law = self.given.law
+        ratios = {
+            key: value for key, value in settings.items() if key not in ("prestretch", "friction", "slip")
+        }
+        if any(value != 1.0 for value in ratios.values()):
+            changed = scaled_material(self.material, ratios)
+            (tests, _), _ = self._preview({self.file: dump_json(changed.to_json())})
+            law = tests[0].law
+        friction = self.given.friction
+        rubs = settings.get("friction", 0.0)
+        if rubs > 0.0 and not isinstance(friction, Stick):
+            friction = Coulomb(rubs + (friction.coefficient if isinstance(friction, Coulomb) else 0.0))
+        return replace(
+            self.given,
+            law=law,
+            prestretch=self.given.prestretch + settings.get("prestretch", 0.0),
+            friction=friction,
+            rim_slip=self.given.rim_slip + settings.get("slip", 0.0),
+            mesh_size=max(self.given.mesh_size, _MESH * self.given.outline.reach),
+            order=_ORDER,
+        )
+
+    def path(self, test: SphereTest, knots: Array) -> Array:
+        """Return force over depth at ``knots`` (k,) [N/mm]; NoEquilibriumError where they are not all reached."""
+        _, path = rough_path(test, [float(v) for v in knots])
+        if path.limit is not None or len(path.states) < len(knots):
+            raise NoEquilibriumError("the path ends early")
+        return np.array([state.force for state in path.states]) / knots
+
+    def corrected(self, problem: Problem, found: Finding) -> Problem | None:
+        """Return the problem with the force corrected by a run of what was found, where the emulated one is off."""
+        assert isinstance(problem, ContactProblem)
+        sheet, fit = problem.sheet, found.after.fit
+        own = np.asarray(fit.x[: fit.own])
+        effects = [float(fit.terms[key][1][0]) if key in fit.terms else 0.0
+                   for key in ("pretension", "friction", "rim-slip")]  # fmt: skip
+        scale = next((float(v) for v, one in zip(own, sheet.linear, strict=False) if one), 1.0)
+        settings = {key: float(v) / scale if one else float(v)
+                    for key, v, one in zip(sheet.names, own, sheet.linear, strict=False)}  # fmt: skip
+        settings |= dict(zip(("prestretch", "friction", "slip"), effects, strict=True))
+        try:
+            true = self.path(self.test(settings), sheet.knots) * scale
+        except NoEquilibriumError:
+            return None
+        plain = replace(sheet, correction=np.ones_like(sheet.correction))
+        ratio = true / (plain.force(own[:-1], np.array(effects), sheet.knots) / sheet.knots)
+        depth = problem.states["depth_mm"]
+        force = sheet.force(own[:-1], np.array(effects), depth)
+        off = force * (np.interp(depth, sheet.knots, ratio / sheet.anchor) - 1.0)
+        if float(np.sqrt(np.mean((off / found.noise.sd[: len(off)]) ** 2))) < 0.2:
+            return None
+        anchored = replace(sheet, correction=sheet.correction * ratio / sheet.anchor, anchor=ratio)
+        return replace(problem, sheet=anchored)
+
+
+def _finer(document: ContactDocument, knots: Array, base: Array) -> Array:
+    """Return what the document's own, finer meshes say of the force at the knots, over the coarse one."""
+    known = np.array([row for row in document.force_depth if row[0] > 0.0])
+    if not len(known):
+        return np.ones_like(knots)
+    inside = (known[:, 0] >= knots[0]) & (known[:, 0] <= knots[-1])
+    if not np.any(inside):
+        return np.ones_like(knots)
+    coarse = CubicSpline(knots, base)(known[inside, 0]) * known[inside, 0]
+    ratio = known[inside, 1] / coarse
+    # Beyond a few percent it is no error of the mesh: the document was computed in another way.
+    return np.interp(knots, known[inside, 0], np.clip(ratio, 0.95, 1.05))
+
+
+def pose(
+    sheet: Sheet,
+    files: Sequence[ForceDepth],
+    material: MaterialDocument,
+    prior: float,
+    fix: Sequence[str],
+    run_at: float | None = None,
+    rim_slip: float = 0.0,
+) -> ContactProblem:
+    """Return the problem of a sheet, run at a temperature or that of its material, and its force-depth files."""
+    own = material.temperature_degC if material.temperature_degC is not None else _ROOM_TEMPERATURE
+    reference = own if run_at is None else run_at
+    if material.temperatures:
+        files = [one if one.temperature is None else replace(one, softened=_known(material, one.temperature, reference))
+                 for one in files]  # fmt: skip
+    problem = contact_problem(
+        sheet, files, reference_degC=reference, prior=prior, fixed=fix, rim_slip=rim_slip
+    )
+    names = [one.name for one in problem.own]
+    for key in fix:
+        if key not in names:
+            raise UsageError(f"--fix {key}: the sheet has no such constant; it has {', '.join(names)}")
+    return problem
+
+
+def _known(material: MaterialDocument, temperature: Array, reference: float) -> Array:
+    """Return what the material document itself says of the stiffness at temperatures, over that of the run."""
+    key = next((one for one in bind(material.model, material.parameters).law.linear), None)
+    if key is None:
+        return np.ones_like(temperature)
+    at = material.constants(temperature_degC=reference)[key]
+    return np.array([material.constants(temperature_degC=float(v))[key] / at for v in temperature])
+
+
+def noise_of(
+    files: Sequence[tuple[ForceDepth, Array | None]], level: float | None
+) -> Callable[[Problem, Array | None], Noise]:
+    """Return what tells the noise: stated, or the sd column, or local differences along each curve."""
+
+    def noise(problem: Problem, predicted: Array | None) -> Noise:
+        sd, unsure, count, source = np.ones(len(problem.measured)), 0.0, 0, ""
+        row = 0
+        for one, column in files:
+            rows = slice(row, row + len(one.depth))
+            row += len(one.depth)
+            if level is not None:
+                sd[rows], known, how = level, np.inf, "stated"
+            elif column is not None:
+                sd[rows], known, how = column, np.inf, "standard deviations in the data"
+            else:
+                left = one.force if predicted is None else one.force - predicted[rows]
+                size, known = level_of_curve(left, one.depth)
+                sd[rows], how = size, "local differences"
+            source = source or how
+            count += len(one.depth)
+            unsure += len(one.depth) ** 2 / known
+        return Noise(sd, count**2 / unsure if unsure > 0.0 else np.inf, source)
+
+    return noise

@@ -1,0 +1,296 @@
+"""The loop on a draped sheet: a drape document against markers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from hyperfab.chapters.close_loop.closing import MODEL_SUFFIXES, Axis, finish, spread, stated
+from hyperfab.chapters.close_loop.extended_contact import FABRIC
+from hyperfab.chapters.close_loop.extended_drape import extend
+from hyperfab.chapters.close_loop.recall import Parse, Recalled, check_unchanged, recall
+from hyperfab.chapters.close_loop.rerun import preview
+from hyperfab.chapters.close_loop.softer import linear_of, scaled_material
+from hyperfab.chapters.drape.depths import load_steps
+from hyperfab.chapters.drape.effects import Effects
+from hyperfab.chapters.job import Job
+from hyperfab.cloth import HeldNodeInside, Mold, Sheet, drape, follow, raised
+from hyperfab.documents.base import parse_document
+from hyperfab.documents.material import MaterialDocument
+from hyperfab.errors import InputError, NotConverged, UsageError
+from hyperfab.io.csv_table import read_table
+from hyperfab.io.json_io import dump_json, load_json
+from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem, settings_of
+from hyperfab.loop.emulator import Axis as Setting
+from hyperfab.loop.emulator import emulate
+from hyperfab.loop.engine import Finding
+from hyperfab.loop.noise import Noise
+from hyperfab.loop.problem import Array, Problem
+from hyperfab.loop.scatter import cloud_noise
+
+#: What is known of the law's constants where --prior does not say.
+PRIOR = 0.10
+#: Nodes a side of the loop's own grid, its load steps where it rubs, and the residual it is brought to.
+_NODES, _STEPS, _TOLERANCE = 25, 10, 1e-6
+#: How far an added prestretch, the friction and the mass per area [g/m^2] may go.
+_MOST_STRETCH, _MOST_FRICTION = 0.20, 0.6
+_LEAST = 12
+
+
+def run(
+    job: Job,
+    *,
+    name: str,
+    data: Mapping[str, Any],
+    measured: list[str],
+    hold_out: list[str],
+    noise: str | None,
+    fix: list[str],
+    prior: float | None,
+    decimal: str | None,
+    output: str,
+    parse: Parse,
+) -> int:
+    """Close the loop on a drape document."""
+    out = job.opened(output, (*MODEL_SUFFIXES, ".model.pvd", FABRIC, ".png", ".csv"))
+    if any(file != "auto" for file in hold_out):
+        raise UsageError(
+            "--hold-out takes only auto here: each patch of markers is predicted from the others"
+        )
+    level = stated(noise, ("length",))
+    recalled = recall(job, name, data, "drape", parse)
+    files = [read_markers(job, file, decimal) for file in measured]
+    if sum(len(one.flat) for one, _ in files) < _LEAST:
+        raise InputError(
+            "has too few markers to tell noise from a residual",
+            file=measured[0],
+            remedy=f"give {_LEAST} or more",
+        )
+    out.refuse_inputs(job.inputs)
+    material = read_material(job, recalled)
+    forward = Forward(recalled, material)
+    for file in forward.read:
+        job.inputs.read(file)
+    check_unchanged(job, recalled, name, measured)
+    _check_places(forward.sheet, [one for one, _ in files])
+    with job.console.progress("Closing the loop") as advance:
+        draped = pose_sheet(forward, lambda share: advance(0.3 * share, "forward runs"))
+    problem = pose(draped, [one for one, _ in files], PRIOR if prior is None else prior, fix)
+    return finish(
+        job,
+        out,
+        problem,
+        noise_of(files, None if level is None else level[1]),
+        domain="drape",
+        recalled=recalled,
+        parse=parse,
+        axis=lambda p: Axis(p.states["from the middle_mm"], "from the middle [mm]"),
+        extend=lambda found: extend(out, recalled, material, forward.effects, problem, found),
+        rounds=forward.corrected,
+    )
+
+
+def read_markers(job: Job, name: str, decimal: str | None) -> tuple[Markers, Array | None]:
+    """Read markers: their places on the flat sheet and on the draped one, and one sd a marker where stated."""
+    columns = dict.fromkeys(("x0", "y0", "x", "y", "z"), "length")
+    optional = {"x sd": "length", "position sd": "length"}
+    table = read_table(job.inputs.read(name), name, columns, optional=optional, decimal=decimal)
+    sd = spread(table, "position")
+    if sd is None:
+        sd = spread(table, "x")
+    flat = np.stack([table["x0"], table["y0"]], axis=1)
+    return Markers(name, flat, np.stack([table[axis] for axis in "xyz"], axis=1)), sd
+
+
+def read_material(job: Job, recalled: Recalled) -> MaterialDocument | None:
+    """Return the material document of the sheet, None where its laws came straight from tests."""
+    name = recalled.options.get("material")
+    if name is None:
+        return None
+    return parse_document(load_json(job.inputs.read(str(name)), str(name)), str(name), MaterialDocument)
+
+
+def _check_places(sheet: Sheet, files: Sequence[Markers]) -> None:
+    half = 0.5 * np.array(sheet.size)
+    for one in files:
+        away = np.max(np.abs(one.flat) - half, axis=1)
+        worst = int(np.argmax(away))
+        if away[worst] > 1e-6 * float(half.max()):
+            x, y = one.flat[worst]
+            raise InputError(
+                f"the marker at ({x:g}, {y:g}) mm is not on the sheet of {sheet.size[0]:g} by {sheet.size[1]:g} mm",
+                file=one.name,
+                remedy="count x0 and y0 from the middle of the flat sheet, along warp and weft",
+            )
+
+
+class Forward:
+    """The forward model on the loop's coarse grid."""
+
+    def __init__(self, recalled: Recalled, material: MaterialDocument | None) -> None:
+        self.recalled, self.material = recalled, material
+        kept, inputs = self._preview({})
+        self.sheet: Sheet = kept[0]
+        self.mold: Mold = kept[1]
+        self.depth: float = kept[2]
+        self.effects: Effects = kept[3]
+        self.read = [file.name for file in inputs.files]
+        count = max(self.sheet.n, self.sheet.m)
+        share = min(1.0, (_NODES - 1) / (count - 1))
+        self.grid = (
+            max(round((self.sheet.n - 1) * share) + 1, 5),
+            max(round((self.sheet.m - 1) * share) + 1, 5),
+        )
+
+    def _preview(self, files: Mapping[str, bytes]) -> Any:
+        return preview(
+            self.recalled.command, self.recalled.words, {**self.recalled.options, "output": "-"}, files
+        )
+
+    def nodes(self, settings: Mapping[str, float], grid: tuple[int, int] | None = None) -> Array:
+        """Return where the nodes (n, m, 3) rest; NotConverged where there is no equilibrium."""
+        sheet = self.sheet
+        ratios = {key.removeprefix("law "): v for key, v in settings.items() if key.startswith("law ")}
+        if self.material is not None and any(v != 1.0 for v in ratios.values()):
+            changed = scaled_material(self.material, ratios)
+            sheet = self._preview({str(self.recalled.options["material"]): dump_json(changed.to_json())})[0][
+                0
+            ]
+        added = settings.get("prestretch", 0.0), settings.get("weft", settings.get("prestretch", 0.0))
+        shear, mass = settings.get("shear", 0.0), settings.get("mass", 0.0)
+        n, m = grid or self.grid
+        law = sheet.shear
+        if shear > 0.0:
+            given = self.effects.shear_modulus or 0.0
+            law = replace(self.effects, shear_modulus=given + shear, bias=None).shear_law(sheet.size, (n, m))
+        sheet = replace(
+            sheet.coarser(n, m),
+            prestretch=(sheet.prestretch[0] + added[0], sheet.prestretch[1] + added[1]),
+            shear=law,
+            mass=sheet.mass + mass,
+        )
+        rise = self.depth + settings.get("depth", 0.0)
+        mu = self.effects.friction + settings.get("friction", 0.0)
+        try:
+            if mu > 0.0 or self.effects.holder:
+                heights = load_steps([rise], _STEPS)
+                found = [rest.found for rest in follow(sheet, self.mold, heights, mu, _TOLERANCE)][-1]
+            else:
+                found = drape(sheet, raised(self.mold, rise), _TOLERANCE)
+        except HeldNodeInside as error:
+            raise NotConverged(str(error)) from None
+        if found.residual_relative > 1e-3:
+            raise NotConverged("the sheet finds no equilibrium")
+        return np.asarray(found.state.x)
+
+    def corrected(self, problem: Problem, found: Finding) -> Problem | None:
+        """Return the problem with the nodes moved by a run of what was found, where the emulated ones are off."""
+        assert isinstance(problem, DrapeProblem)
+        draped, fit = problem.draped, found.after.fit
+        settings = settings_of(draped, np.asarray(fit.x[: fit.own]), fit.terms)
+        names = [axis.name for axis in draped.emulator.axes]
+        base = self.nodes({})
+        try:
+            true = self.nodes(dict(zip(names, (float(v) for v in settings), strict=True))) - base
+        except NotConverged:
+            return None
+        off = true - draped.shift(settings)
+        rows = np.concatenate([(w @ off.reshape(-1, 3)).T.ravel() for w in problem.weights])
+        if float(np.sqrt(np.mean((rows / found.noise.sd[: len(rows)]) ** 2))) < 0.2:
+            return None
+        before = np.zeros_like(off) if draped.anchor is None else draped.anchor
+        return replace(problem, draped=replace(draped, anchor=before + off))
+
+
+def pose_sheet(forward: Forward, tick: Callable[[float], None]) -> Draped:
+    """Drape the sheet on a sparse grid of its constants and effects, and return what stands for it."""
+    material, sheet = forward.material, forward.sheet
+    names: tuple[str, ...] = ()
+    axes: list[Setting] = []
+    if material is not None:
+        names = linear_of(material)[0]
+        axes = [
+            Setting(f"law {name}", 1.0, 0.35, 0.35, level=1, mixes=False, couples=False) for name in names
+        ]
+    axes.append(Setting("depth", 0.0, 0.4, 0.4, level=1, mixes=False, couples=False))
+    # A modulus of the threads sets the scale of what resists shear, and of the weight that shows.
+    modulus = float(np.mean([float(law(1.001)[2][0]) for law in (sheet.warp, sheet.weft)]))
+    down = min(max(min(sheet.prestretch) - 1.0, 0.0), 0.1)
+    axes += [
+        Setting("prestretch", 0.0, _MOST_STRETCH, down),
+        Setting("weft", 0.0, _MOST_STRETCH, down),
+        Setting("friction", 0.0, _MOST_FRICTION),
+        Setting("shear", 0.0, 0.4 * modulus),
+        Setting("mass", 0.0, 3000.0),
+    ]
+    base = forward.nodes({})
+
+    def one(settings: Array) -> Array:
+        return forward.nodes(
+            dict(zip((axis.name for axis in axes), (float(v) for v in settings), strict=True))
+        ).ravel()
+
+    for _ in range(4):
+        try:
+            emulator = emulate(one, axes, tick, squares=False)
+            break
+        except NotConverged:
+            axes = [replace(axis, up=0.5 * axis.up, down=0.5 * axis.down) for axis in axes]
+    else:
+        raise NotConverged(
+            "the sheet has no equilibrium near the model's constants", remedy="drape it less deep"
+        )
+    fine = base
+    if max(sheet.n, sheet.m) > _NODES:
+        fine = forward.nodes({}, (sheet.n, sheet.m))
+    return Draped(emulator, forward.grid, fine, sheet.size, names)
+
+
+def pose(draped: Draped, files: Sequence[Markers], prior: float, fix: Sequence[str]) -> DrapeProblem:
+    """Return the problem of a draped sheet and its markers."""
+    problem = drape_problem(draped, files, prior=prior, fixed=fix)
+    names = [one.name for one in problem.own]
+    for key in fix:
+        if key not in names:
+            raise UsageError(f"--fix {key}: the sheet has no such constant; it has {', '.join(names)}")
+    return problem
+
+
+def noise_of(
+    files: Sequence[tuple[Markers, Array | None]], level: float | None
+) -> Callable[[Problem, Array | None], Noise]:
+    """Return what tells the noise: stated, or the sd column, or what neighbours differ by less a prediction."""
+
+    def noise(problem: Problem, predicted: Array | None) -> Noise:
+        assert isinstance(problem, DrapeProblem)
+        if predicted is None:
+            predicted = problem.predict(np.array([one.value for one in problem.own]), {})
+        sd, unsure, count, source = np.ones(len(problem.measured)), 0.0, 0, ""
+        starts = np.cumsum([0, *(3 * len(part.flat) for part in problem.files)])
+        for one, column in files:
+            mine = [i for i, part in enumerate(problem.files) if part.name == one.name]
+            rows = np.concatenate([np.arange(starts[i], starts[i + 1]) for i in mine])
+            left = (problem.measured - predicted)[rows]
+            if level is not None:
+                size, known, how = level, np.inf, "stated"
+            elif column is not None:
+                size, known = float(np.sqrt(np.mean(column**2))), np.inf
+                how = "standard deviations in the data"
+            else:
+                flat = np.concatenate([problem.files[i].flat for i in mine])
+                by_axis = np.concatenate([
+                    np.stack(np.split(left[starts[i] - rows[0] :][: 3 * len(problem.files[i].flat)], 3), axis=1)
+                    for i in mine
+                ])  # fmt: skip
+                sizes = [cloud_noise(flat, by_axis[:, k])[0] for k in range(3)]
+                size, known = float(np.sqrt(np.mean(np.square(sizes)))), 1.5 * len(flat)
+                how = "neighbouring markers"
+            sd[rows], source = size, source or how
+            count += len(rows)
+            unsure += len(rows) ** 2 / known
+        return Noise(sd, count**2 / unsure if unsure > 0.0 else np.inf, source)
+
+    return noise

@@ -1,0 +1,22 @@
+"""Coulomb friction between sheet and punch: ``--friction``."""
+
+from __future__ import annotations
+
+from hyperfab.loop.catalogue.contact.scene import Scene
+from hyperfab.loop.problem import Constant, Effect, Form
+
+
+def entry(scene: Scene) -> Effect | None:
+    """Return the effect: a coefficient, added to the model's own."""
+    mu = Constant("mu", 0.0, 0.0, max(scene.friction, 1e-9), 0.05)
+    return Effect(
+        id="friction",
+        title="the sheet rubs on the punch",
+        rides_on=("depth_mm",),
+        shown_by="the same test with the punch oiled, or powdered",
+        source="Coulomb's law",
+        forms=(Form("Coulomb", (mu,), ((0.2,), (0.5,)), ((0.1,),)),) if scene.friction else (),
+        smooth=False,
+        mimic_share=0.95,
+        mimic_left=0.5,
+    )

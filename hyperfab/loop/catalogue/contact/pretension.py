@@ -1,0 +1,23 @@
+"""A sheet mounted taut: ``--prestretch``."""
+
+from __future__ import annotations
+
+from hyperfab.loop.catalogue.contact.scene import Scene
+from hyperfab.loop.problem import Constant, Effect, Form
+
+
+def entry(scene: Scene) -> Effect | None:
+    """Return the effect: stretch of the rim, added to the model's own."""
+    down, up = scene.prestretch
+    added = Constant("added_stretch", 0.0, -down, up, 0.005)
+    return Effect(
+        id="pretension",
+        title="the sheet was mounted under tension",
+        rides_on=("depth_mm",),
+        shown_by="the first tenth of the depth, read closely: a taut sheet resists at once",
+        source="a rim held at a multiple of its place",
+        forms=(Form("even", (added,), ((0.01,), (0.04,)), ((0.003,),)),),
+        smooth=False,
+        mimic_share=0.95,
+        mimic_left=0.5,
+    )

@@ -1,0 +1,1 @@
+"""What the model of a draped sheet lacks on markers."""

@@ -1,0 +1,27 @@
+"""A sheet mounted taut: ``--prestretch``."""
+
+from __future__ import annotations
+
+from hyperfab.loop.catalogue.drape.scene import Scene
+from hyperfab.loop.problem import Constant, Effect, Form
+
+
+def entry(scene: Scene) -> Effect | None:
+    """Return the effect: stretch of the mounted sheet, alike along warp and weft, or not."""
+    down, up = scene.prestretch
+    both = Constant("added_stretch", 0.0, -down, up, 0.005)
+    more = Constant("weft_more", 0.0, -up, up, 0.005)
+    return Effect(
+        id="pretension",
+        title="the sheet was mounted under tension",
+        rides_on=("from the middle_mm", "z_mm"),
+        shown_by="the force of the press over the first tenth of its way; markers where the sheet hangs free",
+        source="springs shorter than the mounted sheet",
+        forms=(
+            Form("even", (both,), ((0.02,), (0.08,)), ((0.005,),)),
+            Form("each way", (both, more), ((0.03, 0.0),), ((0.0, 0.005),), refines="even"),
+        ),
+        smooth=False,
+        mimic_share=0.95,
+        mimic_left=0.5,
+    )

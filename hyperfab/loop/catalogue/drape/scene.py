@@ -1,0 +1,16 @@
+"""The drape an entry is scaled to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Scene:
+    """How far the effects may go: added prestretch (down, up), coefficient of friction, shear modulus [MPa], mass per
+    area [g/m^2]."""
+
+    prestretch: tuple[float, float]
+    friction: float
+    shear: float
+    mass: float

@@ -1,0 +1,211 @@
+"""Markers on a draped sheet as a problem of the loop, on an emulated forward model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from scipy.interpolate import RectBivariateSpline
+
+from hyperfab.loop.catalogue import catalogue
+from hyperfab.loop.catalogue.drape.scene import Scene
+from hyperfab.loop.emulator import Emulator
+from hyperfab.loop.known import known, known_curve, sure, without_prior
+from hyperfab.loop.problem import Array, Constant, Curve, Extra, Problem
+from hyperfab.loop.scatter import patches
+
+#: What is known of how far the mold was pushed up [mm].
+DEPTH_SD = 0.1
+
+
+@dataclass(frozen=True)
+class Markers:
+    """One file: places (m, 2) on the flat sheet and where they are found (m, 3) [mm]."""
+
+    name: str
+    flat: Array
+    found: Array
+
+
+@dataclass(frozen=True)
+class Draped:
+    """The emulated sheet: how its nodes (n, m, 3) move with the settings, and ``base`` (n', m', 3), where the model
+    itself has them on its own grid.
+
+    The first settings are the law's relative stiffnesses ``names`` (the first of them left out, where ``shape`` alone
+    counts), then the depth, then the effects.
+    """
+
+    emulator: Emulator
+    grid: tuple[int, int]
+    base: Array
+    size: tuple[float, float]
+    names: tuple[str, ...]
+    anchor: Array | None = None
+
+    def shift(self, settings: Array) -> Array:
+        """Return the nodes' shift (n, m, 3) on the emulated grid."""
+        at_base = np.array([axis.base for axis in self.emulator.axes])
+        moved = (self.emulator(settings) - self.emulator(at_base)).reshape(*self.grid, 3)
+        return moved if self.anchor is None else moved + self.anchor
+
+
+@dataclass
+class DrapeProblem(Problem):
+    """A draped sheet and markers found on it."""
+
+    draped: Draped = field(kw_only=True)
+    files: tuple[Markers, ...] = field(kw_only=True)
+    priors: tuple[Constant, ...] = field(kw_only=True)
+    base_at: tuple[Array, ...] = field(kw_only=True)
+    weights: tuple[Array, ...] = field(kw_only=True)
+    measured_files: int = field(kw_only=True)
+
+    def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
+        """Return x, y, z of every marker, file after file, then what is known of the constants, then further tests."""
+        own = np.asarray(own, dtype=np.float64)
+        shift = self.draped.shift(settings_of(self.draped, own, terms)).reshape(-1, 3)
+        found = [
+            (base + weights @ shift).T.ravel()
+            for base, weights in zip(self.base_at, self.weights, strict=True)
+        ]
+        found.insert(self.measured_files, known(self.priors, own))
+        return np.concatenate(found)
+
+    def extras(self) -> Sequence[Extra]:
+        """Return what could be marked next: all of the sheet, the rim's surroundings, the top."""
+        a, b = (0.5 * side for side in self.draped.size)
+        u = np.linspace(-0.95, 0.95, 15)
+        x, y = (one.ravel() for one in np.meshgrid(a * u, b * u, indexing="ij"))
+        far = np.maximum(np.abs(x) / a, np.abs(y) / b)
+        menu = [
+            ("markers all over the sheet, 15 by 15", np.ones(len(x), dtype=bool)),
+            ("markers between the clamp and the mold, where the sheet hangs free", far > 0.6),
+            ("markers on the top of the mold", far < 0.45),
+        ]
+        return [Extra(text, {"markers": int(np.sum(rows))}, self._with(text, np.stack([x, y], axis=1)[rows]))
+                for text, rows in menu]  # fmt: skip
+
+    def _with(self, text: str, flat: Array) -> Problem:
+        rows, size = len(self.measured), 3 * len(flat)
+        base, weights = at_markers(self.draped, flat)
+        return replace(
+            self,
+            files=(*self.files, Markers(text, flat, np.zeros((len(flat), 3)))),
+            base_at=(*self.base_at, base),
+            weights=(*self.weights, weights),
+            measured=np.concatenate([self.measured, np.zeros(size)]),
+            curves=(*self.curves, Curve(text, rows, rows + size, np.arange(size, dtype=np.float64))),
+            states={},
+        )
+
+
+def settings_of(draped: Draped, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
+    """Return the emulator's settings for factors of the law and the depth's offset (last), and effects."""
+    ratio = dict(zip(draped.names, (float(v) for v in own), strict=False))
+    stretch = terms["pretension"][1] if "pretension" in terms else np.zeros(1)
+    given = {
+        "depth": float(own[-1]),
+        "prestretch": float(stretch[0]),
+        "weft": float(stretch[0]) + (float(stretch[1]) if len(stretch) > 1 else 0.0),
+        "friction": float(terms["friction"][1][0]) if "friction" in terms else 0.0,
+        "shear": float(terms["shear-stiffness"][1][0]) if "shear-stiffness" in terms else 0.0,
+        "mass": float(terms["gravity"][1][0]) if "gravity" in terms else 0.0,
+    }
+    return np.array([given[a.name] if a.name in given else ratio[a.name.removeprefix("law ")]
+                     for a in draped.emulator.axes])  # fmt: skip
+
+
+def at_markers(draped: Draped, flat: Array) -> tuple[Array, Array]:
+    """Return where the model has markers (m, 3), and the weights (m, n m) of the emulated nodes there."""
+    base = np.stack([_spline(draped.base[:, :, k], draped.size)(flat[:, 0], flat[:, 1], grid=False)
+                     for k in range(3)], axis=1)  # fmt: skip
+    n, m = draped.grid
+    return base, np.stack([
+        np.outer(_lagrange(x, n, draped.size[0]), _lagrange(y, m, draped.size[1])).ravel() for x, y in flat
+    ])  # fmt: skip
+
+
+def _spline(values: Array, size: tuple[float, float]) -> RectBivariateSpline:
+    x, y = (np.linspace(-0.5, 0.5, count) * side for count, side in zip(values.shape, size, strict=True))
+    return RectBivariateSpline(x, y, values, kx=min(3, len(x) - 1), ky=min(3, len(y) - 1))
+
+
+def _lagrange(at: float, count: int, side: float) -> Array:
+    """Return weights (count,) of evenly spaced nodes: four-point Lagrange."""
+    place = (at / side + 0.5) * (count - 1)
+    first = int(np.clip(np.floor(place) - 1, 0, count - 4))
+    found = np.zeros(count)
+    for k in range(4):
+        others = [j for j in range(4) if j != k]
+        found[first + k] = np.prod([(place - first - j) / (k - j) for j in others])
+    return found
+
+
+def drape_problem(
+    draped: Draped,
+    files: Sequence[Markers],
+    *,
+    prior: float = 0.10,
+    fixed: Sequence[str] = (),
+) -> DrapeProblem:
+    """Return the problem of marker files; each is cut into patches, whose x, y and z are left out in turn."""
+    parts = [
+        Markers(one.name, one.flat[rows], one.found[rows])
+        for one in files
+        for rows in patches(one.flat, 6, 10)
+    ]
+    constants = [Constant(name, 1.0, 0.05, 20.0, 0.1, prior) for name in draped.names]
+    constants.append(Constant("depth", 0.0, -5.0, 5.0, DEPTH_SD, DEPTH_SD))
+    priors = tuple(
+        replace(one, low=one.value, high=one.value, prior_sd=np.inf) if one.name in fixed else sure(one)
+        for one in constants
+    )
+    curves, row = [], 0
+    for number, part in enumerate(parts):
+        for axis in "xyz":
+            count = len(part.flat)
+            curves.append(
+                Curve(
+                    f"{part.name}, patch {number + 1}, {axis}",
+                    row,
+                    row + count,
+                    np.arange(count, dtype=np.float64),
+                )
+            )
+            row += count
+    curves.append(known_curve(priors, row, 1))
+    places = [at_markers(draped, part.flat) for part in parts]
+    axes = {axis.name: axis for axis in draped.emulator.axes}
+    scene = Scene(
+        prestretch=(axes["prestretch"].down, axes["prestretch"].up),
+        friction=axes["friction"].up if axes["friction"].level else 0.0,
+        shear=axes["shear"].up,
+        mass=axes["mass"].up,
+    )
+
+    def state(values: Sequence[Array]) -> Array:
+        return np.concatenate([np.tile(one, 3) for one in values])
+
+    measured = np.concatenate([*(part.found.T.ravel() for part in parts), np.zeros(curves[-1].stop - row)])
+    return DrapeProblem(
+        measured=measured,
+        curves=tuple(curves),
+        own=without_prior(priors),
+        effects=catalogue("drape", scene),
+        states={
+            "x0_mm": state([part.flat[:, 0] for part in parts]),
+            "y0_mm": state([part.flat[:, 1] for part in parts]),
+            "z_mm": state([part.found[:, 2] for part in parts]),
+            "from the middle_mm": state([np.hypot(*part.flat.T) for part in parts]),
+            "axis": np.concatenate([np.repeat([0.0, 1.0, 2.0], len(part.flat)) for part in parts]),
+        },
+        units=("mm",),
+        draped=draped,
+        files=tuple(parts),
+        priors=priors,
+        base_at=tuple(base for base, _ in places),
+        weights=tuple(weights for _, weights in places),
+        measured_files=len(parts),
+    )

@@ -1,0 +1,113 @@
+"""A costly forward run as a polynomial of its settings, through runs on a sparse grid around the model as it is."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hyperfab.loop.problem import Array
+
+#: Places of an axis in the order they are taken, of its whole reach; an axis of two sides and one of one side.
+_TWO_SIDED = (0.0, 1.0, -1.0, 0.5, -0.5)
+_ONE_SIDED = (0.0, 0.5, 1.0, 0.2, 0.8)
+#: Places an axis has at each level.
+_UPTO = (1, 3, 5)
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One setting: at ``base`` the model is as it is; it reaches to ``base - down`` and ``base + up``.
+
+    ``level`` 1 is a parabola along the axis, 2 a quartic. Axes that ``mixes`` have terms with each other, and bilinear
+    ones with axes that ``couples`` alone.
+    """
+
+    name: str
+    base: float
+    up: float
+    down: float = 0.0
+    level: int = 2
+    mixes: bool = True
+    couples: bool = True
+
+    def places(self) -> list[float]:
+        """Return the scaled places of the axis, in the order they are taken."""
+        return list(_TWO_SIDED if self.down > 0.0 else _ONE_SIDED)[: _UPTO[self.level]]
+
+    def value(self, scaled: float) -> float:
+        """Return the setting at a scaled place."""
+        return self.base + scaled * (self.up if scaled >= 0.0 else self.down)
+
+    def scaled(self, value: Array) -> Array:
+        """Return the scaled place of settings."""
+        away = np.asarray(value) - self.base
+        reach = np.where(away >= 0.0, self.up, self.down if self.down > 0.0 else self.up)
+        return np.asarray(away / reach)
+
+
+@dataclass(frozen=True)
+class Emulator:
+    """The polynomial: ``powers`` (t, d) of the scaled settings and ``coefficients`` (t, k)."""
+
+    axes: tuple[Axis, ...]
+    powers: Array
+    coefficients: Array
+
+    def __call__(self, settings: Array) -> Array:
+        """Return the values (k,) at ``settings`` (d,)."""
+        scaled = np.array(
+            [axis.scaled(v) for axis, v in zip(self.axes, settings, strict=True)], dtype=np.float64
+        )
+        return np.asarray(np.prod(scaled**self.powers, axis=1) @ self.coefficients)
+
+
+def emulate(
+    run: Callable[[Array], Array],
+    axes: Sequence[Axis],
+    tick: Callable[[float], None] = lambda share: None,
+    squares: bool = True,
+) -> Emulator:
+    """Run the model on a sparse grid of settings and return the polynomial through the results.
+
+    Axes that mix have biquadratic terms with each other, or without ``squares`` bilinear ones.
+    Source of the grid: hierarchical interpolation on a lower set; A. Chkifa, A. Cohen and C. Schwab, Found. Comput.
+    Math. 14 (2014) 601.
+
+    >>> found = emulate(lambda s: np.array([1.0 + s[0] ** 2 * s[1]]), [Axis("a", 0.0, 2.0), Axis("b", 1.0, 1.0, 1.0)])
+    >>> round(float(found(np.array([1.3, 0.7]))[0]), 9)
+    2.183
+    """
+    numbers = _lower_set(axes, squares)
+    base = np.array([axis.base for axis in axes])
+    results, scaled = [], []
+    for count, number in enumerate(numbers):
+        at = np.array([axis.places()[i] for axis, i in zip(axes, number, strict=True)])
+        setting = base if not np.any(at) else np.array([a.value(v) for a, v in zip(axes, at, strict=True)])
+        results.append(run(setting))
+        scaled.append(at)
+        tick((count + 1) / len(numbers))
+    powers = np.array(numbers, dtype=np.float64).reshape(len(numbers), len(axes))
+    matrix = np.prod(np.array(scaled).reshape(powers.shape)[:, None, :] ** powers[None, :, :], axis=2)
+    return Emulator(tuple(axes), powers, np.linalg.solve(matrix, np.stack(results)))
+
+
+def _lower_set(axes: Sequence[Axis], squares: bool) -> list[tuple[int, ...]]:
+    """Return the numbers of the places of each run: along each axis, and over the first three of two that mix."""
+    none = (0,) * len(axes)
+    found = [none]
+    for i, axis in enumerate(axes):
+        found += [(*none[:i], k, *none[i + 1 :]) for k in range(1, _UPTO[axis.level])]
+    for i, j in itertools.combinations(range(len(axes)), 2):
+        if not (axes[i].mixes or axes[j].mixes) or not (axes[i].couples and axes[j].couples):
+            continue
+        both = squares and axes[i].mixes and axes[j].mixes
+        for a, b in itertools.product((1, 2), repeat=2):
+            # Between an effect and a constant of the model the bilinear term is enough.
+            if both or (a, b) == (1, 1):
+                number = list(none)
+                number[i], number[j] = a, b
+                found.append(tuple(number))
+    return found

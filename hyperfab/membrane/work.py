@@ -1,0 +1,78 @@
+"""The work of the punch: the integral of its force over the way it went, and where a further point would help it most.
+
+The force at an equilibrium is sure to many digits; its slope is not, because nodes come to touch one by one. So the
+curve is a spline through the forces. Where a slack sheet takes up the load it has a kink, and at a turning point it
+ends with a vertical slope, as the root of the depth that is left: there the root is the better variable.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import make_interp_spline
+
+Array = NDArray[np.float64]
+
+#: Depths and forces [mm], [N] in order of depth.
+Trace = Sequence[tuple[float, float]]
+
+_DEGREE, _LOWER_DEGREE = 5, 3
+#: A kink within a step costs at most a quarter of the force at its end times its length.
+_KINK = 0.25
+
+
+def work(trace: Trace, turning: float | None = None) -> float:
+    """Return the work [N mm] from depth zero to the last depth.
+
+    ``turning``: depth of the turning point [mm] that the path ends at, where there is one.
+
+    >>> round(work([(1.0, 1.0), (2.0, 8.0), (3.0, 27.0), (4.0, 64.0)]), 9)
+    64.0
+    """
+    depth, force = _loaded(trace)
+    return float(_steps(depth, force, turning, _DEGREE).sum())
+
+
+def doubtful(trace: Trace, tolerance: float, turning: float | None = None) -> float | None:
+    """Return the depth at which one more force would help most, None where the work is sure to ``tolerance`` of itself.
+
+    The doubt about a step is the difference of two splines; a step in which the sheet takes up the load may have a
+    kink anywhere.
+    """
+    depth, force = _loaded(trace)
+    if len(depth) < 2:
+        return None
+    steps = _steps(depth, force, turning, _DEGREE)
+    doubt = np.abs(steps - _steps(depth, force, turning, _LOWER_DEGREE))
+    if depth[0] > 0.0:
+        doubt[0] = max(doubt[0], _KINK * force[1] * (depth[1] - depth[0]))
+    if doubt.sum() <= tolerance * abs(steps.sum()):
+        return None
+    most = int(np.argmax(doubt))
+    return 0.5 * float(depth[most] + depth[most + 1])
+
+
+def _loaded(trace: Trace) -> tuple[Array, Array]:
+    """Return depths and forces from the last one without force on."""
+    depth, force = np.array([(0.0, 0.0), *trace], float).T
+    pulled = np.flatnonzero(force > 0.0)
+    first = pulled[0] - 1 if len(pulled) else len(depth)
+    return depth[first:], force[first:]
+
+
+def _steps(depth: Array, force: Array, turning: float | None, degree: int) -> Array:
+    """Return the work of each step, by a spline of odd ``degree`` or as high as the points allow."""
+    if len(depth) < 2:
+        return np.zeros(1)
+    degree = min(degree, len(depth) - 1)
+    degree -= 1 - degree % 2
+    if turning is not None and turning >= depth[-1]:
+        # With u = sqrt(turning - s): the integral of F ds is that of -2 u F du.
+        root = np.sqrt(turning - depth)
+        spline = make_interp_spline(-root, 2.0 * root * force, k=degree)
+        ends = -root
+    else:
+        spline, ends = make_interp_spline(depth, force, k=degree), depth
+    return np.diff(spline.antiderivative()(ends))
