@@ -17,7 +17,7 @@ from hyperfab.pressing.growth import guide_line
 Ints = NDArray[np.int64]
 
 #: Openings between the deepest and the first touch, and places the force is summed over, at most.
-_KNOTS, _PLACES = 33, 2000
+_KNOTS, _PLACES = 25, 800
 #: How much further [mm] the table reaches than what the model itself needs: what effects may shift it by.
 MARGIN = 1.0
 

@@ -18,12 +18,8 @@ from hyperfab.io.inputs import Inputs
 #: Reads the words of a command line: command and words to the options its chapter takes.
 Parse = Callable[[str, Sequence[str]], Mapping[str, Any]]
 
-#: The command that makes each kind of document, and which of its options name files.
-MADE_BY = {
-    "contact": ("fabric-contact", ("material", "against")),
-    "drape": ("drape", ("material", "mold", "warp", "weft", "shear_law")),
-    "press": ("press-contact", ("male", "female", "foam", "male_heat", "female_heat", "drape")),
-}
+#: The command that makes each kind of document.
+MADE_BY = {"contact": "fabric-contact", "drape": "drape", "press": "press-contact"}
 
 
 @dataclass(frozen=True)
@@ -43,7 +39,7 @@ def recall(job: Job, name: str, data: Mapping[str, Any], kind: str, parse: Parse
 
     Raises InputError naming what is missing or has changed since.
     """
-    command, takes = MADE_BY[kind]
+    command = MADE_BY[kind]
     document = parse_document(data, name, document_class(kind))
     provenance = document.provenance
     if provenance is None or provenance.command != command:
@@ -53,29 +49,19 @@ def recall(job: Job, name: str, data: Mapping[str, Any], kind: str, parse: Parse
             key="provenance",
             remedy=f"make it with hf {command}",
         )
-    given = _options(parse, command, provenance.arguments, name)
-    words = list(provenance.arguments)
-    options = dict(given)
-    for option in takes:
-        value = given.get(option)
-        if value is None:
-            continue
-        several = isinstance(value, (list, tuple))
-        places = []
-        for one in value if several else [value]:
-            place = _found(job, name, str(one), provenance, command)
-            words = [place if word == one else word for word in words]
-            places.append(place)
-        options[option] = places if several else places[0]
-    for record in provenance.inputs:
-        # Also what the files named on the command line name in their turn.
-        _found(job, name, record.name, provenance, command)
+    # Also what the files named on the command line name in their turn.
+    places = {one.name: _found(job, name, one.name, provenance, command) for one in provenance.inputs}
+    words = [places.get(word, word) for word in provenance.arguments]
+    try:
+        options = dict(parse(command, [*words, "-o", "-"]))
+    except UsageError as error:
+        raise InputError(
+            f"has arguments that hf {command} does not take: {error}",
+            file=name,
+            key="provenance.arguments",
+            remedy=f"make it again with hf {command}",
+        ) from None
     return Recalled(command, words, options, frozenset(one.sha256 for one in provenance.inputs), data)
-
-
-def reparse(recalled: Recalled, parse: Parse, words: Sequence[str], target: str) -> dict[str, Any]:
-    """Return the options of the command with other ``words``, writing to ``target``."""
-    return dict(parse(recalled.command, [*words, "-o", target]))
 
 
 def check_unchanged(job: Job, recalled: Recalled, name: str, besides: Iterable[str]) -> None:
@@ -100,18 +86,6 @@ def reworded(words: Sequence[str], changes: Mapping[str, str | None]) -> list[st
         elif value is not None:
             found += [option, value]
     return found
-
-
-def _options(parse: Parse, command: str, words: Sequence[str], name: str) -> Mapping[str, Any]:
-    try:
-        return parse(command, [*words, "-o", "-"])
-    except UsageError as error:
-        raise InputError(
-            f"has arguments that hf {command} does not take: {error}",
-            file=name,
-            key="provenance.arguments",
-            remedy=f"make it again with hf {command}",
-        ) from None
 
 
 def _found(job: Job, name: str, relative: str, provenance: Provenance, command: str) -> str:

@@ -83,10 +83,12 @@ def run(
         holder=effects.holder_forces,
     )
     touching = (placed.shift[0], placed.shift[1], placed.shift[2] - wanted[-1])
+    flat = mold_of(placed.surface, touching)
+    job.keep((sheet, flat, wanted[-1], effects))
     found = _drape(
         job,
         sheet,
-        mold_of(placed.surface, touching),
+        flat,
         placed,
         wanted,
         effects,
