@@ -15,7 +15,7 @@ from hyperfab.io.atomic import write_files
 from hyperfab.io.json_io import load_json
 from hyperfab.io.output import write_stdout
 from hyperfab.report.page.compare import molds
-from hyperfab.report.page.parts import Picture, Section, Source
+from hyperfab.report.page.parts import Chart, Picture, Scene, Section, Source
 from hyperfab.report.page.pictures import light
 from hyperfab.report.page.render import page
 from hyperfab.report.page.sections import KINDS, build, heading
@@ -106,13 +106,13 @@ def _reader(job: Job, name: str) -> Callable[[str], bytes]:
 
 
 def _add_pictures(source: Source, section: Section) -> None:
-    """Put the command's own picture under the section: where turnable views cannot be, it stands for them."""
-    drawn = source.sibling(".png") if source.kind != "sweep" else None
+    """Put the command's own picture under the section: on paper in place of a view, or where nothing else is shown."""
+    views = any(isinstance(part, Scene) for part in section.parts)
+    charts = any(isinstance(part, Chart) for part in section.parts)
+    if source.kind == "sweep" or (charts and not views):
+        return
+    drawn = source.sibling(".png", but=".model.png")
     picture = None if drawn is None else light(drawn)
     if picture is not None:
         words = f"Picture of {heading(source).lower()}, as the command drew it."
-        section.parts.append(Picture(words, words, picture, only_print=_has_scene(section)))
-
-
-def _has_scene(section: Section) -> bool:
-    return any(type(part).__name__ == "Scene" for part in section.parts)
+        section.parts.append(Picture(words, words, picture, only_print=views))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from hyperfab.report.page.charts import chart, line
-from hyperfab.report.page.parts import Section, Source, facts, number, word
+from hyperfab.report.page.parts import Section, Source, facts, number
 from hyperfab.report.page.scenes import Field, views
 
 _FIELDS = (
@@ -42,7 +42,6 @@ def section(source: Source) -> Section:
                     number(data.get("newton_iterations_total", data["newton_iterations"])),
                 ),
                 ("unknowns", number(data["unknowns"])),
-                ("sheet", word(_setup(data))),
             ],
         )
     )
@@ -62,7 +61,10 @@ def section(source: Source) -> Section:
     found.parts += views(
         source, "The pressed sheet.", "The sheet as the sphere has deformed it, coloured by a field.", _FIELDS
     )
-    found.notes += [f"Left out: {text}." for text in data.get("left_out", [])]
+    found.notes += [
+        f"The sheet: {_setup(data)}.",
+        *(f"Left out: {text}." for text in data.get("left_out", [])),
+    ]
     return found
 
 
