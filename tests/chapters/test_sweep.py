@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import sys
 from pathlib import Path
 
 import jsonschema
@@ -99,3 +101,23 @@ def test_real_commands_run_in_warm_workers(hf: Run, tmp_path: Path) -> None:
     step, command = json.loads(place.read_bytes()), json.loads(alone.stdout)
     assert step["parameters"] == command["parameters"]
     assert step["fit"] == command["fit"]
+
+
+def test_the_table_as_parquet_holds_what_the_csv_holds(hf: Run, tmp_path: Path) -> None:
+    pytest.importorskip("pyarrow", reason="pyarrow is not installed (pip install 'hyperfab[parquet]')")
+    import pandas
+
+    (tmp_path / "study.toml").write_text(STUDY)
+    paths = {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}  # wherever pyarrow is
+    command = ("sweep", tmp_path / "study.toml", "--out", tmp_path / "out", "--parquet", "--jobs", "1")
+    done = hf(*command, env=paths)
+    assert done.returncode in (0, 1), done.stderr
+    document = json.loads((tmp_path / "out" / "sweep.json").read_bytes())
+    assert "sweep.parquet" in document["files"]
+    found = pandas.read_parquet(tmp_path / "out" / "sweep.parquet")
+    told = pandas.read_csv(tmp_path / "out" / "sweep.csv")
+    assert list(found.columns) == list(told.columns)
+    assert found["model"].tolist() == ["neo-hookean", "yeoh-2"]
+    assert found["relative_rms"].dtype == "float64"
+    assert found["relative_rms"].tolist() == told["relative_rms"].tolist()
+    assert found["status"].tolist() == told["status"].tolist()
