@@ -20,6 +20,10 @@ OY = np.array([0, 1, 1, -1])
 @part
 def _sandwich(q: Floats, b: Floats, r: Floats, sign: float, out: Singles) -> None:
     """out (9) = sign * Q B R with symmetric Q, R (6) and full B (3, 3)."""
+    if q[0] + q[3] + q[5] == 3.0 and r[0] + r[3] + r[5] == 3.0:  # two free nodes
+        for k in range(9):
+            out[k] = sign * b[k // 3, k % 3]
+        return
     t = np.empty((3, 3))
     for k in range(3):
         t[0, k] = q[0] * b[0, k] + q[1] * b[1, k] + q[2] * b[2, k]
@@ -150,95 +154,82 @@ def invert(diag: Singles, q: Floats, inverse: Singles) -> None:
             inverse[i, j, 5] = (a0 * a3 - a1 * a1) * inv - s2 * (1.0 - q[i, j, 5])
 
 
-@part
-def _accumulate(
-    cd: Singles, co: Singles, ci: int, cj: int, di: int, dj: int, w: float, a: Singles, both: bool
-) -> None:
-    """Add w A (9) that couples coarse nodes (ci, cj) and (di, dj); ``both``: its transpose too (A off the diagonal)."""
-    oi, oj = di - ci, dj - cj
-    if oi == 0 and oj == 0:
-        v = 2.0 * w if both else w
-        h = 0.5 * v
-        cd[ci, cj, 0] += v * a[0]
-        cd[ci, cj, 1] += h * (a[1] + a[3])
-        cd[ci, cj, 2] += h * (a[2] + a[6])
-        cd[ci, cj, 3] += v * a[4]
-        cd[ci, cj, 4] += h * (a[5] + a[7])
-        cd[ci, cj, 5] += v * a[8]
-        return
-    if oi > 0 or (oi == 0 and oj > 0):
-        d = 0
-        if oi == 0:
-            d = 1
-        elif oj == 1:
-            d = 2
-        elif oj == -1:
-            d = 3
-        for k in range(9):
-            co[ci, cj, d, k] += w * a[k]
-        return
-    if not both:
-        return  # the diagonal block of a fine node meets the mirrored pair of its parents too
-    d = 0
-    if oi == 0:
-        d = 1
-    elif oj == -1:
-        d = 2
-    elif oj == 1:
-        d = 3
-    for r in range(3):
-        for c in range(3):
-            co[di, dj, d, 3 * c + r] += w * a[3 * r + c]
-
-
 @kernel
-def galerkin(
-    diag: Singles,
-    off: Singles,
-    pi: Ints,
-    wi: Floats,
-    pj: Ints,
-    wj: Floats,
-    cd: Singles,
-    co: Singles,
-    first: int,
-    last: int,
-) -> None:
-    """Add fine rows ``first:last`` to the coarse operator P^T A P (not yet sandwiched)."""
-    n, m = diag.shape[0], diag.shape[1]
-    a = np.empty(9, np.float32)
+def halve(diag: Singles, off: Singles, places: Ints, cd: Singles, co: Singles, first: int, last: int) -> None:
+    """P^T A P for the coarser rows ``first:last``, which are the finer rows ``places``, those between left out.
+
+    P interpolates a row left out between its two neighbours, along the first direction alone. The operator (not yet
+    sandwiched) comes out transposed, nodes (m, coarse n), so that a second call coarsens the other direction.
+    """
+    m, more, sheared = diag.shape[1], len(places), off.shape[2] == 4
     for i in range(first, last):
+        b = places[i]
+        between = i + 1 < more and places[i + 1] == b + 2
         for j in range(m):
-            for d in range(-1, off.shape[2]):
-                ni, nj = i, j
-                if d < 0:
-                    s = diag[i, j]
-                    a[0], a[1], a[2], a[3], a[4] = s[0], s[1], s[2], s[1], s[3]
-                    a[5], a[6], a[7], a[8] = s[4], s[2], s[4], s[5]
-                else:
-                    ni, nj = i + OX[d], j + OY[d]
-                    if ni >= n or nj >= m or nj < 0:
-                        continue
-                    for k in range(9):
-                        a[k] = off[i, j, d, k]
-                for p in range(4):
-                    w1 = wi[i, p // 2] * wj[j, p % 2]
-                    if w1 == 0.0:
-                        continue
-                    for r in range(4):
-                        w2 = w1 * wi[ni, r // 2] * wj[nj, r % 2]
-                        if w2 != 0.0:
-                            _accumulate(
-                                cd,
-                                co,
-                                pi[i, p // 2],
-                                pj[j, p % 2],
-                                pi[ni, r // 2],
-                                pj[nj, r % 2],
-                                w2,
-                                a,
-                                d >= 0,
-                            )
+            d, o = cd[j, i], co[j, i]
+            for k in range(6):
+                d[k] = diag[b, j, k]
+            for k in range(9):
+                o[0, k] = off[b, j, 1, k]
+        for side in range(2):  # the row left out before, and the one behind
+            if (side == 0 and (i == 0 or places[i - 1] != b - 2)) or (side == 1 and not between):
+                continue
+            row, low = (b - 1, b - 1) if side == 0 else (b + 1, b)
+            for j in range(m):
+                d, o, across, along = cd[j, i], co[j, i], diag[row, j], off[low, j, 0]
+                for k in range(6):
+                    d[k] += 0.25 * across[k]
+                d[0] += along[0]
+                d[1] += 0.5 * (along[1] + along[3])
+                d[2] += 0.5 * (along[2] + along[6])
+                d[3] += along[4]
+                d[4] += 0.5 * (along[5] + along[7])
+                d[5] += along[8]
+                for k in range(9):
+                    o[0, k] += 0.25 * off[row, j, 1, k]
+                if sheared and j + 1 < m:
+                    for r in range(3):
+                        for c in range(3):
+                            k = 3 * r + c
+                            o[0, k] += 0.5 * (off[low, j, 2, k] + off[low, j + 1, 3, 3 * c + r])
+        if i + 1 == more:
+            continue
+        share = 0.5 if between else 1.0
+        for j in range(m):
+            o = co[j, i]
+            for k in range(9):
+                o[1, k] = share * off[b, j, 0, k]
+                if sheared:
+                    o[2, k] = share * off[b, j, 2, k]
+            if sheared and j > 0:
+                for r in range(3):
+                    for c in range(3):
+                        co[j - 1, i + 1, 3, 3 * c + r] = share * off[b, j, 3, 3 * r + c]
+            if not between:
+                continue
+            s, e = diag[b + 1, j], off[b + 1, j]
+            o[1, 0] += 0.25 * s[0]
+            o[1, 1] += 0.25 * s[1]
+            o[1, 2] += 0.25 * s[2]
+            o[1, 3] += 0.25 * s[1]
+            o[1, 4] += 0.25 * s[3]
+            o[1, 5] += 0.25 * s[4]
+            o[1, 6] += 0.25 * s[2]
+            o[1, 7] += 0.25 * s[4]
+            o[1, 8] += 0.25 * s[5]
+            for k in range(9):
+                o[1, k] += 0.5 * e[0, k]
+                o[2, k] += 0.25 * e[1, k]
+                if sheared:
+                    o[2, k] += 0.5 * e[2, k]
+            if j > 0:
+                back = co[j - 1, i + 1, 3]
+                for r in range(3):
+                    for c in range(3):
+                        k = 3 * r + c
+                        back[k] += 0.25 * off[b + 1, j - 1, 1, k]
+                        if sheared:
+                            back[k] += 0.5 * e[3, 3 * c + r]
 
 
 @kernel

@@ -15,7 +15,7 @@ import numpy as np
 
 from hyperfab.numerics.kernels import kernel, part
 
-from .galerkin import OX, OY, Ints, Singles, assemble, assemble_bent, galerkin, invert, sandwich_all
+from .galerkin import OX, OY, Ints, Singles, assemble, assemble_bent, halve, invert, sandwich_all
 from .law import Floats
 
 SMALLEST = 4  # grids of at most this many nodes a side are not coarsened further
@@ -223,12 +223,13 @@ class Multigrid:
         invert(top.diag, top.q, top.inverse)
         for fine, coarse in zip(self.levels, self.levels[1:], strict=False):
             n, m = fine.q.shape[:2]
-            coarse.q[:] = fine.q[np.ix_(injected(n), injected(m))]
+            rows, columns = injected(n), injected(m)
+            coarse.q[:] = fine.q[np.ix_(rows, columns)]
+            half = (np.zeros((m, len(rows), 6), np.float32), np.zeros((m, len(rows), 4, 9), np.float32))
+            _in_chunks(fine.diag, fine.off, rows, *half)
             coarse.diag[:] = 0.0
             coarse.off[:] = 0.0
-            chunk = max(1, 200_000 // m)
-            for i in range(0, n, chunk):
-                galerkin(fine.diag, fine.off, *fine.parents, coarse.diag, coarse.off, i, min(i + chunk, n))
+            _in_chunks(*half, columns, coarse.diag, coarse.off)
             sandwich_all(coarse.q, coarse.diag, coarse.off)
             invert(coarse.diag, coarse.q, coarse.inverse)
         self.direct = _dense_inverse(self.levels[-1])
@@ -255,6 +256,13 @@ class Multigrid:
         self._cycle(k + 1)
         prolong(below.vectors[1], *level.parents, level.q, u)
         sweep(level.inverse, level.off, b, u, False)
+
+
+def _in_chunks(diag: Singles, off: Singles, places: Ints, coarse_diag: Singles, coarse_off: Singles) -> None:
+    """Coarsen the first direction in calls short enough to be interrupted."""
+    chunk = max(1, 200_000 // diag.shape[1])
+    for i in range(0, len(places), chunk):
+        halve(diag, off, places, coarse_diag, coarse_off, i, min(i + chunk, len(places)))
 
 
 def _dense_inverse(level: Level) -> Floats:
