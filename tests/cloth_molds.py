@@ -37,7 +37,8 @@ def punch(sections: int, radius: float = 40.0, height: float = 60.0) -> Surface:
     return Surface(mesh.vertices - [0, 0, height / 2], mesh.faces)
 
 
-def block(side: float = 80.0, height: float = 60.0) -> Surface:
-    """Box with its top at z = 0."""
+def block(side: float = 80.0, height: float = 60.0, turn: float = 0.0) -> Surface:
+    """Box with its top at z = 0, turned about z by ``turn`` rad."""
     mesh = trimesh.creation.box((side, side, height))
+    mesh.apply_transform(trimesh.transformations.rotation_matrix(turn, [0, 0, 1]))
     return Surface(mesh.vertices - [0, 0, height / 2], mesh.faces)

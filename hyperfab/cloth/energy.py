@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from .creases import bend_forces, bend_stiffness, find_bends, hinge_nodes
+from .creases import bend_forces, bend_stiffness, hinge_nodes
 from .law import Floats
+from .laying import find_bends
 from .linear import Tangent
 from .mold import Ints, Mold
 from .net import Sheet, forces, stiffness

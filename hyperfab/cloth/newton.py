@@ -14,7 +14,9 @@ from .net import Sheet
 from .state import Equilibrium, State, Step
 
 #: Steps after which springs around corners of the mold are taken for what keeps the equilibrium away.
-PATIENCE = 25
+PATIENCE = 80
+#: Steps allowed, and where nodes stop on sharp edges one by one.
+STEPS, SHARP_STEPS = 60, 120
 #: The linear systems are solved at least this well: setting them up costs more than a few inner steps.
 FORCING = 5e-3
 
@@ -24,7 +26,7 @@ def equilibrium(
     mold: Mold,
     start: State,
     tolerance: float = 1e-6,
-    largest: int = 60,
+    largest: int | None = None,
     report: Callable[[Step], None] | None = None,
     friction: Friction | None = None,
 ) -> Equilibrium:
@@ -39,6 +41,8 @@ def equilibrium(
     balance = Balance(sheet, mold, tolerance)
     model = balance.model
     sharp, sheared = len(mold.creases.corners) > 0, model.net.sheared
+    if largest is None:
+        largest = SHARP_STEPS if sharp else STEPS
     now, trial = start.copy(), start.copy()
     tangent, solver = Tangent.empty(n, m, sheared, balance.q), Solver(n, m, sheared)
     spare, d = np.zeros((n, m, 3)), np.zeros((n, m, 3))

@@ -34,12 +34,27 @@ def test_a_sharp_rim_converges_and_its_energy_does_not_depend_on_the_facets():
     assert np.ptp(energies) < 0.005 * energies[0]
 
 
-def test_a_box_with_corners_converges():
-    mold = mold_of(block(), (0.0, 0.0, 40.0))
-    sheet = Sheet(50, 50, (200.0, 200.0), 1.0, SOFT, SOFT)
+@pytest.mark.parametrize("n", [30, 41, 50, 60])
+@pytest.mark.parametrize("turn", [0.0, 0.5])
+def test_a_box_with_corners_is_covered_and_nothing_of_it_is_cut(n, turn):
+    mold = mold_of(block(turn=turn), (0.0, 0.0, 40.0))
+    sheet = Sheet(n, n, (200.0, 200.0), 1.0, SOFT, SOFT)
     found = drape(sheet, mold)
+    fields = answers(sheet, mold, found)
     assert found.converged
-    assert answers(sheet, mold, found).node_penetration <= 1e-9
+    assert fields.node_penetration <= 1e-9
+    assert fields.edge_penetration <= 1e-6
+    assert fields.imbalance < 1e-4
+
+
+def test_the_energy_on_a_box_settles_as_the_grid_is_refined():
+    energies = []
+    for n in (41, 61, 81, 101):
+        sheet = Sheet(n, n, (200.0, 200.0), 1.0, SOFT, SOFT)
+        found = drape(sheet, mold_of(block(), (0.0, 0.0, 40.0)))
+        assert found.converged
+        energies.append(found.energy)
+    assert np.ptp(energies[1:]) < 0.01 * energies[-1]
 
 
 def test_a_row_over_a_wedge_has_one_tension_and_the_exact_length():
