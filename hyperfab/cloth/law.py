@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from hyperfab.numerics.kernels import kernel, part
+from hyperfab.numerics.kernels import part
 
 Floats = npt.NDArray[np.float64]
 
@@ -50,10 +50,14 @@ class SpringLaw:
     def __call__(self, stretch: object) -> tuple[Floats, Floats, Floats]:
         """Energy density (MPa), nominal stress (MPa) and its slope (MPa) at the stretches."""
         lam = np.atleast_1d(np.asarray(stretch, dtype=float))
-        out = np.empty((3, lam.size))
-        _evaluate(lam.ravel(), *self.arrays, out)
-        w, p, a = out.reshape((3, *lam.shape))
-        return w, p, a
+        piece = np.maximum(np.searchsorted(self.knots, lam, side="right") - 1, 0)
+        u = np.maximum(lam - self.knots[piece], 0.0)
+        w0, c0, c1, c2, c3 = np.moveaxis(self.pieces[piece], -1, 0)
+        w = w0 + u * (c0 + u * (c1 / 2.0 + u * (c2 / 3.0 + u * c3 / 4.0)))
+        p = c0 + u * (c1 + u * (c2 + u * c3))
+        a = c1 + u * (2.0 * c2 + 3.0 * u * c3)
+        taut = lam > 1.0
+        return w * taut, p * taut, a * taut
 
 
 def _law(knots: Floats, values: Floats, slopes_left: Floats, slopes_right: Floats) -> SpringLaw:
@@ -131,14 +135,3 @@ def evaluate(lam: float, knots: Floats, pieces: Floats, buckets: npt.NDArray[np.
     a = c1 + u * (2.0 * c2 + 3.0 * u * c3)
     w = w0 + u * (c0 + u * (c1 / 2.0 + u * (c2 / 3.0 + u * c3 / 4.0)))
     return w, p, a
-
-
-@kernel
-def _evaluate(
-    lam: Floats, knots: Floats, pieces: Floats, buckets: npt.NDArray[np.int64], out: Floats
-) -> None:
-    for i in range(lam.shape[0]):
-        out[0, i], out[1, i], out[2, i] = 0.0, 0.0, 0.0
-        if lam[i] > 1.0:
-            w, p, a = evaluate(lam[i], knots, pieces, buckets)
-            out[0, i], out[1, i], out[2, i] = w, p, a

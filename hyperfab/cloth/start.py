@@ -34,7 +34,8 @@ def place(
     with a facet near by or -1. Returns a held node inside the mold (flat index, -1: none) and its depth.
     """
     stack, stack_d = np.empty(DEPTH, np.int64), np.empty(DEPTH)
-    hint, bad, deepest = -1, -1, 0.0
+    hint = np.int64(-1)  # a literal would make the search compile twice
+    bad, deepest = -1, 0.0
     for i in range(first, last):
         for j in range(x.shape[1]):
             p = x[i, j]
