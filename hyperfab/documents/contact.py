@@ -84,6 +84,7 @@ class ContactDocument(Document):
     newton_iterations: int = Field(description="on the fitted mesh of the last depth")
     newton_iterations_total: int = Field(description="over all depths and meshes")
     unknowns: int
+    linear_solver: str | None = Field(default=None, description="what solved Newton's equations")
     force_N: float | None = None
     force_error_relative: float | None = Field(default=None, description="estimated from two meshes")
     force_extrapolated_N: float | None = Field(

@@ -19,8 +19,12 @@ Array = NDArray[np.float64]
 Trace = Sequence[tuple[float, float]]
 
 _DEGREE, _LOWER_DEGREE = 5, 3
+#: Two splines differ by at least this times the error of the better one.
+_CAUTION = 4.0
 #: A kink within a step costs at most a quarter of the force at its end times its length.
 _KINK = 0.25
+#: A kink is closed in on from above, up to this part of the way that is left to it.
+_SHORT_OF_KINK = 0.05
 
 
 def work(trace: Trace, turning: float | None = None) -> float:
@@ -45,21 +49,31 @@ def doubtful(trace: Trace, tolerance: float, turning: float | None = None) -> fl
     if len(depth) < 2:
         return None
     steps = _steps(depth, force, turning, _DEGREE)
-    doubt = np.abs(steps - _steps(depth, force, turning, _LOWER_DEGREE))
-    if depth[0] > 0.0:
-        doubt[0] = max(doubt[0], _KINK * force[1] * (depth[1] - depth[0]))
+    doubt = np.abs(steps - _steps(depth, force, turning, _LOWER_DEGREE)) / _CAUTION
+    slack = max((deep for deep, pushed in trace if pushed <= 0.0), default=0.0)
+    if slack > 0.0:
+        doubt[0] = max(doubt[0], _KINK * force[1] * (depth[1] - slack))
     if doubt.sum() <= tolerance * abs(steps.sum()):
         return None
     most = int(np.argmax(doubt))
+    if slack > 0.0 and most == 0:
+        near = float(depth[0] + _SHORT_OF_KINK * (depth[1] - depth[0]))
+        return near if depth[0] > slack else 0.5 * (slack + float(depth[1]))
     return 0.5 * float(depth[most] + depth[most + 1])
 
 
 def _loaded(trace: Trace) -> tuple[Array, Array]:
-    """Return depths and forces from the last one without force on."""
+    """Return depths and forces from where the sheet takes up the load: depth zero, or a kink after a slack way.
+
+    The kink lies where the line through the first two forces comes to zero, after the last depth without force.
+    """
     depth, force = np.array([(0.0, 0.0), *trace], float).T
     pulled = np.flatnonzero(force > 0.0)
-    first = pulled[0] - 1 if len(pulled) else len(depth)
-    return depth[first:], force[first:]
+    first = int(pulled[0]) - 1 if len(pulled) else len(depth)
+    depth, force = depth[first:].copy(), force[first:]
+    if first > 0 and len(depth) > 2 and force[2] > force[1]:
+        depth[0] = max(depth[0], depth[1] - force[1] * (depth[2] - depth[1]) / (force[2] - force[1]))
+    return depth, force
 
 
 def _steps(depth: Array, force: Array, turning: float | None, degree: int) -> Array:

@@ -37,6 +37,7 @@ def document(
         newton_iterations=outcome.solved[-1].state.iterations if outcome.solved else 0,
         newton_iterations_total=total,
         unknowns=(outcome.solved[-1].press if outcome.solved else outcome.rough).sheet.mesh.unknowns,
+        linear_solver=_linear_solver(outcome),
         force_depth=_force_depth(outcome),
         stability=_stability(unstable),
         setup=_setup(setup, fabrics[0]),
@@ -47,6 +48,12 @@ def document(
     if len(outcomes) > 1:
         _compare(found, fabrics[1], outcomes, instabilities[1])
     return found
+
+
+def _linear_solver(outcome: Outcome) -> str:
+    """Name the solvers that were used, on all meshes."""
+    presses = [outcome.rough, *(solved.press for solved in outcome.solved)]
+    return ", ".join(sorted(set().union(*(press.sheet.pattern.solver.used for press in presses))))
 
 
 def status_of(outcome: Outcome, unstable: Instability | None) -> str | None:

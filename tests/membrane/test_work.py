@@ -1,0 +1,56 @@
+"""The work of the punch on curves whose integral is known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hyperfab.membrane.work import doubtful, work
+
+
+def _trace(force, depths):
+    return [(float(depth), float(force(depth))) for depth in depths]
+
+
+def test_a_polynomial_is_integrated_exactly():
+    assert work(_trace(lambda s: s**3 - 0.01 * s**5, np.arange(1.0, 9.0))) == pytest.approx(
+        8.0**4 / 4 - 0.01 * 8.0**6 / 6, rel=1e-12
+    )
+
+
+def test_a_vertical_slope_at_the_turning_point_costs_nothing():
+    """F = 10 - sqrt(60.35 - s) + a constant that takes the force at zero away."""
+    start = 60.35**0.5
+    trace = _trace(lambda s: start - (60.35 - s) ** 0.5, [7.5, 15, 22.5, 30, 37.5, 45, 52.5, 60, 60.34])
+    exact = start * 60.34 - 2 / 3 * (60.35**1.5 - 0.01**1.5)
+    assert work(trace, 60.35) == pytest.approx(exact, rel=1e-9)
+    assert abs(work(trace) / exact - 1.0) > 1e-5
+    assert doubtful(trace, 1e-6, 60.35) is None
+
+
+def test_a_kink_is_found_and_closed_in_on():
+    """Slack up to 31.3 mm, then a force that rises with a slope, and bends."""
+    kink = 31.3
+
+    def force(depth):
+        way = max(depth - kink, 0.0)
+        return 0.9 * way + 0.01 * way**2
+
+    trace = _trace(force, np.linspace(7.5, 60.0, 8))
+    exact = 0.45 * (60 - kink) ** 2 + 0.01 / 3 * (60 - kink) ** 3
+    assert abs(work(trace) / exact - 1.0) > 2e-5
+    more = 0
+    while (depth := doubtful(trace, 3e-5)) is not None:
+        trace = sorted([*trace, (depth, force(depth))])
+        more += 1
+        assert more < 8
+    assert work(trace) == pytest.approx(exact, rel=3e-5)
+
+
+def test_smooth_curves_need_no_more_points():
+    assert doubtful(_trace(lambda s: s**3, np.linspace(7.5, 60.0, 8)), 3e-5) is None
+
+
+def test_a_sheet_that_is_never_touched_does_no_work():
+    assert work([(10.0, 0.0), (20.0, 0.0)]) == 0.0
+    assert doubtful([(10.0, 0.0), (20.0, 0.0)], 1e-5) is None
