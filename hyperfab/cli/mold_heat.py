@@ -27,6 +27,13 @@ def mold_heat(
     heater_max: Annotated[
         str | None, typer.Option(metavar="POWER", help="Most that --share-power may give one heater.")
     ] = None,
+    variations: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FILE.csv",
+            help="Factors on film, power, conductivity, specific heat, one run a row, on a reduced model.",
+        ),
+    ] = None,
     stl_unit: StlUnit = "mm",
     output: Target = "-",
     quiet: Quiet = False,
@@ -38,5 +45,6 @@ def mold_heat(
     Example:
       hf mold-heat molds/proposed.toml -o heat.json
       hf mold-heat molds/original.toml --warmup-in 20min -o fast.json
+      hf mold-heat molds/original.toml --variations factors.csv -o varied.json
     """
     run_chapter(context)

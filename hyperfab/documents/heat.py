@@ -87,6 +87,30 @@ class Design(Part):
     steady_mean_degC: float | None = None
 
 
+class Variation(Part):
+    """One variation of the mold: factors on what its document says, and what it then does."""
+
+    factors: dict[str, float]
+    warmup_time_s: float | None = Field(
+        default=None, description="absent where the target is not reached in the time"
+    )
+    work_surface_mean_degC: float | None = Field(default=None, description="at the warm-up, else at the end")
+    work_surface_spread_K: float | None = None
+    probes_final_degC: dict[str, float] = Field(default_factory=dict)
+    probes_max_degC: dict[str, float] = Field(default_factory=dict)
+
+
+class Variations(Part):
+    """Variations that were run on the mold reduced to a few unknowns."""
+
+    duration_s: float = Field(description="how long each is followed")
+    unknowns: int = Field(description="vectors of the basis")
+    difference_max_K: float = Field(
+        description="greatest difference from the full run, over its steps, probes and work surface"
+    )
+    runs: list[Variation]
+
+
 class HeatDocument(Document):
     """The result of ``hf mold-heat``."""
 
@@ -124,6 +148,7 @@ class HeatDocument(Document):
     mass_by_part_kg: dict[str, float] = Field(default_factory=dict)
     heat_capacity_J_K: float | None = Field(default=None, description="heat to warm all parts by one kelvin")
     design: Design | None = None
+    variations: Variations | None = None
     hottest: Extreme | None = None
     coldest: Extreme | None = None
     flux_max_W_m2: float | None = None

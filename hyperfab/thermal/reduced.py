@@ -17,6 +17,7 @@ from hyperfab.thermal.contact import Contact
 from hyperfab.thermal.convection import Convection
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.heater import Heater
+from hyperfab.thermal.lumping import lumped
 from hyperfab.thermal.march import march
 from hyperfab.thermal.material import ThermalMaterial
 from hyperfab.thermal.medium import Medium
@@ -29,6 +30,10 @@ Array = NDArray[np.float64]
 
 #: Directions whose share of the capacity norm is smaller add nothing.
 _DROP = 1e-7
+#: Time scales of the basis, as shares of the experiment: one over these.
+SCALES = (300.0, 30.0, 3.0)
+#: Film coefficient that holds a face at a temperature [W/m^2/K].
+HOLDS = 1e6
 #: Points that stand for a face.
 _POINTS = 48
 
@@ -54,7 +59,8 @@ class Settings:
     ambient.
     The others are effects, absent at 0: ``emissivity``; ``bench`` [W/m^2/K] through faces without
     a film; ``lost`` and ``lost_per_K`` shares of the power; ``conductivity_per_K``, ``capacity_per_K``;
-    ``ambient_per_s``, ``ambient_per_s2``; ``exponent`` of a film coefficient in its temperature difference.
+    ``ambient_per_s``, ``ambient_per_s2``, ``ambient_per_s3``; ``exponent`` of a film coefficient in its
+    temperature difference.
     """
 
     film: Array
@@ -74,6 +80,7 @@ class Settings:
     ambient_per_s: Array
     ambient_per_s2: Array
     exponent: Array
+    ambient_per_s3: Array | None = None
 
 
 @dataclass
@@ -84,6 +91,7 @@ class ReducedMold:
     stiffness: Array
     films: Sequence[Film]
     radiators: Sequence[Film]
+    held: Sequence[Film]
     bench: Film
     heaters: Sequence[tuple[Array, Table]]
     joints: Sequence[tuple[Array, Table]]
@@ -95,16 +103,21 @@ class ReducedMold:
     warmer: Array
     reference_degC: float
     corners: Sequence[float] = field(default_factory=tuple)
+    conductances: Sequence[float] = ()
 
-    def run(self, times: Array, settings: Settings, steps: int = 150) -> Array:
+    def run(self, times: Array, settings: Settings, steps: int = 150, *, fine_starts: bool = False) -> Array:
         """Return the probes' temperatures (b, times, p) [degC] at ``times`` [s], the first the start.
 
         Alexander's SDIRK2 on about ``steps`` steps that meet every corner of the powers; between their
-        ends the curve is the parabola through both values with the slope at the end.
+        ends the curve is the parabola through both values with the slope at the end. ``fine_starts`` takes short
+        steps where a power begins or jumps.
         """
-        grid = self._grid(times, steps)
+        grid = self._grid(times, steps, fine_starts)
         stages = np.stack([grid[:-1] + GAMMA * np.diff(grid), grid[1:]], axis=1)
-        faces = [*self.films, *self.radiators, self.bench]
+        faces = [*self.films, *self.radiators, *self.held, self.bench]
+        holds = np.array(
+            [*(False for _ in (*self.films, *self.radiators)), *(True for _ in self.held), False]
+        )
         rows = np.ascontiguousarray(np.concatenate([face.rows for face in faces]))
         weights = np.concatenate([face.weights for face in faces])
         owner = np.repeat(np.arange(len(faces)), [len(face.weights) for face in faces])
@@ -128,7 +141,7 @@ class ReducedMold:
             if self.joints
             else np.zeros((*stages.shape, 0))
         )
-        emits = np.array([*(0.0 for _ in self.films), *(face.emissivity for face in self.radiators), 0.0])
+        emits = np.array([face.emissivity for face in faces])
         found = np.empty((len(settings.emissivity), len(times), len(self.probes)))
         count = len(self.films)
         for i in range(len(found)):
@@ -136,7 +149,8 @@ class ReducedMold:
             for resistance, jump in zip(settings.opened[i], self.opened, strict=True):
                 conduct = conduct + jump / (resistance + 1e-7)
             scale = np.concatenate([settings.film[i], np.zeros(len(faces) - count)])
-            extra = np.concatenate([np.zeros(len(faces) - 1), [settings.bench[i]]])
+            extra = np.where(holds, HOLDS, 0.0)
+            extra[-1] = settings.bench[i]
             grey = emits.copy()
             grey[:count] += settings.emissivity[i]
             drift = (
@@ -144,6 +158,8 @@ class ReducedMold:
                 + settings.ambient_per_s[i] * stages
                 + settings.ambient_per_s2[i] * stages**2
             )
+            if settings.ambient_per_s3 is not None:
+                drift = drift + settings.ambient_per_s3[i] * stages**3
             states, slopes = march(
                 grid,
                 self.start + settings.start_K[i] @ self.warmer,
@@ -169,7 +185,7 @@ class ReducedMold:
                 scale,
                 extra,
                 grey,
-                air + drift[:, :, None],
+                air + np.where(holds, 0.0, drift[:, :, None]),
                 knots,
                 values,
                 first,
@@ -179,10 +195,15 @@ class ReducedMold:
             found[i] = self._read(times, grid, states, slopes)
         return found
 
-    def _grid(self, times: Array, steps: int) -> Array:
+    def _grid(self, times: Array, steps: int, fine_starts: bool) -> Array:
         whole = np.linspace(times[0], times[-1], steps + 1)
         corners = np.array([t for t in self.corners if times[0] < t < times[-1]])
-        grid = np.unique(np.concatenate([whole, corners]))
+        parts = [whole, corners]
+        if fine_starts:
+            halved = (whole[1] - whole[0]) * 0.5 ** np.arange(1, 7)
+            parts.append(np.add.outer([times[0], *corners], halved).ravel())
+        grid = np.unique(np.concatenate(parts))
+        grid = grid[grid <= times[-1]]
         # Steps shorter than a thousandth of the others only cost time.
         keep = np.concatenate([[True], np.diff(grid) > 1e-3 * (whole[1] - whole[0])])
         keep[-1] = True
@@ -197,29 +218,6 @@ class ReducedMold:
         return np.asarray((end + slope * back + bend * back**2) @ self.probes.T)
 
 
-def lagging(times: Array, values: Array, lag_s: Array) -> Array:
-    """Return what sensors with a first-order lag show: values (b, t, p), lag (b,) [s]; linear between the times.
-
-    >>> lagging(np.array([0.0, 1.0]), np.array([[[0.0], [1.0]]]), np.array([0.0]))[0, :, 0]
-    array([0., 1.])
-    """
-    found = values.copy()
-    slow = np.flatnonzero(lag_s > 0.0)
-    if len(slow) == 0:
-        return found
-    tau = lag_s[slow][:, None]
-    now = values[slow, 0]
-    for i in range(1, len(times)):
-        ratio = (times[i] - times[i - 1]) / tau
-        keep = np.exp(-ratio)
-        share = -np.expm1(-ratio) / ratio
-        change = values[slow, i] - values[slow, i - 1]
-        # The exact answer of a first-order lag to a ramp.
-        now = values[slow, i] + keep * (now - values[slow, i - 1]) - share * change
-        found[slow, i] = now
-    return found
-
-
 def reduce(
     model: HeatModel,
     probes: Array,
@@ -229,16 +227,20 @@ def reduce(
     opened: Sequence[Contact] = (),
     corners: Sequence[float] = (),
     groups: Sequence[Sequence[int]] = (),
+    held: Sequence[Convection] = (),
+    scales: Sequence[float] = SCALES,
 ) -> ReducedMold:
     """Return the reduced mold of a model whose joints that conduct perfectly are the contacts ``opened`` of it.
 
     ``probes`` (p, n), ``start`` (n,) [degC], ``duration`` [s] of the experiment, ``bench`` the faces without a film;
-    ``groups`` of parts begin at temperatures of their own, all other parts at another.
+    ``groups`` of parts begin at temperatures of their own, all other parts at another;
+    ``held`` are the conditions that stand for faces at a given temperature; one over ``scales`` are the
+    time scales of the basis, as shares of the duration.
     """
-    films = [c for c in model.conditions if isinstance(c, Convection)]
+    films = [c for c in model.conditions if isinstance(c, Convection) and c not in held]
     radiators = [c for c in model.conditions if isinstance(c, Radiation)]
     joints = [c for c in model.conditions if isinstance(c, Contact) and c not in opened]
-    basis = _basis(model, start, duration, [*films, *radiators], [*joints, *opened], bench)
+    basis = _basis(model, start, duration, [*films, *radiators, *held], [*joints, *opened], bench, scales)
     mass, stiffness = _by_material(model, basis)
     capacity = model.pattern.matrix(model.medium.capacity(start)) @ np.ones(model.size)
 
@@ -257,6 +259,7 @@ def reduce(
         stiffness=stiffness,
         films=[_face(c.facets, basis, c.film, c.ambient) for c in films],
         radiators=[_face(c.facets, basis, Table.constant(0.0), c.ambient, c.emissivity) for c in radiators],
+        held=[_face(c.facets, basis, Table.constant(0.0), c.ambient) for c in held],
         bench=empty if bench is None else _face(bench, basis, Table.constant(0.0), ambient),
         heaters=[(basis.T @ c.shape, c.power) for c in model.conditions if isinstance(c, Heater)],
         joints=[(jump(c), c.closed) for c in joints],
@@ -268,6 +271,7 @@ def reduce(
         warmer=warmer,
         reference_degC=float(np.mean(start)),
         corners=tuple(corners),
+        conductances=tuple(c.conductance for c in joints),
     )
 
 
@@ -295,18 +299,7 @@ def _face(facets: FacetOperator, basis: Array, film: Table, ambient: Table, emis
     rows = facets.at_points_of(basis)
     weights = facets.weights.ravel()
     if len(weights) > _POINTS:
-        # What varies most over the face orders its points; equal areas of that order are one point each.
-        spread = rows - (weights @ rows) / weights.sum()
-        _, _, axes = np.linalg.svd((spread * np.sqrt(weights)[:, None]), full_matrices=False)
-        order = np.argsort(spread @ axes[0], kind="stable")
-        label: NDArray[np.int64] = np.empty(len(order), dtype=np.int64)
-        label[order] = np.minimum(
-            (np.cumsum(weights[order]) / weights.sum() * _POINTS).astype(np.int64), _POINTS - 1
-        )
-        total: Array = np.asarray(np.bincount(label, weights, _POINTS), dtype=np.float64)
-        kept = total > 0.0
-        sums = np.stack([np.bincount(label, weights * column, _POINTS) for column in rows.T], axis=1)
-        return Film(sums[kept] / total[kept, None], total[kept], film, ambient, emissivity)
+        rows, weights = lumped(rows, weights, _POINTS)
     return Film(rows, weights, film, ambient, emissivity)
 
 
@@ -338,6 +331,7 @@ def _basis(
     faces: Sequence[Convection | Radiation],
     joints: Sequence[Contact],
     bench: FacetOperator | None,
+    scales: Sequence[float],
 ) -> Array:
     loads = [c.shape for c in model.conditions if isinstance(c, Heater)]
     loads += [face.facets.load(1.0) for face in faces]
@@ -352,7 +346,8 @@ def _basis(
     ]
     found = [np.ones(model.size), start, *parts]
     capacity = model.pattern.matrix(model.medium.capacity(start))
-    for scale in (duration / 300.0, duration / 30.0, duration / 3.0):
+    for share in scales:
+        scale = duration / share
         matrix = model.step_matrix(0.0, scale, start)
         for load in loads:
             found.append(model.solve(matrix, scale * load, 1e-8))

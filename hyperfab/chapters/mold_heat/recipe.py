@@ -10,6 +10,7 @@ from hyperfab.chapters.mold_heat.design import Wishes, design
 from hyperfab.chapters.mold_heat.files import write_fields
 from hyperfab.chapters.mold_heat.problem import MoldBuilder, Problem
 from hyperfab.chapters.mold_heat.result import IMBALANCE_ALLOWED, steady_document, transient_document
+from hyperfab.chapters.mold_heat.variations import SHARPER, read_variations, variations_csv, vary
 from hyperfab.console import Advance
 from hyperfab.documents.base import read_document
 from hyperfab.documents.heat import HeatDocument
@@ -36,6 +37,7 @@ def run(
     warmup_in: str | None = None,
     share_power: bool = False,
     heater_max: str | None = None,
+    variations: str | None = None,
     stl_unit: str = "mm",
     output: str = "-",
 ) -> int:
@@ -44,6 +46,7 @@ def run(
     out = Output(output, (".vtu", ".csv", ".png", ".pvd"))
     document = read_document(job.inputs, mold, MoldDocument)
     wishes.check(document, mold)
+    asked = None if variations is None else read_variations(job.inputs, variations, document, mold)
     builder = MoldBuilder(document, mold, job.inputs, stl_unit)
     out.refuse_inputs(job.inputs)
     for text in builder.doubts:
@@ -63,6 +66,11 @@ def run(
         else:
             history = _transient(document, problem, start, advance)
             result = transient_document(document, problem, history)
+        if asked is not None:
+            advance(0.95, "variations")
+            sharper = _transient(document, problem, start, advance, SHARPER)
+            result.variations = vary(asked, document, problem, sharper, start)
+            out.add(".variations.csv", variations_csv(result.variations))
         advance(0.97, "writing")
         if out.wants_files:
             write_fields(out, problem, history, document.run.target)
@@ -75,7 +83,10 @@ def run(
     return 0 if result.converged else NotConverged.exit_status
 
 
-def _transient(document: MoldDocument, problem: Problem, start: Array, advance: Advance) -> History:
+def _transient(
+    document: MoldDocument, problem: Problem, start: Array, advance: Advance, share: float = 1.0
+) -> History:
+    """Follow the mold; each step may err by ``share`` of the document's tolerance."""
     settings = document.run
     target = None
     if settings.target is not None and problem.work_surface is not None:
@@ -91,7 +102,7 @@ def _transient(document: MoldDocument, problem: Problem, start: Array, advance: 
             done = (dot(target.sensor, temperature) - first) / max(target.value - first, 1e-9)
         advance(MESHING + (0.95 - MESHING) * max(done, 0.0), f"{time:.0f} s, {temperature.max():.1f} degC")
 
-    schedule = Schedule(settings.until, problem.corners, settings.tolerance)
+    schedule = Schedule(settings.until, problem.corners, share * settings.tolerance)
     return follow(
         problem.model,
         start,
@@ -141,6 +152,12 @@ def _say(job: Job, result: HeatDocument) -> None:
     if result.design is not None and result.design.steady_spread_K is not None:
         before, after = result.design.steady_spread_before_K, result.design.steady_spread_K
         console.note(f"steady spread of the work surface: {before:.3g} K before, {after:.3g} K with them")
+    if result.variations is not None:
+        varied = result.variations
+        console.note(
+            f"{len(varied.runs)} variations on {varied.unknowns} unknowns, within "
+            f"{varied.difference_max_K:.2g} K of the full run"
+        )
     rows = [
         (
             name,

@@ -1,0 +1,45 @@
+"""Many points with rows of numbers made few: neighbours in the rows count as one, with their weights together."""
+
+from __future__ import annotations
+
+import heapq
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def lumped(rows: Array, weights: Array, count: int) -> tuple[Array, Array]:
+    """Return at most ``count`` mean rows (k, r) and weights (k,) of points with ``rows`` (q, r), ``weights`` (q,).
+
+    The group that scatters most is halved by weight along its main axis, again and again.
+
+    >>> rows, weights = lumped(np.array([[0.0], [0.1], [5.0], [5.2]]), np.ones(4), 2)
+    >>> rows.ravel().round(2).tolist(), weights.tolist()
+    ([0.05, 5.1], [2.0, 2.0])
+    """
+    whole = np.arange(len(weights))
+    heap: list[tuple[float, int, NDArray[np.int64], Array]] = []
+    number = 0
+
+    def push(group: NDArray[np.int64]) -> None:
+        nonlocal number
+        w = weights[group]
+        centred = rows[group] - (w @ rows[group]) / w.sum()
+        values, axes = np.linalg.eigh(centred.T @ (w[:, None] * centred))
+        heapq.heappush(heap, (-float(values[-1]), number, group, centred @ axes[:, -1]))
+        number += 1
+
+    push(whole)
+    while len(heap) < count and -heap[0][0] > 0.0:
+        _, _, group, along = heapq.heappop(heap)
+        order = np.argsort(along, kind="stable")
+        share = np.cumsum(weights[group[order]])
+        cut = min(max(int(np.searchsorted(share, 0.5 * share[-1])), 1), len(group) - 1)
+        push(group[order[:cut]])
+        push(group[order[cut:]])
+    groups = [group for _, _, group, _ in sorted(heap, key=lambda entry: int(entry[2].min()))]
+    total = np.array([weights[group].sum() for group in groups])
+    means = np.stack([weights[group] @ rows[group] / weights[group].sum() for group in groups])
+    return means, total
