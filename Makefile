@@ -123,6 +123,8 @@ bench: $(VENV)/dev
 blind: $(VENV)/dev
 	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind fabric 20
 	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind fabric 20 --poor hysteresis mullins rate permanent-set grip-slack load-offset elastic-law none
+	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind fabric 20 --other
+	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind fabric 8 --two
 	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind heat 2
 
 fuzz: $(VENV)/dev

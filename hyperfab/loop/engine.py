@@ -83,6 +83,8 @@ def close(
         return finding("noise", before, {}, {})
     best, tried = _grow(search, before)
     best = _pruned(search, best)
+    if best is not before and not explains(before, best):
+        best = search.enriched(best)
     if best is before:
         return finding("noise" if before.judgement.is_small else "unexplained", before, {}, tried)
     best = _ordered(search, before, best)

@@ -10,17 +10,17 @@ import numpy as np
 from hyperfab.loop.catalogue import catalogue
 from hyperfab.loop.catalogue.heat.scene import Scene
 from hyperfab.loop.problem import Array, Constant, Curve, Extra, Form, Problem, split
-from hyperfab.thermal.reduced import ReducedMold, Settings, lagging
+from hyperfab.thermal.reduced import ReducedMold, Settings
+from hyperfab.thermal.sensors import lagging
 from hyperfab.thermal.tables import Table
 
 #: Settings that effects move: effect id -> names in the order of the form's constants.
 _MOVED = {
     "radiation": ("emissivity",),
-    "sensor-lag": ("lag",),
     "power-loss": ("lost", "lost_per_K"),
     "base-conduction": ("bench",),
     "property-drift": ("capacity_per_K", "conductivity_per_K"),
-    "ambient-drift": ("ambient_per_s", "ambient_per_s2"),
+    "ambient-drift": ("ambient_per_s", "ambient_per_s2", "ambient_per_s3"),
     "convection-law": ("exponent",),
 }
 #: What is known of the temperature at the start and of the ambient [K]: what a thermometer on the wall tells.
@@ -47,6 +47,8 @@ class HeatProblem(Problem):
     joints: Array = field(kw_only=True)
     pairs: Sequence[tuple[str, str]] = field(default=(), kw_only=True)
     lag_s: float = field(default=0.0, kw_only=True)
+    names: Sequence[str] = field(default=(), kw_only=True)
+    base: Sequence[str] = field(default=(), kw_only=True)
 
     def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return the temperatures [degC] of every probe at every time, probe after probe."""
@@ -62,31 +64,44 @@ class HeatProblem(Problem):
         zero = np.zeros(count)
         moved: dict[str, Array] = {name: zero.copy() for names in _MOVED.values() for name in names}
         opened = np.zeros((count, len(mold.opened)))
+        lag = np.full((count, len(mold.probes)), self.lag_s)
+        second = np.zeros(count)
         for row, given in enumerate(terms):
-            for effect, (_, values) in given.items():
+            for effect, (form, values) in given.items():
+                if effect == "sensor-lag":
+                    lag[row] += values[0]
+                    if form == "two-stage":
+                        second[row] = values[1]
+                    elif form == "each":
+                        lag[row, 1 : len(values)] += values[1:]
+                    continue
                 if effect == "contact-resistance":
                     # One resistance for all joints, or one each.
                     opened[row] = values if len(values) == opened.shape[1] else values[0]
                     continue
                 for name, value in zip(_MOVED[effect], values, strict=False):
                     moved[name][row] = value
-        lag = moved.pop("lag")
         pick = {
             kind: own[:, [i for i, other in enumerate(self.kinds) if other == kind]]
             for kind in ("film", "conductivity", "capacity", "power", "joint")
         }
-        level = {kind: own[:, self.kinds.index(kind)] for kind in ("start", "ambient")}
+        starts = own[:, [i for i, other in enumerate(self.kinds) if other == "start"]]
+        # The first is the start of all parts; the others say by how much a part began warmer.
+        starts[:, 1:] += starts[:, :1]
         settings = Settings(
             **{**pick, "joint": pick["joint"] * self.joints},
             opened=opened,
-            start_K=level["start"],
-            ambient_K=level["ambient"],
+            start_K=starts,
+            ambient_K=own[:, self.kinds.index("ambient")],
             **moved,
         )
         rows = []
         for one, times in self.runs:
             found = one.run(times, settings)
-            shown = lagging(times, found, np.maximum(self.lag_s + lag, 0.0))
+            # Probes of a run to come that the present one does not have follow like the first.
+            more = np.repeat(lag[:, :1], len(one.probes) - lag.shape[1], axis=1)
+            shown = lagging(times, found, np.maximum(np.hstack([lag, more]), 0.0))
+            shown = lagging(times, shown, second)
             rows.append(shown.transpose(0, 2, 1).reshape(count, -1))
         return np.concatenate(rows, axis=1)
 
@@ -170,6 +185,7 @@ def heat_problem(
         films=len(mold.films),
         heaters=len(mold.heaters),
         opened=len(mold.opened),
+        probes=count,
         bench=len(mold.bench.weights) > 0,
         emits=bool(mold.radiators),
         typical_film=float(np.mean(mold.films[0].film(readings.ravel()))) if mold.films else 10.0,
@@ -195,4 +211,5 @@ def heat_problem(
         runs=[(replace(mold, probes=mold.probes[list(probes)]), times)],
         kinds=tuple(kind for _, kind in own),
         joints=np.asarray(joints, dtype=np.float64),
+        names=tuple(names),
     )

@@ -18,6 +18,8 @@ from hyperfab.loop.score import Signature, points_at, signatures
 
 #: A term must lower BIC by this much.
 MARGIN = 8.0
+#: Refinements of the terms of a model that leaves much.
+_STEPS = 4
 #: Steps from each of several starts.
 _FEW = 5
 #: Forms of an entry that are tried, and entries of which the forms that refine them are tried too.
@@ -173,6 +175,48 @@ class Search:
             if again is not None and self.lowest([state.fit, again]) is again:
                 state = self.state(again)
         return state
+
+    def enriched(self, state: State) -> State:
+        """Return the model with its terms in richer forms, each step the one that takes most, while they pay by AIC.
+
+        For names that stand already: where much is left of what they are to explain, the simplest law is not the aim.
+        """
+        best = state.fit
+        for _ in range(_STEPS):
+            richer = [
+                found
+                for name in best.forms
+                for form in self.problem.effect(name).forms
+                if form.refines == best.forms[name].name
+                and (found := self._enriched(best, name, form)) is not None
+            ]
+            if not richer:
+                break
+            found = min(richer, key=lambda one: one.chi2)
+            time = correlation_time(found.residual, self.problem.curves)
+            gain = scaled_chi2(best, found, self.problem.channel) - scaled_chi2(
+                found, found, self.problem.channel
+            )
+            if gain / time < 2.0 * (len(found.x) - len(best.x)) or found.chi2 > 0.9 * best.chi2:
+                break
+            best = found
+        return state if best is state.fit else self.state(best)
+
+    def _enriched(self, parent: Fit, name: str, form: Form) -> Fit | None:
+        forms = {key: (form if key == name else one) for key, one in parent.forms.items()}
+        key = tuple(sorted((one, kind.name) for one, kind in forms.items()))
+        if key not in self._fits:
+            self.tick(name)
+            parts = [parent.x[: parent.own]]
+            for one, kind in parent.forms.items():
+                given = parent.x[parent.place(one)]
+                tail = np.array(form.starts[0][len(kind.constants) :]) if one == name else given[:0]
+                parts += [given, tail]
+            found = fit(self.problem, self.noise, forms, np.concatenate(parts), coarse=True)
+            if not np.isfinite(found.chi2):
+                return None
+            self._fits[key] = found
+        return self._fits[key]
 
     def lowest(self, fits: Sequence[Fit]) -> Fit:
         """Return the fit of lowest BIC; a form with more constants has to earn them by half the margin."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from hyperfab.chapters.close_loop.describe import describe, say
 from hyperfab.chapters.close_loop.extended_mold import extend
-from hyperfab.chapters.close_loop.thermocouples import Thermocouples, follow_thermostats, read_thermocouples
+from hyperfab.chapters.close_loop.thermocouples import Thermocouples, read_thermocouples
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.mold_heat.problem import MoldBuilder, Problem
 from hyperfab.console import NEGATIVE_VERDICT
@@ -61,6 +61,13 @@ def run(
             file=name,
             key="run.steady",
             remedy="give until instead",
+        )
+    if any(heater.control is not None for heater in document.heater):
+        raise InputError(
+            "close-loop does not follow a thermostat: its switching and the model's drift out of step",
+            file=name,
+            key="heater.control",
+            remedy='give the power that was drawn as schedule = "power.csv"',
         )
     probes = [probe.name for probe in document.probe]
     read = read_thermocouples(job, measured[0], probes, decimal)
@@ -120,7 +127,6 @@ def pose(
         builder = MoldBuilder(document, name, job.inputs)
         built = builder.build()
     model = built.model
-    follow_thermostats(document, built, read, name)
     contacts = [c for c in model.conditions if isinstance(c, Contact)]
     opened = contacts[len(contacts) - len(pairs) :]
     declared = contacts[: len(contacts) - len(pairs)]

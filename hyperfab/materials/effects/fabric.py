@@ -247,9 +247,9 @@ class Fabric:
             reference = float(np.exp(np.mean(np.log(known))))
             return stress * rate.quickened(self.speed, reference, values[0])
         if form.endswith("bent"):
-            branches = values[:-1]
+            branches = np.delete(values, 2)
             return stress + rate.relaxing_bent(
-                self.path, stress, list(branches[0::2]), list(branches[1::2]), values[-1]
+                self.path, stress, list(branches[0::2]), list(branches[1::2]), values[2]
             )
         return stress + rate.relaxing(self.path, stress, list(values[0::2]), list(values[1::2]))
 
