@@ -36,7 +36,7 @@ PRIOR = 0.10
 #: Nodes a side of the loop's own grid, its load steps where it rubs, and the residual it is brought to.
 _NODES, _STEPS, _TOLERANCE = 25, 10, 1e-6
 #: How far an added prestretch, the friction and the mass per area [g/m^2] may go.
-_MOST_STRETCH, _MOST_FRICTION = 0.20, 0.6
+_MOST_STRETCH, _MOST_FRICTION = 0.12, 0.6
 _LEAST = 12
 
 
@@ -156,9 +156,14 @@ class Forward:
         ratios = {key.removeprefix("law "): v for key, v in settings.items() if key.startswith("law ")}
         if self.material is not None and any(v != 1.0 for v in ratios.values()):
             changed = scaled_material(self.material, ratios)
-            sheet = self._preview({str(self.recalled.options["material"]): dump_json(changed.to_json())})[0][
-                0
-            ]
+            files = {str(self.recalled.options["material"]): dump_json(changed.to_json())}
+            sheet = self._preview(files)[0][0]
+        elif self.material is None:
+            warp, weft = (
+                replace(law, pieces=law.pieces * ratios.get(way, 1.0))
+                for way, law in (("warp", sheet.warp), ("weft", sheet.weft))
+            )
+            sheet = replace(sheet, warp=warp, weft=weft)
         added = settings.get("prestretch", 0.0), settings.get("weft", settings.get("prestretch", 0.0))
         shear, mass = settings.get("shear", 0.0), settings.get("mass", 0.0)
         n, m = grid or self.grid
@@ -208,13 +213,9 @@ class Forward:
 def pose_sheet(forward: Forward, tick: Callable[[float], None]) -> Draped:
     """Drape the sheet on a sparse grid of its constants and effects, and return what stands for it."""
     material, sheet = forward.material, forward.sheet
-    names: tuple[str, ...] = ()
-    axes: list[Setting] = []
-    if material is not None:
-        names = linear_of(material)[0]
-        axes = [
-            Setting(f"law {name}", 1.0, 0.35, 0.35, level=1, mixes=False, couples=False) for name in names
-        ]
+    # Laws that came straight from tests are scaled along warp and weft.
+    names = ("warp", "weft") if material is None else linear_of(material)[0]
+    axes = [Setting(f"law {name}", 1.0, 0.35, 0.35, level=1, mixes=False, couples=False) for name in names]
     axes.append(Setting("depth", 0.0, 0.4, 0.4, level=1, mixes=False, couples=False))
     # A modulus of the threads sets the scale of what resists shear, and of the weight that shows.
     modulus = float(np.mean([float(law(1.001)[2][0]) for law in (sheet.warp, sheet.weft)]))

@@ -45,6 +45,9 @@ def extend(
         if effects.bias is not None:
             notes.append("shear-stiffness: a modulus takes the place of the measured law of the diagonals")
     if material is None:
+        notes.append(
+            "the tests taken as laws stand as they are: their refitted stiffness is in constants alone"
+        )
         return Extension(reworded(recalled.words, words), {}, notes)
     fabric = refitted(material, {name: own[name] for name in problem.draped.names})
     renamed = [

@@ -28,9 +28,9 @@ class Truth:
     soft: tuple[float, float] = (1.0, 1.0)
 
 
-def draw(random: Generator, effects: tuple[str, ...]) -> Truth:
-    """Return a sheet with effects of random size."""
-    soft = 1.0 + 0.06 * random.standard_normal(2)
+def draw(random: Generator, effects: tuple[str, ...], off: float = 0.013) -> Truth:
+    """Return a sheet with effects of random size, its constants ``off`` by so much (one standard deviation)."""
+    soft = 1.0 + off * random.standard_normal(2)
     return Truth(
         effects, {name: float(random.uniform(0.4, 1.0)) for name in effects}, (float(soft[0]), float(soft[1]))
     )
@@ -100,14 +100,16 @@ def curve(c10: float, c20: float, mu: float, stretch: float, slip: float) -> tup
     good = np.isfinite(depth) & (np.abs(r - stretch * RADIUS + slip * pull) < 1e-3)
     # The flattest shots are lost in rounding, the deepest may end on another branch.
     good &= (depth > 0.5) & (depth < 0.78 * RADIUS)
-    order = np.argsort(depth[good])
-    return depth[good][order], force[good][order]
+    good &= (force > 0.0) & (pull > 0.0)
+    deeper = np.maximum.accumulate(np.where(good, depth, -np.inf))
+    good &= depth >= deeper
+    return depth[good], force[good]
 
 
 def measure(truth: Truth, random: Generator, noise: float, protocol: str) -> list[tuple[Array, Array, Array]]:
     """Return files of depth, force, temperature: ``rich`` at three temperatures, ``poor`` one at room temperature.
 
-    ``noise`` is in 0.4 % of the largest force.
+    ``noise`` is in 0.2 % of the largest force.
     """
     size = truth.size
     found, known = [], None
@@ -127,7 +129,7 @@ def measure(truth: Truth, random: Generator, noise: float, protocol: str) -> lis
         depth, force = known[0], known[1] * weak / made
         at = np.linspace(max(3.0, float(depth[0])), min(60.0, float(depth[-1])), 60)
         forces = np.interp(at, depth, force) if len(depth) < 4 else _smooth(depth, force)(at)
-        sd = 0.004 * noise * float(forces.max())
+        sd = 0.002 * noise * float(forces.max())
         found.append((at, forces + sd * random.standard_normal(len(at)), np.full(len(at), ROOM + warmer)))
     return found
 

@@ -1,0 +1,218 @@
+"""A square net on a ball, by minimising its energy: none of hyperfab's own code.
+
+mm, N, MPa. Nodes that would lie in the ball are pushed out by a stiff penalty; friction is a spring towards where a
+node touched first, cut off at the coefficient times the pressure, over many steps of the ball's way up.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse.linalg import spsolve
+
+Array = NDArray[np.float64]
+
+IDS = ("friction", "shear-stiffness", "pretension", "gravity")
+SIDE, BALL, DEPTH, NODES, THICK = 200.0, 60.0, 50.0, 21, 1.0
+WARP, WEFT, POWER, HELD = 0.30, 0.20, 0.5, 2.0
+
+
+@dataclass
+class Truth:
+    """Effects with their sizes; how the fabric differs from its document within what is known of it."""
+
+    effects: tuple[str, ...]
+    size: dict[str, Array] = field(default_factory=dict)
+    soft: tuple[float, float] = (1.0, 1.0)
+
+
+def draw(random: Generator, effects: tuple[str, ...]) -> Truth:
+    """Return a sheet with effects of random size."""
+    soft = 1.0 + 0.05 * random.standard_normal(2)
+    sizes = {name: np.array([random.uniform(0.5, 1.0), random.uniform()]) for name in effects}
+    return Truth(effects, sizes, (float(soft[0]), float(soft[1])))
+
+
+def stress(stretch: Array, modulus: float) -> tuple[Array, Array]:
+    """Return the nominal stress of a thread and its slope: modulus times strain, stiffening with its square."""
+    e = np.maximum(stretch - 1.0, 0.0)
+    return modulus * e * (1.0 + POWER * e), np.where(e > 0.0, modulus * (1.0 + 2.0 * POWER * e), 0.0)
+
+
+class Net:
+    """The springs of the sheet with its truth."""
+
+    def __init__(self, truth: Truth) -> None:
+        size = truth.size
+        n, h = NODES, SIDE / (NODES - 1)
+        index = np.arange(n * n).reshape(n, n)
+        warp = np.stack([index[:-1].ravel(), index[1:].ravel()], axis=1)
+        weft = np.stack([index[:, :-1].ravel(), index[:, 1:].ravel()], axis=1)
+        edge_warp = np.isin(warp[:, 0] % n, (0, n - 1))
+        edge_weft = np.isin(weft[:, 0] // n, (0, n - 1))
+        pre = 1.0 + 0.08 * size.get("pretension", np.zeros(2))[0]
+        area = THICK * h
+        parts = [
+            (warp, h / pre, area * np.where(edge_warp, 0.5, 1.0), WARP * truth.soft[0]),
+            (weft, h / pre, area * np.where(edge_weft, 0.5, 1.0), WEFT * truth.soft[1]),
+        ]
+        if "shear-stiffness" in size:
+            # As a sheet of triangles resists shear: both diagonals of a cell, alike.
+            one = np.stack([index[:-1, :-1].ravel(), index[1:, 1:].ravel()], axis=1)
+            two = np.stack([index[1:, :-1].ravel(), index[:-1, 1:].ravel()], axis=1)
+            modulus = 0.08 * size["shear-stiffness"][0]
+            diagonals = np.concatenate([one, two])
+            length = np.hypot(h, h)
+            parts.append((diagonals, length, np.full(len(diagonals), 0.5 * THICK * h * h / length), modulus))
+        self.ends = np.concatenate([p[0] for p in parts])
+        self.rest = np.concatenate([np.full(len(p[0]), p[1]) for p in parts])
+        self.area = np.concatenate([p[2] for p in parts])
+        self.modulus = np.concatenate([np.full(len(p[0]), p[3]) for p in parts])
+        share = np.outer(*(np.where(np.isin(np.arange(n), (0, n - 1)), 0.5, 1.0) * h for _ in range(2)))
+        self.weight = share.ravel() * 2000.0 * size.get("gravity", np.zeros(2))[0] * 9.80665e-9
+        self.mu = 0.4 * size.get("friction", np.zeros(2))[0]
+        u = np.linspace(-0.5 * SIDE, 0.5 * SIDE, n)
+        x, y = np.meshgrid(u, u, indexing="ij")
+        self.flat = np.stack([x.ravel(), y.ravel(), np.zeros(n * n)], axis=1)
+        self.free = (np.abs(self.flat[:, :2]).max(axis=1) < 0.5 * SIDE - 1e-9).nonzero()[0]
+
+    def rest_at(self, depth: float, start: Array, anchors: Array | None) -> tuple[Array, Array]:
+        """Return the nodes at equilibrium with the ball's top at ``depth``, and the pressure on each [N]."""
+        x, centre = start.copy(), np.array([0.0, 0.0, depth - BALL])
+        hard, held = 60.0, HELD
+        dofs = (3 * self.free[:, None] + np.arange(3)).ravel()
+        for step in range(200):
+            force, rows, cols, vals = np.zeros_like(x), [], [], []
+            force[:, 2] -= self.weight
+            a, b = self.ends.T
+            d = x[b] - x[a]
+            length = np.linalg.norm(d, axis=1)
+            way = d / length[:, None]
+            s, k = stress(length / self.rest, self.modulus)
+            pull = s * self.area
+            np.add.at(force, a, pull[:, None] * way)
+            np.add.at(force, b, -pull[:, None] * way)
+            outer = way[:, :, None] * way[:, None, :]
+            block = (k * self.area / self.rest)[:, None, None] * outer
+            block += (pull / length)[:, None, None] * (np.eye(3) - outer)
+            for p, q, sign in ((a, a, 1.0), (b, b, 1.0), (a, b, -1.0), (b, a, -1.0)):
+                rows.append(
+                    (3 * p[:, None, None] + np.arange(3)[None, :, None] + np.zeros((1, 1, 3), int)).ravel()
+                )
+                cols.append(
+                    (3 * q[:, None, None] + np.arange(3)[None, None, :] + np.zeros((1, 3, 1), int)).ravel()
+                )
+                vals.append((sign * block).ravel())
+            away = x - centre
+            far = np.linalg.norm(away, axis=1)
+            normal = away / far[:, None]
+            inside = np.flatnonzero(far < BALL)
+            pressure = np.zeros(len(x))
+            pressure[inside] = hard * (BALL - far[inside])
+            force += pressure[:, None] * normal
+            touch = hard * normal[inside, :, None] * normal[inside, None, :]
+            if anchors is not None:
+                known = inside[np.isfinite(anchors[inside, 0])]
+                slip = x[known] - (anchors[known] + centre)
+                slip -= np.sum(slip * normal[known], axis=1)[:, None] * normal[known]
+                size = np.linalg.norm(slip, axis=1)
+                drag = np.minimum(held * size, self.mu * pressure[known])
+                force[known] -= (drag / np.maximum(size, 1e-12))[:, None] * slip
+                touch = touch.copy()
+                stiff = drag / np.maximum(size, 1e-9)
+                where = np.searchsorted(inside, known)
+                touch[where] += np.where(size > 1e-9, stiff, held)[:, None, None] * np.eye(3)
+            for i in range(3):
+                for j in range(3):
+                    rows.append(3 * inside + i)
+                    cols.append(3 * inside + j)
+                    vals.append(touch[:, i, j])
+            size_all = 3 * len(x)
+            matrix = sparse.csr_matrix(
+                (np.concatenate(vals), (np.concatenate(rows), np.concatenate(cols))),
+                shape=(size_all, size_all),
+            )[dofs][:, dofs] + 1e-6 * sparse.eye(len(dofs))
+            residual = force.ravel()[dofs]
+            if np.abs(residual).max() < 1e-6:
+                break
+            move = spsolve(matrix.tocsc(), residual)
+            move *= min(1.0, 4.0 / max(float(np.abs(move).max()), 1e-12))
+            flatx = x.ravel()
+            flatx[dofs] += move * (1.0 if step < 40 else 0.5)
+            x = flatx.reshape(-1, 3)
+        return x, pressure
+
+    def drape(self) -> Array:
+        """Return the nodes (n, n, 3) at the full depth."""
+        x = self.flat.copy()
+        x[:, 2] += 1e-3 * np.exp(-np.sum(x[:, :2] ** 2, axis=1) / 200.0)
+        anchors = np.full_like(x, np.nan)
+        steps = np.linspace(0.0, DEPTH, 26 if self.mu else 6)[1:]
+        for depth in steps:
+            x, pressure = self.rest_at(float(depth), x, anchors if self.mu else None)
+            if self.mu:
+                centre = np.array([0.0, 0.0, depth - BALL])
+                touching = pressure > 0.0
+                new = touching & ~np.isfinite(anchors[:, 0])
+                anchors[new] = x[new] - centre
+                anchors[~touching] = np.nan
+                # Where it slips, the anchor follows so far that the drag is just what rubbing can bear.
+                old = touching & np.isfinite(anchors[:, 0])
+                slip = x[old] - centre - anchors[old]
+                size = np.linalg.norm(slip, axis=1)
+                most = self.mu * pressure[old] / HELD
+                anchors[old] += (
+                    np.where(size > most, 1.0 - most / np.maximum(size, 1e-12), 0.0)[:, None] * slip
+                )
+        return x.reshape(NODES, NODES, 3)
+
+
+def measure(truth: Truth, random: Generator, noise: float, protocol: str) -> tuple[Array, Array]:
+    """Return markers on the flat sheet (m, 2) and where they are found (m, 3): ``rich`` 120, ``poor`` 25."""
+    nodes = Net(truth).drape()
+    u = np.linspace(-0.5 * SIDE, 0.5 * SIDE, NODES)
+    # Markers sit on threads' crossings: no interpolation of ours comes in.
+    inner = np.array([(i, j) for i in range(1, NODES - 1) for j in range(1, NODES - 1)])
+    chosen = inner[random.choice(len(inner), 120 if protocol == "rich" else 25, replace=False)]
+    flat = np.stack([u[chosen[:, 0]], u[chosen[:, 1]]], axis=1)
+    found = nodes[chosen[:, 0], chosen[:, 1]]
+    return flat, found + noise * random.standard_normal(found.shape)
+
+
+def ball_stl(rings: int = 60, around: int = 120) -> bytes:
+    """Return the ball's upper part as ASCII STL, closed below, its top at z = 0."""
+    theta = np.linspace(0.0, 0.55 * np.pi, rings + 1)
+    phi = np.linspace(0.0, 2.0 * np.pi, around, endpoint=False)
+    points = [np.array([0.0, 0.0, BALL])]
+    points += [
+        BALL * np.array([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)])
+        for t in theta[1:]
+        for p in phi
+    ]
+    points.append(np.array([0.0, 0.0, BALL * np.cos(theta[-1])]))
+    faces = []
+    for j in range(around):
+        k = (j + 1) % around
+        faces.append((0, 1 + j, 1 + k))
+        for i in range(rings - 1):
+            a, b = 1 + i * around, 1 + (i + 1) * around
+            faces += [(a + j, b + j, b + k), (a + j, b + k, a + k)]
+        last = 1 + (rings - 1) * around
+        faces.append((last + j, len(points) - 1, last + k))
+    lines = ["solid ball"]
+    for face in faces:
+        lines += ["facet normal 0 0 0", "outer loop"]
+        lines += [f"vertex {points[i][0]:.10g} {points[i][1]:.10g} {points[i][2] - BALL:.10g}" for i in face]
+        lines += ["endloop", "endfacet"]
+    return ("\n".join([*lines, "endsolid ball"]) + "\n").encode()
+
+
+def thread_csv(modulus: float) -> str:
+    """Return the law of a thread as a uniaxial test."""
+    e = np.linspace(0.0, 1.0, 201)
+    rows = [f"{a:.6g},{b:.10g}" for a, b in zip(e, stress(1.0 + e, modulus)[0], strict=True)]
+    return "\n".join(["strain [-],stress [MPa]", *rows]) + "\n"
