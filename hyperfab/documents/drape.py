@@ -33,6 +33,9 @@ class SpringUse(Part):
     )
     beyond_tested: int = Field(default=0, description="springs stretched beyond the tests")
     softens_at: float | None = Field(default=None, description="stretch at which the stress stops rising")
+    ends_at: float | None = Field(
+        default=None, description="stretch at which the law ends (locks), where springs pass it"
+    )
     fails_at: float | None = Field(
         default=None, description="stretch at which the tested specimen failed, where springs pass it"
     )

@@ -365,3 +365,29 @@ def test_effects_that_mean_nothing_are_refused_with_the_right_form(drape, option
     assert status == 2
     assert out == ""
     assert says in err
+
+
+def test_a_mold_that_no_node_meets_is_named(drape, folder):
+    mesh = trimesh.creation.icosphere(subdivisions=2, radius=0.5)
+    (folder / "pin.stl").write_bytes(stl_bytes(mesh.vertices, mesh.faces))
+    status, out, err = drape("--grid", "30x30", "--depth", "0.9mm", mold="pin.stl")
+    assert status == 4
+    assert "finer --grid" in err
+    assert json.loads(out)["contact_nodes"] == 0
+
+
+def test_a_depth_that_locks_the_law_is_named(drape, folder):
+    locking = {**FABRIC, "model": "gent", "parameters": {"mu_MPa": 0.4, "Im": 1.0}}
+    (folder / "fabric.json").write_text(json.dumps(locking))
+    status, out, err = drape("--depth", "100mm", "--size", "140mmx140mm", "--grid", "25x25")
+    assert status == 4
+    assert "the law ends" in err
+    assert json.loads(out)["warp"]["ends_at"] < json.loads(out)["warp"]["stretch_max"]
+
+
+def test_friction_over_a_sharp_rim_says_what_it_leaves_out(drape, folder):
+    mesh = trimesh.creation.cylinder(40.0, 60.0, sections=48)
+    (folder / "punch.stl").write_bytes(stl_bytes(mesh.vertices, mesh.faces))
+    status, out, _ = drape("--friction", "0.3", "--load-steps", "5", "--depth", "30mm", mold="punch.stl")
+    assert status == 0
+    assert any("sharp edges" in text for text in json.loads(out)["left_out"])

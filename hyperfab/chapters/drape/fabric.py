@@ -19,6 +19,8 @@ from hyperfab.errors import InputError, UsageError
 from hyperfab.io import units
 from hyperfab.materials import bind
 
+#: What a law straight from a test is called.
+MEASURED = "measured"
 #: Thickness in mm where nothing states one.
 USUAL_THICKNESS = 1.0
 
@@ -92,7 +94,7 @@ def read_fabric(
     fails: list[float | None] = []
     for k, curve in enumerate(curves):
         if curve is not None:
-            models.append("measured")
+            models.append(MEASURED)
             laws.append(curve.law)
             tested.append(curve.tested)
             fails.append(curve.fails_at)
@@ -147,6 +149,12 @@ def _law(model: str, parameters: Mapping[str, float], name: str, key: str) -> Sp
         ) from None
 
 
+def _end(model: str, law: SpringLaw, largest: float) -> float | None:
+    """Where a law of constants ends (its chains lock), where springs pass it; a measured one is extrapolated."""
+    passed = model != MEASURED and law.softens is None and largest > law.largest_stretch
+    return law.largest_stretch if passed else None
+
+
 def use_of(fabric: Fabric, stretch_warp: Floats, stretch_weft: Floats) -> tuple[SpringUse, SpringUse]:
     """How far each law was used, and whether it was tested and rising there."""
     uses = []
@@ -166,6 +174,7 @@ def use_of(fabric: Fabric, stretch_warp: Floats, stretch_weft: Floats) -> tuple[
                 tested_stretch_max=tested,
                 beyond_tested=0 if tested is None else int(np.count_nonzero(stretch > tested * (1.0 + 1e-9))),
                 softens_at=law.softens if law.softens is not None and largest > law.softens else None,
+                ends_at=_end(model, law, largest),
                 fails_at=fails if fails is not None and largest > fails else None,
             )
         )

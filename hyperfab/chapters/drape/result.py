@@ -140,9 +140,28 @@ def judge(job: Job, document: DrapeDocument) -> bool:
                 f"the constants along {name} are unstable where they are used: the stress falls beyond stretch "
                 f"{use.softens_at:.3f}, and springs reach {use.stretch_max:.3f}; fit the fabric again with --stable"
             )
-            document.status = text if document.status is None else f"{document.status}; {text}"
-            job.console.warn(text)
+            _add(job, document, text)
+        if use.ends_at is not None:
+            sound = False
+            text = (
+                f"springs along {name} reach a stretch of {use.stretch_max:.3f}, and the law ends at "
+                f"{use.ends_at:.3f}: less --depth, a larger --size, or a law that goes further"
+            )
+            _add(job, document, text)
+    if document.depth_mm > 0.0 and document.contact_nodes == 0:
+        sound = False
+        _add(
+            job,
+            document,
+            "no node of the grid rests on the mold: it passes between the nodes (take a finer --grid), or the sheet "
+            "has slipped off it (less --depth)",
+        )
     return sound
+
+
+def _add(job: Job, document: DrapeDocument, text: str) -> None:
+    document.status = text if document.status is None else f"{document.status}; {text}"
+    job.console.warn(text)
 
 
 def tears(job: Job, document: DrapeDocument, sheet: Sheet, state: State, largest: float | None) -> bool:

@@ -42,6 +42,7 @@ def section(source: Source) -> Section:
             ],
         )
     )
+    found.parts += _on_the_way(data)
     table = columns(source.sibling(".csv"), source.name)
     if {"iteration", "energy_J"} <= set(table):
         energy = floats(table["energy_J"])
@@ -63,6 +64,39 @@ def section(source: Source) -> Section:
         )
     found.notes += [f"Left out: {text}." for text in data.get("left_out", [])]
     return found
+
+
+def _on_the_way(data: Any) -> list[Any]:
+    """The force against the depth, and what friction took, where the document has them."""
+    parts: list[Any] = []
+    curve = data.get("force_depth")
+    if curve:
+        depth, force = [0.0, *(row[0] for row in curve)], [0.0, *(row[1] for row in curve)]
+        parts.append(
+            chart(
+                "Force of the press at each depth asked for.",
+                f"{number(force[-1], 'N').text} at {number(depth[-1], 'mm').text}.",
+                "depth, mm",
+                "force, N",
+                [line("force of the press", depth, force)],
+            )
+        )
+    rubbing = data.get("rubbing")
+    if rubbing:
+        rows = [
+            ("work of the press", number(rubbing["work_J"], "J")),
+            ("rubbed away on the mold", number(rubbing["rubbed_J"], "J")),
+            ("taken by the blank holder", number(rubbing["drawn_J"], "J")),
+            ("unaccounted for, relative", number(rubbing["balance_relative"])),
+            ("nodes that slide", number(rubbing["sliding_nodes"])),
+            ("nodes that stick", number(rubbing["sticking_nodes"])),
+        ]
+        if data.get("friction"):
+            rows.insert(0, ("coefficient of friction", number(data["friction"])))
+        for edge, way in (data.get("draw_in_mm") or {}).items():
+            rows.append((f"edge {edge} drawn in", number(way, "mm")))
+        parts.append(facts("Friction on the way there", rows))
+    return parts
 
 
 def _verdict(data: Any) -> tuple[bool | None, str]:
