@@ -112,8 +112,8 @@ class Relaxation(_Section):
 class Variation(_Section):
     """How the foam's thickness varies over the male's plan, as shares of it.
 
-    Thickness times ``1 + x u + y v + xx u^2 + xy u v + yy v^2 + xxx u^3 + ...``: u and v are the drawing's coordinates across the
-    closing axis, from the middle of the male's plan (0) to its ends (-1 and 1).
+    Thickness times ``1 + x u + y v + xx u^2 + xy u v + yy v^2 + xxx u^3 + ...``: u and v are the drawing's
+    coordinates across the closing axis, from the middle of the male's plan (0) to its ends (-1 and 1).
     """
 
     x: float = 0.0
