@@ -64,6 +64,15 @@ def answers(sheet: Sheet, mold: Mold, found: Equilibrium) -> Answers:
     cosine = (side_x * side_y).sum(2) / np.maximum(
         np.linalg.norm(side_x, axis=2) * np.linalg.norm(side_y, axis=2), 1e-300
     )
+    # Where springs are laid over an edge the chords cut it off: the area is that of the sides as they run.
+    folded = np.zeros(area.shape, np.bool_)
+    for i, j, d, _ in found.bent:
+        beside = (
+            np.s_[i : i + 1, max(j - 1, 0) : j + 1] if d == 0 else np.s_[max(i - 1, 0) : i + 1, j : j + 1]
+        )
+        folded[beside] = True
+    sides = 0.25 * (along[:, :-1] + along[:, 1:]) * (across[:-1] + across[1:])
+    area = np.where(folded, sides * np.sqrt(np.maximum(1.0 - cosine**2, 0.0)), area)
     cell_slack = slack_warp[:, :-1] | slack_warp[:, 1:] | slack_weft[:-1] | slack_weft[1:]
     touching = (found.state.contact != FREE)[:, :, None]
     unbalanced = found.residual

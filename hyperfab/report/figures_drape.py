@@ -38,7 +38,7 @@ def drape_figure(
     FigureCanvasAgg(figure)
     heights = (1.0, 1.0) if force_depth is None else (1.7, 1.0)
     grid = figure.add_gridspec(2, 3, width_ratios=(1.7, 1.0, 1.0))
-    left = grid[:, 0].subgridspec(2, 1, height_ratios=heights)
+    left = grid[:, 0].subgridspec(2, 1, height_ratios=heights, hspace=0.05)
     scene = figure.add_subplot(left[:] if force_depth is None else left[0], projection="3d")
     if force_depth is not None:
         axes = figure.add_subplot(left[1])
@@ -55,9 +55,8 @@ def drape_figure(
         ScalarMappable(scale, "viridis"),
         ax=scene,
         label="larger nominal stress [MPa]",
-        location="bottom",
-        shrink=0.7,
-        pad=0.02,
+        shrink=0.6,
+        pad=0.12,
     )
     x, y = flat[:, :, 0], flat[:, :, 1]
     panels = (
@@ -113,7 +112,7 @@ def _net(scene: Any, points: Floats, field: Floats, scale: Normalize) -> None:
     scene.set_xlim(low[0], high[0])
     scene.set_ylim(low[1], high[1])
     scene.set_zlim(low[2], max(high[2], low[2] + 1e-9))
-    scene.set_box_aspect((span[0], span[1], max(span[2], 0.05 * span[0])), zoom=1.15)
+    scene.set_box_aspect((span[0], span[1], max(span[2], 0.05 * span[0])), zoom=1.1)
     scene.set_xlabel("x [mm]", fontsize=8)
     scene.set_ylabel("y [mm]", fontsize=8)
     scene.set_zlabel("z [mm]", fontsize=8)

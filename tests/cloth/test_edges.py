@@ -109,3 +109,11 @@ def test_the_forces_of_bent_springs_are_derivatives_of_the_energy_and_the_tangen
 def test_a_smooth_mold_bends_no_spring():
     mold = mold_of(ball(3), (0.0, 0.0, 20.0))
     assert len(mold.creases.corners) == 0
+
+
+def test_cells_folded_over_a_rim_are_as_thin_as_their_springs_say():
+    mold = mold_of(punch(128), (0.0, 0.0, 40.0))
+    sheet = Sheet(41, 41, (200.0, 200.0), 1.0, SOFT, SOFT)
+    fields = answers(sheet, mold, drape(sheet, mold))
+    product = 1.0 / (fields.cell_stretch_warp * fields.cell_stretch_weft)
+    assert (fields.cell_thickness < 1.02 / np.cos(np.radians(fields.cell_shear)) * product).all()
