@@ -129,6 +129,9 @@ class PressDocument(Document):
     clearance_to_set_mm: float | None = Field(
         default=None, description="clearance to set, cold and unloaded, before the press frame yields"
     )
+    clearance_drawn_mm: float | None = Field(
+        default=None, description="axial clearance at the datum as drawn; negative: drawn into each other"
+    )
     clearance_hot_mm: float = Field(description="axial clearance at the datum of the hot molds")
     datum_mm: Place = Field(description="the datum: closest pair along the axis, on the male, cold")
     zero: str = Field(description="whether the clearance was set cold or hot")

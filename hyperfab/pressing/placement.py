@@ -18,6 +18,8 @@ Ints = NDArray[np.int64]
 _PROBES = 1500
 #: Share of the probes that must see the female in front, and may see it behind.
 _AHEAD, _BEHIND = 0.15, 0.05
+#: Molds drawn deeper into each other than this, as a share of the lower one's height, are no closed tool.
+_MOST_OVERLAP = 0.75
 
 
 @dataclass(frozen=True)
@@ -31,7 +33,8 @@ class Clearance:
 def closing_frame(male: Surface, female: Surface, axis: str) -> PressFrame:
     """Return the frame in which the molds close along ``axis``, male below.
 
-    Both senses of the axis are tried. InputError where the molds do not close along it, naming the axis that fits.
+    Both senses of the axis are tried; molds that are drawn into each other are parted first. InputError where the
+    molds do not close along the axis, naming the axis that fits.
     """
     fits = [
         frame
@@ -48,6 +51,9 @@ def closing_frame(male: Surface, female: Surface, axis: str) -> PressFrame:
             f"the molds do not close along {axis}",
             remedy=f"they would along {' or '.join(others)}: use --axis {others[0]}",
         )
+    parted = _closing_when_parted(male, female, axis)
+    if parted is not None:
+        return parted
     raise InputError(
         f"the molds do not face each other along {axis}, nor along another axis",
         remedy="check that both STL files are in the coordinates of the closed tool and in the same unit",
@@ -96,6 +102,21 @@ def clearance(male: Mold, female: Mold) -> Clearance:
 def in_frame(surface: Surface, frame: PressFrame, side: int, smooth: bool = True) -> Mold:
     """Return a mold in the press frame; it is mounted on the face that is turned away from the other mold."""
     return mold(frame.inward(surface.vertices), surface.faces, side, smooth=smooth)
+
+
+def _closing_when_parted(male: Surface, female: Surface, axis: str) -> PressFrame | None:
+    """The frame in which molds that overlap as drawn close once the female is taken out; the shorter way counts."""
+    ways = []
+    for frame in (PressFrame(axis, 1), PressFrame(axis, -1)):
+        try:
+            gap = clearance(in_frame(male, frame, 1), in_frame(female, frame, -1)).gap
+        except InputError:
+            continue
+        height = min(float(np.ptp(one.vertices @ frame.direction)) for one in (male, female))
+        out = Surface(female.vertices + (1.0 - gap) * frame.direction, female.faces)
+        if -_MOST_OVERLAP * height < gap < 0.0 and _closes(male, out, frame):
+            ways.append((-gap, frame))
+    return min(ways, key=lambda way: way[0])[1] if ways else None
 
 
 def _closes(male: Surface, female: Surface, frame: PressFrame) -> bool:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from chapters.test_press_contact import FOAM, block, heat_document, press, solids
 
+from hyperfab.errors import InputError
 from hyperfab.io.stl_write import stl_bytes
 from hyperfab.io.vtu import unstructured
 from hyperfab.io.vtu_read import read_vtu
@@ -113,3 +114,29 @@ def test_poissons_ratio_of_a_mold_decides_how_an_uneven_heat_bends_it(tmp_path, 
         found.append(press(tmp_path, monkeypatch, gap="10mm", **heat)[1])
     assert found[0]["male"]["growth_strain"] == found[1]["male"]["growth_strain"]
     assert found[0]["gap_mean_mm"] != pytest.approx(found[1]["gap_mean_mm"], abs=1e-4)
+
+
+def test_molds_drawn_into_each_other_are_parted_and_that_is_said(shop, monkeypatch, capsys):
+    male, female = solids((24, 25))
+    _, plain = press(shop, monkeypatch, gap="3mm")
+    assert plain["clearance_drawn_mm"] == pytest.approx(3.0, abs=0.02)
+    for depth in (3.5, 20.0):
+        (shop / "low.stl").write_bytes(stl_bytes(female.vertices - [0.0, 0.0, depth], female.faces))
+        _, document = press(shop, monkeypatch, gap="3mm", female="low.stl")
+        overlap = depth - plain["clearance_drawn_mm"]
+        assert document["clearance_drawn_mm"] == pytest.approx(-overlap, abs=1e-4)
+        assert f"overlap by {overlap:.1f}" in capsys.readouterr().err
+        assert document["force_N"] == pytest.approx(plain["force_N"], rel=1e-4)
+    # The same mold twice is no tool, however far it is opened.
+    (shop / "twin.stl").write_bytes(stl_bytes(male.vertices, male.faces))
+    with pytest.raises(InputError, match="do not face each other"):
+        press(shop, monkeypatch, gap="3mm", female="twin.stl")
+
+
+def test_a_heap_of_facets_is_refused_by_name(shop, monkeypatch):
+    _, female = solids((24, 25))
+    apart = female.vertices[female.faces].reshape(-1, 3)
+    apart = apart + np.random.default_rng(3).normal(0.0, 1e-3, apart.shape)
+    (shop / "heap.stl").write_bytes(stl_bytes(apart, np.arange(len(apart)).reshape(-1, 3)))
+    with pytest.raises(InputError, match="do not hang together"):
+        press(shop, monkeypatch, gap="3mm", female="heap.stl")

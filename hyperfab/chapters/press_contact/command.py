@@ -24,6 +24,7 @@ from hyperfab.documents.press_terms import MOST_TILT_DEG
 from hyperfab.errors import UsageError
 from hyperfab.io.units import quantity
 from hyperfab.pressing.closing import Case, Closed, close_press
+from hyperfab.pressing.mold import PressFrame
 from hyperfab.pressing.placement import check_roles, in_frame
 from hyperfab.pressing.sandwich import Sandwich
 
@@ -112,6 +113,7 @@ def run(
             tilt=read.in_plan(way, turned),
         )
         closed = close_press(case)
+        _tell_overlap(job, closed, way)
         advance(0.6, "force over stroke")
         curve = _curve(closed, strokes)
         design = None if design_mm is None else design_of(closed, way, design_mm, growth[0].growth)
@@ -149,6 +151,17 @@ def _curve(closed: Closed, strokes: int) -> np.ndarray:
         here = closed.press.at(replace(closed.pose, opening=closed.first_touch - stroke))
         rows.append((stroke, here.closing_force, here.pressed_area, here.gap.min(), 1e-3 * here.energy))
     return np.array(rows)
+
+
+def _tell_overlap(job: Job, closed: Closed, way: PressFrame) -> None:
+    """Say where and how deep the molds are drawn into each other."""
+    depth = -closed.datum.gap
+    if depth > 0.0:
+        at = ", ".join(f"{value:.1f}" for value in way.outward(closed.datum.at))
+        job.console.warn(
+            f"as drawn the molds overlap by {depth:.3f} mm at ({at}) mm: they part when opened by that much, and "
+            "the clearance is counted from there"
+        )
 
 
 def _judge(job: Job, result: PressDocument, closed: Closed, min_spotted: float | None) -> int:

@@ -33,6 +33,8 @@ from hyperfab.surface import Surface, consistently_wound
 
 #: Aluminium 6061: mean coefficients of expansion from 20 degC to 100 and to 300 degC (ASM Handbook, volume 2).
 ALUMINIUM = ((100.0, 300.0), (23.6e-6, 25.2e-6))
+#: A surface of which more than this share of the edges is open is a heap of facets.
+_TORN = 0.8
 _REFERENCE_RANGE = (-50.0, 60.0)
 
 
@@ -206,6 +208,14 @@ def _read_mold(job: Job, name: str, stl_unit: str) -> _MoldFile:
         job.console.warn(f"{name}: {len(found.degenerate_facets)} facets without area were left out")
         if not len(faces):
             raise InputError("has no facet with an area", file=name, remedy="export the surface again")
+    edges = (3 * len(faces) + found.open_edges) // 2
+    if found.open_edges > _TORN * edges and len(faces) > 100:
+        raise InputError(
+            f"its facets do not hang together: {found.open_edges} of their edges join no other facet",
+            file=name,
+            facet=int(found.open_facets[0]) + 1,
+            remedy="export the surface with its corners merged, or weld it in a mesh editor",
+        )
     if not found.consistent:
         faces, turned = consistently_wound(vertices, faces)
         found = Surface(vertices, faces).soundness()

@@ -113,6 +113,7 @@ def document_of(told: Told) -> PressDocument:
         states=_state_areas(states, area, closed, molding),
         clearance_cold_mm=closed.clearance_cold,
         clearance_to_set_mm=_to_set(closed),
+        clearance_drawn_mm=closed.datum.gap,
         clearance_hot_mm=closed.clearance_hot,
         datum_mm=_place(frame, closed.datum.at),
         zero="hot" if closed.case.zero_hot else "cold",
