@@ -14,7 +14,7 @@ from hyperfab.chapters.job import Job
 from hyperfab.console import NEGATIVE_VERDICT
 from hyperfab.documents.base import parse_document
 from hyperfab.documents.material import MaterialDocument
-from hyperfab.errors import UsageError
+from hyperfab.errors import InputError, UsageError
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
 from hyperfab.io.units import quantity
@@ -27,6 +27,8 @@ from hyperfab.materials.registry import bind
 
 #: Work of a usual run, in refits, for the progress line.
 _REFITS = 60.0
+#: Rows needed beyond the model's own constants.
+_SPARE = 9
 
 
 def run(
@@ -56,6 +58,13 @@ def run(
             raise UsageError(f"--noise {noise}: must be more than zero")
     out.refuse_inputs(job.inputs)
     problem = pose(document, name, tests, fix, prior)
+    rows, free = sum(len(test.stress) for test in tests.tests), len(problem.own)
+    if rows < free + _SPARE:
+        raise InputError(
+            f"has too few rows ({rows}) to tell noise from a residual: the model has {free} constants of its own",
+            file=measured[0],
+            remedy=f"give {free + _SPARE} or more",
+        )
     _warn(job, document, tests)
     with job.console.progress("Closing the loop") as advance:
         count = 0

@@ -60,6 +60,7 @@ def run(
     level = stated(noise, tuple(_KINDS))
     recalled = recall(job, name, data, "press", parse)
     files = [read_press(job, file, decimal) for file in measured]
+    noise_level = noise_of(files, level)
     out.refuse_inputs(job.inputs)
     with job.console.progress("Closing the loop") as advance:
         advance(0.05, "the model")
@@ -77,7 +78,7 @@ def run(
         job,
         out,
         problem,
-        noise_of(files, level),
+        noise_level,
         domain="press",
         recalled=recalled,
         parse=parse,

@@ -57,6 +57,14 @@ def read_measured(job: Job, names: Sequence[str], decimal: str | None, thickness
             )
             continue
         found.tests += _curves(test, 1.0 / thickness if test.membrane and thickness else 1.0)
+    for one in found.tests:
+        if len(one.stress) > 1 and not np.any(np.diff(one.stress)):
+            raise InputError(
+                f"the stress is {one.stress[0]:g} in all {len(one.stress)} rows",
+                file=one.name.split(", ")[0],
+                column="stress",
+                remedy="export the reading of the load cell",
+            )
     if not found.tests:
         raise InputError(
             "has no test of a sheet", file=names[0], remedy="give uniaxial, shear or biaxial tests"

@@ -1,0 +1,173 @@
+"""``hf close-loop`` on press, contact and drape documents, as a user calls it; truths by other programs' formulas."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import jsonschema
+import numpy as np
+import pytest
+from conftest import Run
+from loop.generators import contact as discs
+from loop.generators import drape as nets
+from loop.generators import press as caps
+
+from hyperfab.documents.base import schema
+
+IDS = {
+    "press": {"tilt", "thermal-expansion", "foam-shrinkage", "foam-relaxation", "thickness-variation",
+              "frame-compliance"},
+    "contact": {"friction", "pretension", "thermal-softening", "rim-slip"},
+    "drape": {"friction", "shear-stiffness", "pretension", "gravity"},
+}  # fmt: skip
+
+
+def csv(path: Path, head: str, *columns: np.ndarray) -> None:
+    """Write a file of columns."""
+    np.savetxt(path, np.column_stack(columns), delimiter=",", header=head, comments="", fmt="%.8g")
+
+
+def closed(folder: Path, domain: str) -> dict[str, object]:
+    """Return ``loop.json``, checked for what every finding has."""
+    document = json.loads((folder / "loop.json").read_text())
+    jsonschema.validate(document, schema("loop"))
+    assert document["domain"] == domain
+    assert {one["id"] for one in document["candidates"]} == IDS[domain]
+    assert {"loop.csv", "loop.png", "loop.model.json"} <= set(document["files"])
+    assert all((folder / name).exists() for name in document["files"])
+    return document
+
+
+@pytest.fixture(scope="module")
+def press(tmp_path_factory: pytest.TempPathFactory, hf: Run) -> Path:
+    """A folder with a press document and its molds."""
+    folder = tmp_path_factory.mktemp("press")
+    for which in ("male", "female"):
+        (folder / f"{which}.stl").write_bytes(caps.stl(which, rings=30, around=60))
+    (folder / "foam.toml").write_text(caps.FOAM_TOML)
+    words = ["--male", "male.stl", "--female", "female.stl", "--foam", "foam.toml", "--gap", f"{caps.GAP}mm"]
+    done = hf("press-contact", *words, "-o", "press.json", cwd=folder)
+    assert done.returncode == 0, done.stderr.decode()
+    return folder
+
+
+def film(folder: Path, effects: tuple[str, ...]) -> None:
+    """Write pressures read in a press with effects nobody declares."""
+    random = np.random.default_rng(5)
+    read = caps.measure(caps.draw(random, effects), random, 1.0, "film")[0]
+    assert read.places is not None
+    csv(folder / "film.csv", "x [mm],y [mm],z [mm],pressure [MPa]", read.places, read.values)
+
+
+def test_tilt_of_a_press_is_found_and_the_extended_press_lacks_nothing(press: Path, hf: Run) -> None:
+    film(press, ("tilt",))
+    done = hf("close-loop", "press.json", "--measured", "film.csv", "-o", "loop.json", cwd=press)
+    assert done.returncode == 0, done.stderr.decode()
+    document = closed(press, "press")
+    named = {one["id"] for one in document["effects"]} | {
+        i for one in document["indistinguishable"] for i in one
+    }  # type: ignore[attr-defined]
+    assert "tilt" in named
+    assert document["error"]["after"]["rms"] < 1.2 * document["error"]["noise"]["rms"]  # type: ignore[index]
+    extended = json.loads((press / "loop.model.json").read_text())
+    assert extended["format"] == "hyperfab.press/1"
+    assert extended["effects"][0]["id"] == document["effects"][0]["id"]  # type: ignore[index]
+    words = str(document["model_command"]).split()
+    again = hf(*words[1:-1], "again.json", cwd=press)
+    assert again.returncode == 0, again.stderr.decode()
+    assert json.loads((press / "again.json").read_text())["force_N"] == extended["force_N"]
+    done = hf("close-loop", "loop.model.json", "--measured", "film.csv", "-o", "second.json", cwd=press)
+    assert json.loads((press / "second.json").read_text())["verdict"] == "noise", done.stderr.decode()
+
+
+def test_a_press_that_lacks_nothing_is_noise(press: Path, hf: Run) -> None:
+    film(press, ())
+    done = hf("close-loop", "press.json", "--measured", "film.csv", "-o", "-", cwd=press)
+    assert done.returncode == 0, done.stderr.decode()
+    assert json.loads(done.stdout)["verdict"] == "noise"
+
+
+@pytest.mark.parametrize(("change", "words"), [("gone", "no such file"), ("other", "has changed")])
+def test_a_model_whose_input_is_not_what_it_was_is_refused(
+    press: Path, hf: Run, change: str, words: str, tmp_path: Path
+) -> None:
+    film(press, ())
+    for path in press.iterdir():
+        (tmp_path / path.name).write_bytes(path.read_bytes())
+    foam = tmp_path / "foam.toml"
+    if change == "gone":
+        foam.unlink()
+    else:
+        foam.write_text(foam.read_text() + "# another\n")
+    done = hf("close-loop", "press.json", "--measured", "film.csv", "-o", "x.json", cwd=tmp_path)
+    assert done.returncode == 3
+    assert words in done.stderr.decode()
+    assert "foam.toml" in done.stderr.decode()
+
+
+def test_readings_beside_the_male_are_refused_with_the_place(press: Path, hf: Run) -> None:
+    far = np.array([[0.0, 0.0, 400.0]] * 20)
+    csv(press / "far.csv", "x [mm],y [mm],z [mm],pressure [MPa]", far, np.linspace(0.0, 0.1, 20))
+    done = hf("close-loop", "press.json", "--measured", "far.csv", "-o", "x.json", cwd=press)
+    assert done.returncode == 3
+    assert "off the molding surface" in done.stderr.decode()
+
+
+def test_noise_of_another_kind_is_a_usage_error(press: Path, hf: Run) -> None:
+    film(press, ())
+    done = hf(
+        "close-loop", "press.json", "--measured", "film.csv", "--noise", "2 N", "-o", "x.json", cwd=press
+    )
+    assert done.returncode == 2
+    done = hf(
+        "close-loop", "press.json", "--measured", "film.csv", "--noise", "2 K", "-o", "x.json", cwd=press
+    )
+    assert done.returncode == 2
+
+
+def test_pretension_of_a_punched_sheet_is_found(tmp_path: Path, hf: Run) -> None:
+    fabric = {"format": "hyperfab.material/1", "model": "yeoh-2", "thickness_mm": discs.THICK,
+              "parameters": {"C10_MPa": discs.C10, "C20_MPa": discs.C20}}  # fmt: skip
+    (tmp_path / "fabric.json").write_text(json.dumps(fabric))
+    words = [
+        "fabric.json",
+        "--sphere-radius",
+        "40mm",
+        "--depth",
+        "60mm",
+        "--steps",
+        "5",
+        "--mesh-size",
+        "12mm",
+    ]
+    done = hf("fabric-contact", *words, "-o", "contact.json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr.decode()
+    random = np.random.default_rng(3)
+    depth, force, _ = discs.measure(discs.draw(random, ("pretension",)), random, 2.0, "poor")[0]
+    csv(tmp_path / "punch.csv", "depth [mm],force [N]", depth, force)
+    done = hf("close-loop", "contact.json", "--measured", "punch.csv", "-o", "loop.json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr.decode()
+    document = closed(tmp_path, "contact")
+    assert [one["id"] for one in document["effects"]] == ["pretension"]  # type: ignore[attr-defined]
+    extended = json.loads((tmp_path / "loop.model.json").read_text())
+    assert extended["setup"]["prestretch"] > 1.005
+
+
+def test_weight_of_a_draped_sheet_is_found(tmp_path: Path, hf: Run) -> None:
+    (tmp_path / "ball.stl").write_bytes(nets.ball_stl(rings=40, around=80))
+    for way, modulus in (("warp", nets.WARP), ("weft", nets.WEFT)):
+        (tmp_path / f"{way}.csv").write_text(nets.thread_csv(modulus))
+    n, side = nets.NODES, nets.SIDE
+    words = ["--mold", "ball.stl", "--warp", "warp.csv", "--weft", "weft.csv", "--grid", f"{n}x{n}"]
+    words += ["--size", f"{side}mmx{side}mm", "--depth", f"{nets.DEPTH}mm", "--thickness", f"{nets.THICK}mm"]
+    done = hf("drape", *words, "-o", "drape.json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr.decode()
+    random = np.random.default_rng(7)
+    flat, found = nets.measure(nets.draw(random, ("gravity",)), random, 0.05, "rich")
+    csv(tmp_path / "markers.csv", "x0 [mm],y0 [mm],x [mm],y [mm],z [mm]", flat, found)
+    done = hf("close-loop", "drape.json", "--measured", "markers.csv", "-o", "loop.json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr.decode()
+    document = closed(tmp_path, "drape")
+    assert [one["id"] for one in document["effects"]] == ["gravity"]  # type: ignore[attr-defined]
+    assert json.loads((tmp_path / "loop.model.json").read_text())["mass_g_m2"] > 300.0
