@@ -1,12 +1,13 @@
-"""Conduction on ten-node tetrahedra: this program and NGSolve on the same mesh and the same backward-Euler steps.
+"""Conduction on ten-node tetrahedra: this program, NGSolve and CalculiX, same mesh and same backward-Euler steps.
 
-    python benchmarks/heat.py [--sizes 20,100,300] [--steps 100] [--ngsolve PYTHON]
+    python benchmarks/heat.py [--sizes 20,100,300] [--steps 100] [--peers PYTHON]
 
-NGSolve (PyPI: ngsolve) runs in the interpreter PYTHON, or in this one where it is installed; without it its rows
-are left out. It factorises with its sparse Cholesky solver, on one thread; with a film h(T) either anew in every
-Newton step or once ("frozen"). Where a peer needs more than a few seconds a step only the first steps are run, and
-the total is the first step plus so many times the mean of the others: marked ~. Each run is a process of its own;
-times are its CPU seconds.
+NGSolve (PyPI: ngsolve) runs in the interpreter PYTHON, or in this one where it is installed: its sparse Cholesky
+solver on one thread; with a film h(T) it factorises either anew in every Newton step or once ("frozen"). CalculiX is
+the program ccx (Debian: calculix-ccx), run at the smallest size and with a constant film, as a film h(T) needs a
+compiled routine there. Rows of what is not installed are left out. Where a peer needs more than a few seconds a
+step only the first steps are run, and the total is the first step plus so many times the mean of the others: marked
+~. Each run is a process of its own; times are its CPU seconds.
 """
 
 from __future__ import annotations
@@ -32,7 +33,16 @@ HERE = Path(__file__).parent / "heat_peers"
 EDGES = {20: 17.0, 100: 10.4, 300: 7.4}
 
 #: NGSolve's Newton factorises in every step: as many steps as fit into a coffee break.
-SHORT = {("newton", 20): 10, ("newton", 100): 2, ("frozen", 100): 10, ("frozen", 300): 4, ("linear", 300): 10}
+SHORT = {
+    ("newton", 20): 10,
+    ("newton", 100): 2,
+    ("newton", 300): 1,
+    ("frozen", 100): 10,
+    ("frozen", 300): 4,
+    ("linear", 300): 10,
+}
+#: CalculiX runs so many steps, at this size [thousands of unknowns].
+CALCULIX = {20: 5}
 
 
 def main() -> None:
@@ -42,7 +52,7 @@ def main() -> None:
     )
     parser.add_argument("--sizes", default="20", help="thousands of unknowns, of 20, 100, 300")
     parser.add_argument("--steps", type=int, default=100)
-    parser.add_argument("--ngsolve", default=sys.executable, help="interpreter that has NGSolve")
+    parser.add_argument("--peers", default=sys.executable, help="interpreter that has NGSolve")
     options = parser.parse_args()
     print(f"{options.steps} backward-Euler steps of 30 s; CPU seconds, one thread")
     print(
@@ -52,7 +62,7 @@ def main() -> None:
         for size in (int(text) for text in options.sizes.split(",")):
             mesh = Path(folder) / f"{size}.npz"
             unknowns = write_mesh(mesh, EDGES[size])
-            compare(mesh, size, unknowns, options.steps, options.ngsolve)
+            compare(mesh, size, unknowns, options.steps, options.peers)
 
 
 def compare(mesh: Path, size: int, unknowns: int, steps: int, ngsolve: str) -> None:
@@ -62,17 +72,26 @@ def compare(mesh: Path, size: int, unknowns: int, steps: int, ngsolve: str) -> N
         assert ours is not None
         show(unknowns, film, "hyperfab", ours, steps, steps, 0.0)
         for mode in modes:
-            few = min(SHORT.get((mode, size), steps), steps)
-            if mode == "newton" and size == 300:
-                continue
-            theirs = run(ngsolve, "with_ngsolve.py", mesh, mode, few)
-            if theirs is None:
-                continue
-            same = ours if few == steps else run(sys.executable, "ours.py", mesh, mode, few)
-            assert same is not None
-            difference = float(np.abs(np.array(same["at"]) - np.array(theirs["at"])).max())
             label = "NGSolve" if mode == "linear" else f"NGSolve {mode}"
-            show(unknowns, film, label, theirs, few, steps, difference)
+            few = min(SHORT.get((mode, size), steps), steps)
+            beside(mesh, unknowns, film, ours, (ngsolve, "with_ngsolve.py", mode, label), few, steps)
+        if film == "linear" and size in CALCULIX:
+            peer = (sys.executable, "with_calculix.py", "linear", "CalculiX")
+            beside(mesh, unknowns, film, ours, peer, min(CALCULIX[size], steps), steps)
+
+
+def beside(
+    mesh: Path, unknowns: int, film: str, ours: dict, peer: tuple[str, str, str, str], few: int, steps: int
+) -> None:
+    """Run a peer (interpreter, script, mode, label) for ``few`` steps and print its row."""
+    python, script, mode, label = peer
+    theirs = run(python, script, mesh, mode, few)
+    if theirs is None:
+        return
+    same = ours if few == steps else run(sys.executable, "ours.py", mesh, mode, few)
+    assert same is not None
+    difference = float(np.abs(np.array(same["at"]) - np.array(theirs["at"])).max())
+    show(unknowns, film, label, theirs, few, steps, difference)
 
 
 def show(unknowns: int, film: str, label: str, result: dict, ran: int, steps: int, difference: float) -> None:
