@@ -23,6 +23,8 @@ class Energy:
         self.springs: Ints = np.zeros((0, 4), np.int64)  # laid over edges at the last place
         self.ways: Floats = np.zeros((0, 13))
         self.push: Floats = np.zeros(3)  # N, of the edges on the sheet
+        corners = mold.creases.corners
+        self.highest = float(corners[:, :, 2].max()) if len(corners) else -np.inf  # of the sharp edges, mm
         self.straight = np.zeros((sheet.n, sheet.m, 2), np.bool_)  # springs not to be laid over edges
 
     def leave_corners(self, x: Floats) -> bool:
@@ -47,10 +49,13 @@ class Energy:
     def forces(self, x: Floats, clear: Floats, f: Floats) -> tuple[float, float]:
         """Forces on the nodes at x into ``f``; (energy N mm, largest spring force N)."""
         energy, largest = forces(x, self.net, f)
-        if not len(self.mold.creases.corners):
+        self.push = np.zeros(3)
+        if x[:, :, 2].min() > self.highest:  # no spring reaches down to a sharp edge
+            self.springs, self.ways = self.springs[:0], self.ways[:0]
             return energy, largest
         self._lay(x, clear)
-        self.push = np.zeros(3)
+        if not len(self.springs):
+            return energy, largest
         change, bent = bend_forces(x, self.net, self.springs, self.ways, f, self.push)
         return energy + change, max(largest, bent)
 
@@ -72,7 +77,8 @@ class Energy:
     def hinges(self) -> Ints:
         """(n, m, 2) bent springs of each node as ``hinge_nodes`` numbers them."""
         found = np.zeros((*self.net.weight.shape, 2) if len(self.springs) else (0, 0, 2), np.int64)
-        hinge_nodes(self.springs, found)
+        if len(self.springs):
+            hinge_nodes(self.springs, found)
         return found
 
     def tangent(self, x: Floats, floor: float, out: Tangent) -> None:
@@ -80,4 +86,7 @@ class Energy:
         stiffness(x, self.net, floor, *out.blocks)
         out.extra[:] = 0.0
         out.springs, out.coupling = self.springs, np.empty((len(self.springs), 9))
-        bend_stiffness(self.net, self.springs, self.ways, floor, out.warp, out.weft, out.extra, out.coupling)
+        if len(self.springs):
+            bend_stiffness(
+                self.net, self.springs, self.ways, floor, out.warp, out.weft, out.extra, out.coupling
+            )

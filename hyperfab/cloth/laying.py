@@ -104,7 +104,7 @@ def _crossed(creases: Creases, c: int, p: Floats, q: Floats, g: Floats, h: Float
     end = 0 if s < 0.5 * length else 1
     span = (q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2 + (q[2] - p[2]) ** 2
     if min(s, length - s) ** 2 <= span:
-        shortest, best = np.inf, -1
+        shortest, best = np.inf, c
         for tries in range(6):
             other = c
             if tries > 0:
@@ -120,7 +120,7 @@ def _crossed(creases: Creases, c: int, p: Floats, q: Floats, g: Floats, h: Float
                 way = _distance(p, g) + _distance(g, q)
                 if way < shortest:
                     shortest, best = way, other
-        if best >= 0:
+        if shortest < np.inf:
             at, _ = _on(creases, best, p, q, h)
             _place(creases, best, at, h, g)
             return best
@@ -170,7 +170,7 @@ def find_bends(
                 len2 = (q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2 + (q[2] - p[2]) ** 2
                 if (clear[i, j] + clear[k, l]) ** 2 > len2 or straight[i, j, d] or len2 == 0.0:
                     continue
-                t, c = 0.5, -1
+                t, c = 0.5, np.int64(-1)  # a literal would make what takes it compile twice
                 for _ in range(3):
                     ex, ey, ez, c, _f = bvh.nearest_one(
                         p[0] + t * (q[0] - p[0]),

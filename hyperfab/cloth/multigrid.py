@@ -219,7 +219,8 @@ class Multigrid:
         top = self.levels[0]
         top.q[:] = q
         assemble(*blocks, extra, q, top.diag, top.off)
-        assemble_bent(springs, coupling, q, top.off)
+        if len(springs):
+            assemble_bent(springs, coupling, q, top.off)
         invert(top.diag, top.q, top.inverse)
         for fine, coarse in zip(self.levels, self.levels[1:], strict=False):
             n, m = fine.q.shape[:2]
