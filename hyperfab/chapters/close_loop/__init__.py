@@ -36,8 +36,8 @@ def run(
     kind, data = kind_of(job, model)
     if kind not in BUILT:
         raise UsageError(
-            f"close-loop does not take a {kind} model yet ({model}); it takes a material document of hf fit or a "
-            "mold.toml"
+            f"close-loop does not take a {kind} document as a model ({model}); it takes a material, contact, drape "
+            "or press document, or a mold.toml"
         )
     more: dict[str, object] = {"parse": parse} if kind in MADE_BY else {}
     chapter = importlib.import_module(f"hyperfab.chapters.close_loop.{BUILT[kind]}")
@@ -49,9 +49,19 @@ def run(
         hold_out=hold_out,
         noise=noise,
         fix=fix,
-        prior=None if prior is None else quantity(prior, "dimensionless", option="--prior"),
+        prior=None if prior is None else _share(prior),
         decimal=decimal,
         output=output,
         **more,
     )
     return status
+
+
+def _share(prior: str) -> float:
+    """Return the relative standard deviation of the model's own constants."""
+    share = quantity(prior, "dimensionless", option="--prior")
+    if not 0.0 < share <= 1.0:
+        raise UsageError(
+            f"--prior {prior}: is {share:.4g} of the value; give more than 0 and at most 100%, as 10%"
+        )
+    return share

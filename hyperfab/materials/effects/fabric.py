@@ -50,6 +50,7 @@ class Fabric:
         alike. An effect that is not among ``terms`` leaves no trace: the result is bit for bit that of the law.
         """
         path = self.path
+        terms = {name: term for name, term in terms.items() if not _absent(name, *term)}
         stretch, place = self._stretch(terms)
         with np.errstate(all="ignore"):
             stress, energy = self._elastic(warp, weft, terms, stretch, place)
@@ -73,7 +74,7 @@ class Fabric:
     def across(self, terms: Terms) -> Array:
         """Return the transverse stretch of uniaxial rows; the other rows are without meaning."""
         stretch, _ = self._stretch(terms)
-        if "compressibility" not in terms:
+        if "compressibility" not in terms or _absent("compressibility", *terms["compressibility"]):
             return np.asarray(stretch**-0.5)
         nu, bend = self._contraction(terms["compressibility"])
         return compressibility.across(stretch, nu, bend)
@@ -262,6 +263,17 @@ class Fabric:
             return load_offset.shifted(stress, values[0] + load_offset.settling(time, values[1], values[2]))
         drifts = form == "drift"
         return load_offset.shifted(stress, values[0], time if drifts else None, values[1] if drifts else 0.0)
+
+
+def _absent(name: str, form: str, values: Array) -> bool:
+    """Whether a term stands at a null that would leave rounding behind; the law is then to be itself to the bit."""
+    if name == "elastic-law":
+        linear = [v for v, key in zip(values, elastic_law.FORMS[form], strict=False) if key.endswith("_MPa")]
+        return not np.any(linear)
+    if name == "compressibility":
+        bent = form.endswith("bent")
+        return bool(np.all(values[: len(values) - bent] == 0.5) and not (bent and values[-1]))
+    return name == "hysteresis" and form == "bent" and values[0] == 0.0
 
 
 def _energy(term: Term, sheet: Sheet) -> Array:

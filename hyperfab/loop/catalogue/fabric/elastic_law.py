@@ -21,8 +21,8 @@ def entry(scene: Scene) -> Effect:
     square, cube, log, fourth = free
     toe = (
         Constant("D_MPa", 0.0, scale=0.1 * size),
-        Constant("at", 0.3 * far, 0.0, 1.5 * far, 0.2 * far),
-        Constant("width", 0.1 * far, 0.01 * far, far, 0.1 * far),
+        Constant("at", 0.3 * far, 0.12 * far, 1.5 * far, 0.2 * far),
+        Constant("width", 0.1 * far, 0.04 * far, far, 0.1 * far),
     )
     forms = []
     if not set(scene.law.linear) >= _ALL:
