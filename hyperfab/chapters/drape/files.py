@@ -10,7 +10,6 @@ from hyperfab.cloth.friction import SLIDES, STARTS, STICKS
 from hyperfab.cloth.mold import FREE
 from hyperfab.io import vtu
 from hyperfab.io.output import Output
-from hyperfab.report.figures_drape import drape_figure
 
 CSV_HEADER = (
     "nodes_x,nodes_y,iteration,energy_J,residual_relative,contact_nodes,step,inner_iterations,"
@@ -80,6 +79,8 @@ def history(states: list[State]) -> bytes:
 
 def picture(sheet: Sheet, states: list[State]) -> bytes:
     """The draped sheet, and on the flat sheet its stresses, thickness, contact and slack."""
+    from hyperfab.report.figures_drape import drape_figure  # matplotlib takes a fifth of the command's start
+
     found, fields = states[-1].found, states[-1].fields
     return drape_figure(
         found.state.x,
