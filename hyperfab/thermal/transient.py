@@ -102,7 +102,7 @@ def run(
         last = last and rejected == 0
         history.rejected += rejected
         following = length * _factor(step.error, schedule.tolerance)
-        step, event, hit_target = _stop_at_event(
+        step, events, hit_target = _stop_at_event(
             model, state, step, target, history.reached is None, thermostats
         )
         if last and stop is not None and abs(step.state.time - stop) <= EVENT_TIME * stop:
@@ -116,9 +116,10 @@ def run(
             history.reached = len(history.states) - 1
             if end is None:
                 break
-        jump = event is not None or (stop is not None and state.time == stop)
-        if event is not None:
+        jump = bool(events) or (stop is not None and state.time == stop)
+        for event in events:
             event.switch()
+        if events:
             history.switches.append(state.time)
         if jump:
             history.jumps.append(len(history.states) - 1)
@@ -211,9 +212,9 @@ def _stop_at_event(
     target: Target | None,
     waiting: bool,
     thermostats: Sequence[Thermostat],
-) -> tuple[Step, Thermostat | None, bool]:
-    """Shorten the step to the first event inside it: a thermostat that switches, or the target reached."""
-    event: Thermostat | None = None
+) -> tuple[Step, list[Thermostat], bool]:
+    """Shorten the step to the first event inside it: thermostats that switch, or the target reached."""
+    due = False
     hit = False
     if target is not None and waiting:
         wanted = target
@@ -228,8 +229,10 @@ def _stop_at_event(
         if thermostat.excess(step.state.temperature) >= 0.0 > thermostat.excess(start.temperature):
             shorter = _shorten(model, start, step, thermostat.excess)
             hit = hit and shorter.state.time >= step.state.time
-            step, event = shorter, thermostat
-    return step, event, hit
+            step, due = shorter, True
+    # Heaters that ask the same probe switch together.
+    now = step.state.temperature
+    return step, [t for t in thermostats if due and t.excess(now) >= -EVENT_TEMPERATURE], hit
 
 
 def _shorten(model: HeatModel, start: State, step: Step, excess: Callable[[Array], float]) -> Step:

@@ -183,6 +183,18 @@ def test_thermostat_keeps_its_band(tmp_path):
     assert document["energy"]["imbalance_relative"] < 1e-12
 
 
+def test_zones_that_ask_one_probe_switch_together(tmp_path):
+    control = 'control = { probe = "centre", set = "60 degC", band = "4 K" }\n'
+    left = HEATER.replace("plate.z-", "plate.x-").replace("400 W", "200 W") + control
+    text = (HEAD + left + left.replace("x-", "x+") + FILM + PROBE + RUN).replace('"12 W', '"60 W')
+    _, two, _ = heat(tmp_path, text)
+    assert len(two["switches_s"]) >= 2
+    first, second = (two["energy"]["by_condition_J"][f"heater plate.x{way}"] for way in "-+")
+    assert first == pytest.approx(second, rel=1e-9)
+    assert two["probes"]["centre"]["max_degC"] < 66.0
+    assert two["energy"]["imbalance_relative"] < 1e-12
+
+
 def test_a_run_starts_from_an_earlier_one(plate, tmp_path):
     folder, before = plate
     for name in ("heat.json", "heat.vtu"):
