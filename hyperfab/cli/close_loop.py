@@ -14,7 +14,10 @@ SHORT_HELP = "What the model lacks, found in measured data"
 def close_loop(
     context: typer.Context,
     model: Annotated[
-        str, typer.Argument(metavar="MODEL", help="Material document of hf fit, a mold.toml, or -.")
+        str,
+        typer.Argument(
+            metavar="MODEL", help="A material, contact, drape or press document, a mold.toml, or -."
+        ),
     ],
     measured: Annotated[
         list[str], typer.Option(metavar="CSV", help="Measured data; repeat for more files.")
@@ -29,7 +32,7 @@ def close_loop(
         str | None,
         typer.Option(
             metavar="SIZE",
-            help="Standard deviation of a reading, as 0.002MPa; estimated where not given.",
+            help="Standard deviation of a reading, as 0.002MPa, 0.5N or 0.2mm; estimated where not given.",
         ),
     ] = None,
     fix: Annotated[list[str], typer.Option(metavar="KEY", help="Hold a constant of the model.")] = [],

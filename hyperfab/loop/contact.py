@@ -112,11 +112,12 @@ class ContactProblem(Problem):
                 temperature[::2] += warmer
             test = ForceDepth(text, depth, np.zeros(len(depth)), temperature)
             found.append(
-                Extra(text, {"depth_mm": [float(depth[0]), float(depth[-1])]}, self._with(test, finer))
+                Extra(text, {"depth_mm": [float(depth[0]), float(depth[-1])]}, self.with_test(test, finer))
             )
         return found
 
-    def _with(self, test: ForceDepth, scale: float) -> Problem:
+    def with_test(self, test: ForceDepth, scale: float = 1.0) -> ContactProblem:
+        """Return the problem with a further test at its end, its rows times ``scale``."""
         rows, size = len(self.measured), len(test.depth)
         return replace(
             self,

@@ -84,10 +84,11 @@ class DrapeProblem(Problem):
             ("markers between the clamp and the mold, where the sheet hangs free", far > 0.6),
             ("markers on the top of the mold", far < 0.45),
         ]
-        return [Extra(text, {"markers": int(np.sum(rows))}, self._with(text, np.stack([x, y], axis=1)[rows]))
+        return [Extra(text, {"markers": int(np.sum(rows))}, self.with_markers(text, np.stack([x, y], axis=1)[rows]))
                 for text, rows in menu]  # fmt: skip
 
-    def _with(self, text: str, flat: Array) -> Problem:
+    def with_markers(self, text: str, flat: Array) -> DrapeProblem:
+        """Return the problem with further markers at its end."""
         rows, size = len(self.measured), 3 * len(flat)
         base, weights = at_markers(self.draped, flat)
         return replace(

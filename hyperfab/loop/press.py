@@ -256,7 +256,7 @@ class PressProblem(Problem):
             )  # fmt: skip
             # The engine takes new rows to be as loud as the old ones: they are scaled to be.
             loud = {"thickness": 0.02, "contact": 0.3}.get(kind) or share * max(self._largest(kind), 1e-9)
-            found.append(Extra(text, {"reading": kind}, self._with(reading, 0.03 * first / loud)))
+            found.append(Extra(text, {"reading": kind}, self.with_reading(reading, 0.03 * first / loud)))
         return found
 
     def _largest(self, kind: str) -> float:
@@ -265,7 +265,8 @@ class PressProblem(Problem):
             return float(max(same))
         return self.largest_force if kind == "force" else float(self.places.law.stress(0.5))
 
-    def _with(self, reading: Reading, scale: float) -> Problem:
+    def with_reading(self, reading: Reading, scale: float = 1.0) -> PressProblem:
+        """Return the problem with a further reading at its end, its rows times ``scale``."""
         rows, size = len(self.measured), len(reading.values)
         return replace(
             self,

@@ -126,6 +126,17 @@ def test_noise_of_another_kind_is_a_usage_error(press: Path, hf: Run) -> None:
     assert done.returncode == 2
 
 
+def test_readings_held_out_are_predicted(press: Path, hf: Run) -> None:
+    film(press, ())
+    words = ["--measured", "film.csv", "--hold-out", "film.csv", "--fix", "foam.compression", "-o", "-"]
+    done = hf("close-loop", "press.json", *words, cwd=press)
+    assert done.returncode == 0, done.stderr.decode()
+    document = json.loads(done.stdout)
+    assert document["held_out"]["source"] == "the files of --hold-out"
+    assert document["held_out"]["after"]["rms"] < 1.3 * document["error"]["noise"]["rms"]
+    assert document["constants"]["refitted"]["foam.compression"] == 1.0
+
+
 def test_pretension_of_a_punched_sheet_is_found(tmp_path: Path, hf: Run) -> None:
     fabric = {"format": "hyperfab.material/1", "model": "yeoh-2", "thickness_mm": discs.THICK,
               "parameters": {"C10_MPa": discs.C10, "C20_MPa": discs.C20}}  # fmt: skip

@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from hyperfab.chapters.close_loop.describe import describe, say
+from hyperfab.chapters.close_loop.describe import describe, errors_of, say
 from hyperfab.chapters.close_loop.recall import Parse, Recalled
 from hyperfab.chapters.close_loop.rerun import rerun
 from hyperfab.chapters.job import Job
 from hyperfab.console import NEGATIVE_VERDICT
-from hyperfab.documents.loop import LoopDocument
+from hyperfab.documents.loop import Errors, LoopDocument
 from hyperfab.documents.provenance import relative_name
 from hyperfab.errors import HyperfabError, UsageError
 from hyperfab.io.csv_table import Table
@@ -83,6 +83,7 @@ def finish(
     axis: Callable[[Problem], Axis],
     extend: Callable[[Finding], Extension],
     rounds: Callable[[Problem, Finding], Problem | None] = lambda problem, found: None,
+    apart: Callable[[Problem], tuple[Problem, Array]] | None = None,
     left_out: Mapping[str, int] | None = None,
     warnings: Sequence[str] = (),
     progress: tuple[Any, float] | None = None,
@@ -90,7 +91,8 @@ def finish(
     """Close the loop, write the finding and the extended model; return the exit status.
 
     ``noise`` estimates the noise, from the readings less what a model predicts. ``rounds`` returns the problem posed
-    anew around a finding (a better linearisation), or None where it is good.
+    anew around a finding (a better linearisation), or None where it is good. ``apart`` returns the problem with the
+    rows of readings that take no part at its end, and these readings.
     """
     for text in warnings:
         job.console.warn(text)
@@ -105,6 +107,8 @@ def finish(
 
         problem, found = close_rounds(problem, noise, rounds, tick)
         result = describe(problem, found, problem.units[0], left_out or {}, told, domain=domain)
+        if apart is not None:
+            result.held_out = _predicted(apart(problem), found, problem.units[0])
         if out.wants_files:
             tick("the extended model")
             _model(job, out, extend(found), result, recalled, parse)
@@ -112,6 +116,18 @@ def finish(
     say(job.console, result)
     job.write(out, result)
     return NEGATIVE_VERDICT if found.verdict == "unexplained" else 0
+
+
+def _predicted(wider: tuple[Problem, Array], found: Finding, unit: str) -> Errors:
+    """Return the error on readings that were set apart, before and after."""
+    problem, values = wider
+    before, after = (
+        problem.predict(fit.x[: fit.own], fit.terms)[-len(values) :]
+        for fit in (found.before.fit, found.after.fit)
+    )
+    first = found.noise.sd[: len(found.before.fit.predicted)][:1]
+    sd = np.full(len(values), float(first[0]))
+    return errors_of(values, before, after, sd, unit, None, "the files of --hold-out")
 
 
 def close_rounds(

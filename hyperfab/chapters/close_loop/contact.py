@@ -60,13 +60,11 @@ def run(
 ) -> int:
     """Close the loop on a contact document."""
     out = job.opened(output, (*MODEL_SUFFIXES, FABRIC, ".png", ".csv"))
-    if any(file != "auto" for file in hold_out):
-        raise UsageError(
-            "--hold-out takes only auto here: each part of the curve is predicted from the others"
-        )
     level = stated(noise, ("force",))
     recalled = recall(job, name, data, "contact", parse)
     files = [read_force_depth(job, file, decimal) for file in measured]
+    held = [file for file in hold_out if file != "auto"]
+    apart = [read_force_depth(job, file, decimal)[0] for file in held]
     if sum(len(one.depth) for one, _ in files) < _LEAST:
         raise InputError(
             "has too few readings to tell noise from a residual",
@@ -85,7 +83,7 @@ def run(
             [one for one, _ in files],
             lambda s: advance(0.3 * s, "forward runs"),
         )
-    check_unchanged(job, recalled, name, measured)
+    check_unchanged(job, recalled, name, [*measured, *held])
     forward = Forward(recalled, material)
     at = recalled.options.get("temperature")
     problem = pose(
@@ -103,8 +101,16 @@ def run(
         axis=lambda p: Axis(p.states["depth_mm"], "depth [mm]"),
         extend=lambda found: extend(out, recalled, material, problem, found, document),
         rounds=forward.corrected,
-        left_out={},
+        apart=(lambda p: _widened(p, apart)) if apart else None,
     )
+
+
+def _widened(problem: Problem, apart: Sequence[ForceDepth]) -> tuple[Problem, Array]:
+    """Return the problem with files that take no part at its end, and their forces."""
+    for one in apart:
+        assert isinstance(problem, ContactProblem)
+        problem = problem.with_test(one)
+    return problem, np.concatenate([one.force for one in apart])
 
 
 def read_force_depth(job: Job, name: str, decimal: str | None) -> tuple[ForceDepth, Array | None]:

@@ -56,13 +56,11 @@ def run(
 ) -> int:
     """Close the loop on a drape document."""
     out = job.opened(output, (*MODEL_SUFFIXES, ".model.pvd", FABRIC, ".png", ".csv"))
-    if any(file != "auto" for file in hold_out):
-        raise UsageError(
-            "--hold-out takes only auto here: each patch of markers is predicted from the others"
-        )
     level = stated(noise, ("length",))
     recalled = recall(job, name, data, "drape", parse)
     files = [read_markers(job, file, decimal) for file in measured]
+    held = [file for file in hold_out if file != "auto"]
+    apart = [read_markers(job, file, decimal)[0] for file in held]
     if sum(len(one.flat) for one, _ in files) < _LEAST:
         raise InputError(
             "has too few markers to tell noise from a residual",
@@ -74,8 +72,8 @@ def run(
     forward = Forward(recalled, material)
     for file in forward.read:
         job.inputs.read(file)
-    check_unchanged(job, recalled, name, measured)
-    _check_places(forward.sheet, [one for one, _ in files])
+    check_unchanged(job, recalled, name, [*measured, *held])
+    _check_places(forward.sheet, [*(one for one, _ in files), *apart])
     with job.console.progress("Closing the loop") as advance:
         draped = pose_sheet(forward, lambda share: advance(0.3 * share, "forward runs"))
     problem = pose(draped, [one for one, _ in files], PRIOR if prior is None else prior, fix)
@@ -90,7 +88,16 @@ def run(
         axis=lambda p: Axis(p.states["from the middle_mm"], "from the middle [mm]"),
         extend=lambda found: extend(out, recalled, material, forward.effects, problem, found),
         rounds=forward.corrected,
+        apart=(lambda p: _widened(p, apart)) if apart else None,
     )
+
+
+def _widened(problem: Problem, apart: Sequence[Markers]) -> tuple[Problem, Array]:
+    """Return the problem with files that take no part at its end, and where their markers are."""
+    for one in apart:
+        assert isinstance(problem, DrapeProblem)
+        problem = problem.with_markers(one.name, one.flat)
+    return problem, np.concatenate([one.found.T.ravel() for one in apart])
 
 
 def read_markers(job: Job, name: str, decimal: str | None) -> tuple[Markers, Array | None]:

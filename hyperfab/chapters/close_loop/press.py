@@ -53,13 +53,15 @@ def run(
 ) -> int:
     """Close the loop on a press document."""
     out = job.opened(output, (*MODEL_SUFFIXES, FOAM, ".model.foam.csv", ".png", ".csv"))
-    if any(file != "auto" for file in hold_out):
-        raise UsageError(
-            "--hold-out takes only auto for a press: each patch of readings is predicted from the others"
-        )
     level = stated(noise, tuple(_KINDS))
     recalled = recall(job, name, data, "press", parse)
     files = [read_press(job, file, decimal) for file in measured]
+    held = [file for file in hold_out if file != "auto"]
+    apart = [read_press(job, file, decimal)[0] for file in held]
+    if any(one.kind != files[0][0].kind for one in apart):
+        raise UsageError(
+            f"--hold-out takes readings of the first --measured file's kind here: {files[0][0].kind}"
+        )
     noise_level = noise_of(files, level)
     out.refuse_inputs(job.inputs)
     with job.console.progress("Closing the loop") as advance:
@@ -69,11 +71,11 @@ def run(
         )
         for file in made.read.files:
             job.inputs.read(file.name)
-        check_unchanged(job, recalled, name, measured)
+        check_unchanged(job, recalled, name, [*measured, *held])
         told = made.kept[-1]
         assert isinstance(told, Told)
         advance(0.15, "gaps over the stroke")
-        problem = pose(told, files, PRIOR if prior is None else prior, fix)
+        problem, others = pose_with(told, files, PRIOR if prior is None else prior, fix, apart)
     return finish(
         job,
         out,
@@ -84,8 +86,17 @@ def run(
         parse=parse,
         axis=_axis,
         extend=lambda found: extend(job, out, recalled, told, problem, found),
+        apart=(lambda p: _widened(p, others)) if others else None,
         warnings=made.warnings,
     )
+
+
+def _widened(problem: Problem, apart: Sequence[Reading]) -> tuple[Problem, Array]:
+    """Return the problem with files that take no part at its end, and what was read."""
+    for one in apart:
+        assert isinstance(problem, PressProblem)
+        problem = problem.with_reading(one)
+    return problem, np.concatenate([one.values for one in apart])
 
 
 def read_press(job: Job, name: str, decimal: str | None) -> tuple[Reading, Array | None]:
@@ -129,6 +140,17 @@ def pose(
     fix: Sequence[str],
 ) -> PressProblem:
     """Return the problem of a closed press and its readings."""
+    return pose_with(told, files, prior, fix)[0]
+
+
+def pose_with(
+    told: Told,
+    files: Sequence[tuple[Reading, Array | None]],
+    prior: float,
+    fix: Sequence[str],
+    apart: Sequence[Reading] = (),
+) -> tuple[PressProblem, list[Reading]]:
+    """Return the problem of a closed press and its readings, and readings ``apart`` placed for it."""
     closed = told.closed
     if sum(len(reading.values) for reading, _ in files) < _LEAST:
         raise InputError(
@@ -136,11 +158,12 @@ def pose(
             file=files[0][0].name,
             remedy=f"give {_LEAST} or more",
         )
-    travel = max((float(np.max(r.stroke)) for r, _ in files if r.stroke is not None), default=0.0)
+    every = [*(reading for reading, _ in files), *apart]
+    travel = max((float(np.max(r.stroke)) for r in every if r.stroke is not None), default=0.0)
     whole, summed, correction = press_table(closed, plan_of(told), travel)
     placed, used = [], []
     front = Surface(closed.cold, closed.front.faces)
-    for reading, _ in files:
+    for reading in every:
         if reading.places is None:
             placed.append(reading)
             continue
@@ -157,13 +180,18 @@ def pose(
     ]
     half = 0.5 * float(np.ptp(closed.case.male.vertices[:, :2], axis=0).max())
     problem = press_problem(
-        (whole.of(chosen), summed, correction), setting_of(told), placed, half_mm=half, prior=prior, fixed=fix
+        (whole.of(chosen), summed, correction),
+        setting_of(told),
+        placed[: len(files)],
+        half_mm=half,
+        prior=prior,
+        fixed=fix,
     )
     names = [one.name for one in problem.own]
     for key in fix:
         if key not in names:
             raise UsageError(f"--fix {key}: the press has no such constant; it has {', '.join(names)}")
-    return problem
+    return problem, placed[len(files) :]
 
 
 def setting_of(told: Told) -> Setting:
