@@ -20,12 +20,24 @@ class SetupPart(Part):
 
     model: str
     fabric: str = Field(description="how the sheet's law was made of the material document")
-    shape: str
-    size_mm: float
+    shape: str = Field(description="disc, square, or the file that the outline was read from")
+    size_mm: float = Field(description="diameter or side; the longer side of the box around an outline")
+    area_mm2: float | None = Field(
+        default=None, description="of the undeformed sheet, where it was read from a file"
+    )
     thickness_mm: float
-    sphere_radius_mm: float
+    sphere_radius_mm: float | None = Field(default=None, description="absent with a punch")
+    punch: str | None = Field(default=None, description="file of the surface pressed in place of a sphere")
+    punch_facets: int | None = None
     depth_mm: float
     prestretch: float
+    rim_slip_mm2_N: float | None = Field(
+        default=None, description="slip of the rim in mm for each N/mm of tension; absent where it is held"
+    )
+    temperature_degC: float | None = Field(default=None, description="of the fabric, where known")
+    effects: list[str] | None = Field(
+        default=None, description="effects of the material document that are obeyed"
+    )
     friction: str
     mesh_size_mm: float
     elements: str

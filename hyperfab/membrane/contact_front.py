@@ -56,7 +56,7 @@ class ContactFront:
 
 
 def contact_front(mesh: SheetMesh, place: Array, touching: Flags, gap: Array) -> ContactFront:
-    """Return the edge of contact in ``place`` (n, 2) [mm] of the nodes, for their ``touching`` flags and ``gap`` (n,)."""
+    """Return the edge of contact in ``place`` (n, 2) [mm] of the nodes, from flags and ``gap`` (n,)."""
     corners = mesh.elements[:, :3]
     inside = touching.copy()
     if mesh.order == 2:
@@ -71,7 +71,7 @@ def contact_front(mesh: SheetMesh, place: Array, touching: Flags, gap: Array) ->
     for side, (a, b) in enumerate(_SIDES):
         first, last = corners[:, a], corners[:, b]
         turned = ~inside[first]
-        near, far = np.where(turned, last, first), np.where(turned, first, last)
+        far = np.where(turned, first, last)
         middle = mesh.elements[:, 3 + side] if mesh.order == 2 else None
         share = _crossing(root, touching, far, middle)
         part[:, side] = np.where(turned, 1.0 - share, share)

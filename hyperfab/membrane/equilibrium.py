@@ -170,7 +170,7 @@ class Press:
         facet: Indices | None = None,
     ) -> _Linearised:
         found = self.sheet.assemble(places, support, everywhere)
-        near = self.punch.near(places, depth)
+        near = self.punch.near(places, depth).along(self.sheet.pattern.free)
         nodes = np.flatnonzero(touching)
         mine = near.at(nodes, facet)
         spring = STIFF * np.trace(found.blocks[self.sheet.pattern.diagonal[nodes]], axis1=1, axis2=2)

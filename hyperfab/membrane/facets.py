@@ -62,16 +62,17 @@ class Facets:
 
     @cached_property
     def _curvature(self) -> Array:
-        """Shape operators (m, 3, 3) [1/mm] of what the facets stand for; zero beside edges that are meant to be sharp."""
+        """Shape operators (m, 3, 3) [1/mm] of what the facets stand for; zero beside edges meant to be sharp."""
         surface = self.surface
         face, edge = np.nonzero(np.abs(surface.edge_turn) > _SHARP)
         sharp = np.zeros(len(surface.vertices), bool)
         sharp[surface.faces[face, edge]] = sharp[surface.faces[face, (edge + 1) % 3]] = True
-        flat = sharp[surface.faces].any(axis=1)
-        return np.where(flat[:, None, None], 0.0, surface.curvature)
+        curvature = surface.curvature.copy()
+        curvature[np.any(sharp[surface.faces], axis=1)] = 0.0
+        return curvature
 
     def above(self, depth: float) -> Array:
-        """Return corners (k, 3) [mm] of what rises above the sheet's plane, z = 0, where it is pushed in by ``depth``."""
+        """Return corners (k, 3) [mm] of what rises above the sheet's plane, z = 0, when pushed in by ``depth``."""
         vertices = self.surface.vertices + self.shift + np.array([0.0, 0.0, depth])
         first = self.surface.faces.ravel()
         last = self.surface.faces[:, [1, 2, 0]].ravel()

@@ -108,3 +108,27 @@ def assemble(
                         if a != c:
                             data[lower, j, i] += local[a, c, i, j]
     return force, data
+
+
+@nb.njit(cache=True)
+def polygon_distance(points: Array, vertices: Array) -> Array:
+    """Return the distance (n,) of points (n, 2) to a closed polyline (k, 2), positive inside."""
+    count = len(vertices)
+    result = np.empty(len(points))
+    for n in range(len(points)):
+        x, y = points[n, 0], points[n, 1]
+        least = np.inf
+        inside = False
+        for i in range(count):
+            ax, ay = vertices[i, 0], vertices[i, 1]
+            j = i + 1 if i + 1 < count else 0
+            bx, by = vertices[j, 0], vertices[j, 1]
+            ux, uy = bx - ax, by - ay
+            vx, vy = x - ax, y - ay
+            part = min(1.0, max(0.0, (ux * vx + uy * vy) / (ux * ux + uy * uy)))
+            dx, dy = vx - part * ux, vy - part * uy
+            least = min(least, dx * dx + dy * dy)
+            if (ay > y) != (by > y) and x < ax + (y - ay) / (by - ay) * ux:
+                inside = not inside
+        result[n] = np.sqrt(least) if inside else -np.sqrt(least)
+    return result

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from hyperfab.errors import InputError
 from hyperfab.membrane.meshing import Triangles
 from hyperfab.membrane.outline import Outline
 from hyperfab.numerics.blocks import BlockPattern
@@ -178,13 +179,8 @@ def _on_arcs(outline: Outline, triangles: Triangles) -> Array:
     ends = triangles.points[triangles.edges]
     middle = ends.mean(axis=1)
     for number, arc in enumerate(outline.arcs):
-        if arc.centre is None:
-            continue
         mine = triangles.edge_arc == number
-        centre = np.asarray(arc.centre)
-        radius = np.hypot(*(np.asarray(arc.start) - centre))
-        spoke = middle[mine] - centre
-        middle[mine] = centre + radius * spoke / np.linalg.norm(spoke, axis=1)[:, None]
+        middle[mine] = arc.between(ends[mine])
     return np.asarray(middle)
 
 
@@ -197,7 +193,9 @@ def _gradients(nodes: Array, elements: Indices, order: int) -> tuple[Array, Arra
     jacobian = np.einsum("mai,qaj->mqij", nodes[elements], local)
     double = jacobian[..., 0, 0] * jacobian[..., 1, 1] - jacobian[..., 0, 1] * jacobian[..., 1, 0]
     if np.any(double <= 0):
-        raise ValueError("an element is folded: the mesh is too coarse for its rim")
+        raise InputError(
+            "an element is folded: the mesh is too coarse for its rim", remedy="choose a smaller --mesh-size"
+        )
     inverse = np.linalg.inv(jacobian)
     return np.einsum("qaj,mqji->mqai", local, inverse), 0.5 * double * weight
 

@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import Delaunay, cKDTree
 
+from hyperfab.errors import InputError
+from hyperfab.membrane.kernels import polygon_distance
 from hyperfab.membrane.outline import Outline
 
 Array = NDArray[np.float64]
@@ -29,6 +31,8 @@ _ROUNDS = 12
 _MOVES_PER_ROUND = 4
 #: Interior points keep this part of an edge length from the boundary.
 _CLEARANCE = 0.45
+#: How often edges are shortened for an outline that is not convex.
+_MOST_FINER = 5
 
 
 @dataclass(frozen=True)
@@ -42,11 +46,22 @@ class Triangles:
 
 
 def triangulate(outline: Outline, size: SizeField, *, seed: int = 0, jitter: float = 0.0) -> Triangles:
-    """Mesh a convex outline with edges of about ``size``.
+    """Mesh an outline with edges of about ``size``.
 
     ``seed`` chooses among equally good meshes; ``jitter`` then moves interior points at random by that part of
-    the local edge length (for studies of how far a result hangs on the mesh).
+    the local edge length (for studies of how far a result hangs on the mesh). In an outline that is not convex the
+    edges are made shorter until the triangles have all of the rim; InputError where that does not help.
     """
+    for finer in range(_MOST_FINER):
+        found = _triangulated(outline, lambda points: size(points) / 1.5**finer, seed, jitter)  # noqa: B023
+        if outline.convex or _has_rim(found):
+            return found
+    raise InputError(
+        "the outline is too narrow somewhere for elements of this size", remedy="choose a smaller --mesh-size"
+    )
+
+
+def _triangulated(outline: Outline, size: SizeField, seed: int, jitter: float) -> Triangles:
     fixed, edges, edge_arc = _boundary(outline, size)
     random = np.random.default_rng(seed)
     moving = _seeds(outline, size, random)
@@ -55,7 +70,24 @@ def triangulate(outline: Outline, size: SizeField, *, seed: int = 0, jitter: flo
     if jitter > 0.0:
         free = slice(len(fixed), None)
         points[free] += jitter * size(points[free])[:, None] * random.uniform(-1, 1, points[free].shape)
-    return Triangles(points, _delaunay(points), edges, edge_arc)
+    return Triangles(points, _within(outline, points, len(fixed)), edges, edge_arc)
+
+
+def _has_rim(found: Triangles) -> bool:
+    """Whether each edge of the rim is a side of exactly one triangle, and no other side is lonely."""
+    sides = np.sort(found.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    keys, count = np.unique(sides[:, 0] * len(found.points) + sides[:, 1], return_counts=True)
+    rim = np.sort(found.edges, axis=1)
+    return np.array_equal(keys[count == 1], np.unique(rim[:, 0] * len(found.points) + rim[:, 1]))
+
+
+def _within(outline: Outline, points: Array, rim: int) -> Indices:
+    """Return the Delaunay triangles inside of the outline, whose first ``rim`` points go around it."""
+    triangles = _delaunay(points)
+    if outline.convex:
+        return triangles
+    middle = points[triangles].mean(axis=1)
+    return triangles[polygon_distance(middle, np.ascontiguousarray(points[:rim])) > 0.0]
 
 
 def graded(edge: Array, fine: float, coarse: float, growth: float) -> SizeField:

@@ -35,6 +35,16 @@ class Arc:
         angle = begin + part[:, 0] * sweep
         return np.asarray(middle + radius * np.column_stack([np.cos(angle), np.sin(angle)]))
 
+    def between(self, ends: Array) -> Array:
+        """Return the points (n, 2) half-way along it between two of its points, ``ends`` (n, 2, 2)."""
+        middle = ends.mean(axis=1)
+        if self.centre is None:
+            return np.asarray(middle)
+        centre = np.asarray(self.centre)
+        radius = np.hypot(*(np.asarray(self.start) - centre))
+        spoke = middle - centre
+        return np.asarray(centre + radius * spoke / np.linalg.norm(spoke, axis=1)[:, None])
+
     @property
     def length(self) -> float:
         """Length of the arc [mm]."""
@@ -51,8 +61,30 @@ class Arc:
         return float(begin), float(sweep if sweep > 1e-12 else 2 * np.pi)
 
 
+class Piece(Protocol):
+    """One smooth piece of a boundary, between corners or symmetry lines."""
+
+    @property
+    def normal(self) -> int | None:
+        """The axis (0 or 1) that displacements may not have on a symmetry line, None on the rim."""
+        ...
+
+    @property
+    def length(self) -> float:
+        """Its length [mm]."""
+        ...
+
+    def points(self, fraction: Array) -> Array:
+        """Return the points at ``fraction`` (0 to 1) of its length."""
+        ...
+
+    def between(self, ends: Array) -> Array:
+        """Return the points (n, 2) half-way along it between two of its points, ``ends`` (n, 2, 2)."""
+        ...
+
+
 class Outline(Protocol):
-    """A convex flat outline around the origin, where the sphere first touches."""
+    """A flat outline around the origin, where the sphere first touches."""
 
     @property
     def quarter(self) -> bool:
@@ -60,8 +92,13 @@ class Outline(Protocol):
         ...
 
     @property
-    def arcs(self) -> tuple[Arc, ...]:
-        """The boundary as arcs, anticlockwise."""
+    def arcs(self) -> tuple[Piece, ...]:
+        """The boundary in smooth pieces, anticlockwise."""
+        ...
+
+    @property
+    def convex(self) -> bool:
+        """Whether a straight line between any two of its points stays inside."""
         ...
 
     @property
@@ -103,6 +140,11 @@ class Disc:
         return (Arc((r, 0.0), (-r, 0.0), centre=(0.0, 0.0)), Arc((-r, 0.0), (r, 0.0), centre=(0.0, 0.0)))
 
     @property
+    def convex(self) -> bool:
+        """It is."""
+        return True
+
+    @property
     def reach(self) -> float:
         """The radius [mm]."""
         return self.radius
@@ -138,6 +180,11 @@ class Square:
             )
         corners = [(a, -a), (a, a), (-a, a), (-a, -a)]
         return tuple(Arc(corners[i - 1], corners[i]) for i in range(4))
+
+    @property
+    def convex(self) -> bool:
+        """It is."""
+        return True
 
     @property
     def reach(self) -> float:

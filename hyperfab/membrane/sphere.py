@@ -26,6 +26,23 @@ class Nearness:
     turning: Array
     facet: Indices | None = None
 
+    def along(self, free: NDArray[np.bool_]) -> Nearness:
+        """Return the same as seen by points that may only move in their ``free`` directions (n, 3).
+
+        A facet that meets a symmetry plane at a slant is there the edge of a roof: its normal lies in the plane.
+        """
+        held = ~free.all(axis=1) & free.any(axis=1)
+        if self.facet is None or not held.any():
+            return self
+        normal, gap, turning = self.normal.copy(), self.gap.copy(), self.turning.copy()
+        way = np.where(free[held], normal[held], 0.0)
+        size = np.linalg.norm(way, axis=1)
+        size = np.where(size > 1e-6, size, 1.0)
+        normal[held], gap[held] = way / size[:, None], gap[held] / size
+        both = free[held][:, :, None] & free[held][:, None, :]
+        turning[held] = np.where(both, turning[held], 0.0)
+        return Nearness(gap, normal, turning, self.facet)
+
     def at(self, nodes: Indices, before: Indices | None = None) -> Nearness:
         """Return the same for some ``nodes`` (k,). Those still on the facet ``before`` (n,) see no turning normal."""
         turning = self.turning[nodes]

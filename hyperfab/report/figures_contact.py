@@ -82,4 +82,4 @@ def _view(figure: Figure, scene, surface: Surface, title: str, colours: str) -> 
     scene.set_box_aspect(np.maximum(high - low, 0.05 * (high - low).max()))
     scene.set(xlabel="x [mm]", ylabel="y [mm]", zlabel="z [mm]")
     scene.view_init(elev=28, azim=-58)
-    figure.colorbar(mapped, ax=scene, label=title, shrink=0.62, pad=0.08)
+    figure.colorbar(mapped, ax=scene, label=title, shrink=0.62, pad=0.14)

@@ -6,9 +6,10 @@ import os
 
 import numpy as np
 
+from hyperfab.chapters.fabric_contact.fabric import Fabric, read_fabric
 from hyperfab.chapters.fabric_contact.fields import csv, surface, vtu
 from hyperfab.chapters.fabric_contact.result import document, row, status_of
-from hyperfab.chapters.fabric_contact.setup import Fabric, Setup, read_fabric, read_setup
+from hyperfab.chapters.fabric_contact.setup import Setup, read_setup
 from hyperfab.chapters.job import Job
 from hyperfab.documents.contact import ContactDocument
 from hyperfab.errors import NotConverged, UsageError
@@ -16,7 +17,7 @@ from hyperfab.io.output import Output
 from hyperfab.membrane.equilibrium import State
 from hyperfab.membrane.friction_path import LOAD_STEPS, run_with_friction
 from hyperfab.membrane.measures import fields
-from hyperfab.membrane.sphere_test import Outcome, SphereTest
+from hyperfab.membrane.sphere_test import Outcome
 from hyperfab.membrane.sphere_test import run as press
 from hyperfab.membrane.verdict import first_instability, stress_difference
 from hyperfab.report.figures_contact import Curve, contact_figure
@@ -27,26 +28,32 @@ def run(
     *,
     material: str,
     against: str | None,
-    shape: str,
-    size: str,
-    thickness: str | None,
-    sphere_radius: str,
-    depth: str,
-    prestretch: float,
-    friction: str | None,
-    steps: int | None,
-    mesh_size: str | None,
-    tolerance: float,
-    output: str,
+    shape: str = "disc",
+    size: str | None = None,
+    thickness: str | None = None,
+    sphere_radius: str | None = None,
+    punch: str | None = None,
+    depth: str = "60mm",
+    prestretch: float = 1.0,
+    rim_slip: str | None = None,
+    friction: str | None = None,
+    temperature: str | None = None,
+    steps: int | None = None,
+    mesh_size: str | None = None,
+    element: str = "P2",
+    tolerance: float = 1e-4,
+    stl_unit: str = "mm",
+    output: str = "-",
 ) -> int:
     """Press the sphere into the sheet; return 0, or 4 where the depth was not reached or the constants are unstable."""
     out = job.opened(output, (".vtu", ".csv", ".png"))
-    if material == "-" == against:
-        raise UsageError("only one of the two materials can come from standard input")
-    fabrics = [read_fabric(job, name) for name in (material, against) if name is not None]
+    if [material, against, punch, shape].count("-") > 1:
+        raise UsageError("only one of the inputs can come from standard input")
+    fabrics = [read_fabric(job, name, temperature) for name in (material, against) if name is not None]
     setup = read_setup(
-        fabrics[0], shape=shape, size=size, thickness=thickness, sphere_radius=sphere_radius, depth=depth,
-        prestretch=prestretch, friction=friction, steps=steps, mesh_size=mesh_size, tolerance=tolerance,
+        job, fabrics[0], shape=shape, size=size, thickness=thickness, sphere_radius=sphere_radius, punch=punch,
+        depth=depth, prestretch=prestretch, rim_slip=rim_slip, friction=friction, steps=steps, mesh_size=mesh_size,
+        element=element, tolerance=tolerance, stl_unit=stl_unit,
     )  # fmt: skip
     out.refuse_inputs(job.inputs)
     if thickness is None and fabrics[0].thickness is None:
@@ -69,25 +76,17 @@ def run(
 
 
 def _pressed(job: Job, setup: Setup, fabrics: list[Fabric]) -> list[Outcome]:
-    tests = [
-        SphereTest(
-            setup.outline,
-            fabric.law,
-            setup.thickness,
-            setup.sphere_radius,
-            setup.prestretch,
-            setup.mesh_size,
-            friction=setup.friction,
-        )
-        for fabric in fabrics
-    ]
+    tests = [setup.test(fabric) for fabric in fabrics]
+    job.keep((tests, setup))
     seen = [0]
     expected = (
         2
         * len(tests)
         * (max(len(setup.depths), LOAD_STEPS) if setup.friction.remembers else len(setup.depths))
     )
-    with job.console.progress("Pressing the sphere in") as advance:
+    with job.console.progress(
+        "Pressing the punch in" if setup.punch else "Pressing the sphere in"
+    ) as advance:
 
         def watch(state: State) -> None:
             seen[0] += 1

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from hyperfab.chapters.fabric_contact.setup import Fabric, Setup
+from hyperfab.chapters.fabric_contact.fabric import Fabric
+from hyperfab.chapters.fabric_contact.outline import is_file
+from hyperfab.chapters.fabric_contact.setup import Setup
 from hyperfab.documents.contact import BalancePart, ContactDocument, OtherPart, SetupPart, StabilityPart
 from hyperfab.membrane.contact import Tangential
 from hyperfab.membrane.contact_edge import contact_edge
@@ -174,10 +176,16 @@ def _setup(setup: Setup, fabric: Fabric) -> SetupPart:
         shape=setup.shape,
         size_mm=setup.size,
         thickness_mm=setup.thickness,
-        sphere_radius_mm=setup.sphere_radius,
+        area_mm2=setup.outline.area if is_file(setup.shape) else None,
+        sphere_radius_mm=None if setup.punch else setup.radius,
+        punch=setup.punch_name,
+        punch_facets=len(setup.punch.surface.faces) if setup.punch else None,
         depth_mm=setup.depth,
         prestretch=setup.prestretch,
+        rim_slip_mm2_N=setup.rim_slip or None,
+        temperature_degC=fabric.temperature,
+        effects=fabric.obeyed or None,
         friction=_friction(setup.friction),
         mesh_size_mm=setup.mesh_size,
-        elements="P2, a quarter of the sheet" if setup.outline.quarter else "P2",
+        elements=f"P{setup.order}" + (", a quarter of the sheet" if setup.outline.quarter else ""),
     )

@@ -3,85 +3,168 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+import os
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from hyperfab.chapters.fabric_contact.fabric import Fabric
+from hyperfab.chapters.fabric_contact.outline import is_file, read_outline
+from hyperfab.chapters.fabric_contact.punch import check_punch, check_sphere, read_punch, symmetric
 from hyperfab.chapters.job import Job
-from hyperfab.documents.base import read_document
-from hyperfab.documents.material import MaterialDocument
-from hyperfab.errors import InputError, UsageError
+from hyperfab.errors import UsageError
 from hyperfab.io.units import quantity
-from hyperfab.materials import Material, bind
 from hyperfab.membrane.contact import Frictionless, Tangential
+from hyperfab.membrane.facets import Facets
 from hyperfab.membrane.friction import Coulomb, Stick
-from hyperfab.membrane.orthotropic import OrthotropicSheet
 from hyperfab.membrane.outline import Disc, Outline, Square
-from hyperfab.membrane.tension_field import IsotropicSheet, SheetLaw
+from hyperfab.membrane.polygon import Polygon
+from hyperfab.membrane.sphere_test import SphereTest
 
 #: Load steps where --steps is not given.
 _STEPS = 8
 _MOST_STEPS = 500
 #: Beyond this a coefficient is a slip of the pen; stick is meant.
 _MOST_FRICTION = 2.0
+#: More is no clamp [mm per N/mm].
+_MOST_SLIP = 1e4
+_SHAPES = ("disc", "square")
+_ORDERS = {"P1": 1, "P2": 2}
+#: The sheet and the sphere where their options are not given.
+_SIZE, _SPHERE = "200mm", "40mm"
 #: Elements away from the contact, relative to half the size, where --mesh-size is not given.
 _MESH = 0.08
 
 
 @dataclass(frozen=True)
-class Fabric:
-    """A sheet's law as read from a material document, in words too."""
-
-    name: str
-    model: str
-    law: SheetLaw
-    words: str
-    thickness: float | None
-    left_out: list[str]
-
-
-@dataclass(frozen=True)
 class Setup:
-    """The geometry and the settings of the test, in mm."""
+    """The geometry and the settings of the test, in mm.
+
+    ``punch`` is pressed in place of a sphere; ``radius`` is the sphere's, or half the punch's width.
+    """
 
     outline: Outline
     shape: str
     size: float
     thickness: float
-    sphere_radius: float
+    radius: float
     depths: list[float]
     prestretch: float
     mesh_size: float
     tolerance: float
     friction: Tangential
+    order: int = 2
+    rim_slip: float = 0.0
+    punch: Facets | None = None
+    punch_name: str | None = None
 
     @property
     def depth(self) -> float:
         """The depth asked for."""
         return self.depths[-1]
 
+    def test(self, fabric: Fabric) -> SphereTest:
+        """Return the test of one fabric."""
+        return SphereTest(
+            self.outline,
+            fabric.law,
+            self.thickness,
+            self.radius,
+            self.prestretch,
+            self.mesh_size,
+            order=self.order,
+            friction=self.friction,
+            rim_slip=self.rim_slip,
+            facets=self.punch,
+        )
+
 
 def read_setup(
+    job: Job,
     fabric: Fabric,
     *,
     shape: str,
-    size: str,
+    size: str | None,
     thickness: str | None,
-    sphere_radius: str,
+    sphere_radius: str | None,
+    punch: str | None,
     depth: str,
     prestretch: float,
+    rim_slip: str | None,
     friction: str | None,
     steps: int | None,
     mesh_size: str | None,
+    element: str,
     tolerance: float,
+    stl_unit: str,
 ) -> Setup:
-    """Check the options; UsageError names the one that cannot be meant."""
-    width = _length(size, "--size")
-    radius = _length(sphere_radius, "--sphere-radius")
+    """Check the options and read what they name; UsageError or InputError say what cannot be meant."""
     deep = _length(depth, "--depth")
-    _within(width, 1.0, 10_000.0, f"--size {size}")
-    _within(radius, 5e-3 * width, 20.0 * width, f"--sphere-radius {sphere_radius}")
+    _check_numbers(prestretch, steps, tolerance)
+    order = _ORDERS.get(element.upper())
+    if order is None:
+        raise UsageError(f"--element {element}: P1 (straight, constant strain) or P2 (curved)")
+    if punch is not None and sphere_radius is not None:
+        raise UsageError("--punch and --sphere-radius: one or the other is pushed in")
+    outline, width, narrow = _outline(job, shape, size, stl_unit)
     _within(deep, 1e-3 * width, 2.0 * width, f"--depth {depth}")
+    if punch is None:
+        given = sphere_radius or _SPHERE
+        facets, radius = None, _length(given, "--sphere-radius")
+        _within(radius, 5e-3 * width, 20.0 * width, f"--sphere-radius {given}")
+        check_sphere(outline.reach * prestretch, radius, deep)
+    else:
+        facets = read_punch(job, punch, stl_unit, deep)
+        whole = replace(outline, quarter=False)
+        check_punch(facets, whole, prestretch, deep, punch)
+        radius = 0.5 * float(np.ptp(facets.above(deep)[:, :2], axis=0).min())
+        if not symmetric(facets, deep):
+            outline = whole
+    mesh = _MESH * narrow / 2 if mesh_size is None else _length(mesh_size, "--mesh-size")
+    if not narrow / 400 <= mesh <= narrow / 6:
+        raise UsageError(
+            f"--mesh-size {mesh_size}: between {narrow / 400:.3g}mm and {narrow / 6:.3g}mm for this sheet"
+        )
+    depths = [float(part) for part in np.linspace(0.0, deep, (steps or _STEPS) + 1)[1:]]
+    return Setup(
+        outline,
+        shape if not is_file(shape) else os.path.basename(shape),
+        width,
+        _length(thickness, "--thickness") if thickness is not None else fabric.thickness or 1.0,
+        radius,
+        depths,
+        prestretch,
+        mesh,
+        tolerance,
+        _friction(friction),
+        order,
+        _rim_slip(rim_slip),
+        facets,
+        None if punch is None else os.path.basename(punch),
+    )
+
+
+def _outline(
+    job: Job, shape: str, size: str | None, stl_unit: str
+) -> tuple[Disc | Square | Polygon, float, float]:
+    """Return the outline, a quarter where it is symmetric, and the longer and the shorter side of its box."""
+    if shape not in _SHAPES and is_file(shape):
+        polygon = read_outline(job, shape, stl_unit, None if size is None else _length(size, "--size"))
+        sides = np.ptp(polygon.vertices, axis=0)
+        width, narrow = float(sides.max()), float(sides.min())
+        _within(width, 1.0, 10_000.0, f"--shape {shape}: longer side {width:g}mm")
+        quarter = polygon.convex and polygon.symmetric
+        return replace(polygon, quarter=quarter), width, narrow
+    given = size or _SIZE
+    width = _length(given, "--size")
+    _within(width, 1.0, 10_000.0, f"--size {given}")
+    if shape not in _SHAPES:
+        raise UsageError(f"--shape {shape}: choose disc or square, or name a file with the outline")
+    disc = shape == "disc"
+    return (Disc(width / 2, quarter=True) if disc else Square(width, quarter=True)), width, width
+
+
+def _check_numbers(prestretch: float, steps: int | None, tolerance: float) -> None:
     if not (0.5 <= prestretch <= 5.0):
         raise UsageError(
             f"--prestretch {prestretch:g}: a stretch ratio between 0.5 and 5 is meant, 1.05 for 5 %"
@@ -90,60 +173,15 @@ def read_setup(
         raise UsageError(f"--steps {steps}: between 1 and {_MOST_STEPS} load steps")
     if not 1e-7 <= tolerance <= 0.1:
         raise UsageError(f"--tolerance {tolerance:g}: the relative error of the force, between 1e-7 and 0.1")
-    outlines: dict[str, Outline] = {
-        "disc": Disc(width / 2, quarter=True),
-        "square": Square(width, quarter=True),
-    }
-    if shape not in outlines:
-        raise UsageError(f"--shape {shape}: choose disc or square")
-    mesh = _MESH * width / 2 if mesh_size is None else _length(mesh_size, "--mesh-size")
-    if not width / 400 <= mesh <= width / 6:
+
+
+def _rim_slip(text: str | None) -> float:
+    value = 0.0 if text is None else quantity(text, "compliance", option="--rim-slip")
+    if not 0.0 <= value <= _MOST_SLIP:
         raise UsageError(
-            f"--mesh-size {mesh_size}: between {width / 400:.3g}mm and {width / 6:.3g}mm for this sheet"
+            f"--rim-slip {text}: from 0 to {_MOST_SLIP:g} mm^2/N (mm of slip per N/mm of tension)"
         )
-    thick = _length(thickness, "--thickness") if thickness is not None else fabric.thickness or 1.0
-    _check_clamp(width / 2 * prestretch, radius, deep)
-    count = steps or _STEPS
-    depths = [float(part) for part in np.linspace(0.0, deep, count + 1)[1:]]
-    return Setup(
-        outlines[shape], shape, width, thick, radius, depths, prestretch, mesh, tolerance, _friction(friction)
-    )
-
-
-def read_fabric(job: Job, name: str) -> Fabric:
-    """Read a material document and make a sheet's law of it."""
-    document = read_document(job.inputs, name, MaterialDocument)
-    left_out = []
-    untold = [effect for effect in document.effects or [] if not effect.get("told_by")]
-    if untold:
-        named = ", ".join(str(effect.get("id", "?")) for effect in untold)
-        left_out.append(f"effects of the material document: {named}; the sheet obeys the law at rest alone")
-    directions = document.directions or {}
-    if {"warp", "weft"} <= set(directions):
-        warp, weft = (
-            _bound(document.model, directions[way].parameters, name, f"directions.{way}.parameters")
-            for way in ("warp", "weft")
-        )
-        sheet = OrthotropicSheet(warp, weft)
-        soft, stiff = ("weft", "warp") if sheet.stiff_axis == 0 else ("warp", "weft")
-        words = (
-            f"orthotropic: the {soft}'s law in the whole sheet, and along the {stiff} what its law has more "
-            "in uniaxial tension; the warp runs along x"
-        )
-        left_out.append(
-            "shear and biaxial stiffness of the fabric beyond the softer direction's law: not measured"
-        )
-        return Fabric(name, document.model, sheet, words, document.thickness_mm, left_out)
-    law = IsotropicSheet(_bound(document.model, document.parameters, name, "parameters"))
-    return Fabric(name, document.model, law, "isotropic", document.thickness_mm, left_out)
-
-
-def _bound(model: str, parameters: dict[str, float], name: str, key: str) -> Material:
-    try:
-        return bind(model, parameters)
-    except InputError as error:
-        place = f"{key}.{error.key}" if error.key in parameters else error.key or key
-        raise InputError(error.message, file=name, key=place, remedy=error.remedy) from None
+    return value
 
 
 def _length(text: str, option: str) -> float:
@@ -170,15 +208,3 @@ def _within(value: float, least: float, most: float, shown: str) -> None:
     """Refuse what cannot be meant with this sheet."""
     if not least <= value <= most:
         raise UsageError(f"{shown}: between {least:g}mm and {most:g}mm for this sheet; check the unit")
-
-
-def _check_clamp(rim: float, radius: float, depth: float) -> None:
-    """The clamp is a hard ring in the plane of the flat sheet: the sphere must pass through it."""
-    if rim >= radius:
-        return
-    most = radius - math.sqrt(radius**2 - rim**2)
-    if depth > most:
-        raise UsageError(
-            f"--depth {depth:g}mm: the sphere would strike the clamp at {most:.4g}mm; "
-            "choose a smaller sphere or depth, or a larger sheet"
-        )
