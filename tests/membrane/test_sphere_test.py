@@ -87,6 +87,20 @@ def test_work_of_the_sphere_is_the_energy_stored():
     assert work(outcome) == pytest.approx(outcome.solved[-1].state.energy, rel=1e-4)
 
 
+def test_work_balances_where_a_slack_sheet_takes_up_the_load():
+    outcome = _press("neo-hookean", np.linspace(7.5, 60.0, 8), prestretch=0.95)
+    last = outcome.solved[-1]
+    assert work(outcome) == pytest.approx(last.state.energy, rel=1e-4)
+    assert len(outcome.solved) == 8
+
+
+@pytest.mark.slow
+def test_work_balances_up_to_a_turning_point():
+    outcome = _press(SOFTENING, np.linspace(8.75, 70.0, 8))
+    assert outcome.path.limit is not None
+    assert work(outcome) == pytest.approx(outcome.solved[-1].state.energy, rel=1e-4)
+
+
 def test_force_is_the_slope_of_the_energy():
     outcome = _press("yeoh-3", [49.5, 50.0, 50.5])
     low, middle, high = (solved.state for solved in outcome.solved)
