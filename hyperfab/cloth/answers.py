@@ -14,10 +14,13 @@ from .energy import ROWS
 from .law import Floats, SpringLaw
 from .mold import FREE, Ints, Mold
 from .net import Sheet
+from .start import settled
 from .state import Equilibrium, State
 
 #: A spring shorter than its rest length by more than this share is slack (below it: rounding).
 SLACK = 1e-9
+#: A node this many mm off the mold lies on it: where nothing presses, a node is no surer of its place than that.
+TOUCHES = 1e-5
 
 
 @dataclass(frozen=True)
@@ -37,6 +40,7 @@ class Answers:
     cell_thickness: Floats  # mm
     cell_slack: npt.NDArray[np.bool_]
     slack_springs: int
+    touching: npt.NDArray[np.bool_]  # (n, m) nodes on the mold
     contact_force: Floats  # (n, m, 3) N, of the mold on the sheet
     reaction: Floats  # (n, m, 3) N, of the clamps on the sheet
     spring_energy: float  # N mm
@@ -96,6 +100,7 @@ def answers(sheet: Sheet, mold: Mold, found: Equilibrium) -> Answers:
         sheet.thickness * hx * hy / np.maximum(area, 1e-300),
         cell_slack,
         int(slack_warp.sum() + slack_weft.sum()),
+        on_mold(x, sheet, mold, found.state),
         contact,
         reaction,
         found.energy - float((sheet.arrays.weight * x[:, :, 2]).sum()),
@@ -105,6 +110,12 @@ def answers(sheet: Sheet, mold: Mold, found: Equilibrium) -> Answers:
         edge,
         at,
     )
+
+
+def on_mold(x: Floats, sheet: Sheet, mold: Mold, state: State) -> npt.NDArray[np.bool_]:
+    """(n, m) nodes on the mold, also those that lie on a flat of it without pressing."""
+    skin = np.full(x.shape[:2], TOUCHES)
+    return settled(x, mold, sheet, skin, (state.clear.copy(), state.slot.copy())).contact != FREE
 
 
 def _at_nodes(law: SpringLaw, stretch: Floats, axis: int) -> Floats:

@@ -72,6 +72,8 @@ def follow(
     before, pace = flat, 0.0
     if 0.0 in heights or not found.converged:
         yield rest
+    if not found.converged:
+        return
     for height in heights[heights > 0.0]:
         goal = tolerance if np.isclose(wanted, height, rtol=0.0, atol=1e-9).any() else max(tolerance, BETWEEN)
         done, rise, halved = rest.height, height - rest.height, 0

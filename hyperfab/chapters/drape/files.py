@@ -7,7 +7,6 @@ import numpy as np
 from hyperfab.chapters.drape.states import State
 from hyperfab.cloth import Sheet
 from hyperfab.cloth.friction import SLIDES, STARTS, STICKS
-from hyperfab.cloth.mold import FREE
 from hyperfab.io import vtu
 from hyperfab.io.output import Output
 
@@ -42,7 +41,7 @@ def field(sheet: Sheet, state: State, max_stretch: float | None) -> bytes:
     points = {
         "stress_warp_MPa": fields.stress_warp.ravel(),
         "stress_weft_MPa": fields.stress_weft.ravel(),
-        "contact": (found.state.contact != FREE).ravel(),
+        "contact": fields.touching.ravel(),
         "residual_N": np.linalg.norm(found.residual, axis=2).ravel(),
         "contact_force_N": fields.contact_force.reshape(-1, 3),
         "flat_mm": flat,
@@ -88,7 +87,7 @@ def picture(sheet: Sheet, states: list[State]) -> bytes:
         fields.stress_warp,
         fields.stress_weft,
         fields.cell_thickness,
-        found.state.contact != FREE,
+        fields.touching,
         fields.cell_slack,
         [(0.0, 0.0), *((s.depth, s.fields.press_force) for s in states)] if len(states) > 1 else None,
     )
