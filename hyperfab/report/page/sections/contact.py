@@ -1,4 +1,4 @@
-"""The sheet under the sphere: force against depth, A against B, the stress on the sheet."""
+"""The sheet on the sphere or punch: force against depth, A against B, the stress on the sheet."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def section(source: Source) -> Section:
         traces.append(line("B", *_curve(other["force_depth"]), 1, dash="dash"))
     found.parts.append(
         chart(
-            "Force on the sphere against its depth"
+            f"Force on the {_punch(data)} against its depth"
             + (", with the constants of A and of B." if other else "."),
             f"The force rises to {number(data.get('force_N'), 'N').text} at the last depth.",
             "depth, mm",
@@ -59,7 +59,10 @@ def section(source: Source) -> Section:
         )
     )
     found.parts += views(
-        source, "The pressed sheet.", "The sheet as the sphere has deformed it, coloured by a field.", _FIELDS
+        source,
+        "The pressed sheet.",
+        f"The sheet as the {_punch(data)} has deformed it, coloured by a field.",
+        _FIELDS,
     )
     found.notes += [
         f"The sheet: {_setup(data)}.",
@@ -73,11 +76,15 @@ def _verdict(data: Any) -> tuple[bool | None, str]:
         return False, f"No equilibrium at the full depth: {data.get('status', 'not converged')}."
     if not (data.get("stability") or {}).get("stable", True):
         return False, "The constants are not stable at the stretches that occur in the sheet."
-    text = f"Equilibrium found: {number(data['force_N'], 'N').text} press the sphere in"
+    text = f"Equilibrium found: {number(data['force_N'], 'N').text} press the {_punch(data)} in"
     if "stress_difference_percent" not in data:
         return True, f"{text}."
     differs = number(data["stress_difference_percent"], "%", 3).text
     return True, f"{text}; with the other constants the stress differs by up to {differs}."
+
+
+def _punch(data: Any) -> str:
+    return "punch" if (data.get("setup") or {}).get("punch") else "sphere"
 
 
 def _number(data: Any, key: str, unit: str) -> Any:
