@@ -129,10 +129,14 @@ class BodySection(Section):
 
 
 class PartSection(BodySection):
-    """A part: a body of one material, by the name of its table; ``start`` where it begins at another temperature."""
+    """A part: a body of one material, by the name of its table.
+
+    ``start`` where it begins at another temperature, ``mesh_size`` where it is meshed finer than the rest.
+    """
 
     material: str
     start: Temperature | None = None
+    mesh_size: PositiveLength | None = None
 
 
 class FacesInBox(Section):

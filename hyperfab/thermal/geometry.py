@@ -148,10 +148,14 @@ Shape = Box | Cylinder | Ellipsoid | Stl
 
 @dataclass(frozen=True)
 class Body:
-    """A part of the mold, or a cavity cut out of the parts: the union of its shapes."""
+    """A part of the mold, or a cavity cut out of the parts: the union of its shapes.
+
+    ``mesh_size`` [mm] where a part is meshed finer than the others.
+    """
 
     name: str
     shapes: tuple[Shape, ...]
+    mesh_size: float | None = None
 
     @property
     def bounds(self) -> tuple[Array, Array]:

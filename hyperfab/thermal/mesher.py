@@ -63,11 +63,12 @@ class RawMesh:
 
 def expected_tetrahedra(geometry: Geometry, mesh_size: float) -> float:
     """Estimate the number of tetrahedra from the bounding boxes, from above."""
-    volume = 0.0
+    count = 0.0
     for part in geometry.parts:
         low, high = part.bounds
-        volume += float(np.prod(high - low))
-    return volume / (TETRAHEDRON_SHARE * mesh_size**3)
+        size = min(mesh_size, part.mesh_size or mesh_size)
+        count += float(np.prod(high - low)) / (TETRAHEDRON_SHARE * size**3)
+    return count
 
 
 def expected_bytes(tetrahedra: float) -> float:
@@ -186,7 +187,11 @@ def _feed(descriptor: int, job: bytes) -> None:
 
 
 def _body(body: Body) -> dict[str, Any]:
-    return {"name": body.name, "shapes": [_shape(shape) for shape in body.shapes]}
+    return {
+        "name": body.name,
+        "mesh_size": body.mesh_size,
+        "shapes": [_shape(shape) for shape in body.shapes],
+    }
 
 
 def _shape(shape: Shape) -> dict[str, Any]:

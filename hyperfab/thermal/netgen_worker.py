@@ -72,11 +72,14 @@ def mesh(job: dict[str, Any]) -> dict[str, Any]:
         box = _shape(occ, patch["box"])
         faces = [face * box for face in solids[names.index(patch["part"])].faces]
         patches += [face for face in faces if len(face.faces)]
-    for name, solid in zip(names, solids, strict=True):
+    sizes = [part["mesh_size"] for part in job["parts"]]
+    for name, solid, size in zip(names, solids, sizes, strict=True):
         if solid.mass <= 0 or len(solid.solids) == 0:
             raise Refused(f"part {name!r} has no volume left; check its shapes and the cavities")
         for piece in solid.solids:
             piece.mat(name)
+            if size is not None:
+                piece.maxh = size
     volumes = {name: solid.mass for name, solid in zip(names, solids, strict=True)}
     glued = occ.Glue([*solids, *patches]) if len(solids) + len(patches) > 1 else solids[0]
     whole = occ.Glue(list(glued.solids)) if patches else glued

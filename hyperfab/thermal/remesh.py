@@ -132,7 +132,7 @@ def standing_for(geometry: Geometry, coarser: Callable[[Stl], Stl]) -> Geometry:
 
     def body(given: Body) -> Body:
         shapes = tuple(coarser(shape) if isinstance(shape, Stl) else shape for shape in given.shapes)
-        return Body(given.name, shapes)
+        return Body(given.name, shapes, given.mesh_size)
 
     return Geometry(tuple(map(body, geometry.parts)), tuple(map(body, geometry.cavities)), geometry.patches)
 

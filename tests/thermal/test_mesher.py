@@ -74,6 +74,15 @@ def test_the_nearest_names_are_offered(domed):
         domed[2].named("dome.up")
 
 
+def test_a_part_may_be_finer_than_its_neighbour():
+    plate, sheet = Box((0.0, 0.0, 0.0), (40.0, 40.0, 20.0)), Box((0.0, 0.0, 20.0), (40.0, 40.0, 4.0))
+    raw = make_mesh(Geometry((Body("plate", (plate,)), Body("sheet", (sheet,), mesh_size=2.0))), 10.0)
+    corners = raw.points[raw.elements[raw.parts == 1][:, :4]]
+    edges = np.linalg.norm(corners[:, [0, 0, 0, 1, 1, 2]] - corners[:, [1, 2, 3, 2, 3, 3]], axis=2)
+    assert np.median(edges) < 2.5
+    assert (raw.parts == 0).sum() < (raw.parts == 1).sum()
+
+
 def test_the_same_geometry_gives_the_same_mesh():
     geometry = Geometry((Body("ball", (Ellipsoid((0.0, 0.0, 0.0), (10.0, 8.0, 12.0)),)),))
     first, second = make_mesh(geometry, 5.0), make_mesh(geometry, 5.0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hyperfab.documents.mold import BodySection, FacesInBox, MoldDocument, ShapeSection
+from hyperfab.documents.mold import BodySection, FacesInBox, MoldDocument, PartSection, ShapeSection
 from hyperfab.errors import InputError
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.stl import read_stl
@@ -38,10 +38,10 @@ class _Reader:
 
     def body(self, section: BodySection) -> Body:
         """Return a part or cavity."""
-        if section.shapes is not None:
-            shapes = [found for shape in section.shapes for found in self.shape(shape)]
-            return Body(section.name, tuple(shapes))
-        return Body(section.name, tuple(self.shape(section)))
+        sections: list[ShapeSection] | list[BodySection] = section.shapes or [section]
+        shapes = [found for shape in sections for found in self.shape(shape)]
+        size = section.mesh_size if isinstance(section, PartSection) else None
+        return Body(section.name, tuple(shapes), size)
 
     def shape(self, section: ShapeSection | BodySection) -> list[Shape]:
         """Return one shape, or the pieces of an STL."""
