@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import logging
 import os
+import shutil
 import signal
 import sys
 import tempfile
@@ -18,6 +19,8 @@ from hyperfab.studies.program import program
 
 #: How often a batch may lose its worker before it is handed back to the driver.
 ALLOWED_DEATHS = 5
+#: Folders of the workers' own; behind it the driver's number.
+_SCRATCH = "hf-sweep-"
 
 
 def cores() -> int:
@@ -38,6 +41,7 @@ def local(jobs: int, plugin: Any) -> Iterator[Any]:
     start: Any = distributed.LocalCluster
     connect: Any = distributed.Client
 
+    _sweep_scratch()
     settings = {
         "distributed.scheduler.allowed-failures": ALLOWED_DEATHS,
         "distributed.worker.daemon": False,
@@ -46,7 +50,9 @@ def local(jobs: int, plugin: Any) -> Iterator[Any]:
     }
     with (
         dask.config.set(settings),
-        tempfile.TemporaryDirectory(prefix="hf-sweep-", ignore_cleanup_errors=True) as scratch,
+        tempfile.TemporaryDirectory(
+            prefix=f"{_SCRATCH}{os.getpid()}-", ignore_cleanup_errors=True
+        ) as scratch,
     ):
         cluster = start(
             n_workers=0,
@@ -69,6 +75,16 @@ def local(jobs: int, plugin: Any) -> Iterator[Any]:
             yield client
         finally:
             _end(cluster, client)
+
+
+def _sweep_scratch() -> None:
+    """Remove what killed drivers have left in the folder for temporary files."""
+    import psutil
+
+    for left in Path(tempfile.gettempdir()).glob(f"{_SCRATCH}*-*"):
+        pid = left.name.removeprefix(_SCRATCH).partition("-")[0]
+        if pid.isdecimal() and not psutil.pid_exists(int(pid)):
+            shutil.rmtree(left, ignore_errors=True)
 
 
 class _Crew:

@@ -149,11 +149,11 @@ def test_a_study_runs_on_a_cluster_behind_tls_and_not_without_certificates(
     assert plain.returncode == 3
     assert "no scheduler answers" in plain.stderr
     assert not list((shop / "out").glob("steps/*/*"))
-    for _ in range(100):
+    for _ in range(10):  # the worker may still be on its way
         done = sweep({**ENVIRONMENT, **certificates}, cluster)
-        if "it has no worker" not in done.stderr:
+        if done.returncode == 0:
             break
-        time.sleep(0.2)
+        time.sleep(1.0)
     assert done.returncode == 0, done.stderr
     assert "4 cases: 4 steps run" in done.stderr
 

@@ -46,6 +46,8 @@ sys.path[:0] = [{root!r}, {root!r} + "/tests"]
 from hyperfab.chapters import sweep
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console, run_guarded
+from hyperfab.studies import plan
+plan.program = lambda: "the same"  # also in a tree that is being worked on
 if __name__ == "__main__":
     study, out, jobs, retry = sys.argv[1], sys.argv[2], int(sys.argv[3]), sys.argv[4] == "retry"
     sys.exit(run_guarded(lambda: sweep.run(
@@ -118,6 +120,7 @@ class Shop:
         said = Said()
         here = contextlib.chdir(self.folder)
         with here, pytest.MonkeyPatch.context() as patch:
+            patch.setattr("hyperfab.studies.plan.program", lambda: "the same")
             patch.setattr(
                 "hyperfab.studies.cluster.local", lambda jobs, plugin: contextlib.nullcontext(Inline())
             )
