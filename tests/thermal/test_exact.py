@@ -1,4 +1,4 @@
-"""Exact and benchmark solutions: NAFEMS T2 to T4 (T1 is thermal stress), slabs, semi-infinite body, radiation, joints."""
+"""Exact and benchmark solutions: NAFEMS T2 to T4 (T1 is thermal stress), slabs, radiation, joints, flux."""
 
 from __future__ import annotations
 
