@@ -8,6 +8,7 @@ import pytest
 from hyperfab.materials import bind
 from hyperfab.membrane import outline
 from hyperfab.membrane.clamp import rim_edges
+from hyperfab.membrane.measures import mounted_energy
 from hyperfab.membrane.mesh import sheet_mesh
 from hyperfab.membrane.meshing import triangulate, uniform
 from hyperfab.membrane.sheet import Sheet
@@ -47,6 +48,14 @@ def test_force_energy_and_rim_of_a_clamp_that_gives(rim_slip):
 def test_work_goes_into_sheet_and_clamp():
     outcome = _pressed(20.0, np.linspace(7.5, 60.0, 8))
     assert work(outcome) == pytest.approx(outcome.solved[-1].state.energy, rel=1e-4)
+
+
+def test_a_taut_sheet_has_slipped_before_it_is_pressed():
+    outcome = _pressed(20.0, np.linspace(7.5, 60.0, 8), prestretch=1.05)
+    last = outcome.solved[-1]
+    mounted = mounted_energy(last.press)
+    assert mounted < last.press.sheet.energy(last.press.sheet.flat)
+    assert work(outcome) == pytest.approx(last.state.energy - mounted, rel=1e-4)
 
 
 def test_no_slip_is_the_rigid_clamp_bit_for_bit():

@@ -35,7 +35,7 @@ def _test(punch, quarter=False, **more):
 
 def test_gap_and_height_of_facets_are_the_spheres_to_their_depth():
     random = np.random.default_rng(0)
-    points = random.uniform(-50, 50, (200, 3)) + [0, 0, 10]
+    points = random.uniform(-50, 50, (200, 3)) + np.array([0.0, 0.0, 10.0])
     fine, sphere = _ball(5), Sphere(40.0)
     np.testing.assert_allclose(fine.near(points, 5.0).gap, sphere.near(points, 5.0).gap, atol=0.02)
     plane = random.uniform(-25, 25, (200, 2))

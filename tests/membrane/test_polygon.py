@@ -42,9 +42,14 @@ def test_a_square_of_points_is_meshed_as_the_square_bit_for_bit(quarter):
 
 @pytest.mark.parametrize(
     ("points", "convex", "symmetric", "corners"),
-    [(SQUARE, True, True, 4), (CROSS, False, True, 12), (_ellipse(130, 90), True, True, 0), (_flower(), False, False, 0)],
+    [
+        (SQUARE, True, True, 4),
+        (CROSS, False, True, 12),
+        (_ellipse(130, 90), True, True, 0),
+        (_flower(), False, False, 0),
+    ],
     ids=["square", "cross", "ellipse", "flower"],
-)  # fmt: skip
+)
 def test_outlines_are_known_and_filled(points, convex, symmetric, corners):
     found = Polygon(points)
     assert (found.convex, found.symmetric, len(found.arcs)) == (convex, symmetric, max(corners, 1))

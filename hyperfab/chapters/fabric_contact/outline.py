@@ -119,13 +119,13 @@ def _checked(loop: Array, name: str, size: float | None) -> Polygon:
     away = np.linalg.norm(loop - np.roll(loop, 1, axis=0), axis=1)
     loop = loop[away > _SAME * extent]
     loop = loop[~_between(loop)] if len(loop) > 3 else loop
-    if len(loop) < 3 or abs(signed_area(loop)) < _FLAT * extent**2:
+    crossing = crossing_sides(loop) if 3 < len(loop) <= _MOST_POINTS else None
+    if crossing is None and (len(loop) < 3 or abs(signed_area(loop)) < _FLAT * extent**2):
         raise InputError("has no area", file=name, remedy="at least three points around the sheet are meant")
     if len(loop) > _MOST_POINTS:
         raise InputError(
             f"has {len(loop)} points around it, more than {_MOST_POINTS}", file=name, remedy="thin them out"
         )
-    crossing = crossing_sides(loop)
     if crossing is not None:
         at = loop[crossing[0]]
         raise InputError(

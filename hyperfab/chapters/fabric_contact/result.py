@@ -11,7 +11,7 @@ from hyperfab.documents.contact import BalancePart, ContactDocument, OtherPart, 
 from hyperfab.membrane.contact import Tangential
 from hyperfab.membrane.contact_edge import contact_edge
 from hyperfab.membrane.friction import Coulomb
-from hyperfab.membrane.measures import fields, wrinkled_fraction
+from hyperfab.membrane.measures import fields, mounted_energy, wrinkled_fraction
 from hyperfab.membrane.sphere_test import Outcome, Solved
 from hyperfab.membrane.verdict import Instability, stress_difference, work
 
@@ -108,7 +108,7 @@ def _add_last(found: ContactDocument, outcome: Outcome) -> None:
     for name, deformed in (("contact_radius_mm", True), ("contact_radius_undeformed_mm", False)):
         edge = contact_edge(last.press, state, deformed=deformed)
         setattr(found, name, edge.mean if edge else 0.0)
-    stored = state.energy - sheet.energy(sheet.flat)
+    stored = state.energy - mounted_energy(last.press)
     done = work(outcome)
     lost = sheet.mesh.copies * state.memory.dissipated
     found.force_extrapolated_N = outcome.extrapolated

@@ -1,0 +1,232 @@
+"""`hf fabric-contact`: punches, outlines, and what material documents tell beside a law."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+import trimesh
+
+from hyperfab.chapters.fabric_contact.fabric import read_fabric
+from hyperfab.chapters.fabric_contact.outline import read_outline
+from hyperfab.chapters.job import Job
+from hyperfab.console import Console
+from hyperfab.errors import InputError, UsageError
+
+LAW = {"format": "hyperfab.material/1", "model": "neo-hookean", "parameters": {"C10_MPa": 0.2}}
+STRAIN = np.array([[1.96, 1.21, 0.1], [2.25, 0.4, 0.0], [1.1, 1.3, 0.2]])
+SOFTENING = {
+    "id": "thermal-softening", "form": "exponential", "parameters": {"softening_1_K": 0.01},
+    "reference_degC": 20.0, "told_by": "temperatures",
+}  # fmt: skip
+
+
+@pytest.fixture
+def job():
+    return Job("fabric-contact", [], Console(True))
+
+
+@pytest.fixture
+def made(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "fabric.json").write_text(json.dumps(LAW))
+    return tmp_path
+
+
+def _fabric(job, folder, temperature=None, **more):
+    (folder / "cloth.json").write_text(json.dumps({**LAW, **more}))
+    return read_fabric(job, "cloth.json", temperature)
+
+
+def _export(points, faces, name):
+    trimesh.Trimesh(np.asarray(points, float), faces, process=False).export(name)
+
+
+# ---- outlines --------------------------------------------------------------------------------------------------
+
+
+def test_one_outline_from_stl_mesh_and_table(made, job):
+    points = [[0, 0, 5], [8, 0, 5], [8, 6, 5], [0, 6, 5], [4, 3, 5]]
+    faces = [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]]
+    _export(points, faces, "a.stl")
+    _export(points, faces, "a.obj")
+    (made / "a.csv").write_text("x [cm],y [cm]\n0,0\n4,0\n8,0\n8,6\n0,6\n0,0\n")
+    expected = np.array([[-40.0, -30], [40, -30], [40, 30], [-40, 30]])
+    for name in ("a.stl", "a.obj", "a.csv"):
+        found = read_outline(job, name, "cm", None)
+        assert found.area == pytest.approx(4800.0)
+        assert sorted(found.vertices.round(9).tolist()) == sorted(expected.tolist())
+        assert read_outline(job, name, "cm", 160.0).area == pytest.approx(4 * 4800.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("x [mm],y [mm]\n0,0\n10,10\n10,0\n0,10\n", "crosses itself"),
+        ("x [mm],y [mm]\n0,0\n10,10\n", "no area"),
+        ("x [mm],y [mm]\n0,0\n30,0\n30,3\n3,3\n3,30\n0,30\n", "middle of its box"),
+        ("x [mm],z [mm]\n0,0\n10,10\n10,0\n", "y"),
+    ],
+)
+def test_tables_that_are_no_outline_are_refused(made, job, text, said):
+    (made / "a.csv").write_text(text)
+    with pytest.raises(InputError, match=said):
+        read_outline(job, "a.csv", "mm", None)
+
+
+def test_surfaces_that_are_no_outline_are_refused(made, job):
+    trimesh.creation.box((10, 10, 10)).export("box.stl")
+    with pytest.raises(InputError, match="not flat"):
+        read_outline(job, "box.stl", "mm", None)
+    ring = [[-9, -9, 0], [9, -9, 0], [9, 9, 0], [-9, 9, 0], [-3, -3, 0], [3, -3, 0], [3, 3, 0], [-3, 3, 0]]
+    faces = [f for i in range(4) for j in [(i + 1) % 4] for f in ([i, j, j + 4], [i, j + 4, i + 4])]
+    _export(ring, faces, "ring.stl")
+    with pytest.raises(InputError, match="more than one closed edge"):
+        read_outline(job, "ring.stl", "mm", None)
+    (made / "open.obj").write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nl 1 2\nl 2 3\n")
+    with pytest.raises(InputError, match=r"open|neither|read"):
+        read_outline(job, "open.obj", "mm", None)
+    (made / "bad.vtu").write_text("nothing")
+    with pytest.raises(InputError, match="vtu"):
+        read_outline(job, "bad.vtu", "mm", None)
+    (made / "sheet.docx").write_text("nothing")
+    with pytest.raises(UsageError, match="STL"):
+        read_outline(job, "sheet.docx", "mm", None)
+
+
+# ---- punches ---------------------------------------------------------------------------------------------------
+
+
+def _ball(radius=30.0):
+    return trimesh.creation.icosphere(subdivisions=3, radius=radius)
+
+
+def test_a_ball_from_stl_is_pressed_and_told(hf, made):
+    _ball().export("ball.stl")
+    done = hf(
+        "fabric-contact", "fabric.json", "--punch", "ball.stl", "--size", "120mm", "--depth", "25mm", "--steps", "1",
+        "--tolerance", "1e-2", "-o", "out.json", cwd=made,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr.decode()
+    found = json.loads((made / "out.json").read_text())
+    same = hf(
+        "fabric-contact", "fabric.json", "--sphere-radius", "30mm", "--size", "120mm", "--depth", "25mm", "--steps",
+        "1", "-o", "-", cwd=made,
+    )  # fmt: skip
+    assert found["force_N"] == pytest.approx(json.loads(same.stdout)["force_N"], rel=0.02)
+    assert found["setup"]["punch"] == "ball.stl"
+    assert found["setup"]["punch_facets"] == 1280
+    assert "sphere_radius_mm" not in found["setup"]
+    assert found["files"] == ["out.csv", "out.png", "out.vtu"]
+
+
+def _punched(hf, folder, *words):
+    done = hf("fabric-contact", "fabric.json", "--punch", "p.stl", *words, "-o", "out.json", cwd=folder)
+    assert not (folder / "out.json").exists()
+    return done.returncode, done.stderr.decode()
+
+
+def test_punches_that_cannot_be_meant_are_refused(hf, made):
+    ball = _ball(60.0)
+    ball.export("p.stl")
+    status, said = _punched(hf, made, "--size", "110mm", "--depth", "50mm")
+    assert status == 3
+    assert "strike the clamp at" in said
+    ball.update_faces(ball.triangles_center[:, 2] < ball.triangles_center[:, 2].max() - 1e-9)
+    ball.export("p.stl")
+    status, said = _punched(hf, made)
+    assert status == 3
+    assert "open edge" in said
+    assert "p.stl" in said
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--element", "P3"], "P1"),
+        (["--rim-slip", "-1 mm^2/N"], "--rim-slip"),
+        (["--punch", "p.stl", "--sphere-radius", "30mm"], "--sphere-radius"),
+        (["--shape", "gone.csv"], "gone.csv"),
+    ],
+)
+def test_new_options_say_what_is_wrong(hf, made, words, said):
+    done = hf("fabric-contact", "fabric.json", *words, "-o", "out.json", cwd=made)
+    assert done.returncode == (3 if "gone.csv" in words else 2)
+    assert said in done.stderr.decode()
+
+
+# ---- materials -------------------------------------------------------------------------------------------------
+
+
+def test_softening_with_temperature_scales_the_law(made, job):
+    plain = _fabric(job, made).law(STRAIN)
+    soft = _fabric(job, made, "80degC", effects=[SOFTENING])
+    np.testing.assert_allclose(soft.law(STRAIN).stress, np.exp(-0.6) * plain.stress, rtol=1e-12)
+    assert soft.temperature == 80.0
+    assert soft.obeyed == ["thermal-softening"]
+
+
+def test_effects_at_their_null_value_leave_every_bit(made, job):
+    plain = _fabric(job, made).law(STRAIN)
+    richer = {"id": "elastic-law", "form": "exponential", "parameters": {"D_MPa": 0.0, "b": 1.0}}
+    same = _fabric(job, made, "20degC", effects=[SOFTENING, richer])
+    assert same.law(STRAIN).stress.tobytes() == plain.stress.tobytes()
+    assert same.law(STRAIN).energy.tobytes() == plain.energy.tobytes()
+    assert same.left_out == []
+
+
+def test_terms_that_the_loop_added_are_obeyed(made, job):
+    richer = {"id": "elastic-law", "form": "powers", "parameters": {"C20_MPa": 0.01, "C30_MPa": 0.002}}
+    found = _fabric(job, made, effects=[richer]).law(STRAIN)
+    own = {"C10_MPa": 0.2, "C20_MPa": 0.01, "C30_MPa": 0.002}
+    same = _fabric(job, made, model="yeoh-3", parameters=own).law(STRAIN)
+    np.testing.assert_allclose(found.stress, same.stress, rtol=1e-12, atol=1e-15)
+
+
+def test_constants_at_temperatures_are_interpolated(made, job):
+    table = [{"temperature_degC": t, "parameters": {"C10_MPa": c}} for t, c in ((20.0, 0.2), (80.0, 0.1))]
+    warm = _fabric(job, made, "50degC", temperatures=table).law(STRAIN)
+    same = _fabric(job, made, parameters={"C10_MPa": 0.15}).law(STRAIN)
+    np.testing.assert_allclose(warm.stress, same.stress, rtol=1e-12)
+
+
+def test_a_document_without_temperature_refuses_one(made, job):
+    with pytest.raises(InputError, match="nothing of temperature"):
+        _fabric(job, made, "50degC")
+
+
+def test_effects_that_a_sheet_cannot_obey_are_left_out_with_the_reason(made, job):
+    effects = [
+        {"id": "rate", "form": "log-rate", "parameters": {"amount": 0.05}},
+        {"id": "mullins", "form": "pseudo-elastic", "parameters": {"amount": 0.4, "energy_MPa": 0.1}},
+        {"id": "grip-slack", "form": "play", "parameters": {"slack": 0.02}},
+    ]
+    found = _fabric(job, made, effects=effects)
+    assert [words.split(":")[0] for words in found.left_out] == ["rate"]
+    assert [words.split()[0] for words in found.obeyed] == ["mullins", "grip-slack"]
+
+
+def test_a_law_of_fibres_pulls_along_each_direction_as_in_its_tests(made, job):
+    constants = {
+        "C10_MPa": 0.034, "k1_along_MPa": 0.03, "k1_across_MPa": 0.014, "k2_along": 0.16, "k2_across": 0.19
+    }  # fmt: skip
+    turned = {
+        "C10_MPa": 0.034, "k1_along_MPa": 0.014, "k1_across_MPa": 0.03, "k2_along": 0.19, "k2_across": 0.16
+    }  # fmt: skip
+    one = _fabric(job, made, model="fabric-fibres", parameters=constants)
+    ways = {"warp": {"parameters": constants}, "weft": {"parameters": turned}}
+    two = _fabric(job, made, model="fabric-fibres", parameters=constants, directions=ways)
+    assert one.law(STRAIN).stress.tobytes() == two.law(STRAIN).stress.tobytes()
+    from hyperfab.materials import bind
+
+    law = bind("fabric-fibres", constants, anisotropic=True)
+    for stretch in (1.1, 1.5):
+        for axis, own in ((0, law), (1, law.turned())):
+            strain = np.full((1, 3), 0.0)
+            strain[0, axis], strain[0, 1 - axis] = stretch**2, 1.0 / stretch
+            stress = one.law(strain).stress[0]
+            assert stress[axis] * stretch == pytest.approx(float(own.uniaxial(stretch).P), rel=1e-12)
+    both = law.membrane(1.4, 1.2)
+    stress = one.law(np.array([[1.96, 1.44, 0.0]])).stress[0]
+    np.testing.assert_allclose(stress[:2], [float(both.P1) / 1.4, float(both.P2) / 1.2], rtol=1e-12)
