@@ -117,7 +117,9 @@ def close_press(case: Case) -> Closed:
     press = Press(front, female, case.sandwich.of_vertices(front.of_mold), base)
     pose = _pose(case, press)
     result = press.at(pose)
-    there = female.moved(pose.carry(female.vertices), female.mount + pose.opening)
+    stays = pose.opening == 0.0 and pose.angle == 0.0
+    # A female that stays where it is keeps its search tree.
+    there = female if stays else female.moved(pose.carry(female.vertices), female.mount + pose.opening)
     nearest = nearest_gap(front.vertices, there, front.normals)
     along = normal_gap(front.vertices, front.normals, there)
     touch = touch_gap(front, nearest.nearest, along)

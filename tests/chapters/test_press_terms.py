@@ -1,11 +1,16 @@
 """Sections of foam.toml for what a real press adds: nothing where they are zero, and what they say where not."""
 
 import json
+import re
+import tomllib
 
 import numpy as np
 import pytest
 from chapters.test_press_contact import FOAM, block, heat_document, press, solids
+from conftest import ROOT
 
+from hyperfab.documents.base import parse_document
+from hyperfab.documents.foam import FoamDocument
 from hyperfab.errors import InputError
 from hyperfab.io.stl_write import stl_bytes
 from hyperfab.io.vtu import unstructured
@@ -78,6 +83,15 @@ def test_relaxed_and_uneven_foam(shop, monkeypatch):
     half = np.abs(grid.points[:, 0]).max()
     u = grid.points[:, 0] / half
     assert grid.point_data["sandwich_mm"] == pytest.approx(4.5 * (1.0 + 0.1 * u - 0.05 * u * u), abs=2e-3)
+
+
+def test_the_document_in_the_docs_is_sound():
+    text = (ROOT / "docs" / "press-contact.md").read_text()
+    found = re.search(r"```toml\n(.*?)```", text, re.DOTALL)
+    assert found is not None
+    document = parse_document(tomllib.loads(found[1]), "foam.toml", FoamDocument)
+    assert document.relaxation.time == [2.0, 60.0]
+    assert document.press.stiffness == 50_000.0
 
 
 def test_flags_lie_in_the_field(shop, monkeypatch):
