@@ -19,6 +19,7 @@ def section(source: Source) -> Section:
     surface = data.get("work_surface") or {}
     warm = surface.get("at_warmup") or {}
     energy = data["energy"]
+    varied = data.get("variations") or {}
     minutes = data["warmup_time_s"] / 60 if "warmup_time_s" in data else None
     found.parts.append(
         facts(
@@ -36,6 +37,11 @@ def section(source: Source) -> Section:
                 ("mass", number(data["mass_kg"], "kg")),
                 ("error of the account of heat", number(energy["imbalance_relative"], "", 2)),
                 ("unknowns", number(data["unknowns"])),
+                ("variations on the reduced mold", number(len(varied["runs"])) if varied else None),
+                (
+                    "reduced mold, greatest difference from the full run",
+                    _number(varied, "difference_max_K", "K"),
+                ),
                 ("time steps", number(data["steps"])),
             ],
         )
