@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from hyperfab.numerics.kernels import kernel, part
+from hyperfab.numerics.kernels import inlined, kernel
 
 from .law import Floats
 
@@ -17,7 +17,7 @@ OX = np.array([1, 0, 1, 1])
 OY = np.array([0, 1, 1, -1])
 
 
-@part
+@inlined
 def _sandwich(q: Floats, b: Floats, r: Floats, sign: float, out: Singles) -> None:
     """out (9) = sign * Q B R with symmetric Q, R (6) and full B (3, 3)."""
     if q[0] + q[3] + q[5] == 3.0 and r[0] + r[3] + r[5] == 3.0:  # two free nodes
@@ -35,14 +35,14 @@ def _sandwich(q: Floats, b: Floats, r: Floats, sign: float, out: Singles) -> Non
         out[3 * k + 2] = sign * (t[k, 0] * r[2] + t[k, 1] * r[4] + t[k, 2] * r[5])
 
 
-@part
+@inlined
 def _full(s: Floats, b: Floats) -> None:
     b[0, 0], b[0, 1], b[0, 2] = s[0], s[1], s[2]
     b[1, 0], b[1, 1], b[1, 2] = s[1], s[3], s[4]
     b[2, 0], b[2, 1], b[2, 2] = s[2], s[4], s[5]
 
 
-@part
+@inlined
 def _add6(a: Floats, b: Floats) -> None:
     for k in range(6):
         a[k] += b[k]

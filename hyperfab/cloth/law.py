@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from hyperfab.numerics.kernels import part
+from hyperfab.numerics.kernels import inlined
 
 Floats = npt.NDArray[np.float64]
 
@@ -120,7 +120,7 @@ def piecewise_linear(stretch: object, stress: object) -> SpringLaw:
     return _law(lam, p, slope, slope)
 
 
-@part
+@inlined
 def evaluate(lam: float, knots: Floats, pieces: Floats, buckets: npt.NDArray[np.int64]) -> Any:
     """Energy density, nominal stress and slope at one stretch above 1."""
     last = knots.shape[0] - 1

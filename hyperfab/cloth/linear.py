@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hyperfab.numerics.kernels import kernel, part
+from hyperfab.numerics.kernels import inlined, kernel
 
 from .creases import couple
 from .law import Floats
@@ -48,7 +48,7 @@ class Tangent:
         return self.warp, self.weft, self.one, self.two
 
 
-@part
+@inlined
 def _difference(b: Floats, u: Floats, i: int, j: int, k: int, l: int, out: Floats) -> None:
     x, y, z = u[i, j, 0] - u[k, l, 0], u[i, j, 1] - u[k, l, 1], u[i, j, 2] - u[k, l, 2]
     fx, fy, fz = (

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from hyperfab.numerics.kernels import kernel, part
+from hyperfab.numerics.kernels import inlined, kernel
 
 from .galerkin import OX, OY, Ints, Singles, assemble, assemble_bent, halve, invert, sandwich_all
 from .law import Floats
@@ -63,73 +63,89 @@ def injected(n: int) -> Ints:
     return np.arange(n) if nc == n else np.minimum(2 * np.arange(nc), n - 1)
 
 
-@part
+@inlined
 def _add(a: Singles, u: Floats, s: Floats) -> None:
     s[0] -= a[0] * u[0] + a[1] * u[1] + a[2] * u[2]
     s[1] -= a[3] * u[0] + a[4] * u[1] + a[5] * u[2]
     s[2] -= a[6] * u[0] + a[7] * u[1] + a[8] * u[2]
 
 
-@part
+@inlined
 def _add_t(a: Singles, u: Floats, s: Floats) -> None:
     s[0] -= a[0] * u[0] + a[3] * u[1] + a[6] * u[2]
     s[1] -= a[1] * u[0] + a[4] * u[1] + a[7] * u[2]
     s[2] -= a[2] * u[0] + a[5] * u[1] + a[8] * u[2]
 
 
-@part
-def _gather(off: Singles, u: Floats, i: int, j: int, s: Floats) -> None:
-    """s -= sum over the neighbours of (i, j) of their block times u."""
+@inlined
+def _ahead(off: Singles, u: Floats, i: int, j: int, s: Floats) -> None:
+    """s -= sum over the neighbours of (i, j) that come after it of their block times u."""
     n, m = u.shape[0], u.shape[1]
-    if i > 0:
-        _add_t(off[i - 1, j, 0], u[i - 1, j], s)
     if i + 1 < n:
         _add(off[i, j, 0], u[i + 1, j], s)
-    if j > 0:
-        _add_t(off[i, j - 1, 1], u[i, j - 1], s)
     if j + 1 < m:
         _add(off[i, j, 1], u[i, j + 1], s)
-    if off.shape[2] == 4:
-        if i > 0 and j > 0:
-            _add_t(off[i - 1, j - 1, 2], u[i - 1, j - 1], s)
-        if i + 1 < n and j + 1 < m:
+    if off.shape[2] == 4 and i + 1 < n:
+        if j + 1 < m:
             _add(off[i, j, 2], u[i + 1, j + 1], s)
-        if i > 0 and j + 1 < m:
-            _add_t(off[i - 1, j + 1, 3], u[i - 1, j + 1], s)
-        if i + 1 < n and j > 0:
+        if j > 0:
             _add(off[i, j, 3], u[i + 1, j - 1], s)
 
 
-@kernel
-def sweep(inverse: Singles, off: Singles, b: Floats, u: Floats, forward: bool) -> None:
-    """One Gauss-Seidel sweep over the nodes, in order or in reverse."""
-    n, m = u.shape[0], u.shape[1]
-    s = np.empty(3)
-    for a in range(n):
-        i = a if forward else n - 1 - a
-        for c in range(m):
-            j = c if forward else m - 1 - c
-            s[0], s[1], s[2] = b[i, j, 0], b[i, j, 1], b[i, j, 2]
-            _gather(off, u, i, j, s)
-            d = inverse[i, j]
-            u[i, j, 0] = d[0] * s[0] + d[1] * s[1] + d[2] * s[2]
-            u[i, j, 1] = d[1] * s[0] + d[3] * s[1] + d[4] * s[2]
-            u[i, j, 2] = d[2] * s[0] + d[4] * s[1] + d[5] * s[2]
+@inlined
+def _behind(off: Singles, u: Floats, i: int, j: int, s: Floats) -> None:
+    """s -= sum over the neighbours of (i, j) that come before it of their block times u."""
+    m = u.shape[1]
+    if i > 0:
+        _add_t(off[i - 1, j, 0], u[i - 1, j], s)
+    if j > 0:
+        _add_t(off[i, j - 1, 1], u[i, j - 1], s)
+    if off.shape[2] == 4 and i > 0:
+        if j > 0:
+            _add_t(off[i - 1, j - 1, 2], u[i - 1, j - 1], s)
+        if j + 1 < m:
+            _add_t(off[i - 1, j + 1, 3], u[i - 1, j + 1], s)
+
+
+@inlined
+def _solve(d: Singles, s: Floats, u: Floats) -> None:
+    u[0] = d[0] * s[0] + d[1] * s[1] + d[2] * s[2]
+    u[1] = d[1] * s[0] + d[3] * s[1] + d[4] * s[2]
+    u[2] = d[2] * s[0] + d[4] * s[1] + d[5] * s[2]
 
 
 @kernel
-def residual(diag: Singles, off: Singles, b: Floats, u: Floats, r: Floats) -> None:
-    """r = b - A u."""
-    n, m = u.shape[0], u.shape[1]
+def sweep_from_zero(inverse: Singles, off: Singles, b: Floats, u: Floats) -> None:
+    """One Gauss-Seidel sweep over the nodes in order from u = 0, whatever u holds."""
     s = np.empty(3)
-    for i in range(n):
-        for j in range(m):
+    for i in range(u.shape[0]):
+        for j in range(u.shape[1]):
             s[0], s[1], s[2] = b[i, j, 0], b[i, j, 1], b[i, j, 2]
-            _gather(off, u, i, j, s)
-            d, v = diag[i, j], u[i, j]
-            r[i, j, 0] = s[0] - (d[0] * v[0] + d[1] * v[1] + d[2] * v[2])
-            r[i, j, 1] = s[1] - (d[1] * v[0] + d[3] * v[1] + d[4] * v[2])
-            r[i, j, 2] = s[2] - (d[2] * v[0] + d[4] * v[1] + d[5] * v[2])
+            _behind(off, u, i, j, s)
+            _solve(inverse[i, j], s, u[i, j])
+
+
+@kernel
+def sweep_back(inverse: Singles, off: Singles, b: Floats, u: Floats) -> None:
+    """One Gauss-Seidel sweep over the nodes in reverse."""
+    s = np.empty(3)
+    for i in range(u.shape[0] - 1, -1, -1):
+        for j in range(u.shape[1] - 1, -1, -1):
+            s[0], s[1], s[2] = b[i, j, 0], b[i, j, 1], b[i, j, 2]
+            _behind(off, u, i, j, s)
+            _ahead(off, u, i, j, s)
+            _solve(inverse[i, j], s, u[i, j])
+
+
+@kernel
+def left(off: Singles, u: Floats, r: Floats) -> None:
+    """r = b - A u after a forward sweep from zero: each node's own equation held until the nodes after it moved."""
+    s = np.empty(3)
+    for i in range(u.shape[0]):
+        for j in range(u.shape[1]):
+            s[0], s[1], s[2] = 0.0, 0.0, 0.0
+            _ahead(off, u, i, j, s)
+            r[i, j, 0], r[i, j, 1], r[i, j, 2] = s[0], s[1], s[2]
 
 
 @kernel
@@ -247,16 +263,15 @@ class Multigrid:
         if k == len(self.levels) - 1:
             u[:] = (self.direct @ b.ravel()).reshape(u.shape)
             return
-        u[:] = 0.0
-        sweep(level.inverse, level.off, b, u, True)
-        residual(level.diag, level.off, b, u, r)
+        sweep_from_zero(level.inverse, level.off, b, u)
+        left(level.off, u, r)
         below = self.levels[k + 1]
         below.vectors[0] = 0.0
         restrict(r, *level.parents, below.vectors[0])
         project(below.q, below.vectors[0])
         self._cycle(k + 1)
         prolong(below.vectors[1], *level.parents, level.q, u)
-        sweep(level.inverse, level.off, b, u, False)
+        sweep_back(level.inverse, level.off, b, u)
 
 
 def _in_chunks(diag: Singles, off: Singles, places: Ints, coarse_diag: Singles, coarse_off: Singles) -> None:

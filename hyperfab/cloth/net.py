@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
+
+from hyperfab.numerics.kernels import inlined, kernel
 
 from .law import Floats, SpringLaw, evaluate, piecewise_linear
 
@@ -129,7 +130,7 @@ def _shares(n: int) -> Floats:
 _NONE = piecewise_linear([1.0, 2.0], [0.0, 0.0])
 
 
-@njit(cache=True)
+@inlined
 def _spring(x: Floats, f: Floats, i: int, j: int, k: int, l: int, rest: float, area: float, law: Any) -> Any:
     """Add a spring's force to its two nodes; (energy, force)."""
     dx, dy, dz = x[k, l, 0] - x[i, j, 0], x[k, l, 1] - x[i, j, 1], x[k, l, 2] - x[i, j, 2]
@@ -148,7 +149,7 @@ def _spring(x: Floats, f: Floats, i: int, j: int, k: int, l: int, rest: float, a
     return w * area * rest, t
 
 
-@njit(cache=True)
+@kernel
 def forces(x: Floats, net: Arrays, f: Floats) -> tuple[float, float]:
     """Spring forces and weight on every node into ``f`` (n, m, 3) N; (energy in N mm, largest spring force in N)."""
     n, m = x.shape[0], x.shape[1]
@@ -185,7 +186,7 @@ def forces(x: Floats, net: Arrays, f: Floats) -> tuple[float, float]:
     return total, largest
 
 
-@njit(cache=True)
+@inlined
 def _block(
     x: Floats, i: int, j: int, k: int, l: int, rest: float, area: float, law: Any, floor: float, out: Floats
 ) -> None:
@@ -204,7 +205,7 @@ def _block(
     out[3], out[4], out[5] = across + d * ty * ty, d * ty * tz, across + d * tz * tz
 
 
-@njit(cache=True)
+@kernel
 def stiffness(
     x: Floats, net: Arrays, floor: float, warp: Floats, weft: Floats, one: Floats, two: Floats
 ) -> None:

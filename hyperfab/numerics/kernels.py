@@ -9,6 +9,7 @@ from numba import njit
 # Kept on disk. Division by zero gives inf, as numpy has it; nothing here is called from C.
 _KERNEL: dict[str, Any] = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 _PART: dict[str, Any] = {**_KERNEL, "no_cpython_wrapper": True}
+_INLINED: dict[str, Any] = {**_PART, "forceinline": True}
 
 #: Decorates a function called from Python.
 kernel: Any = njit(**_KERNEL)
@@ -16,3 +17,6 @@ kernel: Any = njit(**_KERNEL)
 #: Decorates a function called from kernels alone. Nothing is compiled for Python to call it by, which takes a tenth
 #: off the first run.
 part: Any = njit(**_PART)
+
+#: Decorates a few lines called from the innermost loops of kernels, to become part of these.
+inlined: Any = njit(**_INLINED)
