@@ -18,6 +18,45 @@ MODEL = {
     "parameters": {"C10_MPa": 0.1, "C20_MPa": 0.02, "C30_MPa": 0.01},
 }
 
+FLAT = "".join(f"{1.0 + 0.02 * i:.6g},0.1\n" for i in range(20))
+TWO_BODIES = """format = "hyperfab.mold/1"
+[material.body]
+density = "2700 kg/m^3"
+conductivity = "200 W/m/K"
+specific_heat = "500 J/kg/K"
+[[part]]
+name = "one"
+material = "body"
+box = { origin = ["0 mm", "0 mm", "0 mm"], size = ["14.8 mm", "20 mm", "5 mm"] }
+[[part]]
+name = "two"
+material = "body"
+box = { origin = ["14.8 mm", "0 mm", "0 mm"], size = ["14.8 mm", "20 mm", "5 mm"] }
+[[heater]]
+volume = "one"
+schedule = "p1.csv"
+[[heater]]
+volume = "two"
+schedule = "p2.csv"
+[[convection]]
+on = "exposed"
+h = "10 W/m^2/K"
+ambient = "23 degC"
+[[contact]]
+between = ["one", "two"]
+h = "100 W/m^2/K"
+[[probe]]
+name = "T1"
+at = ["7 mm", "10 mm", "2.5 mm"]
+[[probe]]
+name = "T2"
+at = ["22 mm", "10 mm", "2.5 mm"]
+[run]
+start = "20.4 degC"
+until = "600 s"
+mesh_size = "5 mm"
+"""
+
 
 def shop(folder: Path, effects: tuple[str, ...], seed: int = 4, noise: float = 0.004) -> list[str]:
     """Write a model and the tests of a fabric with effects nobody declares; return the arguments."""
@@ -95,6 +134,7 @@ def test_data_set_apart_are_predicted(hf: Run, tmp_path: Path) -> None:
     [
         (["--fix", "C99_MPa"], 2, "no such constant"),
         (["--noise", "3"], 2, "unit"),
+        (["--prior", "10"], 2, "at most 100%"),
         (["--noise", "0MPa"], 2, "more than zero"),
         (["--measured", "0.csv"], 2, "given twice"),
         (["--measured", "nowhere.csv"], 3, "no such file"),
@@ -109,10 +149,10 @@ def test_mistakes_are_told(hf: Run, tmp_path: Path, change: list[str], status: i
 
 
 def test_domain_that_is_not_built_is_refused_by_name(hf: Run, tmp_path: Path) -> None:
-    (tmp_path / "d.json").write_text('{"format": "hyperfab.drape/1"}')
+    (tmp_path / "d.json").write_text('{"format": "hyperfab.heat/1"}')
     done = hf("close-loop", "d.json", "--measured", "x.csv", cwd=tmp_path)
     assert done.returncode == 2
-    assert "drape" in done.stderr.decode()
+    assert "heat" in done.stderr.decode()
 
 
 @pytest.mark.parametrize("knit", ["knit-glove-garter", "knit-acrylic-stockinette"])
@@ -134,3 +174,36 @@ def test_elastomer_shows_rate_and_temperature(hf: Run, tmp_path: Path, data_dir:
     found = json.loads(done.stdout)
     assert {"rate", "thermal-softening"} <= {effect["id"] for effect in found["effects"]}
     assert found["error"]["after"]["nrmse"] < 0.05
+
+
+@pytest.mark.parametrize(
+    ("rows", "words"), [("1,0\n1.2,0.1\n1.3,0.15\n", "too few rows"), (FLAT, "in all 20 rows")]
+)
+def test_curves_without_information_are_refused(hf: Run, tmp_path: Path, rows: str, words: str) -> None:
+    (tmp_path / "m.json").write_text(json.dumps(MODEL))
+    (tmp_path / "c.csv").write_text("# test: uniaxial\nstretch [-],stress [MPa]\n" + rows)
+    done = hf("close-loop", "m.json", "--measured", "c.csv", cwd=tmp_path)
+    assert done.returncode == 3
+    assert words in done.stderr.decode()
+
+
+@pytest.mark.slow
+def test_sensors_of_two_heated_bodies_lag(hf: Run, tmp_path: Path, data_dir: Path) -> None:
+    import numpy as np
+
+    power = np.loadtxt(data_dir / "tclab" / "power.csv", delimiter=",", skiprows=2)
+    for number, watt in ((1, 0.01), (2, 0.0075)):
+        on = power[:, number]
+        turns = np.flatnonzero(np.diff(on)) + 1
+        at = [(0.0, on[0]), *((power[i, 0] + d, on[i - 1 + (d > 0)]) for i in turns for d in (-0.01, 0.01))]
+        body = "\n".join(f"{t:.6g},{watt * percent:.6g}" for t, percent in at)
+        (tmp_path / f"p{number}.csv").write_text(f"time [s],power [W]\n{body}\n")
+    (tmp_path / "kit.toml").write_text(TWO_BODIES)
+    thermocouples = data_dir / "tclab" / "thermocouples.csv"
+    done = hf("close-loop", "kit.toml", "--measured", thermocouples, cwd=tmp_path, timeout=600)
+    found = json.loads(done.stdout)
+    assert done.returncode == 1
+    assert [effect["id"] for effect in found["effects"]] == ["sensor-lag"]
+    assert found["effects"][0]["parameters"]["lag_s"] == pytest.approx(16.0, abs=2.0)
+    assert found["error"]["before"]["rms"] > 1.0
+    assert found["error"]["after"]["rms"] <= 0.65

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -12,7 +13,7 @@ from hyperfab.loop.fabric import FabricTest, fabric_problem
 from hyperfab.materials import bind
 from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.path import UNIAXIAL, Path
-from hyperfab.materials.effects.rate import relaxing
+from hyperfab.materials.effects.rate import relaxing, thinning
 from hyperfab.materials.registry import law
 
 WARP = np.array([0.06, 0.02, 0.017])
@@ -85,6 +86,21 @@ def test_maxwell_branch_follows_the_convolution_integral() -> None:
     path = path_of(lam)
     found = relaxing(path, 2.0 * path.time_s, [0.3], [7.0])
     assert np.allclose(found, 0.3 * 2.0 * 7.0 * (1.0 - np.exp(-path.time_s / 7.0)), rtol=1e-12)
+
+
+def test_thinning_dashpot_is_eyrings() -> None:
+    # Held after a jump: q' = -(q0/tau) sinh(q/q0), integrated in small explicit steps.
+    lam, time = np.array([1.3, 1.3, 1.3]), np.array([0.0, 2.0, 6.0])
+    path = replace(path_of(lam), time_s=time)
+    found = thinning(path, np.ones(3), 0.4, 5.0, 0.1)
+    q, expected = float(found[0]), [float(found[0])]
+    for step in (2.0, 4.0):
+        for _ in range(20000):
+            q -= step / 20000 * 0.1 / 5.0 * np.sinh(q / 0.1)
+        expected.append(q)
+    assert found == pytest.approx(expected, rel=1e-3)
+    slow = thinning(path_of(cycles()), cycles() - 1.0, 0.3, 7.0, 1e3)
+    assert slow == pytest.approx(relaxing(path_of(cycles()), cycles() - 1.0, [0.3], [7.0]), abs=2e-4)
 
 
 def test_mullins_softens_only_below_the_largest_stretch() -> None:

@@ -72,3 +72,33 @@ def test_leaving_a_curve_out_is_exact_for_a_linear_model() -> None:
     c = np.linalg.lstsq(columns[rest], problem.measured[rest], rcond=None)[0]
     expected = (problem.measured - columns @ c)[curve.rows] / noise.sd[curve.rows]
     assert held.residual[curve.rows] == pytest.approx(expected, rel=1e-4, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("effect", "seed"),
+    [
+        ("mullins", 1),
+        ("permanent-set", 0),
+        ("load-offset", 2),
+        ("elastic-law", 1),
+        ("hysteresis", 2),
+        ("rate", 0),
+    ],
+)
+def test_laws_of_other_make_are_called_by_their_name(effect: str, seed: int) -> None:
+    # The kind is the seed: damage that runs on with cycles, an exponential set, an amplifier that warms up, a sigmoid.
+    problem, _, _, _ = case(seed, (effect,), poor=False, other=True)
+    found = close(problem, design=False)
+    named = set(found.after.ids) | {name for one in found.indistinguishable for name in one}
+    assert found.verdict in ("effect", "ambiguous")
+    assert effect in named
+
+
+@pytest.mark.parametrize(
+    "pair", [("anisotropy", "hysteresis"), ("rate", "thermal-softening"), ("mullins", "rate")]
+)
+def test_two_effects_are_both_found(pair: tuple[str, str]) -> None:
+    problem, _, _, _ = case(1, pair, poor=False)
+    found = close(problem, design=False)
+    assert found.verdict == "effect"
+    assert set(found.after.ids) == set(pair)

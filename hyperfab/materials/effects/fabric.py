@@ -247,6 +247,8 @@ class Fabric:
             known = self.speed[np.isfinite(self.speed)]
             reference = float(np.exp(np.mean(np.log(known))))
             return stress * rate.quickened(self.speed, reference, values[0])
+        if form == "thinning":
+            return stress + rate.thinning(self.path, stress, *values)
         if form.endswith("bent"):
             branches = np.delete(values, 2)
             return stress + rate.relaxing_bent(

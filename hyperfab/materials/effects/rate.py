@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numba
 import numpy as np
 
 from hyperfab.materials.effects.path import Path
@@ -42,6 +43,38 @@ def relaxing_bent(
     Simo (1987), doi:10.1016/0045-7825(87)90107-1: an energy of its own for the overstress.
     """
     return relaxing(path, stress * path.stretch**bend, weights, times_s)
+
+
+def thinning(path: Path, stress: Array, weight: float, tau_s: float, flow: float) -> Array:
+    """Return the stress of a Maxwell branch whose dashpot thins: ``dq = g dP - (flow/tau) sinh(q/flow) dt``.
+
+    Eyring (1936), doi:10.1063/1.1749836. At rest the branch decays so that ``tanh(q/(2 flow))`` falls exponentially,
+    which each step obeys exactly, half before and half after what the stress adds. A large ``flow`` is ``relaxing``.
+    """
+    first = list(path.starts[:-1])
+    change = np.empty_like(stress)
+    np.subtract(stress[1:], stress[:-1], out=change[1:])
+    change[first] = stress[first]
+    keep = np.exp(-0.5 * path.waited / tau_s)
+    begins = np.zeros(len(stress), dtype=np.bool_)
+    begins[first] = True
+    found: Array = _thinning(weight * change, keep, begins, float(flow))
+    return found
+
+
+@numba.njit(cache=True)
+def _thinning(change, keep, begins, flow):  # type: ignore[no-untyped-def]
+    found = np.empty_like(change)
+    q = 0.0
+    for i in range(len(change)):
+        if begins[i]:
+            q = 0.0
+        for half in range(2):
+            q = 2.0 * flow * np.arctanh(keep[i] * np.tanh(0.5 * q / flow))
+            if half == 0:
+                q += change[i]
+        found[i] = q
+    return found
 
 
 def quickened(speed: Array, reference: float, amount: float) -> Array:

@@ -13,6 +13,7 @@ def entry(scene: Scene) -> Effect | None:
     if not scene.path.knows_time:
         return None
     step, whole = scene.times
+    peak = scene.peak_stress
     low, high = 0.2 * step, 20.0 * whole
     times = [float(t) for t in np.geomspace(2.0 * step, 0.5 * whole, 4)]
 
@@ -59,6 +60,12 @@ def entry(scene: Scene) -> Effect | None:
                 (*one, bend, *two, *three),
                 ((0.2, times[0], 0.5, 0.2, times[2], 0.2, times[3]),),
                 refines="prony-2-bent",
+            ),
+            Form(
+                "thinning",
+                (*one, Constant("flow_MPa", 100.0 * peak, 0.005 * peak, 100.0 * peak, 0.2 * peak)),
+                ((0.5, times[1], 0.15 * peak), (0.5, times[2], 0.15 * peak)),
+                refines="prony-1",
             ),
             Form("log-rate", (Constant("amount", 0.0, -0.5, 0.5, 0.02),), ((0.05,),), ((0.01,),)),
         ),
