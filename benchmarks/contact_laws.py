@@ -1,7 +1,7 @@
 """All laws on Treloar's rubber: constants from uniaxial tension (A) against constants from all tests (B) on the sphere.
 
 Fits each law twice to ``specimens/treloar-1944``, pushes a sphere of radius 40 mm into a disc of diameter 200 mm and
-thickness 1 mm, and prints the table of docs/fabric-contact-laws.md:
+thickness 1 mm, and prints the tables of docs/fabric-contact-laws.md:
 
     python benchmarks/contact_laws.py > docs/fabric-contact-laws.md
 """
@@ -9,6 +9,7 @@ thickness 1 mm, and prints the table of docs/fabric-contact-laws.md:
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 import tempfile
@@ -26,9 +27,18 @@ uniaxial, planar and equibiaxial tests together (B); a sphere of radius 40 mm pu
 diameter 200 mm and thickness 1 mm. Force in N at 40, 60 and 80 mm; e is the largest difference of the Cauchy principal
 stresses at the same material points over the largest stress of A, at the last depth both reach (80 mm unless said
 otherwise); F_A/F_B there. Unstable: the depth and the larger stretch where the constants first lose Drucker stability.
+Snaps: no stable equilibrium leads on from the first depth, and at the second the sheet has come to rest in another shape.
 
 | law | F_A 40 | F_A 60 | F_A 80 | F_B 40 | F_B 60 | F_B 80 | e % | F_A/F_B | A | B |
 |---|---|---|---|---|---|---|---|---|---|---|"""
+
+DEPTHS_HEAD = (
+    "Force [N] with A / with B:\n\n| law | "
+    + " | ".join(f"{DEPTH_MM * step // STEPS} mm" for step in range(1, STEPS + 1))
+    + " |\n"
+    + "|---" * (STEPS + 1)
+    + "|"
+)
 
 
 def hf(*words: str, folder: Path) -> int:
@@ -69,6 +79,9 @@ def verdict(part: dict) -> str:
         words.append(
             f"unstable at {stability['first_unstable_depth_mm']:.1f} mm ({stability['stretches'][0]:.2f})"
         )
+    snap = re.search(r"snaps between ([\d.]+) and ([\d.]+) mm", part.get("status") or "")
+    if snap:
+        words.append(f"snaps between {snap[1]} and {snap[2]} mm")
     if not part["converged"]:
         words.append(f"ends at {part['depth_reached_mm']:.2f} mm")
     return ", ".join(words) or "stable"
@@ -90,16 +103,34 @@ def row(law: str, found: dict | None) -> str:
     return "| " + " | ".join(cells) + " |"
 
 
+def depths(law: str, found: dict | None) -> str:
+    """Return the lines of one law in the table of all depths: force with A over force with B."""
+    if found is None:
+        return f"| {law} | no result |" + " |" * (STEPS - 1)
+    a, b = ({round(d, 6): f for d, f in part["force_depth"]} for part in (found, found["against"]))
+    marks = [float(DEPTH_MM * step // STEPS) for step in range(1, STEPS + 1)]
+    cells = [f"{a[d]:.2f} / {b[d]:.2f}" if d in a and d in b else "–" for d in marks]
+    return "| " + " | ".join([law, *cells]) + " |"
+
+
 def main(laws: list[str]) -> None:
-    """Print the table, law by law."""
+    """Print the tables, law by law."""
     if not laws:
         from hyperfab.materials import laws as known
 
         laws = [name for name, one in known().items() if one.isotropic]
     print(HEAD)
+    results: dict[str, dict | None] = {}
     with tempfile.TemporaryDirectory() as folder:
         for law in laws:
-            print(row(law, pressed(law, Path(folder))), flush=True)
+            results[law] = pressed(law, Path(folder))
+            print(row(law, results[law]), flush=True)
+    parts = [part for found in results.values() if found for part in (found, found["against"])]
+    reached = sum(part["converged"] for part in parts)
+    print(f"\n{reached} of {len(parts)} sets of constants reach {DEPTH_MM} mm.\n")
+    print(DEPTHS_HEAD)
+    for law, found in results.items():
+        print(depths(law, found))
 
 
 if __name__ == "__main__":
