@@ -27,7 +27,7 @@ uniaxial, planar and equibiaxial tests together (B); a sphere of radius 40 mm pu
 diameter 200 mm and thickness 1 mm. Force in N at 40, 60 and 80 mm; e is the largest difference of the Cauchy principal
 stresses at the same material points over the largest stress of A, at the last depth both reach (80 mm unless said
 otherwise); F_A/F_B there. Unstable: the depth and the larger stretch where the constants first lose Drucker stability.
-Snaps: no stable equilibrium leads on from the first depth, and at the second the sheet has come to rest in another shape.
+Snaps: no stable equilibrium leads on from the first depth; at the second the sheet rests in another shape.
 
 | law | F_A 40 | F_A 60 | F_A 80 | F_B 40 | F_B 60 | F_B 80 | e % | F_A/F_B | A | B |
 |---|---|---|---|---|---|---|---|---|---|---|"""
