@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
+from hyperfab.numerics.kernels import kernel
 from hyperfab.surface.bvh import DEPTH, nearest_one
 
 from .energy import ROWS
@@ -127,7 +127,7 @@ def _at_nodes(law: SpringLaw, stretch: Floats, axis: int) -> Floats:
     return np.asarray(0.5 * (padded.take(range(n - 1), axis) + padded.take(range(1, n), axis)))
 
 
-@njit(cache=True)
+@kernel
 def _deepest(
     x: Floats,
     mold: Mold,
