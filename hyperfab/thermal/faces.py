@@ -27,6 +27,8 @@ CURVED_FACING = 0.4
 
 #: The middle of a flat facet on a curved surface may be this share of its size away from the surface.
 SAGITTA = 0.08
+#: ... and on an STL surface that was meshed anew, where small balls have few facets.
+SAGITTA_STL = 0.25
 
 
 @dataclass(frozen=True)
@@ -172,12 +174,11 @@ class Faces:
         return found & self.mesh.facets.outer
 
     def _on_shape(self, shape: Shape) -> Mask:
-        if isinstance(shape, Stl):
-            raise InputError("an STL shape among others has no faces of its own", remedy="name its part")
         at_centre = shape.distance(self._centre)
         at_corners = shape.distance(self._corners.reshape(-1, 3)).reshape(-1, 3)
+        sagitta = SAGITTA_STL if isinstance(shape, Stl) else SAGITTA
         exact: Mask = at_centre <= self._tight
-        curved: Mask = (at_corners <= self._tight).all(axis=1) & (at_centre <= SAGITTA * self._size)
+        curved: Mask = (at_corners <= self._tight).all(axis=1) & (at_centre <= sagitta * self._size)
         return exact | curved
 
     def _that_way(self, mask: Mask, flip: Mask, way: Array) -> Mask:

@@ -12,6 +12,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.surface import Surface
+
 Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
 
@@ -141,6 +143,11 @@ class Stl:
     def bounds(self) -> tuple[Array, Array]:
         """Return the corners of the bounding box."""
         return self.vertices.min(axis=0), self.vertices.max(axis=0)
+
+    def distance(self, points: Array) -> Array:
+        """Return the distance of each point from the surface, or from the ``fine`` one where that is nearer [mm]."""
+        found = np.abs(Surface(self.vertices, self.triangles).nearest(points).distance)
+        return found if self.fine is None else np.minimum(found, self.fine.distance(points))
 
 
 Shape = Box | Cylinder | Ellipsoid | Stl

@@ -432,6 +432,23 @@ def test_dirty_stl_is_welded_and_meshed_with_a_cavity(tmp_path):
     assert document["conditions"]["heater hole.all"]["area_mm2"] == pytest.approx(600.0, rel=1e-6)
 
 
+@pytest.mark.parametrize("fineness", [2, 5])
+def test_a_cavity_may_be_an_stl(tmp_path, fineness):
+    import trimesh
+
+    ball = trimesh.creation.icosphere(fineness, radius=8.0)  # 320 facets, and 20 480 that are meshed anew
+    ball.apply_translation([50, 40, 10])
+    (tmp_path / "ball.stl").write_bytes(trimesh.exchange.stl.export_stl(ball))
+    text = PLATE.replace("[[heater]]", '[[cavity]]\nname = "ball"\nstl = "ball.stl"\n[[heater]]')
+    text = text.replace("plate.z-", "ball.all").replace('"25 mm"', '"15 mm"').replace('"300 s"', '"5 s"')
+    status, document, _ = heat(tmp_path, text)
+    assert status == 0
+    strays = ball.area * 0.015 * 15.0 if fineness == 5 else 1e-3  # 1.5 % of mesh_size is allowed [mm^3]
+    assert document["mass_kg"] / 2702e-9 == pytest.approx(160e3 - ball.volume, abs=strays)
+    assert document["conditions"]["heater ball.all"]["area_mm2"] == pytest.approx(ball.area, rel=0.03)
+    assert document["conditions"]["convection exposed"]["area_mm2"] == pytest.approx(23200.0, rel=1e-6)
+
+
 def test_bodies_of_one_stl_are_a_union_and_one_through_itself_is_refused_with_the_place(tmp_path):
     import trimesh
 
