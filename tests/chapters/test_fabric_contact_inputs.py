@@ -230,3 +230,14 @@ def test_a_law_of_fibres_pulls_along_each_direction_as_in_its_tests(made, job):
     both = law.membrane(1.4, 1.2)
     stress = one.law(np.array([[1.96, 1.44, 0.0]])).stress[0]
     np.testing.assert_allclose(stress[:2], [float(both.P1) / 1.4, float(both.P2) / 1.2], rtol=1e-12)
+
+
+def test_straight_elements_meet_the_tolerance_they_state(hf, made):
+    done = hf(
+        "fabric-contact", "fabric.json", "--element", "P1", "--steps", "1", "--tolerance", "5e-4", "-o", "out.json",
+        cwd=made,
+    )  # fmt: skip
+    found = json.loads((made / "out.json").read_text())
+    assert done.returncode == 0
+    assert found["setup"]["elements"].startswith("P1")
+    assert found["force_N"] == pytest.approx(41.576556565, rel=5e-4)
