@@ -126,6 +126,10 @@ blind: $(VENV)/dev
 	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind fabric 20 --other
 	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind fabric 8 --two
 	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind heat 2
+	for domain in press contact drape; do PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind_$$domain 8 rich || exit 1; done
+	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind_press 8 film
+	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind_contact 8 poor
+	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind_drape 8 poor
 
 fuzz: $(VENV)/dev
 	HYPOTHESIS_PROFILE=fuzz $(BIN)/python -m pytest tests/io tests/documents

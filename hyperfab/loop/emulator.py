@@ -103,6 +103,8 @@ def _lower_set(axes: Sequence[Axis], squares: bool) -> list[tuple[int, ...]]:
     for i, j in itertools.combinations(range(len(axes)), 2):
         if not (axes[i].mixes or axes[j].mixes) or not (axes[i].couples and axes[j].couples):
             continue
+        if not (axes[i].level and axes[j].level):
+            continue
         both = squares and axes[i].mixes and axes[j].mixes
         for a, b in itertools.product((1, 2), repeat=2):
             # Between an effect and a constant of the model the bilinear term is enough.

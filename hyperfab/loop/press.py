@@ -23,7 +23,7 @@ Kind = Literal["pressure", "contact", "thickness", "force"]
 Ints = NDArray[np.int64]
 
 #: Units the readings are told in.
-UNITS: dict[str, str] = {"pressure": "MPa", "contact": "1", "thickness": "mm", "force": "N"}
+UNITS: dict[str, str] = {"pressure": "MPa", "contact": "-", "thickness": "mm", "force": "N"}
 #: A place reads half contact half open over this much of a gap [mm]: a film's or a paste's own thickness.
 CONTACT_BLUR = 0.05
 #: What is known of the press beside the foam's stiffness: gap [mm], force and foam thickness (shares), zero of a

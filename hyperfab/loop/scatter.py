@@ -43,8 +43,13 @@ def cloud_noise(places: Array, values: Array) -> tuple[float, float]:
         design = np.hstack([np.ones((count, 1)), _plan(away)])
         weights = np.linalg.pinv(design)[0]
         left[i] = (values[mine] - weights @ values[others]) / np.sqrt(1.0 + weights @ weights)
-    sd = _MAD * float(np.median(np.abs(left)))
-    return max(sd, 1e-6 * top), max(0.5 * len(values), 2.0)
+    return max(_size(left), 1e-6 * top), max(0.5 * len(values), 2.0)
+
+
+def _size(left: Array) -> float:
+    """Return the standard deviation of differences: their rms, those beyond three median deviations taken as three."""
+    most = 3.0 * _MAD * float(np.median(np.abs(left)))
+    return float(np.sqrt(np.mean(np.minimum(np.abs(left), most) ** 2)))
 
 
 def _plan(away: Array) -> Array:
@@ -91,4 +96,4 @@ def level_of_curve(values: Array, abscissa: Array) -> tuple[float, float]:
     top = float(np.max(np.abs(values), initial=0.0)) or 1.0
     if len(found) < 4:
         return 0.02 * top, 2.0
-    return max(_MAD * float(np.median(np.abs(found))), 1e-6 * top), max(0.3 * len(found), 2.0)
+    return max(_size(found), 1e-6 * top), max(0.4 * len(found), 2.0)

@@ -89,7 +89,7 @@ def reworded(words: Sequence[str], changes: Mapping[str, str | None]) -> list[st
 
 
 def _found(job: Job, name: str, relative: str, provenance: Provenance, command: str) -> str:
-    """Return where an input lies now: beside the document, or below the present folder, known by its hash."""
+    """Return where an input lies now: beside the document, or in a folder near by, known by its hash."""
     if relative == "-":
         raise InputError(
             "was made from a document on standard input, which is gone",
@@ -100,7 +100,10 @@ def _found(job: Job, name: str, relative: str, provenance: Provenance, command: 
     wanted = {one.sha256 for one in provenance.inputs if one.name == relative}
     first = Inputs.beside(name, relative)
     base = os.path.basename(relative)
-    others = [relative, base, *(str(path) for path in sorted(Path().glob(f"*/{base}")))]
+    others = [relative, base]
+    # No further: a copy that happens to lie about elsewhere is not the user's file.
+    for folder in (Path(), Path(name).parent):
+        others += [str(path) for path in [folder / base, *sorted(folder.glob(f"*/{base}"))]]
     for place in (first, *(os.path.normpath(place) for place in others)):
         if os.path.isfile(place) and (not wanted or _hash(place) in wanted):
             job.inputs.read(place)

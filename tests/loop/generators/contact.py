@@ -88,7 +88,7 @@ def shoot(pole: Array, edge: Array, c10: float, c20: float, mu: float) -> tuple[
 
 def curve(c10: float, c20: float, mu: float, stretch: float, slip: float) -> tuple[Array, Array]:
     """Return depths and forces of the disc."""
-    edge = np.geomspace(0.6, 46.0, 40)
+    edge = np.concatenate([np.geomspace(0.6, 10.0, 14), np.linspace(12.0, 46.0, 30)])
     low, high = np.full_like(edge, 1.0 + 1e-7), np.full_like(edge, 2.2)
     with np.errstate(all="ignore"):
         for _ in range(34):

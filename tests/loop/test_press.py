@@ -1,0 +1,48 @@
+"""The press as a problem of the loop: effects at their null change nothing, and the table is the press itself."""
+
+from __future__ import annotations
+
+import numpy as np
+from loop import blind_press
+from loop.generators import press as caps
+
+from hyperfab.chapters.close_loop.press import pose
+from hyperfab.loop.press import PressProblem
+from hyperfab.pressing.pose import Pose
+
+
+def posed() -> PressProblem:
+    random = np.random.default_rng(2)
+    read = blind_press.readings(caps.Truth(()), random, 0.0, "rich")
+    return pose(blind_press.told(), [(one, None) for one in read], 0.1, [])
+
+
+def test_every_effect_at_its_null_leaves_the_prediction_the_same_to_the_bit() -> None:
+    problem = posed()
+    own = np.array([one.value for one in problem.own])
+    plain = problem.predict(own, {})
+    for effect in problem.effects:
+        for form in effect.forms:
+            null = np.array(form.null)
+            if form.name in ("in time", "stretched"):
+                assert null[0] == 0.0
+            assert np.array_equal(problem.predict(own, {effect.id: (form.name, null)}), plain), form.name
+
+
+def test_predictions_agree_with_formulas_of_caps() -> None:
+    problem = posed()
+    left = problem.measured - problem.predict(np.array([one.value for one in problem.own]), {})
+    for curve in problem.curves:
+        rows = left[curve.rows]
+        size = {0: 2e-5, 1: 2e-3, 2: 0.05}.get(curve.channel, 1e-12)
+        assert np.sqrt(np.mean(rows**2)) < size, curve.name
+
+
+def test_the_table_moved_by_a_tilt_is_the_tilted_press() -> None:
+    problem, closed = posed(), blind_press.told().closed
+    tilt = np.array([2e-3, -1e-3])
+    pose_there = Pose(closed.pose.opening, (float(tilt[0]), float(tilt[1])), closed.pose.pivot)
+    exact = closed.press.at(pose_there).closing_force
+    table = problem.summed.moved(np.array([*tilt, 0.0, 0.0]))
+    found = float(table.force(np.array([closed.pose.opening]))[0])
+    assert abs(found - exact) < 3e-3 * exact
