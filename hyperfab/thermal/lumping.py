@@ -36,7 +36,7 @@ def lumped(rows: Array, weights: Array, count: int) -> tuple[Array, Array]:
         _, _, group, along = heapq.heappop(heap)
         order = np.argsort(along, kind="stable")
         share = np.cumsum(weights[group[order]])
-        cut = min(max(int(np.searchsorted(share, 0.5 * share[-1])), 1), len(group) - 1)
+        cut = min(int(np.searchsorted(share, 0.5 * share[-1])) + 1, len(group) - 1)
         push(group[order[:cut]])
         push(group[order[cut:]])
     groups = [group for _, _, group, _ in sorted(heap, key=lambda entry: int(entry[2].min()))]
