@@ -77,6 +77,8 @@ def clearance(male: Mold, female: Mold) -> Clearance:
     up, down = np.array([0.0, 0.0, 1.0]), np.array([0.0, 0.0, -1.0])
     candidates = []
     for here, there, direction in ((male, female, up), (female, male, down)):
+        if not (here.looking.any() and there.looking.any()):  # an open surface that faces away
+            continue
         used = np.unique(here.faces[here.looking])
         starts = here.vertices[used].copy()
         # From far outside, so that molds which overlap as drawn give a negative gap and not a missed one.
