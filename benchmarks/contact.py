@@ -40,7 +40,7 @@ def main() -> None:
         sheet.write_text(
             '{"format": "hyperfab.material/1", "model": "neo-hookean", "parameters": {"C10_MPa": 0.2}}'
         )
-        for mesh in ("8mm", "4mm"):
+        for mesh in ("16mm", "8mm", "4mm"):
             command = [sys.executable, "-m", "hyperfab", "fabric-contact", str(sheet), "--mesh-size", mesh]
             row("hyperfab", "its own", [*command, "--quiet", "-o", "-"])
     for solver in ("scipy", "pardiso"):

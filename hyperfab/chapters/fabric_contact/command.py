@@ -7,7 +7,7 @@ import os
 import numpy as np
 
 from hyperfab.chapters.fabric_contact.fabric import Fabric, read_fabric
-from hyperfab.chapters.fabric_contact.fields import csv, surface, vtu
+from hyperfab.chapters.fabric_contact.fields import csv, vtu
 from hyperfab.chapters.fabric_contact.result import document, row, status_of
 from hyperfab.chapters.fabric_contact.setup import Setup, read_setup
 from hyperfab.chapters.job import Job
@@ -17,10 +17,9 @@ from hyperfab.io.output import Output
 from hyperfab.membrane.equilibrium import State
 from hyperfab.membrane.friction_path import LOAD_STEPS, run_with_friction
 from hyperfab.membrane.measures import fields
-from hyperfab.membrane.sphere_test import Outcome
+from hyperfab.membrane.sphere_test import Outcome, Solved
 from hyperfab.membrane.sphere_test import run as press
 from hyperfab.membrane.verdict import first_instability, stress_difference
-from hyperfab.report.figures_contact import Curve, contact_figure
 
 
 def run(
@@ -115,26 +114,14 @@ def _write(
         shown = difference if difference is not None and pair[0] is last else None
         out.add(".vtu", vtu(last, shown))
         out.add(".csv", csv([row(None, setup)] + [row(solved, setup) for solved in outcomes[0].solved]))
-        curves = [
-            Curve(
-                name,
-                [0.0] + [solved.state.depth for solved in outcome.solved],
-                [0.0] + [solved.state.force for solved in outcome.solved],
-                f"no equilibrium beyond {outcome.path.limit.depth:.1f} mm" if outcome.path.limit else None,
-            )
-            for name, outcome in zip(_names(fabrics), outcomes, strict=True)
-        ]
-        stress = fields(last.press.sheet, last.state.places).cauchy.max(axis=1)
-        picture = contact_figure(
-            curves,
-            surface(last, stress),
-            surface(pair[0], difference) if difference is not None else None,
-        )
-        out.add(".png", picture)
+        from hyperfab.chapters.fabric_contact.picture import picture  # matplotlib takes a fifth of the start
+
+        compared = (pair[0], difference) if difference is not None else None
+        out.add(".png", picture(_names(fabrics), outcomes, compared))
     job.write(out, found)
 
 
-def _at(outcome: Outcome, depth: float):  # type: ignore[no-untyped-def]
+def _at(outcome: Outcome, depth: float) -> Solved:
     return next(solved for solved in outcome.solved if solved.state.depth == depth)
 
 

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from hyperfab.io.vtu import unstructured
 from hyperfab.membrane.measures import fields
 from hyperfab.membrane.sphere_test import Solved
-from hyperfab.report.figures_contact import Surface
 
 Array = NDArray[np.float64]
 
@@ -33,7 +32,7 @@ def vtu(solved: Solved, difference: Array | None) -> bytes:
         data["stress_difference_MPa"] = difference
     states = sheet.response(state.places).state.reshape(sheet.mesh.weights.shape)
     wrinkled = (states != 0).mean(axis=1)
-    mirrors = _mirrors(sheet.mesh.copies)
+    mirrors = mirrors_of(sheet.mesh.copies)
     elements = sheet.mesh.elements
     flipped = elements[:, [0, 2, 1, 5, 4, 3] if elements.shape[1] == 6 else [0, 2, 1]]
     places, cells = [], []
@@ -60,19 +59,6 @@ def pressure(solved: Solved, cauchy: Array, thickness: Array) -> Array:
     return np.where(state.touching, cauchy.sum(axis=1) * thickness * curvature, 0.0)
 
 
-def surface(solved: Solved, values: Array) -> Surface:
-    """Return the deformed sheet as straight triangles with a value at each node, for pictures."""
-    mesh, places = solved.press.sheet.mesh, solved.state.places
-    mirrors = _mirrors(mesh.copies)
-    return Surface(
-        points=np.concatenate([places * mirror for mirror in mirrors]),
-        triangles=np.concatenate(
-            [mesh.elements[:, :3] + number * len(places) for number in range(len(mirrors))]
-        ),
-        values=np.tile(values, len(mirrors)),
-    )
-
-
 def csv(rows: list[dict[str, float]]) -> bytes:
     """Return rows as CSV; numbers read back as the same doubles."""
     names = list(rows[0])
@@ -80,6 +66,7 @@ def csv(rows: list[dict[str, float]]) -> bytes:
     return ("\n".join(lines) + "\n").encode("ascii")
 
 
-def _mirrors(copies: int) -> list[Array]:
+def mirrors_of(copies: int) -> list[Array]:
+    """Return the signs of x, y, z that make the whole sheet of a computed part."""
     signs = [(1, 1), (-1, 1), (-1, -1), (1, -1)] if copies == 4 else [(1, 1)]
     return [np.array([x, y, 1.0]) for x, y in signs]
