@@ -98,7 +98,8 @@ class Output:
         inputs_read = [Path(file.name) for file in inputs.files]
         for path in earlier - set(names.values()):
             if not any(_same_file(path, read) for read in inputs_read):
-                with contextlib.suppress(OSError):
+                # One that cannot be removed does no harm to what was written: the document does not list it.
+                with contextlib.suppress(OSError, ValueError):
                     path.unlink()
 
     def _written_earlier(self, kind: object) -> set[Path]:
