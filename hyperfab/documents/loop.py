@@ -81,7 +81,10 @@ class Candidate(_Part):
     score: float | None = Field(
         default=None, description="how far the residual points at it, in standard deviations"
     )
-    delta_bic: float | None = Field(default=None, description="what it alone would lower BIC by")
+    delta_bic: float | None = Field(
+        default=None,
+        description="what it lowers BIC by: alone, or, where it was added, beside the other added ones",
+    )
     confounded_with: list[str] = Field(default_factory=list)
     shown_by: str = Field(description="the measurement that tells it from its look-alikes")
 

@@ -49,6 +49,17 @@ class Noise:
             return self
         return replace(self, pattern=np.sqrt(np.maximum(predicted * self.measured, 0.0)))
 
+    def spread(self, predicted: Array) -> Array:
+        """Return one standard deviation a row of all that is noise: of the reading and of its specimen.
+
+        It is what a perfect model would miss by, while ``sd`` is what readings of one specimen scatter by.
+        """
+        common = np.zeros(len(self.sd))
+        if self.gain_sd:
+            rows = np.concatenate(self.groups)
+            common[rows] = self.gain_sd * self.at(predicted).pattern[rows]
+        return np.hypot(self.sd, common)
+
     def whiten(self, values: Array) -> Array:
         """Return values (rows) or columns (rows, k) in units of the noise, uncorrelated."""
         scaled = values / (self.sd if values.ndim == 1 else self.sd[:, None])

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from hyperfab.chapters.close_loop.describe import describe, errors_of, say
+from hyperfab.chapters.close_loop.describe import describe, errors_of, lowered, say
 from hyperfab.chapters.close_loop.recall import Parse, Recalled
 from hyperfab.chapters.close_loop.rerun import rerun
 from hyperfab.chapters.job import Job
@@ -246,7 +246,7 @@ def _files(out: Output, problem: Problem, found: Finding, axis: Axis) -> None:
             after=after[first],
             sd=found.noise.sd[first],
             states=problem.states,
-            scores={key: float(value.delta_bic) for key, value in found.tried.items()} or found.scores,
+            scores=lowered(found) or found.scores,
             scores_label="BIC lowered by" if found.tried else "score",
             verdict=found.verdict,
             added=found.after.ids,

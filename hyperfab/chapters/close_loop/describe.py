@@ -36,6 +36,7 @@ def describe(
     first = problem.channel == 0
     before, after = found.before.fit, found.after.fit
     sd = found.noise.sd[first]
+    spread = found.noise.spread(after.predicted)
     names = [constant.name for constant in problem.own]
     judgement = found.after.judgement
     document = LoopDocument(
@@ -61,6 +62,7 @@ def describe(
             after.predicted[first],
             sd,
             unit,
+            spread=spread[first],
             whitened=(before.residual[first], after.residual[first]),
         ),
         held_out=_held_out(problem, found, unit),
@@ -93,8 +95,12 @@ def errors_of(
     tests: int | None = None,
     source: str | None = None,
     whitened: tuple[Array, Array] | None = None,
+    spread: Array | None = None,
 ) -> Errors:
-    """Return the residual's size before and after, beside that of the noise."""
+    """Return the residual's size before and after, beside that of the noise.
+
+    ``spread`` is the noise with what the readings of a specimen have in common, where that is more than ``sd``.
+    """
     old, new = whitened if whitened is not None else ((measured - before) / sd, (measured - after) / sd)
 
     def misfit(raw: Array, chi2: float) -> Misfit:
@@ -105,7 +111,7 @@ def errors_of(
         unit=unit,
         before=misfit(measured - before, float(np.mean(old**2))),
         after=misfit(measured - after, float(np.mean(new**2))),
-        noise=misfit(sd, 1.0),
+        noise=misfit(sd if spread is None else spread, 1.0),
         tests=tests,
         source=source,
     )
@@ -125,7 +131,7 @@ def _held_out(problem: Problem, found: Finding, unit: str) -> Errors | None:
     sd = found.noise.sd[known]
     counted = {i for i in set(old.counted) & set(new.counted) if problem.curves[i].channel == 0}
     measured = problem.measured[known]
-    # Residuals of left-out tests are known in units of the noise.
+    # Residuals of left-out tests are known in units of the noise, what their specimens have in common taken out.
     return errors_of(
         measured,
         measured - old.residual[known] * sd,
@@ -160,9 +166,8 @@ def _added(problem: Problem, found: Finding, name: str) -> AddedEffect:
 
 
 def _candidates(problem: Problem, found: Finding) -> list[Candidate]:
-    rows = []
+    rows, gains = [], lowered(found)
     for effect in problem.effects:
-        tried = found.tried.get(effect.id)
         confounded = sorted(
             {name for one in found.indistinguishable if effect.id in one for name in one} - {effect.id}
         )
@@ -172,7 +177,7 @@ def _candidates(problem: Problem, found: Finding) -> list[Candidate]:
                 title=effect.title,
                 visible=effect.id not in found.invisible,
                 score=float(found.scores[effect.id]) if effect.id in found.scores else None,
-                delta_bic=float(tried.delta_bic) if tried is not None else None,
+                delta_bic=gains.get(effect.id),
                 confounded_with=confounded,
                 shown_by=effect.shown_by,
             )
@@ -193,12 +198,23 @@ def _next(found: Finding) -> NextMeasurement | None:
     )
 
 
+def _shares(noise: NoiseFigures) -> str:
+    if noise.specimen_scatter is None:
+        return ""
+    return f" ({noise.sd:.2g} within a specimen, {100.0 * noise.specimen_scatter:.2g} % in stiffness between specimens)"
+
+
+def lowered(found: Finding) -> dict[str, float]:
+    """Return what each effect that was tried lowers BIC by: beside the other added ones, or else alone."""
+    return {name: float(one.delta_bic) for name, one in (found.tried | found.added).items()}
+
+
 def summary(problem: Problem, document: LoopDocument) -> list[str]:
     """Return the finding in sentences an engineer can act on."""
     unit, error = document.error.unit, document.error
     lines = [
         f"With its own constants refitted the model misses by {error.before.rms:.3g} {unit} (rms), "
-        f"the noise of the data is {error.noise.rms:.3g} {unit}."
+        f"the noise of the data is {error.noise.rms:.3g} {unit}{_shares(document.noise)}."
     ]
     if document.verdict == "noise":
         lines.append("What is left is noise: these data show nothing that the model lacks.")

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from hyperfab.chapters.close_loop.describe import describe, say
+from hyperfab.chapters.close_loop.describe import describe, lowered, say
 from hyperfab.chapters.close_loop.extended import extend, held_terms
 from hyperfab.chapters.close_loop.tests_in import Measured, read_measured
 from hyperfab.chapters.job import Job
@@ -162,7 +162,10 @@ def _predicted(problem: FabricProblem, found: Finding, apart: Measured, unit: st
     ]
     sd = np.full(total - count, float(np.sqrt(np.mean(found.noise.sd[:count] ** 2))))
     measured: Array = np.concatenate([test.stress for test in apart.tests])
-    return errors_of(measured, values[0], values[1], sd, unit, len(apart.tests), "the files of --hold-out")
+    # The specimens set apart scatter as the others do.
+    spread = np.hypot(sd, found.noise.gain_sd * np.sqrt(np.maximum(values[1] * measured, 0.0)))
+    source = "the files of --hold-out"
+    return errors_of(measured, values[0], values[1], sd, unit, len(apart.tests), source, spread=spread)
 
 
 def _files(out: Output, problem: FabricProblem, found: Finding, unit: str) -> None:
@@ -186,7 +189,7 @@ def _files(out: Output, problem: FabricProblem, found: Finding, unit: str) -> No
             after=found.after.fit.predicted[first],
             sd=found.noise.sd[first],
             states=problem.states,
-            scores={key: float(value.delta_bic) for key, value in found.tried.items()} or found.scores,
+            scores=lowered(found) or found.scores,
             scores_label="BIC lowered by" if found.tried else "score",
             verdict=found.verdict,
             added=found.after.ids,

@@ -8,7 +8,7 @@ from typing import Any, TypeGuard
 
 import numpy as np
 
-from hyperfab.chapters.close_loop.describe import describe, say
+from hyperfab.chapters.close_loop.describe import describe, lowered, say
 from hyperfab.chapters.close_loop.extended_mold import extend
 from hyperfab.chapters.close_loop.thermocouples import Thermocouples, read_thermocouples
 from hyperfab.chapters.job import Job
@@ -305,7 +305,7 @@ def _files(out: Output, problem: HeatProblem, found: Finding, read: Thermocouple
             after=after,
             sd=found.noise.sd,
             states=problem.states,
-            scores={key: float(value.delta_bic) for key, value in found.tried.items()} or found.scores,
+            scores=lowered(found) or found.scores,
             scores_label="BIC lowered by" if found.tried else "score",
             verdict=found.verdict,
             added=found.after.ids,
