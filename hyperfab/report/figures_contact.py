@@ -11,6 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from numpy.typing import NDArray
 
@@ -81,5 +82,8 @@ def _view(figure: Figure, scene, surface: Surface, title: str, colours: str) -> 
     scene.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], max(high[2], low[2] + 1.0)))
     scene.set_box_aspect(np.maximum(high - low, 0.05 * (high - low).max()))
     scene.set(xlabel="x [mm]", ylabel="y [mm]", zlabel="z [mm]")
+    scene.tick_params(labelsize=8, pad=0)
+    for axis in (scene.xaxis, scene.yaxis, scene.zaxis):
+        axis.set_major_locator(MaxNLocator(5))
     scene.view_init(elev=28, azim=-58)
     figure.colorbar(mapped, ax=scene, label=title, shrink=0.62, pad=0.14)

@@ -55,8 +55,9 @@ def drape_figure(
         ScalarMappable(scale, "viridis"),
         ax=scene,
         label="larger nominal stress [MPa]",
+        orientation="horizontal",
         shrink=0.6,
-        pad=0.12,
+        pad=0.04,
     )
     x, y = flat[:, :, 0], flat[:, :, 1]
     panels = (
@@ -75,7 +76,7 @@ def drape_figure(
             shading="gouraud" if field.shape == x.shape else "flat",
             rasterized=True,
         )
-        figure.colorbar(image, ax=axes)
+        figure.colorbar(image, ax=axes, shrink=0.8).ax.tick_params(labelsize=7)
         _label(axes, title)
     axes = figure.add_subplot(grid[1, 2])
     axes.pcolormesh(x, y, contact.astype(float), cmap="Greys", vmin=0.0, vmax=2.0, shading="gouraud")
@@ -112,7 +113,7 @@ def _net(scene: Any, points: Floats, field: Floats, scale: Normalize) -> None:
     scene.set_xlim(low[0], high[0])
     scene.set_ylim(low[1], high[1])
     scene.set_zlim(low[2], max(high[2], low[2] + 1e-9))
-    scene.set_box_aspect((span[0], span[1], max(span[2], 0.05 * span[0])), zoom=1.1)
+    scene.set_box_aspect((span[0], span[1], max(span[2], 0.05 * span[0])), zoom=0.95)
     scene.set_xlabel("x [mm]", fontsize=8)
     scene.set_ylabel("y [mm]", fontsize=8)
     scene.set_zlabel("z [mm]", fontsize=8)
