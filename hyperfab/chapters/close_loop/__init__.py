@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import importlib
 
-from hyperfab.chapters.close_loop.domain import kind_of
-from hyperfab.chapters.close_loop.recall import MADE_BY, Parse
+from hyperfab.chapters.close_loop.domain import Given, kind_of
+from hyperfab.chapters.close_loop.recall import Parse
 from hyperfab.chapters.job import Job
 from hyperfab.errors import UsageError
 from hyperfab.io.units import quantity
@@ -25,7 +25,7 @@ def run(
     prior: str | None,
     decimal: str | None,
     output: str,
-    parse: Parse | None = None,
+    parse: Parse,
 ) -> int:
     """Close the loop on ``model``: 0, or 1 where the residual stays unexplained.
 
@@ -39,21 +39,20 @@ def run(
             f"close-loop does not take a {kind} document as a model ({model}); it takes a material, contact, drape "
             "or press document, or a mold.toml"
         )
-    more: dict[str, object] = {"parse": parse} if kind in MADE_BY else {}
     chapter = importlib.import_module(f"hyperfab.chapters.close_loop.{BUILT[kind]}")
-    status: int = chapter.run(
-        job,
-        name=model,
-        data=data,
-        measured=measured,
-        hold_out=hold_out,
-        noise=noise,
-        fix=fix,
-        prior=None if prior is None else _share(prior),
-        decimal=decimal,
-        output=output,
-        **more,
+    given = Given(
+        model,
+        data,
+        measured,
+        hold_out,
+        noise,
+        fix,
+        None if prior is None else _share(prior),
+        decimal,
+        output,
+        parse,
     )
+    status: int = chapter.run(job, given)
     return status
 
 

@@ -10,8 +10,9 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from hyperfab.chapters.close_loop.closing import MODEL_SUFFIXES, Axis, finish, spread, stated
+from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_contact import FABRIC, extend
-from hyperfab.chapters.close_loop.recall import Parse, Recalled, check_unchanged, recall
+from hyperfab.chapters.close_loop.recall import Recalled, check_unchanged, recall
 from hyperfab.chapters.close_loop.rerun import preview
 from hyperfab.chapters.close_loop.softer import linear_of, scaled_material
 from hyperfab.chapters.job import Job
@@ -44,35 +45,21 @@ _ROOM_TEMPERATURE = 23.0
 _LEAST = 12
 
 
-def run(
-    job: Job,
-    *,
-    name: str,
-    data: Mapping[str, Any],
-    measured: list[str],
-    hold_out: list[str],
-    noise: str | None,
-    fix: list[str],
-    prior: float | None,
-    decimal: str | None,
-    output: str,
-    parse: Parse,
-) -> int:
+def run(job: Job, given: Given) -> int:
     """Close the loop on a contact document."""
-    out = job.opened(output, (*MODEL_SUFFIXES, FABRIC, ".png", ".csv"))
-    level = stated(noise, ("force",))
-    recalled = recall(job, name, data, "contact", parse)
-    files = [read_force_depth(job, file, decimal) for file in measured]
-    held = [file for file in hold_out if file != "auto"]
-    apart = [read_force_depth(job, file, decimal)[0] for file in held]
+    out = job.opened(given.output, (*MODEL_SUFFIXES, FABRIC, ".png", ".csv"))
+    level = stated(given.noise, ("force",))
+    recalled = recall(job, given.name, given.data, "contact", given.parse)
+    files = [read_force_depth(job, file, given.decimal) for file in given.measured]
+    apart = [read_force_depth(job, file, given.decimal)[0] for file in given.held]
     if sum(len(one.depth) for one, _ in files) < _LEAST:
         raise InputError(
             "has too few readings to tell noise from a residual",
-            file=measured[0],
+            file=given.measured[0],
             remedy=f"give {_LEAST} or more",
         )
     out.refuse_inputs(job.inputs)
-    document = parse_document(data, name, ContactDocument)
+    document = parse_document(given.data, given.name, ContactDocument)
     material = read_material(job, recalled)
     with job.console.progress("Closing the loop") as advance:
         sheet = pose_sheet(
@@ -83,11 +70,11 @@ def run(
             [one for one, _ in files],
             lambda s: advance(0.3 * s, "forward runs"),
         )
-    check_unchanged(job, recalled, name, [*measured, *held])
+    check_unchanged(job, recalled, given.name, [*given.measured, *given.held])
     forward = Forward(recalled, material)
     at = recalled.options.get("temperature")
     problem = pose(
-        sheet, [one for one, _ in files], material, PRIOR if prior is None else prior, fix,
+        sheet, [one for one, _ in files], material, PRIOR if given.prior is None else given.prior, given.fix,
         None if at is None else quantity(at, "temperature", option="--temperature"), forward.given.rim_slip,
     )  # fmt: skip
     return finish(
@@ -97,7 +84,7 @@ def run(
         noise_of(files, None if level is None else level[1]),
         domain="contact",
         recalled=recalled,
-        parse=parse,
+        parse=given.parse,
         axis=lambda p: Axis(p.states["depth_mm"], "depth [mm]"),
         extend=lambda found: extend(out, recalled, material, problem, found, document),
         rounds=forward.corrected,

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from hyperfab.chapters.close_loop.closing import MODEL_SUFFIXES, Axis, finish, spread, stated
+from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_contact import FABRIC
 from hyperfab.chapters.close_loop.extended_drape import extend
-from hyperfab.chapters.close_loop.recall import Parse, Recalled, check_unchanged, recall
+from hyperfab.chapters.close_loop.recall import Recalled, check_unchanged, recall
 from hyperfab.chapters.close_loop.rerun import preview
 from hyperfab.chapters.close_loop.softer import linear_of, scaled_material
 from hyperfab.chapters.drape.depths import load_steps
@@ -40,31 +41,17 @@ _MOST_STRETCH, _MOST_FRICTION = 0.12, 0.6
 _LEAST = 12
 
 
-def run(
-    job: Job,
-    *,
-    name: str,
-    data: Mapping[str, Any],
-    measured: list[str],
-    hold_out: list[str],
-    noise: str | None,
-    fix: list[str],
-    prior: float | None,
-    decimal: str | None,
-    output: str,
-    parse: Parse,
-) -> int:
+def run(job: Job, given: Given) -> int:
     """Close the loop on a drape document."""
-    out = job.opened(output, (*MODEL_SUFFIXES, ".model.pvd", FABRIC, ".png", ".csv"))
-    level = stated(noise, ("length",))
-    recalled = recall(job, name, data, "drape", parse)
-    files = [read_markers(job, file, decimal) for file in measured]
-    held = [file for file in hold_out if file != "auto"]
-    apart = [read_markers(job, file, decimal)[0] for file in held]
+    out = job.opened(given.output, (*MODEL_SUFFIXES, ".model.pvd", FABRIC, ".png", ".csv"))
+    level = stated(given.noise, ("length",))
+    recalled = recall(job, given.name, given.data, "drape", given.parse)
+    files = [read_markers(job, file, given.decimal) for file in given.measured]
+    apart = [read_markers(job, file, given.decimal)[0] for file in given.held]
     if sum(len(one.flat) for one, _ in files) < _LEAST:
         raise InputError(
             "has too few markers to tell noise from a residual",
-            file=measured[0],
+            file=given.measured[0],
             remedy=f"give {_LEAST} or more",
         )
     out.refuse_inputs(job.inputs)
@@ -72,11 +59,13 @@ def run(
     forward = Forward(recalled, material)
     for file in forward.read:
         job.inputs.read(file)
-    check_unchanged(job, recalled, name, [*measured, *held])
+    check_unchanged(job, recalled, given.name, [*given.measured, *given.held])
     _check_places(forward.sheet, [*(one for one, _ in files), *apart])
     with job.console.progress("Closing the loop") as advance:
         draped = pose_sheet(forward, lambda share: advance(0.3 * share, "forward runs"))
-    problem = pose(draped, [one for one, _ in files], PRIOR if prior is None else prior, fix)
+    problem = pose(
+        draped, [one for one, _ in files], PRIOR if given.prior is None else given.prior, given.fix
+    )
     return finish(
         job,
         out,
@@ -84,7 +73,7 @@ def run(
         noise_of(files, None if level is None else level[1]),
         domain="drape",
         recalled=recalled,
-        parse=parse,
+        parse=given.parse,
         axis=lambda p: Axis(p.states["from the middle_mm"], "from the middle [mm]"),
         extend=lambda found: extend(out, recalled, material, forward.effects, problem, found),
         rounds=forward.corrected,

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from hyperfab.chapters.close_loop.describe import describe, lowered, say
+from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended import extend, held_terms
 from hyperfab.chapters.close_loop.tests_in import Measured, read_measured
 from hyperfab.chapters.job import Job
@@ -31,38 +32,25 @@ _REFITS = 60.0
 _SPARE = 9
 
 
-def run(
-    job: Job,
-    *,
-    name: str,
-    data: Mapping[str, Any],
-    measured: list[str],
-    hold_out: list[str],
-    noise: str | None,
-    fix: list[str],
-    prior: float | None,
-    decimal: str | None,
-    output: str,
-) -> int:
+def run(job: Job, given: Given) -> int:
     """Close the loop on a material document."""
-    out = Output(output, (".model.json", ".png", ".csv"))
-    document = parse_document(data, name, MaterialDocument)
-    tests = read_measured(job, measured, decimal, document.thickness_mm)
-    apart = [file for file in hold_out if file != "auto"]
-    held_out = read_measured(job, apart, decimal, document.thickness_mm) if apart else None
+    out = Output(given.output, (".model.json", ".png", ".csv"))
+    document = parse_document(given.data, given.name, MaterialDocument)
+    tests = read_measured(job, given.measured, given.decimal, document.thickness_mm)
+    held_out = read_measured(job, given.held, given.decimal, document.thickness_mm) if given.held else None
     level = None
-    if noise is not None:
+    if given.noise is not None:
         kind = "membrane-stress" if tests.unit == "N/mm" else "stress"
-        level = quantity(noise, kind, option="--noise")
+        level = quantity(given.noise, kind, option="--noise")
         if level <= 0.0:
-            raise UsageError(f"--noise {noise}: must be more than zero")
+            raise UsageError(f"--noise {given.noise}: must be more than zero")
     out.refuse_inputs(job.inputs)
-    problem = pose(document, name, tests, fix, prior)
+    problem = pose(document, given.name, tests, given.fix, given.prior)
     rows, free = sum(len(test.stress) for test in tests.tests), len(problem.own)
     if rows < free + _SPARE:
         raise InputError(
             f"has too few rows ({rows}) to tell noise from a residual: the model has {free} constants of its own",
-            file=measured[0],
+            file=given.measured[0],
             remedy=f"give {free + _SPARE} or more",
         )
     _warn(job, document, tests)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
-from typing import Any, TypeGuard
+from collections.abc import Sequence
+from typing import TypeGuard
 
 import numpy as np
 
 from hyperfab.chapters.close_loop.describe import describe, lowered, say
+from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_mold import extend
 from hyperfab.chapters.close_loop.thermocouples import Thermocouples, read_thermocouples
 from hyperfab.chapters.job import Job
@@ -35,52 +36,42 @@ PERFECT = 1e7
 _REFITS = 40.0
 
 
-def run(
-    job: Job,
-    *,
-    name: str,
-    data: Mapping[str, Any],
-    measured: list[str],
-    hold_out: list[str],
-    noise: str | None,
-    fix: list[str],
-    prior: float | None,
-    decimal: str | None,
-    output: str,
-) -> int:
+def run(job: Job, given: Given) -> int:
     """Close the loop on a mold document."""
-    out = Output(output, (".model.toml", ".png", ".csv"))
-    document = parse_document(data, name, MoldDocument)
-    if any(file != "auto" for file in hold_out):
+    out = Output(given.output, (".model.toml", ".png", ".csv"))
+    document = parse_document(given.data, given.name, MoldDocument)
+    if given.held:
         raise UsageError("--hold-out takes only auto for a mold: each probe is predicted from the others")
-    if len(measured) != 1:
+    if len(given.measured) != 1:
         raise UsageError("--measured takes one file of thermocouples for a mold: one run, a column a probe")
     if document.run.steady:
         raise InputError(
             "a steady run has no times to compare at",
-            file=name,
+            file=given.name,
             key="run.steady",
             remedy="give until instead",
         )
     if any(heater.control is not None for heater in document.heater):
         raise InputError(
             "close-loop does not follow a thermostat: its switching and the model's drift out of step",
-            file=name,
+            file=given.name,
             key="heater.control",
             remedy='give the power that was drawn as schedule = "power.csv"',
         )
     probes = [probe.name for probe in document.probe]
-    read = read_thermocouples(job, measured[0], probes, decimal)
-    level = None if noise is None else quantity(noise, "temperature-difference", option="--noise")
+    read = read_thermocouples(job, given.measured[0], probes, given.decimal)
+    level = None if given.noise is None else quantity(given.noise, "temperature-difference", option="--noise")
     if level is not None and level <= 0.0:
-        raise UsageError(f"--noise {noise}: must be more than zero")
-    builder = MoldBuilder(document, name, job.inputs)
+        raise UsageError(f"--noise {given.noise}: must be more than zero")
+    builder = MoldBuilder(document, given.name, job.inputs)
     out.refuse_inputs(job.inputs)
     for text in builder.doubts:
         job.console.warn(text)
     with job.console.progress("Closing the loop") as advance:
         advance(0.0, "meshing")
-        problem, warnings = pose(job, document, name, builder, read, fix, PRIOR if prior is None else prior)
+        problem, warnings = pose(
+            job, document, given.name, builder, read, given.fix, PRIOR if given.prior is None else given.prior
+        )
         for text in warnings:
             job.console.warn(text)
         count = 0
@@ -94,8 +85,8 @@ def run(
     result = describe(problem, found, "K", {}, warnings, domain="heat")
     if out.wants_files:
         target = out.path(".model.toml")
-        folders = (os.path.dirname(name), str(target.parent))
-        files, notes = extend(data, document, problem, found.after.fit, out.path("").name, folders)
+        folders = (os.path.dirname(given.name), str(target.parent))
+        files, notes = extend(given.data, document, problem, found.after.fit, out.path("").name, folders)
         for text in notes:
             job.console.warn(text)
         result.warnings += notes

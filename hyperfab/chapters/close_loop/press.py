@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from hyperfab.chapters.close_loop.closing import MODEL_SUFFIXES, Axis, finish, spread, stated
+from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_press import FOAM, extend
-from hyperfab.chapters.close_loop.recall import Parse, check_unchanged, recall
+from hyperfab.chapters.close_loop.recall import check_unchanged, recall
 from hyperfab.chapters.close_loop.rerun import rerun
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact.result import Told
@@ -37,27 +37,13 @@ _OFF = 0.03
 _LEAST = 12
 
 
-def run(
-    job: Job,
-    *,
-    name: str,
-    data: Mapping[str, Any],
-    measured: list[str],
-    hold_out: list[str],
-    noise: str | None,
-    fix: list[str],
-    prior: float | None,
-    decimal: str | None,
-    output: str,
-    parse: Parse,
-) -> int:
+def run(job: Job, given: Given) -> int:
     """Close the loop on a press document."""
-    out = job.opened(output, (*MODEL_SUFFIXES, FOAM, ".model.foam.csv", ".png", ".csv"))
-    level = stated(noise, tuple(_KINDS))
-    recalled = recall(job, name, data, "press", parse)
-    files = [read_press(job, file, decimal) for file in measured]
-    held = [file for file in hold_out if file != "auto"]
-    apart = [read_press(job, file, decimal)[0] for file in held]
+    out = job.opened(given.output, (*MODEL_SUFFIXES, FOAM, ".model.foam.csv", ".png", ".csv"))
+    level = stated(given.noise, tuple(_KINDS))
+    recalled = recall(job, given.name, given.data, "press", given.parse)
+    files = [read_press(job, file, given.decimal) for file in given.measured]
+    apart = [read_press(job, file, given.decimal)[0] for file in given.held]
     if any(one.kind != files[0][0].kind for one in apart):
         raise UsageError(
             f"--hold-out takes readings of the first --measured file's kind here: {files[0][0].kind}"
@@ -71,11 +57,13 @@ def run(
         )
         for file in made.read.files:
             job.inputs.read(file.name)
-        check_unchanged(job, recalled, name, [*measured, *held])
+        check_unchanged(job, recalled, given.name, [*given.measured, *given.held])
         told = made.kept[-1]
         assert isinstance(told, Told)
         advance(0.15, "gaps over the stroke")
-        problem, others = pose_with(told, files, PRIOR if prior is None else prior, fix, apart)
+        problem, others = pose_with(
+            told, files, PRIOR if given.prior is None else given.prior, given.fix, apart
+        )
     return finish(
         job,
         out,
@@ -83,7 +71,7 @@ def run(
         noise_level,
         domain="press",
         recalled=recalled,
-        parse=parse,
+        parse=given.parse,
         axis=_axis,
         extend=lambda found: extend(job, out, recalled, told, problem, found),
         apart=(lambda p: _widened(p, others)) if others else None,
