@@ -1,0 +1,22 @@
+"""What noise is made of: readings, and specimens that are stiffer or softer than their like."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hyperfab.loop.noise import Noise
+
+
+def test_spread_is_what_a_perfect_model_misses_by():
+    rng = np.random.default_rng(3)
+    specimens, rows, sd, gain_sd = 4000, 20, 0.002, 0.03
+    truth = np.tile(np.linspace(0.0, 0.5, rows), specimens)
+    gains = np.exp(np.repeat(rng.normal(0.0, gain_sd, specimens), rows))
+    measured = truth * gains + rng.normal(0.0, sd, len(truth))
+    groups = tuple(np.arange(rows * k, rows * (k + 1)) for k in range(specimens))
+    noise = Noise(np.full(len(truth), sd), 100.0, "stated", gain_sd=gain_sd, groups=groups, measured=measured)
+    missed = np.sqrt(np.mean((measured - truth).reshape(specimens, rows) ** 2, axis=0))
+    told = np.sqrt(np.mean(noise.spread(truth).reshape(specimens, rows) ** 2, axis=0))
+    assert told == pytest.approx(missed, rel=0.04)
+    assert noise.plain.spread(truth) == pytest.approx(sd)
