@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 from hyperfab.studies.axes import Axis
 from hyperfab.studies.table import Table
 
-#: Values that were drawn are gathered into this many classes of equal size.
+#: Values that were drawn are gathered into this many classes of equal size, and so are axes of more levels than
+#: ``MOST_LEVELS``.
 CLASSES = 5
+MOST_LEVELS = 100
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,8 @@ def main_effects(table: Table, axes: Sequence[Axis]) -> list[MainEffect]:
     found = []
     for axis in axes:
         names, groups = _levels(table, axis)
+        if not names:
+            continue
         for figure in table.figures:
             values = table.numbers(figure)
             if values is None:
@@ -72,7 +76,10 @@ def pareto_front(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDA
 
 def _levels(table: Table, axis: Axis) -> tuple[list[float | str], list[NDArray[np.bool_]]]:
     column = table.columns[axis.column]
-    if not axis.drawn:
+    words = any(isinstance(level.value, str) for level in axis.levels)
+    if not axis.drawn and (words or len(axis.levels) <= MOST_LEVELS):
+        if len(axis.levels) > MOST_LEVELS:
+            return [], []  # names in their thousands have no order to be gathered by
         names = [
             level.value if isinstance(level.value, (int, float)) else str(level.value)
             for level in axis.levels

@@ -167,3 +167,14 @@ def test_the_front_is_what_no_other_point_beats() -> None:
         for a, b in zip(x, y, strict=True)
     ]
     assert pareto_front(x, y).tolist() == np.flatnonzero(~np.array(beaten)).tolist()
+
+
+def test_an_axis_of_many_levels_is_gathered_into_classes() -> None:
+    count = 1000
+    axes = Layout(study({"a": {"range": {"from": 1, "to": count, "count": count}}}), "study.toml").axes
+    values = [float(n) for n in range(1, count + 1)]
+    columns = {"case": [f"c{n}" for n in range(count)], "a": values, "f": [2.0 * value for value in values]}
+    (effect,) = main_effects(Table(columns, {"a": "a"}, ["f"]), axes)
+    assert effect.levels == [100.5, 300.5, 500.5, 700.5, 900.5]
+    assert effect.means == [201.0, 601.0, 1001.0, 1401.0, 1801.0]
+    assert effect.variance_share == pytest.approx((count**2 - 200**2) / (count**2 - 1))
