@@ -76,10 +76,10 @@ def pareto_front(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDA
 
 def _levels(table: Table, axis: Axis) -> tuple[list[float | str], list[NDArray[np.bool_]]]:
     column = table.columns[axis.column]
-    words = any(isinstance(level.value, str) for level in axis.levels)
-    if not axis.drawn and (words or len(axis.levels) <= MOST_LEVELS):
-        if len(axis.levels) > MOST_LEVELS:
-            return [], []  # names in their thousands have no order to be gathered by
+    few = len(axis.levels) <= MOST_LEVELS
+    if not few and any(isinstance(level.value, str) for level in axis.levels):
+        return [], []  # names in their thousands have no order to be gathered by
+    if few and not axis.drawn:
         names = [
             level.value if isinstance(level.value, (int, float)) else str(level.value)
             for level in axis.levels

@@ -144,7 +144,7 @@ def measure(
 
 def _answer(truth: Truth, setup: Setup, number: int) -> Reading:
     fine = 4
-    lam, t = _program(setup, fine)
+    lam, t = program(setup, fine)
     d = truth.draws
     strain = lam - 1.0
     if "grip-slack" in d:
@@ -179,7 +179,8 @@ def _answer(truth: Truth, setup: Setup, number: int) -> Reading:
     return Reading(setup, t[keep], lam[keep], p[keep], None if transverse is None else transverse[keep])
 
 
-def _program(setup: Setup, fine: int) -> tuple[Array, Array]:
+def program(setup: Setup, fine: int) -> tuple[Array, Array]:
+    """Return the stretches the machine drives and their times [s]: the protocol, whatever the material does."""
     lam, t = [np.array([1.0])], [np.array([0.0])]
     for number, turn in enumerate(setup.turns):
         here, now = float(lam[-1][-1]), float(t[-1][-1])

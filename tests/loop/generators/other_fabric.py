@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from loop.generators.fabric import Reading, Setup
+from loop.generators.fabric import Reading, Setup, program
 from numpy.random import Generator
 from numpy.typing import NDArray
 
@@ -138,7 +138,7 @@ def measure(truth: Truth, setups: Sequence[Setup], random: Generator, noise: flo
 
 def _answer(truth: Truth, setup: Setup, number: int) -> Reading:
     fine = 4
-    lam, t = _program(setup, fine)
+    lam, t = program(setup, fine)
     d = truth.draws
     own = lam
     if "grip-slack" in d:
@@ -164,19 +164,6 @@ def _answer(truth: Truth, setup: Setup, number: int) -> Reading:
     p = _outside(truth, p, lam, t, number)
     keep = slice(None, None, fine)
     return Reading(setup, t[keep], lam[keep], p[keep], None if transverse is None else transverse[keep])
-
-
-def _program(setup: Setup, fine: int) -> tuple[Array, Array]:
-    lam, t = [np.array([1.0])], [np.array([0.0])]
-    for number, turn in enumerate(setup.turns):
-        here, now = float(lam[-1][-1]), float(t[-1][-1])
-        way = np.linspace(here, turn, setup.points * fine + 1)[1:]
-        lam.append(way)
-        t.append(now + np.abs(way - here) / setup.rate)
-        if number == 0 and setup.hold > 0.0:
-            lam.append(np.full(setup.points * fine, turn))
-            t.append(float(t[-1][-1]) + setup.hold * np.linspace(0.0, 1.0, setup.points * fine + 1)[1:] ** 3)
-    return np.concatenate(lam), np.concatenate(t)
 
 
 def _slack(lam: Array, draw: dict[str, float], seed: int, number: int) -> Array:
