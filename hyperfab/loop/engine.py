@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -104,15 +104,7 @@ def close(
             and any(rival.effect in one and rival.instead_of == one[0] for one in sets)
         ]
         measurements = next_measurement(problem, level, [best.fit, *same])
-    return Finding(
-        **{
-            **vars(found),
-            "verdict": verdict,
-            "rivals": others,
-            "indistinguishable": sets,
-            "measurements": measurements,
-        }
-    )
+    return replace(found, verdict=verdict, rivals=others, indistinguishable=sets, measurements=measurements)
 
 
 def _grow(search: Search, base: State) -> tuple[State, dict[str, Evidence]]:

@@ -275,7 +275,7 @@ class Search:
         )
 
     def _certain(self, smaller: State, larger: State) -> bool:
-        """Whether some amplitude of the new terms is three of its standard deviations from null."""
+        """Whether some amplitude of each new term is two of its standard deviations from null."""
         new = larger.fit
         scale = np.sqrt(max(larger.excess, 1.0))
         for name, form in new.forms.items():
