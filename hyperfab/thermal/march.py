@@ -6,7 +6,7 @@ import numba
 import numpy as np
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def march(  # type: ignore[no-untyped-def]
     grid,
     start,
@@ -30,56 +30,109 @@ def march(  # type: ignore[no-untyped-def]
     sources,
     powers,
 ):
-    """Step through ``grid``; one Newton step a stage from a guess of first order, exact for linear films."""
+    """Step through ``grid``; one Newton step a stage from a guess of first order, exact for linear films.
+
+    What does not depend on temperature goes into one matrix, and where that is all, a matrix is factored anew only
+    where the step or a joint changes.
+    """
     n, r = len(grid), len(start)
     reference, capacity_rate, conduction_rate, lost, lost_rate, exponent = numbers
     states, slopes = np.zeros((n, r)), np.zeros((n, r))
     states[0] = start
     slope = np.zeros(r)
+    steady = conduct0.copy()
+    # What a kelvin of air gives through each face.
+    inflow = np.zeros((len(scale), r))
+    bent = np.zeros(len(owner), dtype=np.int64)
+    count = 0
+    for q in range(len(owner)):
+        face = owner[q]
+        plain = first[face + 1] - first[face] == 1 and exponent == 0.0
+        h = extra[face]
+        if plain:
+            h += values[first[face]] * scale[face]
+        if grey[face] != 0.0 or (not plain and scale[face] != 0.0):
+            bent[count] = q
+            count += 1
+            continue
+        if h == 0.0:
+            continue
+        for i in range(r):
+            part = h * weights[q] * rows[q, i]
+            inflow[face, i] += part
+            for j in range(r):
+                steady[i, j] += part * rows[q, j]
+    alike = count == 0 and capacity_rate == 0.0 and conduction_rate == 0.0
+    tangent, matrix = np.empty((r, r)), np.empty((r, r))
+    flow, right = np.empty(r), np.empty(r)
+    known_step, known_closed = -1.0, np.zeros(len(joint))
     for number in range(n - 1):
         step = grid[number + 1] - grid[number]
         g = 0.2928932188134524 * step
         a = states[number]
         base = a.copy()
         guess = a + g * slope
-        mass = mass0 * (1.0 + capacity_rate * (mean @ (a + 0.5 * step * slope) - reference))
+        heavy = 1.0
+        if capacity_rate != 0.0:
+            heavy += capacity_rate * (_dot(mean, a) + 0.5 * step * _dot(mean, slope) - reference)
         for stage in range(2):
-            warm = mean @ guess - reference
-            tangent = conduct0 * (1.0 + conduction_rate * warm)
+            warm = _dot(mean, guess) - reference
+            better = 1.0 + conduction_rate * warm
+            same = alike and abs(step - known_step) <= 1e-9 * step
             for j in range(len(joint)):
-                tangent = tangent + joint[j] * closed[number, stage, j] * jumps[j]
-            flow = -(tangent @ guess)
-            at = rows @ guess
-            rate = np.zeros(len(at))
-            loss = np.zeros(len(at))
-            for q in range(len(at)):
+                same = same and closed[number, stage, j] == known_closed[j]
+            if not same:
+                for i in range(r):
+                    for j in range(i + 1):
+                        value = steady[i, j] + (better - 1.0) * conduct0[i, j]
+                        for k in range(len(joint)):
+                            value += joint[k] * closed[number, stage, k] * jumps[k, i, j]
+                        tangent[i, j] = value
+                        tangent[j, i] = value
+            for i in range(r):
+                flow[i] = -_dot(tangent[i], guess)
+            for face in range(len(scale)):
+                _add(flow, air[number, stage, face], inflow[face])
+            for k in range(count):
+                q = bent[k]
                 face = owner[q]
-                away = at[q] - air[number, stage, face]
+                at = _dot(rows[q], guess)
+                away = at - air[number, stage, face]
                 h = extra[face]
                 if scale[face] != 0.0:
-                    film = np.interp(
-                        at[q], knots[first[face] : first[face + 1]], values[first[face] : first[face + 1]]
-                    )
-                    film = film * scale[face]
+                    film = scale[face] * _between(at, knots, values, first[face], first[face + 1])
                     if exponent != 0.0:
                         film = film * (max(abs(away), 0.5) / 30.0) ** exponent
                     h += film
-                loss[q] = h * away
-                rate[q] = h * (1.0 + max(exponent, 0.0))
+                loss = h * away
+                rate = h * (1.0 + max(exponent, 0.0))
                 if grey[face] != 0.0:
-                    hot, cold = at[q] + 273.15, air[number, stage, face] + 273.15
-                    loss[q] += grey[face] * 5.670374419e-8 * (hot**4 - cold**4)
-                    rate[q] += 4.0 * grey[face] * 5.670374419e-8 * hot**3
-            flow -= rows.T @ (loss * weights)
-            weighted = rows.copy()
-            for q in range(len(at)):
-                weighted[q] *= rate[q] * weights[q]
-            tangent = tangent + rows.T @ weighted
+                    hot, cold = at + 273.15, air[number, stage, face] + 273.15
+                    loss += grey[face] * 5.670374419e-8 * (hot**4 - cold**4)
+                    rate += 4.0 * grey[face] * 5.670374419e-8 * hot**3
+                _add(flow, -loss * weights[q], rows[q])
+                for i in range(r):
+                    part = rate * weights[q] * rows[q, i]
+                    for j in range(i + 1):
+                        tangent[i, j] += part * rows[q, j]
             share = 1.0 - lost - lost_rate * warm
             for j in range(sources.shape[0]):
-                flow += share * powers[number, stage, j] * sources[j]
-            residual = mass @ (base - guess) + g * flow
-            end = guess + np.linalg.solve(mass + g * tangent, residual)
+                _add(flow, share * powers[number, stage, j], sources[j])
+            for i in range(r):
+                value = g * flow[i]
+                for j in range(r):
+                    value += heavy * mass0[i, j] * (base[j] - guess[j])
+                right[i] = value
+            if not same:
+                for i in range(r):
+                    for j in range(i + 1):
+                        matrix[i, j] = heavy * mass0[i, j] + g * tangent[i, j]
+                _factor(matrix)
+                known_step = step
+                for j in range(len(joint)):
+                    known_closed[j] = closed[number, stage, j]
+            _solve(matrix, right)
+            end = guess + right
             if stage == 0:
                 rise = (end - base) / g
                 base = a + (step - g) * rise
@@ -89,3 +142,57 @@ def march(  # type: ignore[no-untyped-def]
         states[number + 1] = end
         slopes[number + 1] = slope
     return states, slopes
+
+
+@numba.njit(cache=True, error_model="numpy", inline="always")
+def _dot(a, b):  # type: ignore[no-untyped-def]
+    total = 0.0
+    for i in range(len(a)):
+        total += a[i] * b[i]
+    return total
+
+
+@numba.njit(cache=True, error_model="numpy", inline="always")
+def _add(to, times, row):  # type: ignore[no-untyped-def]
+    for i in range(len(to)):
+        to[i] += times * row[i]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _between(at, knots, values, low, high):  # type: ignore[no-untyped-def]
+    """Return the value at ``at`` between the knots ``low`` to ``high``, that of the end beyond them."""
+    if at <= knots[low]:
+        return values[low]
+    for k in range(low + 1, high):
+        if at <= knots[k]:
+            share = (at - knots[k - 1]) / (knots[k] - knots[k - 1])
+            return values[k - 1] + share * (values[k] - values[k - 1])
+    return values[high - 1]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _factor(matrix):  # type: ignore[no-untyped-def]
+    """Put L D L^T in the place of a symmetric matrix, of which the lower half is read."""
+    r = len(matrix)
+    for j in range(r):
+        for k in range(j):
+            part = matrix[j, k] * matrix[k, k]
+            for i in range(j, r):
+                matrix[i, j] -= part * matrix[i, k]
+        pivot = matrix[j, j]
+        for i in range(j + 1, r):
+            matrix[i, j] /= pivot
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _solve(matrix, right):  # type: ignore[no-untyped-def]
+    """Put the solution in the place of the right side."""
+    r = len(right)
+    for i in range(r):
+        for k in range(i):
+            right[i] -= matrix[i, k] * right[k]
+    for i in range(r):
+        right[i] /= matrix[i, i]
+    for i in range(r - 1, -1, -1):
+        for k in range(i + 1, r):
+            right[i] -= matrix[k, i] * right[k]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,18 +18,27 @@ def lagging(times: Array, values: Array, lag_s: Array) -> Array:
     array([0., 1.])
     """
     found = values.copy()
-    each = lag_s if lag_s.ndim == 2 else lag_s[:, None]
-    slow = np.flatnonzero(np.any(each > 0.0, axis=1))
-    if len(slow) == 0:
-        return found
-    tau = np.maximum(each[slow], 1e-9)
-    now = values[slow, 0]
-    for i in range(1, len(times)):
-        ratio = (times[i] - times[i - 1]) / tau
-        keep = np.exp(-ratio)
-        share = -np.expm1(-ratio) / ratio
-        change = values[slow, i] - values[slow, i - 1]
-        # The exact answer of a first-order lag to a ramp.
-        now = values[slow, i] + keep * (now - values[slow, i - 1]) - share * change
-        found[slow, i] = now
+    each = lag_s if lag_s.ndim == 2 else np.repeat(lag_s[:, None], values.shape[2], axis=1)
+    if np.any(each > 0.0):
+        _follow(times, values, each, found)
     return found
+
+
+@numba.njit(cache=True)
+def _follow(times, values, lag_s, found):  # type: ignore[no-untyped-def]
+    for run in range(values.shape[0]):
+        for probe in range(values.shape[2]):
+            tau = lag_s[run, probe]
+            if tau <= 0.0:
+                continue
+            now = values[run, 0, probe]
+            known, keep, share = -1.0, 0.0, 0.0
+            for i in range(1, len(times)):
+                step = times[i] - times[i - 1]
+                if step != known:
+                    ratio = step / tau
+                    known, keep, share = step, np.exp(-ratio), -np.expm1(-ratio) / ratio
+                change = values[run, i, probe] - values[run, i - 1, probe]
+                # The exact answer of a first-order lag to a ramp.
+                now = values[run, i, probe] + keep * (now - values[run, i - 1, probe]) - share * change
+                found[run, i, probe] = now
