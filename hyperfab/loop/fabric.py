@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from hyperfab.loop.catalogue import catalogue
 from hyperfab.loop.catalogue.fabric.scene import Scene
+from hyperfab.loop.fabric_start import best_by_law
 from hyperfab.loop.problem import Array, Constant, Curve, Extra, Problem
 from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.path import MODE_NAMES, UNIAXIAL, Path
@@ -137,6 +138,7 @@ def fabric_problem(
         stated_sd=stated,
         nuisance=_nuisance(path, len(measured)),
         units=units,
+        starts=best_by_law(law, path, stress, own, 1 if weft is None else 2),
         fabric=fabric,
         tests=tuple(tests),
         law=law,
@@ -151,9 +153,9 @@ def _own(
     law: Law, values: Sequence[float], prefix: str, size: float, fixed: Sequence[str], prior: float | None
 ) -> tuple[Constant, ...]:
     found = []
-    for index, (name, value) in enumerate(zip(law.names, values, strict=True)):
+    for name, value in zip(law.names, values, strict=True):
         low, high = -np.inf, np.inf
-        scale = max(abs(value), 0.01 * size if index < len(law.linear) else 0.1)
+        scale = max(abs(value), 0.01 * size if name.endswith("_MPa") else 0.1)
         sd = np.inf if prior is None else max(prior * abs(value), 1e-9 * size)
         if name in law.held or name in fixed or f"{prefix}{name}" in fixed:
             low = high = value

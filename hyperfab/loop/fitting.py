@@ -102,6 +102,8 @@ def fit(
         x = centre.copy()
         x[:own] = np.asarray(start, dtype=np.float64)[:own]
         value, left, misfit = state(x)
+    if not np.isfinite(misfit):
+        return _nowhere(forms, x, value, weight, own)
     jacobian = _jacobian(problem, forms, x, value, scale, low, high, noise)
     damping = 1e-4
     prior = holds(left)
@@ -150,6 +152,13 @@ def fit(
         prior=prior,
         own=own,
     )
+
+
+def _nowhere(forms: Mapping[str, Form], x: Array, value: Array, weight: Array, own: int) -> Fit:
+    """Return the fit of a model that has no prediction at ``x``: infinitely bad."""
+    empty = np.zeros((len(value), len(x)))
+    far = np.full_like(value, np.inf)
+    return Fit(dict(forms), x, value, far, empty, np.diag(weight), np.inf, np.inf, weight, own)
 
 
 def _column(constants: Sequence[Constant], name: str) -> Array:

@@ -130,7 +130,9 @@ class Problem(ABC):
 
     ``measured`` has one value a row; ``states`` the state variables by name, one value a row of the first channel
     (nan where unknown); ``stated_sd`` the standard deviation of each reading where the data state it.
-    ``nuisance`` spans smooth departures of a poor base law, (rows, k).
+    ``nuisance`` spans smooth departures of a poor base law, (rows, k). ``starts`` are further places where a fit of the
+    own constants begins: a law that is not linear in them has several optima, and the given ones may lie in the wrong
+    valley or where these data have no prediction at all.
     """
 
     measured: Array
@@ -141,6 +143,7 @@ class Problem(ABC):
     stated_sd: Array | None = None
     nuisance: Array | None = None
     units: tuple[str, ...] = ("",)
+    starts: tuple[Array, ...] = ()
 
     @abstractmethod
     def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:

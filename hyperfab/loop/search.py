@@ -94,8 +94,9 @@ class Search:
 
     def base(self) -> State:
         """Return the model as it is, with its own constants refitted."""
-        start = [constant.value for constant in self.problem.own]
-        return self.state(fit(self.problem, self.noise, {}, start))
+        given = np.array([constant.value for constant in self.problem.own])
+        fits = [fit(self.problem, self.noise, {}, start) for start in (given, *self.problem.starts)]
+        return self.state(min(fits, key=lambda one: one.cost))
 
     def state(self, fitted: Fit) -> State:
         """Judge a fit."""

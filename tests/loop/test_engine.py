@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from loop.blind import case, problem_of
+from loop.blind import as_tests, case, problem_of
 from loop.generators import fabric as truths
 
 from hyperfab.loop.engine import close
+from hyperfab.loop.fabric import fabric_problem
 from hyperfab.loop.heldout import leave_curves_out
 from hyperfab.loop.noise import estimate_noise
 from hyperfab.loop.problem import Curve
 from hyperfab.loop.search import Search
+from hyperfab.materials.identification.design import Problem as IdentifiedProblem
+from hyperfab.materials.identification.fit import fit_law
+from hyperfab.materials.identification.rows import Curve as IdentifiedCurve
+from hyperfab.materials.identification.rows import Rows
+from hyperfab.materials.registry import law, laws
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -102,3 +108,21 @@ def test_two_effects_are_both_found(pair: tuple[str, str]) -> None:
     found = close(problem, design=False)
     assert found.verdict == "effect"
     assert set(found.after.ids) == set(pair)
+
+
+@pytest.mark.parametrize("name", [name for name, one in laws().items() if one.isotropic])
+def test_the_loop_closes_on_every_law_though_its_constants_stem_from_other_stretches(name: str) -> None:
+    random = np.random.default_rng(3)
+    truth = truths.draw(random, ())
+    setups = [truths.Setup(turns=(1.5, 1.0), rate=0.01, points=30), truths.Setup(mode="shear", turns=(1.4,))]
+    tests = as_tests(truths.measure(truth, setups, random, 0.002))
+    short = np.linspace(1.01, 1.1, 20)
+    curve = IdentifiedCurve("uniaxial", short, truth.elastic("uniaxial", short), np.ones(20))
+    found = fit_law(IdentifiedProblem(law(name), Rows.of([curve])))
+    assert found is not None
+    given = [found.material.parameters[key] for key in law(name).names]
+    problem = fabric_problem(law(name), given, tests)
+    search = Search(problem, estimate_noise(problem))
+    base = search.base()
+    assert np.isfinite(base.fit.chi2)
+    assert search.ranking(base)

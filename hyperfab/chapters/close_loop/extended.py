@@ -125,8 +125,8 @@ def _refitted(document: MaterialDocument, problem: FabricProblem, fit: Fit) -> l
 
 def _weft(law: Law, warp: Mapping[str, float], form: str, values: Array) -> dict[str, float]:
     if form == "ratio":
-        linear = set(law.linear)
-        return {name: value * float(values[0]) if name in linear else value for name, value in warp.items()}
+        stresses = {key for key in warp if key.endswith("_MPa")}
+        return {name: value * float(values[0]) if name in stresses else value for name, value in warp.items()}
     return {name: warp[name] + float(value) for name, value in zip(law.names, values, strict=False)}
 
 
@@ -141,7 +141,6 @@ def _warm(result: MaterialDocument, problem: FabricProblem, fit: Fit) -> None:
     _, values = fit.terms["thermal-softening"]
     known = problem.fabric.path.temperature_degC
     met = np.unique(np.round(known[np.isfinite(known)] * 2.0) / 2.0)
-    linear = set(problem.law.linear) | {"C10_MPa", "C20_MPa", "C30_MPa"}
 
     def table(parameters: Mapping[str, float]) -> list[AtTemperature]:
         rows = []
@@ -152,7 +151,7 @@ def _warm(result: MaterialDocument, problem: FabricProblem, fit: Fit) -> None:
             rows.append(
                 AtTemperature(
                     temperature_degC=degrees,
-                    parameters={k: v * factor if k in linear else v for k, v in parameters.items()},
+                    parameters={k: v * factor if k.endswith("_MPa") else v for k, v in parameters.items()},
                 )
             )
         return rows

@@ -280,5 +280,5 @@ def _absent(name: str, form: str, values: Array) -> bool:
 
 def _energy(term: Term, sheet: Sheet) -> Array:
     if isinstance(term, InvariantTerm):
-        return np.asarray(term.W)
+        return np.asarray(term.W() if callable(term.W) else term.W)
     return term.membrane(sheet).W

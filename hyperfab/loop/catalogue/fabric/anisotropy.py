@@ -14,19 +14,19 @@ def entry(scene: Scene) -> Effect | None:
         return None
     law = scene.law
     c = np.array(scene.constants)
-    size = max(float(np.max(np.abs(c[: len(law.linear)]))), 1e-12)
+    linear = np.array([name.endswith("_MPa") for name in law.names])
+    size = max(float(np.max(np.abs(c[linear]))), 1e-12)
     away = []
     for index, name in enumerate(law.names):
-        if index < len(law.linear):
+        if linear[index]:
             away.append(Constant(f"weft-warp {name}", 0.0, scale=max(abs(c[index]), 0.1 * size)))
         else:
             away.append(Constant(f"weft-warp {name}", 0.0, scale=max(abs(c[index]), 0.1)))
-    linear = np.array([index < len(law.linear) for index in range(len(c))])
     softer, stiffer, little = (
         tuple(float(v) for v in np.where(linear, factor * c, 0.0)) for factor in (-0.5, 1.0, 0.05)
     )
     singles = [
-        tuple(float(0.05 * size) if i == k else 0.0 for i in range(len(c))) for k in range(len(law.linear))
+        tuple(float(0.05 * size) if i == k else 0.0 for i in range(len(c))) for k in np.flatnonzero(linear)
     ]
     forms = [
         Form("ratio", (Constant("weft/warp", 1.0, 0.01, 100.0),), ((0.5,), (2.0,)), ((1.05,),)),
