@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from hyperfab.thermal.contact import Contact
 from hyperfab.thermal.convection import Convection
 from hyperfab.thermal.facet_operator import FacetOperator
+from hyperfab.thermal.grading import graded
 from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.lumping import lumped
 from hyperfab.thermal.march import march
@@ -105,14 +106,13 @@ class ReducedMold:
     corners: Sequence[float] = field(default_factory=tuple)
     conductances: Sequence[float] = ()
 
-    def run(self, times: Array, settings: Settings, steps: int = 150, *, fine_starts: bool = False) -> Array:
+    def run(self, times: Array, settings: Settings, steps: int = 100) -> Array:
         """Return the probes' temperatures (b, times, p) [degC] at ``times`` [s], the first the start.
 
-        Alexander's SDIRK2 on about ``steps`` steps that meet every corner of the powers; between their
-        ends the curve is the parabola through both values with the slope at the end. ``fine_starts`` takes short
-        steps where a power begins or jumps.
+        Alexander's SDIRK2 on about ``steps`` steps that meet every corner of the powers, and short ones where a power
+        begins or jumps; between their ends the curve is the parabola through both values with the slope at the end.
         """
-        grid = self._grid(times, steps, fine_starts)
+        grid = self._grid(times, steps)
         stages = np.stack([grid[:-1] + GAMMA * np.diff(grid), grid[1:]], axis=1)
         faces = [*self.films, *self.radiators, *self.held, self.bench]
         holds = np.array(
@@ -195,19 +195,10 @@ class ReducedMold:
             found[i] = self._read(times, grid, states, slopes)
         return found
 
-    def _grid(self, times: Array, steps: int, fine_starts: bool) -> Array:
-        whole = np.linspace(times[0], times[-1], steps + 1)
-        corners = np.array([t for t in self.corners if times[0] < t < times[-1]])
-        parts = [whole, corners]
-        if fine_starts:
-            halved = (whole[1] - whole[0]) * 0.5 ** np.arange(1, 7)
-            parts.append(np.add.outer([times[0], *corners], halved).ravel())
-        grid = np.unique(np.concatenate(parts))
-        grid = grid[grid <= times[-1]]
-        # Steps shorter than a thousandth of the others only cost time.
-        keep = np.concatenate([[True], np.diff(grid) > 1e-3 * (whole[1] - whole[0])])
-        keep[-1] = True
-        return grid[keep]
+    def _grid(self, times: Array, steps: int) -> Array:
+        faces = [*self.films, *self.radiators, *self.held]
+        signals = [table for _, table in (*self.heaters, *self.joints)] + [face.ambient for face in faces]
+        return graded(float(times[0]), float(times[-1]), self.corners, signals, steps)
 
     def _read(self, times: Array, grid: Array, states: Array, slopes: Array) -> Array:
         step = np.clip(np.searchsorted(grid, times, side="left") - 1, 0, len(grid) - 2)

@@ -115,7 +115,7 @@ def vary(
     reading = np.array(sensors).reshape(len(sensors), model.size)
     mold = reduce(model, reading, start, duration, None, corners=problem.corners, scales=SCALES)
     times = np.linspace(0.0, duration, POINTS)
-    curves = mold.run(times, asked.settings(mold), STEPS, fine_starts=True)
+    curves = mold.run(times, asked.settings(mold), STEPS)
     rows_found = []
     for i in range(asked.count):
         factors = {name: float(values[i]) for name, values in asked.factors.items()}
@@ -211,4 +211,4 @@ def _difference(mold: ReducedMold, history: History, reading: Array) -> float:
     times = np.array([state.time for state in history.states])
     full = np.array([reading @ state.temperature for state in history.states])
     nominal = Asked({"film": np.ones(1)})
-    return float(np.abs(mold.run(times, nominal.settings(mold), STEPS, fine_starts=True)[0] - full).max())
+    return float(np.abs(mold.run(times, nominal.settings(mold), STEPS)[0] - full).max())

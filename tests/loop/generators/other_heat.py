@@ -202,7 +202,8 @@ def _balance(
         elif kind["base-conduction"] == 2:  # feet: under the middle alone
             under = under * (np.arange(len(at)) < len(at) // 2) * 2.0
         loss, source = loss + under, source + under * to
-    power = schedule(time, poor) / 4.0
+    # The mean over the step: a ramp or a jump inside it counts from where it is.
+    power = float(np.mean([schedule(time - dt * (i + 0.5) / 10, poor) for i in range(10)])) / 4.0
     if "power-loss" in size:
         hot, grade = float(heated @ at) - AIR, size["power-loss"]
         if kind["power-loss"] == 0:

@@ -1,0 +1,68 @@
+"""Times to step at: close where powers or surroundings jump, wide where little happens."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.thermal.tables import Table
+
+Array = NDArray[np.float64]
+
+#: The first step after a jump, as a share of the whole, and by how much each next one is longer.
+_FIRST, _LONGER = 1e-4, 1.3
+#: A signal that bends by this share of its range within one step jumps.
+_JUMP = 0.02
+
+
+def graded(begin: float, end: float, corners: Sequence[float], signals: Sequence[Table], steps: int) -> Array:
+    """Return times from ``begin`` to ``end`` that meet every corner, wide steps ``steps`` to the whole.
+
+    From the beginning, and from each corner at which one of ``signals`` jumps, the steps grow from short ones.
+
+    >>> on = Table(np.array([50.0, 50.1]), np.array([0.0, 1.0]))
+    >>> times = graded(0.0, 100.0, (50.0, 50.1), (on,), 10)
+    >>> bool(np.diff(times)[times[:-1] >= 50.1][0] < 0.02), bool(np.max(np.diff(times)) < 10.5)
+    (True, True)
+    """
+    whole = end - begin
+    inside = sorted({float(c) for c in corners if begin < c < end})
+    edges = np.array([begin, *inside, end])
+    edges = edges[np.concatenate([[True], np.diff(edges) > 1e-3 * whole / steps])]
+    edges[-1] = end
+    jumps = _jumps(edges[:-1], whole / steps, signals)
+    jumps[0] = True
+    parts = []
+    for start, stop, jump in zip(edges[:-1], edges[1:], jumps, strict=True):
+        length = float(stop - start)
+        lengths = _growing(length, _FIRST * whole, whole / steps) if jump else _even(length, whole / steps)
+        parts.append(start + np.concatenate([[0.0], np.cumsum(lengths)[:-1]]))
+    return np.concatenate([*parts, [end]])
+
+
+def _jumps(at: Array, step: float, signals: Sequence[Table]) -> NDArray[np.bool_]:
+    found = np.zeros(len(at), dtype=bool)
+    for signal in signals:
+        reach = max(float(np.ptp(signal.y)), 1e-3 * float(np.max(np.abs(signal.y))))
+        bend = np.abs(signal(at + step) - 2.0 * signal(at) + signal(at - step))
+        found |= bend > _JUMP * reach
+    return found
+
+
+def _even(length: float, most: float) -> Array:
+    count = max(int(np.ceil(length / most - 1e-9)), 1)
+    return np.full(count, length / count)
+
+
+def _growing(length: float, first: float, most: float) -> Array:
+    """Return steps that grow from ``first`` to ``most`` and fill ``length``."""
+    count = max(int(np.ceil(np.log(most / first) / np.log(_LONGER))), 0)
+    steps = first * _LONGER ** np.arange(count)
+    ends = np.cumsum(steps)
+    if length <= ends[-1]:
+        steps = steps[: int(np.searchsorted(ends, length * (1.0 - 1e-9))) + 1]
+    else:
+        steps = np.concatenate([steps, _even(length - float(ends[-1]), most)])
+    return steps * (length / steps.sum())
