@@ -26,8 +26,8 @@ _FEW = 5
 _FORMS, _RICH = 3, 3
 #: Shares of the structured variance a first and a further term must take.
 FIRST_SHARE, NEXT_SHARE = 0.01, 0.05
-#: Shares of the structured held-out error and of the tests.
-TAKEN, HELPED = 0.2, 0.7
+#: Shares of the structured held-out error and of the tests; of three tests, two are enough.
+TAKEN, HELPED, HELPED_OF_THREE = 0.2, 0.7, 0.6
 
 
 @dataclass
@@ -78,7 +78,10 @@ class Evidence:
         """Whether the term pays."""
         needed = FIRST_SHARE if first else NEXT_SHARE
         pays = self.delta_bic >= MARGIN and self.variance_share >= needed and self.certain
-        return pays and (self.help is None or (self.help.taken >= TAKEN and self.help.helped >= HELPED))
+        if self.help is None or not pays:
+            return pays
+        many = HELPED if self.help.tests > 3 else HELPED_OF_THREE
+        return self.help.taken >= TAKEN and self.help.helped >= many
 
 
 @dataclass

@@ -5,14 +5,14 @@ from __future__ import annotations
 import json
 import sys
 import tempfile
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
 import numpy as np
-from loop.blind_press import table
 from loop.generators import contact as truths
+from loop.trials import Case, Trials, main
 
-from hyperfab.chapters.close_loop.closing import close_rounds
 from hyperfab.chapters.close_loop.contact import Forward, noise_of, pose, pose_sheet, read_material
 from hyperfab.chapters.close_loop.recall import Recalled, recall
 from hyperfab.chapters.close_loop.rerun import rerun
@@ -23,7 +23,7 @@ from hyperfab.documents.base import parse_document
 from hyperfab.documents.contact import ContactDocument
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.loop.contact import ForceDepth, Sheet
-from hyperfab.loop.engine import Finding
+from hyperfab.loop.design import NextMeasurement
 
 
 @cache
@@ -61,27 +61,50 @@ def model() -> tuple[Recalled, MaterialDocument, Sheet, Forward]:
     return recalled, material, sheet, Forward(recalled, material)
 
 
-def trial(effects: tuple[str, ...], seed: int, protocol: str) -> Finding:
-    """Close the loop on one truth."""
+def posed(truth: truths.Truth, noise: float, protocols: Sequence[str], seed: int, prior: float) -> Case:
+    """Return the case of a truth read by one protocol after the other."""
     _, material, sheet, forward = model()
+    files, loud = [], []
+    for number, protocol in enumerate(protocols):
+        random = np.random.default_rng([seed, number, 1])
+        for depth, force, temperature in truths.measure(truth, random, noise, protocol):
+            files.append(ForceDepth(f"{len(files)}.csv", depth, force, temperature))
+            finer = 0.1 / 0.2 if protocol == "begin" else 1.0
+            loud.append(np.full(len(depth), 0.002 * noise * finer * float(force.max())))
+    problem = pose(sheet, files, material, prior, [])
+    sd = np.ones(len(problem.measured))
+    sd[: sum(map(len, loud))] = np.concatenate(loud)
+
+    def again(what: NextMeasurement | None) -> Case:
+        kind = (
+            protocols[-1] if what is None else next(key for word, key in _NEXT.items() if word in what.text)
+        )
+        return posed(truth, noise, [*protocols, kind], seed, prior)
+
+    return Case(problem, noise_of([(one, None) for one in files], None), sd, forward.corrected, again)
+
+
+#: What the next measurements are in the generator's words.
+_NEXT = {"warmer": "warm", "first fifth": "begin", "five times": "often"}
+
+
+def case(effects: tuple[str, ...], seed: int, protocol: str, larger: float, finer: float) -> Case:
+    """Return the case of a seed."""
     random = np.random.default_rng([seed, sum(map(ord, "".join(effects)))])
-    truth = truths.draw(random, effects, 0.06 if protocol == "poor" else 0.013)
-    noise = 4.0 if protocol == "poor" else 1.0
-    read = truths.measure(truth, random, noise, protocol)
-    files = [(ForceDepth(f"{i}.csv", *one), None) for i, one in enumerate(read)]
+    poor = protocol == "poor"
+    truth = truths.draw(random, effects, 0.06 if poor else 0.013, larger)
     # Whoever has measured well also knows the fabric from its own tests.
-    problem = pose(sheet, [one for one, _ in files], material, 0.10 if protocol == "poor" else 0.02, [])
-    return close_rounds(problem, noise_of(files, None), forward.corrected, design=False)[1]
+    return posed(truth, finer * (4.0 if poor else 1.0), [protocol], seed, 0.10 if poor else 0.02)
 
 
-def main() -> None:
-    """Print the tables."""
-    trials = int(sys.argv[1]) if len(sys.argv) > 1 else 8
-    protocol = sys.argv[2] if len(sys.argv) > 2 else "rich"
-    only = sys.argv[3:] or [*truths.IDS, "none"]
-    for word in only:
-        table(trial, tuple(part for part in word.split("+") if part != "none"), trials, protocol)
-
+TRIALS = Trials(
+    ids=truths.IDS,
+    pairs=("pretension+thermal-softening", "friction+thermal-softening", "rim-slip+thermal-softening",
+           "pretension+friction", "pretension+rim-slip"),
+    outside=truths.OUTSIDE,
+    case=case,
+    poor=("friction", "pretension", "rim-slip"),
+)  # fmt: skip
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main(TRIALS))

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import sys
 import tempfile
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
 import numpy as np
-from loop.blind_press import table
 from loop.generators import drape as truths
+from loop.trials import Case, Trials, main
 
-from hyperfab.chapters.close_loop.closing import close_rounds
 from hyperfab.chapters.close_loop.drape import Forward, noise_of, pose, pose_sheet
 from hyperfab.chapters.close_loop.recall import recall
 from hyperfab.chapters.close_loop.rerun import rerun
@@ -19,8 +19,8 @@ from hyperfab.chapters.job import Job
 from hyperfab.cli.steps import chapter_words
 from hyperfab.console import Console
 from hyperfab.io.json_io import dump_json
+from hyperfab.loop.design import NextMeasurement
 from hyperfab.loop.drape import Draped, Markers
-from hyperfab.loop.engine import Finding
 
 
 def document(folder: Path) -> str:
@@ -50,25 +50,51 @@ def model() -> tuple[Draped, Forward]:
     return pose_sheet(forward, lambda share: None), forward
 
 
-def trial(effects: tuple[str, ...], seed: int, protocol: str) -> Finding:
-    """Close the loop on one truth."""
+def posed(truth: truths.Truth, noise: float, protocols: Sequence[str], seed: int) -> Case:
+    """Return the case of a truth with markers of one protocol after the other."""
     draped, forward = model()
+    files = [
+        Markers(
+            f"{number}.csv", *truths.measure(truth, np.random.default_rng([seed, number, 1]), noise, protocol)
+        )
+        for number, protocol in enumerate(protocols)
+    ]
+    problem = pose(draped, files, 0.10, [])
+    sd = np.ones(len(problem.measured))
+    sd[: 3 * sum(len(one.flat) for one in files)] = noise
+
+    def again(what: NextMeasurement | None) -> Case:
+        kind = (
+            protocols[-1] if what is None else next(key for word, key in _NEXT.items() if word in what.text)
+        )
+        return posed(truth, noise, [*protocols, kind], seed)
+
+    return Case(problem, noise_of([(one, None) for one in files], None), sd, forward.corrected, again)
+
+
+#: What the next measurements are in the generator's words.
+_NEXT = {"all over": "all", "hangs free": "free", "on the top": "top"}
+
+
+def case(effects: tuple[str, ...], seed: int, protocol: str, larger: float, finer: float) -> Case:
+    """Return the case of a seed."""
     random = np.random.default_rng([seed, sum(map(ord, "".join(effects)))])
-    truth = truths.draw(random, effects)
-    flat, found = truths.measure(truth, random, 0.03 if protocol == "rich" else 0.06, protocol)
-    files = [(Markers("markers.csv", flat, found), None)]
-    problem = pose(draped, [one for one, _ in files], 0.10, [])
-    return close_rounds(problem, noise_of(files, None), forward.corrected, design=False)[1]
+    truth = truths.draw(random, effects, larger)
+    return posed(truth, finer * (0.03 if protocol == "rich" else 0.06), [protocol], seed)
 
 
-def main() -> None:
-    """Print the tables."""
-    trials = int(sys.argv[1]) if len(sys.argv) > 1 else 8
-    protocol = sys.argv[2] if len(sys.argv) > 2 else "rich"
-    only = sys.argv[3:] or [*truths.IDS, "none"]
-    for word in only:
-        table(trial, tuple(part for part in word.split("+") if part != "none"), trials, protocol)
-
+TRIALS = Trials(
+    ids=truths.IDS,
+    pairs=(
+        "pretension+gravity",
+        "shear-stiffness+gravity",
+        "friction+pretension",
+        "shear-stiffness+pretension",
+    ),
+    outside=truths.OUTSIDE,
+    case=case,
+    poor=truths.IDS,
+)
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main(TRIALS))

@@ -4,22 +4,19 @@ from __future__ import annotations
 
 import sys
 import tempfile
-import time
-from collections import Counter
-from collections.abc import Callable
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
 import numpy as np
-from loop.blind import in_answer, label
 from loop.generators import press as truths
+from loop.trials import Case, Trials, main
 
-from hyperfab.chapters.close_loop.closing import close_anew
 from hyperfab.chapters.close_loop.press import noise_of, pose
 from hyperfab.chapters.close_loop.rerun import rerun
 from hyperfab.chapters.press_contact.result import Told
 from hyperfab.cli.steps import chapter_words
-from hyperfab.loop.engine import Finding
+from hyperfab.loop.design import NextMeasurement
 from hyperfab.loop.press import Reading
 
 
@@ -45,66 +42,50 @@ def told() -> Told:
     return found
 
 
-def readings(truth: truths.Truth, random: np.random.Generator, noise: float, protocol: str) -> list[Reading]:
-    """Return the readings as the loop takes them."""
+def as_readings(read: Sequence[truths.Read]) -> list[Reading]:
+    """Return the readings as the loop takes them: nothing of the truth goes along."""
     return [
-        Reading(f"{i}.csv", one.kind, one.values, places=one.places, stroke=one.stroke, time_s=one.time)
-        for i, one in enumerate(truths.measure(truth, random, noise, protocol))
+        Reading(f"{i}.csv", one.kind, one.values, places=one.places, stroke=one.stroke, time_s=one.time)  # type: ignore[arg-type]
+        for i, one in enumerate(read)
     ]
 
 
-def trial(effects: tuple[str, ...], seed: int, protocol: str) -> Finding:
-    """Close the loop on one truth."""
+def posed(truth: truths.Truth, noise: float, protocols: Sequence[str], seed: int) -> Case:
+    """Return the case of a truth read by one protocol after the other."""
+    read = [
+        one
+        for number, protocol in enumerate(protocols)
+        for one in truths.measure(truth, np.random.default_rng([seed, number, 1]), noise, protocol)
+    ]
+    files = as_readings(read)
+    problem = pose(told(), [(one, None) for one in files], 0.10, [])
+    loud = {one.name: noise * truths.sd_of(kind) for one, kind in zip(files, read, strict=True)}
+    sd = np.ones(len(problem.measured))
+    for part, curve in zip(problem.readings, problem.curves, strict=False):
+        sd[curve.rows] = loud[part.name]
+
+    def again(what: NextMeasurement | None) -> Case:
+        kind = protocols[-1] if what is None else f"next {what.details['reading']}"
+        return posed(truth, noise, [*protocols, kind], seed)
+
+    return Case(problem, noise_of([(one, None) for one in files]), sd, next=again)
+
+
+def case(effects: tuple[str, ...], seed: int, protocol: str, larger: float, finer: float) -> Case:
+    """Return the case of a seed."""
     random = np.random.default_rng([seed, sum(map(ord, "".join(effects)))])
-    truth = truths.draw(random, effects)
-    files = [(one, None) for one in readings(truth, random, 1.0, protocol)]
-    problem = pose(told(), files, 0.10, [])
-    return close_anew(problem, noise_of(files), design=False)
+    truth = truths.draw(random, effects, larger)
+    return posed(truth, finer, [protocol], seed)
 
 
-def table(
-    run: Callable[[tuple[str, ...], int, str], Finding],
-    truth: tuple[str, ...],
-    trials: int,
-    protocol: str,
-) -> None:
-    """Run trials of one truth, print each and their sums."""
-    tally: Counter[str] = Counter()
-    for seed in range(trials):
-        began = time.perf_counter()
-        found = run(truth, seed, protocol)
-        named = found.verdict in ("effect", "ambiguous")
-        before, left = found.before.judgement.structured, found.after.judgement.structured
-        tally["alone"] += found.verdict == "effect" and set(found.after.ids) == set(truth)
-        tally["right or in the set"] += named and all(in_answer(name, found) for name in truth)
-        tally["one right"] += named and any(in_answer(name, found) for name in truth)
-        tally["noise"] += found.verdict == "noise"
-        tally["unexplained"] += found.verdict == "unexplained"
-        tally["spurious"] += named and any(
-            name not in truth
-            and not any(name in one and set(one) & set(truth) for one in found.indistinguishable)
-            for name in found.after.ids
-        )
-        print(
-            f"  {seed:3d} {'+'.join(truth) or 'none':24s} {label(found):60s} {before:.2f}, {left:.2f}; "
-            f"{time.perf_counter() - began:.0f} s",
-            flush=True,
-        )
-    print(
-        f"{'+'.join(truth) or 'none'} {protocol} of {trials}: "
-        + ", ".join(f"{k} {v}" for k, v in tally.items()),
-        flush=True,
-    )
-
-
-def main() -> None:
-    """Print the tables."""
-    trials = int(sys.argv[1]) if len(sys.argv) > 1 else 8
-    protocol = sys.argv[2] if len(sys.argv) > 2 else "rich"
-    only = sys.argv[3:] or [*truths.IDS, "none"]
-    for word in only:
-        table(trial, tuple(part for part in word.split("+") if part != "none"), trials, protocol)
-
+TRIALS = Trials(
+    ids=truths.IDS,
+    pairs=("tilt+frame-compliance", "foam-shrinkage+foam-relaxation", "thickness-variation+foam-relaxation",
+           "thermal-expansion+tilt"),
+    outside=truths.OUTSIDE,
+    case=case,
+    poor=truths.IDS,
+)  # fmt: skip
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main(TRIALS))

@@ -13,7 +13,7 @@ from hyperfab.pressing.pose import Pose
 
 def posed() -> PressProblem:
     random = np.random.default_rng(2)
-    read = blind_press.readings(caps.Truth(()), random, 0.0, "rich")
+    read = blind_press.as_readings(caps.measure(caps.Truth(()), random, 0.0, "rich"))
     return pose(blind_press.told(), [(one, None) for one in read], 0.1, [])
 
 

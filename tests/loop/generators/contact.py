@@ -7,6 +7,7 @@ mm, N, MPa. The sheet is a Yeoh solid of two terms. On the sphere and off it the
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -16,6 +17,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 IDS = ("friction", "pretension", "thermal-softening", "rim-slip")
+#: What no entry of the catalogue says: a ripple of the punch's drive, a seam that tears, a load cell that saturates.
+OUTSIDE = ("ripple", "torn-seam", "saturated-cell")
 C10, C20, THICK, RADIUS, SPHERE, ROOM = 0.06, 0.02, 1.0, 100.0, 40.0, 23.0
 
 
@@ -28,11 +31,14 @@ class Truth:
     soft: tuple[float, float] = (1.0, 1.0)
 
 
-def draw(random: Generator, effects: tuple[str, ...], off: float = 0.013) -> Truth:
-    """Return a sheet with effects of random size, its constants ``off`` by so much (one standard deviation)."""
+def draw(random: Generator, effects: tuple[str, ...], off: float = 0.013, larger: float = 1.0) -> Truth:
+    """Return a sheet with effects of random size, ``larger`` than usual, its constants ``off`` by so much (one
+    standard deviation)."""
     soft = 1.0 + off * random.standard_normal(2)
     return Truth(
-        effects, {name: float(random.uniform(0.4, 1.0)) for name in effects}, (float(soft[0]), float(soft[1]))
+        effects,
+        {name: larger * float(random.uniform(0.4, 1.0)) for name in effects},
+        (float(soft[0]), float(soft[1])),
     )
 
 
@@ -106,30 +112,46 @@ def curve(c10: float, c20: float, mu: float, stretch: float, slip: float) -> tup
     return depth[good], force[good]
 
 
+@cache
+def _curve(c10: float, c20: float, mu: float, stretch: float, slip: float) -> tuple[Array, Array]:
+    return curve(c10, c20, mu, stretch, slip)
+
+
 def measure(truth: Truth, random: Generator, noise: float, protocol: str) -> list[tuple[Array, Array, Array]]:
-    """Return files of depth, force, temperature: ``rich`` at three temperatures, ``poor`` one at room temperature.
+    """Return files of depth, force, temperature: ``rich`` at three temperatures, ``poor`` one at room temperature,
+    ``warm`` at two in turn, ``often`` five times as many readings, ``begin`` the first fifth read ten times finer.
 
     ``noise`` is in 0.2 % of the largest force.
     """
     size = truth.size
-    found, known = [], None
+    found = []
     slips = 60.0 * size.get("rim-slip", 0.0)
-    hot = (0.0, 30.0, 60.0) if protocol == "rich" else (0.0,)
+    hot = {"rich": (0.0, 30.0, 60.0), "warm": (0.0, 40.0)}.get(protocol, (0.0,))
     for warmer in hot:
         # Linear, with a little of the square: no exponential.
         rise = size.get("thermal-softening", 0.0) * warmer / 60.0
         weak = 1.0 - 0.30 * rise + 0.05 * rise**2
-        if known is None or slips:
-            known = curve(
-                C10 * truth.soft[0] * weak, C20 * truth.soft[1] * weak, 0.45 * size.get("friction", 0.0),
-                1.0 + 0.03 * size.get("pretension", 0.0), slips,
-            )  # fmt: skip
-            made = weak
+        made = weak if slips else 1.0
+        depth, force = _curve(
+            C10 * truth.soft[0] * made, C20 * truth.soft[1] * made, min(0.45 * size.get("friction", 0.0), 0.7),
+            1.0 + min(0.03 * size.get("pretension", 0.0), 0.08), slips,
+        )  # fmt: skip
         # Without a clamp that gives, the force goes with the modulus.
-        depth, force = known[0], known[1] * weak / made
-        at = np.linspace(max(3.0, float(depth[0])), min(60.0, float(depth[-1])), 60)
-        forces = np.interp(at, depth, force) if len(depth) < 4 else _smooth(depth, force)(at)
-        sd = 0.002 * noise * float(forces.max())
+        force = force * weak / made
+        deepest = min(60.0, float(depth[-1]))
+        at = np.linspace(max(3.0, float(depth[0])), deepest, 300 if protocol == "often" else 60)
+        if protocol == "begin":
+            at = np.linspace(max(0.6, float(depth[0])), 0.2 * deepest, 40)
+        forces = _smooth(depth, force)(at)
+        sd = 0.002 * noise * float(force[depth <= 60.0].max())
+        if "ripple" in size:
+            forces = forces * (1.0 + 0.02 * size["ripple"] * np.sin(at * 2.0 * np.pi / 7.0))
+        if "torn-seam" in size:
+            forces = np.where(at > 0.6 * deepest, forces * (1.0 - 0.08 * size["torn-seam"]), forces)
+        if "saturated-cell" in size:
+            most = (1.0 - 0.25 * size["saturated-cell"]) * float(forces.max())
+            forces = np.minimum(forces, most + 0.15 * (forces - most))
+        sd *= 0.1 if protocol == "begin" else 1.0
         found.append((at, forces + sd * random.standard_normal(len(at)), np.full(len(at), ROOM + warmer)))
     return found
 

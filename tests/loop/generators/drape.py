@@ -7,6 +7,7 @@ node touched first, cut off at the coefficient times the pressure, over many ste
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cache
 
 import numpy as np
 from numpy.random import Generator
@@ -17,6 +18,8 @@ from scipy.sparse.linalg import spsolve
 Array = NDArray[np.float64]
 
 IDS = ("friction", "shear-stiffness", "pretension", "gravity")
+#: What no entry of the catalogue says: a camera out of square, a sheet creased across, a net read in the wrong scale.
+OUTSIDE = ("skewed-camera", "crease", "lens")
 SIDE, BALL, DEPTH, NODES, THICK = 200.0, 60.0, 50.0, 21, 1.0
 WARP, WEFT, POWER, HELD = 0.30, 0.20, 0.5, 2.0
 
@@ -30,10 +33,12 @@ class Truth:
     soft: tuple[float, float] = (1.0, 1.0)
 
 
-def draw(random: Generator, effects: tuple[str, ...]) -> Truth:
-    """Return a sheet with effects of random size."""
+def draw(random: Generator, effects: tuple[str, ...], larger: float = 1.0) -> Truth:
+    """Return a sheet with effects of random size, ``larger`` than usual."""
     soft = 1.0 + 0.05 * random.standard_normal(2)
-    sizes = {name: np.array([random.uniform(0.5, 1.0), random.uniform()]) for name in effects}
+    sizes = {
+        name: np.array([min(larger * random.uniform(0.5, 1.0), 1.4), random.uniform()]) for name in effects
+    }
     return Truth(effects, sizes, (float(soft[0]), float(soft[1])))
 
 
@@ -171,16 +176,45 @@ class Net:
         return x.reshape(NODES, NODES, 3)
 
 
+@cache
+def _draped(effects: tuple[str, ...], sizes: tuple[float, ...], soft: tuple[float, float]) -> Array:
+    return Net(
+        Truth(effects, {k: np.array([v, 0.0]) for k, v in zip(effects, sizes, strict=True)}, soft)
+    ).drape()
+
+
 def measure(truth: Truth, random: Generator, noise: float, protocol: str) -> tuple[Array, Array]:
-    """Return markers on the flat sheet (m, 2) and where they are found (m, 3): ``rich`` 120, ``poor`` 25."""
-    nodes = Net(truth).drape()
+    """Return markers on the flat sheet (m, 2) and where they are found (m, 3): ``rich`` 120, ``poor`` 25, ``all`` 225,
+    ``free`` and ``top`` those far from the middle and near it."""
+    inside = tuple(name for name in truth.effects if name in IDS)
+    nodes = _draped(inside, tuple(float(truth.size[name][0]) for name in inside), truth.soft)
     u = np.linspace(-0.5 * SIDE, 0.5 * SIDE, NODES)
     # Markers sit on threads' crossings: no interpolation of ours comes in.
     inner = np.array([(i, j) for i in range(1, NODES - 1) for j in range(1, NODES - 1)])
-    chosen = inner[random.choice(len(inner), 120 if protocol == "rich" else 25, replace=False)]
+    far = np.abs(u[inner]).max(axis=1) / (0.5 * SIDE)
+    inner = inner[{"free": far > 0.6, "top": far < 0.45}.get(protocol, far < 2.0)]
+    count = min({"rich": 120, "poor": 25, "all": 225, "free": 144, "top": 49}[protocol], len(inner))
+    chosen = inner[random.choice(len(inner), count, replace=False)]
     flat = np.stack([u[chosen[:, 0]], u[chosen[:, 1]]], axis=1)
-    found = nodes[chosen[:, 0], chosen[:, 1]]
+    found = _seen(truth, flat, nodes[chosen[:, 0], chosen[:, 1]])
     return flat, found + noise * random.standard_normal(found.shape)
+
+
+def _seen(truth: Truth, flat: Array, found: Array) -> Array:
+    """Return places (m, 3) as a bad camera or a bad sheet has them."""
+    size, found = truth.size, found.copy()
+    if "skewed-camera" in size:
+        big, share = size["skewed-camera"]
+        angle = 2.0 * np.pi * share
+        found[:, 2] += 0.008 * big * (found[:, 0] * np.cos(angle) + found[:, 1] * np.sin(angle))
+    if "lens" in size:
+        big, share = size["lens"]
+        found[:, :2] *= 1.0 + 0.01 * big * np.sum((found[:, :2] / SIDE - 0.2 * share) ** 2, axis=1)[:, None]
+    if "crease" in size:
+        big, share = size["crease"]
+        away = flat @ np.array([np.cos(np.pi * share), np.sin(np.pi * share)]) - 30.0
+        found[:, 2] += 0.8 * big * np.exp(-((away / 9.0) ** 2))
+    return found
 
 
 def ball_stl(rings: int = 60, around: int = 120) -> bytes:

@@ -23,6 +23,8 @@ IDS = (
     "thickness-variation",
     "frame-compliance",
 )
+#: What no entry of the catalogue says: a dent of the female, grit on the film, a film that saturates.
+OUTSIDE = ("dent", "grit", "saturated-film")
 MALE, FEMALE, REACH, BACK, TOP, GAP = 70.0, 80.0, 50.0, 29.0, 110.0, 3.0
 FOAM, FABRIC = 3.5, 1.0
 PLATEAU, MODULUS, DENSE = 0.0045, 0.12, 0.0016
@@ -39,8 +41,8 @@ class Truth:
     thickness: float = 1.0
 
 
-def draw(random: Generator, effects: tuple[str, ...]) -> Truth:
-    """Return a press with effects of random size."""
+def draw(random: Generator, effects: tuple[str, ...], larger: float = 1.0) -> Truth:
+    """Return a press with effects of random size, ``larger`` than usual."""
     truth = Truth(
         effects,
         stiffness=float(1.0 + 0.07 * random.standard_normal()),
@@ -49,7 +51,7 @@ def draw(random: Generator, effects: tuple[str, ...]) -> Truth:
     )
     for name in effects:
         angle, share = random.uniform(0.0, 2.0 * np.pi), random.uniform(0.0, 1.0)
-        truth.size[name] = np.array([0.4 + 0.6 * random.uniform(), angle, share])
+        truth.size[name] = np.array([larger * (0.4 + 0.6 * random.uniform()), angle, share])
     return truth
 
 
@@ -99,7 +101,28 @@ class Press:
         """Return the gap (n,) and how squarely it meets the axis."""
         away = self.hot(cold) - self.centre - np.array([0.0, 0.0, opening])
         far = np.linalg.norm(away, axis=1)
-        return self.radius - far, away[:, 2] / far
+        return self.radius + self.hollow(cold) - far, away[:, 2] / far
+
+    def hollow(self, cold: Array) -> Array:
+        """Return how deep (n,) the female is dented opposite to places."""
+        if "dent" not in self.truth.size:
+            return np.zeros(len(cold))
+        big, angle, share = self.truth.size["dent"]
+        middle = 0.6 * REACH * np.sqrt(share) * np.array([np.cos(angle), np.sin(angle)])
+        return np.asarray(1.2 * big * np.exp(-np.sum((cold[:, :2] - middle) ** 2, axis=1) / (2.0 * 9.0**2)))
+
+    def film(self, at: Array, pressure: Array) -> Array:
+        """Return what a film reads of pressures (n,) at places (n, 3)."""
+        size = self.truth.size
+        if "grit" in size:
+            big, angle, _ = size["grit"]
+            # Streaks of a dirty roller.
+            along = at[:, 0] * np.cos(angle) + at[:, 1] * np.sin(angle)
+            pressure = pressure * (1.0 + 0.25 * big * (np.sin(along * 2.0 * np.pi / 17.0) > 0.3))
+        if "saturated-film" in size:
+            big, _, share = size["saturated-film"]
+            pressure = np.minimum(pressure, np.quantile(pressure, max(0.75 - 0.4 * big * share, 0.2)))
+        return pressure
 
     def thick(self, cold: Array) -> Array:
         """Return the foam's thickness at places (n, 3): uneven as a smooth step or a dome."""
@@ -117,7 +140,7 @@ class Press:
             return np.ones_like(np.asarray(time, dtype=float))
         big, _, share = self.truth.size["foam-relaxation"]
         fade = -np.expm1(-((np.asarray(time) / (20.0 + 60.0 * share)) ** 0.8))
-        return np.asarray(1.0 - 0.5 * big * fade)
+        return np.asarray(1.0 - min(0.5 * big, 0.8) * fade)
 
     def pressure(self, cold: Array, opening: float) -> Array:
         """Return the pressure (n,) before it relaxes."""
@@ -165,38 +188,51 @@ def places(random: Generator, count: int) -> Array:
     return np.stack([r * np.cos(phi), r * np.sin(phi), np.sqrt(MALE**2 - r**2)], axis=1)
 
 
+#: What a reading of each kind is off by at usual noise; pressure and force as a share of 0.006 MPa and the largest.
+_SD = {"pressure": 0.03 * 0.006, "thickness": 0.03, "force": 0.01, "contact": 0.03}
+
+
+def sd_of(read: Read) -> float:
+    """Return the standard deviation of readings at usual noise; of ones and zeros, the width of their edge."""
+    if read.kind == "contact":
+        return 0.3
+    return _SD[read.kind] * (float(read.values.max()) if read.kind == "force" else 1.0)
+
+
 def measure(truth: Truth, random: Generator, noise: float, protocol: str) -> list[Read]:
     """Return what was read: ``rich`` pressure, thickness and force over stroke with a hold; ``film`` pressure alone;
-    ``stroke`` force over stroke alone. ``noise`` is relative to 3 % of pressure, 0.03 mm, 1 % of force."""
+    ``stroke`` force over stroke alone; ``next`` and a kind of reading that alone. ``noise`` is relative to 3 % of
+    pressure, 0.03 mm, 1 % of force."""
     press = Press(truth)
     found = []
-    if protocol in ("rich", "film"):
+    rich = protocol == "rich"
+    if protocol in ("rich", "film", "next pressure"):
         at = places(random, 150)
-        opening = press.opening()
-        p = press.pressure(at, opening) * press.relaxed(600.0)
-        sd = noise * 0.03 * 0.006
-        time = np.full(len(at), 600.0) if protocol == "rich" else None
-        found.append(Read("pressure", p + sd * random.standard_normal(len(at)), places=at, time=time))
-    if protocol == "rich":
+        p = press.film(at, press.pressure(at, press.opening()) * press.relaxed(600.0))
+        p = p + noise * _SD["pressure"] * random.standard_normal(len(at))
+        found.append(Read("pressure", p, places=at, time=np.full(len(at), 600.0) if rich else None))
+    if protocol in ("rich", "next thickness", "next contact"):
         at = places(random, 120)
         gap, _ = press.gap(at, press.opening())
-        t = np.minimum(gap, press.thick(at) + FABRIC)
-        found.append(Read("thickness", t + 0.03 * noise * random.standard_normal(len(at)), places=at))
-    if protocol in ("rich", "stroke"):
+        whole = press.thick(at) + FABRIC
+        off = _SD["thickness"] * noise * random.standard_normal(len(at))
+        if protocol == "next contact":
+            found.append(Read("contact", np.where(gap + off < whole, 1.0, 0.0), places=at))
+        else:
+            found.append(Read("thickness", np.minimum(gap, whole) + off, places=at))
+    if protocol in ("rich", "stroke", "next force"):
         first = press.touch()
         true = np.linspace(0.05, 1.5, 40)
         forces = np.array([press.force(first - s) for s in true])
         time = 2.0 * np.arange(1.0, 41.0)
-        if protocol == "rich":
+        if rich:
             true, forces = np.append(true, np.full(20, true[-1])), np.append(forces, np.full(20, forces[-1]))
             time = np.append(time, 80.0 + 15.0 * np.arange(1.0, 21.0))
         stroke = true + press.compliance * forces
-        forces = forces * press.relaxed(time if protocol == "rich" else 10.0)
-        sd = 0.01 * noise * float(forces.max())
-        keep = time if protocol == "rich" else None
-        found.append(
-            Read("force", forces + sd * random.standard_normal(len(forces)), stroke=stroke, time=keep)
-        )
+        forces = forces * press.relaxed(time if rich else 10.0)
+        sd = _SD["force"] * noise * float(forces.max())
+        forces = forces + sd * random.standard_normal(len(forces))
+        found.append(Read("force", forces, stroke=stroke, time=time if rich else None))
     return found
 
 
