@@ -9,7 +9,8 @@ import numpy as np
 
 from hyperfab.loop.dependence import dependence, suggestion
 from hyperfab.loop.design import NextMeasurement, next_measurement
-from hyperfab.loop.fitting import fit
+from hyperfab.loop.fitting import fit, least_misfit
+from hyperfab.loop.judge import SMALL
 from hyperfab.loop.mimic import Rival, indistinguishable, rivals
 from hyperfab.loop.noise import Noise, estimate_noise
 from hyperfab.loop.problem import Problem
@@ -22,6 +23,10 @@ _HOPELESS = 9.0
 #: Terms that take this share of what is not noise, and leave a total of less than 1.2 times the noise (this rms beside
 #: it, in its standard deviations), are what the model lacked: the rest is their law's own inaccuracy.
 EXPLAINED, ENOUGH = 0.95, 0.66
+#: A term has to lower chi-squared by this though specimens scatter as much as their replicates allow.
+DOUBTFUL = 4.0
+#: What one specimen alone shows has to stand against this many times that scatter.
+ALONE = 2.0
 
 
 @dataclass(frozen=True)
@@ -87,6 +92,9 @@ def close(
         best = search.enriched(best)
     if best is before:
         return finding("noise" if before.judgement.is_small else "unexplained", before, {}, tried)
+    best = _undoubted(search, best)
+    if best is before or not best.ids:
+        return finding(_without_names(search, before), before, {}, tried)
     best = _ordered(search, before, best)
     added = _worth_of_each(search, best)
     found = finding("effect" if explains(before, best) else "unexplained", best, added, tried)
@@ -156,6 +164,39 @@ def explains(base: State, state: State) -> bool:
     left = state.judgement
     most = min(ENOUGH, np.sqrt(1.0 - EXPLAINED) * base.judgement.structured)
     return left.is_small or left.structured <= most
+
+
+def _undoubted(search: Search, best: State) -> State:
+    """Take out terms that a scatter of specimens larger than the few replicates show could explain as well."""
+    while best.ids and search.noise.gain_doubt:
+        worth = {}
+        for name in best.ids:
+            less = search.without(best, name)
+            noise = search.noise.doubted(ALONE if _is_of_one_specimen(search, best, less) else 1.0)
+            whole = least_misfit(search.problem, noise, best.fit)
+            gain = least_misfit(search.problem, noise, less.fit) - whole
+            worth[name] = gain / max(whole / len(best.fit.residual), 1.0)
+        weakest = min(worth, key=lambda name: worth[name])
+        if worth[weakest] >= DOUBTFUL:
+            break
+        best = search.without(best, weakest)
+    return best
+
+
+def _is_of_one_specimen(search: Search, best: State, less: State) -> bool:
+    """Whether what a term explains is nearly all in one specimen, whose stiffness is its own."""
+    gone = (best.fit.predicted - less.fit.predicted) ** 2 / search.noise.sd**2
+    shares = [float(np.sum(gone[rows])) for rows in search.noise.groups]
+    return bool(shares) and max(shares) > 0.8 * sum(shares)
+
+
+def _without_names(search: Search, before: State) -> str:
+    """Return the verdict where nothing is named: noise if a larger scatter of specimens could be all there is."""
+    noise = search.noise.doubted()
+    rows = len(before.fit.residual)
+    left = least_misfit(search.problem, noise, before.fit) / max(rows - len(before.fit.x), 1)
+    small = np.sqrt(max(left - 1.0, 0.0)) <= SMALL
+    return "noise" if before.judgement.is_small or small else "unexplained"
 
 
 def _pruned(search: Search, best: State) -> State:

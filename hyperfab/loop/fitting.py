@@ -154,6 +154,20 @@ def fit(
     )
 
 
+def least_misfit(problem: Problem, noise: Noise, found: Fit) -> float:
+    """Return the least chi-squared near a fit in the metric of another noise: one step of Gauss and Newton away."""
+    constants = [*problem.own, *(constant for form in found.forms.values() for constant in form.constants)]
+    low, high, scale = (_column(constants, name) for name in ("low", "high", "scale"))
+    noise = noise.at(found.predicted)
+    left = noise.whiten(problem.measured - found.predicted)
+    slope = _jacobian(problem, found.forms, found.x, found.predicted, scale, low, high, noise)
+    free = (found.x > low) & (found.x < high)
+    size = np.sqrt(np.sum(slope**2, axis=0))
+    slope = slope[:, free & (size > 0.0)] / size[free & (size > 0.0)]
+    step = np.linalg.lstsq(slope, left, rcond=1e-9)[0]
+    return float(left @ left - (slope @ step) @ (slope @ step))
+
+
 def _nowhere(forms: Mapping[str, Form], x: Array, value: Array, weight: Array, own: int) -> Fit:
     """Return the fit of a model that has no prediction at ``x``: infinitely bad."""
     empty = np.zeros((len(value), len(x)))

@@ -14,6 +14,10 @@ from hyperfab.loop.problem import Array, Curve, Problem
 _MAD = 1.4826
 #: Smoothed third differences count for about this many independent readings each, their median for less.
 _WORTH = 0.3
+#: A scatter of specimens seen in one pair may be this many times greater (fewer with more pairs): the quantiles of
+#: Student's distribution for so few degrees of freedom. Only what readings cannot explain to two of their standard
+#: deviations counts.
+_FEW, _BEYOND = 2.5, 4.0
 
 
 @dataclass(frozen=True)
@@ -22,12 +26,14 @@ class Noise:
 
     ``gain_sd`` is the scatter of the stiffness between specimens (relative), ``correlation`` that between
     neighbouring rows of a curve. ``whiten`` takes both out, so that noise becomes unit and uncorrelated.
+    ``gain_doubt`` is what the scatter may be as well, known as it is from few pairs of specimens.
     """
 
     sd: Array
     dof: float
     source: str
     gain_sd: float = 0.0
+    gain_doubt: float = 0.0
     correlation: float = 0.0
     starts: tuple[int, ...] = ()
     groups: tuple[NDArray[np.int64], ...] = ()
@@ -38,6 +44,10 @@ class Noise:
     def plain(self) -> Noise:
         """The noise without what rows have in common."""
         return replace(self, gain_sd=0.0, correlation=0.0)
+
+    def doubted(self, times: float = 1.0) -> Noise:
+        """Return the noise with specimens that scatter as much as the replicates allow, or so many times that."""
+        return replace(self, gain_sd=max(times * self.gain_doubt, self.gain_sd))
 
     def at(self, predicted: Array) -> Noise:
         """Return the noise around a prediction: specimens scatter in proportion to prediction and reading.
@@ -182,7 +192,7 @@ def _resolution(values: Array) -> float:
 def _with_replicates(problem: Problem, noise: Noise, free: bool) -> Noise:
     """Compare replicates: scatter of stiffness between specimens, correlated noise, and a white level if ``free``."""
     y = problem.measured
-    gains, rests, lags, count = [], [], [], 0
+    gains, sure, rests, lags, count = [], [], [], [], 0
     for first, second in _pairs(problem.curves):
         apart, level, sd = _difference(y, noise.sd, first, second)
         if len(apart) < 8:
@@ -191,12 +201,14 @@ def _with_replicates(problem: Problem, noise: Noise, free: bool) -> Noise:
         gain = float((apart / sd) @ w / (w @ w))
         left = (apart - gain * level) / sd
         gains.append(gain**2 / 2.0 - 1.0 / float(w @ w))
+        sure.append(gain**2 / 2.0 - _BEYOND / float(w @ w))
         rests.append(float(left @ left) / (2.0 * (len(left) - 1)))
         lags.append(float(left[1:] @ left[:-1]) / float(left @ left))
         count += len(left)
     if not gains:
         return noise
     gain_sd = float(np.sqrt(max(float(np.mean(gains)), 0.0)))
+    doubt = (1.0 + _FEW / len(sure)) * float(np.sqrt(max(float(np.mean(sure)), 0.0)))
     rho = float(np.mean(lags))
     # Interpolating one replicate onto the other and a fitted gain correlate a little; below this nothing is claimed.
     rho = rho if rho > 0.3 + 2.0 / np.sqrt(count) else 0.0
@@ -218,6 +230,7 @@ def _with_replicates(problem: Problem, noise: Noise, free: bool) -> Noise:
         dof=dof,
         source=noise.source if not free else "replicates and local differences",
         gain_sd=gain_sd if gain_sd >= 2e-3 else 0.0,
+        gain_doubt=doubt if gain_sd >= 2e-3 else 0.0,
         correlation=min(rho, 0.98),
         starts=tuple(curve.start for curve in problem.curves),
         groups=groups,

@@ -12,6 +12,11 @@ from hyperfab.errors import InputError
 from hyperfab.loop.fabric import FabricProblem
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.problem import Array, Constant
+from hyperfab.materials.effects.fabric import Fabric
+from hyperfab.materials.effects.path import uniaxial_pull
+from hyperfab.materials.identification.design import Problem as LawProblem
+from hyperfab.materials.identification.fit import fit_law
+from hyperfab.materials.identification.rows import Curve, Rows
 from hyperfab.materials.law import Law
 
 #: Effects that the document tells in keys of its own, which every command reads: no term is added twice.
@@ -77,7 +82,10 @@ def extend(document: MaterialDocument, problem: FabricProblem, fit: Fit, law: La
         parameters = {c.name: float(v) for c, v in zip(entry.constants, values, strict=True)}
         record: dict[str, Any] = {"id": effect_id, "form": form, "parameters": parameters}
         if effect_id == "anisotropy":
-            weft = _weft(law, warp, form, values)
+            if form.endswith("fibres"):
+                warp, weft = _along_and_across(law, warp, form, values, problem)
+            else:
+                weft = _weft(law, warp, form, values)
             record["told_by"] = "directions"
             if form == "diagonal":
                 record["diagonal_softness"] = float(values[count])
@@ -128,6 +136,23 @@ def _weft(law: Law, warp: Mapping[str, float], form: str, values: Array) -> dict
         stresses = {key for key in warp if key.endswith("_MPa")}
         return {name: value * float(values[0]) if name in stresses else value for name, value in warp.items()}
     return {name: warp[name] + float(value) for name, value in zip(law.names, values, strict=False)}
+
+
+def _along_and_across(
+    law: Law, ground: Mapping[str, float], form: str, values: Array, problem: FabricProblem
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Return constants of the law for warp and weft that come nearest to the law with fibres, over the data's reach."""
+    reach = np.linspace(1.0, float(np.max(problem.fabric.path.stretch)), 41)[1:]
+    found = []
+    for angle in (0.0, 90.0):
+        pull = uniaxial_pull(reach, angle)
+        both = Fabric(law, pull).stress(
+            np.array([ground[name] for name in law.names]), None, {"anisotropy": (form, values)}
+        )
+        curve = Curve("uniaxial", reach, both, np.full_like(reach, 1.0 / float(np.max(np.abs(both)))))
+        near = fit_law(LawProblem(law, Rows.of([curve])))
+        found.append(dict(ground) if near is None else {k: near.material.parameters[k] for k in law.names})
+    return found[0], found[1]
 
 
 def _richer(own: Mapping[str, float], added: Mapping[str, float]) -> dict[str, float]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -54,6 +55,10 @@ class Fabric:
         stretch, place = self._stretch(terms)
         with np.errstate(all="ignore"):
             stress, energy = self._elastic(warp, weft, terms, stretch, place)
+            if terms.get("permanent-set", ("",))[0].startswith("network"):
+                peak = self._peak(stretch)
+                second, _ = self._elastic(warp, weft, terms, stretch / peak, (*place, "second"))
+                stress = permanent_set.second_network(stress, second, peak, *terms["permanent-set"][1])
             if "thermal-softening" in terms:
                 _, values = terms["thermal-softening"]
                 curvature = values[1] if len(values) > 1 else 0.0
@@ -99,14 +104,19 @@ class Fabric:
             place = (*place, *values)
         if "permanent-set" in terms:
             form, values = terms["permanent-set"]
-            if form == "crept":
+            if form.startswith("network"):
+                pass  # A second network stands beside the law: see ``_elastic``.
+            elif form == "cycles":
+                stretch = np.minimum(stretch, permanent_set.kept_on(self.path, *values))
+            elif form == "crept":
                 stretch = np.minimum(stretch, permanent_set.crept(self.path, *values))
             elif form.startswith("returned"):
                 stretch = permanent_set.returned(stretch, self._peak(stretch), *values)
             else:
                 peak = self.path.peak if form.startswith("flow") else self.path.earlier_peak
                 stretch = permanent_set.grown(stretch, peak, *values)
-            place = (*place, form, *values)
+            if not form.startswith("network"):
+                place = (*place, form, *values)
         return stretch, place
 
     def _peak(self, stretch: Array) -> Array:
@@ -128,6 +138,13 @@ class Fabric:
         needs_energy = "mullins" in terms or terms.get("hysteresis", ("",))[0] == "pseudo-elastic"
         one = self._of_law(warp, terms, stretch, place, needs_energy)
         form, values = terms.get("anisotropy", ("", np.empty(0)))
+        if form.endswith("fibres"):
+            # Beside constants of the weft's own, or alone.
+            stress, energy = anisotropy.fibres(self.path, stretch, *_of_fibres(form, values))
+            if form == "constants-fibres":
+                plain = {**terms, "anisotropy": ("constants", values[:-3])}
+                one = self._elastic(warp, weft, plain, stretch, place)
+            return one[0] + stress, one[1] + energy
         if weft is None and not form:
             return one
         share, softer = anisotropy.weft_share(self.path)
@@ -247,14 +264,31 @@ class Fabric:
             known = self.speed[np.isfinite(self.speed)]
             reference = float(np.exp(np.mean(np.log(known))))
             return stress * rate.quickened(self.speed, reference, values[0])
-        if form == "thinning":
-            return stress + rate.thinning(self.path, stress, *values)
+        if form == "viscous":
+            return stress + rate.resisting(self.path, values[0], values[1], self._pace)
+        if form.startswith("thinning"):
+            driven = stress * self.path.stretch ** values[3] if form == "thinning-bent" else stress
+            found = stress + rate.thinning(self.path, driven, *values[:3])
+            if form == "thinning-prony":
+                found = found + rate.relaxing(self.path, stress, [values[3]], [values[4]])
+            return found
+        if form.endswith("measure"):
+            branches = np.delete(values, 2)
+            return stress + rate.relaxing_measured(
+                self.path, stress, list(branches[0::2]), list(branches[1::2]), values[2]
+            )
         if form.endswith("bent"):
             branches = np.delete(values, 2)
             return stress + rate.relaxing_bent(
                 self.path, stress, list(branches[0::2]), list(branches[1::2]), values[2]
             )
         return stress + rate.relaxing(self.path, stress, list(values[0::2]), list(values[1::2]))
+
+    @cached_property
+    def _pace(self) -> float:
+        """The usual strain rate of the tests [1/s]."""
+        speed = np.abs(self.path.speed)
+        return float(np.exp(np.mean(np.log(speed[speed > 0.0])))) if np.any(speed > 0.0) else 1.0
 
     def _offset(self, term: tuple[str, Array], stress: Array) -> Array:
         form, values = term
@@ -265,6 +299,14 @@ class Fabric:
             return load_offset.shifted(stress, values[0] + load_offset.settling(time, values[1], values[2]))
         drifts = form == "drift"
         return load_offset.shifted(stress, values[0], time if drifts else None, values[1] if drifts else 0.0)
+
+
+def _of_fibres(form: str, values: Array) -> tuple[float, float, float]:
+    """Return the stiffness of fibres along warp and weft, and their growth."""
+    if form == "constants-fibres":
+        return float(values[-3]), float(values[-2]), float(values[-1])
+    one, growth = float(values[0]), float(values[1])
+    return (one, 0.0, growth) if form == "warp-fibres" else (0.0, one, growth)
 
 
 def _absent(name: str, form: str, values: Array) -> bool:

@@ -112,10 +112,35 @@ class Path:
         """``elapsed``, never less than zero."""
         return np.maximum(self.elapsed, 0.0)
 
+    @cached_property
+    def speed(self) -> Array:
+        """Rate of the stretch since the row before [1/s], with its sign; 0 in the first row and where time stands."""
+        found = np.zeros_like(self.stretch)
+        moved = np.diff(self.stretch, prepend=1.0)
+        going = np.nan_to_num(self.elapsed) > 1e-12
+        going[[rows.start for rows in self.curves]] = False
+        found[going] = moved[going] / self.elapsed[going]
+        return found
+
     @property
     def knows_time(self) -> bool:
         """Whether every row has a time."""
         return bool(np.all(np.isfinite(self.time_s)))
+
+
+def uniaxial_pull(stretch: Array, angle_deg: float = 0.0) -> Path:
+    """Return the path of one uniaxial pull along a direction, of which nothing else is known."""
+    unknown = np.full_like(stretch, np.nan)
+    return Path(
+        starts=(0, len(stretch)),
+        mode=np.full(len(stretch), UNIAXIAL),
+        stretch=stretch,
+        across=unknown,
+        time_s=unknown,
+        temperature_degC=unknown,
+        angle_deg=np.full_like(stretch, angle_deg),
+        branch=np.zeros(len(stretch), dtype=np.int64),
+    )
 
 
 def _branches(stretch: Array) -> NDArray[np.int64]:

@@ -52,6 +52,32 @@ def crept(path: Path, share: float, strain: float) -> Array:
     return np.asarray(np.maximum(path.stretch / (1.0 + rest), 1.0))
 
 
+def kept_on(path: Path, share: float, power: float) -> Array:
+    """Return the elastic stretch where each time the specimen is let go adds to its rest length.
+
+    The set is ``share`` of the largest strain so far times the number of returns to that power.
+    """
+    rest = np.where(
+        path.returns > 0.0, share * (path.peak - 1.0) * np.maximum(path.returns, 1.0) ** power, 0.0
+    )
+    return np.asarray(np.maximum(path.stretch / (1.0 + rest), 1.0))
+
+
+def second_network(first: Array, second: Array, peak: Array, share: float, power: float = 1.0) -> Array:
+    """Return the stress where a share of the chains took the largest stretch so far for its rest.
+
+    ``first`` is the law at the stretch, ``second`` at the stretch over ``peak``. The share grows with
+    the largest strain to a power (``share`` at 1/2); where both together would push, the specimen is slack.
+    Andrews, Tobolsky & Hanson (1946), J. Appl. Phys. 17, 352, doi:10.1063/1.1707724.
+
+    >>> second_network(np.array([1.0]), np.array([-0.5]), np.array([1.0]), 0.2)
+    array([1.])
+    """
+    part = np.clip(share * (np.maximum(peak - 1.0, 1e-12) / 0.5) ** power, 0.0, 0.95)
+    both = (1.0 - part) * first + part * second / peak
+    return np.asarray(np.where(part > 0.0, np.maximum(both, np.minimum(first, 0.0)), first))
+
+
 def _rest(peak: Array, share: float, power: float) -> Array:
     most = peak - 1.0
     return share * most if power == 1.0 else share * most * (np.maximum(most, 1e-12) / 0.5) ** (power - 1.0)

@@ -45,6 +45,34 @@ def relaxing_bent(
     return relaxing(path, stress * path.stretch**bend, weights, times_s)
 
 
+def relaxing_measured(
+    path: Path, stress: Array, weights: Sequence[float], times_s: Sequence[float], measure: float
+) -> Array:
+    """Return the stress of Maxwell branches whose memory is of another stress measure, ``stress stretch^measure``.
+
+    1 is the true stress, -1 the second Piola-Kirchhoff stress of Simo (1987), doi:10.1016/0045-7825(87)90107-1; at 0
+    that of ``relaxing``.
+    """
+    scale = path.stretch**measure
+    return relaxing(path, stress * scale, weights, times_s) / scale
+
+
+def resisting(path: Path, size: float, power: float, pace: float) -> Array:
+    """Return the stress of a dashpot beside the elastic law: ``size sign(v) |v/pace|^power`` at the strain rate v.
+
+    Kelvin and Voigt's at ``power`` 1, dry friction at 0: Ostwald (1925), doi:10.1007/BF01431449, for the power.
+
+    >>> import numpy as np
+    >>> from hyperfab.materials.effects.path import uniaxial_pull
+    >>> from dataclasses import replace
+    >>> pull = replace(uniaxial_pull(np.array([1.0, 1.1, 1.2])), time_s=np.array([0.0, 1.0, 2.0]))
+    >>> resisting(pull, 0.3, 1.0, 0.1).round(12)
+    array([0. , 0.3, 0.3])
+    """
+    speed = path.speed
+    return np.asarray(size * np.sign(speed) * np.maximum(np.abs(speed) / pace, 1e-9) ** power)
+
+
 def thinning(path: Path, stress: Array, weight: float, tau_s: float, flow: float) -> Array:
     """Return the stress of a Maxwell branch whose dashpot thins: ``dq = g dP - (flow/tau) sinh(q/flow) dt``.
 

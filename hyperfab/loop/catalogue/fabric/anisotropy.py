@@ -9,7 +9,7 @@ from hyperfab.loop.problem import Constant, Effect, Form
 
 
 def entry(scene: Scene) -> Effect | None:
-    """Return the effect: one ratio for all constants, all constants free, and the softness on the diagonal."""
+    """Return the effect: one ratio for all constants, all constants free, fibres, and the softness on the diagonal."""
     if scene.directions or len(scene.angles) < 2:
         return None
     law = scene.law
@@ -32,6 +32,16 @@ def entry(scene: Scene) -> Effect | None:
         Form("ratio", (Constant("weft/warp", 1.0, 0.01, 100.0),), ((0.5,), (2.0,)), ((1.05,),)),
         Form("constants", tuple(away), (softer, stiffer), (little, *singles)),
     ]
+    far = (1.0 + scene.reach) ** 2 - 1.0
+    stiff = scene.peak_stress / (2.0 * far * (1.0 + scene.reach))
+    warp, across = (Constant(f"k1_{way}_MPa", 0.0, 0.0, scale=0.1 * stiff) for way in ("warp", "weft"))
+    growth = Constant("k2", 0.0, 0.0, 20.0 / far**2, 0.3 / far**2)
+    starts = ((0.2 * stiff, 0.1 / far**2), (0.1 * stiff, 1.5 / far**2))
+    for way, one in (("warp", warp), ("weft", across)):
+        forms.append(Form(f"{way}-fibres", (one, growth), starts, ((0.02 * stiff, 0.0),)))
+    both = (*away, warp, across, growth)
+    beside = (*softer, 0.1 * stiff, 0.1 * stiff, 0.1 / far**2)
+    forms.append(Form("constants-fibres", both, (beside,), refines="constants"))
     if np.any((scene.angles % 90.0) > 1.0):
         diagonal = Constant("diagonal softness", 0.0, -1.0, 0.98)
         forms.append(
@@ -42,7 +52,8 @@ def entry(scene: Scene) -> Effect | None:
         title="warp and weft differ",
         rides_on=("direction",),
         shown_by="the same pull along warp and weft, each with a replicate",
-        source="Spencer (1984), Continuum Theory of the Mechanics of Fibre-Reinforced Composites",
+        source="Spencer (1984), Continuum Theory of the Mechanics of Fibre-Reinforced Composites; "
+        "Holzapfel, Gasser & Ogden (2000), doi:10.1023/A:1010835316564",
         forms=tuple(forms),
         mimic_share=0.95,
         smooth=False,

@@ -25,11 +25,16 @@ def entry(scene: Scene) -> Effect | None:
         ((0.1, reach),),
         ((0.01, 0.5 * reach), (0.01, 3.0 * reach)),
     )
+    more = Form(
+        "cycles", (share, Constant("power", 0.5, 0.0, 2.0, 0.3)), ((0.05, 0.5),), ((0.01, 0.2), (0.01, 1.0))
+    )
+    network = form("network")
+    bent = Form("network-power", (share, power), ((0.1, 0.7),), refines="network")
     return Effect(
         id="permanent-set",
         title="part of the strain stays",
         rides_on=("cycle", "branch"),
         shown_by="unloading to zero force, a wait, and a second pull: the stretch at which force begins",
-        source="ASTM D412 (tension set)",
-        forms=(*plain, *curved, crept),
+        source="ASTM D412 (tension set); Andrews, Tobolsky & Hanson (1946), doi:10.1063/1.1707724",
+        forms=(*plain, *curved, crept, more, network, bent),
     )

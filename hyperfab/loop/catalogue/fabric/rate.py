@@ -21,6 +21,7 @@ def entry(scene: Scene) -> Effect | None:
         return Constant(f"g{k}", 0.0, 0.0, 20.0, 0.1), Constant(f"tau{k}_s", start, low, high, start)
 
     three = branch(3, times[3])
+    measure = Constant("measure", 0.0, -4.0, 4.0, 1.0)
     bend = Constant("bend", 0.0, -8.0, 8.0, 1.0)
     one, two = branch(1, times[1]), branch(2, times[2])
     return Effect(
@@ -66,6 +67,34 @@ def entry(scene: Scene) -> Effect | None:
                 (*one, Constant("flow_MPa", 100.0 * peak, 0.005 * peak, 100.0 * peak, 0.2 * peak)),
                 ((0.5, times[1], 0.15 * peak), (0.5, times[2], 0.15 * peak)),
                 refines="prony-1",
+            ),
+            Form(
+                "thinning-prony",
+                (*one, Constant("flow_MPa", 100.0 * peak, 0.005 * peak, 100.0 * peak, 0.2 * peak), *two),
+                ((0.5, times[1], 0.15 * peak, 0.1, times[3]),),
+                refines="thinning",
+            ),
+            Form(
+                "thinning-bent",
+                (*one, Constant("flow_MPa", 100.0 * peak, 0.005 * peak, 100.0 * peak, 0.2 * peak), bend),
+                ((0.5, times[1], 0.15 * peak, 0.5),),
+                refines="thinning",
+            ),
+            Form("prony-measure", (*one, measure), ((0.3, times[1], 0.5),), refines="prony-1"),
+            Form(
+                "prony-2-measure",
+                (*one, measure, *two),
+                ((0.2, times[0], 0.5, 0.2, times[2]),),
+                refines="prony-measure",
+            ),
+            Form(
+                "viscous",
+                (
+                    Constant("viscous_MPa", 0.0, 0.0, peak, 0.05 * peak),
+                    Constant("power", 0.5, 0.1, 2.0, 0.2),
+                ),
+                ((0.05 * peak, 0.3), (0.05 * peak, 1.0)),
+                ((0.01 * peak, 0.2), (0.01 * peak, 1.0)),
             ),
             Form("log-rate", (Constant("amount", 0.0, -0.5, 0.5, 0.02),), ((0.05,),), ((0.01,),)),
         ),
