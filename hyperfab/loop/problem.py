@@ -35,19 +35,29 @@ class Form:
     """One law of an effect. At ``constants`` = their values (the null) the model is the one without it.
 
     ``starts`` are where a joint fit begins; ``probes`` the small departures whose imprint on the prediction is the
-    effect's signature. ``refines`` names the simpler form whose constants are the first of this one's.
+    effect's signature. ``refines`` names the simpler form, or forms, whose constants (by name) are among this one's.
     """
 
     name: str
     constants: tuple[Constant, ...]
     starts: tuple[tuple[float, ...], ...]
     probes: tuple[tuple[float, ...], ...] = ()
-    refines: str | None = None
+    refines: str | tuple[str, ...] | None = None
 
     @property
     def null(self) -> tuple[float, ...]:
         """The constants at which the effect is absent."""
         return tuple(constant.value for constant in self.constants)
+
+    def enriches(self, name: str) -> bool:
+        """Whether this form refines the one of that name."""
+        return self.refines == name or (isinstance(self.refines, tuple) and name in self.refines)
+
+    def begin(self, simpler: Form, values: Array) -> Array:
+        """Return where a fit begins: what the ``simpler`` form has at its ``values``, the rest at its start."""
+        known = {one.name: float(value) for one, value in zip(simpler.constants, values, strict=True)}
+        pairs = zip(self.constants, self.starts[0], strict=True)
+        return np.array([known.get(one.name, start) for one, start in pairs])
 
 
 @dataclass(frozen=True)

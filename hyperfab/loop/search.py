@@ -149,7 +149,7 @@ class Search:
             richer = [
                 found
                 for form in effect.forms
-                if form.refines == name
+                if form.enriches(name)
                 and len(form.constants) <= most
                 and (found := self._joint(parent, effect, form, best)) is not None
             ]
@@ -191,7 +191,7 @@ class Search:
                 found
                 for name in best.forms
                 for form in self.problem.effect(name).forms
-                if form.refines == best.forms[name].name
+                if form.enriches(best.forms[name].name)
                 and (found := self._enriched(best, name, form)) is not None
             ]
             if not richer:
@@ -214,8 +214,7 @@ class Search:
             parts = [parent.x[: parent.own]]
             for one, kind in parent.forms.items():
                 given = parent.x[parent.place(one)]
-                tail = np.array(form.starts[0][len(kind.constants) :]) if one == name else given[:0]
-                parts += [given, tail]
+                parts.append(form.begin(kind, given) if one == name else given)
             found = fit(self.problem, self.noise, forms, np.concatenate(parts), coarse=True)
             if not np.isfinite(found.chi2):
                 return None
@@ -243,8 +242,8 @@ class Search:
         starts: list[Array] = []
         if simpler is not None:
             given = simpler.x[simpler.place(effect.id)]
-            tail = np.array(form.starts[0][len(given) :])
-            starts.append(np.concatenate([simpler.x[: len(parent.x)], given, tail]))
+            begin = form.begin(simpler.forms[effect.id], given)
+            starts.append(np.concatenate([simpler.x[: len(parent.x)], begin]))
         else:
             starts = [np.concatenate([parent.x, np.array(start)]) for start in form.starts]
         if len(starts) > 1:

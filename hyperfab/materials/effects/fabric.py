@@ -111,10 +111,10 @@ class Fabric:
             elif form == "crept":
                 stretch = np.minimum(stretch, permanent_set.crept(self.path, *values))
             elif form.startswith("returned"):
-                stretch = permanent_set.returned(stretch, self._peak(stretch), *values)
+                stretch = permanent_set.returned(stretch, self._peak(stretch), *_of_set(form, values))
             else:
                 peak = self.path.peak if form.startswith("flow") else self.path.earlier_peak
-                stretch = permanent_set.grown(stretch, peak, *values)
+                stretch = permanent_set.grown(stretch, peak, *_of_set(form, values))
             if not form.startswith("network"):
                 place = (*place, form, *values)
         return stretch, place
@@ -266,6 +266,8 @@ class Fabric:
             return stress * rate.quickened(self.speed, reference, values[0])
         if form == "viscous":
             return stress + rate.resisting(self.path, values[0], values[1], self._pace)
+        if form.startswith("flow"):
+            return stress + rate.flowing(self.path, stress, *values)
         if form.startswith("thinning"):
             driven = stress * self.path.stretch ** values[3] if form == "thinning-bent" else stress
             found = stress + rate.thinning(self.path, driven, *values[:3])
@@ -307,6 +309,11 @@ def _of_fibres(form: str, values: Array) -> tuple[float, float, float]:
         return float(values[-3]), float(values[-2]), float(values[-1])
     one, growth = float(values[0]), float(values[1])
     return (one, 0.0, growth) if form == "warp-fibres" else (0.0, one, growth)
+
+
+def _of_set(form: str, values: Array) -> tuple[float, ...]:
+    """Return the share of a set, its power and its bend, as far as they are not 1 and 0."""
+    return (values[0], 1.0, values[1]) if form.endswith("bent") else tuple(values)
 
 
 def _absent(name: str, form: str, values: Array) -> bool:

@@ -9,32 +9,32 @@ from hyperfab.materials.effects.recurrence import along
 from hyperfab.materials.kinematics import Array
 
 
-def returned(stretch: Array, peak: Array, share: float, power: float = 1.0) -> Array:
+def returned(stretch: Array, peak: Array, share: float, power: float = 1.0, bend: float = 0.0) -> Array:
     """Return the elastic stretch where ``share`` of the largest strain so far stays when the load is gone.
 
     The first pull is the law's own; coming down, and up again to the old peak, the strain runs from the set to the peak
     on a scale of its own: ``(strain - set) peak / (peak - set)``. Below the set the fabric is slack. With ``power`` the
-    set goes with that power of the largest strain (over 1/2).
+    set goes with that power of the largest strain (over 1/2); with ``bend`` as ``(1 - exp(-bend strain))/bend``.
 
     >>> returned(np.array([1.5, 1.1]), np.array([1.5, 1.5]), 0.2)
     array([1.5, 1. ])
     """
     most = peak - 1.0
-    kept = np.minimum(_rest(peak, share, power), 0.95 * most)
+    kept = np.minimum(_rest(peak, share, power, bend), 0.95 * most)
     strain = (stretch - 1.0 - kept) * most / np.maximum(most - kept, 1e-12)
     return np.asarray(np.where(stretch >= peak, stretch, 1.0 + np.maximum(strain, 0.0)))
 
 
-def grown(stretch: Array, peak: Array, share: float, power: float = 1.0) -> Array:
+def grown(stretch: Array, peak: Array, share: float, power: float = 1.0, bend: float = 0.0) -> Array:
     """Return the elastic stretch where the rest length has grown by ``share`` of the largest strain so far.
 
     With ``peak`` the largest stretch including the present pull this is plastic flow as it happens; with that of the
-    earlier pulls it is a set that shows from the second pull on. ``power`` as in ``returned``.
+    earlier pulls it is a set that shows from the second pull on. ``power`` and ``bend`` as in ``returned``.
 
     >>> grown(np.array([1.5]), np.array([1.5]), 0.0)
     array([1.5])
     """
-    return np.asarray(np.maximum(stretch / (1.0 + _rest(peak, share, power)), 1.0))
+    return np.asarray(np.maximum(stretch / (1.0 + _rest(peak, share, power, bend)), 1.0))
 
 
 def crept(path: Path, share: float, strain: float) -> Array:
@@ -78,6 +78,8 @@ def second_network(first: Array, second: Array, peak: Array, share: float, power
     return np.asarray(np.where(part > 0.0, np.maximum(both, np.minimum(first, 0.0)), first))
 
 
-def _rest(peak: Array, share: float, power: float) -> Array:
+def _rest(peak: Array, share: float, power: float, bend: float) -> Array:
     most = peak - 1.0
+    if bend:
+        return share * -np.expm1(-bend * most) / bend
     return share * most if power == 1.0 else share * most * (np.maximum(most, 1e-12) / 0.5) ** (power - 1.0)

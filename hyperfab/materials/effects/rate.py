@@ -90,6 +90,46 @@ def thinning(path: Path, stress: Array, weight: float, tau_s: float, flow: float
     return found
 
 
+def flowing(
+    path: Path, stress: Array, weight: float, tau_s: float, power: float, size: float, strain: float = 0.0
+) -> Array:
+    """Return the stress of a Maxwell branch whose dashpot flows with a power of its stress and of the strain.
+
+    ``dq = g dP - (q/tau) (|q|/size)^(power - 1) (e + 0.05)^strain dt``: Norton's law; with ``strain`` below zero the
+    chains reptate less the more they are stretched, Bergstrom & Boyce (1998), doi:10.1016/S0022-5096(97)00075-6. At
+    ``power`` 1 and ``strain`` 0 that of ``relaxing``. Each step flows half before and half after what the stress adds.
+    """
+    first = list(path.starts[:-1])
+    change = np.empty_like(stress)
+    np.subtract(stress[1:], stress[:-1], out=change[1:])
+    change[first] = stress[first]
+    pace = 0.5 * path.waited / tau_s * (np.maximum(path.stretch - 1.0, 0.0) + 0.05) ** strain
+    begins = np.zeros(len(stress), dtype=np.bool_)
+    begins[first] = True
+    found: Array = _flowing(weight * change, pace, begins, float(power) - 1.0, float(size))
+    return found
+
+
+@numba.njit(cache=True)
+def _flowing(change, pace, begins, above, size):  # type: ignore[no-untyped-def]
+    found = np.empty_like(change)
+    q = 0.0
+    for i in range(len(change)):
+        if begins[i]:
+            q = 0.0
+        for half in range(2):
+            if q != 0.0:
+                if above < 1e-6:
+                    q *= np.exp(-pace[i])
+                else:
+                    # Exact for a dashpot of that power at rest.
+                    q /= (1.0 + above * pace[i] * (abs(q) / size) ** above) ** (1.0 / above)
+            if half == 0:
+                q += change[i]
+        found[i] = q
+    return found
+
+
 @numba.njit(cache=True)
 def _thinning(change, keep, begins, flow):  # type: ignore[no-untyped-def]
     found = np.empty_like(change)

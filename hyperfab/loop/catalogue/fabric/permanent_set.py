@@ -19,6 +19,10 @@ def entry(scene: Scene) -> Effect | None:
     plain = [form(name) for name in ("returned", "flow", "next-pull")]
     curved = [Form(f"{one.name}-power", (share, power), ((0.1, 1.4),), refines=one.name) for one in plain]
     reach = scene.reach
+    bend = Constant("bend", 0.0, -4.0 / reach, 8.0 / reach, 0.5 / reach)
+    curved += [
+        Form(f"{one.name}-bent", (share, bend), ((0.1, 1.0 / reach),), refines=one.name) for one in plain[:2]
+    ]
     crept = Form(
         "crept",
         (share, Constant("strain", reach, 0.05 * reach, 50.0 * reach, reach)),

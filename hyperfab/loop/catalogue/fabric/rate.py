@@ -22,6 +22,9 @@ def entry(scene: Scene) -> Effect | None:
 
     three = branch(3, times[3])
     measure = Constant("measure", 0.0, -4.0, 4.0, 1.0)
+    power = Constant("power", 1.0, 1.0, 8.0, 0.5)
+    # Of power, time and stress level one is free to choose: the level.
+    level = Constant("flow_MPa", 0.1 * peak, 0.1 * peak, 0.1 * peak, 0.1 * peak)
     bend = Constant("bend", 0.0, -8.0, 8.0, 1.0)
     one, two = branch(1, times[1]), branch(2, times[2])
     return Effect(
@@ -29,7 +32,8 @@ def entry(scene: Scene) -> Effect | None:
         title="stress depends on the rate",
         rides_on=("rate", "time"),
         shown_by="the same cycle at two rates a factor of 16 apart, and a hold of the stretch",
-        source="Fung (1981), Biomechanics, ch. 7; Taylor, Pister & Goudreau (1970), doi:10.1002/nme.1620020106",
+        source="Fung (1981), Biomechanics, ch. 7; Taylor, Pister & Goudreau (1970), doi:10.1002/nme.1620020106; "
+        "Bergstrom & Boyce (1998), doi:10.1016/S0022-5096(97)00075-6",
         forms=(
             Form(
                 "prony-1",
@@ -54,13 +58,13 @@ def entry(scene: Scene) -> Effect | None:
                 "prony-2-bent",
                 (*one, bend, *two),
                 ((0.2, times[0], 0.5, 0.2, times[2]), (0.2, times[0], 0.5, 0.2, times[0])),
-                refines="prony-bent",
+                refines=("prony-bent", "prony-2"),
             ),
             Form(
                 "prony-3-bent",
                 (*one, bend, *two, *three),
                 ((0.2, times[0], 0.5, 0.2, times[2], 0.2, times[3]),),
-                refines="prony-2-bent",
+                refines=("prony-2-bent", "prony-3"),
             ),
             Form(
                 "thinning",
@@ -72,7 +76,7 @@ def entry(scene: Scene) -> Effect | None:
                 "thinning-prony",
                 (*one, Constant("flow_MPa", 100.0 * peak, 0.005 * peak, 100.0 * peak, 0.2 * peak), *two),
                 ((0.5, times[1], 0.15 * peak, 0.1, times[3]),),
-                refines="thinning",
+                refines=("thinning", "prony-2"),
             ),
             Form(
                 "thinning-bent",
@@ -80,12 +84,19 @@ def entry(scene: Scene) -> Effect | None:
                 ((0.5, times[1], 0.15 * peak, 0.5),),
                 refines="thinning",
             ),
+            Form("flow", (*one, power, level), ((0.5, times[1], 2.5, 0.1 * peak),), refines="prony-1"),
+            Form(
+                "flow-strain",
+                (*one, power, level, Constant("strain", 0.0, -1.5, 1.5, 0.2)),
+                ((0.5, times[1], 2.5, 0.1 * peak, -0.3),),
+                refines=("flow", "thinning", "thinning-bent"),
+            ),
             Form("prony-measure", (*one, measure), ((0.3, times[1], 0.5),), refines="prony-1"),
             Form(
                 "prony-2-measure",
                 (*one, measure, *two),
                 ((0.2, times[0], 0.5, 0.2, times[2]),),
-                refines="prony-measure",
+                refines=("prony-measure", "prony-2"),
             ),
             Form(
                 "viscous",
