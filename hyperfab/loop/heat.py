@@ -10,21 +10,50 @@ import numpy as np
 from hyperfab.loop.catalogue import catalogue
 from hyperfab.loop.catalogue.heat.scene import Scene
 from hyperfab.loop.problem import Array, Constant, Curve, Extra, Form, Problem, split
-from hyperfab.thermal.reduced import ReducedMold, Settings
+from hyperfab.thermal.reduced import ReducedMold
 from hyperfab.thermal.sensors import lagging
+from hyperfab.thermal.settings import Settings
 from hyperfab.thermal.tables import Table
 
-#: Settings that effects move: effect id -> names in the order of the form's constants.
-_MOVED = {
-    "radiation": ("emissivity",),
-    "power-loss": ("lost", "lost_per_K"),
-    "base-conduction": ("bench",),
-    "property-drift": ("capacity_per_K", "conductivity_per_K"),
-    "ambient-drift": ("ambient_per_s", "ambient_per_s2", "ambient_per_s3"),
-    "convection-law": ("exponent",),
+#: Settings that effects move: effect id -> form -> names in the order of the form's constants.
+_MOVED: Mapping[str, Mapping[str, tuple[str, ...]]] = {
+    "radiation": {"grey": ("emissivity",), "other surroundings": ("emissivity", "sky_K")},
+    "power-loss": {
+        "constant": ("lost",),
+        "with temperature": ("lost", "lost_per_K"),
+        "bent": ("lost", "lost_per_K", "lost_per_K2"),
+        "through the back": ("lost", "back_W_K"),
+    },
+    "base-conduction": {
+        "film": ("bench",),
+        "uneven": ("bench", "bench_uneven", "bench_x", "bench_y"),
+        "bench that warms up": ("bench", "bench_share", "bench_s"),
+    },
+    "property-drift": {
+        "specific heat": ("capacity_per_K",),
+        "conductivity": ("conductivity_per_K",),
+        "both": ("capacity_per_K", "conductivity_per_K"),
+        "bent": ("capacity_per_K", "capacity_per_K2"),
+        "bent both": ("capacity_per_K", "capacity_per_K2", "conductivity_per_K"),
+    },
+    "ambient-drift": {
+        "linear": ("ambient_per_s",),
+        "quadratic": ("ambient_per_s", "ambient_per_s2"),
+        "cubic": ("ambient_per_s", "ambient_per_s2", "ambient_per_s3"),
+        "swinging": ("swing_sin_K", "swing_cos_K", "swing_s"),
+    },
+    "convection-law": {"power": ("exponent",)},
+    "contact-resistance": {
+        "gap": ("",),
+        "each": (),
+        "uneven": ("", "joint_uneven", "joint_x", "joint_y"),
+        "closing with warmth": ("", "joint_per_K"),
+    },
 }
 #: What is known of the temperature at the start and of the ambient [K]: what a thermometer on the wall tells.
 _LEVEL_SD = {"start": 0.5, "ambient": 1.0}
+#: Standard deviations of the prior by which a joint may conduct worse before that is an effect.
+_WORSE = 3.0
 #: Runs that could be done next: what to say, times in units of the present run, shares of the largest power then, and
 #: whether a probe sits in each part.
 _MENU = (
@@ -49,6 +78,7 @@ class HeatProblem(Problem):
     lag_s: float = field(default=0.0, kw_only=True)
     names: Sequence[str] = field(default=(), kw_only=True)
     base: Sequence[str] = field(default=(), kw_only=True)
+    tables: Mapping[str, Table] = field(default_factory=dict, kw_only=True)
 
     def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return the temperatures [degC] of every probe at every time, probe after probe."""
@@ -61,9 +91,8 @@ class HeatProblem(Problem):
     def _run(self, own: Array, terms: Sequence[Mapping[str, tuple[str, Array]]]) -> Array:
         count = len(own)
         mold = self.runs[0][0]
-        zero = np.zeros(count)
-        moved: dict[str, Array] = {name: zero.copy() for names in _MOVED.values() for name in names}
-        opened = np.zeros((count, len(mold.opened)))
+        moved: dict[str, Array] = {}
+        opened, added = np.zeros((count, len(mold.opened))), np.zeros((count, len(self.joints)))
         lag = np.full((count, len(mold.probes)), self.lag_s)
         second = np.zeros(count)
         for row, given in enumerate(terms):
@@ -76,11 +105,9 @@ class HeatProblem(Problem):
                         lag[row, 1 : len(values)] += values[1:]
                     continue
                 if effect == "contact-resistance":
-                    # One resistance for all joints, or one each.
-                    opened[row] = values if len(values) == opened.shape[1] else values[0]
-                    continue
-                for name, value in zip(_MOVED[effect], values, strict=False):
-                    moved[name][row] = value
+                    _resist(opened[row], added[row], form, values)
+                for name, value in zip(_MOVED[effect][form], values, strict=False):
+                    moved.setdefault(name, np.zeros(count))[row] = value
         pick = {
             kind: own[:, [i for i, other in enumerate(self.kinds) if other == kind]]
             for kind in ("film", "conductivity", "capacity", "power", "joint")
@@ -89,11 +116,15 @@ class HeatProblem(Problem):
         # The first is the start of all parts; the others say by how much a part began warmer.
         starts[:, 1:] += starts[:, :1]
         settings = Settings(
-            **{**pick, "joint": pick["joint"] * self.joints},
+            film=pick["film"],
+            conductivity=pick["conductivity"],
+            capacity=pick["capacity"],
+            power=pick["power"],
+            joint=pick["joint"] * self.joints / (1.0 + added * pick["joint"] * self.joints),
             opened=opened,
             start_K=starts,
             ambient_K=own[:, self.kinds.index("ambient")],
-            **moved,
+            effects=moved,
         )
         rows = []
         for one, times in self.runs:
@@ -146,6 +177,16 @@ class HeatProblem(Problem):
         return found
 
 
+def _resist(opened: Array, added: Array, form: str, values: Array) -> None:
+    """Set the resistances of joints that conduct perfectly in the model, or where it has none, add to its joints'."""
+    if form == "each":
+        opened[:], added[:] = values[: len(opened)], values[len(opened) :]
+    elif len(opened):
+        opened[:] = values[0]
+    else:
+        added[:] = values[0]
+
+
 def heat_problem(
     mold: ReducedMold,
     times: Array,
@@ -162,10 +203,12 @@ def heat_problem(
     ``own`` are the keys of the mold's own constants and their kinds (film, conductivity, capacity, power,
     joint); they are factors on the document's values with a relative standard deviation ``prior``.
     """
+    # A joint that conducts far worse than the document says is a finding, not a constant.
+    worst = {"joint": max(1.0 - _WORSE * prior, 0.05)}
     constants = tuple(
         Constant(key, 0.0, *((0.0, 0.0) if key in fixed else (-30.0, 30.0)), 0.5, _LEVEL_SD[kind])
         if kind in _LEVEL_SD
-        else Constant(key, 1.0, *((1.0, 1.0) if key in fixed else (0.05, 20.0)), 0.1, prior)
+        else Constant(key, 1.0, *((1.0, 1.0) if key in fixed else (worst.get(kind, 0.05), 20.0)), 0.1, prior)
         for key, kind in own
     )
     rows, count = len(times), len(probes)
@@ -182,9 +225,11 @@ def heat_problem(
         duration_s=float(times[-1] - times[0]),
         step_s=float(np.median(np.diff(times))),
         rise_K=max(float(np.ptp(readings)), 1.0),
+        power_W=max((float(np.max(np.abs(table.y))) for _, table in mold.heaters), default=1.0) or 1.0,
         films=len(mold.films),
         heaters=len(mold.heaters),
         opened=len(mold.opened),
+        declared=len(mold.joints),
         probes=count,
         bench=len(mold.bench.weights) > 0,
         emits=bool(mold.radiators),

@@ -5,13 +5,22 @@ from __future__ import annotations
 import numba
 import numpy as np
 
+#: What a run may be given beside its matrices, in the order of ``numbers``; absent at 0, ``reference`` apart.
+NUMBERS = (
+    "reference", "capacity_per_K", "capacity_per_K2", "conductivity_per_K", "exponent", "lost", "lost_per_K",
+    "lost_per_K2", "back_W_K", "joint_per_K", "sky_K", "bench_share", "bench_s",
+)  # fmt: skip
+
 
 @numba.njit(cache=True, error_model="numpy")
 def march(  # type: ignore[no-untyped-def]
     grid,
     start,
-    mass0,
-    conduct0,
+    masses,
+    stiffnesses,
+    means,
+    changes,
+    joined,
     joint,
     jumps,
     closed,
@@ -32,21 +41,32 @@ def march(  # type: ignore[no-untyped-def]
 ):
     """Step through ``grid``; one Newton step a stage from a guess of first order, exact for linear films.
 
-    What does not depend on temperature goes into one matrix, and where that is all, a matrix is factored anew only
-    where the step or a joint changes.
+    ``masses``, ``stiffnesses``, ``means`` are of each part, ``changes`` (2, parts, k, 2) temperatures and factors of
+    its specific heat and conductivity there; ``joined`` are the joints that conduct well, ``joint`` the conductances of
+    the others; the last face is the bench. What does not depend on temperature goes into one matrix, and where that
+    is all, a matrix is factored anew only where the step or a joint changes.
     """
     n, r = len(grid), len(start)
-    reference, capacity_rate, conduction_rate, lost, lost_rate, exponent = numbers
+    reference, capacity_rate, capacity_bend, conduction_rate, exponent, lost, lost_rate = numbers[:7]
+    lost_bend, back, joint_rate, sky, bench_share, bench_time = numbers[7:]
     states, slopes = np.zeros((n, r)), np.zeros((n, r))
     states[0] = start
     slope = np.zeros(r)
-    steady = conduct0.copy()
+    parts, bench = len(masses), len(scale) - 1
+    mass, steady = np.zeros((r, r)), joined.copy()
+    for p in range(parts):
+        mass += masses[p]
+        steady += stiffnesses[p]
     # What a kelvin of air gives through each face.
     inflow = np.zeros((len(scale), r))
     bent = np.zeros(len(owner), dtype=np.int64)
     count = 0
+    under, area = np.zeros(r), 0.0
     for q in range(len(owner)):
         face = owner[q]
+        if face == bench:
+            area += weights[q]
+            _add(under, weights[q], rows[q])
         plain = first[face + 1] - first[face] == 1 and exponent == 0.0
         h = extra[face]
         if plain:
@@ -62,37 +82,57 @@ def march(  # type: ignore[no-untyped-def]
             inflow[face, i] += part
             for j in range(r):
                 steady[i, j] += part * rows[q, j]
-    alike = count == 0 and capacity_rate == 0.0 and conduction_rate == 0.0
+    if area > 0.0:
+        under /= area
+    heavier = capacity_rate != 0.0 or capacity_bend != 0.0 or changes.shape[2] > 1
+    better = conduction_rate != 0.0 or changes.shape[2] > 1
+    alike = count == 0 and not heavier and not better and joint_rate == 0.0
     tangent, matrix = np.empty((r, r)), np.empty((r, r))
     flow, right = np.empty(r), np.empty(r)
     known_step, known_closed = -1.0, np.zeros(len(joint))
+    warmed = 0.0
     for number in range(n - 1):
         step = grid[number + 1] - grid[number]
         g = 0.2928932188134524 * step
         a = states[number]
         base = a.copy()
         guess = a + g * slope
-        heavy = 1.0
-        if capacity_rate != 0.0:
-            heavy += capacity_rate * (_dot(mean, a) + 0.5 * step * _dot(mean, slope) - reference)
+        if heavier:
+            mass[:] = 0.0
+            for p in range(parts):
+                at = _dot(means[p], a) + 0.5 * step * _dot(means[p], slope)
+                warm = at - reference
+                factor = _between(at, changes[0, p, :, 0], changes[0, p, :, 1], 0, changes.shape[2])
+                mass += factor * max(1.0 + (capacity_rate + capacity_bend * warm) * warm, 0.05) * masses[p]
         for stage in range(2):
-            warm = _dot(mean, guess) - reference
-            better = 1.0 + conduction_rate * warm
             same = alike and abs(step - known_step) <= 1e-9 * step
             for j in range(len(joint)):
                 same = same and closed[number, stage, j] == known_closed[j]
             if not same:
-                for i in range(r):
-                    for j in range(i + 1):
-                        value = steady[i, j] + (better - 1.0) * conduct0[i, j]
-                        for k in range(len(joint)):
-                            value += joint[k] * closed[number, stage, k] * jumps[k, i, j]
-                        tangent[i, j] = value
-                        tangent[j, i] = value
+                tangent[:] = steady
+                for k in range(len(joint)):
+                    tangent += joint[k] * closed[number, stage, k] * jumps[k]
+                if better:
+                    for p in range(parts):
+                        at = _dot(means[p], guess)
+                        factor = _between(at, changes[1, p, :, 0], changes[1, p, :, 1], 0, changes.shape[2])
+                        factor *= max(1.0 + conduction_rate * (at - reference), 0.05)
+                        tangent += (factor - 1.0) * stiffnesses[p]
+                if joint_rate != 0.0:
+                    tangent += max(joint_rate * (_dot(mean, guess) - reference), -0.95) * joined
             for i in range(r):
                 flow[i] = -_dot(tangent[i], guess)
             for face in range(len(scale)):
                 _add(flow, air[number, stage, face], inflow[face])
+            if bench_share != 0.0:
+                # A bench that follows the face on it.
+                follows = bench_share * (_dot(under, guess) - air[number, stage, bench])
+                passed = step if stage else g
+                _add(
+                    flow,
+                    follows + (warmed - follows) * np.exp(-passed / max(bench_time, 1e-9)),
+                    inflow[bench],
+                )
             for k in range(count):
                 q = bent[k]
                 face = owner[q]
@@ -107,7 +147,7 @@ def march(  # type: ignore[no-untyped-def]
                 loss = h * away
                 rate = h * (1.0 + max(exponent, 0.0))
                 if grey[face] != 0.0:
-                    hot, cold = at + 273.15, air[number, stage, face] + 273.15
+                    hot, cold = at + 273.15, air[number, stage, face] + sky + 273.15
                     loss += grey[face] * 5.670374419e-8 * (hot**4 - cold**4)
                     rate += 4.0 * grey[face] * 5.670374419e-8 * hot**3
                 _add(flow, -loss * weights[q], rows[q])
@@ -115,18 +155,21 @@ def march(  # type: ignore[no-untyped-def]
                     part = rate * weights[q] * rows[q, i]
                     for j in range(i + 1):
                         tangent[i, j] += part * rows[q, j]
-            share = 1.0 - lost - lost_rate * warm
             for j in range(sources.shape[0]):
-                _add(flow, share * powers[number, stage, j], sources[j])
+                power = powers[number, stage, j]
+                if power != 0.0:
+                    hot = _dot(sources[j], guess) - reference
+                    share = max(1.0 - lost - (lost_rate + lost_bend * hot) * hot, 0.0)
+                    _add(flow, share * power - back * hot, sources[j])
             for i in range(r):
                 value = g * flow[i]
                 for j in range(r):
-                    value += heavy * mass0[i, j] * (base[j] - guess[j])
+                    value += mass[i, j] * (base[j] - guess[j])
                 right[i] = value
             if not same:
                 for i in range(r):
                     for j in range(i + 1):
-                        matrix[i, j] = heavy * mass0[i, j] + g * tangent[i, j]
+                        matrix[i, j] = mass[i, j] + g * tangent[i, j]
                 _factor(matrix)
                 known_step = step
                 for j in range(len(joint)):
@@ -139,6 +182,9 @@ def march(  # type: ignore[no-untyped-def]
                 guess = base + g * rise
             else:
                 slope = (end - base) / g
+        if bench_share != 0.0:
+            follows = bench_share * (_dot(under, 0.5 * (a + end)) - air[number, 1, bench])
+            warmed = follows + (warmed - follows) * np.exp(-step / max(bench_time, 1e-9))
         states[number + 1] = end
         slopes[number + 1] = slope
     return states, slopes

@@ -19,11 +19,12 @@ from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.grading import graded
 from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.lumping import lumped
-from hyperfab.thermal.march import march
+from hyperfab.thermal.march import NUMBERS, march
 from hyperfab.thermal.material import ThermalMaterial
 from hyperfab.thermal.medium import Medium
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.radiation import Radiation
+from hyperfab.thermal.settings import POINTS, Film, Patch, Settings, patch
 from hyperfab.thermal.step import GAMMA
 from hyperfab.thermal.tables import Table
 
@@ -35,68 +36,29 @@ _DROP = 1e-7
 SCALES = (300.0, 30.0, 3.0)
 #: Film coefficient that holds a face at a temperature [W/m^2/K].
 HOLDS = 1e6
-#: Points that stand for a face.
-_POINTS = 48
-
-
-@dataclass(frozen=True)
-class Film:
-    """A face that loses heat: rows of the basis at its points (q, r), their areas (q,), its film and ambient."""
-
-    rows: Array
-    weights: Array
-    film: Table
-    ambient: Table
-    emissivity: float = 0.0
-
-
-@dataclass(frozen=True)
-class Settings:
-    """Numbers of a batch of b runs; each array is (b,) or (b, how many there are).
-
-    ``film``, ``conductivity``, ``capacity``, ``power`` scale what the document says; ``joint`` is the
-    conductance of each joint [W/m^2/K], ``opened`` the resistance of each joint between parts that conduct perfectly
-    in the document [m^2 K/W]; ``start_K`` (b, groups of parts) and ``ambient_K`` [K] are added to the start and to the
-    ambient.
-    The others are effects, absent at 0: ``emissivity``; ``bench`` [W/m^2/K] through faces without
-    a film; ``lost`` and ``lost_per_K`` shares of the power; ``conductivity_per_K``, ``capacity_per_K``;
-    ``ambient_per_s``, ``ambient_per_s2``, ``ambient_per_s3``; ``exponent`` of a film coefficient in its
-    temperature difference.
-    """
-
-    film: Array
-    conductivity: Array
-    capacity: Array
-    power: Array
-    joint: Array
-    opened: Array
-    start_K: Array
-    ambient_K: Array
-    emissivity: Array
-    bench: Array
-    lost: Array
-    lost_per_K: Array
-    conductivity_per_K: Array
-    capacity_per_K: Array
-    ambient_per_s: Array
-    ambient_per_s2: Array
-    exponent: Array
-    ambient_per_s3: Array | None = None
 
 
 @dataclass
 class ReducedMold:
-    """Small matrices of a mold on a basis of r vectors, and its probes (p, r)."""
+    """Small matrices of a mold on a basis of r vectors, and its probes (p, r).
+
+    ``mass``, ``stiffness`` and ``means`` are of each part, ``materials`` says which material a part is of;
+    ``changes`` (2, parts, k, 2) are temperatures and the factors of specific heat and of conductivity there.
+    """
 
     mass: Array
     stiffness: Array
+    means: Array
+    materials: NDArray[np.int64]
+    changes: Array
     films: Sequence[Film]
     radiators: Sequence[Film]
     held: Sequence[Film]
-    bench: Film
+    bench: Patch
+    surroundings: Table
     heaters: Sequence[tuple[Array, Table]]
     joints: Sequence[tuple[Array, Table]]
-    opened: Sequence[Array]
+    opened: Sequence[Patch]
     probes: Array
     parts: Array
     mean: Array
@@ -114,7 +76,8 @@ class ReducedMold:
         """
         grid = self._grid(times, steps)
         stages = np.stack([grid[:-1] + GAMMA * np.diff(grid), grid[1:]], axis=1)
-        faces = [*self.films, *self.radiators, *self.held, self.bench]
+        under = Film(self.bench.rows, self.bench.weights, Table.constant(0.0), self.surroundings)
+        faces = [*self.films, *self.radiators, *self.held, under]
         holds = np.array(
             [*(False for _ in (*self.films, *self.radiators)), *(True for _ in self.held), False]
         )
@@ -142,47 +105,40 @@ class ReducedMold:
             else np.zeros((*stages.shape, 0))
         )
         emits = np.array([face.emissivity for face in faces])
-        found = np.empty((len(settings.emissivity), len(times), len(self.probes)))
-        count = len(self.films)
+        found = np.empty((len(settings.film), len(times), len(self.probes)))
+        count, below = len(self.films), owner == len(faces) - 1
         for i in range(len(found)):
-            conduct = np.tensordot(settings.conductivity[i], self.stiffness, 1)
-            for resistance, jump in zip(settings.opened[i], self.opened, strict=True):
-                conduct = conduct + jump / (resistance + 1e-7)
-            scale = np.concatenate([settings.film[i], np.zeros(len(faces) - count)])
+            joined = np.zeros_like(self.mass[0])
+            slopes = settings.of(i, "joint_uneven", "joint_x", "joint_y")
+            for resistance, opened in zip(settings.opened[i], self.opened, strict=True):
+                joined = joined + opened.jump(float(resistance), slopes)
+            emissivity, bench = settings.of(i, "emissivity", "bench")
             extra = np.where(holds, HOLDS, 0.0)
-            extra[-1] = settings.bench[i]
+            extra[-1] = bench
             grey = emits.copy()
-            grey[:count] += settings.emissivity[i]
-            drift = (
-                settings.ambient_K[i]
-                + settings.ambient_per_s[i] * stages
-                + settings.ambient_per_s2[i] * stages**2
-            )
-            if settings.ambient_per_s3 is not None:
-                drift = drift + settings.ambient_per_s3[i] * stages**3
-            states, slopes = march(
+            grey[:count] += emissivity
+            areas = weights.copy()
+            areas[below] *= self.bench.uneven(settings.of(i, "bench_uneven", "bench_x", "bench_y"))
+            numbers = settings.of(i, *NUMBERS)
+            numbers[0] = self.reference_degC
+            drift = settings.air_K(i, stages)
+            states, rates = march(
                 grid,
                 self.start + settings.start_K[i] @ self.warmer,
-                np.tensordot(settings.capacity[i], self.mass, 1),
-                conduct,
+                settings.capacity[i, self.materials][:, None, None] * self.mass,
+                settings.conductivity[i, self.materials][:, None, None] * self.stiffness,
+                self.means,
+                self.changes,
+                joined,
                 settings.joint[i],
                 jumps,
                 closed,
                 self.mean,
-                np.array(
-                    [
-                        self.reference_degC,
-                        settings.capacity_per_K[i],
-                        settings.conductivity_per_K[i],
-                        settings.lost[i],
-                        settings.lost_per_K[i],
-                        settings.exponent[i],
-                    ]
-                ),
+                numbers,
                 rows,
-                weights,
+                areas,
                 owner,
-                scale,
+                np.concatenate([settings.film[i], np.zeros(len(faces) - count)]),
                 extra,
                 grey,
                 air + np.where(holds, 0.0, drift[:, :, None]),
@@ -192,8 +148,13 @@ class ReducedMold:
                 sources,
                 powers * settings.power[i],
             )
-            found[i] = self._read(times, grid, states, slopes)
+            found[i] = self._read(times, grid, states, rates)
         return found
+
+    @property
+    def kinds(self) -> int:
+        """How many materials there are."""
+        return int(np.max(self.materials)) + 1
 
     def _grid(self, times: Array, steps: int) -> Array:
         faces = [*self.films, *self.radiators, *self.held]
@@ -232,32 +193,45 @@ def reduce(
     radiators = [c for c in model.conditions if isinstance(c, Radiation)]
     joints = [c for c in model.conditions if isinstance(c, Contact) and c not in opened]
     basis = _basis(model, start, duration, [*films, *radiators, *held], [*joints, *opened], bench, scales)
-    mass, stiffness = _by_material(model, basis)
-    capacity = model.pattern.matrix(model.medium.capacity(start)) @ np.ones(model.size)
+    mass, stiffness, means = _by_part(model, basis)
+    names = list(dict.fromkeys(material.name for material in model.materials))
+
+    def apart(joint: Contact) -> Array:
+        return joint.near.at_points_of(basis) - joint.far.at_points_of(basis)
 
     def jump(joint: Contact) -> Array:
-        apart = joint.near.at_points_of(basis) - joint.far.at_points_of(basis)
-        return np.asarray(apart.T @ (joint.near.weights.ravel()[:, None] * apart))
+        rows = apart(joint)
+        return np.asarray(rows.T @ (joint.near.weights.ravel()[:, None] * rows))
 
+    def points(facets: FacetOperator) -> Array:
+        return facets.at_points_of(model.mesh.points)
+
+    weight = model.pattern.matrix(model.medium.capacity(start)) @ np.ones(model.size)
     coefficients: Array = np.asarray(np.linalg.lstsq(basis, start, rcond=None)[0], dtype=np.float64)
     began = _groups(model, groups)
     warmer: Array = np.asarray(np.linalg.lstsq(basis, began.T, rcond=None)[0].T, dtype=np.float64)
-    empty = Film(np.zeros((0, basis.shape[1])), np.zeros(0), Table.constant(0.0), Table.constant(0.0))
+    empty = Patch(np.zeros((0, basis.shape[1])), np.zeros(0), np.zeros((0, 3)))
     cooled: list[Convection | Radiation] = [*films, *radiators]
     ambient = cooled[0].ambient if cooled else Table.constant(float(np.mean(start)))
     return ReducedMold(
         mass=mass,
         stiffness=stiffness,
+        means=means,
+        materials=np.array([names.index(material.name) for material in model.materials]),
+        changes=_changes(model),
         films=[_face(c.facets, basis, c.film, c.ambient) for c in films],
         radiators=[_face(c.facets, basis, Table.constant(0.0), c.ambient, c.emissivity) for c in radiators],
         held=[_face(c.facets, basis, Table.constant(0.0), c.ambient) for c in held],
-        bench=empty if bench is None else _face(bench, basis, Table.constant(0.0), ambient),
+        bench=empty
+        if bench is None
+        else patch(bench.at_points_of(basis), bench.weights.ravel(), points(bench)),
+        surroundings=ambient,
         heaters=[(basis.T @ c.shape, c.power) for c in model.conditions if isinstance(c, Heater)],
         joints=[(jump(c), c.closed) for c in joints],
-        opened=[jump(c) for c in opened],
+        opened=[patch(apart(c), c.near.weights.ravel(), points(c.near)) for c in opened],
         probes=probes @ basis,
         parts=_part_means(model, basis),
-        mean=capacity @ basis / capacity.sum(),
+        mean=weight @ basis / weight.sum(),
         start=coefficients,
         warmer=warmer,
         reference_degC=float(np.mean(start)),
@@ -289,30 +263,43 @@ def _face(facets: FacetOperator, basis: Array, film: Table, ambient: Table, emis
     """Return a face by a few points: neighbours in temperature count as one, with their areas together."""
     rows = facets.at_points_of(basis)
     weights = facets.weights.ravel()
-    if len(weights) > _POINTS:
-        rows, weights = lumped(rows, weights, _POINTS)
+    if len(weights) > POINTS:
+        rows, weights = lumped(rows, weights, POINTS)
     return Film(rows, weights, film, ambient, emissivity)
 
 
-def _by_material(model: HeatModel, basis: Array) -> tuple[Array, Array]:
-    """Return capacity and conduction matrices on the basis, one of each a material name."""
-    names = list(dict.fromkeys(material.name for material in model.materials))
-    mass, stiffness = [], []
-    for name in names:
+def _by_part(model: HeatModel, basis: Array) -> tuple[Array, Array, Array]:
+    """Return capacity and conduction matrices of each part on the basis, and its mean of each basis vector."""
+    mass, stiffness, means = [], [], []
+    nothing, zero = Table.constant(0.0), np.zeros(model.size)
+    for part in range(len(model.materials)):
         chosen = [
             ThermalMaterial(
                 material.name,
                 material.density,
-                Table.constant(material.conductivity.at(50.0) if material.name == name else 0.0),
-                Table.constant(material.specific_heat.at(50.0) if material.name == name else 0.0),
+                Table.constant(material.conductivity.at(50.0)) if number == part else nothing,
+                Table.constant(material.specific_heat.at(50.0)) if number == part else nothing,
             )
-            for material in model.materials
+            for number, material in enumerate(model.materials)
         ]
         medium = Medium(model.mesh, chosen, model.pattern)
-        zero = np.zeros(model.size)
-        mass.append(basis.T @ (model.pattern.matrix(medium.capacity(zero)) @ basis))
+        capacity = model.pattern.matrix(medium.capacity(zero))
+        mass.append(basis.T @ (capacity @ basis))
         stiffness.append(basis.T @ (model.pattern.matrix(medium.conduction(zero)) @ basis))
-    return np.stack(mass), np.stack(stiffness)
+        weight = capacity @ np.ones(model.size)
+        means.append(weight @ basis / weight.sum())
+    return np.stack(mass), np.stack(stiffness), np.stack(means)
+
+
+def _changes(model: HeatModel) -> Array:
+    """Return the materials' tables as factors on what they are at 50 degC, one place where nothing changes."""
+    tables = [[m.specific_heat for m in model.materials], [m.conductivity for m in model.materials]]
+    if all(table.is_constant for kind in tables for table in kind):
+        return np.ones((2, len(model.materials), 1, 2))
+    at = np.unique(np.concatenate([table.x for kind in tables for table in kind]))
+    return np.array(
+        [[np.column_stack([at, table(at) / table.at(50.0)]) for table in kind] for kind in tables]
+    )
 
 
 def _basis(

@@ -16,6 +16,7 @@ from hyperfab.loop.heat import HeatProblem
 from hyperfab.loop.problem import Array
 from hyperfab.thermal.tables import Table
 
+_UNEVEN = "{}, for which a mold document has no key; the extended model has the mean throughout"
 _FILES = ("table", "stl", "schedule", "document")
 
 
@@ -39,7 +40,7 @@ def extend(
     terms = {name: {c.name: float(v) for c, v in zip(fit.forms[name].constants, values, strict=True)}
              for name, (_, values) in fit.terms.items()}  # fmt: skip
     _scale(mold, document, problem, factors, terms, files)
-    notes = _add(mold, document, problem, terms, files)
+    notes = _add(mold, document, problem, terms, files, factors.get("ambient", 0.0))
     _named(mold, stem)
     files[".model.toml"] = tomli_w.dumps(mold).encode()
     return files, notes
@@ -93,20 +94,22 @@ def _scale(
             mold["convection"][index]["h"] = {"table": name}
     drift = terms.get("property-drift", {})
     for key, stuff in document.material.items():
-        for what, unit, rate in (
-            ("conductivity", "W/m/K", drift.get("conductivity_per_K", 0.0)),
-            ("specific_heat", "J/kg/K", drift.get("specific_heat_per_K", 0.0)),
-        ):
+        for what, unit in (("conductivity", "W/m/K"), ("specific_heat", "J/kg/K")):
             value = getattr(stuff, what)
             factor = factors.get(f"material.{key}.{what}", 1.0)
-            if not isinstance(value, float):
-                continue
-            if rate == 0.0:
-                mold["material"][key][what] = f"{value * factor!r} {unit}"
-                continue
-            zero = reduced.reference_degC
-            at = np.array([zero - 50.0, zero, zero + 500.0])
-            scaled = value * factor * np.maximum(1.0 + rate * (at - zero), 0.05)
+            rate, bend = drift.get(f"{what}_per_K", 0.0), drift.get(f"{what}_per_K2", 0.0)
+            if rate == bend == 0.0:
+                if isinstance(value, float):
+                    mold["material"][key][what] = f"{value * factor!r} {unit}"
+                    continue
+                if factor == 1.0:
+                    continue
+            zero, plain = reduced.reference_degC, problem.tables[f"{key}.{what}"]
+            beside = (
+                np.array([zero - 50.0, zero]) if bend == 0.0 else np.arange(zero - 50.0, zero + 490.0, 10.0)
+            )
+            at = np.unique(np.concatenate([plain.x, beside, [zero + 500.0]]))
+            scaled = factor * plain(at) * np.maximum(1.0 + (rate + bend * (at - zero)) * (at - zero), 0.05)
             name = f".{what.replace('_', '-')}-{key}.csv"
             column = {"conductivity": "conductivity", "specific_heat": "specific heat"}[what]
             files[name] = _csv("temperature [degC]", f"{column} [{unit}]", at, scaled)
@@ -137,9 +140,20 @@ def _scale(
         for index, cooled in enumerate(getattr(document, kind)):
             if isinstance(cooled.ambient, float):
                 mold[kind][index]["ambient"] = f"{cooled.ambient + factors.get('ambient', 0.0)!r} degC"
+    added = _added(terms.get("contact-resistance", {}), problem)
     for index, contact in enumerate(document.contact):
-        factor = factors.get(f"contact.{index}.h", 1.0)
-        mold["contact"][index]["h"] = f"{contact.h * factor!r} W/m^2/K"
+        h = contact.h * factors.get(f"contact.{index}.h", 1.0)
+        mold["contact"][index]["h"] = f"{h / (1.0 + added[1][index] * h)!r} W/m^2/K"
+
+
+def _added(values: Mapping[str, float], problem: HeatProblem) -> tuple[list[float], list[float]]:
+    """Return the resistances [m^2 K/W] of joints without one in the document, and those added to its joints'."""
+    new, old = len(problem.pairs), len(problem.joints)
+    one = values.get("resistance_m2K_W")
+    if one is not None:
+        return [one] * new, [0.0 if new else one] * old
+    each = [values.get(f"resistance_{k}_m2K_W", 0.0) for k in range(1, new + old + 1)]
+    return each[:new], each[new:]
 
 
 def _add(
@@ -148,21 +162,30 @@ def _add(
     problem: HeatProblem,
     terms: Mapping[str, Mapping[str, float]],
     files: dict[str, bytes],
+    warmer: float,
 ) -> list[str]:
-    """Add the terms to the document; return what it has no key for."""
+    """Add the terms to the document; return what it has no key for; the ambient was found to be ``warmer`` [K]."""
     notes = []
     cooled = document.convection[0] if document.convection else None
     ambient = mold["convection"][0]["ambient"] if cooled is not None else "25.0 degC"
     for name, values in terms.items():
         if name == "radiation":
             places = [place for section in mold["convection"] for place in _listed(section["on"])]
+            sky = _warmer(ambient, values.get("surroundings_K", 0.0), problem, files)
             mold.setdefault("radiation", []).append(
-                {"on": places, "emissivity": values["emissivity"], "ambient": ambient}
+                {"on": places, "emissivity": values["emissivity"], "ambient": sky}
             )
         elif name == "contact-resistance":
-            h = 1.0 / max(values["resistance_m2K_W"], 1e-7)
-            for pair in problem.pairs:
+            for pair, resistance in zip(problem.pairs, _added(values, problem)[0], strict=True):
+                h = 1.0 / max(resistance, 1e-7)
                 mold.setdefault("contact", []).append({"between": list(pair), "h": f"{h!r} W/m^2/K"})
+            if "closing_per_K" in values:
+                notes.append(
+                    f"contact-resistance: the joint conducts {100.0 * values['closing_per_K']:.3g} % better a kelvin, "
+                    "for which a mold document has no key; the extended model has its conductance at the start"
+                )
+            elif "from_middle" in values:
+                notes.append(_UNEVEN.format("contact-resistance: the joint is better in places"))
         elif name == "sensor-lag":
             numbers = {name: k for k, name in enumerate(problem.names, start=1)}
             for probe in mold["probe"]:
@@ -179,17 +202,28 @@ def _add(
             mold.setdefault("convection", []).append(
                 {"on": places, "h": f"{values['h_W_m2K']!r} W/m^2/K", "ambient": ambient}
             )
+            if "bench_share" in values:
+                notes.append(
+                    f"base-conduction: the bench takes on {100.0 * values['bench_share']:.3g} % of the base's warmth "
+                    f"within {values['bench_s']:.3g} s, for which a mold document has no key; the extended model has "
+                    "a bench as cold as the ambient"
+                )
+            elif "from_middle" in values:
+                notes.append(_UNEVEN.format("base-conduction: more leaves in places"))
         elif name == "ambient-drift":
             times = problem.runs[0][1]
-            at = np.linspace(0.0, float(times[-1]), 41)
-            rise = values["drift_K_s"] * at + values.get("drift_K_s2", 0.0) * at**2
-            rise = rise + values.get("drift_K_s3", 0.0) * at**3
+            at = np.linspace(0.0, float(times[-1]), 101)
+            slope, bend, twist = (values.get(f"drift_K_s{power}", 0.0) for power in ("", "2", "3"))
+            rise = slope * at + bend * at**2 + twist * at**3
+            if "period_s" in values:
+                turn = 2.0 * np.pi * at / values["period_s"]
+                rise = values["swing_sine_K"] * np.sin(turn) + values["swing_cosine_K"] * (np.cos(turn) - 1.0)
             base = (
                 problem.runs[0][0].films[0].ambient(at)
                 if problem.runs[0][0].films
                 else np.full_like(at, 25.0)
             )
-            files[".ambient.csv"] = _csv("time [s]", "temperature [degC]", at, base + rise)
+            files[".ambient.csv"] = _csv("time [s]", "temperature [degC]", at, base + warmer + rise)
             for kind in ("convection", "radiation"):
                 for section in mold.get(kind, []):
                     section["ambient"] = {"table": ".ambient.csv"}
@@ -198,7 +232,23 @@ def _add(
                 f"power-loss: the share {values['lost_share_per_K']:.3g} lost per kelvin has no key in a mold "
                 "document; only the constant share is in the extended model"
             )
+        elif name == "power-loss" and "back_W_K" in values:
+            notes.append(
+                f"power-loss: the {values['back_W_K']:.3g} W a kelvin lost through the heater's back have no key in a "
+                "mold document; only the constant share is in the extended model"
+            )
     return notes
+
+
+def _warmer(ambient: Any, kelvin: float, problem: HeatProblem, files: dict[str, bytes]) -> Any:
+    """Return an ambient that many kelvin warmer."""
+    if kelvin == 0.0:
+        return ambient
+    if isinstance(ambient, str):
+        return f"{float(ambient.split()[0]) + kelvin!r} degC"
+    air = problem.runs[0][0].films[0].ambient
+    files[".sky.csv"] = _csv("time [s]", "temperature [degC]", air.x, air.y + kelvin)
+    return {"table": ".sky.csv"}
 
 
 def _uncover(mold: dict[str, Any], places: list[str]) -> None:

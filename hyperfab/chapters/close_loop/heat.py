@@ -147,6 +147,11 @@ def pose(
     )
     problem.pairs = pairs
     problem.base = _base(document, built)
+    problem.tables = {
+        f"{m.name}.{what}": getattr(m, what)
+        for m in built.model.materials
+        for what in ("conductivity", "specific_heat")
+    }
     lags = [probe.lag for probe in document.probe if probe.name in read.names]
     problem.lag_s = float(np.mean(lags))
     if max(lags) > min(lags):
@@ -227,15 +232,7 @@ def _own(
         *((f"part.{name}.start", "start") for name in began),
         ("ambient", "ambient"),
     ]
-    warnings = []
-    tables = [
-        m for m in built.model.materials if not (m.conductivity.is_constant and m.specific_heat.is_constant)
-    ]
-    if tables:
-        warnings.append(
-            "materials that depend on temperature are taken at 50 degC in the loop; property-drift says how they change"
-        )
-    return own, warnings
+    return own, []
 
 
 def _corners(built: Problem) -> list[float]:

@@ -16,8 +16,9 @@ from hyperfab.documents.quantity import TableFile
 from hyperfab.errors import InputError
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.inputs import Inputs
-from hyperfab.thermal.reduced import ReducedMold, Settings, reduce
+from hyperfab.thermal.reduced import ReducedMold, reduce
 from hyperfab.thermal.sensors import lagging
+from hyperfab.thermal.settings import Settings
 from hyperfab.thermal.transient import History
 
 Array = NDArray[np.float64]
@@ -54,22 +55,13 @@ class Asked:
 
         return Settings(
             film=each("film", len(mold.films)),
-            conductivity=each("conductivity", len(mold.stiffness)),
-            capacity=each("specific heat", len(mold.mass)),
+            conductivity=each("conductivity", mold.kinds),
+            capacity=each("specific heat", mold.kinds),
             power=each("power", len(mold.heaters)),
             joint=np.zeros((self.count, len(mold.joints))) + np.array(mold.conductances),
             opened=np.zeros((self.count, 0)),
             start_K=np.zeros((self.count, len(mold.warmer))),
             ambient_K=zero,
-            emissivity=zero,
-            bench=zero,
-            lost=zero,
-            lost_per_K=zero,
-            conductivity_per_K=zero,
-            capacity_per_K=zero,
-            ambient_per_s=zero,
-            ambient_per_s2=zero,
-            exponent=zero,
         )
 
 

@@ -7,10 +7,20 @@ from hyperfab.loop.problem import Constant, Effect, Form
 
 
 def entry(scene: Scene) -> Effect | None:
-    """Return the effect: a conductance to the ambient through the outer faces without a film."""
+    """Return the effect: a conductance to the ambient through the outer faces without a film, to a bench that may
+    warm up, or more in places."""
     if not scene.bench:
         return None
     h = Constant("h_W_m2K", 0.0, 0.0, 2000.0, 0.3 * scene.typical_film)
+    share = Constant("bench_share", 0.0, 0.0, 0.95, 0.1, 0.5)
+    time = Constant(
+        "bench_s",
+        0.2 * scene.duration_s,
+        0.01 * scene.duration_s,
+        3.0 * scene.duration_s,
+        0.05 * scene.duration_s,
+    )
+    uneven = [Constant(name, 0.0, -2.0, 2.0, 0.1, 0.5) for name in ("from_middle", "along_x", "along_y")]
     return Effect(
         id="base-conduction",
         title="heat leaves through the base",
@@ -24,6 +34,10 @@ def entry(scene: Scene) -> Effect | None:
                 ((scene.typical_film,), (10.0 * scene.typical_film,)),
                 ((0.1 * scene.typical_film,),),
             ),
+            Form(
+                "bench that warms up", (h, share, time), ((1.0, 0.3, 0.2 * scene.duration_s),), refines="film"
+            ),
+            Form("uneven", (h, *uneven), ((1.0, 0.0, 0.0, 0.0),), refines="film"),
         ),
         smooth=False,
         mimic_share=0.98,

@@ -7,18 +7,32 @@ from hyperfab.loop.problem import Constant, Effect, Form
 
 
 def entry(scene: Scene) -> Effect | None:
-    """Return the effect: one resistance for the joints that conduct perfectly in the model."""
-    if not scene.opened:
+    """Return the effect: a resistance of the joints that conduct perfectly in the model, or in series with its joints.
+
+    One for all, of each its own, closing as the mold warms up, or greater in places.
+    """
+    joints = scene.opened + scene.declared
+    if not joints:
         return None
     # A film of air of a few hundredths of a millimetre: 1e-3 m^2 K/W.
     resistance = Constant("resistance_m2K_W", 0.0, 0.0, 0.1, 2e-4)
+    forms = [Form("gap", (resistance,), ((3e-4,), (3e-3,)), ((5e-5,), (5e-4,)))]
+    if joints > 1:
+        each = [Constant(f"resistance_{k}_m2K_W", 0.0, 0.0, 0.1, 2e-4) for k in range(1, joints + 1)]
+        probes = [tuple(5e-4 if i == k else 0.0 for i in range(joints)) for k in range(joints)]
+        forms.append(Form("each", tuple(each), ((1e-3,) * joints, (1e-4,) * joints), tuple(probes)))
+    if scene.opened:
+        uneven = [Constant(name, 0.0, -2.0, 2.0, 0.1, 0.5) for name in ("from_middle", "along_x", "along_y")]
+        warm = Constant("closing_per_K", 0.0, -0.9 / scene.rise_K, 5.0 / scene.rise_K, 0.05 / scene.rise_K)
+        forms.append(Form("closing with warmth", (resistance, warm), ((1e-3, 0.0),), refines="gap"))
+        forms.append(Form("uneven", (resistance, *uneven), ((1e-3, 0.0, 0.0, 0.0),), refines="gap"))
     return Effect(
         id="contact-resistance",
         title="parts that touch do not conduct perfectly",
         rides_on=("power_W", "probe"),
         shown_by="a thermocouple on each side of the joint",
         source="Yovanovich (2005), doi:10.1109/TCAPT.2005.848483",
-        forms=(Form("gap", (resistance,), ((3e-4,), (3e-3,)), ((5e-5,), (5e-4,))),),
+        forms=tuple(forms),
         smooth=False,
         mimic_share=0.98,
     )

@@ -7,11 +7,17 @@ from hyperfab.loop.problem import Constant, Effect, Form
 
 
 def entry(scene: Scene) -> Effect | None:
-    """Return the effect: a constant share, and one that grows with temperature (resistance of the wire, back loss)."""
+    """Return the effect: a share lost, constant or growing with the heater's temperature, or out of its back."""
     if not scene.heaters:
         return None
     share = Constant("lost_share", 0.0, -0.3, 0.9, 0.05)
     warm = Constant("lost_share_per_K", 0.0, -0.5 / scene.rise_K, 0.9 / scene.rise_K, 0.05 / scene.rise_K)
+    bend = Constant(
+        "lost_share_per_K2", 0.0, -0.9 / scene.rise_K**2, 0.9 / scene.rise_K**2, 0.05 / scene.rise_K**2
+    )
+    back = Constant(
+        "back_W_K", 0.0, 0.0, 0.9 * scene.power_W / scene.rise_K, 0.05 * scene.power_W / scene.rise_K
+    )
     return Effect(
         id="power-loss",
         title="part of the power does not reach the mold",
@@ -26,6 +32,13 @@ def entry(scene: Scene) -> Effect | None:
                 ((0.1, 0.1 / scene.rise_K), (0.02, 0.2 / scene.rise_K)),
                 ((0.03, 0.0), (0.0, 0.03 / scene.rise_K)),
             ),
+            Form(
+                "through the back",
+                (share, back),
+                ((0.02, 0.1 * scene.power_W / scene.rise_K),),
+                ((0.0, 0.03 * scene.power_W / scene.rise_K),),
+            ),
+            Form("bent", (share, warm, bend), ((0.0, 0.0, 0.0),), refines="with temperature"),
         ),
         smooth=False,
         mimic_share=0.98,

@@ -7,9 +7,12 @@ from hyperfab.loop.problem import Constant, Effect, Form
 
 
 def entry(scene: Scene) -> Effect:
-    """Return the effect: specific heat linear in temperature, then conductivity too."""
+    """Return the effect: specific heat, conductivity or both linear in temperature, then with a bend."""
     c = Constant("specific_heat_per_K", 0.0, -0.5 / scene.rise_K, 2.0 / scene.rise_K, 0.05 / scene.rise_K)
     k = Constant("conductivity_per_K", 0.0, -0.7 / scene.rise_K, 2.0 / scene.rise_K, 0.05 / scene.rise_K)
+    bend = Constant(
+        "specific_heat_per_K2", 0.0, -0.5 / scene.rise_K**2, 2.0 / scene.rise_K**2, 0.05 / scene.rise_K**2
+    )
     return Effect(
         id="property-drift",
         title="conductivity or specific heat change with temperature",
@@ -24,11 +27,19 @@ def entry(scene: Scene) -> Effect:
                 ((0.03 / scene.rise_K,),),
             ),
             Form(
+                "conductivity",
+                (k,),
+                ((0.2 / scene.rise_K,), (-0.3 / scene.rise_K,)),
+                ((0.03 / scene.rise_K,),),
+            ),
+            Form(
                 "both",
                 (c, k),
                 ((0.1 / scene.rise_K, -0.1 / scene.rise_K), (0.0, -0.3 / scene.rise_K)),
                 ((0.0, 0.03 / scene.rise_K),),
             ),
+            Form("bent", (c, bend), ((0.0, 0.0),), refines="specific heat"),
+            Form("bent both", (c, bend, k), ((0.0, 0.0, 0.0),), refines="bent"),
         ),
         smooth=False,
         mimic_share=0.98,

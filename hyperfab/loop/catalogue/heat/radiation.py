@@ -7,16 +7,21 @@ from hyperfab.loop.problem import Constant, Effect, Form
 
 
 def entry(scene: Scene) -> Effect | None:
-    """Return the effect: a grey emissivity of the faces that have a film."""
+    """Return the effect: a grey emissivity of the faces that have a film, to surroundings as warm as the air or not."""
     if scene.emits or not scene.films:
         return None
+    emissivity = Constant("emissivity", 0.0, 0.0, 1.0, 0.1)
+    sky = Constant("surroundings_K", 0.0, -40.0, 40.0, 2.0, 8.0)
     return Effect(
         id="radiation",
         title="the mold radiates to its surroundings",
         rides_on=("temperature_degC",),
         shown_by="a plateau at twice the temperature rise, and a cool-down with the power off",
         source="Stefan-Boltzmann law",
-        forms=(Form("grey", (Constant("emissivity", 0.0, 0.0, 1.0, 0.1),), ((0.3,), (0.8,)), ((0.1,),)),),
+        forms=(
+            Form("grey", (emissivity,), ((0.3,), (0.8,)), ((0.1,),)),
+            Form("other surroundings", (emissivity, sky), ((0.3, 0.0),), refines="grey"),
+        ),
         smooth=False,
         mimic_share=0.98,
     )

@@ -9,15 +9,18 @@ from dataclasses import dataclass
 class Scene:
     """Length and sampling of the experiment, its rise of temperature, and what the mold has.
 
-    ``opened`` counts joints that conduct perfectly in the model; ``bench`` says whether faces have no film.
+    ``opened`` counts joints that conduct perfectly in the model, ``declared`` the others; ``bench`` says whether
+    faces have no film.
     """
 
     duration_s: float
     step_s: float
     rise_K: float
+    power_W: float
     films: int
     heaters: int
     opened: int
+    declared: int
     probes: int
     bench: bool
     emits: bool

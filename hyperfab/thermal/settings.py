@@ -1,0 +1,121 @@
+"""What a reduced mold is run with: faces and joints by a few points, and the numbers of many runs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.thermal.lumping import lumped
+from hyperfab.thermal.tables import Table
+
+Array = NDArray[np.float64]
+
+#: Points that stand for a face or a joint.
+POINTS = 48
+#: A conductance or resistance that varies over a face falls to no less than this share of its mean.
+_LEAST = 0.05
+#: Resistance of a joint that counts as perfect [m^2 K/W].
+PERFECT = 1e-7
+
+
+@dataclass(frozen=True)
+class Film:
+    """A face that loses heat: rows of the basis at its points (q, r), their areas (q,), its film and ambient."""
+
+    rows: Array
+    weights: Array
+    film: Table
+    ambient: Table
+    emissivity: float = 0.0
+
+
+@dataclass(frozen=True)
+class Patch:
+    """A joint or a bench by a few points: rows of the basis (q, r) (of the jump), areas (q,) and ``places`` (q, 3).
+
+    The places are how far from the middle, and along the two longest axes; each has an area mean of 0 and, but
+    for the first, a mean square of 1.
+    """
+
+    rows: Array
+    weights: Array
+    places: Array
+
+    def uneven(self, slopes: Array) -> Array:
+        """Return the factor at each point of what changes over the patch with ``slopes`` (3,), or fewer."""
+        return np.maximum(1.0 + self.places[:, : len(slopes)] @ slopes, _LEAST)
+
+    def jump(self, resistance: float, slopes: Array) -> Array:
+        """Return the joint's matrix (r, r) for a resistance per area [m^2 K/W]."""
+        each = self.weights / (resistance * self.uneven(slopes) + PERFECT)
+        return np.asarray(self.rows.T @ (each[:, None] * self.rows))
+
+
+def patch(rows: Array, weights: Array, points: Array) -> Patch:
+    """Return a patch of quadrature points with rows (q, r), areas (q,) at ``points`` (q, 3) [m]."""
+    if len(weights) == 0:
+        return Patch(rows, weights, np.zeros((0, 3)))
+    centred = points - weights @ points / weights.sum()
+    _, axes = np.linalg.eigh(centred.T @ (weights[:, None] * centred))
+    along = centred @ axes[:, :0:-1]
+    size = np.sqrt(weights @ along**2 / weights.sum())
+    along = along / np.where(size > 0.0, size, 1.0)
+    far = np.sum(centred**2, axis=1)
+    mean = float(weights @ far) / float(weights.sum())
+    places = np.column_stack([far / mean - 1.0 if mean > 0.0 else 0.0 * far, along])
+    if len(weights) <= POINTS:
+        return Patch(rows, weights, places)
+    # Points are neighbours by where they lie and by what they feel.
+    spread = float(np.sqrt(np.mean(np.var(rows, axis=0).sum()))) or 1.0
+    both, areas = lumped(np.hstack([rows / spread, places[:, 1:], places[:, :1]]), weights, POINTS)
+    count = rows.shape[1]
+    return Patch(both[:, :count] * spread, areas, both[:, [count + 2, count, count + 1]])
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Numbers of a batch of b runs; each array is (b, how many there are).
+
+    ``film``, ``conductivity``, ``capacity``, ``power`` scale what the document says; ``joint`` is the
+    conductance of each joint [W/m^2/K], ``opened`` the resistance of each joint between parts that conduct perfectly
+    in the document [m^2 K/W]; ``start_K`` (b, groups of parts) and ``ambient_K`` (b,) [K] are added to the start and
+    to the ambient.
+
+    ``effects`` (b,) are absent at 0:
+
+    - ``emissivity``, and ``sky_K`` by which what it faces is warmer than the ambient;
+    - ``bench`` [W/m^2/K] through faces without a film, ``bench_uneven``, ``bench_x``, ``bench_y`` over them,
+      ``bench_share`` of the face's warmth that the bench takes on within ``bench_s``;
+    - ``lost``, ``lost_per_K``, ``lost_per_K2`` shares of the power, ``back_W_K`` lost while it is on;
+    - ``conductivity_per_K``, ``capacity_per_K``, ``capacity_per_K2``;
+    - ``ambient_per_s``, ``ambient_per_s2``, ``ambient_per_s3``, ``swing_sin_K``, ``swing_cos_K`` of period ``swing_s``;
+    - ``exponent`` of a film coefficient in its temperature difference;
+    - ``joint_uneven``, ``joint_x``, ``joint_y`` over the opened joints, ``joint_per_K`` by which they conduct better.
+    """
+
+    film: Array
+    conductivity: Array
+    capacity: Array
+    power: Array
+    joint: Array
+    opened: Array
+    start_K: Array
+    ambient_K: Array
+    effects: Mapping[str, Array] = field(default_factory=dict)
+
+    def of(self, run: int, *names: str) -> Array:
+        """Return the effects of one run, 0 where they are not given."""
+        return np.array([float(self.effects[name][run]) if name in self.effects else 0.0 for name in names])
+
+    def air_K(self, run: int, times: Array) -> Array:
+        """Return by how much the ambient is off at ``times`` [s]."""
+        slope, bend, twist = self.of(run, "ambient_per_s", "ambient_per_s2", "ambient_per_s3")
+        sine, cosine, period = self.of(run, "swing_sin_K", "swing_cos_K", "swing_s")
+        found = self.ambient_K[run] + ((twist * times + bend) * times + slope) * times
+        if sine != 0.0 or cosine != 0.0:
+            turn = 2.0 * np.pi * times / max(period, 1e-9)
+            found = found + sine * np.sin(turn) + cosine * (np.cos(turn) - 1.0)
+        return np.asarray(found)
