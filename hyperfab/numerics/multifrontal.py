@@ -42,19 +42,9 @@ class Elimination:
         self.all_rests = np.concatenate([front.rest for front in self.fronts])
         number = np.empty(len(self.order), np.int64)
         number[self.order] = np.arange(len(self.order))
-        i, j = number[rows], number[columns]
-        self.source = np.flatnonzero(i >= j)
-        i, j = i[self.source], j[self.source]
-        owner = np.repeat(np.arange(len(pivots)), pivots)[j]
-        first = np.concatenate([[0], np.cumsum(pivots)])[owner]
-        inside = i < first + pivots[owner]
-        # One ascending list of (front, unknown) finds all places at once.
-        size = len(self.order)
-        keys = np.repeat(np.arange(len(rests)), rests) * size + self.all_rests
-        below = np.searchsorted(keys, owner * size + i) - self.rest_starts[owner]
-        column = j - first
-        self.target = self.starts[owner] + np.where(
-            inside, column * pivots[owner] + i - first, pivots[owner] ** 2 + column * rests[owner] + below
+        owner = np.repeat(np.arange(len(pivots)), pivots)
+        self.source, self.target = _places(
+            rows, columns, number, owner, self.firsts, pivots, self.starts, self.rest_starts, self.all_rests
         )
 
     @property
@@ -113,6 +103,38 @@ class CholeskyFactor:
         found = np.empty_like(values)
         found[plan.order] = values
         return found
+
+
+@nb.njit(cache=True)
+def _places(
+    rows: Indices,
+    columns: Indices,
+    number: Indices,
+    owner: Indices,
+    firsts: Indices,
+    pivots: Indices,
+    starts: Indices,
+    rest_starts: Indices,
+    all_rests: Indices,
+) -> tuple[Indices, Indices]:
+    """Return which entries lie on or below the diagonal in the new order, and where they stand in the factor."""
+    source, target = np.empty(len(rows), np.int64), np.empty(len(rows), np.int64)
+    count = 0
+    for k in range(len(rows)):
+        i, j = number[rows[k]], number[columns[k]]
+        if i < j:
+            continue
+        front = owner[j]
+        p = pivots[front]
+        row, column = i - firsts[front], j - firsts[front]
+        if row < p:
+            place = column * p + row
+        else:
+            rest = all_rests[rest_starts[front] : rest_starts[front + 1]]
+            place = p * p + column * len(rest) + np.searchsorted(rest, i)
+        source[count], target[count] = k, starts[front] + place
+        count += 1
+    return source[:count].copy(), target[:count].copy()
 
 
 @nb.njit(cache=True)
