@@ -34,6 +34,11 @@ class ForceDepth:
     temperature: Array | None = None
     softened: Array | None = None
 
+    @property
+    def values(self) -> Array:
+        """What was read."""
+        return self.force
+
 
 @dataclass(frozen=True)
 class Sheet:
@@ -112,11 +117,11 @@ class ContactProblem(Problem):
                 temperature[::2] += warmer
             test = ForceDepth(text, depth, np.zeros(len(depth)), temperature)
             found.append(
-                Extra(text, {"depth_mm": [float(depth[0]), float(depth[-1])]}, self.with_test(test, finer))
+                Extra(text, {"depth_mm": [float(depth[0]), float(depth[-1])]}, self.with_reading(test, finer))
             )
         return found
 
-    def with_test(self, test: ForceDepth, scale: float = 1.0) -> ContactProblem:
+    def with_reading(self, test: ForceDepth, scale: float = 1.0) -> ContactProblem:
         """Return the problem with a further test at its end, its rows times ``scale``."""
         rows, size = len(self.measured), len(test.depth)
         return replace(

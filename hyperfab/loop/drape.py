@@ -27,6 +27,11 @@ class Markers:
     flat: Array
     found: Array
 
+    @property
+    def values(self) -> Array:
+        """What was read: x of all markers, then y, then z."""
+        return self.found.T.ravel()
+
 
 @dataclass(frozen=True)
 class Draped:
@@ -84,20 +89,27 @@ class DrapeProblem(Problem):
             ("markers between the clamp and the mold, where the sheet hangs free", far > 0.6),
             ("markers on the top of the mold", far < 0.45),
         ]
-        return [Extra(text, {"markers": int(np.sum(rows))}, self.with_markers(text, np.stack([x, y], axis=1)[rows]))
-                for text, rows in menu]  # fmt: skip
+        found = []
+        for text, rows in menu:
+            flat = np.stack([x, y], axis=1)[rows]
+            more = self.with_reading(Markers(text, flat, np.zeros((len(flat), 3))))
+            found.append(Extra(text, {"markers": len(flat)}, more))
+        return found
 
-    def with_markers(self, text: str, flat: Array) -> DrapeProblem:
+    def with_reading(self, markers: Markers) -> DrapeProblem:
         """Return the problem with further markers at its end."""
-        rows, size = len(self.measured), 3 * len(flat)
-        base, weights = at_markers(self.draped, flat)
+        rows, size = len(self.measured), 3 * len(markers.flat)
+        base, weights = at_markers(self.draped, markers.flat)
         return replace(
             self,
-            files=(*self.files, Markers(text, flat, np.zeros((len(flat), 3)))),
+            files=(*self.files, markers),
             base_at=(*self.base_at, base),
             weights=(*self.weights, weights),
             measured=np.concatenate([self.measured, np.zeros(size)]),
-            curves=(*self.curves, Curve(text, rows, rows + size, np.arange(size, dtype=np.float64))),
+            curves=(
+                *self.curves,
+                Curve(markers.name, rows, rows + size, np.arange(size, dtype=np.float64)),
+            ),
             states={},
         )
 

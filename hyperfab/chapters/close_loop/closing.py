@@ -18,7 +18,6 @@ from hyperfab.console import NEGATIVE_VERDICT
 from hyperfab.documents.loop import Errors, LoopDocument
 from hyperfab.documents.provenance import relative_name
 from hyperfab.errors import HyperfabError, UsageError
-from hyperfab.io.csv_table import Table
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
 from hyperfab.io.units import quantity
@@ -63,12 +62,6 @@ def stated(text: str | None, kinds: Sequence[str]) -> tuple[str, float] | None:
             raise UsageError(f"--noise {text}: must be more than zero")
         return kind, value
     raise failure or UsageError(f"--noise {text}: no kind of reading fits")
-
-
-def spread(table: Table, column: str) -> Array | None:
-    """Return the standard deviations a file states beside a column, or None."""
-    name = f"{column} sd"
-    return table[name] if name in table and np.all(table[name] > 0.0) else None
 
 
 def finish(

@@ -7,11 +7,13 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from hyperfab.chapters.close_loop.closing import MODEL_SUFFIXES, Axis, finish, spread, stated
+from hyperfab.chapters.close_loop.closing import MODEL_SUFFIXES, Axis, finish, stated
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_contact import FABRIC, extend
+from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, read_files, spread, widened
 from hyperfab.chapters.close_loop.recall import Recalled, check_unchanged, recall
 from hyperfab.chapters.close_loop.rerun import preview
 from hyperfab.chapters.close_loop.softer import linear_of, scaled_material
@@ -19,7 +21,7 @@ from hyperfab.chapters.job import Job
 from hyperfab.documents.base import parse_document
 from hyperfab.documents.contact import ContactDocument
 from hyperfab.documents.material import MaterialDocument
-from hyperfab.errors import InputError, NotConverged, UsageError
+from hyperfab.errors import InputError, NotConverged
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.json_io import dump_json, load_json
 from hyperfab.io.units import quantity
@@ -42,7 +44,6 @@ _KNOTS, _MESH, _ORDER = 12, 0.16, 1
 #: How far an added prestretch and the friction may go.
 _MOST_STRETCH, _MOST_FRICTION = 0.10, 0.8
 _ROOM_TEMPERATURE = 23.0
-_LEAST = 12
 
 
 def run(job: Job, given: Given) -> int:
@@ -50,14 +51,7 @@ def run(job: Job, given: Given) -> int:
     out = job.opened(given.output, (*MODEL_SUFFIXES, FABRIC, ".png", ".csv"))
     level = stated(given.noise, ("force",))
     recalled = recall(job, given.name, given.data, "contact", given.parse)
-    files = [read_force_depth(job, file, given.decimal) for file in given.measured]
-    apart = [read_force_depth(job, file, given.decimal)[0] for file in given.held]
-    if sum(len(one.depth) for one, _ in files) < _LEAST:
-        raise InputError(
-            "has too few readings to tell noise from a residual",
-            file=given.measured[0],
-            remedy=f"give {_LEAST} or more",
-        )
+    files = read_files(given, lambda name: read_force_depth(job, name, given.decimal))
     out.refuse_inputs(job.inputs)
     document = parse_document(given.data, given.name, ContactDocument)
     material = read_material(job, recalled)
@@ -67,37 +61,29 @@ def run(job: Job, given: Given) -> int:
             recalled,
             document,
             material,
-            [one for one, _ in files],
+            files.plain,
             lambda s: advance(0.3 * s, "forward runs"),
         )
     check_unchanged(job, recalled, given.name, [*given.measured, *given.held])
     forward = Forward(recalled, material)
     at = recalled.options.get("temperature")
     problem = pose(
-        sheet, [one for one, _ in files], material, PRIOR if given.prior is None else given.prior, given.fix,
+        sheet, files.plain, material, PRIOR if given.prior is None else given.prior, given.fix,
         None if at is None else quantity(at, "temperature", option="--temperature"), forward.given.rim_slip,
     )  # fmt: skip
     return finish(
         job,
         out,
         problem,
-        noise_of(files, None if level is None else level[1]),
+        noise_of(files.measured, None if level is None else level[1]),
         domain="contact",
         recalled=recalled,
         parse=given.parse,
         axis=lambda p: Axis(p.states["depth_mm"], "depth [mm]"),
         extend=lambda found: extend(out, recalled, material, problem, found, document),
         rounds=forward.corrected,
-        apart=(lambda p: _widened(p, apart)) if apart else None,
+        apart=(lambda p: widened(p, files.apart)) if files.apart else None,
     )
-
-
-def _widened(problem: Problem, apart: Sequence[ForceDepth]) -> tuple[Problem, Array]:
-    """Return the problem with files that take no part at its end, and their forces."""
-    for one in apart:
-        assert isinstance(problem, ContactProblem)
-        problem = problem.with_test(one)
-    return problem, np.concatenate([one.force for one in apart])
 
 
 def read_force_depth(job: Job, name: str, decimal: str | None) -> tuple[ForceDepth, Array | None]:
@@ -285,10 +271,7 @@ def pose(
     problem = contact_problem(
         sheet, files, reference_degC=reference, prior=prior, fixed=fix, rim_slip=rim_slip
     )
-    names = [one.name for one in problem.own]
-    for key in fix:
-        if key not in names:
-            raise UsageError(f"--fix {key}: the sheet has no such constant; it has {', '.join(names)}")
+    check_fixed(problem, fix, "sheet")
     return problem
 
 
@@ -306,23 +289,14 @@ def noise_of(
 ) -> Callable[[Problem, Array | None], Noise]:
     """Return what tells the noise: stated, or the sd column, or local differences along each curve."""
 
-    def noise(problem: Problem, predicted: Array | None) -> Noise:
-        sd, unsure, count, source = np.ones(len(problem.measured)), 0.0, 0, ""
-        row = 0
-        for one, column in files:
-            rows = slice(row, row + len(one.depth))
-            row += len(one.depth)
-            if level is not None:
-                sd[rows], known, how = level, np.inf, "stated"
-            elif column is not None:
-                sd[rows], known, how = column, np.inf, "standard deviations in the data"
-            else:
-                left = one.force if predicted is None else one.force - predicted[rows]
-                size, known = level_of_curve(left, one.depth)
-                sd[rows], how = size, "local differences"
-            source = source or how
-            count += len(one.depth)
-            unsure += len(one.depth) ** 2 / known
-        return Noise(sd, count**2 / unsure if unsure > 0.0 else np.inf, source)
+    def rows_of(problem: ContactProblem, one: ForceDepth) -> NDArray[np.int64]:
+        place = next(i for i, file in enumerate(problem.files) if file.name == one.name)
+        start = sum(len(file.depth) for file in problem.files[:place])
+        return np.arange(start, start + len(one.depth))
 
-    return noise
+    def estimate(
+        problem: ContactProblem, one: ForceDepth, rows: NDArray[np.int64], predicted: Array
+    ) -> tuple[float, float, str]:
+        return *level_of_curve(one.force - predicted[rows], one.depth), "local differences"
+
+    return noise_from(files, lambda one: level, rows_of, estimate)

@@ -7,11 +7,13 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from hyperfab.chapters.close_loop.closing import MODEL_SUFFIXES, Axis, finish, spread, stated
+from hyperfab.chapters.close_loop.closing import MODEL_SUFFIXES, Axis, finish, stated
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_contact import FABRIC
 from hyperfab.chapters.close_loop.extended_drape import extend
+from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, read_files, spread, widened
 from hyperfab.chapters.close_loop.recall import Recalled, check_unchanged, recall
 from hyperfab.chapters.close_loop.rerun import preview
 from hyperfab.chapters.close_loop.softer import linear_of, scaled_material
@@ -21,7 +23,7 @@ from hyperfab.chapters.job import Job
 from hyperfab.cloth import HeldNodeInside, Mold, Sheet, drape, follow, raised
 from hyperfab.documents.base import parse_document
 from hyperfab.documents.material import MaterialDocument
-from hyperfab.errors import InputError, NotConverged, UsageError
+from hyperfab.errors import InputError, NotConverged
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.json_io import dump_json, load_json
 from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem, settings_of
@@ -38,7 +40,6 @@ PRIOR = 0.10
 _NODES, _STEPS, _TOLERANCE = 25, 10, 1e-6
 #: How far an added prestretch, the friction and the mass per area [g/m^2] may go.
 _MOST_STRETCH, _MOST_FRICTION = 0.12, 0.6
-_LEAST = 12
 
 
 def run(job: Job, given: Given) -> int:
@@ -46,47 +47,30 @@ def run(job: Job, given: Given) -> int:
     out = job.opened(given.output, (*MODEL_SUFFIXES, ".model.pvd", FABRIC, ".png", ".csv"))
     level = stated(given.noise, ("length",))
     recalled = recall(job, given.name, given.data, "drape", given.parse)
-    files = [read_markers(job, file, given.decimal) for file in given.measured]
-    apart = [read_markers(job, file, given.decimal)[0] for file in given.held]
-    if sum(len(one.flat) for one, _ in files) < _LEAST:
-        raise InputError(
-            "has too few markers to tell noise from a residual",
-            file=given.measured[0],
-            remedy=f"give {_LEAST} or more",
-        )
+    files = read_files(given, lambda name: read_markers(job, name, given.decimal))
     out.refuse_inputs(job.inputs)
     material = read_material(job, recalled)
     forward = Forward(recalled, material)
     for file in forward.read:
         job.inputs.read(file)
     check_unchanged(job, recalled, given.name, [*given.measured, *given.held])
-    _check_places(forward.sheet, [*(one for one, _ in files), *apart])
+    _check_places(forward.sheet, [*files.plain, *files.apart])
     with job.console.progress("Closing the loop") as advance:
         draped = pose_sheet(forward, lambda share: advance(0.3 * share, "forward runs"))
-    problem = pose(
-        draped, [one for one, _ in files], PRIOR if given.prior is None else given.prior, given.fix
-    )
+    problem = pose(draped, files.plain, PRIOR if given.prior is None else given.prior, given.fix)
     return finish(
         job,
         out,
         problem,
-        noise_of(files, None if level is None else level[1]),
+        noise_of(files.measured, None if level is None else level[1]),
         domain="drape",
         recalled=recalled,
         parse=given.parse,
         axis=lambda p: Axis(p.states["from the middle_mm"], "from the middle [mm]"),
         extend=lambda found: extend(out, recalled, material, forward.effects, problem, found),
         rounds=forward.corrected,
-        apart=(lambda p: _widened(p, apart)) if apart else None,
+        apart=(lambda p: widened(p, files.apart)) if files.apart else None,
     )
-
-
-def _widened(problem: Problem, apart: Sequence[Markers]) -> tuple[Problem, Array]:
-    """Return the problem with files that take no part at its end, and where their markers are."""
-    for one in apart:
-        assert isinstance(problem, DrapeProblem)
-        problem = problem.with_markers(one.name, one.flat)
-    return problem, np.concatenate([one.found.T.ravel() for one in apart])
 
 
 def read_markers(job: Job, name: str, decimal: str | None) -> tuple[Markers, Array | None]:
@@ -249,10 +233,7 @@ def pose_sheet(forward: Forward, tick: Callable[[float], None]) -> Draped:
 def pose(draped: Draped, files: Sequence[Markers], prior: float, fix: Sequence[str]) -> DrapeProblem:
     """Return the problem of a draped sheet and its markers."""
     problem = drape_problem(draped, files, prior=prior, fixed=fix)
-    names = [one.name for one in problem.own]
-    for key in fix:
-        if key not in names:
-            raise UsageError(f"--fix {key}: the sheet has no such constant; it has {', '.join(names)}")
+    check_fixed(problem, fix, "sheet")
     return problem
 
 
@@ -261,33 +242,26 @@ def noise_of(
 ) -> Callable[[Problem, Array | None], Noise]:
     """Return what tells the noise: stated, or the sd column, or what neighbours differ by less a prediction."""
 
-    def noise(problem: Problem, predicted: Array | None) -> Noise:
-        assert isinstance(problem, DrapeProblem)
-        if predicted is None:
-            predicted = problem.predict(np.array([one.value for one in problem.own]), {})
-        sd, unsure, count, source = np.ones(len(problem.measured)), 0.0, 0, ""
+    def parts_of(problem: DrapeProblem, one: Markers) -> list[tuple[Markers, NDArray[np.int64]]]:
         starts = np.cumsum([0, *(3 * len(part.flat) for part in problem.files)])
-        for one, column in files:
-            mine = [i for i, part in enumerate(problem.files) if part.name == one.name]
-            rows = np.concatenate([np.arange(starts[i], starts[i + 1]) for i in mine])
-            left = (problem.measured - predicted)[rows]
-            if level is not None:
-                size, known, how = level, np.inf, "stated"
-            elif column is not None:
-                size, known = float(np.sqrt(np.mean(column**2))), np.inf
-                how = "standard deviations in the data"
-            else:
-                flat = np.concatenate([problem.files[i].flat for i in mine])
-                by_axis = np.concatenate([
-                    np.stack(np.split(left[starts[i] - rows[0] :][: 3 * len(problem.files[i].flat)], 3), axis=1)
-                    for i in mine
-                ])  # fmt: skip
-                sizes = [cloud_noise(flat, by_axis[:, k])[0] for k in range(3)]
-                size, known = float(np.sqrt(np.mean(np.square(sizes)))), 1.5 * len(flat)
-                how = "neighbouring markers"
-            sd[rows], source = size, source or how
-            count += len(rows)
-            unsure += len(rows) ** 2 / known
-        return Noise(sd, count**2 / unsure if unsure > 0.0 else np.inf, source)
+        return [(part, np.arange(starts[i], starts[i + 1]))
+                for i, part in enumerate(problem.files) if part.name == one.name]  # fmt: skip
 
-    return noise
+    def estimate(
+        problem: DrapeProblem, one: Markers, rows: NDArray[np.int64], predicted: Array
+    ) -> tuple[float, float, str]:
+        left = problem.measured - predicted
+        parts = parts_of(problem, one)
+        flat = np.concatenate([part.flat for part, _ in parts])
+        by_axis = np.concatenate([left[own].reshape(3, -1).T for _, own in parts])
+        sizes = [cloud_noise(flat, by_axis[:, k])[0] for k in range(3)]
+        return float(np.sqrt(np.mean(np.square(sizes)))), 1.5 * len(flat), "neighbouring markers"
+
+    # Patches do not keep the order of the file: of stated deviations the rms is taken.
+    told = [(one, None if sd is None else np.sqrt(np.mean(sd**2))) for one, sd in files]
+    return noise_from(
+        told,
+        lambda one: level,
+        lambda problem, one: np.concatenate([rows for _, rows in parts_of(problem, one)]),
+        estimate,
+    )

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from hyperfab.chapters.close_loop.closing import MODEL_SUFFIXES, Axis, finish, spread, stated
+from hyperfab.chapters.close_loop.closing import MODEL_SUFFIXES, Axis, finish, stated
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_press import FOAM, extend
+from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, read_files, spread, widened
 from hyperfab.chapters.close_loop.recall import check_unchanged, recall
 from hyperfab.chapters.close_loop.rerun import rerun
 from hyperfab.chapters.job import Job
@@ -34,7 +36,6 @@ _KINDS: dict[str, Kind] = {
 _COLUMNS = {"pressure": "stress", "contact": "dimensionless", "thickness": "length"}
 #: Places further off the male's front than this share of its size are of another mold.
 _OFF = 0.03
-_LEAST = 12
 
 
 def run(job: Job, given: Given) -> int:
@@ -42,13 +43,11 @@ def run(job: Job, given: Given) -> int:
     out = job.opened(given.output, (*MODEL_SUFFIXES, FOAM, ".model.foam.csv", ".png", ".csv"))
     level = stated(given.noise, tuple(_KINDS))
     recalled = recall(job, given.name, given.data, "press", given.parse)
-    files = [read_press(job, file, given.decimal) for file in given.measured]
-    apart = [read_press(job, file, given.decimal)[0] for file in given.held]
-    if any(one.kind != files[0][0].kind for one in apart):
-        raise UsageError(
-            f"--hold-out takes readings of the first --measured file's kind here: {files[0][0].kind}"
-        )
-    noise_level = noise_of(files, level)
+    files = read_files(given, lambda name: read_press(job, name, given.decimal))
+    kind = files.plain[0].kind
+    if any(one.kind != kind for one in files.apart):
+        raise UsageError(f"--hold-out takes readings of the first --measured file's kind here: {kind}")
+    noise_level = noise_of(files.measured, level)
     out.refuse_inputs(job.inputs)
     with job.console.progress("Closing the loop") as advance:
         advance(0.05, "the model")
@@ -62,7 +61,7 @@ def run(job: Job, given: Given) -> int:
         assert isinstance(told, Told)
         advance(0.15, "gaps over the stroke")
         problem, others = pose_with(
-            told, files, PRIOR if given.prior is None else given.prior, given.fix, apart
+            told, files.measured, PRIOR if given.prior is None else given.prior, given.fix, files.apart
         )
     return finish(
         job,
@@ -74,17 +73,9 @@ def run(job: Job, given: Given) -> int:
         parse=given.parse,
         axis=_axis,
         extend=lambda found: extend(job, out, recalled, told, problem, found),
-        apart=(lambda p: _widened(p, others)) if others else None,
+        apart=(lambda p: widened(p, others)) if others else None,
         warnings=made.warnings,
     )
-
-
-def _widened(problem: Problem, apart: Sequence[Reading]) -> tuple[Problem, Array]:
-    """Return the problem with files that take no part at its end, and what was read."""
-    for one in apart:
-        assert isinstance(problem, PressProblem)
-        problem = problem.with_reading(one)
-    return problem, np.concatenate([one.values for one in apart])
 
 
 def read_press(job: Job, name: str, decimal: str | None) -> tuple[Reading, Array | None]:
@@ -140,12 +131,6 @@ def pose_with(
 ) -> tuple[PressProblem, list[Reading]]:
     """Return the problem of a closed press and its readings, and readings ``apart`` placed for it."""
     closed = told.closed
-    if sum(len(reading.values) for reading, _ in files) < _LEAST:
-        raise InputError(
-            "there are too few readings to tell noise from a residual",
-            file=files[0][0].name,
-            remedy=f"give {_LEAST} or more",
-        )
     every = [*(reading for reading, _ in files), *apart]
     travel = max((float(np.max(r.stroke)) for r in every if r.stroke is not None), default=0.0)
     whole, summed, correction = press_table(closed, plan_of(told), travel)
@@ -175,10 +160,7 @@ def pose_with(
         prior=prior,
         fixed=fix,
     )
-    names = [one.name for one in problem.own]
-    for key in fix:
-        if key not in names:
-            raise UsageError(f"--fix {key}: the press has no such constant; it has {', '.join(names)}")
+    check_fixed(problem, fix, "press")
     return problem, placed[len(files) :]
 
 
@@ -246,36 +228,26 @@ def noise_of(
     if level is not None and not any(reading.kind == _KINDS[level[0]] for reading, _ in files):
         raise UsageError("--noise states another kind of reading than the files hold")
 
-    def noise(problem: Problem, predicted: Array | None) -> Noise:
-        assert isinstance(problem, PressProblem)
-        if predicted is None:
-            predicted = problem.predict(np.array([one.value for one in problem.own]), {})
-        sd, unsure, count, source = np.ones(len(problem.measured)), 0.0, 0, ""
-        for reading, column in files:
-            parts = [
-                (part, curve.rows)
-                for part, curve in zip(problem.readings, problem.curves, strict=False)
-                if part.name == reading.name
-            ]
-            rows = np.concatenate([np.arange(place.start, place.stop) for _, place in parts])
-            if level is not None and _KINDS[level[0]] == reading.kind:
-                size, known, how = level[1], np.inf, "stated"
-            elif column is not None:
-                size, known = float(np.sqrt(np.mean(column**2))), np.inf
-                how = "standard deviations in the data"
-            elif reading.stroke is not None:
-                size, known = level_of_curve(reading.values, reading.stroke)
-                how = "local differences"
-            else:
-                places = np.concatenate([part.places for part, _ in parts if part.places is not None])
-                size, known = _cloud(reading.kind, places, problem.measured[rows], predicted[rows])
-                how = "neighbouring readings"
-            sd[rows], source = size, source or how
-            count += len(rows)
-            unsure += len(rows) ** 2 / known
-        return Noise(sd, count**2 / unsure if unsure > 0.0 else np.inf, source)
+    def rows_of(problem: PressProblem, one: Reading) -> NDArray[np.int64]:
+        mine = [curve.rows for part, curve in zip(problem.readings, problem.curves, strict=False)
+                if part.name == one.name]  # fmt: skip
+        return np.concatenate([np.arange(place.start, place.stop) for place in mine])
 
-    return noise
+    def estimate(
+        problem: PressProblem, one: Reading, rows: NDArray[np.int64], predicted: Array
+    ) -> tuple[float, float, str]:
+        if one.stroke is not None:
+            return *level_of_curve(one.values, one.stroke), "local differences"
+        parts = [part.places for part in problem.readings if part.name == one.name]
+        places = np.concatenate([part for part in parts if part is not None])
+        return *_cloud(one.kind, places, problem.measured[rows], predicted[rows]), "neighbouring readings"
+
+    # Patches do not keep the order of the file: of stated deviations the rms is taken.
+    told = [(one, None if sd is None else np.sqrt(np.mean(sd**2))) for one, sd in files]
+    stated_of = None if level is None else _KINDS[level[0]]
+    return noise_from(
+        told, lambda one: level[1] if level and stated_of == one.kind else None, rows_of, estimate
+    )
 
 
 def _cloud(kind: str, places: Array, values: Array, predicted: Array) -> tuple[float, float]:
