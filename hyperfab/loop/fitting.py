@@ -43,8 +43,12 @@ class Fit:
     @property
     def sd(self) -> Array:
         """One standard deviation of each constant, from the curvature at the optimum."""
-        covariance = np.linalg.pinv(self.precision, rcond=1e-13, hermitian=True)
-        return np.sqrt(np.maximum(np.diag(covariance), 0.0))
+        return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+
+    @property
+    def covariance(self) -> Array:
+        """Covariance of the constants, from the curvature at the optimum."""
+        return np.asarray(np.linalg.pinv(self.precision, rcond=1e-13, hermitian=True))
 
     def place(self, effect: str) -> slice:
         """Return where in ``x`` the constants of a term stand."""

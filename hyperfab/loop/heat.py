@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hyperfab.loop.catalogue import catalogue
 from hyperfab.loop.catalogue.heat.scene import Scene
@@ -67,11 +69,35 @@ _MENU = (
 )  # fmt: skip
 
 
+@dataclass(frozen=True)
+class Run:
+    """A reduced mold and the times [s] its probes were read at; ``kept`` are the readings there are, by probe."""
+
+    mold: ReducedMold
+    times: Array
+    kept: NDArray[np.int64]
+
+    @cached_property
+    def clock(self) -> tuple[Array, NDArray[np.int64]]:
+        """Times to compute at, from the start of the mold's clock on and close where much happens, and the read ones.
+
+        A sensor lags behind what it has seen before the first reading, and between two.
+        """
+        begin, end = min(0.0, float(self.times[0])), float(self.times[-1])
+        clock = np.union1d(self.mold.grid(begin, end), self.times)
+        return clock, np.searchsorted(clock, self.times)
+
+    @staticmethod
+    def whole(mold: ReducedMold, times: Array) -> Run:
+        """Return a run of which no reading is missing."""
+        return Run(mold, times, np.arange(len(times) * len(mold.probes)))
+
+
 @dataclass
 class HeatProblem(Problem):
     """A reduced mold, the times and probes that were read, and the readings, probe after probe."""
 
-    runs: Sequence[tuple[ReducedMold, Array]] = field(kw_only=True)
+    runs: Sequence[Run] = field(kw_only=True)
     kinds: Sequence[str] = field(kw_only=True)
     joints: Array = field(kw_only=True)
     pairs: Sequence[tuple[str, str]] = field(default=(), kw_only=True)
@@ -90,7 +116,7 @@ class HeatProblem(Problem):
 
     def _run(self, own: Array, terms: Sequence[Mapping[str, tuple[str, Array]]]) -> Array:
         count = len(own)
-        mold = self.runs[0][0]
+        mold = self.runs[0].mold
         moved: dict[str, Array] = {}
         opened, added = np.zeros((count, len(mold.opened))), np.zeros((count, len(self.joints)))
         lag = np.full((count, len(mold.probes)), self.lag_s)
@@ -127,20 +153,21 @@ class HeatProblem(Problem):
             effects=moved,
         )
         rows = []
-        for one, times in self.runs:
-            found = one.run(times, settings)
+        for one in self.runs:
+            clock, read = one.clock
+            found = one.mold.run(clock, settings)
             # Probes of a run to come that the present one does not have follow like the first.
-            more = np.repeat(lag[:, :1], len(one.probes) - lag.shape[1], axis=1)
-            shown = lagging(times, found, np.maximum(np.hstack([lag, more]), 0.0))
-            shown = lagging(times, shown, second)
-            rows.append(shown.transpose(0, 2, 1).reshape(count, -1))
+            more = np.repeat(lag[:, :1], len(one.mold.probes) - lag.shape[1], axis=1)
+            shown = lagging(clock, found, np.maximum(np.hstack([lag, more]), 0.0))
+            shown = lagging(clock, shown, second)[:, read]
+            rows.append(shown.transpose(0, 2, 1).reshape(count, -1)[:, one.kept])
         return np.concatenate(rows, axis=1)
 
     def extras(self) -> Sequence[Extra]:
         """Return runs that could be done next, each with the problem it would make."""
-        mold, times = self.runs[0]
-        whole = float(times[-1] - times[0])
-        begin = float(times[0])
+        mold, times = self.runs[0].mold, self.runs[0].times
+        begin = min(0.0, float(times[0]))
+        whole = float(times[-1]) - begin
         most = [float(np.max(np.abs(table.y))) for _, table in mold.heaters]
         found = []
         for text, knots, levels, everywhere in _MENU:
@@ -151,7 +178,7 @@ class HeatProblem(Problem):
                 for (shape, _), top in zip(mold.heaters, most, strict=True)
             ]
             probes = np.concatenate([mold.probes, mold.parts]) if everywhere else mold.probes
-            run = (
+            run = Run.whole(
                 replace(mold, heaters=powered, corners=tuple(float(t) for t in ends), probes=probes),
                 clock,
             )
@@ -187,6 +214,14 @@ def _resist(opened: Array, added: Array, form: str, values: Array) -> None:
         added[:] = values[0]
 
 
+def _curve(name: str, first: int, times: Array, kept: NDArray[np.int64], jumps: NDArray[np.int64]) -> Curve:
+    """Return the curve of a probe whose readings would be the rows from ``first`` on, had none been missing."""
+    start, stop = np.searchsorted(kept, [first, first + len(times)])
+    cuts = start + np.searchsorted(kept[start:stop] - first, jumps)
+    inside = sorted({int(cut) for cut in cuts if start < cut < stop})
+    return Curve(name, int(start), int(stop), times[kept[start:stop] - first], tuple(inside))
+
+
 def heat_problem(
     mold: ReducedMold,
     times: Array,
@@ -198,7 +233,7 @@ def heat_problem(
     prior: float,
     fixed: Sequence[str] = (),
 ) -> HeatProblem:
-    """Return the problem of ``readings`` (times, probes read) [degC].
+    """Return the problem of ``readings`` (times, probes read) [degC], nan where one is missing.
 
     ``own`` are the keys of the mold's own constants and their kinds (film, conductivity, capacity, power,
     joint); they are factors on the document's values with a relative standard deviation ``prior``.
@@ -214,17 +249,13 @@ def heat_problem(
     rows, count = len(times), len(probes)
     power = sum(table(times) for _, table in mold.heaters) if mold.heaters else np.zeros(rows)
     jumps = np.flatnonzero(np.abs(np.diff(power)) > 0.02 * max(float(np.max(np.abs(power))), 1e-12)) + 1
-    curves = tuple(
-        Curve(
-            names[i], i * rows, (i + 1) * rows, times, tuple(int(i * rows + j) for j in jumps if 0 < j < rows)
-        )
-        for i in range(count)
-    )
+    kept = np.flatnonzero(np.isfinite(readings.T.ravel()))
+    curves = tuple(_curve(names[i], i * rows, times, kept, jumps) for i in range(count))
     air = mold.films[0].ambient if mold.films else None
     scene = Scene(
         duration_s=float(times[-1] - times[0]),
         step_s=float(np.median(np.diff(times))),
-        rise_K=max(float(np.ptp(readings)), 1.0),
+        rise_K=max(float(np.ptp(readings.T.ravel()[kept])), 1.0),
         power_W=max((float(np.max(np.abs(table.y))) for _, table in mold.heaters), default=1.0) or 1.0,
         films=len(mold.films),
         heaters=len(mold.heaters),
@@ -233,19 +264,18 @@ def heat_problem(
         probes=count,
         bench=len(mold.bench.weights) > 0,
         emits=bool(mold.radiators),
-        typical_film=float(np.mean(mold.films[0].film(readings.ravel()))) if mold.films else 10.0,
+        typical_film=float(np.mean(mold.films[0].film(readings.T.ravel()[kept]))) if mold.films else 10.0,
     )
-    measured = readings.T.ravel()
-    slope = np.stack([np.gradient(column, times) for column in readings.T]).ravel()
+    measured = readings.T.ravel()[kept]
     states = {
-        "time_s": np.tile(times, count),
+        "time_s": np.tile(times, count)[kept],
         "temperature_degC": measured,
-        "heating rate_K_s": slope,
-        "power_W": np.tile(power, count),
-        "probe": np.repeat(np.arange(count, dtype=np.float64), rows),
+        "heating rate_K_s": np.concatenate([np.gradient(measured[c.rows], c.abscissa) for c in curves]),
+        "power_W": np.tile(power, count)[kept],
+        "probe": np.repeat(np.arange(count, dtype=np.float64), rows)[kept],
     }
     if air is not None:
-        states["above ambient_K"] = measured - np.tile(air(times), count)
+        states["above ambient_K"] = measured - np.tile(air(times), count)[kept]
     return HeatProblem(
         measured=measured,
         curves=curves,
@@ -253,7 +283,7 @@ def heat_problem(
         effects=catalogue("heat", scene),
         states=states,
         units=("K",),
-        runs=[(replace(mold, probes=mold.probes[list(probes)]), times)],
+        runs=[Run(replace(mold, probes=mold.probes[list(probes)]), times, kept)],
         kinds=tuple(kind for _, kind in own),
         joints=np.asarray(joints, dtype=np.float64),
         names=tuple(names),

@@ -12,6 +12,8 @@ from hyperfab.loop.problem import Array, Curve
 
 #: A test is counted only where the others determine its prediction to this many standard deviations of the noise (rms).
 _DETERMINED = 1.0
+#: A test that is noise up to this (rms) and moves by less than this share of the mean of all is not helped or harmed.
+_NOISE, _IDLE = 1.5, 0.05
 
 
 @dataclass(frozen=True)
@@ -76,5 +78,8 @@ def help_of(before: HeldOut, after: HeldOut) -> Help | None:
         means = float(np.mean(old**2 - new**2)) / float(np.mean(np.maximum(old**2 - 1.0, 0.0)))
         taken = max(float(np.median(old**2 - new**2)) / float(structured), means)
     matters = np.abs(old - new) > 0.02 * np.maximum(old, 1.0)
+    # What was noise and stays so moves by chance alone: where other tests move much, it says nothing.
+    change = np.abs(old**2 - new**2)
+    matters &= (np.maximum(old, new) > _NOISE) | (change > _IDLE * float(np.mean(change)))
     helped = float(np.mean(new[matters] < old[matters])) if np.any(matters) else 0.0
     return Help(taken, helped, len(both))

@@ -52,4 +52,5 @@ def known_curve(constants: Sequence[Constant], start: int, channel: int) -> Curv
         start + count,
         np.arange(count, dtype=np.float64),
         channel=channel,
+        beforehand=True,
     )

@@ -36,6 +36,7 @@ class Form:
 
     ``starts`` are where a joint fit begins; ``probes`` the small departures whose imprint on the prediction is the
     effect's signature. ``refines`` names the simpler form, or forms, whose constants (by name) are among this one's.
+    ``of_each``: a constant for the first specimen, and for each further one what it has more.
     """
 
     name: str
@@ -43,6 +44,7 @@ class Form:
     starts: tuple[tuple[float, ...], ...]
     probes: tuple[tuple[float, ...], ...] = ()
     refines: str | tuple[str, ...] | None = None
+    of_each: bool = False
 
     @property
     def null(self) -> tuple[float, ...]:
@@ -101,7 +103,7 @@ class Curve:
 
     ``cuts`` are rows where the curve has a corner (a turn from loading to unloading); ``abscissa`` is what it is smooth
     in, ``place`` what replicates are compared at. Curves of the same ``setup`` are replicates; those of
-    the same ``specimen`` share its stiffness.
+    the same ``specimen`` share its stiffness. Rows known ``beforehand`` are no readings but what is known of constants.
     """
 
     name: str
@@ -113,6 +115,7 @@ class Curve:
     specimen: str = ""
     channel: int = 0
     place: Array | None = None
+    beforehand: bool = False
 
     @property
     def rows(self) -> slice:

@@ -67,18 +67,23 @@ class State:
 
 @dataclass(frozen=True)
 class Evidence:
-    """Why a term was added, or not."""
+    """Why a term was added, or not.
+
+    ``restores``: it leaves noise, and brings the constants back to what is known of them beforehand by more than the
+    margin. Readings that are predicted as well without it then say nothing against it.
+    """
 
     delta_bic: float
     variance_share: float
     help: Help | None
     certain: bool
+    restores: bool = False
 
     def accepted(self, first: bool) -> bool:
         """Whether the term pays."""
         needed = FIRST_SHARE if first else NEXT_SHARE
         pays = self.delta_bic >= MARGIN and self.variance_share >= needed and self.certain
-        if self.help is None or not pays:
+        if self.help is None or not pays or self.restores:
             return pays
         many = HELPED if self.help.tests > 3 else HELPED_OF_THREE
         return self.help.taken >= TAKEN and self.help.helped >= many
@@ -270,24 +275,38 @@ class Search:
         gone = old.chi2 - new.chi2
         count = max(len(new.residual) / time, 3.0)
         more = len(new.x) - len(old.x)
+        known = [np.arange(c.start, c.stop) for c in self.problem.curves if c.beforehand]
+        back = sum(float(np.sum(old.residual[rows] ** 2 - new.residual[rows] ** 2)) for rows in known)
         return Evidence(
             delta_bic=gain / time - more * float(np.log(count)),
             variance_share=gone / total,
             help=help_of(smaller.held_out, larger.held_out),
             certain=self._certain(smaller, larger),
+            restores=back >= max(MARGIN, 0.5 * gone) and larger.judgement.is_noise,
         )
 
     def _certain(self, smaller: State, larger: State) -> bool:
-        """Whether some amplitude of each new term is two of its standard deviations from null."""
+        """Whether each new term is two standard deviations from null: some constant of it, or all of them together.
+
+        Constants of a weft of its own can each be unsure though the weft is not. Offsets of each specimen are one
+        effect only where at least half of the specimens have one.
+        """
         new = larger.fit
         scale = np.sqrt(max(larger.excess, 1.0))
         for name, form in new.forms.items():
             if name in smaller.fit.forms:
                 continue
             place = new.place(name)
-            away = np.abs(new.x[place] - np.array(form.null))
+            away_signed = new.x[place] - np.array(form.null)
+            away = np.abs(away_signed)
             sd = new.sd[place] * scale
-            if not np.any(away > 2.0 * sd):
+            covariance = new.covariance[place, place] * scale**2
+            together = float(
+                away_signed @ np.linalg.pinv(covariance, rcond=1e-10, hermitian=True) @ away_signed
+            )
+            if not np.any(away > 2.0 * sd) and together < 4.0 + 2.0 * len(sd):
+                return False
+            if form.of_each and not _is_of_many(new.x[place], sd):
                 return False
         return True
 
@@ -306,6 +325,14 @@ class Search:
             larger = self.state(fitted)
             found.append((larger, self.evidence(state, larger)))
         return sorted(found, key=lambda pair: -pair[1].delta_bic)
+
+
+def _is_of_many(values: Array, sd: Array) -> bool:
+    """Whether specimens differ in more than a few of them: ``values`` are the first's, then the others' less that."""
+    each = np.concatenate([[values[0]], values[0] + values[1:]])
+    spread = np.concatenate([[sd[0]], np.hypot(sd[0], sd[1:])])
+    odd = np.abs(each - np.median(each)) > 3.0 * spread
+    return bool(np.count_nonzero(odd) >= 0.5 * len(each))
 
 
 def _is_spent(fitted: Fit) -> bool:

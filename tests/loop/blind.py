@@ -3,7 +3,8 @@ prints the table.
 
 Run as ``PYTHONPATH=.:tests python -m loop.blind [domain] [trials] [effect or effect+effect ...]``; deterministic for
 given arguments. ``--poor`` takes one rate, one cycle, one direction (or one plate), ``--other`` the second set of
-generators, whose laws, protocols and mold are others.
+generators, whose laws, protocols and mold are others. ``--next`` carries out the measurement that an ambiguous finding
+asks for, and beside it the old test once more.
 """
 
 from __future__ import annotations
@@ -12,8 +13,10 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from loop.generators import fabric as truths
@@ -124,18 +127,82 @@ def in_answer(name: str, found: Finding) -> bool:
     return name in found.after.ids or any(name in one for one in found.indistinguishable)
 
 
+def carried_out(
+    problem: FabricProblem,
+    details: Mapping[str, Any],
+    truth: truths.Truth | other_fabric.Truth,
+    noise: float,
+    seed: int,
+    points: int = 60,
+) -> FabricProblem:
+    """Return the problem with one more test, which the generator carries out on one more specimen."""
+    setup = truths.Setup(
+        mode=details["test"],
+        angle=details["direction_deg"],
+        rate=details["rate_1_s"],
+        temperature=details["temperature_degC"],
+        turns=tuple(details["stretch_turns"]),
+        hold=details["hold_s"],
+        points=points,
+    )
+    measure: Callable[..., list[truths.Reading]] = truths.measure
+    if isinstance(truth, other_fabric.Truth):
+        measure = other_fabric.measure
+    [new] = as_tests(measure(truth, [setup], np.random.default_rng([seed, 99]), noise))
+    tests = [*problem.tests, replace(new, name="the next test", specimen="the next")]
+    made: FabricProblem = problem.remake(tests)  # type: ignore[operator]
+    return made
+
+
+def next_tally(
+    found: Finding,
+    problem: FabricProblem,
+    drawn: truths.Truth | other_fabric.Truth,
+    noise: float,
+    setups: Sequence[truths.Setup],
+    seed: int,
+) -> Counter[str]:
+    """Carry out the next measurement of an ambiguous finding, and beside it the old test once more."""
+    tally: Counter[str] = Counter()
+    if found.verdict != "ambiguous" or not found.measurements:
+        return tally
+    old = setups[0]
+    again = {
+        "test": old.mode,
+        "direction_deg": old.angle,
+        "temperature_degC": old.temperature,
+        "rate_1_s": old.rate,
+        "stretch_turns": old.turns,
+        "hold_s": old.hold,
+    }
+    for what, details in (("next", found.measurements[0].details), ("repeat", again)):
+        wider = close(carried_out(problem, details, drawn, noise, seed), design=False)
+        tally[f"#{what} tests"] += 1
+        right = set(wider.after.ids) == set(drawn.effects)
+        tally[f"#{what} truth alone"] += wider.verdict == "effect" and right
+        tally[f"#{what} truth first"] += wider.verdict in ("effect", "ambiguous") and (
+            wider.after.ids[:1] == tuple(drawn.effects)[:1]
+        )
+    return tally
+
+
 def table(
-    effects: Sequence[Sequence[str]], trials: int, poor: bool = False, show: bool = False, other: bool = False
+    effects: Sequence[Sequence[str]],
+    trials: int,
+    poor: bool = False,
+    show: bool = False,
+    other: bool = False,
+    design: bool = False,
 ) -> dict[tuple[str, ...], Counter[str]]:
-    """Run the trials and count the verdicts."""
+    """Run the trials and count the verdicts; ``design`` carries out the next measurement of ambiguous ones."""
     counts: dict[tuple[str, ...], Counter[str]] = {}
     for truth in effects:
         counts[tuple(truth)] = Counter()
         for seed in range(trials):
-            problem, _, drawn, _ = case(seed, truth, poor, other)
-            began = time.perf_counter()
-            found = close(problem, design=False)
-            took = time.perf_counter() - began
+            problem, noise, drawn, setups = case(seed, truth, poor, other)
+            began = time.process_time()
+            found = close(problem, design=design)
+            took = time.process_time() - began
             counts[tuple(truth)][label(found)] += 1
             tally = counts[tuple(truth)]
             named = found.verdict in ("effect", "ambiguous")
@@ -143,6 +210,11 @@ def table(
             tally["#right or in the set"] += named and all(in_answer(name, found) for name in truth)
             tally["#one right"] += named and any(in_answer(name, found) for name in truth)
             tally["#held out <= 1.2"] += bool(found.after.held_out.mean_square <= 1.44)
+            tally["#wrong alone"] += found.verdict == "effect" and not any(in_answer(n, found) for n in truth)
+            tally["#ms"] += round(1000.0 * took)
+            tally["#slowest ms"] = max(tally["#slowest ms"], round(1000.0 * took))
+            if design:
+                tally.update(next_tally(found, problem, drawn, noise, setups, seed))
             tally["#spurious"] += (
                 named and any(name not in truth for name in found.after.ids) and found.verdict == "effect"
             )
@@ -175,7 +247,7 @@ def heat_problems(other: bool = False, poor: bool = False) -> Callable[..., Heat
     posed, _ = heat.pose(
         job, document, name, heat.MoldBuilder(document, name, job.inputs), empty, [], heat.PRIOR
     )
-    mold = posed.runs[0][0]
+    mold = posed.runs[0].mold
     own = [(constant.name, kind) for constant, kind in zip(posed.own, posed.kinds, strict=True)]
 
     def problem(truth: heat_truths.Truth | other_heat.Truth, noise: float, seed: int) -> HeatProblem:
@@ -249,13 +321,19 @@ def main() -> None:
     if domain == "heat":
         heat_table(effects, trials, poor, other)
         return
-    for truth, tally in table(effects, trials, poor, show, other).items():
+    whole: Counter[str] = Counter()
+    for truth, tally in table(effects, trials, poor, show, other, "--next" in sys.argv).items():
+        counted = {key: value for key, value in tally.items() if key.startswith("#") and key != "#slowest ms"}
+        if any(name in truths.IDS for name in truth):
+            whole.update(counted)
+            whole["#trials"] += trials
         names = {key: value for key, value in tally.items() if not key.startswith("#")}
         sums = ", ".join(f"{key[1:]} {value}" for key, value in tally.items() if key.startswith("#"))
         print(
             f"{'+'.join(truth) or 'none':28s} {sums} | "
             + ", ".join(f"{key} {value}" for key, value in Counter(names).most_common())
         )
+    print("effects of the catalogue together: " + ", ".join(f"{key[1:]} {n}" for key, n in whole.items()))
 
 
 if __name__ == "__main__":

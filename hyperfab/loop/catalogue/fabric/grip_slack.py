@@ -17,7 +17,9 @@ def entry(scene: Scene) -> Effect:
             Constant(f"of_test_{k}", 0.0, -0.3 * reach, 0.6 * reach, 0.02 * reach)
             for k in range(2, count + 1)
         ]
-        each.append(Form("each", (slack, *own), ((0.03 * reach, *(0.0 for _ in own)),), refines="play"))
+        each.append(
+            Form("each", (slack, *own), ((0.03 * reach, *(0.0 for _ in own)),), refines="play", of_each=True)
+        )
     return Effect(
         id="grip-slack",
         title="the first extension takes up slack",

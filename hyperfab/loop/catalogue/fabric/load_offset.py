@@ -33,7 +33,15 @@ def entry(scene: Scene) -> Effect:
             Constant(f"of_test_{k}_MPa", 0.0, -0.5 * peak, 0.5 * peak, 0.01 * peak)
             for k in range(2, count + 1)
         ]
-        forms.append(Form("each", (offset, *own), ((0.01 * peak, *(0.0 for _ in own)),), refines="constant"))
+        forms.append(
+            Form(
+                "each",
+                (offset, *own),
+                ((0.01 * peak, *(0.0 for _ in own)),),
+                refines="constant",
+                of_each=True,
+            )
+        )
     return Effect(
         id="load-offset",
         title="the load cell is off its zero",

@@ -102,10 +102,10 @@ def entry(scene: Scene) -> Effect | None:
                 "viscous",
                 (
                     Constant("viscous_MPa", 0.0, 0.0, peak, 0.05 * peak),
-                    Constant("power", 0.5, 0.1, 2.0, 0.2),
+                    Constant("power", 0.5, 0.2, 2.0, 0.2),
                 ),
                 ((0.05 * peak, 0.3), (0.05 * peak, 1.0)),
-                ((0.01 * peak, 0.2), (0.01 * peak, 1.0)),
+                ((0.01 * peak, 0.3), (0.01 * peak, 1.0)),
             ),
             Form("log-rate", (Constant("amount", 0.0, -0.5, 0.5, 0.02),), ((0.05,),), ((0.01,),)),
         ),
