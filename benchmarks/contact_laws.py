@@ -4,10 +4,13 @@ Fits each law twice to ``specimens/treloar-1944``, pushes a sphere of radius 40 
 thickness 1 mm, and prints the tables of docs/fabric-contact-laws.md:
 
     python benchmarks/contact_laws.py > docs/fabric-contact-laws.md
+
+``--data FOLDER`` reads uniaxial.csv, shear.csv and biaxial.csv from elsewhere; names of laws restrict the table.
 """
 
 from __future__ import annotations
 
+import argparse
 import json
 import re
 import subprocess
@@ -27,7 +30,8 @@ uniaxial, planar and equibiaxial tests together (B); a sphere of radius 40 mm pu
 diameter 200 mm and thickness 1 mm. Force in N at 40, 60 and 80 mm; e is the largest difference of the Cauchy principal
 stresses at the same material points over the largest stress of A, at the last depth both reach (80 mm unless said
 otherwise); F_A/F_B there. Unstable: the depth and the larger stretch where the constants first lose Drucker stability.
-Snaps: no stable equilibrium leads on from the first depth; at the second the sheet rests in another shape.
+Bands: from this depth on the constants let the stretch gather in bands as narrow as the elements (the larger stretch is
+in brackets); no result beyond it would hold on a finer mesh, so the path ends there.
 
 | law | F_A 40 | F_A 60 | F_A 80 | F_B 40 | F_B 60 | F_B 80 | e % | F_A/F_B | A | B |
 |---|---|---|---|---|---|---|---|---|---|---|"""
@@ -47,19 +51,19 @@ def hf(*words: str, folder: Path) -> int:
     return subprocess.run(command, cwd=folder, check=False, stderr=subprocess.DEVNULL).returncode
 
 
-def fitted(law: str, case: str, folder: Path) -> str | None:
+def fitted(law: str, case: str, folder: Path, tests: Path) -> str | None:
     """Fit a law; case A on the uniaxial test alone. Returns the document's name, None where there is no fit."""
     name = f"{law}-{case}.json"
     words = ["fit", "--model", law, "--accept", "1000000", "-o", name]
     for test in ("uniaxial", "shear", "biaxial"):
-        words += [f"--{test}", str(TESTS / f"{test}.csv")]
+        words += [f"--{test}", str(tests / f"{test}.csv")]
     hf(*words, *(["--fit-on", "uniaxial"] if case == "A" else []), folder=folder)
     return name if (folder / name).exists() else None
 
 
-def pressed(law: str, folder: Path) -> dict | None:
+def pressed(law: str, folder: Path, tests: Path) -> dict | None:
     """Press both sets of constants; None where a law has no fit."""
-    names = [fitted(law, case, folder) for case in "AB"]
+    names = [fitted(law, case, folder, tests) for case in "AB"]
     if None in names:
         return None
     out = f"{law}.json"
@@ -82,7 +86,9 @@ def verdict(part: dict) -> str:
     snap = re.search(r"snaps between ([\d.]+) and ([\d.]+) mm", part.get("status") or "")
     if snap:
         words.append(f"snaps between {snap[1]} and {snap[2]} mm")
-    if not part["converged"]:
+    if "bands_depth_mm" in stability:
+        words.append(f"bands at {stability['bands_depth_mm']:.2f} mm ({stability['bands_stretches'][0]:.2f})")
+    elif not part["converged"]:
         words.append(f"ends at {part['depth_reached_mm']:.2f} mm")
     return ", ".join(words) or "stable"
 
@@ -113,8 +119,15 @@ def depths(law: str, found: dict | None) -> str:
     return "| " + " | ".join([law, *cells]) + " |"
 
 
-def main(laws: list[str]) -> None:
+def main() -> None:
     """Print the tables, law by law."""
+    parser = argparse.ArgumentParser(description="All laws on the sphere: constants A against constants B.")
+    parser.add_argument("laws", nargs="*", help="names of laws; all where none is given")
+    parser.add_argument(
+        "--data", type=Path, default=TESTS, help="folder of uniaxial.csv, shear.csv, biaxial.csv"
+    )
+    given = parser.parse_args()
+    laws = given.laws
     if not laws:
         from hyperfab.materials import laws as known
 
@@ -123,7 +136,7 @@ def main(laws: list[str]) -> None:
     results: dict[str, dict | None] = {}
     with tempfile.TemporaryDirectory() as folder:
         for law in laws:
-            results[law] = pressed(law, Path(folder))
+            results[law] = pressed(law, Path(folder), given.data.resolve())
             print(row(law, results[law]), flush=True)
     parts = [part for found in results.values() if found for part in (found, found["against"])]
     reached = sum(part["converged"] for part in parts)
@@ -134,4 +147,4 @@ def main(laws: list[str]) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main()

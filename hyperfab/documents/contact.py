@@ -52,6 +52,12 @@ class StabilityPart(Part):
         default=None, description="place on the undeformed sheet (x, y)"
     )
     stretches: tuple[float, float] | None = Field(default=None, description="principal stretches there")
+    bands_depth_mm: float | None = Field(
+        default=None,
+        description="where the path ends because the stretch gathers in bands (ellipticity is lost)",
+    )
+    bands_at_mm: tuple[float, float] | None = None
+    bands_stretches: tuple[float, float] | None = None
 
 
 class OtherPart(Part):

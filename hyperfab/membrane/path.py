@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from hyperfab.membrane.contact import Frictionless
+from hyperfab.membrane.ellipticity import Weakest, weakest
 from hyperfab.membrane.equilibrium import NoEquilibriumError, Press, State
 from hyperfab.membrane.obstacle import film_over
 from hyperfab.numerics.linear import SingularMatrixError
@@ -23,13 +24,25 @@ _SHY = 0.8
 Watch = Callable[[State], None]
 
 
+class LostEllipticityError(NoEquilibriumError):
+    """An equilibrium at which the sheet may gather its stretch in ever narrower bands; ``where`` it may first."""
+
+    def __init__(self, where: Weakest) -> None:
+        super().__init__("the constants allow ever narrower bands of stretch there")
+        self.where = where
+
+
 @dataclass(frozen=True)
 class Limit:
-    """Why a path ended: the last depth reached [mm], the turning point where one was found, and words."""
+    """Why a path ended: the last depth reached [mm], the turning point where one was found, and words.
+
+    ``bands``: where the sheet is no longer elliptic just beyond, where this ended the path.
+    """
 
     depth: float
     reason: str
     turning_point: float | None = None
+    bands: Weakest | None = None
 
 
 @dataclass
@@ -66,8 +79,9 @@ def follow(press: Press, depths: Sequence[float], watch: Watch = lambda state: N
         try:
             _advance(press, footings, depth, _SMALLEST_STEP * depths[-1], path, watch)
         except NoEquilibriumError as error:
-            limit = _limit(footings, depth, str(error))
-            beyond = None if press.tangential.remembers else _jumped(press, depth)
+            limit = _limit(footings, depth, error)
+            stays = press.tangential.remembers or limit.bands is not None
+            beyond = None if stays else _jumped(press, depth)
             if beyond is not None and limit.depth > 0.0:
                 path.jumps.append((limit.depth, depth))
                 footings.append(beyond)
@@ -138,7 +152,7 @@ def _jumped(press: Press, depth: float) -> Footing | None:
 def next_footing(press: Press, below: Footing | None, depth: float) -> Footing:
     """Return the equilibrium at ``depth`` on the path from the one ``below``, from a cold start where there is none.
 
-    Raises NoEquilibriumError, also where the equilibrium is unstable.
+    Raises NoEquilibriumError, also where the equilibrium is unstable or the sheet there no longer elliptic.
     """
     if below is None or below.state.force == 0.0:
         state = cold_start(press, depth)
@@ -153,6 +167,9 @@ def next_footing(press: Press, below: Footing | None, depth: float) -> Footing:
         raise NoEquilibriumError("the stiffness is singular") from error
     if press.tangential.symmetric and factor.negative_pivots(_PIVOT_NOISE):
         raise NoEquilibriumError("the equilibrium is unstable")
+    weak = weakest(press.sheet, state.places)
+    if weak.lost:
+        raise LostEllipticityError(weak)
     drift = motion - np.array([0.0, 0.0, 1.0])
     state = replace(state, memory=replace(state.memory, drift=drift))
     return Footing(state, float(np.sqrt((motion**2).mean())))
@@ -168,14 +185,22 @@ def _turning_ahead(footings: list[Footing]) -> float | None:
     return (s2 - s1) * v1**2 / (v2**2 - v1**2)
 
 
-def _limit(footings: list[Footing], target: float, reason: str) -> Limit:
+def _limit(footings: list[Footing], target: float, error: NoEquilibriumError) -> Limit:
     """Say why the path ended. At a turning point the speed grows as one over the root of the depth that is left."""
     if not footings:
-        return Limit(0.0, f"no equilibrium was found from a cold start up to {target:.4g} mm: {reason}")
+        return Limit(0.0, f"no equilibrium was found from a cold start up to {target:.4g} mm: {error}")
     reached = footings[-1].state.depth
+    if isinstance(error, LostEllipticityError):
+        x, y = error.where.at
+        words = (
+            f"no equilibrium beyond {reached:.2f} mm that a finer mesh would find again: at stretches "
+            f"{error.where.stretches[0]:.3f} and {error.where.stretches[1]:.3f}, ({x:.1f}, {y:.1f}) mm from the "
+            "middle, the constants let the stretch gather in bands without width (ellipticity is lost)"
+        )
+        return Limit(reached, words, bands=error.where)
     ahead = _turning_ahead(footings)
     if ahead is not None and ahead < 0.02 * reached:
         turning = reached + ahead
         words = f"no equilibrium beyond {turning:.2f} mm: the path turns back there (turning point)"
         return Limit(reached, words, turning)
-    return Limit(reached, f"no equilibrium was found beyond {reached:.2f} mm: {reason}")
+    return Limit(reached, f"no equilibrium was found beyond {reached:.2f} mm: {error}")

@@ -51,9 +51,15 @@ def _margin(press: Press, state: State) -> tuple[float, int]:
 def _located(outcome: Outcome, stable: float, unstable: Solved) -> Instability:
     """Search the first unstable depth between a stable and an unstable one, on the rough mesh."""
     low, high = stable, unstable.state.depth
-    press, state = unstable.press, unstable.state
-    starts = [known for known in outcome.path.states if known.depth <= low]
-    start = starts[-1] if starts else None
+    press, state, start = unstable.press, unstable.state, None
+    for known in sorted((footing.state for footing in outcome.path.footings), key=lambda one: one.depth):
+        if known.depth <= low:
+            start = known
+        elif known.depth < high:
+            if _margin(outcome.rough, known)[0] < 0.0:
+                high, press, state = known.depth, outcome.rough, known
+                break
+            low, start = known.depth, known
     for _ in range(_SEARCH_ROUNDS):
         if high - low < _SEARCH_TOLERANCE * high:
             break

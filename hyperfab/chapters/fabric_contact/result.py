@@ -12,6 +12,7 @@ from hyperfab.membrane.contact import Tangential
 from hyperfab.membrane.contact_edge import contact_edge
 from hyperfab.membrane.friction import Coulomb
 from hyperfab.membrane.measures import fields, mounted_energy, wrinkled_fraction
+from hyperfab.membrane.path import Limit
 from hyperfab.membrane.sphere_test import Outcome, Solved
 from hyperfab.membrane.verdict import Instability, stress_difference, work
 
@@ -41,7 +42,7 @@ def document(
         unknowns=(outcome.solved[-1].press if outcome.solved else outcome.rough).sheet.mesh.unknowns,
         linear_solver=_linear_solver(outcome),
         force_depth=_force_depth(outcome),
-        stability=_stability(unstable),
+        stability=_stability(unstable, limit),
         setup=_setup(setup, fabrics[0]),
         left_out=[*fabrics[0].left_out, "weight of the sheet", "bending stiffness of the fabric"],
     )
@@ -133,7 +134,7 @@ def _compare(
         status=status_of(other, unstable),
         depth_reached_mm=limit.depth if limit else None,
         force_depth=_force_depth(other),
-        stability=_stability(unstable),
+        stability=_stability(unstable, limit),
     )
     if other.solved:
         last = other.solved[-1]
@@ -155,12 +156,15 @@ def _force_depth(outcome: Outcome) -> list[tuple[float, float]]:
     return [(0.0, 0.0), *((solved.state.depth, solved.state.force) for solved in outcome.solved)]
 
 
-def _stability(unstable: Instability | None) -> StabilityPart:
-    if unstable is None:
-        return StabilityPart(stable=True)
-    return StabilityPart(
-        stable=False, first_unstable_depth_mm=unstable.depth, at_mm=unstable.at, stretches=unstable.stretches
-    )
+def _stability(unstable: Instability | None, limit: Limit | None) -> StabilityPart:
+    part = StabilityPart(stable=unstable is None)
+    if unstable is not None:
+        part.first_unstable_depth_mm = unstable.depth
+        part.at_mm, part.stretches = unstable.at, unstable.stretches
+    if limit is not None and limit.bands is not None:
+        part.bands_depth_mm = limit.depth
+        part.bands_at_mm, part.bands_stretches = limit.bands.at, limit.bands.stretches
+    return part
 
 
 def _friction(law: Tangential) -> str:
