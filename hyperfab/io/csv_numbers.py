@@ -25,6 +25,8 @@ _GROUPED = {
     ",": re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+", re.ASCII),
 }
 _MARKED = re.compile(r"[+-]?[\d.,]+(?:[eE][+-]?\d+)?", re.ASCII)
+#: What data loggers write where a sensor gave nothing.
+_NO_READING = ("nan", "n/a", "na", "#n/a", "null", "none")
 _SPACES = re.compile(r"(?<=\d)[ \u00a0\u202f'](?=\d{3}(?:\D|$))", re.ASCII)
 _OTHER = {".": ",", ",": "."}
 
@@ -134,10 +136,13 @@ def _mark_in(cell: str) -> str:
     return "," if "," in cell else "."
 
 
-def numbers(sheet: Sheet, heading: Heading, decimal: str, shift: int = 0) -> NDArray[np.float64]:
+def numbers(
+    sheet: Sheet, heading: Heading, decimal: str, shift: int = 0, gaps: bool = False
+) -> NDArray[np.float64]:
     """Return the cells under ``heading``, times ten to the power ``shift``, each the nearest double to what is written.
 
-    Raises InputError naming line and column for a cell that is empty, text, NaN, infinite or too large.
+    Raises InputError naming line and column for a cell that is empty, text, NaN, infinite or too large; with ``gaps`` a
+    cell that is empty or says that there is no reading is nan.
     """
     cells = sheet.columns[heading.index]
     joined = "\n".join(cells).replace("\N{MINUS SIGN}", "-")
@@ -153,16 +158,22 @@ def numbers(sheet: Sheet, heading: Heading, decimal: str, shift: int = 0) -> NDA
             values = None
     if values is None:
         values = np.array(
-            [_number(cell, sheet, heading, row, decimal, shift) for row, cell in enumerate(cells)]
+            [
+                np.nan if gaps and _is_gap(cell) else _number(cell, sheet, heading, row, decimal, shift)
+                for row, cell in enumerate(cells)
+            ]
         )
-    if not np.isfinite(values).all():
-        row = int(np.flatnonzero(~np.isfinite(values))[0])
+    unfit = np.isinf(values) if gaps else ~np.isfinite(values)
+    if unfit.any():
+        row = int(np.flatnonzero(unfit)[0])
         raise _bad_cell("is larger than any double", cells[row], sheet, heading, row)
     return values
 
 
-def quantities(sheet: Sheet, heading: Heading, kind: str, decimal: str) -> NDArray[np.float64]:
-    """Return the numbers under ``heading`` in the unit of ``kind`` (see ``hyperfab.io.units.KINDS``).
+def quantities(
+    sheet: Sheet, heading: Heading, kind: str, decimal: str, gaps: bool = False
+) -> NDArray[np.float64]:
+    """Return the numbers under ``heading`` in the unit of ``kind`` (see ``hyperfab.io.units.KINDS``), ``gaps`` as nan.
 
     Raises InputError where the heading has no unit though the kind has one, or a unit of another kind.
     """
@@ -187,7 +198,7 @@ def quantities(sheet: Sheet, heading: Heading, kind: str, decimal: str) -> NDArr
             remedy=f'write it as in "{heading.name} [{wanted.unit}]"',
         ) from None
     shift = _power_of_ten(factor)
-    values = numbers(sheet, heading, decimal, shift or 0)
+    values = numbers(sheet, heading, decimal, shift or 0, gaps)
     if shift is None:
         values = values * float(factor)
     return values + float(offset) if offset else values
@@ -199,6 +210,10 @@ def _power_of_ten(factor: Fraction) -> int | None:
         if factor == Fraction(10) ** power:
             return power
     return None
+
+
+def _is_gap(cell: str) -> bool:
+    return not cell or cell.casefold().strip("+-") in _NO_READING
 
 
 def _number(cell: str, sheet: Sheet, heading: Heading, row: int, decimal: str, shift: int) -> float:
@@ -215,7 +230,7 @@ def _number(cell: str, sheet: Sheet, heading: Heading, row: int, decimal: str, s
         return float(text) if not shift else float(Decimal(text).scaleb(shift))
     if not cell:
         raise _bad_cell("is empty", "", sheet, heading, row)
-    if cell.casefold().strip("+-") in ("nan", "inf", "infinity", "n/a", "na", "#n/a", "null", "none"):
+    if cell.casefold().strip("+-") in (*_NO_READING, "inf", "infinity"):
         raise _bad_cell("is no reading", cell, sheet, heading, row)
     raise _bad_cell("is no number", cell, sheet, heading, row)
 

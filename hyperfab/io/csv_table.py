@@ -40,13 +40,14 @@ def read_table(
     increasing: str | None = None,
     rest: str | None = None,
     decimal: str | None = None,
+    gaps: bool = False,
 ) -> Table:
     """Read the named ``columns`` of a CSV table: name to kind of quantity or unit (see ``hyperfab.io.units.KINDS``).
 
     ``optional`` columns are read where present. ``increasing`` names a column whose values must rise from row to
     row, as the argument of a curve does. ``rest`` is the kind of all other columns that carry a unit of that kind
-    (thermocouples: one temperature column a probe); they are found under their labels. Names are compared without
-    case.
+    (thermocouples: one temperature column a probe); they are found under their labels, and with ``gaps`` a cell
+    of theirs may be empty: nan. Names are compared without case.
 
     Raises InputError with file, line and column.
 
@@ -76,7 +77,11 @@ def read_table(
                 remedy=f'name one a probe, as in "T1 [{KINDS[rest].unit}]"',
             )
     mark = settle_decimal(sheet, [heading for heading, _ in wanted.values()], decimal)
-    values = {column: quantities(sheet, heading, kind, mark) for column, (heading, kind) in wanted.items()}
+    named = {**columns, **(optional or {})}
+    values = {
+        column: quantities(sheet, heading, kind, mark, gaps and column not in named)
+        for column, (heading, kind) in wanted.items()
+    }
     if increasing is not None:
         _check_increasing(sheet, wanted[increasing][0], values[increasing])
     metadata = {key: entries[0].value for key, entries in sheet.metadata.items()}

@@ -74,7 +74,7 @@ class ReducedMold:
         Alexander's SDIRK2 on about ``steps`` steps that meet every corner of the powers, and short ones where a power
         begins or jumps; between their ends the curve is the parabola through both values with the slope at the end.
         """
-        grid = self._grid(times, steps)
+        grid = self.grid(float(times[0]), float(times[-1]), steps)
         stages = np.stack([grid[:-1] + GAMMA * np.diff(grid), grid[1:]], axis=1)
         under = Film(self.bench.rows, self.bench.weights, Table.constant(0.0), self.surroundings)
         faces = [*self.films, *self.radiators, *self.held, under]
@@ -156,10 +156,11 @@ class ReducedMold:
         """How many materials there are."""
         return int(np.max(self.materials)) + 1
 
-    def _grid(self, times: Array, steps: int) -> Array:
+    def grid(self, begin: float, end: float, steps: int = 100) -> Array:
+        """Return the times [s] that a run steps at."""
         faces = [*self.films, *self.radiators, *self.held]
         signals = [table for _, table in (*self.heaters, *self.joints)] + [face.ambient for face in faces]
-        return graded(float(times[0]), float(times[-1]), self.corners, signals, steps)
+        return graded(begin, end, self.corners, signals, steps)
 
     def _read(self, times: Array, grid: Array, states: Array, slopes: Array) -> Array:
         step = np.clip(np.searchsorted(grid, times, side="left") - 1, 0, len(grid) - 2)

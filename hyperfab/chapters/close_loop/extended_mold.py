@@ -77,7 +77,7 @@ def _scale(
     terms: Mapping[str, Mapping[str, float]],
     files: dict[str, bytes],
 ) -> None:
-    reduced = problem.runs[0][0]
+    reduced = problem.runs[0].mold
     exponent = terms.get("convection-law", {}).get("exponent", 0.0)
     for index, section in enumerate(document.convection):
         factor = factors.get(f"convection.{index}.h", 1.0)
@@ -211,7 +211,7 @@ def _add(
             elif "from_middle" in values:
                 notes.append(_UNEVEN.format("base-conduction: more leaves in places"))
         elif name == "ambient-drift":
-            times = problem.runs[0][1]
+            times = problem.runs[0].times
             at = np.linspace(0.0, float(times[-1]), 101)
             slope, bend, twist = (values.get(f"drift_K_s{power}", 0.0) for power in ("", "2", "3"))
             rise = slope * at + bend * at**2 + twist * at**3
@@ -219,8 +219,8 @@ def _add(
                 turn = 2.0 * np.pi * at / values["period_s"]
                 rise = values["swing_sine_K"] * np.sin(turn) + values["swing_cosine_K"] * (np.cos(turn) - 1.0)
             base = (
-                problem.runs[0][0].films[0].ambient(at)
-                if problem.runs[0][0].films
+                problem.runs[0].mold.films[0].ambient(at)
+                if problem.runs[0].mold.films
                 else np.full_like(at, 25.0)
             )
             files[".ambient.csv"] = _csv("time [s]", "temperature [degC]", at, base + warmer + rise)
@@ -246,7 +246,7 @@ def _warmer(ambient: Any, kelvin: float, problem: HeatProblem, files: dict[str, 
         return ambient
     if isinstance(ambient, str):
         return f"{float(ambient.split()[0]) + kelvin!r} degC"
-    air = problem.runs[0][0].films[0].ambient
+    air = problem.runs[0].mold.films[0].ambient
     files[".sky.csv"] = _csv("time [s]", "temperature [degC]", air.x, air.y + kelvin)
     return {"table": ".sky.csv"}
 

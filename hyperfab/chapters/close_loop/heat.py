@@ -82,7 +82,8 @@ def run(job: Job, given: Given) -> int:
             advance(0.2 + 0.8 * (1.0 - float(np.exp(-count / _REFITS))), text)
 
         found = close(problem, noise=level, tick=tick)
-    result = describe(problem, found, "K", {}, warnings, domain="heat")
+    left_out = {f"no reading of {name}": count for name, count in read.missing.items()}
+    result = describe(problem, found, "K", left_out, warnings, domain="heat")
     if out.wants_files:
         target = out.path(".model.toml")
         folders = (os.path.dirname(given.name), str(target.parent))
@@ -125,8 +126,8 @@ def pose(
     probes = np.stack([built.probes[key] for key in read.names])
     began = _probed(built, read.names)[1:]
     mold = reduce(
-        model, probes, start, float(read.times[-1] - read.times[0]), _bench(built), opened, _corners(built),
-        [[part] for part in began], [c for c in model.conditions if _holds(c)],
+        model, probes, start, float(read.times[-1]) - min(0.0, float(read.times[0])), _bench(built), opened,
+        _corners(built), [[part] for part in began], [c for c in model.conditions if _holds(c)],
     )  # fmt: skip
     own, skipped = _own(document, built, [document.part[part].name for part in began])
     for key in fix:
@@ -273,11 +274,13 @@ def _files(out: Output, problem: HeatProblem, found: Finding, read: Thermocouple
     rows, count = len(read.times), len(read.names)
     head = ["time [s]"] + [f"{n} {w} [degC]" for n in read.names for w in ("measured", "before", "after")]
     lines = [",".join(head)]
+    place = np.full(rows * count, -1)
+    place[problem.runs[0].kept] = np.arange(len(problem.measured))
     for i in range(rows):
         cells = [f"{read.times[i]:.8g}"]
         for probe in range(count):
-            at = probe * rows + i
-            cells += [f"{float(v[at]):.8g}" for v in (problem.measured, before, after)]
+            at = place[probe * rows + i]
+            cells += [f"{float(v[at]):.8g}" if at >= 0 else "" for v in (problem.measured, before, after)]
         lines.append(",".join(cells))
     out.add(".csv", ("\n".join(lines) + "\n").encode())
     out.add(

@@ -12,20 +12,35 @@ from hyperfab.errors import InputError
 from hyperfab.io.csv_table import read_table
 from hyperfab.loop.problem import Array
 
+#: Readings a probe needs.
+_FEWEST = 12
+
 
 @dataclass(frozen=True)
 class Thermocouples:
-    """Times (t,) [s], readings (t, p) [degC] and the probes' names, in the order of the files."""
+    """Times (t,) [s], readings (t, p) [degC], nan where one is missing, and the probes' names, as in the file."""
 
     times: Array
     readings: Array
     names: list[str]
 
+    @property
+    def missing(self) -> dict[str, int]:
+        """How many readings each probe lacks, by name, of those that lack any."""
+        counts = (~np.isfinite(self.readings)).sum(axis=0)
+        return {name: int(count) for name, count in zip(self.names, counts, strict=True) if count}
+
 
 def read_thermocouples(job: Job, name: str, probes: Sequence[str], decimal: str | None) -> Thermocouples:
     """Read a thermocouple file; every column must be a probe of the mold."""
     table = read_table(
-        job.inputs.read(name), name, {"time": "time"}, increasing="time", rest="temperature", decimal=decimal
+        job.inputs.read(name),
+        name,
+        {"time": "time"},
+        increasing="time",
+        rest="temperature",
+        decimal=decimal,
+        gaps=True,
     )
     known = {probe.casefold(): probe for probe in probes}
     columns = [column for column in table.columns if column != "time"]
@@ -38,8 +53,12 @@ def read_thermocouples(job: Job, name: str, probes: Sequence[str], decimal: str 
                 remedy="name the columns after the [[probe]] tables",
             )
     readings = np.stack([table[column] for column in columns], axis=1)
-    if len(table["time"]) < 12:
-        raise InputError(
-            "has too few rows to tell noise from a residual", file=name, remedy="give 12 or more"
-        )
+    for number, column in enumerate(columns):
+        if np.isfinite(readings[:, number]).sum() < _FEWEST:
+            raise InputError(
+                "has too few readings to tell noise from a residual",
+                file=name,
+                column=column,
+                remedy=f"give {_FEWEST} or more, or leave the column out",
+            )
     return Thermocouples(table["time"], readings, [known[column.casefold()] for column in columns])
