@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 #: Depths and forces [mm], [N] in order of depth.
 Trace = Sequence[tuple[float, float]]
 
-_DEGREE, _LOWER_DEGREE = 5, 3
+_DEGREE = 5
 #: Two splines differ by at least this times the error of the better one.
 _CAUTION = 4.0
 #: A kink within a step costs at most a quarter of the force at its end times its length.
@@ -43,13 +43,17 @@ def doubtful(trace: Trace, tolerance: float, turning: float | None = None) -> fl
     """Return the depth at which one more force would help most, None where the work is sure to ``tolerance`` of itself.
 
     The doubt about a step is the difference of two splines; a step in which the sheet takes up the load may have a
-    kink anywhere.
+    kink anywhere. Nothing is known of a curve through three points or fewer.
     """
     depth, force = _loaded(trace)
     if len(depth) < 2:
         return None
     steps = _steps(depth, force, turning, _DEGREE)
-    doubt = np.abs(steps - _steps(depth, force, turning, _LOWER_DEGREE)) / _CAUTION
+    degree = _degree(_DEGREE, len(depth))
+    if degree == 1:
+        doubt = np.abs(steps)
+    else:
+        doubt = np.abs(steps - _steps(depth, force, turning, degree - 2)) / _CAUTION
     slack = max((deep for deep, pushed in trace if pushed <= 0.0), default=0.0)
     if slack > 0.0:
         doubt[0] = max(doubt[0], _KINK * force[1] * (depth[1] - slack))
@@ -80,8 +84,7 @@ def _steps(depth: Array, force: Array, turning: float | None, degree: int) -> Ar
     """Return the work of each step, by a spline of odd ``degree`` or as high as the points allow."""
     if len(depth) < 2:
         return np.zeros(1)
-    degree = min(degree, len(depth) - 1)
-    degree -= 1 - degree % 2
+    degree = _degree(degree, len(depth))
     if turning is not None and turning >= depth[-1]:
         # With u = sqrt(turning - s): the integral of F ds is that of -2 u F du.
         root = np.sqrt(turning - depth)
@@ -90,3 +93,9 @@ def _steps(depth: Array, force: Array, turning: float | None, degree: int) -> Ar
     else:
         spline, ends = make_interp_spline(depth, force, k=degree), depth
     return np.diff(spline.antiderivative()(ends))
+
+
+def _degree(wanted: int, points: int) -> int:
+    """Return the highest odd degree up to ``wanted`` for which there are points enough."""
+    most = min(wanted, points - 1)
+    return most - 1 + most % 2

@@ -51,6 +51,18 @@ def test_smooth_curves_need_no_more_points():
     assert doubtful(_trace(lambda s: s**3, np.linspace(7.5, 60.0, 8)), 3e-5) is None
 
 
+def test_few_points_are_not_believed():
+    """One step, two or three: more points are asked for until the integral of a smooth curve is right."""
+    for count in (1, 2, 3, 4):
+        trace = _trace(lambda s: s**3 - 0.01 * s**4, np.linspace(60.0 / count, 60.0, count) / 10.0)
+        more = 0
+        while (depth := doubtful(trace, 3e-5)) is not None:
+            trace = sorted([*trace, (depth, depth**3 - 0.01 * depth**4)])
+            more += 1
+            assert more <= 6
+        assert work(trace) == pytest.approx(6.0**4 / 4 - 0.01 * 6.0**5 / 5, rel=3e-5)
+
+
 def test_a_sheet_that_is_never_touched_does_no_work():
     assert work([(10.0, 0.0), (20.0, 0.0)]) == 0.0
     assert doubtful([(10.0, 0.0), (20.0, 0.0)], 1e-5) is None
