@@ -21,18 +21,21 @@ ZERO_SD = 0.1
 _SEGMENT = 15
 #: The effects in the order of the emulator's last settings: added prestretch, friction, slip of the rim.
 EFFECTS = ("pretension", "friction", "rim-slip")
+#: Rounds in which the slip past a hold and the pull settle on each other; stiffnesses a changing one is taken at.
+_ROUNDS, _STIFFNESSES = 8, 3
 
 
 @dataclass(frozen=True)
 class ForceDepth:
     """One file: depth (m,) [mm], force (m,) [N], the temperature (m,) [degC] where it is known, and what the model
-    itself has the stiffness softened to there."""
+    itself has the stiffness softened to there; the coefficient of ``friction`` where that is known of the test."""
 
     name: str
     depth: Array
     force: Array
     temperature: Array | None = None
     softened: Array | None = None
+    friction: float | None = None
 
     @property
     def values(self) -> Array:
@@ -42,11 +45,13 @@ class ForceDepth:
 
 @dataclass(frozen=True)
 class Sheet:
-    """The emulated sheet: force over depth at ``knots`` (k,) [mm] for relative law constants and effects.
+    """The emulated sheet: force over depth at ``knots`` (k,) [mm] for relative law constants and effects, and then the
+    pull of its rim [N/mm] there.
 
     ``correction`` (k,) is what finer meshes say of the force at the knots, over the emulated one. The law's constants
     are factors; those that are ``linear`` scale the whole force where they are alike, and the emulated settings are the
-    ratios of the rest to the first. ``anchor`` (k,) is what of the correction came from a run at a finding.
+    ratios of the rest to the first. ``anchor`` (k,) is what of the correction came from a run at a finding. ``rubs``
+    and ``slip`` [mm per N/mm] are what the model has already.
     """
 
     emulator: Emulator
@@ -56,18 +61,90 @@ class Sheet:
     linear: tuple[bool, ...]
     anchor: Array
     friction: bool = True
+    rubs: float = 0.0
+    slip: float = 0.0
 
-    def force(self, own: Array, effects: Array, depth: Array) -> Array:
-        """Return the force (m,) [N] at ``depth`` (m,) for factors ``own`` (p,) and effects (3,)."""
-        scale = next((float(v) for v, one in zip(own, self.linear, strict=True) if one), 1.0)
-        ratios = [v / scale if one else v for v, one in zip(own, self.linear, strict=True)]
-        first = self.linear.index(True) if any(self.linear) else -1
-        settings = np.array([*(v for i, v in enumerate(ratios) if i != first), *effects])
-        # Force over depth: smooth, and finite at the first touch of a sheet under tension.
-        stiffness = self.emulator(settings) * self.correction * scale
-        spline = CubicSpline(self.knots, stiffness)
+    def force(self, own: Array, effects: Array, depth: Array, soft: Array | None = None) -> Array:
+        """Return the force (m,) [N] at ``depth`` (m,) for factors ``own`` (p,) and effects (4,): added prestretch,
+        friction and slip, and the pull [N/mm] up to which the clamp holds. ``soft`` (m,) scales the stiffness."""
         inside = np.clip(depth, 0.0, None)
-        return np.asarray(inside * spline(np.maximum(inside, self.knots[0] * 0.2)))
+        at = np.maximum(inside, self.knots[0] * 0.2)
+        soft = np.ones(len(at)) if soft is None else soft
+        levels = np.unique(soft)
+        if not (self.slip or effects[2]):
+            # Without a clamp that gives, the force goes with the stiffness.
+            return np.asarray(inside * soft * self._spline(own, effects, 1.0)(at))
+        if len(levels) > _STIFFNESSES + 1:
+            levels = np.linspace(levels[0], levels[-1], _STIFFNESSES)
+            found = np.stack([level * self._spline(own, effects, level)(at) for level in levels])
+            return np.asarray(inside * _parabola(levels, found, soft))
+        found = np.zeros(len(at))
+        for level in levels:
+            rows = soft == level
+            found[rows] = level * self._spline(own, effects, float(level))(at[rows])
+        return np.asarray(inside * found)
+
+    def scale(self, own: Array) -> float:
+        """Return the factor of the whole force."""
+        return next((float(v) for v, one in zip(own, self.linear, strict=True) if one), 1.0)
+
+    def ratios(self, own: Array) -> list[float]:
+        """Return the emulated settings of the law."""
+        scale = self.scale(own)
+        first = self.linear.index(True) if any(self.linear) else -1
+        return [float(v) / scale if one else float(v)
+                for i, (v, one) in enumerate(zip(own, self.linear, strict=True)) if i != first]  # fmt: skip
+
+    def slips(self, own: Array, effects: Array, soft: float) -> Array:
+        """Return the slip (k,) that the emulator is asked for at the knots.
+
+        A stiffer sheet slips as one on a softer clamp; a clamp that holds at first slips as a spring of its own at each
+        depth.
+        """
+        scale = self.scale(own) * soft
+        count = len(self.knots)
+        given = np.full(count, float(effects[2]))
+
+        def asked(slip: Array) -> Array:
+            return np.asarray((self.slip + slip) * scale - self.slip)
+
+        if effects[3] > 0.0:
+            most = given.copy()
+            settings = np.tile([*self.ratios(own), effects[0], effects[1], 0.0], (count, 1))
+            for _ in range(_ROUNDS):
+                settings[:, -1] = asked(given)
+                pull = scale * np.diagonal(self.emulator(settings)[:, count:])
+                given = most * np.maximum(1.0 - effects[3] / np.maximum(pull, 1e-12), 0.0)
+        return asked(given)
+
+    def _spline(self, own: Array, effects: Array, soft: float) -> CubicSpline:
+        """Force over depth: smooth, and finite at the first touch of a sheet under tension."""
+        slips, count = self.slips(own, effects, soft), len(self.knots)
+        if np.all(slips == slips[0]):
+            settings = np.array([*self.ratios(own), effects[0], effects[1], slips[0]])
+            stiffness = self.emulator(settings)[:count]
+        else:
+            rows = np.tile([*self.ratios(own), effects[0], effects[1], 0.0], (count, 1))
+            rows[:, -1] = slips
+            stiffness = np.diagonal(self.emulator(rows)[:, :count])
+        return CubicSpline(self.knots, stiffness * self.correction * self.scale(own))
+
+
+def _parabola(levels: Array, values: Array, at: Array) -> Array:
+    """Return the parabola through ``values`` (3, m) at three ``levels``, each row at its own place ``at`` (m,)."""
+    a, b, c = levels
+    return np.asarray(
+        values[0] * (at - b) * (at - c) / ((a - b) * (a - c))
+        + values[1] * (at - a) * (at - c) / ((b - a) * (b - c))
+        + values[2] * (at - a) * (at - b) / ((c - a) * (c - b))
+    )
+
+
+def effects_of(terms: Mapping[str, tuple[str, Array]]) -> Array:
+    """Return the effects (4,) as ``Sheet.force`` takes them."""
+    found = [float(terms[name][1][0]) if name in terms else 0.0 for name in EFFECTS]
+    slip = terms["rim-slip"][1] if "rim-slip" in terms else np.zeros(1)
+    return np.array([*found, float(slip[1]) if len(slip) > 1 else 0.0])
 
 
 @dataclass
@@ -86,15 +163,19 @@ class ContactProblem(Problem):
         """Return the forces [N], then what is known of the constants, then further tests."""
         own = np.asarray(own, dtype=np.float64)
         law, zero = own[:-1], float(own[-1])
-        effects = np.array([float(terms[name][1][0]) if name in terms else 0.0 for name in EFFECTS])
+        effects = effects_of(terms)
         found = []
         for one, scale in zip(self.files, self.scale, strict=True):
-            force = self.sheet.force(law, effects, one.depth - zero)
+            soft = np.ones(len(one.depth))
             if "thermal-softening" in terms and one.temperature is not None:
                 given = terms["thermal-softening"][1]
-                force = force * factor(one.temperature, self.reference_degC, *(float(v) for v in given))
+                soft = soft * factor(one.temperature, self.reference_degC, *(float(v) for v in given))
             if one.softened is not None:
-                force = force * one.softened
+                soft = soft * one.softened
+            here = effects
+            if one.friction is not None:
+                here = np.array([effects[0], one.friction - self.sheet.rubs, *effects[2:]])
+            force = self.sheet.force(law, here, one.depth - zero, soft)
             found.append(force * scale)
         found.insert(self.measured_files, known(self.priors, own))
         return np.concatenate(found)
@@ -103,22 +184,30 @@ class ContactProblem(Problem):
         """Return what could be done next: other temperatures, the beginning read closely, all of it often."""
         deepest = float(max(np.max(one.depth) for one in self.files))
         usual = self.reference_degC
-        menu = [
-            ("the same test 40 K warmer, and again at room temperature", np.linspace(0.05, 1.0, 40), 40.0, 1.0),
+        whole = np.linspace(0.02, 1.0, 200)
+        menu: list[tuple[str, Array, float, float, float | None]] = [
+            ("the same test 40 K warmer, and again at room temperature", np.linspace(0.05, 1.0, 40), 40.0, 1.0, None),
             ("the first fifth of the depth, read with a load cell ten times finer, 40 readings",
-             np.linspace(0.01, 0.2, 40), 0.0, 10.0),
-            ("the whole depth five times, 200 readings", np.linspace(0.02, 1.0, 200), 0.0, 1.0),
+             np.linspace(0.01, 0.2, 40), 0.0, 10.0, None),
+            ("the whole depth five times, 200 readings", whole, 0.0, 1.0, None),
         ]  # fmt: skip
+        if self.sheet.friction:
+            text = (
+                'the same test with the punch oiled or powdered until nothing rubs, 60 readings, "# friction: 0" on '
+                "top of its file"
+            )
+            menu.append((text, np.linspace(0.05, 1.0, 60), 0.0, 1.0, 0.0))
         found = []
-        for text, shares, warmer, finer in menu:
+        for text, shares, warmer, finer, rubs in menu:
             depth = deepest * shares
             temperature = np.full(len(depth), usual)
             if warmer:
                 temperature[::2] += warmer
-            test = ForceDepth(text, depth, np.zeros(len(depth)), temperature)
-            found.append(
-                Extra(text, {"depth_mm": [float(depth[0]), float(depth[-1])]}, self.with_reading(test, finer))
-            )
+            test = ForceDepth(text, depth, np.zeros(len(depth)), temperature, friction=rubs)
+            details: dict[str, object] = {"depth_mm": [float(depth[0]), float(depth[-1])]}
+            if rubs is not None:
+                details["friction"] = rubs
+            found.append(Extra(text, details, self.with_reading(test, finer)))
         return found
 
     def with_reading(self, test: ForceDepth, scale: float = 1.0) -> ContactProblem:
@@ -172,6 +261,7 @@ def contact_problem(
         prestretch=(axes["prestretch"].down, axes["prestretch"].up),
         friction=axes["friction"].up if sheet.friction else 0.0,
         slip=axes["slip"].up,
+        pull=float(sheet.emulator(np.array([axis.base for axis in sheet.emulator.axes]))[-1]),
     )
     measured = np.concatenate([*(one.force for one in files), np.zeros(curves[-1].stop - row)])
     depth = np.concatenate([one.depth for one in files])

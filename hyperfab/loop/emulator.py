@@ -57,11 +57,10 @@ class Emulator:
     coefficients: Array
 
     def __call__(self, settings: Array) -> Array:
-        """Return the values (k,) at ``settings`` (d,)."""
-        scaled = np.array(
-            [axis.scaled(v) for axis, v in zip(self.axes, settings, strict=True)], dtype=np.float64
-        )
-        return np.asarray(np.prod(scaled**self.powers, axis=1) @ self.coefficients)
+        """Return the values (k,) at ``settings`` (d,), or (b, k) at b of them (b, d)."""
+        columns = np.moveaxis(np.asarray(settings, dtype=np.float64), -1, 0)
+        scaled = np.stack([axis.scaled(v) for axis, v in zip(self.axes, columns, strict=True)], axis=-1)
+        return np.asarray(np.prod(scaled[..., None, :] ** self.powers, axis=-1) @ self.coefficients)
 
 
 def emulate(

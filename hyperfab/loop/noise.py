@@ -18,6 +18,8 @@ _WORTH = 0.3
 #: Student's distribution for so few degrees of freedom. Only what readings cannot explain to two of their standard
 #: deviations counts.
 _FEW, _BEYOND = 2.5, 4.0
+#: Lower by this, chi-squared says that replicates differ by an offset or by slack rather than in stiffness.
+_CLEARLY = 25.0
 
 
 @dataclass(frozen=True)
@@ -194,15 +196,14 @@ def _with_replicates(problem: Problem, noise: Noise, free: bool) -> Noise:
     y = problem.measured
     gains, sure, rests, lags, count = [], [], [], [], 0
     for first, second in _pairs(problem.curves):
-        apart, level, sd = _difference(y, noise.sd, first, second)
+        apart, level, slope, sd = _difference(y, noise.sd, first, second)
         if len(apart) < 8:
             continue
-        w = level / sd
-        gain = float((apart / sd) @ w / (w @ w))
-        left = (apart - gain * level) / sd
-        gains.append(gain**2 / 2.0 - 1.0 / float(w @ w))
-        sure.append(gain**2 / 2.0 - _BEYOND / float(w @ w))
-        rests.append(float(left @ left) / (2.0 * (len(left) - 1)))
+        coefficients, variance, left = _told_apart(apart / sd, level / sd, (1.0 / sd, slope / sd))
+        gain = float(coefficients[0])
+        gains.append(gain**2 / 2.0 - variance)
+        sure.append(gain**2 / 2.0 - _BEYOND * variance)
+        rests.append(float(left @ left) / (2.0 * (len(left) - len(coefficients))))
         lags.append(float(left[1:] @ left[:-1]) / float(left @ left))
         count += len(left)
     if not gains:
@@ -245,7 +246,7 @@ def _louder(problem: Problem, sd: Array, channel: int) -> Array:
     squares = [
         np.mean((apart / spread) ** 2) / 2.0
         for first, second in _pairs(problem.curves, channel)
-        for apart, _, spread in [_difference(problem.measured, sd, first, second)]
+        for apart, _, _, spread in [_difference(problem.measured, sd, first, second)]
         if len(apart) >= 8
     ]
     if squares:
@@ -266,21 +267,51 @@ def _pairs(curves: Sequence[Curve], channel: int = 0) -> list[tuple[Curve, Curve
     ]
 
 
-def _difference(y: Array, sd: Array, first: Curve, second: Curve) -> tuple[Array, Array, Array]:
-    """Return the second replicate minus the first at the second's places, piece by piece, with level and sd."""
-    apart, level, deviation = [], [], []
+def _told_apart(apart: Array, level: Array, others: Sequence[Array]) -> tuple[Array, float, Array]:
+    """Return the coefficients of what two replicates differ by, the variance of the first, and what is left.
+
+    They differ in stiffness; or, where that explains it much better, also by an offset of the load cell or by slack.
+    Those are for the loop to find: as noise they would hide.
+    """
+
+    def least(columns: Sequence[Array]) -> tuple[Array, Array, Array]:
+        matrix = np.stack(columns, axis=1)
+        inverse = np.linalg.pinv(matrix.T @ matrix, hermitian=True)
+        coefficients = inverse @ (matrix.T @ apart)
+        return coefficients, inverse, apart - matrix @ coefficients
+
+    stiffer = least([level])
+    best = min(((*least([other]), other) for other in others), key=lambda one: float(one[2] @ one[2]))
+    found = stiffer
+    if float(stiffer[2] @ stiffer[2]) - float(best[2] @ best[2]) > _CLEARLY:
+        found = least([level, best[3]])
+    return found[0], float(found[1][0, 0]), found[2]
+
+
+def _difference(y: Array, sd: Array, first: Curve, second: Curve) -> tuple[Array, Array, Array, Array]:
+    """Return the second replicate minus the first at the second's places, and their level, slope and sd there."""
+    found: list[tuple[Array, Array, Array, Array]] = []
     for one, other in zip(first.pieces(), second.pieces(), strict=False):
         x1 = _places(first)[one.start - first.start : one.stop - first.start]
         x2 = _places(second)[other.start - second.start : other.stop - second.start]
         order = np.argsort(x1, kind="stable")
         inside = (x2 >= x1[order[0]]) & (x2 <= x1[order[-1]])
         there = np.interp(x2[inside], x1[order], y[one][order])
-        apart.append(y[other][inside] - there)
-        level.append((y[other][inside] + there) / 2.0)
-        deviation.append(sd[other][inside])
-    if not apart:
-        return np.empty(0), np.empty(0), np.empty(0)
-    return np.concatenate(apart), np.concatenate(level), np.concatenate(deviation)
+        level = (y[other][inside] + there) / 2.0
+        found.append((y[other][inside] - there, level, _slope(x2[inside], level), sd[other][inside]))
+    if not found:
+        return np.empty(0), np.empty(0), np.empty(0), np.empty(0)
+    apart, level, slope, deviation = (np.concatenate([one[k] for one in found]) for k in range(4))
+    return apart, level, slope, deviation
+
+
+def _slope(place: Array, value: Array) -> Array:
+    """Return the slope of a smooth piece of a curve, by a cubic through all of it."""
+    if len(place) < 8 or np.ptp(place) == 0.0:
+        return np.zeros_like(value)
+    scaled = (place - place[0]) / np.ptp(place)
+    cubic = np.polynomial.Polynomial.fit(scaled, value, 3)
+    return np.asarray(cubic.deriv()(scaled) / np.ptp(place))
 
 
 def _places(curve: Curve) -> Array:

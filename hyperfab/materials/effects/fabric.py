@@ -104,17 +104,18 @@ class Fabric:
             place = (*place, *values)
         if "permanent-set" in terms:
             form, values = terms["permanent-set"]
+            added = form.endswith("-added")
             if form.startswith("network"):
                 pass  # A second network stands beside the law: see ``_elastic``.
-            elif form == "cycles":
-                stretch = np.minimum(stretch, permanent_set.kept_on(self.path, *values))
-            elif form == "crept":
-                stretch = np.minimum(stretch, permanent_set.crept(self.path, *values))
+            elif form.startswith("cycles"):
+                stretch = np.minimum(stretch, permanent_set.kept_on(self.path, *values, added=added))
+            elif form.startswith("crept"):
+                stretch = np.minimum(stretch, permanent_set.crept(self.path, *values, added=added))
             elif form.startswith("returned"):
                 stretch = permanent_set.returned(stretch, self._peak(stretch), *_of_set(form, values))
             else:
                 peak = self.path.peak if form.startswith("flow") else self.path.earlier_peak
-                stretch = permanent_set.grown(stretch, peak, *_of_set(form, values))
+                stretch = permanent_set.grown(stretch, peak, *_of_set(form, values), added=added)
             if not form.startswith("network"):
                 place = (*place, form, *values)
         return stretch, place
@@ -313,7 +314,7 @@ def _of_fibres(form: str, values: Array) -> tuple[float, float, float]:
 
 def _of_set(form: str, values: Array) -> tuple[float, ...]:
     """Return the share of a set, its power and its bend, as far as they are not 1 and 0."""
-    return (values[0], 1.0, values[1]) if form.endswith("bent") else tuple(values)
+    return (values[0], 1.0, values[1]) if "-bent" in form else tuple(values)
 
 
 def _absent(name: str, form: str, values: Array) -> bool:

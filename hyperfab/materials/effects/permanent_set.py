@@ -25,7 +25,9 @@ def returned(stretch: Array, peak: Array, share: float, power: float = 1.0, bend
     return np.asarray(np.where(stretch >= peak, stretch, 1.0 + np.maximum(strain, 0.0)))
 
 
-def grown(stretch: Array, peak: Array, share: float, power: float = 1.0, bend: float = 0.0) -> Array:
+def grown(
+    stretch: Array, peak: Array, share: float, power: float = 1.0, bend: float = 0.0, added: bool = False
+) -> Array:
     """Return the elastic stretch where the rest length has grown by ``share`` of the largest strain so far.
 
     With ``peak`` the largest stretch including the present pull this is plastic flow as it happens; with that of the
@@ -34,10 +36,15 @@ def grown(stretch: Array, peak: Array, share: float, power: float = 1.0, bend: f
     >>> grown(np.array([1.5]), np.array([1.5]), 0.0)
     array([1.5])
     """
-    return np.asarray(np.maximum(stretch / (1.0 + _rest(peak, share, power, bend)), 1.0))
+    return left_of(stretch, _rest(peak, share, power, bend), added)
 
 
-def crept(path: Path, share: float, strain: float) -> Array:
+def left_of(stretch: Array, rest: Array, added: bool) -> Array:
+    """Return the elastic stretch over a set ``rest``: strains are ``added``, or stretches are multiplied."""
+    return np.asarray(np.maximum(stretch - rest if added else stretch / (1.0 + rest), 1.0))
+
+
+def crept(path: Path, share: float, strain: float, added: bool = False) -> Array:
     """Return the elastic stretch where the rest length follows the largest strain pull by pull.
 
     With every pull it comes nearer to ``share`` of the largest strain so far, over the strain ``strain`` pulled: a set
@@ -49,10 +56,10 @@ def crept(path: Path, share: float, strain: float) -> Array:
     keep = np.exp(-pulled / strain)
     keep[first] = 0.0
     rest = along(keep, (1.0 - np.exp(-pulled / strain)) * share * (path.peak - 1.0))
-    return np.asarray(np.maximum(path.stretch / (1.0 + rest), 1.0))
+    return left_of(path.stretch, rest, added)
 
 
-def kept_on(path: Path, share: float, power: float) -> Array:
+def kept_on(path: Path, share: float, power: float, added: bool = False) -> Array:
     """Return the elastic stretch where each time the specimen is let go adds to its rest length.
 
     The set is ``share`` of the largest strain so far times the number of returns to that power.
@@ -60,7 +67,7 @@ def kept_on(path: Path, share: float, power: float) -> Array:
     rest = np.where(
         path.returns > 0.0, share * (path.peak - 1.0) * np.maximum(path.returns, 1.0) ** power, 0.0
     )
-    return np.asarray(np.maximum(path.stretch / (1.0 + rest), 1.0))
+    return left_of(path.stretch, rest, added)
 
 
 def second_network(first: Array, second: Array, peak: Array, share: float, power: float = 1.0) -> Array:

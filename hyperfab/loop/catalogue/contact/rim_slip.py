@@ -7,15 +7,21 @@ from hyperfab.loop.problem import Constant, Effect, Form
 
 
 def entry(scene: Scene) -> Effect | None:
-    """Return the effect: the rim creeps inward in proportion to the pull."""
+    """Return the effect: the rim creeps inward in proportion to the pull, or to what of it the clamp does not hold."""
     slip = Constant("slip_mm2_N", 0.0, 0.0, scene.slip, 0.02 * scene.slip)
+    past = Constant("slip_mm2_N", 0.0, 0.0, 4.0 * scene.slip, 0.02 * scene.slip)
+    hold = Constant("hold_N_mm", 0.0, 0.0, 0.9 * scene.pull, 0.02 * scene.pull)
+    some = ((0.3 * scene.slip, 0.2 * scene.pull), (0.8 * scene.slip, 0.5 * scene.pull))
     return Effect(
         id="rim-slip",
         title="the sheet slips in its clamp",
         rides_on=("depth_mm",),
         shown_by="marks on the sheet along the rim, before and after",
-        source="a linear spring in the plane of the clamp",
-        forms=(Form("spring", (slip,), ((0.1 * scene.slip,), (0.5 * scene.slip,)), ((0.03 * scene.slip,),)),),
+        source="a linear spring in the plane of the clamp, or one that dry friction holds at first",
+        forms=(
+            Form("spring", (slip,), ((0.1 * scene.slip,), (0.5 * scene.slip,)), ((0.03 * scene.slip,),)),
+            Form("past a hold", (past, hold), some, ((0.05 * scene.slip, 0.3 * scene.pull),)),
+        ),
         smooth=False,
         mimic_share=0.95,
         mimic_left=0.5,

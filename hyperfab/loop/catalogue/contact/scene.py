@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Scene:
-    """The deepest reading [mm], the temperatures met [degC], and how far prestretch (down, up), friction and slip
-    [mm per N/mm] may go."""
+    """The deepest reading [mm], the temperatures met [degC], how far prestretch (down, up), friction and slip
+    [mm per N/mm] may go, and the pull of the rim [N/mm] at the deepest."""
 
     deepest_mm: float
     temperatures: tuple[float, ...]
@@ -16,3 +16,4 @@ class Scene:
     prestretch: tuple[float, float]
     friction: float
     slip: float
+    pull: float

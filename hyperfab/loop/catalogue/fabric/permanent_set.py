@@ -32,6 +32,15 @@ def entry(scene: Scene) -> Effect | None:
     more = Form(
         "cycles", (share, Constant("power", 0.5, 0.0, 2.0, 0.3)), ((0.05, 0.5),), ((0.01, 0.2), (0.01, 1.0))
     )
+    # The same with strains that add rather than stretches that multiply.
+    sums = [
+        Form(f"{one.name}-added", one.constants, one.starts, refines=one.name)
+        for one in (plain[1], plain[2], crept, more)
+    ]
+    sums += [
+        Form("flow-power-added", (share, power), ((0.1, 1.4),), refines=("flow-power", "flow-added")),
+        Form("flow-bent-added", (share, bend), ((0.1, 1.0 / reach),), refines=("flow-bent", "flow-added")),
+    ]
     network = form("network")
     bent = Form("network-power", (share, power), ((0.1, 0.7),), refines="network")
     return Effect(
@@ -40,5 +49,5 @@ def entry(scene: Scene) -> Effect | None:
         rides_on=("cycle", "branch"),
         shown_by="unloading to zero force, a wait, and a second pull: the stretch at which force begins",
         source="ASTM D412 (tension set); Andrews, Tobolsky & Hanson (1946), doi:10.1063/1.1707724",
-        forms=(*plain, *curved, crept, more, network, bent),
+        forms=(*plain, *curved, crept, more, *sums, network, bent),
     )
