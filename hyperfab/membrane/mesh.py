@@ -130,6 +130,25 @@ def sheet_mesh(outline: Outline, triangles: Triangles, order: int = 2) -> SheetM
     )
 
 
+def halved(outline: Outline, coarse: Triangles) -> Triangles:
+    """Return each triangle divided into four by halving its sides; halves of the boundary lie on the outline."""
+    middles, numbers = _edge_middles(coarse.triangles, len(coarse.points))
+    points = 0.5 * (coarse.points[middles[:, 0]] + coarse.points[middles[:, 1]])
+    position = _lookup(middles, coarse.edges)
+    points[position] = _on_arcs(outline, coarse)
+    a, b, c = coarse.triangles.T
+    ab, bc, ca = (numbers + len(coarse.points)).T
+    parts = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
+    middle = position + len(coarse.points)
+    start, end = coarse.edges.T
+    return Triangles(
+        np.concatenate([coarse.points, points]),
+        np.column_stack([corner for part in parts for corner in part]).reshape(-1, 3),
+        np.column_stack([start, middle, middle, end]).reshape(-1, 2),
+        np.repeat(coarse.edge_arc, 2),
+    )
+
+
 def shape_functions(order: int, area: Array) -> Array:
     """Return the values (q, a) of the shape functions at area coordinates (q, 3)."""
     if order == 1:

@@ -19,8 +19,8 @@ from hyperfab.membrane.contact_edge import ContactEdge, contact_edge
 from hyperfab.membrane.contact_front import ContactFront
 from hyperfab.membrane.equilibrium import NoEquilibriumError, Press, State
 from hyperfab.membrane.facets import Facets
-from hyperfab.membrane.mesh import SheetMesh, interpolate, sheet_mesh
-from hyperfab.membrane.meshing import SizeField, graded, triangulate
+from hyperfab.membrane.mesh import SheetMesh, halved, interpolate, sheet_mesh
+from hyperfab.membrane.meshing import SizeField, Triangles, graded, triangulate
 from hyperfab.membrane.outline import Outline
 from hyperfab.membrane.path import Path, Watch, cold_start, follow, next_footing
 from hyperfab.membrane.sheet import Sheet
@@ -125,7 +125,7 @@ def rough_path(
         beyond = beyond_punch(points)
         return np.asarray(np.minimum(coarse, inner + _GROWTH * beyond))
 
-    press = press_on(test, _mesh(test, size))
+    press = press_on(test, _mesh(test, _triangles(test, size)))
     return press, follow(press, depths, watch)
 
 
@@ -143,6 +143,12 @@ def fitted_mesh(
     test: SphereTest, edges: Sequence[ContactEdge | ContactFront], level: float = 0.0
 ) -> SheetMesh:
     """Mesh the sheet finely along ``edges`` of contact; each ``level`` is one step finer."""
+    return _mesh(test, _fitted_triangles(test, edges, level))
+
+
+def _fitted_triangles(
+    test: SphereTest, edges: Sequence[ContactEdge | ContactFront], level: float
+) -> Triangles:
     coarse = test.mesh_size / _FINER**level
     on_sphere = min(coarse, test.radius * _ON_SPHERE / _FINER**level)
     sizes: list[SizeField] = []
@@ -160,7 +166,7 @@ def fitted_mesh(
             wanted = np.minimum(wanted, np.minimum(at_edge(points), inner))
         return wanted
 
-    return _mesh(test, size)
+    return _triangles(test, size)
 
 
 def solve_on(test: SphereTest, mesh: SheetMesh, near: Solved) -> Solved:
@@ -176,9 +182,11 @@ def solve_on(test: SphereTest, mesh: SheetMesh, near: Solved) -> Solved:
     edge = contact_edge(near.press, near.state)
     touching = edge.encloses(mesh.nodes) if edge else np.zeros(len(mesh.nodes), bool)
     try:
-        return Solved(press, press.equilibrium(depth, places, touching))
+        state = press.equilibrium(depth, places, touching)
     except NoEquilibriumError:
-        return Solved(press, cold_start(press, depth))
+        state = cold_start(press, depth)
+    press.sheet.pattern.release()
+    return Solved(press, state)
 
 
 def run(
@@ -255,11 +263,16 @@ def _fitted(
     Where the fitted mesh has no equilibrium (at a turning point) the solutions ``near`` stand.
     """
     stages, before = _stages(tests[0]), np.inf
+    triangles: Triangles | None = None
     while True:
         edges = [edge for solved in near if (edge := contact_edge(solved.press, solved.state))]
         if not edges:
             return list(near), level
-        mesh = fitted_mesh(replace(tests[0], mesh_size=stages[0]), edges, level)
+        if len(stages) == 1 and triangles is not None:
+            triangles = halved(tests[0].outline, triangles)
+        else:
+            triangles = _fitted_triangles(replace(tests[0], mesh_size=stages[0]), edges, level)
+        mesh = _mesh(tests[0], triangles)
         try:
             found = [solve_on(test, mesh, solved) for test, solved in zip(tests, near, strict=True)]
         except NoEquilibriumError:
@@ -267,6 +280,7 @@ def _fitted(
         if len(stages) > 1:
             near, stages = found, stages[1:]
             continue
+        triangles = None
         errors = [
             abs(new.state.force - old.state.force)
             / max(abs(new.state.force), 1e-300)
@@ -284,18 +298,22 @@ def _fitted(
 
 
 def _stages(test: SphereTest) -> list[float]:
-    """Return mesh sizes [mm] from one that the rough solution can start to the test's own.
+    """Return mesh sizes [mm] from one that the rough solution can start to the test's own, the last twice as fine.
 
     The set of touching nodes moves by about a ring of elements an iteration: a start on a much finer mesh is slow.
     """
     rough = max(test.mesh_size, _ROUGH * test.outline.reach)
-    count = max(1, ceil(log(rough / test.mesh_size) / log(_FASTEST)))
-    return [rough * (test.mesh_size / rough) ** (stage / count) for stage in range(1, count)] + [
-        test.mesh_size
-    ]
+    if rough <= _FASTEST * test.mesh_size:
+        return [test.mesh_size]
+    before = 2.0 * test.mesh_size
+    count = max(1, ceil(log(rough / before) / log(_FASTEST)))
+    sizes = [rough * (before / rough) ** (stage / count) for stage in range(1, count + 1)]
+    return [*sizes, test.mesh_size]
 
 
-def _mesh(test: SphereTest, size: SizeField) -> SheetMesh:
-    return sheet_mesh(
-        test.outline, triangulate(test.outline, size, seed=test.seed, jitter=test.jitter), test.order
-    )
+def _mesh(test: SphereTest, triangles: Triangles) -> SheetMesh:
+    return sheet_mesh(test.outline, triangles, test.order)
+
+
+def _triangles(test: SphereTest, size: SizeField) -> Triangles:
+    return triangulate(test.outline, size, seed=test.seed, jitter=test.jitter)

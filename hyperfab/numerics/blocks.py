@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from functools import cached_property
 
+import numba as nb
 import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from hyperfab.numerics.multifrontal import Elimination
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
+Index = NDArray[np.int32]
 
 
 class BlockPattern:
@@ -69,20 +71,18 @@ class BlockPattern:
         columns = np.repeat(np.arange(self.unknowns), np.diff(self._indptr))
         return Elimination(dissect(self._elements, self._points, self.free), self._indices, columns)
 
+    def release(self) -> None:
+        """Free the memory of the elimination; it is planned anew where it is needed again."""
+        self.__dict__.pop("elimination", None)
+
     def _index(self, rows: Indices, columns: Indices, nodes: int) -> None:
         """Find, for each entry of the compressed columns, its place in the array of blocks."""
-        s = self.size
-        place = np.arange(s)
-        full_rows = rows[:, None, None] * s + place[None, :, None] + 0 * place[None, None, :]
-        full_columns = columns[:, None, None] * s + 0 * place[None, :, None] + place[None, None, :]
-        number = np.cumsum(self.free.ravel()) - 1
-        kept = self.free.ravel()[full_rows] & self.free.ravel()[full_columns]
-        source = np.flatnonzero(kept.ravel())
-        i, j = number[full_rows.ravel()[source]], number[full_columns.ravel()[source]]
-        # The entries carry their own place through the sorting of the columns.
-        sorted_ = sparse.csc_matrix((source, (i, j)), shape=(self.unknowns, self.unknowns))
-        sorted_.sort_indices()
-        self._source, self._indices, self._indptr = sorted_.data, sorted_.indices, sorted_.indptr
+        number = np.where(self.free, np.cumsum(self.free.ravel()).reshape(self.free.shape) - 1, -1)
+        by_column = np.argsort(columns, kind="stable")
+        entries = int((self.free[rows].sum(axis=1) * self.free[columns].sum(axis=1)).sum())
+        self._source, self._indices, self._indptr = _compressed(
+            rows[by_column], columns[by_column], by_column, number, self.unknowns, entries
+        )
 
     def matrix(self, blocks: Array) -> sparse.csc_matrix:
         """Return the matrix of the free unknowns for block values (blocks, size, size)."""
@@ -98,3 +98,36 @@ class BlockPattern:
         values = np.zeros(self.free.shape)
         values[self.free] = vector
         return values
+
+
+@nb.njit(cache=True)
+def _compressed(
+    rows: Indices, columns: Indices, blocks: Indices, number: Indices, unknowns: int, entries: int
+) -> tuple[Indices, Index, Index]:
+    """Return source, row and start of the compressed columns for ``blocks`` (k,) in order of column, then row.
+
+    ``number`` (nodes, size) of the unknowns, -1 where there is none.
+    """
+    size = number.shape[1]
+    source = np.empty(entries, np.int64)
+    indices = np.empty(entries, np.int32)
+    starts = np.zeros(unknowns + 1, np.int32)
+    count, first = 0, 0
+    while first < len(blocks):
+        last = first
+        while last < len(blocks) and columns[last] == columns[first]:
+            last += 1
+        for j in range(size):
+            column = number[columns[first], j]
+            if column < 0:
+                continue
+            for k in range(first, last):
+                for i in range(size):
+                    row = number[rows[k], i]
+                    if row >= 0:
+                        source[count] = (blocks[k] * size + i) * size + j
+                        indices[count] = row
+                        count += 1
+            starts[column + 1] = count
+        first = last
+    return source, indices, starts

@@ -19,6 +19,7 @@ from hyperfab.numerics.dissection import Dissection
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
+Numbers = NDArray[np.int32] | NDArray[np.int64]
 
 
 class NotPositiveDefiniteError(ArithmeticError):
@@ -31,7 +32,7 @@ class Elimination:
     ``rows`` and ``columns`` (k,) of the entries, of which those below the diagonal count.
     """
 
-    def __init__(self, dissection: Dissection, rows: Indices, columns: Indices) -> None:
+    def __init__(self, dissection: Dissection, rows: Numbers, columns: Numbers) -> None:
         self.order, self.fronts = dissection.order, dissection.fronts
         pivots = np.array([front.pivots for front in self.fronts], np.int64)
         rests = np.array([len(front.rest) for front in self.fronts], np.int64)
@@ -53,6 +54,11 @@ class Elimination:
         return int(self.starts[-1])
 
     @cached_property
+    def space(self) -> Array:
+        """Room for one factor, used again for the next: fresh memory costs a tenth of the time."""
+        return np.empty(self.size)
+
+    @cached_property
     def firsts(self) -> Indices:
         """First pivot of each front."""
         return np.concatenate([[0], np.cumsum(self.pivots)])[:-1]
@@ -61,12 +67,13 @@ class Elimination:
 class CholeskyFactor:
     """A factorised matrix: ``values`` (k,) of the entries that the elimination was planned for.
 
-    Raises NotPositiveDefiniteError.
+    It stands in the room of its plan until the next is factorised. Raises NotPositiveDefiniteError.
     """
 
     def __init__(self, plan: Elimination, values: Array) -> None:
         self.plan = plan
-        self.factor = np.zeros(plan.size)
+        self.factor = plan.space
+        self.factor.fill(0.0)
         self.factor[plan.target] = values[plan.source]
         remainders: dict[int, Array] = {}
         for number, front in enumerate(plan.fronts):
@@ -107,8 +114,8 @@ class CholeskyFactor:
 
 @nb.njit(cache=True)
 def _places(
-    rows: Indices,
-    columns: Indices,
+    rows: Numbers,
+    columns: Numbers,
     number: Indices,
     owner: Indices,
     firsts: Indices,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hyperfab.membrane.mesh import interpolate, sheet_mesh
+from hyperfab.membrane.mesh import halved, interpolate, sheet_mesh
 from hyperfab.membrane.meshing import graded, triangulate, uniform
 from hyperfab.membrane.outline import Disc, Square, quarter_of
 
@@ -63,3 +63,16 @@ def test_quadratic_fields_are_interpolated_exactly():
     px, py = points.T
     exact = 1 + 2 * px - py + 0.3 * px * py + px**2 - 0.5 * py**2
     np.testing.assert_allclose(interpolate(mesh, values, points)[:, 0], exact, atol=1e-11)
+
+
+def test_halved_triangles_keep_the_outline_and_their_corners():
+    outline = quarter_of(Disc(100.0))
+    coarse = triangulate(outline, uniform(20.0))
+    fine = halved(outline, coarse)
+    np.testing.assert_array_equal(fine.points[: len(coarse.points)], coarse.points)
+    assert len(fine.triangles) == 4 * len(coarse.triangles)
+    mesh, other = sheet_mesh(outline, fine), sheet_mesh(outline, coarse)
+    assert abs(mesh.weights.sum() / (np.pi * 2500.0) - 1.0) < 1e-5
+    assert np.allclose(np.hypot(*mesh.nodes[mesh.rim].T), 100.0)
+    assert len(mesh.rim) == 2 * len(other.rim) - 1
+    assert all((mesh.nodes[mesh.symmetric[axis], axis] == 0.0).all() for axis in (0, 1))
