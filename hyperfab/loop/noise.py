@@ -276,7 +276,7 @@ def _told_apart(apart: Array, level: Array, others: Sequence[Array]) -> tuple[Ar
 
     def least(columns: Sequence[Array]) -> tuple[Array, Array, Array]:
         matrix = np.stack(columns, axis=1)
-        inverse = np.linalg.pinv(matrix.T @ matrix, hermitian=True)
+        inverse = np.asarray(np.linalg.pinv(matrix.T @ matrix, hermitian=True), dtype=np.float64)
         coefficients = inverse @ (matrix.T @ apart)
         return coefficients, inverse, apart - matrix @ coefficients
 

@@ -26,7 +26,7 @@ def returned(stretch: Array, peak: Array, share: float, power: float = 1.0, bend
 
 
 def grown(
-    stretch: Array, peak: Array, share: float, power: float = 1.0, bend: float = 0.0, added: bool = False
+    stretch: Array, peak: Array, share: float, power: float = 1.0, bend: float = 0.0, *, added: bool = False
 ) -> Array:
     """Return the elastic stretch where the rest length has grown by ``share`` of the largest strain so far.
 
@@ -44,7 +44,7 @@ def left_of(stretch: Array, rest: Array, added: bool) -> Array:
     return np.asarray(np.maximum(stretch - rest if added else stretch / (1.0 + rest), 1.0))
 
 
-def crept(path: Path, share: float, strain: float, added: bool = False) -> Array:
+def crept(path: Path, share: float, strain: float, *, added: bool = False) -> Array:
     """Return the elastic stretch where the rest length follows the largest strain pull by pull.
 
     With every pull it comes nearer to ``share`` of the largest strain so far, over the strain ``strain`` pulled: a set
@@ -59,7 +59,7 @@ def crept(path: Path, share: float, strain: float, added: bool = False) -> Array
     return left_of(path.stretch, rest, added)
 
 
-def kept_on(path: Path, share: float, power: float, added: bool = False) -> Array:
+def kept_on(path: Path, share: float, power: float, *, added: bool = False) -> Array:
     """Return the elastic stretch where each time the specimen is let go adds to its rest length.
 
     The set is ``share`` of the largest strain so far times the number of returns to that power.
