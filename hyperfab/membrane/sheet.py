@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from hyperfab.membrane.clamp import Clamp
+from hyperfab.membrane.clamp import Clamp, rim_edges
 from hyperfab.membrane.kernels import assemble, strains
 from hyperfab.membrane.mesh import SheetMesh
 from hyperfab.membrane.tension_field import TAUT, Principal, Response, SheetLaw
@@ -88,6 +88,15 @@ class Sheet:
         if self.clamp:
             energy += self.clamp.add(places, force, blocks)
         return Assembled(energy, force, blocks)
+
+    def pull(self, places: Array) -> float:
+        """Return the mean force [N] per undeformed length [mm] with which the sheet pulls its rim inward."""
+        rim, mesh = self.mesh.rim, self.mesh
+        force = self.assemble(places).force[rim, :2]
+        outward = mesh.nodes[rim] / np.linalg.norm(mesh.nodes[rim], axis=1)[:, None]
+        _, nodes, _ = rim_edges(mesh)
+        length = np.linalg.norm(mesh.nodes[nodes[:, 1]] - mesh.nodes[nodes[:, 0]], axis=1).sum()
+        return float(np.sum(force * outward) / length)
 
     @cached_property
     def modulus(self) -> float:

@@ -25,7 +25,7 @@ from hyperfab.errors import InputError, NotConverged
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.json_io import dump_json, load_json
 from hyperfab.io.units import quantity
-from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_problem
+from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_problem, effects_of
 from hyperfab.loop.emulator import Axis as Setting
 from hyperfab.loop.emulator import emulate
 from hyperfab.loop.engine import Finding
@@ -33,8 +33,10 @@ from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Array, Problem
 from hyperfab.loop.scatter import level_of_curve
 from hyperfab.materials.registry import bind
+from hyperfab.membrane.contact import Frictionless
 from hyperfab.membrane.equilibrium import NoEquilibriumError
 from hyperfab.membrane.friction import Coulomb, Stick
+from hyperfab.membrane.sheet import Sheet as SheetAlone
 from hyperfab.membrane.sphere_test import SphereTest, rough_path
 
 #: What is known of the law's constants where --prior does not say.
@@ -98,11 +100,13 @@ def read_force_depth(job: Job, name: str, decimal: str | None) -> tuple[ForceDep
         given = quantity(table.metadata["temperature"], "temperature", key="temperature", file=name)
         temperature = np.full(len(order), given)
     sd = spread(table, "force")
+    rubs = table.metadata.get("friction")
     reading = ForceDepth(
         name,
         table["depth"][order],
         table["force"][order],
         None if temperature is None else temperature[order],
+        friction=None if rubs is None else quantity(rubs, "dimensionless", key="friction", file=name),
     )
     return reading, None if sd is None else sd[order]
 
@@ -138,21 +142,23 @@ def pose_sheet(
     axes = [
         Setting(one, 1.0, reach, reach, level=1, mixes=False) for i, one in enumerate(names) if i != first
     ]
-    base = forward.path(test, knots)
+    base, _ = forward.path(test, knots)
     tension = float(base[-1] * knots[-1]) / (2.0 * np.pi * 0.5 * test.outline.reach)
     # From the model on: taut or slacker where the model is taut already.
     down = min(test.prestretch - 1.0, 0.05) if test.prestretch > 1.0 else 0.0
     slips = 0.06 * test.outline.reach / max(tension, 1e-9)
     sticks = isinstance(test.friction, Stick)
+    # Down to none: a test may tell that its punch was oiled.
+    rubs = test.friction.coefficient if isinstance(test.friction, Coulomb) else 0.0
     axes += [
         Setting("prestretch", 0.0, _MOST_STRETCH, down),
-        Setting("friction", 0.0, _MOST_FRICTION, level=0 if sticks else 2, mixes=not sticks),
+        Setting("friction", 0.0, _MOST_FRICTION, rubs, level=0 if sticks else 2, mixes=not sticks),
         Setting("slip", 0.0, slips),
     ]
 
     def one(settings: Array) -> Array:
         ratios = dict(zip((axis.name for axis in axes), (float(v) for v in settings), strict=True))
-        return forward.path(forward.test(ratios), knots)
+        return np.concatenate(forward.path(forward.test(ratios), knots))
 
     for _ in range(4):
         try:
@@ -165,7 +171,10 @@ def pose_sheet(
             "the sheet has no equilibrium near the model's constants", remedy="measure to a smaller depth"
         )
     correction = _finer(document, knots, base)
-    return Sheet(emulator, knots, correction, names, linear, np.ones_like(knots), friction=not sticks)
+    return Sheet(
+        emulator, knots, correction, names, linear, np.ones_like(knots),
+        friction=not sticks, rubs=rubs, slip=test.rim_slip,
+    )  # fmt: skip
 
 
 class Forward:
@@ -194,8 +203,9 @@ class Forward:
             law = tests[0].law
         friction = self.given.friction
         rubs = settings.get("friction", 0.0)
-        if rubs > 0.0 and not isinstance(friction, Stick):
-            friction = Coulomb(rubs + (friction.coefficient if isinstance(friction, Coulomb) else 0.0))
+        if rubs and not isinstance(friction, Stick):
+            total = rubs + (friction.coefficient if isinstance(friction, Coulomb) else 0.0)
+            friction = Coulomb(total) if total > 0.0 else Frictionless()
         return replace(
             self.given,
             law=law,
@@ -206,32 +216,37 @@ class Forward:
             order=_ORDER,
         )
 
-    def path(self, test: SphereTest, knots: Array) -> Array:
-        """Return force over depth at ``knots`` (k,) [N/mm]; NoEquilibriumError where they are not all reached."""
-        _, path = rough_path(test, [float(v) for v in knots])
+    def path(self, test: SphereTest, knots: Array) -> tuple[Array, Array]:
+        """Return force over depth at ``knots`` (k,) [N/mm] and the pull of the rim there; NoEquilibriumError where
+        they are not all reached."""
+        press, path = rough_path(test, [float(v) for v in knots])
         if path.limit is not None or len(path.states) < len(knots):
             raise NoEquilibriumError("the path ends early")
-        return np.array([state.force for state in path.states]) / knots
+        held = SheetAlone(press.sheet.mesh, test.law, test.thickness, test.prestretch)
+        pulls = [held.pull(state.places) for state in path.states]
+        return np.array([state.force for state in path.states]) / knots, np.array(pulls)
 
     def corrected(self, problem: Problem, found: Finding) -> Problem | None:
         """Return the problem with the force corrected by a run of what was found, where the emulated one is off."""
         assert isinstance(problem, ContactProblem)
         sheet, fit = problem.sheet, found.after.fit
-        own = np.asarray(fit.x[: fit.own])
-        effects = [float(fit.terms[key][1][0]) if key in fit.terms else 0.0
-                   for key in ("pretension", "friction", "rim-slip")]  # fmt: skip
-        scale = next((float(v) for v, one in zip(own, sheet.linear, strict=False) if one), 1.0)
+        own, effects = np.asarray(fit.x[: fit.own - 1]), effects_of(fit.terms)
+        if effects[3] > 0.0:
+            # A clamp that holds at first is no spring: there is no such run.
+            return None
+        scale = sheet.scale(own)
         settings = {key: float(v) / scale if one else float(v)
-                    for key, v, one in zip(sheet.names, own, sheet.linear, strict=False)}  # fmt: skip
-        settings |= dict(zip(("prestretch", "friction", "slip"), effects, strict=True))
+                    for key, v, one in zip(sheet.names, own, sheet.linear, strict=True)}  # fmt: skip
+        slip = float(sheet.slips(own, effects, 1.0)[0])
+        settings |= {"prestretch": effects[0], "friction": effects[1], "slip": slip}
         try:
-            true = self.path(self.test(settings), sheet.knots) * scale
+            true = self.path(self.test(settings), sheet.knots)[0] * scale
         except NoEquilibriumError:
             return None
         plain = replace(sheet, correction=np.ones_like(sheet.correction))
-        ratio = true / (plain.force(own[:-1], np.array(effects), sheet.knots) / sheet.knots)
+        ratio = true / (plain.force(own, effects, sheet.knots) / sheet.knots)
         depth = problem.states["depth_mm"]
-        force = sheet.force(own[:-1], np.array(effects), depth)
+        force = sheet.force(own, effects, depth)
         off = force * (np.interp(depth, sheet.knots, ratio / sheet.anchor) - 1.0)
         if float(np.sqrt(np.mean((off / found.noise.sd[: len(off)]) ** 2))) < 0.2:
             return None

@@ -13,7 +13,7 @@ from hyperfab.documents.contact import ContactDocument
 from hyperfab.documents.material import AtTemperature, MaterialDocument
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
-from hyperfab.loop.contact import ContactProblem
+from hyperfab.loop.contact import ContactProblem, effects_of
 from hyperfab.loop.engine import Finding
 from hyperfab.materials.effects.thermal_softening import factor
 from hyperfab.materials.registry import bind
@@ -43,7 +43,15 @@ def extend(
         given = recalled.options.get("friction")
         words["--friction"] = repr(terms["friction"][0] + (float(given) if given else 0.0))
     if "rim-slip" in terms:
-        words["--rim-slip"] = f"{problem.rim_slip + terms['rim-slip'][0]!r}mm^2/N"
+        slip = terms["rim-slip"][0]
+        if len(terms["rim-slip"]) > 1:
+            own = np.asarray(fit.x[: fit.own - 1])
+            slip = float(problem.sheet.slips(own, effects_of(fit.terms), 1.0)[-1]) + problem.rim_slip
+            slip = slip / problem.sheet.scale(own) - problem.rim_slip
+            notes.append(
+                "rim-slip: a clamp that holds at first is written as the spring that gives as much at the end"
+            )
+        words["--rim-slip"] = f"{problem.rim_slip + slip!r}mm^2/N"
     if "thermal-softening" in terms:
         _soften(fabric, problem, terms["thermal-softening"])
         met = np.concatenate([one.temperature for one in problem.files if one.temperature is not None])
