@@ -167,3 +167,12 @@ def test_constants_a_law_does_not_know_are_refused_with_their_key(press):
     assert status == 3
     assert "fabric.json" in said
     assert "parameters" in said
+
+
+def test_effects_at_their_null_value_change_no_digit(press):
+    few = ("--depth", "40mm", "--steps", "2", "--mesh-size", "20mm")
+    documents = []
+    for options in ((), ("--friction", "0", "--prestretch", "1", "--rim-slip", "0mm^2/N")):
+        _, found, _ = press(NEO_HOOKEAN, *few, *options)
+        documents.append({**found, "provenance": None})
+    assert documents[0] == documents[1]

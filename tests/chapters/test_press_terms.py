@@ -46,6 +46,25 @@ def test_terms_of_zero_change_no_bit(shop, monkeypatch):
     assert (shop / "press.vtu").read_bytes() == picture
 
 
+def test_molds_that_do_not_grow_and_foam_that_does_not_shrink_change_no_bit(shop, monkeypatch):
+    _, plain = press(shop, monkeypatch, gap="3mm")
+    still = (
+        FOAM.replace("23.6e-6 1/K", "0 1/K") + 'shrinkage = { amount = 0.0, time = "5 s", dwell = "40 s" }\n'
+    )
+    (shop / "still.toml").write_text(still)
+    _, same = press(shop, monkeypatch, gap="3mm", foam="still.toml", temperature="200degC", tilt="0deg,0deg")
+    for key in (
+        "force_N",
+        "gap_min_mm",
+        "gap_mean_mm",
+        "gap_max_mm",
+        "pressure_max_MPa",
+        "regions",
+        "force_stroke",
+    ):
+        assert same[key] == plain[key], key
+
+
 def test_a_tilt_in_the_document_is_the_tilt_of_the_option(shop, monkeypatch):
     written = with_foam(shop, monkeypatch, 'press = { tilt = { x = "0.1 deg", y = "-0.05 deg" } }\n')
     _, asked = press(shop, monkeypatch, gap="3mm", tilt="0.1deg,-0.05deg")

@@ -1,0 +1,99 @@
+"""Punched and draped sheets as problems of the loop, on forward models small enough to write down."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_problem
+from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem
+from hyperfab.loop.emulator import Axis, emulate
+
+KNOTS = np.linspace(5.0, 60.0, 12)
+
+
+def spring(settings: np.ndarray) -> np.ndarray:
+    """Force over depth and the rim's pull of a sheet that is a spring in series with its clamp."""
+    ratio, stretch, rubs, slip = settings
+    pull = 2e-3 * KNOTS * (1.0 + ratio) / (1.0 + 0.02 * slip) + 3.0 * stretch
+    return np.concatenate([pull * (1.0 + 0.1 * rubs), pull])
+
+
+def contact(slip: float = 0.0) -> ContactProblem:
+    axes = [
+        Axis("C01", 1.0, 0.35, 0.35, level=1, mixes=False),
+        Axis("prestretch", 0.0, 0.1),
+        Axis("friction", 0.0, 0.8),
+        Axis("slip", 0.0, 20.0),
+    ]
+    ones = np.ones(len(KNOTS))
+    sheet = Sheet(emulate(spring, axes), KNOTS, ones, ("C10", "C01"), (True, True), ones, slip=slip)
+    depth = np.linspace(6.0, 58.0, 45)
+    warm = np.repeat([23.0, 50.0, 80.0], 15)
+    return contact_problem(sheet, [ForceDepth("f", depth, depth, warm)], reference_degC=23.0)
+
+
+def drape() -> DrapeProblem:
+    names = ("law warp", "law weft", "depth", "prestretch", "weft", "friction", "shear", "mass")
+    axes = [Axis(name, 1.0, 0.3, 0.3, level=1, mixes=False, couples=False) if name.startswith("law")
+            else Axis(name, 0.0, 0.4, 0.4 if name == "depth" else 0.0) for name in names]  # fmt: skip
+    place = np.random.default_rng(4).standard_normal((len(names), 7 * 7 * 3))
+    emulator = emulate(lambda settings: settings @ place, axes, squares=False)
+    draped = Draped(emulator, (7, 7), np.zeros((7, 7, 3)), (200.0, 200.0), ("warp", "weft"))
+    flat = np.random.default_rng(5).uniform(-90.0, 90.0, (40, 2))
+    return drape_problem(draped, [Markers("m", flat, np.zeros((40, 3)))])
+
+
+@pytest.mark.parametrize(
+    "problem", [contact(), contact(slip=4.0), drape()], ids=["contact", "slipping", "drape"]
+)
+def test_every_effect_at_its_null_leaves_the_prediction_the_same_to_the_bit(
+    problem: ContactProblem | DrapeProblem,
+) -> None:
+    own = np.array([one.value for one in problem.own])
+    plain = problem.predict(own, {})
+    for effect in problem.effects:
+        for form in effect.forms:
+            null = problem.predict(own, {effect.id: (form.name, np.array(form.null))})
+            assert np.array_equal(null, plain), (effect.id, form.name)
+            moved = problem.predict(own, {effect.id: (form.name, np.array(form.starts[0]))})
+            assert np.max(np.abs(moved - plain)) > 1e-6, (effect.id, form.name)
+
+
+def test_a_stiffer_sheet_slips_as_one_on_a_softer_clamp() -> None:
+    problem = contact()
+    depth = np.array([30.0])
+    stiff = problem.sheet.force(np.array([2.0, 2.0]), np.array([0.0, 0.0, 3.0, 0.0]), depth)
+    soft = problem.sheet.force(np.array([1.0, 1.0]), np.array([0.0, 0.0, 6.0, 0.0]), depth)
+    assert stiff == pytest.approx(2.0 * soft, rel=1e-12)
+
+
+def test_a_clamp_slips_by_what_it_does_not_hold() -> None:
+    # u = c (N - hold) with N = k / (1 + 0.02 u / N): N + 0.02 c (N - hold) = k.
+    problem, c, hold = contact(), 10.0, 0.08
+    k = 2.0 * 2e-3 * KNOTS
+    pull = np.where(k > hold, (k + 0.02 * c * hold) / (1.0 + 0.02 * c), k)
+    found = problem.sheet.force(np.ones(2), np.array([0.0, 0.0, c, hold]), KNOTS) / KNOTS
+    assert found == pytest.approx(pull, rel=2e-3)
+
+
+def test_an_oiled_punch_does_not_rub() -> None:
+    problem = contact()
+    own = np.array([one.value for one in problem.own])
+    oiled = ForceDepth("oiled", np.array([20.0, 40.0]), np.zeros(2), friction=0.0)
+    wider = problem.with_reading(oiled)
+    rubbed = wider.predict(own, {"friction": ("Coulomb", np.array([0.5]))})
+    assert np.array_equal(rubbed[-2:], wider.predict(own, {})[-2:])
+    assert rubbed[0] > wider.predict(own, {})[0]
+
+
+def test_temperatures_row_by_row_are_those_of_files_of_their_own() -> None:
+    problem = contact()
+    effects, depth = np.array([0.0, 0.0, 8.0, 0.0]), np.linspace(10.0, 50.0, 9)
+    soft = np.linspace(1.0, 0.7, 9)
+    mixed = problem.sheet.force(np.ones(2), effects, depth, soft)
+    alone = [
+        float(problem.sheet.force(np.ones(2), effects, depth[i : i + 1], soft[i : i + 1])[0])
+        for i in range(9)
+    ]
+    assert mixed == pytest.approx(np.array(alone), rel=1e-3)
