@@ -54,8 +54,8 @@ _MOVED: Mapping[str, Mapping[str, tuple[str, ...]]] = {
 }
 #: What is known of the temperature at the start and of the ambient [K]: what a thermometer on the wall tells.
 _LEVEL_SD = {"start": 0.5, "ambient": 1.0}
-#: Standard deviations of the prior by which a joint may conduct worse before that is an effect.
-_WORSE = 3.0
+#: Standard deviations of its prior by which a constant may move.
+_FARTHEST = 4.0
 #: Runs that could be done next: what to say, times in units of the present run, shares of the largest power then, and
 #: whether a probe sits in each part.
 _MENU = (
@@ -96,6 +96,8 @@ class Run:
 @dataclass
 class HeatProblem(Problem):
     """A reduced mold, the times and probes that were read, and the readings, probe after probe."""
+
+    rich = 6
 
     runs: Sequence[Run] = field(kw_only=True)
     kinds: Sequence[str] = field(kw_only=True)
@@ -238,12 +240,12 @@ def heat_problem(
     ``own`` are the keys of the mold's own constants and their kinds (film, conductivity, capacity, power,
     joint); they are factors on the document's values with a relative standard deviation ``prior``.
     """
-    # A joint that conducts far worse than the document says is a finding, not a constant.
-    worst = {"joint": max(1.0 - _WORSE * prior, 0.05)}
+    # Far from what the document says a constant would only stand in for what the model lacks.
+    least, most = max(1.0 - _FARTHEST * prior, 0.05), 1.0 + _FARTHEST * prior
     constants = tuple(
         Constant(key, 0.0, *((0.0, 0.0) if key in fixed else (-30.0, 30.0)), 0.5, _LEVEL_SD[kind])
         if kind in _LEVEL_SD
-        else Constant(key, 1.0, *((1.0, 1.0) if key in fixed else (worst.get(kind, 0.05), 20.0)), 0.1, prior)
+        else Constant(key, 1.0, *((1.0, 1.0) if key in fixed else (least, most)), 0.1, prior)
         for key, kind in own
     )
     rows, count = len(times), len(probes)

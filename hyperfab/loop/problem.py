@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -156,6 +156,8 @@ class Problem(ABC):
     stated_sd: Array | None = None
     nuisance: Array | None = None
     units: tuple[str, ...] = ("",)
+    #: Entries of which the forms that refine them are tried too.
+    rich: ClassVar[int] = 3
     starts: tuple[Array, ...] = ()
 
     @abstractmethod
