@@ -19,6 +19,9 @@ class Misfit(_Part):
     rms: float = Field(description="root mean square, in the unit of the data")
     relative_rms: float = Field(description="rms over the root mean square of the measured values")
     nrmse: float = Field(description="rms over the largest measured value")
+    nrmse_of_tests: float | None = Field(
+        default=None, description="mean over the tests of each test's rms over its own largest measured value"
+    )
     chi2_reduced: float = Field(description="mean square in standard deviations of the noise; 1 is noise")
 
 

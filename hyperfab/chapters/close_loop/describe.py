@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hyperfab.console import Console
 from hyperfab.documents.loop import (
@@ -64,6 +65,7 @@ def describe(
             unit,
             spread=spread[first],
             whitened=(before.residual[first], after.residual[first]),
+            curves=_of_first(problem),
         ),
         held_out=_held_out(problem, found, unit),
         residual=Residual(
@@ -96,16 +98,25 @@ def errors_of(
     source: str | None = None,
     whitened: tuple[Array, Array] | None = None,
     spread: Array | None = None,
+    curves: Sequence[NDArray[np.int64]] = (),
 ) -> Errors:
     """Return the residual's size before and after, beside that of the noise.
 
-    ``spread`` is the noise with what the readings of a specimen have in common, where that is more than ``sd``.
+    ``spread`` is the noise with what the readings of a specimen have in common, where that is more than ``sd``;
+    ``curves`` are the rows of each test, where more than one is compared.
     """
     old, new = whitened if whitened is not None else ((measured - before) / sd, (measured - after) / sd)
 
     def misfit(raw: Array, chi2: float) -> Misfit:
         size, top = _rms(measured) or 1.0, float(np.max(np.abs(measured), initial=0.0)) or 1.0
-        return Misfit(rms=_rms(raw), relative_rms=_rms(raw) / size, nrmse=_rms(raw) / top, chi2_reduced=chi2)
+        each = [_rms(raw[rows]) / (float(np.max(np.abs(measured[rows]))) or 1.0) for rows in curves]
+        return Misfit(
+            rms=_rms(raw),
+            relative_rms=_rms(raw) / size,
+            nrmse=_rms(raw) / top,
+            nrmse_of_tests=float(np.mean(each)) if len(each) > 1 else None,
+            chi2_reduced=chi2,
+        )
 
     return Errors(
         unit=unit,
@@ -115,6 +126,12 @@ def errors_of(
         tests=tests,
         source=source,
     )
+
+
+def _of_first(problem: Problem) -> list[NDArray[np.int64]]:
+    """Return, for each curve of the first channel, where its rows stand among those of that channel."""
+    place = np.cumsum(problem.channel == 0) - 1
+    return [place[curve.rows] for curve in problem.curves if curve.channel == 0]
 
 
 def _rms(values: Array) -> float:
