@@ -89,6 +89,47 @@ def test_effects_of_a_mold_are_absent_at_their_null() -> None:
             assert np.array_equal(with_null, plain), effect.id
 
 
+def test_thermostat_is_followed_by_the_power_it_drew() -> None:
+    control = 'power = "40 W"\ncontrol = { probe = "T", set = "60 degC", band = "4 K" }'
+    text = CUBE.replace('power = "POWER W"', control).replace("START", "25")
+    document = parse_document(load_toml(text.encode(), "cube.toml"), "cube.toml", MoldDocument)
+    job = Job("close-loop", [], Console(True))
+    times = np.linspace(0.0, 1000.0, 201)
+    power = np.where((times < 300.0) | (np.sin(times / 20.0) > 0.0), 40.0, 0.0)
+    read = heat.Thermocouples(times, np.full((201, 1), 25.0), ["T"], power)
+    problem, _ = heat.pose(
+        job, document, "cube.toml", MoldBuilder(document, "cube.toml", job.inputs), read, [], 0.1
+    )
+    found = problem.predict(np.array([constant.value for constant in problem.own]), {})
+    capacity, loss, fine = 8900.0 * 385.0 * 8e-6, 20.0 * 2.4e-3, np.linspace(0.0, 1000.0, 200001)
+    drawn, now, expected = np.interp(fine, times, power), 25.0, []
+    for i, watt in enumerate(drawn):
+        if i % 1000 == 0:
+            expected.append(now)
+        now += 0.005 * (watt - loss * (now - 25.0)) / capacity
+    assert np.max(np.abs(found - np.array(expected))) < 0.05
+
+
+def test_missing_readings_leave_the_others_where_they_are() -> None:
+    document = parse_document(
+        load_toml(CUBE.replace("POWER", "10").replace("START", "25").encode(), "cube.toml"),
+        "cube.toml",
+        MoldDocument,
+    )
+    job, times = Job("close-loop", [], Console(True)), np.linspace(0.0, 1000.0, 101)
+    readings = np.full((101, 1), 25.0)
+    readings[[0, 17, 50]] = np.nan
+    builder = MoldBuilder(document, "cube.toml", job.inputs)
+    problem, _ = heat.pose(
+        job, document, "cube.toml", builder, heat.Thermocouples(times, readings, ["T"]), [], 0.1
+    )
+    whole, _ = cube(10.0, 25.0)
+    own = np.array([constant.value for constant in problem.own])
+    assert len(problem.measured) == 98
+    assert np.array_equal(problem.curves[0].abscissa, np.delete(times, [0, 17, 50]))
+    assert problem.predict(own, {}) == pytest.approx(np.delete(whole.predict(own, {}), [0, 17, 50]), abs=1e-6)
+
+
 def test_lag_of_a_ramp_is_exact() -> None:
     times = np.linspace(0.0, 50.0, 26)
     ramp = 2.0 * times[None, :, None]

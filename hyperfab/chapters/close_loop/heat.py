@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TypeGuard
 
 import numpy as np
@@ -22,12 +23,14 @@ from hyperfab.io.output import Output
 from hyperfab.io.units import quantity
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.heat import HeatProblem, heat_problem
+from hyperfab.loop.problem import Array
 from hyperfab.thermal.contact import Contact
 from hyperfab.thermal.convection import Convection
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.radiation import Radiation
-from hyperfab.thermal.reduced import HOLDS, reduce
+from hyperfab.thermal.reduced import HOLDS, ReducedMold, reduce
+from hyperfab.thermal.tables import Table
 
 #: What is known of a mold's own constants where --prior does not say.
 PRIOR = 0.10
@@ -51,15 +54,16 @@ def run(job: Job, given: Given) -> int:
             key="run.steady",
             remedy="give until instead",
         )
-    if any(heater.control is not None for heater in document.heater):
+    probes = [probe.name for probe in document.probe]
+    read = read_thermocouples(job, given.measured[0], probes, given.decimal)
+    if any(heater.control is not None for heater in document.heater) and read.power is None:
         raise InputError(
             "close-loop does not follow a thermostat: its switching and the model's drift out of step",
             file=given.name,
             key="heater.control",
-            remedy='give the power that was drawn as schedule = "power.csv"',
+            remedy="add what the heaters drew to the thermocouples, as a column power [W], or give it as "
+            'schedule = "power.csv" in place of control',
         )
-    probes = [probe.name for probe in document.probe]
-    read = read_thermocouples(job, given.measured[0], probes, given.decimal)
     level = None if given.noise is None else quantity(given.noise, "temperature-difference", option="--noise")
     if level is not None and level <= 0.0:
         raise UsageError(f"--noise {given.noise}: must be more than zero")
@@ -129,6 +133,8 @@ def pose(
         model, probes, start, float(read.times[-1]) - min(0.0, float(read.times[0])), _bench(built), opened,
         _corners(built), [[part] for part in began], [c for c in model.conditions if _holds(c)],
     )  # fmt: skip
+    if read.power is not None and any(heater.control is not None for heater in document.heater):
+        mold = _drawn(mold, document, read.times, read.power)
     own, skipped = _own(document, built, [document.part[part].name for part in began])
     for key in fix:
         if key not in {one for one, _ in own}:
@@ -158,6 +164,26 @@ def pose(
     if max(lags) > min(lags):
         skipped.append("the probes' lags differ: the loop takes their mean for all")
     return problem, skipped
+
+
+def _drawn(mold: ReducedMold, document: MoldDocument, times: Array, power: Array) -> ReducedMold:
+    """Return the mold with the power its thermostats were seen to draw, shared as the heaters' ratings are.
+
+    Heaters without a thermostat keep what the document says; it is taken off the power drawn.
+    """
+    ruled = [heater.control is not None for heater in document.heater]
+    rest = power - sum(
+        (table(times) for (_, table), own in zip(mold.heaters, ruled, strict=True) if not own),
+        np.zeros(len(times)),
+    )
+    rated = sum(float(np.max(table.y)) for (_, table), own in zip(mold.heaters, ruled, strict=True) if own)
+    heaters = [
+        (shape, Table(times, rest * (float(np.max(table.y)) / rated)) if own else table)
+        for (shape, table), own in zip(mold.heaters, ruled, strict=True)
+    ]
+    step = np.abs(np.diff(rest)) > 0.02 * float(np.max(np.abs(rest)))
+    turns = times[:-1][step].tolist() + times[1:][step].tolist()
+    return replace(mold, heaters=heaters, corners=tuple(sorted({*mold.corners, *turns})))
 
 
 def _with_held_faces(

@@ -18,11 +18,15 @@ _FEWEST = 12
 
 @dataclass(frozen=True)
 class Thermocouples:
-    """Times (t,) [s], readings (t, p) [degC], nan where one is missing, and the probes' names, as in the file."""
+    """Times (t,) [s], readings (t, p) [degC], nan where one is missing, and the probes' names, as in the file.
+
+    ``power`` (t,) [W] is what all heaters drew together, where the file says it.
+    """
 
     times: Array
     readings: Array
     names: list[str]
+    power: Array | None = None
 
     @property
     def missing(self) -> dict[str, int]:
@@ -32,18 +36,19 @@ class Thermocouples:
 
 
 def read_thermocouples(job: Job, name: str, probes: Sequence[str], decimal: str | None) -> Thermocouples:
-    """Read a thermocouple file; every column must be a probe of the mold."""
+    """Read a thermocouple file; every column of a temperature must be a probe of the mold."""
     table = read_table(
         job.inputs.read(name),
         name,
         {"time": "time"},
+        optional={"power": "power"},
         increasing="time",
         rest="temperature",
         decimal=decimal,
         gaps=True,
     )
     known = {probe.casefold(): probe for probe in probes}
-    columns = [column for column in table.columns if column != "time"]
+    columns = [column for column in table.columns if column not in ("time", "power")]
     for column in columns:
         if column.casefold() not in known:
             raise InputError(
@@ -61,4 +66,5 @@ def read_thermocouples(job: Job, name: str, probes: Sequence[str], decimal: str 
                 column=column,
                 remedy=f"give {_FEWEST} or more, or leave the column out",
             )
-    return Thermocouples(table["time"], readings, [known[column.casefold()] for column in columns])
+    power = table["power"] if "power" in table.columns else None
+    return Thermocouples(table["time"], readings, [known[column.casefold()] for column in columns], power)
