@@ -37,8 +37,10 @@ def extend(
     _relocate(mold, folders)
     files: dict[str, bytes] = {}
     factors = dict(zip((constant.name for constant in problem.own), (float(v) for v in fit.x), strict=False))
+    # A term at its null is not there: the document stays the one that was given.
     terms = {name: {c.name: float(v) for c, v in zip(fit.forms[name].constants, values, strict=True)}
-             for name, (_, values) in fit.terms.items()}  # fmt: skip
+             for name, (_, values) in fit.terms.items()
+             if tuple(values) != fit.forms[name].null}  # fmt: skip
     _scale(mold, document, problem, factors, terms, files)
     notes = _add(mold, document, problem, terms, files, factors.get("ambient", 0.0))
     _named(mold, stem)
