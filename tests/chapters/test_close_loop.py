@@ -10,6 +10,9 @@ import pytest
 from conftest import Run
 from loop.generators import fabric as truths
 
+from hyperfab.chapters.close_loop.tests_in import read_measured
+from hyperfab.chapters.job import Job
+from hyperfab.console import Console
 from hyperfab.documents.base import schema
 
 MODEL = {
@@ -207,3 +210,13 @@ def test_sensors_of_two_heated_bodies_lag(hf: Run, tmp_path: Path, data_dir: Pat
     assert found["effects"][0]["parameters"]["lag_s"] == pytest.approx(16.0, abs=2.0)
     assert found["error"]["before"]["rms"] > 1.0
     assert found["error"]["after"]["rms"] <= 0.65
+
+
+def test_the_axes_of_a_general_biaxial_test_are_across_each_other(tmp_path: Path) -> None:
+    rows = "".join(
+        f"{1 + 0.01 * i:.6g},{0.01 * i:.6g},{1 + 0.005 * i:.6g},{0.008 * i:.6g}\n" for i in range(9)
+    )
+    head = "# test: biaxial-general\nstretch,stress [MPa],stretch 2,stress 2 [MPa]\n"
+    (tmp_path / "both.csv").write_text(head + rows)
+    measured = read_measured(Job("close-loop", [], Console(True)), [str(tmp_path / "both.csv")], None, None)
+    assert [test.angle_deg for test in measured.tests] == [0.0, 90.0]

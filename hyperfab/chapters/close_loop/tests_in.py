@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
@@ -77,6 +77,9 @@ def _curves(test: TestData, factor: float) -> list[FabricTest]:
     found = []
     for number, rows in enumerate(_runs(test)):
         part = _curve(test, rows, factor, number)
+        if test.test == "biaxial-general" and not np.isfinite(part.angle_deg):
+            # Its two axes are across each other whether or not the file says which is the warp.
+            part = replace(part, angle_deg=0.0)
         found.append(part)
         if test.test == "biaxial-general" and test.stress2 is not None and test.stretch2 is not None:
             angle = part.angle_deg + 90.0
