@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
@@ -89,10 +91,19 @@ def _path(places: Array, rows: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.array(path, dtype=np.int64)
 
 
-def level_of_curve(values: Array, abscissa: Array) -> tuple[float, float]:
-    """Return the standard deviation of readings (n,) along a smooth curve, and its degrees of freedom."""
-    order = np.argsort(abscissa, kind="stable")
+def level_of_curve(values: Array, abscissa: Array, time_s: Array | None = None) -> tuple[float, float]:
+    """Return the standard deviation of readings (n,) along a smooth curve, and its degrees of freedom.
+
+    Readings at one place of it, as where a press holds, are smooth in time where that is known.
+    """
+    order = np.lexsort((abscissa if time_s is None else time_s, abscissa))
     found, _ = third_differences(values[order], Curve("", 0, len(values), abscissa[order]))
+    if time_s is not None:
+        same = np.diff(abscissa[order]) <= _SAME * max(float(np.ptp(abscissa)), 1e-12)
+        starts = np.concatenate([[0], np.flatnonzero(~same) + 1, [len(order)]])
+        held = [order[a:b] for a, b in pairwise(starts) if b - a > 4]
+        more = [third_differences(values[rows], Curve("", 0, len(rows), time_s[rows]))[0] for rows in held]
+        found = np.concatenate([found, *more])
     top = float(np.max(np.abs(values), initial=0.0)) or 1.0
     if len(found) < 4:
         return 0.02 * top, 2.0

@@ -237,7 +237,7 @@ def noise_of(
         problem: PressProblem, one: Reading, rows: NDArray[np.int64], predicted: Array
     ) -> tuple[float, float, str]:
         if one.stroke is not None:
-            return *level_of_curve(one.values, one.stroke), "local differences"
+            return *level_of_curve(one.values, one.stroke, one.time_s), "local differences"
         parts = [part.places for part in problem.readings if part.name == one.name]
         places = np.concatenate([part for part in parts if part is not None])
         return *_cloud(one.kind, places, problem.measured[rows], predicted[rows]), "neighbouring readings"
