@@ -156,7 +156,7 @@ class Problem(ABC):
     stated_sd: Array | None = None
     nuisance: Array | None = None
     units: tuple[str, ...] = ("",)
-    #: Entries of which the forms that refine them are tried too.
+    #: Entries of which the forms that refine them are tried too, for the first term.
     rich: ClassVar[int] = 3
     starts: tuple[Array, ...] = ()
 

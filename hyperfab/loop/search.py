@@ -22,8 +22,8 @@ MARGIN = 8.0
 _STEPS = 4
 #: Steps from each of several starts.
 _FEW = 5
-#: Forms of an entry that are tried.
-_FORMS = 3
+#: Forms of an entry that are tried, and entries of which the forms that refine them are tried too.
+_FORMS, _RICH = 3, 3
 #: Shares of the structured variance a first and a further term must take.
 FIRST_SHARE, NEXT_SHARE = 0.01, 0.05
 #: Shares of the structured held-out error and of the tests; of three tests, two are enough.
@@ -320,7 +320,7 @@ class Search:
         simple.sort(key=lambda pair: pair[1].chi2)
         found = []
         for place, (effect, fitted) in enumerate(simple):
-            if place < self.problem.rich:
+            if place < (_RICH if state.ids else max(self.problem.rich, _RICH)):
                 fitted = self.with_term(state, effect, _FORMS if place == 0 else 1) or fitted
             larger = self.state(fitted)
             found.append((larger, self.evidence(state, larger)))
