@@ -1,12 +1,14 @@
-"""The sphere on the disc by this program and by FElupe: CPU seconds and error of the force, in one run.
+"""The sphere on the disc by this program, FElupe and CalculiX: CPU seconds and error of the force, in one run.
 
-    python benchmarks/contact.py [--peers PYTHON] [--cells 40]
+    python benchmarks/contact.py [--peers PYTHON] [--cells 40] [--calculix-cells 40]
 
 A sphere of radius 40 mm is pushed 60 mm, in 8 steps, into a clamped neo-Hookean disc of diameter 200 mm (C10 0.2 MPa,
 1 mm thick, frictionless); the force is known from two other methods, 41.576556565 N. FElupe (installed apart: pip
 install felupe pypardiso) has linear hexahedra, one thin layer on a quarter of the disc, and a penalty against the
-sphere; its steps are halved where they fail. Seconds are CPU of the whole process, with kernels compiled before, the
-better of two runs. A dash: not installed, or no result.
+sphere; its steps are halved where they fail. CalculiX (ccx, as Debian packages it: calculix-ccx) has C3D8I hexahedra,
+also one thin layer on a quarter, node-to-surface contact with a stiff spring, and steps of its own choice. Seconds are
+CPU of the whole process, with kernels compiled before, the better of two runs (of CalculiX one). A dash: not
+installed, or no result; the reason is printed to standard error.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ import tempfile
 from pathlib import Path
 
 FORCE = 41.576556565
-PEER = Path(__file__).parent / "contact_peers" / "with_felupe.py"
+PEERS = Path(__file__).parent / "contact_peers"
 ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"), "1")
 
 
@@ -32,6 +34,9 @@ def main() -> None:
     )
     parser.add_argument("--peers", default=sys.executable, help="interpreter that has FElupe")
     parser.add_argument("--cells", default="40", help="cells along a side of FElupe's mesh")
+    parser.add_argument(
+        "--calculix-cells", default="40", help="cells along a side of CalculiX's mesh; 0 leaves it out"
+    )
     options = parser.parse_args()
     print("| program | linear solver | unknowns | CPU s | error of the force |")
     print("|---|---|---|---|---|")
@@ -44,16 +49,19 @@ def main() -> None:
             command = [sys.executable, "-m", "hyperfab", "fabric-contact", str(sheet), "--mesh-size", mesh]
             row("hyperfab", "its own", [*command, "--quiet", "-o", "-"])
     for solver in ("scipy", "pardiso"):
-        row("FElupe", solver, [options.peers, str(PEER), options.cells, solver])
+        row("FElupe", solver, [options.peers, str(PEERS / "with_felupe.py"), options.cells, solver])
+    if options.calculix_cells != "0":
+        calculix = [sys.executable, str(PEERS / "with_calculix.py"), options.calculix_cells]
+        row("CalculiX", "SPOOLES", calculix, times=1)
 
 
-def row(program: str, solver: str, command: list[str]) -> None:
-    """Run a command twice and print its line."""
-    runs = [measured(command) for _ in range(2)]
-    if runs[0] is None or runs[1] is None:
-        print(f"| {program} | {solver} | – | – | – |")
+def row(program: str, solver: str, command: list[str], times: int = 2) -> None:
+    """Run a command some times and print its line."""
+    runs = [run for _ in range(times) if (run := measured(command)) is not None]
+    if not runs:
+        print(f"| {program} | {solver} | – | – | – |", flush=True)
         return
-    seconds, found = min(runs[0][0], runs[1][0]), runs[0][1]
+    seconds, found = min(run[0] for run in runs), runs[0][1]
     solver = found.get("linear_solver", solver)
     error = abs(found["force_N"] / FORCE - 1.0)
     print(f"| {program} | {solver} | {found['unknowns']} | {seconds:.2f} | {error:.1e} |", flush=True)
@@ -65,6 +73,7 @@ def measured(command: list[str]) -> tuple[float, dict] | None:
     done = subprocess.run(command, capture_output=True, check=False, env={**os.environ, **ONE_THREAD})
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     if done.returncode != 0:
+        print(done.stderr.decode().strip().rpartition("\n")[2], file=sys.stderr)
         return None
     seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     return seconds, json.loads(done.stdout)
