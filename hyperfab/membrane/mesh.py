@@ -54,6 +54,8 @@ class SheetMesh:
     gradients: Array = field(repr=False)
     weights: Array = field(repr=False)
     copies: int
+    #: Places of the nodes and the strains recovered from them, of the last time.
+    recovered: list[Array] = field(default_factory=list, repr=False)
 
     @cached_property
     def pattern(self) -> BlockPattern:

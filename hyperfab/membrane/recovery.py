@@ -31,7 +31,16 @@ _MIRRORS = np.array([[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]])
 
 
 def recovered_strain(mesh: SheetMesh, places: Array) -> Array:
-    """Return C11, C22, C12 (n, 3) of the right Cauchy–Green tensor at the nodes for places (n, 3) [mm]."""
+    """Return C11, C22, C12 (n, 3) of the right Cauchy–Green tensor at the nodes for places (n, 3) [mm].
+
+    The mesh keeps those of the last places: one equilibrium is asked for them several times.
+    """
+    if not (mesh.recovered and np.array_equal(mesh.recovered[0], places)):
+        mesh.recovered[:] = [places.copy(), _recovered(mesh, places)]
+    return mesh.recovered[1].copy()
+
+
+def _recovered(mesh: SheetMesh, places: Array) -> Array:
     powers = np.array([(i, j) for i in range(4) for j in range(4) if i + j <= mesh.order + 1])
     corner_size = mesh.node_size[: mesh.corners]
     on_line = np.zeros((2, mesh.corners), bool)
