@@ -10,10 +10,14 @@ import numpy as np
 from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
+from hyperfab.loop.score import projected
 from hyperfab.loop.search import MARGIN, Search, State, common_bic
 
 #: Constants a rival may always have.
 _FEWEST = 2
+#: An entry whose imprint has less than this (squared cosine) in common with a found effect's is no rival: to pass it
+#: would have to have nearly all.
+_ALIKE = 0.2
 
 
 @dataclass(frozen=True)
@@ -45,8 +49,9 @@ def rivals(search: Search, best: State) -> list[Rival]:
         without = search.without(best, name)
         most = max(len(best.fit.forms[name].constants), _FEWEST)
         imprint = _misfit(search.problem, search.noise, best.fit, without.fit)
+        alike = _alike(search, best, without)
         for effect, _ in search.ranking(without):
-            if effect.id == name:
+            if effect.id == name or alike[effect.id] < _ALIKE:
                 continue
             # A rival with more constants than the found law would pass for nearly anything.
             fitted = search.with_term(without, effect, most=most)
@@ -61,6 +66,21 @@ def rivals(search: Search, best: State) -> list[Rival]:
             rest = float(np.sqrt(left / len(best.fit.residual)))
             found.append(Rival(effect.id, name, share, rest, gap, state))
     return sorted(found, key=lambda rival: -rival.share)
+
+
+def _alike(search: Search, best: State, without: State) -> dict[str, float]:
+    """Return how far the imprint of a found effect lies along that of each entry: the greatest squared cosine."""
+    basis, _ = projected(without.fit)
+    noise = search.noise.at(without.fit.predicted)
+    imprint = np.zeros(len(basis))
+    imprint[: len(noise.sd)] = noise.whiten(best.fit.predicted - without.fit.predicted)
+    imprint -= basis @ (basis.T @ imprint)
+    power = max(float(imprint @ imprint), 1e-300)
+    found: dict[str, float] = {}
+    for signature in without.found:
+        cosine = float(signature.direction @ imprint) ** 2 / power
+        found[signature.effect.id] = max(found.get(signature.effect.id, 0.0), cosine)
+    return found
 
 
 def indistinguishable(problem: Problem, found: Sequence[Rival], best: State) -> list[list[str]]:

@@ -42,7 +42,7 @@ class Signature:
 def signatures(problem: Problem, noise: Noise, fit: Fit, effects: Iterable[Effect]) -> list[Signature]:
     """Return the signatures of all forms of ``effects`` that the data could show."""
     own, terms, noise = fit.x[: fit.own], fit.terms, noise.at(fit.predicted)
-    basis, residual = _projected(fit)
+    basis, residual = projected(fit)
     wide = basis
     if problem.nuisance is not None:
         smooth = noise.whiten(problem.nuisance)
@@ -113,7 +113,7 @@ def greatest_by_chance(found: list[Signature], dof: float) -> float:
     return float((1 + np.sum(draws >= seen)) / (1 + _DRAWS))
 
 
-def _projected(fit: Fit) -> tuple[Array, Array]:
+def projected(fit: Fit) -> tuple[Array, Array]:
     """Return an orthonormal basis of the own sensitivities with the priors as extra rows, and the residual so too."""
     root = np.sqrt(fit.prior)
     basis = _orthonormal(np.vstack([fit.jacobian, np.diag(root)]))
