@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from pathlib import Path
 
 import jsonschema
@@ -182,3 +183,12 @@ def test_weight_of_a_draped_sheet_is_found(tmp_path: Path, hf: Run) -> None:
     document = closed(tmp_path, "drape")
     assert [one["id"] for one in document["effects"]] == ["gravity"]  # type: ignore[attr-defined]
     assert json.loads((tmp_path / "loop.model.json").read_text())["mass_g_m2"] > 300.0
+    # The tests that were taken as laws are written anew with their refitted stiffness.
+    assert {"loop.model.warp.csv", "loop.model.weft.csv"} <= set(document["files"])  # type: ignore[arg-type]
+    again = hf(*shlex.split(str(document["model_command"]))[1:-1], "again.json", cwd=tmp_path)
+    assert again.returncode == 0, again.stderr.decode()
+    extended = json.loads((tmp_path / "loop.model.json").read_text())
+    assert json.loads((tmp_path / "again.json").read_text())["force_N"] == extended["force_N"]
+    warp = np.loadtxt(tmp_path / "loop.model.warp.csv", delimiter=",", skiprows=1)
+    factor = document["constants"]["with_effects"]["warp"]  # type: ignore[index]
+    assert warp[-1, 1] == pytest.approx(factor * nets.stress(np.array([2.0]), nets.WARP)[0][0], rel=1e-6)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from hyperfab.chapters.close_loop.closing import MODEL_SUFFIXES, Axis, finish, stated
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_contact import FABRIC
-from hyperfab.chapters.close_loop.extended_drape import extend
+from hyperfab.chapters.close_loop.extended_drape import THREADS, extend
 from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, read_files, spread, widened
 from hyperfab.chapters.close_loop.recall import Recalled, check_unchanged, recall
 from hyperfab.chapters.close_loop.rerun import preview
@@ -44,7 +44,7 @@ _MOST_STRETCH, _MOST_FRICTION = 0.12, 0.6
 
 def run(job: Job, given: Given) -> int:
     """Close the loop on a drape document."""
-    out = job.opened(given.output, (*MODEL_SUFFIXES, ".model.pvd", FABRIC, ".png", ".csv"))
+    out = job.opened(given.output, (*MODEL_SUFFIXES, ".model.pvd", FABRIC, *THREADS, ".png", ".csv"))
     level = stated(given.noise, ("length",))
     recalled = recall(job, given.name, given.data, "drape", given.parse)
     files = read_files(given, lambda name: read_markers(job, name, given.decimal))
@@ -67,7 +67,7 @@ def run(job: Job, given: Given) -> int:
         recalled=recalled,
         parse=given.parse,
         axis=lambda p: Axis(p.states["from the middle_mm"], "from the middle [mm]"),
-        extend=lambda found: extend(out, recalled, material, forward.effects, problem, found),
+        extend=lambda found: extend(out, recalled, material, forward.effects, forward.sheet, problem, found),
         rounds=forward.corrected,
         apart=(lambda p: widened(p, files.apart)) if files.apart else None,
     )

@@ -1,4 +1,5 @@
-"""The extended drape: a fabric with refitted constants, and the command that drapes it with the terms."""
+"""The extended drape: a fabric, or laws of threads, with refitted constants, and the command that drapes it with the
+terms."""
 
 from __future__ import annotations
 
@@ -6,6 +7,8 @@ from hyperfab.chapters.close_loop.closing import Extension
 from hyperfab.chapters.close_loop.extended_contact import FABRIC, refitted
 from hyperfab.chapters.close_loop.recall import Recalled, reworded
 from hyperfab.chapters.drape.effects import Effects
+from hyperfab.cloth import Sheet
+from hyperfab.cloth.law import SpringLaw
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
@@ -13,12 +16,16 @@ from hyperfab.io.units import quantity
 from hyperfab.loop.drape import DrapeProblem
 from hyperfab.loop.engine import Finding
 
+#: Where the tests that are taken as laws are written.
+THREADS = (".model.warp.csv", ".model.weft.csv")
+
 
 def extend(
     out: Output,
     recalled: Recalled,
     material: MaterialDocument | None,
     effects: Effects,
+    sheet: Sheet,
     problem: DrapeProblem,
     found: Finding,
 ) -> Extension:
@@ -45,12 +52,21 @@ def extend(
         if effects.bias is not None:
             notes.append("shear-stiffness: a modulus takes the place of the measured law of the diagonals")
     if material is None:
-        notes.append(
-            "the tests taken as laws stand as they are: their refitted stiffness is in constants alone"
-        )
-        return Extension(reworded(recalled.words, words), {}, notes)
+        laws = (_thread(sheet.warp, own["warp"]), _thread(sheet.weft, own["weft"]))
+        files = dict(zip(THREADS, laws, strict=True))
+        words |= {"--warp": str(out.path(THREADS[0])), "--weft": str(out.path(THREADS[1]))}
+        words["--thickness"] = f"{sheet.thickness!r}mm"
+        return Extension(reworded(recalled.words, words), files, notes)
     fabric = refitted(material, {name: own[name] for name in problem.draped.names})
     renamed = [
         str(out.path(FABRIC)) if word == recalled.options["material"] else word for word in recalled.words
     ]
     return Extension(reworded(renamed, words), {FABRIC: dump_json(fabric.to_json())}, notes)
+
+
+def _thread(law: SpringLaw, factor: float) -> bytes:
+    """Return a measured law with its stress times ``factor``, as a uniaxial test."""
+    rows = ["strain [-],stress [MPa]"]
+    rows += [f"{float(stretch) - 1.0!r},{factor * float(stress)!r}"
+             for stretch, stress in zip(law.knots, law.pieces[:, 1], strict=True)]  # fmt: skip
+    return ("\n".join(rows) + "\n").encode()
