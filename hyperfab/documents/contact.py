@@ -105,6 +105,9 @@ class ContactDocument(Document):
     linear_solver: str | None = Field(default=None, description="what solved Newton's equations")
     force_N: float | None = None
     force_error_relative: float | None = Field(default=None, description="estimated from two meshes")
+    cut_max_mm: float | None = Field(
+        default=None, description="how deep elements cut into sharp edges of a punch, between their nodes"
+    )
     force_extrapolated_N: float | None = Field(
         default=None, description="for load steps of length zero, where the force hangs on them (stick)"
     )

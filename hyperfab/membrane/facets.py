@@ -17,6 +17,7 @@ from hyperfab.membrane.sphere import Nearness
 from hyperfab.surface import Surface
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
 
 #: Closer to an edge or corner than this part of the punch's size the direction to it is lost in rounding.
@@ -63,13 +64,18 @@ class Facets:
     @cached_property
     def _curvature(self) -> Array:
         """Shape operators (m, 3, 3) [1/mm] of what the facets stand for; zero beside edges meant to be sharp."""
+        curvature = self.surface.curvature.copy()
+        curvature[self.sharp] = 0.0
+        return curvature
+
+    @cached_property
+    def sharp(self) -> Flags:
+        """Which facets (m,) have a corner on an edge that is meant to be sharp."""
         surface = self.surface
         face, edge = np.nonzero(np.abs(surface.edge_turn) > _SHARP)
-        sharp = np.zeros(len(surface.vertices), bool)
-        sharp[surface.faces[face, edge]] = sharp[surface.faces[face, (edge + 1) % 3]] = True
-        curvature = surface.curvature.copy()
-        curvature[np.any(sharp[surface.faces], axis=1)] = 0.0
-        return curvature
+        corner = np.zeros(len(surface.vertices), bool)
+        corner[surface.faces[face, edge]] = corner[surface.faces[face, (edge + 1) % 3]] = True
+        return np.asarray(np.any(corner[surface.faces], axis=1))
 
     def above(self, depth: float) -> Array:
         """Return corners (k, 3) [mm] of what rises above the sheet's plane, z = 0, when pushed in by ``depth``."""

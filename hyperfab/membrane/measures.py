@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.membrane.contact import Frictionless
-from hyperfab.membrane.equilibrium import Press
+from hyperfab.membrane.equilibrium import Press, State
+from hyperfab.membrane.facets import Facets
+from hyperfab.membrane.mesh import shape_functions
 from hyperfab.membrane.recovery import recovered_strain
 from hyperfab.membrane.sheet import Sheet
 from hyperfab.membrane.tension_field import TAUT
@@ -39,6 +41,23 @@ def mounted_energy(press: Press) -> float:
     below = -sheet.reach
     nothing = np.zeros(len(sheet.flat), bool)
     return replace(press, tangential=Frictionless()).equilibrium(below, sheet.flat, nothing).energy
+
+
+#: Points of an element, in area coordinates, at which it may cut into an edge of the punch.
+_BETWEEN = np.array(
+    [[2, 2, 0], [3, 1, 0], [1, 3, 0], [0, 2, 2], [0, 3, 1], [0, 1, 3], [2, 0, 2], [1, 0, 3], [3, 0, 1], [4 / 3] * 3]
+) / 4.0  # fmt: skip
+
+
+def cut(press: Press, state: State) -> float:
+    """Return how deep [mm] elements cut into a punch beside its sharp edges, between their nodes; 0 without any."""
+    if not isinstance(press.punch, Facets) or not press.punch.sharp.any():
+        return 0.0
+    mesh = press.sheet.mesh
+    between = np.einsum("qa,mai->mqi", shape_functions(mesh.order, _BETWEEN), state.places[mesh.elements])
+    near = press.punch.near(between.reshape(-1, 3), state.depth)
+    assert near.facet is not None
+    return float(np.maximum(-near.gap[press.punch.sharp[near.facet]], 0.0).max(initial=0.0))
 
 
 def wrinkled_fraction(sheet: Sheet, places: Array) -> float:

@@ -70,7 +70,18 @@ def _triangulated(outline: Outline, size: SizeField, seed: int, jitter: float) -
     if jitter > 0.0:
         free = slice(len(fixed), None)
         points[free] += jitter * size(points[free])[:, None] * random.uniform(-1, 1, points[free].shape)
-    return Triangles(points, _within(outline, points, len(fixed)), edges, edge_arc)
+    return _joined(Triangles(points, _within(outline, points, len(fixed)), edges, edge_arc), len(fixed))
+
+
+def _joined(found: Triangles, rim: int) -> Triangles:
+    """Drop points that no triangle has, as Delaunay's method leaves where two all but coincide; not the ``rim``."""
+    used = np.zeros(len(found.points), bool)
+    used[:rim] = True
+    used[found.triangles] = True
+    if used.all():
+        return found
+    number = np.cumsum(used) - 1
+    return Triangles(found.points[used], number[found.triangles], found.edges, found.edge_arc)
 
 
 def _has_rim(found: Triangles) -> bool:

@@ -34,6 +34,8 @@ Array = NDArray[np.float64]
 _GROWTH = 0.25
 #: Edges on the sphere, relative to its radius; edges at the contact edge, relative to the mesh size.
 _ON_SPHERE, _AT_EDGE = 1 / 8, 1 / 4
+#: Around the tip of a punch, where it has one, edges relative to the mesh size are no shorter than this.
+_FINEST = 1 / 80
 #: Part of the punch's width that the rough mesh takes for touched.
 _TOUCHED = 0.8
 #: Edges of the rough mesh away from the sphere, at least, relative to half the size of the sheet.
@@ -55,6 +57,8 @@ _FASTEST = 2.6
 _MOST_UNKNOWNS = 200_000
 #: The work of the punch is sought to this part of itself, with at most so many depths beyond those asked for.
 _WORK_TOLERANCE, _MOST_MORE_DEPTHS = 3e-5, 12
+#: The same on facets, whose edges leave a noise in the force.
+_WORK_TOLERANCE_ON_FACETS, _MOST_MORE_DEPTHS_ON_FACETS = 1e-3, 4
 
 
 @dataclass(frozen=True)
@@ -153,7 +157,10 @@ def _fitted_triangles(
     on_sphere = min(coarse, test.radius * _ON_SPHERE / _FINER**level)
     sizes: list[SizeField] = []
     for edge in edges:
-        fine = min(test.mesh_size * _AT_EDGE, 0.3 * edge.mean) / _FINER_EDGE**level
+        fine = (
+            min(test.mesh_size * _AT_EDGE, max(0.3 * edge.mean, _FINEST * test.mesh_size))
+            / _FINER_EDGE**level
+        )
         sizes.append(graded(edge.points(), fine, coarse, _GROWTH))
 
     # Friction points towards the pole from all sides: the stretch has a cusp there.
@@ -224,8 +231,11 @@ def _trace(test: SphereTest, outcome: Outcome, watch: Watch) -> None:
     """Fill in the curve of force against depth, with equilibria in between where its integral is in doubt."""
     outcome.trace = [(solved.state.depth, solved.state.force) for solved in outcome.solved]
     limit, footings = outcome.path.limit, list(outcome.path.footings)
-    for _ in range(0 if outcome.path.jumps else _MOST_MORE_DEPTHS):
-        depth = doubtful(outcome.trace, _WORK_TOLERANCE, limit.turning_point if limit else None)
+    tolerance, most = _WORK_TOLERANCE, _MOST_MORE_DEPTHS
+    if test.facets is not None:
+        tolerance, most = _WORK_TOLERANCE_ON_FACETS, _MOST_MORE_DEPTHS_ON_FACETS
+    for _ in range(0 if outcome.path.jumps else most):
+        depth = doubtful(outcome.trace, tolerance, limit.turning_point if limit else None)
         if depth is None:
             return
         below = [footing for footing in footings if footing.state.depth < depth]

@@ -11,6 +11,7 @@ from hyperfab.membrane import outline
 from hyperfab.membrane.contact_edge import contact_edge
 from hyperfab.membrane.facets import Facets, placed
 from hyperfab.membrane.friction import Coulomb
+from hyperfab.membrane.measures import cut
 from hyperfab.membrane.sphere import Sphere
 from hyperfab.membrane.sphere_test import SphereTest, rough_path, run
 from hyperfab.membrane.tension_field import IsotropicSheet
@@ -83,3 +84,12 @@ def test_what_rises_above_the_plane_is_cut_at_it():
     assert above[:, 2].min() == 0.0
     assert above[:, 2].max() == 15.0
     np.testing.assert_allclose(np.ptp(above[:, :2], axis=0), [40.0, 20.0])
+
+
+def test_elements_cut_into_sharp_edges_alone():
+    """The straight line between a node on the top and one beside it passes below the rim of a cylinder."""
+    cylinder = trimesh.creation.cylinder(radius=30.0, height=80.0, sections=96)
+    press, path = rough_path(_test(placed(Surface(cylinder.vertices, cylinder.faces)), quarter=True), [10.0])
+    assert 0.02 < cut(press, path.states[-1]) < 2.0
+    press, path = rough_path(_test(_ball(3), quarter=False), [10.0])
+    assert cut(press, path.states[-1]) == 0.0

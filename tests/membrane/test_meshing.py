@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hyperfab.membrane.mesh import halved, interpolate, sheet_mesh
-from hyperfab.membrane.meshing import graded, triangulate, uniform
+from hyperfab.membrane.meshing import Triangles, _joined, graded, triangulate, uniform
 from hyperfab.membrane.outline import Disc, Square, quarter_of
 
 OUTLINES = [Disc(100.0), Disc(100.0, quarter=True), Square(200.0), Square(200.0, quarter=True)]
@@ -76,3 +76,17 @@ def test_halved_triangles_keep_the_outline_and_their_corners():
     assert np.allclose(np.hypot(*mesh.nodes[mesh.rim].T), 100.0)
     assert len(mesh.rim) == 2 * len(other.rim) - 1
     assert all((mesh.nodes[mesh.symmetric[axis], axis] == 0.0).all() for axis in (0, 1))
+
+
+def test_points_without_a_triangle_are_dropped():
+    """As of two that all but coincide, of which Delaunay's method takes one; points of the rim stay."""
+    points = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.25, 0.25], [0.25, 0.25], [0.3, 0.3]])
+    found = Triangles(
+        points,
+        np.array([[0, 1, 3], [0, 3, 2], [1, 5, 3]]),
+        np.array([[0, 1], [1, 2], [2, 0]]),
+        np.zeros(3, int),
+    )
+    joined = _joined(found, 3)
+    np.testing.assert_array_equal(joined.points, points[[0, 1, 2, 3, 5]])
+    np.testing.assert_array_equal(joined.points[joined.triangles], points[found.triangles])

@@ -70,6 +70,11 @@ def run(
         if status:
             job.console.warn(f"{fabric.name}: {status}")
         _table(job, fabric, outcome, number)
+    if found.cut_max_mm and found.force_error_relative and found.force_error_relative > setup.tolerance:
+        job.console.warn(
+            f"elements cut up to {found.cut_max_mm:.2g} mm into sharp edges of the punch: its force is sure to "
+            f"{100.0 * found.force_error_relative:.2g} % only; round the edges, or choose a smaller --mesh-size"
+        )
     failed = any(instabilities) or any(outcome.path.limit for outcome in outcomes)
     return NotConverged.exit_status if failed else 0
 

@@ -11,7 +11,7 @@ from hyperfab.documents.contact import BalancePart, ContactDocument, OtherPart, 
 from hyperfab.membrane.contact import Tangential
 from hyperfab.membrane.contact_edge import contact_edge
 from hyperfab.membrane.friction import Coulomb
-from hyperfab.membrane.measures import fields, mounted_energy, wrinkled_fraction
+from hyperfab.membrane.measures import cut, fields, mounted_energy, wrinkled_fraction
 from hyperfab.membrane.path import Limit
 from hyperfab.membrane.sphere_test import Outcome, Solved
 from hyperfab.membrane.verdict import Instability, stress_difference, work
@@ -113,14 +113,24 @@ def _add_last(found: ContactDocument, outcome: Outcome) -> None:
     done = work(outcome)
     lost = sheet.mesh.copies * state.memory.dissipated
     found.force_extrapolated_N = outcome.extrapolated
+    # A sheet that is slack to the end stores and costs nothing but rounding.
+    pulls = state.force > 0.0
     found.balance = BalancePart(
         work_J=_JOULE * done,
         stored_J=_JOULE * stored,
         dissipated_J=_JOULE * lost,
-        imbalance_relative=(done - stored - lost) / stored if stored > 0.0 else 0.0,
+        imbalance_relative=(done - stored - lost) / stored if pulls and stored > 0.0 else 0.0,
         reaction_N=state.reaction,
-        force_imbalance_relative=(state.reaction - state.force) / state.force if state.force > 0.0 else 0.0,
+        force_imbalance_relative=(state.reaction - state.force) / state.force if pulls else 0.0,
     )
+    deep = cut(last.press, state)
+    if deep > 0.0 and pulls:
+        # Two meshes may cut alike: the force is no surer than its balance, and than three times the part of the
+        # depth that is cut off (it grows as the third power at first).
+        found.cut_max_mm = deep
+        found.force_error_relative = max(
+            last.error or 0.0, abs(found.balance.imbalance_relative), 3.0 * deep / state.depth
+        )
 
 
 def _compare(
