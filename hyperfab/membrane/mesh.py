@@ -163,18 +163,26 @@ def shape_functions(order: int, area: Array) -> Array:
 def interpolate(mesh: SheetMesh, values: Array, points: Array) -> Array:
     """Return nodal ``values`` (n, k) interpolated at undeformed ``points`` (p, 2) inside or just outside the mesh."""
     corners = mesh.nodes[mesh.elements[:, :3]]
-    centres = corners.mean(axis=1)
-    _, near = cKDTree(centres).query(points, k=min(16, len(centres)))
+    centres = cKDTree(corners.mean(axis=1))
+    element, area = _containing(corners, centres, points, 4)
+    # On graded meshes the element around a point may be further off.
+    astray = np.flatnonzero(area.min(axis=1) < 0.0)
+    if len(astray):
+        element[astray], area[astray] = _containing(corners, centres, points[astray], 16)
+    return np.einsum("pa,pak->pk", shape_functions(mesh.order, area), values[mesh.elements[element]])
+
+
+def _containing(corners: Array, centres: cKDTree, points: Array, count: int) -> tuple[Indices, Array]:
+    """Return which of the ``count`` nearest elements holds each point best, and its area coordinates (p, 3) there."""
+    _, near = centres.query(points, k=min(count, len(corners)))
     near = near.reshape(len(points), -1)
     a, b, c = (corners[near, i] for i in range(3))
-    double = _cross(b - a, c - a)
     p = points[:, None, :]
     area = np.stack([_cross(b - p, c - p), _cross(c - p, a - p), _cross(a - p, b - p)], axis=-1)
-    area /= double[..., None]
+    area /= _cross(b - a, c - a)[..., None]
     best = np.argmax(area.min(axis=-1), axis=1)
     row = np.arange(len(points))
-    weights = shape_functions(mesh.order, area[row, best])
-    return np.einsum("pa,pak->pk", weights, values[mesh.elements[near[row, best]]])
+    return near[row, best], area[row, best]
 
 
 def _cross(u: Array, v: Array) -> Array:
