@@ -42,7 +42,6 @@ _MOVED: Mapping[str, Mapping[str, tuple[str, ...]]] = {
         "linear": ("ambient_per_s",),
         "quadratic": ("ambient_per_s", "ambient_per_s2"),
         "cubic": ("ambient_per_s", "ambient_per_s2", "ambient_per_s3"),
-        "swinging": ("swing_sin_K", "swing_cos_K", "swing_s"),
     },
     "convection-law": {"power": ("exponent",)},
     "contact-resistance": {
@@ -54,8 +53,8 @@ _MOVED: Mapping[str, Mapping[str, tuple[str, ...]]] = {
 }
 #: What is known of the temperature at the start and of the ambient [K]: what a thermometer on the wall tells.
 _LEVEL_SD = {"start": 0.5, "ambient": 1.0}
-#: Standard deviations of its prior by which a constant may move.
-_FARTHEST = 4.0
+#: Standard deviations of its prior by which a constant may move; less those that could stand in for a bad joint.
+_FAR, _FARTHEST = 9.0, {"conductivity": 6.0, "joint": 8.0}
 #: Runs that could be done next: what to say, times in units of the present run, shares of the largest power then, and
 #: whether a probe sits in each part.
 _MENU = (
@@ -241,11 +240,17 @@ def heat_problem(
     joint); they are factors on the document's values with a relative standard deviation ``prior``.
     """
     # Far from what the document says a constant would only stand in for what the model lacks.
-    least, most = max(1.0 - _FARTHEST * prior, 0.05), 1.0 + _FARTHEST * prior
+    reach = {kind: prior * _FARTHEST.get(kind, _FAR) for _, kind in own}
     constants = tuple(
         Constant(key, 0.0, *((0.0, 0.0) if key in fixed else (-30.0, 30.0)), 0.5, _LEVEL_SD[kind])
         if kind in _LEVEL_SD
-        else Constant(key, 1.0, *((1.0, 1.0) if key in fixed else (least, most)), 0.1, prior)
+        else Constant(
+            key,
+            1.0,
+            *((1.0, 1.0) if key in fixed else (max(1.0 - reach[kind], 0.05), 1.0 + reach[kind])),
+            0.1,
+            prior,
+        )
         for key, kind in own
     )
     rows, count = len(times), len(probes)

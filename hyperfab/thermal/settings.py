@@ -91,7 +91,7 @@ class Settings:
       ``bench_share`` of the face's warmth that the bench takes on within ``bench_s``;
     - ``lost``, ``lost_per_K``, ``lost_per_K2`` shares of the power, ``back_W_K`` lost while it is on;
     - ``conductivity_per_K``, ``capacity_per_K``, ``capacity_per_K2``;
-    - ``ambient_per_s``, ``ambient_per_s2``, ``ambient_per_s3``, ``swing_sin_K``, ``swing_cos_K`` of period ``swing_s``;
+    - ``ambient_per_s``, ``ambient_per_s2``, ``ambient_per_s3``;
     - ``exponent`` of a film coefficient in its temperature difference;
     - ``joint_uneven``, ``joint_x``, ``joint_y`` over the opened joints, ``joint_per_K`` by which they conduct better.
     """
@@ -113,9 +113,4 @@ class Settings:
     def air_K(self, run: int, times: Array) -> Array:
         """Return by how much the ambient is off at ``times`` [s]."""
         slope, bend, twist = self.of(run, "ambient_per_s", "ambient_per_s2", "ambient_per_s3")
-        sine, cosine, period = self.of(run, "swing_sin_K", "swing_cos_K", "swing_s")
-        found = self.ambient_K[run] + ((twist * times + bend) * times + slope) * times
-        if sine != 0.0 or cosine != 0.0:
-            turn = 2.0 * np.pi * times / max(period, 1e-9)
-            found = found + sine * np.sin(turn) + cosine * (np.cos(turn) - 1.0)
-        return np.asarray(found)
+        return np.asarray(self.ambient_K[run] + ((twist * times + bend) * times + slope) * times)

@@ -217,9 +217,6 @@ def _add(
             at = np.linspace(0.0, float(times[-1]), 101)
             slope, bend, twist = (values.get(f"drift_K_s{power}", 0.0) for power in ("", "2", "3"))
             rise = slope * at + bend * at**2 + twist * at**3
-            if "period_s" in values:
-                turn = 2.0 * np.pi * at / values["period_s"]
-                rise = values["swing_sine_K"] * np.sin(turn) + values["swing_cosine_K"] * (np.cos(turn) - 1.0)
             base = (
                 problem.runs[0].mold.films[0].ambient(at)
                 if problem.runs[0].mold.films

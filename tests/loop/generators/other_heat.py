@@ -46,8 +46,19 @@ def draw(random: Generator, effects: tuple[str, ...], kind: int | None = None) -
     return truth
 
 
-def schedule(time: float, poor: bool) -> float:
+@dataclass(frozen=True)
+class Program:
+    """Another run: power [W] linear between times [s], and the means of plate and block read beside the probes."""
+
+    times: Array
+    power: Array
+    means: bool = False
+
+
+def schedule(time: float, poor: bool, program: Program | None = None) -> float:
     """Heat-up by a ramp and a plateau, less power, cool-down, a second heat-up [W]; poor: heat-up alone."""
+    if program is not None:
+        return float(np.interp(time, program.times, program.power))
     share = time / DURATION
     if poor:
         return POWER * 0.7
@@ -56,21 +67,26 @@ def schedule(time: float, poor: bool) -> float:
 
 
 def measure(
-    truth: Truth, random: Generator, noise: float, rows: int = 200, poor: bool = False
+    truth: Truth,
+    random: Generator,
+    noise: float,
+    rows: int = 200,
+    poor: bool = False,
+    program: Program | None = None,
 ) -> tuple[Array, Array]:
     """Return times (t,) and readings of four probes (t, 4), two in the plate and two in the block.
 
-    Poor: two probes, both in the plate.
+    Poor: two probes, both in the plate. Columns of the means follow where the program asks for them.
     """
-    coarse, fine = _march(truth, rows, 3, poor), _march(truth, rows, 6, poor)
+    coarse, fine = _march(truth, rows, 3, poor, program), _march(truth, rows, 6, poor, program)
     clean = 2.0 * fine - coarse
-    if poor:
-        clean = clean[:, :2]
-    times = np.linspace(0.0, DURATION, rows)
+    shown = [0, 1] if poor else [0, 1, 2, 3]
+    clean = clean[:, [*shown, 4, 5] if program is not None and program.means else shown]
+    times = np.linspace(0.0, DURATION if program is None else float(program.times[-1]), rows)
     return times, clean + noise * random.standard_normal(clean.shape)
 
 
-def _march(truth: Truth, rows: int, substeps: int, poor: bool) -> Array:
+def _march(truth: Truth, rows: int, substeps: int, poor: bool, program: Program | None) -> Array:
     n, layers = _N, _LOW + _HIGH
     dx = SIDE / (2 * n)
     dz = np.concatenate([np.full(_LOW, PLATE / _LOW), np.full(_HIGH, BLOCK / _HIGH)])
@@ -113,12 +129,16 @@ def _march(truth: Truth, rows: int, substeps: int, poor: bool) -> Array:
     below[:, :, 0] = dx * dx
     bottom = below.ravel()
     steps = rows - 1
-    dt = DURATION / (steps * substeps)
+    dt = (DURATION if program is None else float(program.times[-1])) / (steps * substeps)
     now = np.full(count, AIR)
     bench = AIR
     places = [(0, 0, 0), (3, 2, 0), (0, 0, _LOW + 1), (3, 3, _LOW + 2)]
     probes = [int(index[place]) for place in places]
-    shown, middle = now[probes].copy(), now[probes].copy()
+    look = np.zeros((6, count))
+    look[np.arange(4), probes] = 1.0
+    plate = np.broadcast_to(np.arange(layers) < _LOW, index.shape).ravel()
+    look[4], look[5] = plate * volume / (plate @ volume), ~plate * volume / (~plate @ volume)
+    shown, middle = look @ now, look @ now
     found = [shown.copy()]
     heated = bottom / bottom.sum()
     for step in range(steps * substeps):
@@ -127,25 +147,39 @@ def _march(truth: Truth, rows: int, substeps: int, poor: bool) -> Array:
         guess = now
         for _ in range(2):
             capacity, matrix, source, bench_next = _balance(
-                truth, guess, now, time, air, bench, bottom, film_area, volume, links, joint, heated, poor, dt
+                truth,
+                guess,
+                now,
+                time,
+                air,
+                bench,
+                bottom,
+                film_area,
+                volume,
+                links,
+                joint,
+                heated,
+                poor,
+                dt,
+                program,
             )
             guess = np.linalg.solve(matrix + np.diag(capacity / dt), capacity / dt * now + source)
         now, bench = guess, bench_next
-        metal = now[probes].copy()
+        metal = look @ now
         if "stem" in size:
             metal[1] -= 0.06 * size["stem"] * (metal[1] - air)
         if "creeping-probe" in size:
             metal[2] += 4.0 * size["creeping-probe"] * (time / DURATION) ** 2
-        lag = np.zeros(4)
+        lag = np.zeros(6)
         if "sensor-lag" in size:
             lag += 55.0 * size["sensor-lag"]
             if kind["sensor-lag"] == 1:
-                lag *= np.array([0.6, 1.3, 0.8, 1.3])
+                lag *= np.array([0.6, 1.3, 0.8, 1.3, 0.6, 0.6])
         if kind.get("sensor-lag") == 0:
             middle = metal + np.exp(-dt / (0.5 * lag)) * (middle - metal)
             shown = middle + np.exp(-dt / (0.5 * lag)) * (shown - middle)
         else:
-            keep = np.exp(-dt / np.maximum(lag, 1e-9)) if lag[0] else np.zeros(4)
+            keep = np.exp(-dt / np.maximum(lag, 1e-9)) if lag[0] else np.zeros(6)
             shown = metal + keep * (shown - metal)
         if (step + 1) % substeps == 0:
             found.append(shown.copy())
@@ -166,7 +200,7 @@ def _air(truth: Truth, time: float) -> float:
 
 def _balance(
     truth: Truth, at: Array, now: Array, time: float, air: float, bench: float, bottom: Array, film_area: Array,
-    volume: Array, links: Array, joint: Array, heated: Array, poor: bool, dt: float,
+    volume: Array, links: Array, joint: Array, heated: Array, poor: bool, dt: float, program: Program | None,
 ) -> tuple[Array, Array, Array, float]:  # fmt: skip
     size, kind = truth.size, truth.kind
     away = np.maximum(np.abs(at - air), 0.1)
@@ -203,7 +237,7 @@ def _balance(
             under = under * (np.arange(len(at)) < len(at) // 2) * 2.0
         loss, source = loss + under, source + under * to
     # The mean over the step: a ramp or a jump inside it counts from where it is.
-    power = float(np.mean([schedule(time - dt * (i + 0.5) / 10, poor) for i in range(10)])) / 4.0
+    power = float(np.mean([schedule(time - dt * (i + 0.5) / 10, poor, program) for i in range(10)])) / 4.0
     if "power-loss" in size:
         hot, grade = float(heated @ at) - AIR, size["power-loss"]
         if kind["power-loss"] == 0:

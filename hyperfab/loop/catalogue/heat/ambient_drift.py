@@ -7,15 +7,13 @@ from hyperfab.loop.problem import Constant, Effect, Form
 
 
 def entry(scene: Scene) -> Effect | None:
-    """Return the effect: ambient linear in time, quadratic, cubic, or a swing."""
+    """Return the effect: ambient linear in time, quadratic, cubic."""
     if not scene.films:
         return None
     whole = scene.duration_s
     slope = Constant("drift_K_s", 0.0, -80.0 / whole, 80.0 / whole, 2.0 / whole)
     bend = Constant("drift_K_s2", 0.0, -80.0 / whole**2, 80.0 / whole**2, 2.0 / whole**2)
     twist = Constant("drift_K_s3", 0.0, -160.0 / whole**3, 160.0 / whole**3, 2.0 / whole**3)
-    sine, cosine = (Constant(f"swing_{name}_K", 0.0, -40.0, 40.0, 1.0) for name in ("sine", "cosine"))
-    period = Constant("period_s", 0.6 * whole, 0.05 * whole, 6.0 * whole, 0.05 * whole)
     return Effect(
         id="ambient-drift",
         title="the ambient changes with time",
@@ -25,12 +23,6 @@ def entry(scene: Scene) -> Effect | None:
         forms=(
             Form("linear", (slope,), ((8.0 / whole,), (-8.0 / whole,)), ((2.0 / whole,),)),
             Form("quadratic", (slope, bend), ((8.0 / whole, 0.0),), refines="linear"),
-            Form(
-                "swinging",
-                (sine, cosine, period),
-                ((4.0, 0.0, 0.6 * whole), (4.0, 0.0, 0.3 * whole), (0.0, 4.0, 1.2 * whole)),
-                ((1.0, 0.0, 0.3 * whole), (1.0, 0.0, 0.6 * whole), (0.0, 1.0, 0.6 * whole)),
-            ),
             Form("cubic", (slope, bend, twist), ((8.0 / whole, 0.0, 0.0),), refines="quadratic"),
         ),
         smooth=False,
