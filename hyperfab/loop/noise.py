@@ -17,7 +17,7 @@ _WORTH = 0.3
 #: A scatter of specimens seen in one pair may be this many times greater (fewer with more pairs): the quantiles of
 #: Student's distribution for so few degrees of freedom. Only what readings cannot explain to two of their standard
 #: deviations counts.
-_FEW, _BEYOND = 2.5, 4.0
+_FEW, _BEYOND = 1.5, 4.0
 #: Lower by this, chi-squared says that replicates differ by an offset or by slack rather than in stiffness.
 _CLEARLY = 25.0
 
