@@ -10,7 +10,8 @@ def entry(scene: Scene) -> Effect | None:
     """Return the effect: a wedge, a bowl, or both, or bent ones, over the plan of the male."""
     x, y, xx, xy, yy = (Constant(name, 0.0, -0.8, 0.8, 0.02) for name in ("x", "y", "xx", "xy", "yy"))
     cubes = tuple(Constant(name, 0.0, -0.8, 0.8, 0.02) for name in ("xxx", "xxy", "xyy", "yyy"))
-    some, zeros = 0.05, (0.0,) * 8
+    fours = tuple(Constant(name, 0.0, -0.8, 0.8, 0.02) for name in ("xxxx", "xxyy", "yyyy"))
+    some, zeros = 0.05, (0.0,) * 11
     wedge = ((some, 0.0), (0.0, some), (-some, 0.0), (0.0, -some))
     return Effect(
         id="thickness-variation",
@@ -23,7 +24,11 @@ def entry(scene: Scene) -> Effect | None:
             Form("bowl", (xx, yy), wedge[:1] + wedge[2:3], ((0.02, 0.0), (0.0, 0.02))),
             Form("quadric", (x, y, xx, xy, yy), ((some, *zeros[:4]),), ((*zeros[:4], 0.02),), refines="wedge"),
             Form("quadric of a bowl", (xx, yy, x, y, xy), ((some, *zeros[:4]),), refines="bowl"),
-            Form("cubic", (x, y, xx, xy, yy, *cubes), ((some, *zeros),), refines="quadric"),
+            Form("cubic", (x, y, xx, xy, yy, *cubes), ((some, *zeros[:8]),), refines="quadric"),
+            Form("flat bowl", (xx, yy, *fours), ((some, *zeros[:4]),), refines="bowl"),
+            Form(
+                "quartic", (x, y, xx, xy, yy, *cubes, *fours), ((some, *zeros),), refines=("cubic", "flat bowl")
+            ),
         ),
         smooth=False,
         mimic_share=0.95,
