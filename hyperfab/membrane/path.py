@@ -15,6 +15,8 @@ from hyperfab.numerics.linear import SingularMatrixError
 
 #: A load step is halved at most down to this part of the whole depth.
 _SMALLEST_STEP = 2e-5
+#: Steps that may fail on a path, and more for each depth that was reached: the rest would come no faster.
+_MOST_FAILURES, _MORE_FAILURES = 40, 4
 #: Pivots this far below zero, relative to the median, count as negative.
 _PIVOT_NOISE = 1e-9
 
@@ -50,12 +52,14 @@ class Path:
     """States at the depths asked for, as far as they were reached, and where and why the path ended early.
 
     ``footings``: all equilibria on the way, also those at depths that were not asked for; ``jumps``: depths [mm]
-    between which the path broke off, and equilibria of another shape were found beyond.
+    between which the path broke off, and equilibria of another shape were found beyond; ``failures``: steps
+    that failed.
     """
 
     states: list[State] = field(default_factory=list)
     limit: Limit | None = None
     iterations: int = 0
+    failures: int = 0
     jumps: list[tuple[float, float]] = field(default_factory=list)
     footings: list[Footing] = field(default_factory=list)
 
@@ -124,8 +128,11 @@ def _advance(
         depth = target if target - here <= 1.01 * step else here + step
         try:
             found = next_footing(press, footings[-1] if footings else None, depth)
-        except NoEquilibriumError:
+        except NoEquilibriumError as error:
             failed = True
+            path.failures += 1
+            if path.failures > _MOST_FAILURES + _MORE_FAILURES * len(path.states):
+                raise NoEquilibriumError(f"too many steps failed, the last one because: {error}") from error
             ahead = _turning_ahead(footings)
             step = 0.5 * step if ahead is None else min(0.5 * step, _SHY * ahead)
             if step < smallest or (not footings and step < 0.02 * target):

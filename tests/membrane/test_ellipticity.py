@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from hyperfab.materials import bind
 from hyperfab.membrane import outline
 from hyperfab.membrane.ellipticity import acoustic
+from hyperfab.membrane.equilibrium import NoEquilibriumError
+from hyperfab.membrane.path import Footing, cold_start
 from hyperfab.membrane.sphere_test import SphereTest, rough_path
 from hyperfab.membrane.tension_field import IsotropicSheet
 
@@ -62,3 +66,24 @@ def test_a_path_ends_where_the_stretch_gathers_in_bands():
     assert path.limit.turning_point is None
     assert not path.jumps
     assert "bands" in path.limit.reason
+
+
+def test_a_path_that_only_halves_its_steps_is_given_up(monkeypatch):
+    """Each equilibrium is found from a tenth of a millimetre away alone: no end would come in sight."""
+    law = IsotropicSheet(bind("neo-hookean", {"C10_MPa": 0.2}))
+    tried = []
+
+    def shy(press, below, depth):
+        tried.append(depth)
+        if below is not None and depth - below.state.depth > 0.1:
+            raise NoEquilibriumError("too far")
+        return Footing(replace(below.state, depth=depth) if below else cold_start(press, depth), 1.0)
+
+    monkeypatch.setattr("hyperfab.membrane.path.next_footing", shy)
+    _, path = rough_path(SphereTest(outline.Disc(100.0, quarter=True), law, 1.0, 40.0), [10.0, 60.0])
+    assert len(tried) < 120
+    # What lies at the depth asked for is then found from nothing, and the gap is named.
+    assert path.limit is None
+    ((start, end),) = path.jumps
+    assert 10.0 < start < 20.0
+    assert end == 60.0
