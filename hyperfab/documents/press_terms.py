@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import Annotated, Any
 
@@ -134,13 +135,25 @@ class Variation(_Section):
     zzz: float = 0.0
     yyz: float = 0.0
     yzz: float = 0.0
+    xxxx: float = 0.0
+    xxyy: float = 0.0
+    yyyy: float = 0.0
+    xxzz: float = 0.0
+    yyzz: float = 0.0
+    zzzz: float = 0.0
 
     @model_validator(mode="after")
     def _some_is_left(self) -> Variation:
-        if sum(abs(value) for value in self.terms().values()) > 0.9:
-            raise ValueError(
-                "the shares add up to more than 0.9: somewhere nothing would be left of the foam"
-            )
+        terms = self.terms()
+        axes = sorted(set("".join(terms)))
+        steps = [-1.0 + 0.1 * i for i in range(21)]
+        for point in itertools.product(steps, repeat=len(axes)):
+            place = dict(zip(axes, point, strict=True))
+            left = 1.0 + sum(value * math.prod(place[axis] for axis in name) for name, value in terms.items())
+            if left < 0.1 or left > 1.9:
+                raise ValueError(
+                    "the shares add up to more than 0.9: somewhere nothing would be left of the foam"
+                )
         return self
 
     def terms(self) -> dict[str, float]:
