@@ -12,8 +12,10 @@ from loop.generators import fabric as truths
 from hyperfab.loop.fabric import FabricTest, fabric_problem
 from hyperfab.materials import bind
 from hyperfab.materials.effects.fabric import Fabric
-from hyperfab.materials.effects.path import UNIAXIAL, Path
-from hyperfab.materials.effects.rate import relaxing, thinning
+from hyperfab.materials.effects.path import UNIAXIAL, Path, uniaxial_pull
+from hyperfab.materials.effects.anisotropy import fibres
+from hyperfab.materials.effects.permanent_set import second_network
+from hyperfab.materials.effects.rate import flowing, relaxing, relaxing_measured, thinning
 from hyperfab.materials.registry import law
 
 WARP = np.array([0.06, 0.02, 0.017])
@@ -151,3 +153,46 @@ def test_foam_of_one_term_is_told_exactly() -> None:
     terms = {"compressibility": ("uniform", np.array([0.3]))}
     assert np.allclose(fabric.stress(np.array([0.2]), None, terms), 0.4 * (lam - lam**-1.6), rtol=1e-12)
     assert np.allclose(fabric.across(terms), lam**-0.3, rtol=1e-14)
+
+
+def test_a_dashpot_of_power_one_is_maxwells_and_one_of_power_three_flows_as_norton_says() -> None:
+    stretch = np.concatenate([np.linspace(1.0, 1.4, 2001), np.full(2000, 1.4)])
+    path = replace(path_of(stretch), time_s=np.linspace(0.0, 80.0, len(stretch)))
+    stress = stretch - 1.0
+    linear = flowing(path, stress, 0.7, 5.0, 1.0, 1.0)
+    assert linear == pytest.approx(relaxing(path, stress, [0.7], [5.0]), abs=1e-4)
+    held = flowing(path, stress, 0.7, 5.0, 3.0, 0.1)[2001:]
+    # dq/dt = -q^3/(tau size^2): 1/q^2 grows by 2 t/(tau size^2).
+    time = path.time_s[2001:] - path.time_s[2001]
+    assert 1.0 / held**2 == pytest.approx(1.0 / held[0] ** 2 + 2.0 * time / (5.0 * 0.01), rel=1e-6)
+
+
+def test_memory_of_true_stress_relaxes_in_true_stress() -> None:
+    path = path_of(cycles())
+    stress = cycles() - 1.0
+    found = relaxing_measured(path, stress, [0.5], [7.0], 1.0)
+    assert found * cycles() == pytest.approx(relaxing(path, stress * cycles(), [0.5], [7.0]), abs=1e-14)
+
+
+def test_fibres_along_the_pull_add_the_slope_of_their_energy() -> None:
+    stretch = np.linspace(1.0, 1.5, 501)
+    for angle, warp, weft in ((0.0, 0.3, 0.0), (90.0, 0.0, 0.3)):
+        stress, energy = fibres(uniaxial_pull(stretch, angle), stretch, warp, weft, 0.8)
+        assert np.gradient(energy, stretch)[1:-1] == pytest.approx(stress[1:-1], rel=2e-3, abs=1e-5)
+        assert np.any(stress > 0.0)
+        across, _ = fibres(uniaxial_pull(stretch, 90.0 - angle), stretch, warp, weft, 0.8)
+        assert not np.any(across)
+
+
+def test_a_second_network_leaves_a_set_where_both_balance() -> None:
+    stretch = np.linspace(1.0, 1.5, 5001)
+    law_of = law("neo-hookean")
+    fabric = Fabric(law_of, uniaxial_pull(stretch))
+    first = fabric.stress(np.array([0.2]), None, {})
+    second = Fabric(law_of, uniaxial_pull(stretch / 1.5)).stress(np.array([0.2]), None, {})
+    found = second_network(first, second, np.full_like(stretch, 1.5), 0.1)
+    at = int(np.argmax(found > 0.0))
+    x = stretch[at]
+    balance = 0.9 * (x - x**-2.0) + 0.1 * (x / 1.5 - (x / 1.5) ** -2.0) / 1.5
+    assert balance == pytest.approx(0.0, abs=1e-3)
+    assert not np.any(found[:at])

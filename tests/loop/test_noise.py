@@ -5,7 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hyperfab.loop.noise import Noise
+from loop.blind import problem_of
+from loop.generators import fabric as truths
+
+from hyperfab.loop.noise import Noise, estimate_noise
 
 
 def test_spread_is_what_a_perfect_model_misses_by():
@@ -20,3 +23,18 @@ def test_spread_is_what_a_perfect_model_misses_by():
     told = np.sqrt(np.mean(noise.spread(truth).reshape(specimens, rows) ** 2, axis=0))
     assert told == pytest.approx(missed, rel=0.04)
     assert noise.plain.spread(truth) == pytest.approx(sd)
+
+
+@pytest.mark.parametrize(("gain", "offset"), [(1.1, 0.0), (1.0, 0.02)])
+def test_an_offset_of_a_specimen_is_told_from_its_stiffness(gain: float, offset: float) -> None:
+    rng = np.random.default_rng(5)
+    setup = truths.Setup(turns=(1.4, 1.0), rate=0.01)
+    readings = truths.measure(truths.draw(rng, ()), [setup, setup], rng, 0.002)
+    readings[1].stress = gain * readings[1].stress + offset
+    noise = estimate_noise(problem_of(readings))
+    assert noise.sd[0] == pytest.approx(0.002, rel=0.3)
+    if offset:
+        assert noise.gain_sd < 0.01
+    else:
+        assert noise.gain_sd == pytest.approx(0.1 / 1.05 / np.sqrt(2.0), rel=0.1)
+        assert noise.gain_doubt > noise.gain_sd
