@@ -34,8 +34,9 @@ Array = NDArray[np.float64]
 _GROWTH = 0.25
 #: Edges on the sphere, relative to its radius; edges at the contact edge, relative to the mesh size.
 _ON_SPHERE, _AT_EDGE = 1 / 8, 1 / 4
-#: Around the tip of a punch, where it has one, edges relative to the mesh size are no shorter than this.
-_FINEST = 1 / 80
+#: Around the tip or along the rim of a punch, where next to no area touches, edges are no shorter than this, relative
+#: to the mesh size and to the length of the rim.
+_FINEST, _FINEST_OF_SPAN = 1 / 80, 1 / 60
 #: Part of the punch's width that the rough mesh takes for touched.
 _TOUCHED = 0.8
 #: Edges of the rough mesh away from the sphere, at least, relative to half the size of the sheet.
@@ -157,11 +158,10 @@ def _fitted_triangles(
     on_sphere = min(coarse, test.radius * _ON_SPHERE / _FINER**level)
     sizes: list[SizeField] = []
     for edge in edges:
-        fine = (
-            min(test.mesh_size * _AT_EDGE, max(0.3 * edge.mean, _FINEST * test.mesh_size))
-            / _FINER_EDGE**level
-        )
-        sizes.append(graded(edge.points(), fine, coarse, _GROWTH))
+        points = edge.points()
+        least = max(_FINEST * test.mesh_size, _FINEST_OF_SPAN * float(np.ptp(points, axis=0).max()))
+        fine = min(test.mesh_size * _AT_EDGE, max(0.3 * edge.mean, least)) / _FINER_EDGE**level
+        sizes.append(graded(points, fine, coarse, _GROWTH))
 
     # Friction points towards the pole from all sides: the stretch has a cusp there.
     pole = graded(np.zeros((1, 2)), _AT_POLE * coarse, coarse, _GROWTH)
