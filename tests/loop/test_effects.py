@@ -11,9 +11,9 @@ from loop.generators import fabric as truths
 
 from hyperfab.loop.fabric import FabricTest, fabric_problem
 from hyperfab.materials import bind
+from hyperfab.materials.effects.anisotropy import fibres
 from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.path import UNIAXIAL, Path, uniaxial_pull
-from hyperfab.materials.effects.anisotropy import fibres
 from hyperfab.materials.effects.permanent_set import second_network
 from hyperfab.materials.effects.rate import flowing, relaxing, relaxing_measured, thinning
 from hyperfab.materials.registry import law

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
 from loop.blind import problem_of
 from loop.generators import fabric as truths
 
