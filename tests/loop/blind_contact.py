@@ -68,7 +68,8 @@ def posed(truth: truths.Truth, noise: float, protocols: Sequence[str], seed: int
     for number, protocol in enumerate(protocols):
         random = np.random.default_rng([seed, number, 1])
         for depth, force, temperature in truths.measure(truth, random, noise, protocol):
-            files.append(ForceDepth(f"{len(files)}.csv", depth, force, temperature))
+            rubs = 0.0 if protocol == "oiled" else None
+            files.append(ForceDepth(f"{len(files)}.csv", depth, force, temperature, friction=rubs))
             finer = 0.1 / 0.2 if protocol == "begin" else 1.0
             loud.append(np.full(len(depth), 0.002 * noise * finer * float(force.max())))
     problem = pose(sheet, files, material, prior, [])
@@ -85,7 +86,7 @@ def posed(truth: truths.Truth, noise: float, protocols: Sequence[str], seed: int
 
 
 #: What the next measurements are in the generator's words.
-_NEXT = {"warmer": "warm", "first fifth": "begin", "five times": "often"}
+_NEXT = {"warmer": "warm", "first fifth": "begin", "five times": "often", "oiled": "oiled"}
 
 
 def case(effects: tuple[str, ...], seed: int, protocol: str, larger: float, finer: float) -> Case:
