@@ -82,6 +82,13 @@ def test_what_sticks_stays_where_it_touched():
 
 
 @pytest.mark.slow
+def test_force_with_coulomb_friction_deep_down():
+    assert run_with_friction([_test(Coulomb(0.3))], [80.0])[0].solved[-1].state.force == pytest.approx(
+        79.8815992, rel=5e-4
+    )
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("depth", STUCK)
 def test_full_stick_extrapolated_to_short_steps(depth):
     outcome = run_with_friction([_test(Stick())], [depth])[0]

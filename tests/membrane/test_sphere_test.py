@@ -52,6 +52,14 @@ def test_stretch_at_the_apex(pressed):
         np.testing.assert_allclose(stretch, DISC[model, solved.state.depth].apex, rtol=1e-3)
 
 
+def test_radial_stretch_at_the_rim(pressed):
+    model, outcome = pressed
+    for solved in outcome.solved:
+        mesh = solved.press.sheet.mesh
+        stretch = fields(solved.press.sheet, solved.state.places).stretch[mesh.rim, 0]
+        np.testing.assert_allclose(stretch, DISC[model, solved.state.depth].rim, rtol=3e-4)
+
+
 def test_contact_radius_to_a_fifth_of_an_element(pressed):
     model, outcome = pressed
     for solved in outcome.solved:
@@ -101,13 +109,27 @@ def test_work_balances_up_to_a_turning_point():
     assert work(outcome) == pytest.approx(outcome.solved[-1].state.energy, rel=1e-4)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("shape", "taut"), [("disc", 1.0), ("square", 1.0), ("disc", 0.95)])
+def test_force_is_the_slope_of_the_energy_along_the_path(shape, taut):
+    """Five-point differences, each depth on a mesh of its own."""
+    sheet = outline.Disc(100.0, quarter=True) if shape == "disc" else outline.Square(200.0, quarter=True)
+    outcome = _press("neo-hookean", np.arange(40.0, 81.0, 2.0), shape=sheet, prestretch=taut)
+    force, energy = np.array([(solved.state.force, solved.state.energy) for solved in outcome.solved]).T
+    slope = (8 * (energy[3:-1] - energy[1:-3]) - (energy[4:] - energy[:-4])) / 24.0
+    np.testing.assert_allclose(slope, force[2:-2], rtol=1e-4)
+
+
 def test_force_is_the_slope_of_the_energy():
     outcome = _press("yeoh-3", [49.5, 50.0, 50.5])
     low, middle, high = (solved.state for solved in outcome.solved)
     assert high.energy - low.energy == pytest.approx(middle.force, rel=1e-4)
 
 
-@pytest.mark.parametrize("depth", [20.0, 60.0])
+@pytest.mark.parametrize(
+    "depth",
+    [20.0, pytest.param(40.0, marks=pytest.mark.slow), 60.0, pytest.param(80.0, marks=pytest.mark.slow)],
+)
 def test_square_sheet(depth):
     solved = _press("neo-hookean", [depth], shape=outline.Square(200.0, quarter=True)).solved[-1]
     force, energy = SQUARE[depth]
