@@ -65,7 +65,7 @@ def close(
     """Close the loop on a problem; ``noise`` is the standard deviation of a reading or all that is known of the noise,
     else it is estimated."""
     level = noise if isinstance(noise, Noise) else estimate_noise(problem, noise)
-    search = Search(problem, level, tick, refit)
+    search = Search(problem, level, tick, max(refit, problem.rich))
     before = search.base()
     scores = {effect.id: score for effect, score in search.ranking(before)}
     invisible = tuple(effect.id for effect in problem.effects if effect.id not in scores)

@@ -96,7 +96,8 @@ class Run:
 class HeatProblem(Problem):
     """A reduced mold, the times and probes that were read, and the readings, probe after probe."""
 
-    rich = 6
+    rich = 8
+    well_known = True
 
     runs: Sequence[Run] = field(kw_only=True)
     kinds: Sequence[str] = field(kw_only=True)

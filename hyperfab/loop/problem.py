@@ -158,6 +158,8 @@ class Problem(ABC):
     units: tuple[str, ...] = ("",)
     #: Entries of which the forms that refine them are tried too, for the first term.
     rich: ClassVar[int] = 3
+    #: Whether the own constants are known so well that fits start there too, and models that leave it pay for that.
+    well_known: ClassVar[bool] = False
     starts: tuple[Array, ...] = ()
 
     @abstractmethod

@@ -234,7 +234,8 @@ class Search:
         count = max(len(best.residual) / time, 3.0)
 
         def bic(one: Fit) -> float:
-            return scaled_chi2(one, best, channel) / time + len(one.x) * (np.log(count) + MARGIN / 4.0)
+            misfit = (scaled_chi2(one, best, channel) + prior_misfit(one, best, self.problem)) / time
+            return misfit + len(one.x) * (np.log(count) + MARGIN / 4.0)
 
         return min(fits, key=bic)
 
@@ -251,6 +252,10 @@ class Search:
             starts.append(np.concatenate([simpler.x[: len(parent.x)], begin]))
         else:
             starts = [np.concatenate([parent.x, np.array(start)]) for start in form.starts]
+        if self.problem.well_known:
+            # A model that lacks much drifts far from what is known; the way back is long.
+            own = [constant.value for constant in self.problem.own]
+            starts += [np.concatenate([own, start[len(own) :]]) for start in starts]
         if len(starts) > 1:
             # A few steps from each start tell which of them leads on.
             tries = [
@@ -271,6 +276,7 @@ class Search:
         channel = self.problem.channel
         time = correlation_time(new.residual, self.problem.curves)
         gain = scaled_chi2(old, new, channel) - scaled_chi2(new, new, channel)
+        gain += prior_misfit(old, new, self.problem) - prior_misfit(new, new, self.problem)
         total = max(old.chi2 - len(old.residual), 1e-9)
         gone = old.chi2 - new.chi2
         count = max(len(new.residual) / time, 3.0)
@@ -348,9 +354,20 @@ def common_bic(states: Sequence[State], problem: Problem) -> Mapping[tuple[str, 
     time = correlation_time(best.residual, problem.curves)
     count = max(len(best.residual) / time, 3.0)
     return {
-        state.ids: scaled_chi2(state.fit, best, channel) / time + len(state.fit.x) * float(np.log(count))
+        state.ids: (scaled_chi2(state.fit, best, channel) + prior_misfit(state.fit, best, problem)) / time
+        + len(state.fit.x) * float(np.log(count))
         for state in states
     }
+
+
+def prior_misfit(fitted: Fit, best: Fit, problem: Problem) -> float:
+    """Return how far the constants are from what is known of them, as chi-squared, where that is to count.
+
+    As with the readings, what ``best`` leaves counts as noise.
+    """
+    if not problem.well_known:
+        return 0.0
+    return max(fitted.cost - fitted.chi2, 0.0) / max(best.chi2 / len(best.residual), 1.0)
 
 
 def scaled_chi2(fitted: Fit, best: Fit, channel: NDArray[np.int64]) -> float:
