@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import xml.etree.ElementTree as ElementTree
 
 import jsonschema
@@ -110,6 +111,20 @@ def test_friction_costs_energy_and_makes_the_sheet_stiffer(press):
     assert found["setup"]["friction"] == "Coulomb 0.3"
     assert found["balance"]["dissipated_J"] > 0.001
     assert abs(found["balance"]["imbalance_relative"]) < 2e-4
+
+
+def test_the_path_begins_with_the_mounted_sheet(press, tmp_path):
+    """Stretched by 1.05 both ways: energy C10 (2 s^2 + s^-4 - 3), stress 2 C10 (s^2 - s^-4)."""
+    press(NEO_HOOKEAN, "--depth", "5mm", "--steps", "1", "--prestretch", "1.05")
+    first = dict(
+        zip(
+            *(line.split(",") for line in (tmp_path / "contact.csv").read_text().splitlines()[:2]),
+            strict=True,
+        )
+    )
+    energy = 0.2 * (2 * 1.05**2 + 1.05**-4 - 3) * math.pi * 100.0**2
+    assert float(first["energy_J"]) == pytest.approx(1e-3 * energy, rel=1e-5)
+    assert float(first["stress_max_MPa"]) == pytest.approx(0.4 * (1.05**2 - 1.05**-4), rel=1e-6)
 
 
 def test_document_alone_goes_to_standard_output(hf, tmp_path):

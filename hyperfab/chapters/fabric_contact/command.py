@@ -8,7 +8,7 @@ import numpy as np
 
 from hyperfab.chapters.fabric_contact.fabric import Fabric, read_fabric
 from hyperfab.chapters.fabric_contact.fields import csv, vtu
-from hyperfab.chapters.fabric_contact.result import document, row, status_of
+from hyperfab.chapters.fabric_contact.result import document, mounted_row, row, status_of
 from hyperfab.chapters.fabric_contact.setup import Setup, read_setup
 from hyperfab.chapters.job import Job
 from hyperfab.documents.contact import ContactDocument
@@ -118,7 +118,7 @@ def _write(
         last = outcomes[0].solved[-1]
         shown = difference if difference is not None and pair[0] is last else None
         out.add(".vtu", vtu(last, shown))
-        out.add(".csv", csv([row(None, setup)] + [row(solved, setup) for solved in outcomes[0].solved]))
+        out.add(".csv", csv([mounted_row(last)] + [row(solved) for solved in outcomes[0].solved]))
         from hyperfab.chapters.fabric_contact.picture import picture  # matplotlib takes a fifth of the start
 
         compared = (pair[0], difference) if difference is not None else None

@@ -76,13 +76,21 @@ def status_of(outcome: Outcome, unstable: Instability | None) -> str | None:
     return "; ".join(words) or None
 
 
-def row(solved: Solved | None, setup: Setup) -> dict[str, float]:
-    """Return one line of the CSV; without a state the mounted sheet before the punch."""
-    if solved is None:
-        return {
-            "depth_mm": 0.0, "force_N": 0.0, "energy_J": 0.0, "contact_radius_mm": 0.0,
-            "stretch_max": setup.prestretch, "stress_max_MPa": 0.0,
-        }  # fmt: skip
+def mounted_row(solved: Solved) -> dict[str, float]:
+    """Return the first line of the CSV: the mounted sheet of an equilibrium, before the punch."""
+    sheet = solved.press.sheet
+    energy = stress = 0.0
+    if sheet.prestretch > 1.0:
+        energy = _JOULE * mounted_energy(solved.press)
+        stress = float(fields(sheet, sheet.flat).cauchy.max())
+    return {
+        "depth_mm": 0.0, "force_N": 0.0, "energy_J": energy, "contact_radius_mm": 0.0,
+        "stretch_max": sheet.prestretch, "stress_max_MPa": stress,
+    }  # fmt: skip
+
+
+def row(solved: Solved) -> dict[str, float]:
+    """Return one line of the CSV."""
     smooth = fields(solved.press.sheet, solved.state.places)
     edge = contact_edge(solved.press, solved.state, deformed=True)
     return {
