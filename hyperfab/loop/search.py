@@ -157,6 +157,7 @@ class Search:
                 if form.enriches(name)
                 and len(form.constants) <= most
                 and (found := self._joint(parent, effect, form, best)) is not None
+                and not (form.of_each and _is_of_few(found, effect.id))
             ]
             better = self.lowest([best, *richer])
             if better is best:
@@ -312,7 +313,7 @@ class Search:
             )
             if not np.any(away > 2.0 * sd) and together < 4.0 + 2.0 * len(sd):
                 return False
-            if form.of_each and not _is_of_many(new.x[place], sd):
+            if form.of_each and _is_of_few(new, name):
                 return False
         return True
 
@@ -333,12 +334,18 @@ class Search:
         return sorted(found, key=lambda pair: -pair[1].delta_bic)
 
 
-def _is_of_many(values: Array, sd: Array) -> bool:
-    """Whether specimens differ in more than a few of them: ``values`` are the first's, then the others' less that."""
+def _is_of_few(fitted: Fit, name: str) -> bool:
+    """Whether fewer than half of the specimens differ in a term that gives each of them a constant.
+
+    What one or two of them have is what the model lacks there, not an effect of its own.
+    """
+    place = fitted.place(name)
+    scale = np.sqrt(max(fitted.chi2 / max(len(fitted.residual) - len(fitted.x), 1), 1.0))
+    values, sd = fitted.x[place], fitted.sd[place] * scale
     each = np.concatenate([[values[0]], values[0] + values[1:]])
     spread = np.concatenate([[sd[0]], np.hypot(sd[0], sd[1:])])
     odd = np.abs(each - np.median(each)) > 3.0 * spread
-    return bool(np.count_nonzero(odd) >= 0.5 * len(each))
+    return bool(np.count_nonzero(odd) < 0.5 * len(each))
 
 
 def _is_spent(fitted: Fit) -> bool:
