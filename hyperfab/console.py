@@ -78,8 +78,11 @@ class Console:
         for row in rows:
             table.add_row(*(Text(str(value)) for value in row))
         width = None if sys.stderr.isatty() else 200
-        with _quiet_pipe():
-            RichConsole(stderr=True, width=width).print(table)
+        # Written by ourselves: rich ends the program where nobody reads.
+        console = RichConsole(stderr=True, width=width)
+        with console.capture() as text:
+            console.print(table)
+        self._line(text.get().removesuffix("\n"))
 
     @contextlib.contextmanager
     def progress(self, description: str) -> Iterator[Advance]:

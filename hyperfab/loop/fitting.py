@@ -93,8 +93,10 @@ def fit(
         value = predict(x)
         if not np.all(np.isfinite(value)):
             return value, value, np.inf
-        left = noise.whiten(target - value)
-        return value, left, float(left @ left)
+        # A model that has run away misses by more than a number can hold: infinitely.
+        with np.errstate(over="ignore"):
+            left = noise.whiten(target - value)
+            return value, left, float(left @ left)
 
     def holds(left: Array) -> Array:
         # While the model is wrong its misfit counts as noise: else a wrong model would break what is known before.

@@ -20,6 +20,8 @@ from hyperfab.io import atomic
 ROOT = Path(__file__).resolve().parents[2]
 UNIAXIAL = ROOT / "specimens/treloar-1944/uniaxial.csv"
 FIT = ["fit", "--uniaxial", str(UNIAXIAL), "--model", "yeoh-3", "--quiet"]
+#: Shows a table on standard error.
+TABLE = ["fit", "--uniaxial", str(UNIAXIAL), "--model", "all"]
 
 
 def everything(folder: Path) -> dict[str, bytes]:
@@ -83,10 +85,9 @@ def hf(arguments: list[str], folder: Path, **keywords: object) -> subprocess.Com
         [sys.executable, "-m", "hyperfab", *arguments],
         cwd=folder,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
-        stderr=subprocess.PIPE,
         check=False,
         timeout=120,
-        **keywords,  # type: ignore[call-overload]
+        **{"stderr": subprocess.PIPE, **keywords},  # type: ignore[call-overload]
     )
 
 
@@ -112,6 +113,15 @@ def test_a_reader_that_leaves_is_no_traceback(tmp_path: Path) -> None:
     os.close(writing)
     assert done.returncode == 5
     assert b"Traceback" not in done.stderr
+
+
+def test_the_result_is_written_where_nobody_reads_the_messages(tmp_path: Path) -> None:
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = hf([*TABLE, "-o", "fabric.json"], tmp_path, stderr=writing)
+    os.close(writing)
+    assert done.returncode == 0
+    assert json.loads((tmp_path / "fabric.json").read_bytes())["models"]
 
 
 def test_closed_standard_streams_are_no_traceback(tmp_path: Path) -> None:
