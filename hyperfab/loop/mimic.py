@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import chdtrc
 
 from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.noise import Noise
@@ -18,6 +19,9 @@ _FEWEST = 2
 #: An entry whose imprint has less than this (squared cosine) in common with a found effect's is no rival: to pass it
 #: would have to have nearly all.
 _ALIKE = 0.2
+#: Where the model's own constants are this unlikely to be so far from what is known of them, a rival passes that
+#: reproduces this share: the found law is then not sure to be the whole truth.
+_STRAINED, _SHARE_WHERE_STRAINED = 1e-3, 0.95
 
 
 @dataclass(frozen=True)
@@ -86,16 +90,27 @@ def _alike(search: Search, best: State, without: State) -> dict[str, float]:
 def indistinguishable(problem: Problem, found: Sequence[Rival], best: State) -> list[list[str]]:
     """Return, for each found effect, the set of it and the rivals the data cannot tell from it."""
     sets = []
+    most = _SHARE_WHERE_STRAINED if is_strained(problem, best.fit) else 1.0
     for name in best.ids:
         effect = problem.effect(name)
         same = [
             rival.effect
             for rival in found
-            if rival.instead_of == name and rival.passes(effect.mimic_share, effect.mimic_left)
+            if rival.instead_of == name and rival.passes(min(effect.mimic_share, most), effect.mimic_left)
         ]
         if same:
             sets.append([name, *same])
     return sets
+
+
+def is_strained(problem: Problem, found: Fit) -> bool:
+    """Whether a fit puts the model's own constants, together, further off than what is known of them allows."""
+    away = [
+        (value - constant.value) / constant.prior_sd
+        for constant, value in zip(problem.own, found.x, strict=False)
+        if np.isfinite(constant.prior_sd)
+    ]
+    return bool(away) and float(chdtrc(len(away), np.sum(np.square(away)))) < _STRAINED
 
 
 def _misfit(problem: Problem, noise: Noise, truth: Fit, start: Fit) -> float:
