@@ -229,6 +229,10 @@ def table(
     return counts
 
 
+#: An effect that raises the rms to 1.5 times the noise leaves this much structure, in standard deviations of it.
+WORTH = float(np.sqrt(1.5**2 - 1.0))
+
+
 def heat_problems(other: bool = False, poor: bool = False) -> Callable[..., HeatProblem]:
     """Return a function from truth, noise and seed to a problem; the mold is meshed and reduced once."""
     folder = tempfile.mkdtemp()
@@ -315,6 +319,11 @@ def heat_table(
             tally["ambiguous"] += found.verdict == "ambiguous"
             tally["held out <= 1.2"] += bool(found.after.held_out.mean_square <= 1.44)
             before, left = found.before.judgement.structured, found.after.judgement.structured
+            worth = before >= WORTH and bool(truth)
+            tally["worth naming"] += worth
+            tally["of these right or in the set"] += (
+                worth and named and all(in_answer(n, found) for n in truth)
+            )
             name = "+".join(truth) or "none"
             if further and found.measurements and isinstance(drawn, other_heat.Truth):
                 again = heat_with_next(problem, found, drawn, seed, poor)
