@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numba
 import numpy as np
+from numpy.typing import NDArray
 
 from hyperfab.materials.effects.path import Path
 from hyperfab.materials.effects.recurrence import along
@@ -19,19 +20,26 @@ def relaxing(path: Path, stress: Array, weights: Sequence[float], times_s: Seque
     viscoelasticity:
     Fung (1981), Biomechanics, ch. 7; recursion of Taylor, Pister & Goudreau (1970), doi:10.1002/nme.1620020106.
     """
-    first = list(path.starts[:-1])
-    change = np.empty_like(stress)
-    np.subtract(stress[1:], stress[:-1], out=change[1:])
-    change[first] = stress[first]
+    change, begins = _steps(path, stress)
     elapsed = path.waited
     total = np.zeros_like(stress)
     for weight, tau in zip(weights, times_s, strict=True):
         ratio = elapsed / tau
         keep = np.exp(-ratio)
-        keep[first] = 0.0
+        keep[begins] = 0.0
         share = np.where(ratio > 1e-9, -np.expm1(-ratio) / np.maximum(ratio, 1e-9), 1.0)
         total += along(keep, weight * share * change)
     return total
+
+
+def _steps(path: Path, stress: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Return the change of stress up to each row, from nothing where a test begins, and which rows begin one."""
+    begins = np.zeros(len(stress), dtype=np.bool_)
+    begins[list(path.starts[:-1])] = True
+    change = np.empty_like(stress)
+    np.subtract(stress[1:], stress[:-1], out=change[1:])
+    change[begins] = stress[begins]
+    return change, begins
 
 
 def relaxing_bent(
@@ -79,13 +87,8 @@ def thinning(path: Path, stress: Array, weight: float, tau_s: float, flow: float
     Eyring (1936), doi:10.1063/1.1749836. At rest the branch decays so that ``tanh(q/(2 flow))`` falls exponentially,
     which each step obeys exactly, half before and half after what the stress adds. A large ``flow`` is ``relaxing``.
     """
-    first = list(path.starts[:-1])
-    change = np.empty_like(stress)
-    np.subtract(stress[1:], stress[:-1], out=change[1:])
-    change[first] = stress[first]
+    change, begins = _steps(path, stress)
     keep = np.exp(-0.5 * path.waited / tau_s)
-    begins = np.zeros(len(stress), dtype=np.bool_)
-    begins[first] = True
     found: Array = _thinning(weight * change, keep, begins, float(flow))
     return found
 
@@ -99,13 +102,8 @@ def flowing(
     chains reptate less the more they are stretched, Bergstrom & Boyce (1998), doi:10.1016/S0022-5096(97)00075-6. At
     ``power`` 1 and ``strain`` 0 that of ``relaxing``. Each step flows half before and half after what the stress adds.
     """
-    first = list(path.starts[:-1])
-    change = np.empty_like(stress)
-    np.subtract(stress[1:], stress[:-1], out=change[1:])
-    change[first] = stress[first]
+    change, begins = _steps(path, stress)
     pace = 0.5 * path.waited / tau_s * (np.maximum(path.stretch - 1.0, 0.0) + 0.05) ** strain
-    begins = np.zeros(len(stress), dtype=np.bool_)
-    begins[first] = True
     found: Array = _flowing(weight * change, pace, begins, float(power) - 1.0, float(size))
     return found
 
