@@ -7,6 +7,7 @@ only where something is drawn for a person: a table, or progress on a terminal.
 from __future__ import annotations
 
 import contextlib
+import io
 import os
 import signal
 import sys
@@ -77,12 +78,11 @@ class Console:
             table.add_column(Text(name), justify="left" if index == 0 else "right")
         for row in rows:
             table.add_row(*(Text(str(value)) for value in row))
-        width = None if sys.stderr.isatty() else 200
         # Written by ourselves: rich ends the program where nobody reads.
-        console = RichConsole(stderr=True, width=width)
-        with console.capture() as text:
-            console.print(table)
-        self._line(text.get().removesuffix("\n"))
+        terminal = sys.stderr.isatty()
+        shown = io.StringIO()
+        RichConsole(file=shown, force_terminal=terminal, width=None if terminal else 200).print(table)
+        self._line(shown.getvalue().removesuffix("\n"))
 
     @contextlib.contextmanager
     def progress(self, description: str) -> Iterator[Advance]:
@@ -123,8 +123,13 @@ class Console:
 @contextlib.contextmanager
 def _quiet_pipe() -> Iterator[None]:
     """Nobody reads our messages any more: that is no reason to lose the result."""
-    with contextlib.suppress(BrokenPipeError):
+    try:
         yield
+    except BrokenPipeError:
+        # What waits to be written would fail once more at the end, and so would the next message.
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stderr.fileno())
+        os.close(nowhere)
 
 
 def run_guarded(action: Callable[[], int], debug: bool) -> int:
