@@ -6,9 +6,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from loop.test_heat import Console, Job, MoldBuilder, MoldDocument, heat, load_toml, parse_document
 
+from hyperfab.chapters.close_loop import heat
 from hyperfab.chapters.close_loop.extended_mold import extend
+from hyperfab.chapters.job import Job
+from hyperfab.chapters.mold_heat.problem import MoldBuilder
+from hyperfab.console import Console
+from hyperfab.documents.base import parse_document
+from hyperfab.documents.mold import MoldDocument
+from hyperfab.io.toml_io import load_toml
 from hyperfab.loop.fitting import fit
 from hyperfab.loop.noise import Noise
 
