@@ -102,12 +102,11 @@ class Fabric:
             else:
                 stretch = grip_slack.taken_up(stretch, *values)
             place = (*place, *values)
-        if "permanent-set" in terms:
+        # A second network moves no stretch: it stands beside the law.
+        if "permanent-set" in terms and not terms["permanent-set"][0].startswith("network"):
             form, values = terms["permanent-set"]
             added = form.endswith("-added")
-            if form.startswith("network"):
-                pass  # A second network stands beside the law: see ``_elastic``.
-            elif form.startswith("cycles"):
+            if form.startswith("cycles"):
                 stretch = np.minimum(stretch, permanent_set.kept_on(self.path, *values, added=added))
             elif form.startswith("crept"):
                 stretch = np.minimum(stretch, permanent_set.crept(self.path, *values, added=added))
@@ -116,8 +115,7 @@ class Fabric:
             else:
                 peak = self.path.peak if form.startswith("flow") else self.path.earlier_peak
                 stretch = permanent_set.grown(stretch, peak, *_of_set(form, values), added=added)
-            if not form.startswith("network"):
-                place = (*place, form, *values)
+            place = (*place, form, *values)
         return stretch, place
 
     def _peak(self, stretch: Array) -> Array:
