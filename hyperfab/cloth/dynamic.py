@@ -16,6 +16,7 @@ from hyperfab.numerics.kernels import kernel
 from .balance import Balance
 from .law import Floats
 from .linear import Tangent
+from .march import march
 from .mold import Mold
 from .net import Sheet
 from .state import Equilibrium, State, Step
@@ -53,33 +54,22 @@ def swing(
     """Let a sheet swing from ``start`` until no node feels an unbalanced force; at most ``largest`` time steps."""
     balance = Balance(sheet, mold, tolerance)
     tangent = Tangent.empty(sheet.n, sheet.m, balance.model.net.sheared)
-    now, trial, v = start.copy(), start.copy(), np.zeros((sheet.n, sheet.m, 3))
-    history: list[Step] = []
-    status = "no equilibrium within the allowed steps"
+    v = np.zeros((sheet.n, sheet.m, 3))
     last, mass = np.inf, np.zeros((0, 0))
-    for iteration in range(largest + 1):
-        balance.forces(now)
-        balance.settle(now)
-        done = balance.residual <= tolerance
-        if iteration % EVERY == 0 or done or iteration == largest:
-            history.append(balance.line(iteration))
-            if report:
-                report(history[-1])
-        if done:
-            status = ""
-            break
+
+    def velocity(now: State) -> Floats:
+        nonlocal last, mass
         if not mass.size:
             mass = _masses(balance, now, tangent)
         kinetic = _push(balance.r, balance.q, mass, v)
-        if kinetic < last and iteration > 0 and last < np.inf:
+        if kinetic < last < np.inf:
             v[:] = 0.0  # past the peak: begin anew from here
             mass = _masses(balance, now, tangent)
             kinetic = _push(balance.r, balance.q, 2.0 * mass, v)
         last = kinetic
-        balance.before = now.slot.copy()
-        balance.move(now, v, 1.0, trial)
-        now, trial = trial, now
-    return balance.ended(now, status, history)
+        return v
+
+    return march(balance, start, velocity, largest, EVERY, report, "no equilibrium within the allowed steps")
 
 
 def _masses(balance: Balance, now: State, tangent: Tangent) -> Floats:

@@ -15,6 +15,7 @@ from hyperfab.numerics.kernels import kernel
 
 from .balance import Balance
 from .law import Floats
+from .march import march
 from .mold import Mold
 from .net import Arrays, Sheet
 from .state import Equilibrium, State, Step
@@ -68,23 +69,11 @@ def relax(
     The result says what residual was reached; ``converged`` only where it is within ``tolerance``.
     """
     balance = Balance(sheet, mold, tolerance)
-    now, trial, d = start.copy(), start.copy(), np.zeros((sheet.n, sheet.m, 3))
-    history: list[Step] = []
-    status = f"the relaxation's step does not vanish: its residual floors near 1/c, c = {c:g}"
-    for iteration in range(largest + 1):
-        balance.forces(now)
-        balance.settle(now)
-        done = balance.residual <= tolerance
-        if iteration % EVERY == 0 or done or iteration == largest:
-            history.append(balance.line(iteration))
-            if report:
-                report(history[-1])
-        if done:
-            status = ""
-            break
-        if iteration < largest:
-            _steps(now.x, balance.model.net, balance.r, c, d)
-            balance.before = now.slot.copy()
-            balance.move(now, d, 1.0, trial)
-            now, trial = trial, now
-    return balance.ended(now, status, history)
+    d = np.zeros((sheet.n, sheet.m, 3))
+
+    def step(now: State) -> Floats:
+        _steps(now.x, balance.model.net, balance.r, c, d)
+        return d
+
+    unfinished = f"the relaxation's step does not vanish: its residual floors near 1/c, c = {c:g}"
+    return march(balance, start, step, largest, EVERY, report, unfinished)

@@ -7,29 +7,12 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 import pytest
+from laws.constants import CONSTANTS
 
 from hyperfab.materials import Material, bind, laws
 from hyperfab.materials.export import NoCard, Settings, formats
 from hyperfab.materials.export.card import field
 
-CONSTANTS = {
-    "neo-hookean": (0.2,),
-    "yeoh-1": (0.2,),
-    "yeoh-2": (0.18, 0.002),
-    "yeoh-3": (0.18, -0.004, 0.0008),
-    "mooney-rivlin-2": (0.16, 0.01),
-    "mooney-rivlin-3": (0.16, 0.01, 0.001),
-    "mooney-rivlin-5": (0.16, 0.01, 0.0004, 0.002, -0.0003),
-    "mooney-rivlin-9": (0.16, 0.02, -0.003, 0.001, 0.0005, 2e-5, -3e-5, 4e-5, -1e-5),
-    "ogden-1": (0.3, 1.8),
-    "ogden-2": (0.4, 1.3, -0.01, -2.0),
-    "ogden-3": (0.63, 1.3, 0.0012, 5.0, -0.01, -2.0),
-    "arruda-boyce": (0.3, 5.0),
-    "arruda-boyce-langevin": (0.3, 5.2),
-    "gent": (0.27, 90.0),
-    "blatz-ko": (0.4, 0.0, 0.25),
-    "blatz-ko-general": (0.4, 0.3, 0.4),
-}
 L1, L2 = np.array([1.2, 2.0, 3.0]), np.array([1.1, 0.8, 1.5])
 CASES = [(one, law) for one in sorted(formats()) for law in formats()[one].writers]
 

@@ -1,0 +1,26 @@
+"""Constants of every isotropic law, of the size rubber and stretch fabrics have (MPa where they are stresses)."""
+
+CONSTANTS = {
+    "gent": (0.27, 90.0),
+    "gent-gent": (0.24, 0.28, 78.0),
+    "yeoh-3-lni2": (0.1, -0.001, 2e-5, 0.05),
+    "arruda-boyce": (0.3, 5.0),
+    "arruda-boyce-langevin": (0.3, 5.2),
+    "arruda-boyce-lni2": (0.26, 0.22, 5.0),
+    "carroll": (0.15, 3e-7, 0.09),
+    "alexander": (0.14, 0.08, 0.003, 0.0003, 1.1),
+    "extended-tube": (0.19, 0.21, 0.09, 0.3),
+    "blatz-ko": (0.4, 0.0, 0.25),
+    "blatz-ko-general": (0.4, 0.3, 0.4),
+    "neo-hookean": (0.2,),
+    "yeoh-1": (0.2,),
+    "yeoh-2": (0.18, 0.002),
+    "yeoh-3": (0.18, -0.004, 0.0008),
+    "mooney-rivlin-2": (0.16, 0.01),
+    "mooney-rivlin-3": (0.16, 0.01, 0.001),
+    "mooney-rivlin-5": (0.16, 0.01, 0.0004, 0.002, -0.0003),
+    "mooney-rivlin-9": (0.16, 0.02, -0.003, 0.001, 0.0005, 2e-5, -3e-5, 4e-5, -1e-5),
+    "ogden-1": (0.3, 1.8),
+    "ogden-2": (0.4, 1.3, -0.01, -2.0),
+    "ogden-3": (0.63, 1.3, 0.0012, 5.0, -0.01, -2.0),
+}
