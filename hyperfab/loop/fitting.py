@@ -48,7 +48,7 @@ class Fit:
     @property
     def covariance(self) -> Array:
         """Covariance of the constants, from the curvature at the optimum."""
-        return np.asarray(np.linalg.pinv(self.precision, rcond=1e-13, hermitian=True))
+        return inverse(self.precision, 1e-13)
 
     def place(self, effect: str) -> slice:
         """Return where in ``x`` the constants of a term stand."""
@@ -58,6 +58,18 @@ class Fit:
                 return slice(at, at + len(form.constants))
             at += len(form.constants)
         raise KeyError(effect)
+
+
+def inverse(matrix: Array, rcond: float) -> Array:
+    """Return the pseudo-inverse of a positive semi-definite matrix; ``rcond`` is of its rows scaled to a diagonal of 1.
+
+    >>> inverse(np.diag([4.0, 1e-20, 0.0]), 1e-9).diagonal()
+    array([2.5e-01, 1.0e+20, 0.0e+00])
+    """
+    size = np.diag(matrix)
+    unit = np.where(size > 0.0, 1.0 / np.sqrt(np.maximum(size, 1e-300)), 0.0)
+    both = np.outer(unit, unit)
+    return np.asarray(np.linalg.pinv(matrix * both, rcond=rcond, hermitian=True) * both)
 
 
 def fit(
@@ -124,8 +136,10 @@ def fit(
         moved = False
         for _ in range(8):
             step = np.zeros_like(x)
-            matrix = normal[np.ix_(free, free)] + damping * np.diag(size[free])
-            step[free] = np.linalg.lstsq(matrix, gradient[free], rcond=1e-14)[0]
+            # In units of what the data tell of each constant: their own units lie many powers of ten apart.
+            unit = 1.0 / np.sqrt(size[free])
+            matrix = normal[np.ix_(free, free)] * np.outer(unit, unit) + damping * np.eye(len(unit))
+            step[free] = unit * np.linalg.lstsq(matrix, unit * gradient[free], rcond=1e-14)[0]
             trial = np.clip(x + step, low, high)
             new_value, new_left, new_misfit = state(trial)
             new_cost = new_misfit + float(prior @ (trial - centre) ** 2)

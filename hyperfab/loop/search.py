@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from hyperfab.loop.fitting import Fit, fit
+from hyperfab.loop.fitting import Fit, fit, inverse
 from hyperfab.loop.heldout import HeldOut, Help, help_of, leave_curves_out
 from hyperfab.loop.judge import Judgement, correlation_time, judge
 from hyperfab.loop.noise import Noise
@@ -308,9 +308,7 @@ class Search:
             away = np.abs(away_signed)
             sd = new.sd[place] * scale
             covariance = new.covariance[place, place] * scale**2
-            together = float(
-                away_signed @ np.linalg.pinv(covariance, rcond=1e-10, hermitian=True) @ away_signed
-            )
+            together = float(away_signed @ inverse(covariance, 1e-10) @ away_signed)
             if not np.any(away > 2.0 * sd) and together < 4.0 + 2.0 * len(sd):
                 return False
             if form.of_each and _is_of_few(new, name):
