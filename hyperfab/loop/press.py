@@ -15,7 +15,9 @@ from scipy.special import ndtr
 from hyperfab.loop.catalogue import catalogue
 from hyperfab.loop.catalogue.press.scene import Scene
 from hyperfab.loop.known import known, known_curve, sure, without_prior
-from hyperfab.loop.press_table import PressTable
+from hyperfab.loop.press_float import found_tilt, loads
+from hyperfab.loop.press_table import Moved, PressTable
+from hyperfab.loop.press_variation import variation
 from hyperfab.loop.problem import Array, Constant, Curve, Extra, Problem
 from hyperfab.loop.scatter import patches
 
@@ -60,7 +62,7 @@ class Setting:
     """How the press was set: the opening [mm] without a yielding frame, or the force [N]; ``compliance`` [mm/N] of
     the frame the model has already; ``zero_rate`` (2,) is what resetting the clearance hot gives back per strain of
     male and female [mm]; ``recovery`` the share of its compression the foam gives back, None where thickness was read
-    under the press; a ``floating`` female has no tilt of its own."""
+    under the press; a ``floating`` female turns until nothing has a moment about its joint, whatever lies between."""
 
     opening: float
     force: float | None = None
@@ -69,17 +71,6 @@ class Setting:
     recovery: float | None = None
     floating: bool = False
     touch_offset: float = 0.0
-
-
-@dataclass(frozen=True)
-class Moved:
-    """The press with effects: the table of what bears, its correction, and what scales the stress."""
-
-    table: PressTable
-    places: PressTable
-    factor: float
-    compliance: float
-    shift: float
 
 
 @dataclass
@@ -98,11 +89,17 @@ class PressProblem(Problem):
     def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return the readings that the press would give, then what is known of the constants, then further tests."""
         value = dict(zip((one.name for one in self.own), own, strict=True))
-        now = self._moved(value, terms)
-        found = []
+        guided = self._moved(value, terms)
+        now, found = guided, []
+        hung: dict[float, Moved] = {}
         set_to: float | None = None
         for reading, scale in zip(self.readings, self.scale, strict=True):
-            factor = now.factor * self._relaxed(terms, reading)
+            factor = guided.factor * self._relaxed(terms, reading)
+            if self.setting.floating:
+                mean = float(np.mean(factor))
+                if mean not in hung:
+                    hung[mean], set_to = self._floated(guided, mean, value), None
+                now = hung[mean]
             if reading.kind == "force":
                 found.append(self._force(now, factor, reading, value.get("stroke.zero", 0.0)) * scale)
                 continue
@@ -133,7 +130,33 @@ class PressProblem(Problem):
                 factor = foam * np.maximum(1.0 + variation(table.plan, form, given), 0.05)
             tables.append(table.moved(mechanical).with_foam(factor))
         shift = float(np.dot(self.setting.zero_rate, mechanical[2:]))
-        return Moved(tables[0], tables[1], value["foam.compression"], compliance, shift)
+        return Moved(tables[0], tables[1], value["foam.compression"], compliance, shift, np.zeros(2))
+
+    def hung(self, value: Mapping[str, float], terms: Mapping[str, tuple[str, Array]]) -> Array:
+        """Return the tilt (2,) [rad] a floating female adds to the model's own; ``value`` has the own constants."""
+        guided = self._moved(value, terms)
+        return self._floated(guided, guided.factor, value).turn
+
+    def _floated(self, now: Moved, factor: float, value: Mapping[str, float]) -> Moved:
+        """Return the press with the female turned as it hangs."""
+        start = self._opening(now, factor, value)
+        shut = self.setting.opening + value.get("gap", 0.0) + now.shift
+        wanted = None if self.setting.force is None else self.setting.force * value.get("force", 1.0)
+
+        def unbalanced(opening: float, force: float) -> float:
+            exact = factor * force * float(self._exactness(np.array(force)))
+            return exact - wanted if wanted is not None else opening - shut - now.compliance * exact
+
+        turn = found_tilt(now.table, self._arm, start, unbalanced)
+        settings = np.array([*turn, 0.0, 0.0])
+        return replace(now, table=now.table.moved(settings), places=now.places.moved(settings), turn=turn)
+
+    @cached_property
+    def _arm(self) -> Array:
+        """Where [mm] the thinned sum has the arm of the force at the model's own balance."""
+        now = self._moved(self._given, {})
+        load = loads(now.table, self._opening(now, now.factor, self._given), np.zeros(2))
+        return np.asarray(load[1:] / max(load[0], 1e-300))
 
     def _relaxed(self, terms: Mapping[str, tuple[str, Array]], reading: Reading) -> Array | float:
         if "foam-relaxation" not in terms:
@@ -146,10 +169,20 @@ class PressProblem(Problem):
 
     def _sum(self, now: Moved, openings: Array) -> Array:
         """Return the force (m,) [N] of the law as it is, corrected for the thinned sum."""
-        table = now.table
-        # The correction hangs on the stroke, and moves with the first touch.
-        at = openings - now.table.first_touch + self.summed.first_touch
-        return table.force(openings) * np.interp(at, table.openings, self.correction)
+        forces = now.table.force(openings)
+        return forces * self._exactness(forces)
+
+    @cached_property
+    def _own_forces(self) -> Array:
+        """The thinned sum [N] of the model as it is at its openings, made to rise as they fall."""
+        return np.maximum.accumulate(self.summed.force(self.summed.openings)[::-1])
+
+    def _exactness(self, force: Array) -> Array:
+        """Return what the exact sum has over the thinned one at its ``force``: it hangs on how far the foam is pressed.
+
+        Not on the opening: of foam that is uneven the first touch says little.
+        """
+        return np.interp(force, self._own_forces, self.correction[::-1])
 
     def _opening(self, now: Moved, factor: float, value: Mapping[str, float]) -> float:
         table, force = now.table, self.setting.force
@@ -276,27 +309,6 @@ class PressProblem(Problem):
             curves=(*self.curves, Curve(reading.name, rows, rows + size, np.arange(size, dtype=np.float64))),
             states={},
         )
-
-
-#: Powers of the two plan coordinates in each form of thickness variation.
-TERMS: dict[str, tuple[tuple[int, int], ...]] = {
-    "wedge": ((1, 0), (0, 1)),
-    "bowl": ((2, 0), (0, 2)),
-    "quadric": ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2)),
-    "quadric of a bowl": ((2, 0), (0, 2), (1, 0), (0, 1), (1, 1)),
-    "cubic": ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3)),
-    "flat bowl": ((2, 0), (0, 2), (4, 0), (2, 2), (0, 4)),
-    "quartic": (
-        *((1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3)),
-        *((4, 0), (2, 2), (0, 4)),
-    ),
-}
-
-
-def variation(plan: Array, form: str, given: Array) -> Array:
-    """Return the relative change (n,) of foam thickness over the plan (n, 2)."""
-    x, y = plan[:, 0], plan[:, 1]
-    return np.asarray(sum(float(c) * x**i * y**j for c, (i, j) in zip(given, TERMS[form], strict=True)))
 
 
 def press_problem(

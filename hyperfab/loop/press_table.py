@@ -20,6 +20,8 @@ Ints = NDArray[np.int64]
 _KNOTS, _PLACES = 25, 800
 #: How much further [mm] the table reaches than what the model itself needs: what effects may shift it by.
 MARGIN = 1.0
+#: A tilt [rad] to take differences over.
+_TURN = 2e-3
 
 
 @dataclass(frozen=True)
@@ -27,9 +29,10 @@ class PressTable:
     """Gaps at n vertices of the male's front for each of ``openings`` (k,) [mm], evenly spaced and rising.
 
     ``gap`` and ``touch`` (k, n) [mm]; ``shift`` (k, n, 4) is what the gap gains per radian of tilt about the two axes
-    across and per thermal strain of male and female. ``push`` (k, n) [mm^2] is each vertex' share of the area times
-    how squarely it meets the axis. ``foam`` and ``fabric`` (n,) [mm], ``plan`` (n, 2) the coordinates of thickness
-    variation, -1 to 1 over the male.
+    across and per thermal strain of male and female. ``area`` (n,) [mm^2] is each vertex' share of the area, ``push``
+    (k, n) that times how squarely it meets the axis. ``foam`` and ``fabric`` (n,) [mm], ``plan`` (n, 2) the
+    coordinates of thickness variation, -1 to 1 over the male. ``bend`` (n, 2, 2) [mm/rad^2] is how the gains by tilt
+    change with tilt where a female floats: the pressure has other arms when it has turned.
     """
 
     openings: Array
@@ -37,10 +40,12 @@ class PressTable:
     touch: Array
     shift: Array
     push: Array
+    area: Array
     foam: Array
     fabric: Array
     plan: Array
     law: FoamLaw
+    bend: Array
 
     def of(self, chosen: Ints) -> PressTable:
         """Return the table of some of the vertices."""
@@ -50,16 +55,18 @@ class PressTable:
             touch=self.touch[:, chosen],
             shift=self.shift[:, chosen],
             push=self.push[:, chosen],
+            area=self.area[chosen],
             foam=self.foam[chosen],
             fabric=self.fabric[chosen],
             plan=self.plan[chosen],
+            bend=self.bend[chosen],
         )
 
     def moved(self, settings: Array) -> PressTable:
         """Return the table with both molds' ``settings`` (4,): tilts [rad] and strains, added to what they are."""
         if not np.any(settings):
             return self
-        gap = self.gap + self.shift @ settings
+        gap = self.gap + self.shift @ settings + 0.5 * (self.bend @ settings[:2]) @ settings[:2]
         ratio = np.where(np.abs(self.gap) > 1e-3, self.touch / np.where(self.gap == 0.0, 1.0, self.gap), 1.0)
         return replace(self, gap=gap, touch=gap * ratio)
 
@@ -100,6 +107,19 @@ class PressTable:
         low, high = above[index - 1, n], above[index, n]
         share = np.clip(-low / np.where(high > low, high - low, 1.0), -1.0, 2.0)
         return float(np.max(self.openings[index - 1] + share * self.step))
+
+
+@dataclass(frozen=True)
+class Moved:
+    """The press with effects: the table of what bears, its correction, what scales the stress, and how far [rad] a
+    floating female has turned beyond the model's tilt."""
+
+    table: PressTable
+    places: PressTable
+    factor: float
+    compliance: float
+    shift: float
+    turn: Array
 
 
 def press_table(closed: Closed, plan: Array, travel: float) -> tuple[PressTable, PressTable, Array]:
@@ -146,10 +166,12 @@ def press_table(closed: Closed, plan: Array, travel: float) -> tuple[PressTable,
         touch=np.stack(touches),
         shift=np.stack(shifts),
         push=np.stack(pushes),
+        area=area,
         foam=np.broadcast_to(np.asarray(sandwich.foam, dtype=np.float64), (n,)).copy(),
         fabric=np.broadcast_to(np.asarray(sandwich.fabric, dtype=np.float64), (n,)).copy(),
         plan=plan,
         law=sandwich.law,
+        bend=_bend(closed) if closed.case.floating else np.zeros((n, 2, 2)),
     )
     few = _summed(table)
     summed = few.force(openings)
@@ -161,6 +183,22 @@ def press_table(closed: Closed, plan: Array, travel: float) -> tuple[PressTable,
     return table, few, ratio
 
 
+def _bend(closed: Closed) -> Array:
+    """Return how the gap's gains (n, 2) by tilt change with tilt (n, 2, 2) at the answer, by central differences."""
+    press, pose = closed.press, closed.pose
+    lever = closed.front.vertices - np.array(pose.pivot) - np.array([0.0, 0.0, pose.opening])
+    ways = [-np.cross(axis, lever) for axis in np.eye(3)[:2]]
+    found = []
+    for turn in np.eye(2) * _TURN:
+        gains = []
+        for sign in (1.0, -1.0):
+            tilt = (pose.tilt[0] + sign * float(turn[0]), pose.tilt[1] + sign * float(turn[1]))
+            direction = press.at(replace(pose, tilt=tilt)).direction
+            gains.append(np.stack([np.sum(direction * way, axis=1) for way in ways], axis=1))
+        found.append((gains[0] - gains[1]) / (2.0 * _TURN))
+    return np.stack(found, axis=2)
+
+
 def _summed(table: PressTable) -> PressTable:
     """Return the vertices that ever bear, thinned to what the sum needs; their areas stand for those left out."""
     bears = np.flatnonzero(np.min(table.gap, axis=0) < 1.3 * (table.foam + table.fabric))
@@ -170,4 +208,5 @@ def _summed(table: PressTable) -> PressTable:
     order = bears[np.argsort(table.gap[len(table.openings) // 2, bears], kind="stable")]
     chosen = order[np.linspace(0, len(order) - 1, _PLACES).astype(np.int64)]
     few = table.of(chosen)
-    return replace(few, push=few.push * (np.sum(table.push[0, bears]) / np.sum(few.push[0])))
+    share = np.sum(table.push[0, bears]) / np.sum(few.push[0])
+    return replace(few, push=few.push * share, area=few.area * share)

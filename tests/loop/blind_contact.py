@@ -7,6 +7,7 @@ import sys
 import tempfile
 from collections.abc import Sequence
 from functools import cache
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -92,20 +93,20 @@ _NEXT = {"warmer": "warm", "first fifth": "begin", "five times": "often", "oiled
 def case(effects: tuple[str, ...], seed: int, protocol: str, larger: float, finer: float) -> Case:
     """Return the case of a seed."""
     random = np.random.default_rng([seed, sum(map(ord, "".join(effects)))])
-    poor = protocol == "poor"
-    truth = truths.draw(random, effects, 0.06 if poor else 0.013, larger)
-    # Whoever has measured well also knows the fabric from its own tests.
-    return posed(truth, finer * (4.0 if poor else 1.0), [protocol], seed, 0.10 if poor else 0.02)
+    poor, usual = protocol == "poor", protocol == "usual"
+    # Whoever has measured well often knows the fabric from its own tests, but not always.
+    known = 0.10 if poor or usual else 0.02
+    truth = truths.draw(random, effects, 0.65 * known, larger)
+    return posed(truth, finer * (4.0 if poor else 1.0), ["rich" if usual else protocol], seed, known)
 
 
 TRIALS = Trials(
     ids=truths.IDS,
-    pairs=("pretension+thermal-softening", "friction+thermal-softening", "rim-slip+thermal-softening",
-           "pretension+friction", "pretension+rim-slip"),
+    pairs=tuple("+".join(pair) for pair in combinations(truths.IDS, 2)),
     outside=truths.OUTSIDE,
     case=case,
     poor=("friction", "pretension", "rim-slip"),
-)  # fmt: skip
+)
 
 if __name__ == "__main__":
     sys.exit(main(TRIALS))

@@ -6,6 +6,7 @@ import sys
 import tempfile
 from collections.abc import Sequence
 from functools import cache
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -21,12 +22,12 @@ from hyperfab.loop.press import Reading
 
 
 @cache
-def told() -> Told:
-    """The press as its document has it."""
+def told(more: str = "", options: tuple[str, ...] = ()) -> Told:
+    """The press as its document has it; with ``more`` lines of foam.toml, or with its own ``options`` for the gap."""
     folder = Path(tempfile.mkdtemp())
     for which in ("male", "female"):
         (folder / f"{which}.stl").write_bytes(truths.stl(which))
-    (folder / "foam.toml").write_text(truths.FOAM_TOML)
+    (folder / "foam.toml").write_text(truths.FOAM_TOML + more)
     words = [
         "--male",
         f"{folder}/male.stl",
@@ -35,7 +36,7 @@ def told() -> Told:
         "--foam",
         f"{folder}/foam.toml",
     ]
-    words += ["--gap", f"{truths.GAP}mm"]
+    words += options or ("--gap", f"{truths.GAP}mm")
     made = rerun("press-contact", words, chapter_words("press-contact", [*words, "-o", "-"]))
     found = made.kept[-1]
     assert isinstance(found, Told)
@@ -80,12 +81,11 @@ def case(effects: tuple[str, ...], seed: int, protocol: str, larger: float, fine
 
 TRIALS = Trials(
     ids=truths.IDS,
-    pairs=("tilt+frame-compliance", "foam-shrinkage+foam-relaxation", "thickness-variation+foam-relaxation",
-           "thermal-expansion+tilt"),
+    pairs=tuple("+".join(pair) for pair in combinations(truths.IDS, 2)),
     outside=truths.OUTSIDE,
     case=case,
     poor=truths.IDS,
-)  # fmt: skip
+)
 
 if __name__ == "__main__":
     sys.exit(main(TRIALS))

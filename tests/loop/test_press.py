@@ -46,3 +46,19 @@ def test_the_table_moved_by_a_tilt_is_the_tilted_press() -> None:
     table = problem.summed.moved(np.array([*tilt, 0.0, 0.0]))
     found = float(table.force(np.array([closed.pose.opening]))[0])
     assert abs(found - exact) < 3e-3 * exact
+
+
+def test_a_floating_female_turns_in_the_loop_as_it_does_in_the_press() -> None:
+    options = ("--force", "40N", "--float")
+    level = blind_press.told("", options)
+    turned = blind_press.told("variation = { x = 0.08, y = -0.03 }\n", options).closed
+    read = blind_press.as_readings(caps.measure(caps.Truth(()), np.random.default_rng(2), 0.0, "film"))
+    problem = pose(level, [(one, None) for one in read], 0.1, [])
+    own = {one.name: one.value for one in problem.own}
+    wedge = {"thickness-variation": ("wedge", np.array([0.08, -0.03]))}
+    tilt = problem.hung(own, wedge)
+    assert np.abs(problem.hung(own, {})).max() < 1e-12
+    assert np.abs(tilt - turned.pose.tilt).max() < 0.05 * np.hypot(*turned.pose.tilt)
+    plain = problem.predict(np.array(list(own.values())), {})
+    given = problem.predict(np.array(list(own.values())), {"tilt": ("rotation", np.array([0.1, 0.0]))})
+    assert np.array_equal(plain, given)

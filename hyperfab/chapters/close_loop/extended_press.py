@@ -22,7 +22,8 @@ from hyperfab.io.output import Output
 from hyperfab.io.toml_io import load_toml
 from hyperfab.io.units import quantity
 from hyperfab.loop.engine import Finding
-from hyperfab.loop.press import TERMS, PressProblem
+from hyperfab.loop.press import PressProblem
+from hyperfab.loop.press_variation import TERMS
 
 #: Where the new sandwich is written.
 FOAM = ".model.foam.toml"
