@@ -81,12 +81,15 @@ class Candidate(_Part):
     id: str
     title: str
     visible: bool = Field(description="false where these data could not show it at any size")
-    score: float | None = Field(
-        default=None, description="how far the residual points at it, in standard deviations"
+    not_sought: str | None = Field(
+        default=None, description="why it was left out: the model has it, or what the data lack"
     )
-    delta_bic: float | None = Field(
-        default=None,
-        description="what it lowers BIC by: alone, or, where it was added, beside the other added ones",
+    score: float = Field(description="how far the residual points at it, in standard deviations")
+    delta_bic: float = Field(
+        description="what it lowers BIC by: alone, or, where it was added, beside the other added ones"
+    )
+    refitted: bool = Field(
+        description="whether delta_bic is of a fit of all constants; else it follows from the score (0: not visible)"
     )
     confounded_with: list[str] = Field(default_factory=list)
     shown_by: str = Field(description="the measurement that tells it from its look-alikes")
@@ -148,3 +151,13 @@ class LoopDocument(Document):
     )
     left_out: dict[str, int] = Field(default_factory=dict, description="rows left out, by reason")
     warnings: list[str] = Field(default_factory=list)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the document as plain data; ``null`` says that no test could be held out, that there is nothing to
+        measure next, that no model was written."""
+        data = super().to_json()
+        tail: dict[str, Any] = {key: data.pop(key) for key in ("files", "provenance") if key in data}
+        nothing: dict[str, Any] = {
+            key: None for key in ("held_out", "next_measurement", "model") if key not in data
+        }
+        return {**data, **nothing, **tail}

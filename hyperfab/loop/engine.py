@@ -34,9 +34,8 @@ class Finding:
     """What the loop found.
 
     ``verdict`` is noise, effect, ambiguous or unexplained; ``added`` the evidence of each effect of
-    ``after``, in order;
-    ``tried`` the evidence of the entries refitted on the model as it was; ``invisible`` the entries these
-    data cannot show.
+    ``after``, in order; ``tried`` the evidence of the entries refitted on the model as it was; ``scores`` how far its
+    residual points at each entry that these data could show, ``worth`` what each would lower BIC by, to first order.
     """
 
     verdict: str
@@ -46,7 +45,7 @@ class Finding:
     added: dict[str, Evidence]
     tried: dict[str, Evidence]
     scores: dict[str, float]
-    invisible: tuple[str, ...]
+    worth: dict[str, float]
     rivals: list[Rival] = field(default_factory=list)
     indistinguishable: list[list[str]] = field(default_factory=list)
     measurements: list[NextMeasurement] = field(default_factory=list)
@@ -68,7 +67,7 @@ def close(
     search = Search(problem, level, tick, max(refit, problem.rich))
     before = search.base()
     scores = {effect.id: score for effect, score in search.ranking(before)}
-    invisible = tuple(effect.id for effect in problem.effects if effect.id not in scores)
+    worth = search.worth(before)
 
     def finding(
         verdict: str, after: State, added: dict[str, Evidence], tried: dict[str, Evidence]
@@ -80,7 +79,7 @@ def close(
         if verdict == "unexplained":
             hint = suggestion(left[first], level.sd[first], states)
         return Finding(
-            verdict, level, before, after, added, tried, scores, invisible,
+            verdict, level, before, after, added, tried, scores, worth,
             rides_on=dependence(after.fit.residual[first], states), suggestion=hint,
         )  # fmt: skip
 

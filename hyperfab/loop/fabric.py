@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from hyperfab.loop.catalogue import catalogue
 from hyperfab.loop.catalogue.fabric.scene import Scene
 from hyperfab.loop.fabric_start import best_by_law
-from hyperfab.loop.problem import Array, Constant, Curve, Extra, Problem
+from hyperfab.loop.problem import HAS_IT, Array, Constant, Curve, Extra, Problem
 from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.path import MODE_NAMES, UNIAXIAL, Path
 from hyperfab.materials.law import Law
@@ -119,7 +119,10 @@ def fabric_problem(
         own += constants
     curves, rows, measured = _curves(path, tests, stress)
     scene = Scene(law, tuple(warp), path, stress, weft is not None, len(rows) > 0)
-    effects = tuple(effect for effect in catalogue("fabric", scene) if effect.id not in held)
+    effects = tuple(
+        replace(effect, not_sought=HAS_IT) if effect.id in held else effect
+        for effect in catalogue("fabric", scene)
+    )
     stated = None
     if all(test.stress_sd is not None for test in tests):
         stated = np.concatenate([test.stress_sd for test in tests] + [np.full(len(rows), np.nan)])

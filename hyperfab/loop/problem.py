@@ -62,6 +62,10 @@ class Form:
         return np.array([known.get(one.name, start) for one, start in pairs])
 
 
+#: Why an entry is not sought that the model already has.
+HAS_IT = "the model has it"
+
+
 @dataclass(frozen=True)
 class Effect:
     """A catalogue entry: something a model may lack.
@@ -70,7 +74,8 @@ class Effect:
     from its look-alikes; ``smooth`` whether a too poor smooth law could pass for it (its score is then taken
     off a space of smooth curves). A rival that reproduces more than ``mimic_share`` of an effect's imprint cannot
     be told from it: less for laws that only describe, more where the law is physics; one that misses it by more than
-    ``mimic_left`` standard deviations of the noise (rms) is told from it.
+    ``mimic_left`` standard deviations of the noise (rms) is told from it. ``not_sought`` says why an entry is left out:
+    the model has it, or the data lack what it shows on.
     """
 
     id: str
@@ -82,6 +87,7 @@ class Effect:
     smooth: bool = True
     mimic_share: float = 0.85
     mimic_left: float = 1.5
+    not_sought: str = ""
 
     def form(self, name: str) -> Form:
         """Return the form of that name."""

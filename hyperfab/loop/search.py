@@ -41,7 +41,11 @@ class State:
     @cached_property
     def found(self) -> list[Signature]:
         """What the entries that are not in the model would do to its prediction."""
-        others = [effect for effect in self.problem.effects if effect.id not in self.fit.forms]
+        others = [
+            effect
+            for effect in self.problem.effects
+            if effect.id not in self.fit.forms and not effect.not_sought
+        ]
         return signatures(self.problem, self.noise, self.fit, others)
 
     @cached_property
@@ -122,10 +126,22 @@ class Search:
         order = sorted(best, key=lambda name: -best[name])
         return [(self.problem.effect(name), best[name]) for name in order]
 
+    def worth(self, state: State) -> dict[str, float]:
+        """Return what each entry not in the model would lower BIC by, to first order: along its best signature."""
+        time = correlation_time(state.fit.residual, self.problem.curves)
+        penalty = float(np.log(max(len(state.fit.residual) / time, 3.0)))
+        best: dict[str, float] = {}
+        for signature in state.found:
+            gain = points_at(signature) ** 2 / max(state.excess, 1.0) / time
+            gain -= len(signature.form.constants) * penalty
+            name = signature.effect.id
+            best[name] = max(best.get(name, -np.inf), gain)
+        return best
+
     def with_term(self, state: State, effect: Effect, families: int = 1, most: int = 99) -> Fit | None:
         """Return the best joint fit of the model with ``effect``: its forms, then those that refine them.
 
-        ``families`` are the simple forms, the best first, that are refined; ``most`` bounds the constants of the forms
+        ``families`` are the simple forms that have richer ones, the best first, that are refined; ``most`` bounds the constants of the forms
         that refine.
         """
         rank: dict[str, float] = {}
@@ -142,7 +158,8 @@ class Search:
         if not fits:
             return None
         found = self.lowest(fits)
-        for one in sorted(fits, key=lambda one: one.chi2)[:families]:
+        rich = [one for one in fits if any(form.enriches(one.forms[effect.id].name) for form in effect.forms)]
+        for one in sorted(rich, key=lambda one: one.chi2)[:families]:
             if not _is_spent(found):
                 found = self.lowest([found, self._refined(state.fit, effect, one, most)])
         return found

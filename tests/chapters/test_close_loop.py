@@ -21,6 +21,9 @@ MODEL = {
     "parameters": {"C10_MPa": 0.1, "C20_MPa": 0.02, "C30_MPa": 0.01},
 }
 
+FABRIC_IDS = {"anisotropy", "hysteresis", "rate", "mullins", "permanent-set", "thermal-softening", "grip-slack",
+              "load-offset", "compressibility", "elastic-law"}  # fmt: skip
+
 FLAT = "".join(f"{1.0 + 0.02 * i:.6g},0.1\n" for i in range(20))
 TWO_BODIES = """format = "hyperfab.mold/1"
 [material.body]
@@ -130,6 +133,33 @@ def test_data_set_apart_are_predicted(hf: Run, tmp_path: Path) -> None:
     assert found["held_out"]["source"] == "the files of --hold-out"
     assert found["held_out"]["after"]["rms"] < 1.2 * found["held_out"]["noise"]["rms"]
     assert found["held_out"]["before"]["rms"] > 2.0 * found["held_out"]["after"]["rms"]
+
+
+def test_every_entry_is_told_also_where_the_data_cannot_show_it(hf: Run, tmp_path: Path) -> None:
+    arguments = shop(tmp_path, ())[:4]
+    found = json.loads(hf(*arguments, cwd=tmp_path).stdout)
+    jsonschema.validate(found, schema("loop"))
+    rows = {one["id"]: one for one in found["candidates"]}
+    assert set(rows) == FABRIC_IDS
+    assert all({"score", "delta_bic", "confounded_with", "shown_by"} <= one.keys() for one in rows.values())
+    for name in ("anisotropy", "thermal-softening", "compressibility"):
+        assert not rows[name]["visible"]
+        assert rows[name]["not_sought"]
+        assert (rows[name]["score"], rows[name]["delta_bic"]) == (0.0, 0.0)
+    assert rows["hysteresis"]["visible"]
+    assert found["held_out"] is None
+    assert found["next_measurement"] is None
+    assert found["model"] is None
+
+
+def test_model_with_a_rate_needs_tests_with_times(hf: Run, tmp_path: Path) -> None:
+    rate = {"id": "rate", "form": "prony-1", "parameters": {"g1": 0.3, "tau1_s": 5.0}}
+    (tmp_path / "fabric.json").write_text(json.dumps(MODEL | {"effects": [rate]}))
+    curve = "".join(f"{1.0 + 0.02 * i:.6g},{0.01 * i + 0.0001 * (i % 3):.6g}\n" for i in range(20))
+    (tmp_path / "pull.csv").write_text(f"# test: uniaxial\nstretch [-],stress [MPa]\n{curve}")
+    done = hf("close-loop", "fabric.json", "--measured", "pull.csv", cwd=tmp_path)
+    assert done.returncode == 3
+    assert b"fabric.json, key effects.0" in done.stderr
 
 
 @pytest.mark.parametrize(

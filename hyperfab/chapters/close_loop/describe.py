@@ -22,7 +22,7 @@ from hyperfab.documents.loop import (
 )
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.fabric import FabricProblem
-from hyperfab.loop.problem import Array, Problem
+from hyperfab.loop.problem import HAS_IT, Array, Problem
 
 
 def describe(
@@ -192,14 +192,16 @@ def _candidates(problem: Problem, found: Finding) -> list[Candidate]:
             Candidate(
                 id=effect.id,
                 title=effect.title,
-                visible=effect.id not in found.invisible,
-                score=float(found.scores[effect.id]) if effect.id in found.scores else None,
-                delta_bic=gains.get(effect.id),
+                visible=effect.id in found.scores,
+                not_sought=effect.not_sought or None,
+                score=float(found.scores.get(effect.id, 0.0)),
+                delta_bic=gains.get(effect.id, float(found.worth.get(effect.id, 0.0))),
+                refitted=effect.id in gains,
                 confounded_with=confounded,
                 shown_by=effect.shown_by,
             )
         )
-    return sorted(rows, key=lambda row: (-(row.delta_bic or 0.0), -(row.score or 0.0)))
+    return sorted(rows, key=lambda row: (not row.visible, -row.delta_bic, -row.score))
 
 
 def _next(found: Finding) -> NextMeasurement | None:
@@ -258,9 +260,13 @@ def summary(problem: Problem, document: LoopDocument) -> list[str]:
     if document.next_measurement is not None:
         sure = "" if document.next_measurement.decisive else " (it may not settle the matter at this noise)"
         lines.append(f"Measure next: {document.next_measurement.text}{sure}.")
-    hidden = [row.id for row in document.candidates if not row.visible]
+    hidden: dict[str, list[str]] = {}
+    for row in document.candidates:
+        if not row.visible and row.not_sought != HAS_IT:
+            hidden.setdefault(row.not_sought or "", []).append(row.id)
     if hidden:
-        lines.append(f"These data cannot show: {', '.join(hidden)}.")
+        told = (", ".join(names) + (f" ({reason})" if reason else "") for reason, names in hidden.items())
+        lines.append(f"These data cannot show: {'; '.join(told)}.")
     return lines
 
 
@@ -270,8 +276,7 @@ def say(console: Console, document: LoopDocument) -> None:
     for line in document.summary:
         console.note(line)
     rows = [
-        [row.id, "-" if row.score is None else f"{row.score:.1f}", "-" if row.delta_bic is None else
-        f"{row.delta_bic:.0f}",
+        [row.id, f"{row.score:.1f}", f"{row.delta_bic:.0f}" if row.refitted else f"~{row.delta_bic:.0f}",
          ", ".join(row.confounded_with)]
         for row in document.candidates
         if row.visible

@@ -21,6 +21,8 @@ from hyperfab.materials.law import Law
 
 #: Effects that the document tells in keys of its own, which every command reads: no term is added twice.
 _TOLD_ELSEWHERE = ("anisotropy",)
+#: Effects that have no prediction where the tests state no times.
+_NEEDS_TIMES = ("rate",)
 
 
 def held_terms(
@@ -35,12 +37,19 @@ def held_terms(
             continue
         effect = entries.get(str(kind))
         form = None if effect is None else next((f for f in effect.forms if f.name == form_name), None)
-        if form is None or not isinstance(values, Mapping):
+        if effect is None or form is None or not isinstance(values, Mapping):
             raise InputError(
                 f"unknown effect {kind!r} of form {form_name!r}",
                 file=name,
                 key=key,
                 remedy="remove it, or see docs/close-loop.md",
+            )
+        if kind in _NEEDS_TIMES and effect.not_sought:
+            raise InputError(
+                f"the effect {kind!r} cannot be computed for these tests: {effect.not_sought}",
+                file=name,
+                key=key,
+                remedy="give every test a column time [s] or its rate [1/s], or take the effect out of the model",
             )
         constants = []
         for constant in form.constants:
@@ -48,6 +57,8 @@ def held_terms(
                 raise InputError("is missing", file=name, key=f"{key}.parameters.{constant.name}")
             value = float(values[constant.name])
             low, high = min(constant.low, value), max(constant.high, value)
+            if effect.not_sought:
+                low = high = value  # these data say nothing of it
             constants.append(Constant(f"{kind} {constant.name}", value, low, high, constant.scale))
         found[str(kind)] = (form.name, tuple(constants))
     return found

@@ -1,6 +1,7 @@
 """What a model may lack, one missing effect a file, one folder a domain.
 
-A module of a domain's folder has ``entry(scene) -> Effect | None``; None where the effect has no meaning for the model.
+A module of a domain's folder has ``entry(scene) -> Effect``; ``not_sought`` says why where it has no meaning for the
+model or the data.
 """
 
 from __future__ import annotations
@@ -19,7 +20,5 @@ def catalogue(domain: str, scene: Any) -> tuple[Effect, ...]:
     for module in sorted(pkgutil.iter_modules(folder.__path__), key=lambda module: module.name):
         if module.name == "scene":
             continue
-        effect = importlib.import_module(f"{folder.__name__}.{module.name}").entry(scene)
-        if effect is not None:
-            found.append(effect)
+        found.append(importlib.import_module(f"{folder.__name__}.{module.name}").entry(scene))
     return tuple(found)

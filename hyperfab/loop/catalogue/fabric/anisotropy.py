@@ -5,13 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from hyperfab.loop.catalogue.fabric.scene import Scene
-from hyperfab.loop.problem import Constant, Effect, Form
+from hyperfab.loop.problem import HAS_IT, Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect | None:
+def entry(scene: Scene) -> Effect:
     """Return the effect: one ratio for all constants, all constants free, fibres, and the softness on the diagonal."""
-    if scene.directions or len(scene.angles) < 2:
-        return None
+    reason = ""
+    if scene.directions:
+        reason = HAS_IT
+    elif len(scene.angles) < 2:
+        reason = "the tests state one direction at most"
     law = scene.law
     c = np.array(scene.constants)
     linear = np.array([name.endswith("_MPa") for name in law.names])
@@ -50,6 +53,7 @@ def entry(scene: Scene) -> Effect | None:
     return Effect(
         id="anisotropy",
         title="warp and weft differ",
+        not_sought=reason,
         rides_on=("direction",),
         shown_by="the same pull along warp and weft, each with a replicate",
         source="Spencer (1984), Continuum Theory of the Mechanics of Fibre-Reinforced Composites; "

@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from hyperfab.loop.catalogue.fabric.scene import Scene
-from hyperfab.loop.problem import Constant, Effect, Form
+from hyperfab.loop.problem import HAS_IT, Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect | None:
+def entry(scene: Scene) -> Effect:
     """Return the effect: the contraction exponent; one a direction where contraction was measured along both."""
+    reason = ""
     if scene.law.name.startswith("blatz-ko"):
-        return None
-    several = len(np.unique(scene.path.mode)) > 1
-    if not scene.transverse and not several:
-        return None
+        reason = HAS_IT
+    elif not scene.transverse and len(np.unique(scene.path.mode)) < 2:
+        reason = "the tests are of one mode and state no transverse stretch"
     nu = Constant("nu", 0.5, -0.4, 0.9, 0.05)
     bend = Constant("bend", 0.0, -1.0, 1.0, 0.1)
     forms = [Form("uniform", (nu,), ((0.4,), (0.2,)), ((0.48,),))]
@@ -29,6 +29,7 @@ def entry(scene: Scene) -> Effect | None:
     return Effect(
         id="compressibility",
         title="the sheet does not keep its volume",
+        not_sought=reason,
         rides_on=("mode", "transverse stretch"),
         shown_by="the transverse stretch of a uniaxial test, or uniaxial and biaxial tests of one sheet",
         source="Blatz & Ko (1962), doi:10.1122/1.548937",

@@ -6,10 +6,8 @@ from hyperfab.loop.catalogue.fabric.scene import Scene
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect | None:
+def entry(scene: Scene) -> Effect:
     """Return the effect: a set seen on the way down, plastic flow as it happens, or a set from the second pull on."""
-    if not scene.unloads:
-        return None
     share = Constant("set_share", 0.0, 0.0, 0.9, 0.02)
 
     def form(name: str) -> Form:
@@ -46,6 +44,7 @@ def entry(scene: Scene) -> Effect | None:
     return Effect(
         id="permanent-set",
         title="part of the strain stays",
+        not_sought="" if scene.unloads else "no test unloads",
         rides_on=("cycle", "branch"),
         shown_by="unloading to zero force, a wait, and a second pull: the stretch at which force begins",
         source="ASTM D412 (tension set); Andrews, Tobolsky & Hanson (1946), doi:10.1063/1.1707724",

@@ -8,10 +8,8 @@ from hyperfab.loop.catalogue.fabric.scene import Scene
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect | None:
+def entry(scene: Scene) -> Effect:
     """Return the effect: one Maxwell branch, two, or stiffness with the logarithm of the rate."""
-    if not scene.path.knows_time:
-        return None
     step, whole = scene.times
     peak = scene.peak_stress
     low, high = 0.2 * step, 20.0 * whole
@@ -30,6 +28,7 @@ def entry(scene: Scene) -> Effect | None:
     return Effect(
         id="rate",
         title="stress depends on the rate",
+        not_sought="" if scene.path.knows_time else "not every test states its times or its rate",
         rides_on=("rate", "time"),
         shown_by="the same cycle at two rates a factor of 16 apart, and a hold of the stretch",
         source="Fung (1981), Biomechanics, ch. 7; Taylor, Pister & Goudreau (1970), doi:10.1002/nme.1620020106; "

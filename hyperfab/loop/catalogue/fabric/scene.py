@@ -58,5 +58,5 @@ class Scene:
     def times(self) -> tuple[float, float]:
         """The shortest time that rows resolve and the longest test [s]."""
         steps = self.path.elapsed[self.path.elapsed > 0.0]
-        longest = max(float(np.sum(np.maximum(self.path.elapsed[rows], 0.0))) for rows in self.path.curves)
+        longest = max(float(np.nansum(np.maximum(self.path.elapsed[rows], 0.0))) for rows in self.path.curves)
         return float(np.median(steps)) if len(steps) else 1.0, max(longest, 1e-6)

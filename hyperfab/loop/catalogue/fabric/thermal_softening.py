@@ -8,11 +8,10 @@ from hyperfab.loop.catalogue.fabric.scene import Scene
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect | None:
+def entry(scene: Scene) -> Effect:
     """Return the effect: exponential in temperature; with three temperatures also its curvature."""
-    if len(scene.temperatures) < 2:
-        return None
-    span = float(np.ptp(scene.temperatures))
+    several = len(scene.temperatures) > 1
+    span = float(np.ptp(scene.temperatures)) if several else 30.0
     linear = Constant("softening_1_K", 0.0, -5.0 / span, 5.0 / span, 0.1 / span)
     forms = [Form("exponential", (linear,), ((0.2 / span,), (-0.2 / span,)), ((0.02 / span,),))]
     if len(scene.temperatures) > 2:
@@ -21,6 +20,7 @@ def entry(scene: Scene) -> Effect | None:
     return Effect(
         id="thermal-softening",
         title="stiffness changes with temperature",
+        not_sought="" if several else "the tests state one temperature at most",
         rides_on=("temperature",),
         shown_by="the same pull at two temperatures 30 K or more apart",
         source="Ferry (1980), Viscoelastic Properties of Polymers, ch. 11",

@@ -6,10 +6,8 @@ from hyperfab.loop.catalogue.heat.scene import Scene
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect | None:
+def entry(scene: Scene) -> Effect:
     """Return the effect: ambient linear in time, quadratic, cubic."""
-    if not scene.films:
-        return None
     whole = scene.duration_s
     slope = Constant("drift_K_s", 0.0, -80.0 / whole, 80.0 / whole, 2.0 / whole)
     bend = Constant("drift_K_s2", 0.0, -80.0 / whole**2, 80.0 / whole**2, 2.0 / whole**2)
@@ -17,6 +15,7 @@ def entry(scene: Scene) -> Effect | None:
     return Effect(
         id="ambient-drift",
         title="the ambient changes with time",
+        not_sought="" if scene.films else "no face has a film",
         rides_on=("time_s",),
         shown_by="a thermometer in the air, away from the mold",
         source="Newton's law of cooling with a moving ambient",

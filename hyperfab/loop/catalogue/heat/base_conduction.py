@@ -6,11 +6,9 @@ from hyperfab.loop.catalogue.heat.scene import Scene
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect | None:
+def entry(scene: Scene) -> Effect:
     """Return the effect: a conductance to the ambient through the outer faces without a film, to a bench that may
     warm up, or more in places."""
-    if not scene.bench:
-        return None
     h = Constant("h_W_m2K", 0.0, 0.0, 2000.0, 0.3 * scene.typical_film)
     share = Constant("bench_share", 0.0, 0.0, 0.95, 0.1, 0.5)
     time = Constant(
@@ -24,6 +22,7 @@ def entry(scene: Scene) -> Effect | None:
     return Effect(
         id="base-conduction",
         title="heat leaves through the base",
+        not_sought="" if scene.bench else "every outer face has a film",
         rides_on=("above ambient_K", "probe"),
         shown_by="a thermocouple in the base plate beside one at the work surface, over a cool-down",
         source="Newton's law of cooling at the support",

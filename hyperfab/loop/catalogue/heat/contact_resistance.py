@@ -6,14 +6,12 @@ from hyperfab.loop.catalogue.heat.scene import Scene
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect | None:
+def entry(scene: Scene) -> Effect:
     """Return the effect: a resistance of the joints that conduct perfectly in the model, or in series with its joints.
 
     One for all, of each its own, closing as the mold warms up, or greater in places.
     """
     joints = scene.opened + scene.declared
-    if not joints:
-        return None
     # A film of air of a few hundredths of a millimetre: 1e-3 m^2 K/W.
     resistance = Constant("resistance_m2K_W", 0.0, 0.0, 0.1, 2e-4)
     forms = [Form("gap", (resistance,), ((3e-4,), (3e-3,)), ((5e-5,), (5e-4,)))]
@@ -29,6 +27,7 @@ def entry(scene: Scene) -> Effect | None:
     return Effect(
         id="contact-resistance",
         title="parts that touch do not conduct perfectly",
+        not_sought="" if joints else "the mold has one part",
         rides_on=("power_W", "probe"),
         shown_by="a thermocouple on each side of the joint",
         source="Yovanovich (2005), doi:10.1109/TCAPT.2005.848483",

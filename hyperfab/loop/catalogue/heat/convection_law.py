@@ -6,13 +6,12 @@ from hyperfab.loop.catalogue.heat.scene import Scene
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect | None:
+def entry(scene: Scene) -> Effect:
     """Return the effect: ``h ~ (T - ambient)^n``; free convection has n from 1/4 to 1/3."""
-    if not scene.films:
-        return None
     return Effect(
         id="convection-law",
         title="the film coefficient depends on the temperature difference in another way",
+        not_sought="" if scene.films else "no face has a film",
         rides_on=("above ambient_K",),
         shown_by="plateaus at three powers, and a cool-down with the power off",
         source="Churchill & Chu (1975), doi:10.1016/0017-9310(75)90243-4",

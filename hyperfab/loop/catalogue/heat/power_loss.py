@@ -6,10 +6,8 @@ from hyperfab.loop.catalogue.heat.scene import Scene
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect | None:
+def entry(scene: Scene) -> Effect:
     """Return the effect: a share lost, constant or growing with the heater's temperature, or out of its back."""
-    if not scene.heaters:
-        return None
     share = Constant("lost_share", 0.0, -0.3, 0.9, 0.05)
     warm = Constant("lost_share_per_K", 0.0, -0.5 / scene.rise_K, 0.9 / scene.rise_K, 0.05 / scene.rise_K)
     bend = Constant(
@@ -21,6 +19,7 @@ def entry(scene: Scene) -> Effect | None:
     return Effect(
         id="power-loss",
         title="part of the power does not reach the mold",
+        not_sought="" if scene.heaters else "the model has no heater",
         rides_on=("power_W", "temperature_degC"),
         shown_by="a power meter at the heaters at two plateaus",
         source="energy balance of a resistance heater",

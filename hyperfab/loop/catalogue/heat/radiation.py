@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from hyperfab.loop.catalogue.heat.scene import Scene
-from hyperfab.loop.problem import Constant, Effect, Form
+from hyperfab.loop.problem import HAS_IT, Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect | None:
+def entry(scene: Scene) -> Effect:
     """Return the effect: a grey emissivity of the faces that have a film, to surroundings as warm as the air or not."""
-    if scene.emits or not scene.films:
-        return None
+    reason = HAS_IT if scene.emits else "" if scene.films else "no face has a film"
     emissivity = Constant("emissivity", 0.0, 0.0, 1.0, 0.1)
     sky = Constant("surroundings_K", 0.0, -40.0, 40.0, 2.0, 8.0)
     return Effect(
         id="radiation",
         title="the mold radiates to its surroundings",
+        not_sought=reason,
         rides_on=("temperature_degC",),
         shown_by="a plateau at twice the temperature rise, and a cool-down with the power off",
         source="Stefan-Boltzmann law",

@@ -106,8 +106,13 @@ def _candidates(candidates: list[Any]) -> Table:
             number(one.get("score"), "", 3),
             number(one.get("delta_bic"), "", 3),
             word(", ".join(one.get("confounded_with", []))),
+            word(one.get("not_sought", "")),
             word(one.get("shown_by", "")),
         ]
         for one in candidates
     ]
-    return Table("The catalogue", ["effect", "score", "BIC lowered by", "not told from", "shown by"], rows)
+    return Table(
+        "The catalogue",
+        ["effect", "score", "BIC lowered by", "not told from", "left out as", "shown by"],
+        rows,
+    )
