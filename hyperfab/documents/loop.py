@@ -151,13 +151,3 @@ class LoopDocument(Document):
     )
     left_out: dict[str, int] = Field(default_factory=dict, description="rows left out, by reason")
     warnings: list[str] = Field(default_factory=list)
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the document as plain data; ``null`` says that no test could be held out, that there is nothing to
-        measure next, that no model was written."""
-        data = super().to_json()
-        tail: dict[str, Any] = {key: data.pop(key) for key in ("files", "provenance") if key in data}
-        nothing: dict[str, Any] = {
-            key: None for key in ("held_out", "next_measurement", "model") if key not in data
-        }
-        return {**data, **nothing, **tail}

@@ -147,9 +147,7 @@ def test_every_entry_is_told_also_where_the_data_cannot_show_it(hf: Run, tmp_pat
         assert rows[name]["not_sought"]
         assert (rows[name]["score"], rows[name]["delta_bic"]) == (0.0, 0.0)
     assert rows["hysteresis"]["visible"]
-    assert found["held_out"] is None
-    assert found["next_measurement"] is None
-    assert found["model"] is None
+    assert not {"held_out", "next_measurement", "model"} & found.keys()
 
 
 def test_model_with_a_rate_needs_tests_with_times(hf: Run, tmp_path: Path) -> None:
