@@ -49,6 +49,27 @@ def bind(name: str, parameters: Mapping[str, float], anisotropic: bool = False) 
     >>> bind("mooney-rivlin-2", {"C10_MPa": 0.16, "C01_MPa": 0.01}).c
     (0.16, 0.01)
     """
+    found = law_of(name, parameters, anisotropic)
+    c, theta = found.split(parameters)
+    material = Material(found, tuple(c), tuple(theta))
+    modulus = stiffness_at_rest(found, parameters)
+    if not 0.0 < modulus < math.inf:
+        raise InputError(
+            f"these constants of {name} have no stiffness at rest (Young's modulus {modulus:.3g} MPa)",
+            key="parameters",
+            remedy="fit the fabric again with --stable, or correct the constants",
+        )
+    return material
+
+
+def law_of(name: str, parameters: Mapping[str, float], anisotropic: bool = False) -> Law:
+    """Return the law called ``name`` whose constants these are; for those who fit them again, whatever their stiffness.
+
+    Raises InputError as ``bind`` does, save for the stiffness at rest.
+
+    >>> law_of("yeoh-2", {"C10_MPa": -0.1, "C20_MPa": 0.3}).names
+    ('C10_MPa', 'C20_MPa')
+    """
     if name not in laws():
         raise InputError(f"there is no law {name!r}", key="model", remedy=f"the laws are {', '.join(laws())}")
     found = law(name)
@@ -70,17 +91,18 @@ def bind(name: str, parameters: Mapping[str, float], anisotropic: bool = False) 
     complaint = found.refusal(parameters)
     if complaint is not None:
         raise InputError(f"these constants have no meaning in {name}: {complaint}", key="parameters")
+    return found
+
+
+def stiffness_at_rest(found: Law, parameters: Mapping[str, float]) -> float:
+    """Return Young's modulus [MPa] of a law with these constants, negative where it would give way by itself.
+
+    >>> round(stiffness_at_rest(law("yeoh-1"), {"C10_MPa": -0.1}), 2)
+    -0.6
+    """
     c, theta = found.split(parameters)
-    material = Material(found, tuple(c), tuple(theta))
     # A hair beyond rest, where fibres that bear tension only have begun to.
-    modulus = float(material.uniaxial(1.0 + 1e-4).A)
-    if not 0.0 < modulus < math.inf:
-        raise InputError(
-            f"these constants of {name} have no stiffness at rest (Young's modulus {modulus:.3g} MPa)",
-            key="parameters",
-            remedy="fit the fabric again with --stable, or correct the constants",
-        )
-    return material
+    return float(Material(found, tuple(c), tuple(theta)).uniaxial(1.0 + 1e-4).A)
 
 
 def _is_number(value: object) -> bool:

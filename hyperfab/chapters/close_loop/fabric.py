@@ -24,7 +24,7 @@ from hyperfab.loop.catalogue.fabric.scene import Scene
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
 from hyperfab.loop.problem import Array
-from hyperfab.materials.registry import bind
+from hyperfab.materials.registry import law_of, stiffness_at_rest
 
 #: Work of a usual run, in refits, for the progress line.
 _REFITS = 60.0
@@ -63,12 +63,13 @@ def run(job: Job, given: Given) -> int:
             advance(1.0 - float(np.exp(-count / _REFITS)), text)
 
         found = close(problem, noise=level, tick=tick)
+    model = extend(document, problem, found.after.fit, problem.law)
+    model.format = model.format_name()
+    _warn_of_softness(job, model, tests)
     result = describe(problem, found, tests.unit, tests.left_out, tests.warnings)
     if held_out is not None:
         result.held_out = _predicted(problem, found, held_out, tests.unit)
     if out.wants_files:
-        model = extend(document, problem, found.after.fit, problem.law)
-        model.format = model.format_name()
         out.add(".model.json", dump_json(model.to_json()))
         result.model = out.path(".model.json").name
         _files(out, problem, found, tests.unit)
@@ -89,11 +90,11 @@ def pose(
     warp_document = directions.get("warp")
     weft_document = directions.get("weft")
     warp = document.parameters if warp_document is None else warp_document.parameters
-    law = bind(document.model, warp).law
+    law = law_of(document.model, warp)
     constants = [float(warp[key]) for key in law.names]
     weft = None
     if warp_document is not None and weft_document is not None:
-        bind(document.model, weft_document.parameters)
+        law_of(document.model, weft_document.parameters)
         weft = [float(weft_document.parameters[key]) for key in law.names]
     held = {}
     if document.effects:
@@ -134,6 +135,22 @@ def _warn(job: Job, document: MaterialDocument, tests: Measured) -> None:
         tests.warnings.append("the tests state no direction: they are taken as pulled along the warp")
     for text in tests.warnings:
         job.console.warn(text)
+
+
+def _warn_of_softness(job: Job, model: MaterialDocument, tests: Measured) -> None:
+    """Say where the constants that these data ask for give a fabric that other commands must refuse."""
+    ways = {"": model.parameters}
+    ways.update({f" along the {way}": one.parameters for way, one in (model.directions or {}).items()})
+    for way, parameters in ways.items():
+        law = law_of(model.model, parameters)
+        modulus = stiffness_at_rest(law, parameters)
+        if not 0.0 < modulus < np.inf:
+            text = (
+                f"the constants of {model.model} these data ask for have no stiffness at rest{way} (Young's modulus "
+                f"{modulus:.3g} MPa): no other command takes the extended model; fit a law with fewer constants"
+            )
+            tests.warnings.append(text)
+            job.console.warn(text)
 
 
 def _predicted(problem: FabricProblem, found: Finding, apart: Measured, unit: str) -> Any:
