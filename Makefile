@@ -129,7 +129,7 @@ blind: $(VENV)/dev
 	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind fabric $(BLIND) --other
 	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind fabric $(BLIND) --poor --next hysteresis mullins rate permanent-set grip-slack load-offset elastic-law none
 	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind fabric $(BLIND_TWO) --two
-	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind heat 2
+	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind_heat 2 rich
 	for domain in press contact drape; do PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind_$$domain 2 rich || exit 1; done
 	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind_press 1 film --next
 	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind_contact 2 poor --next

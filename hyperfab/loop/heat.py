@@ -24,6 +24,8 @@ _MOVED: Mapping[str, Mapping[str, tuple[str, ...]]] = {
         "constant": ("lost",),
         "with temperature": ("lost", "lost_per_K"),
         "bent": ("lost", "lost_per_K", "lost_per_K2"),
+        "wire": ("wire_per_K",),
+        "wire and share": ("lost", "wire_per_K"),
         "through the back": ("lost", "back_W_K"),
     },
     "base-conduction": {

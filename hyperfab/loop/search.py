@@ -141,8 +141,8 @@ class Search:
     def with_term(self, state: State, effect: Effect, families: int = 1, most: int = 99) -> Fit | None:
         """Return the best joint fit of the model with ``effect``: its forms, then those that refine them.
 
-        ``families`` are the simple forms that have richer ones, the best first, that are refined; ``most`` bounds the constants of the forms
-        that refine.
+        ``families`` are the simple forms that are refined, the best first of those that have richer ones; ``most``
+        bounds the constants of the forms that refine.
         """
         rank: dict[str, float] = {}
         for signature in state.found:

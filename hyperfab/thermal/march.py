@@ -8,7 +8,7 @@ import numpy as np
 #: What a run may be given beside its matrices, in the order of ``numbers``; absent at 0, ``reference`` apart.
 NUMBERS = (
     "reference", "capacity_per_K", "capacity_per_K2", "conductivity_per_K", "exponent", "lost", "lost_per_K",
-    "lost_per_K2", "back_W_K", "joint_per_K", "sky_K", "bench_share", "bench_s",
+    "lost_per_K2", "back_W_K", "joint_per_K", "sky_K", "bench_share", "bench_s", "wire_per_K",
 )  # fmt: skip
 
 
@@ -48,7 +48,7 @@ def march(  # type: ignore[no-untyped-def]
     """
     n, r = len(grid), len(start)
     reference, capacity_rate, capacity_bend, conduction_rate, exponent, lost, lost_rate = numbers[:7]
-    lost_bend, back, joint_rate, sky, bench_share, bench_time = numbers[7:]
+    lost_bend, back, joint_rate, sky, bench_share, bench_time, wire_rate = numbers[7:]
     states, slopes = np.zeros((n, r)), np.zeros((n, r))
     states[0] = start
     slope = np.zeros(r)
@@ -160,6 +160,7 @@ def march(  # type: ignore[no-untyped-def]
                 if power != 0.0:
                     hot = _dot(sources[j], guess) - reference
                     share = max(1.0 - lost - (lost_rate + lost_bend * hot) * hot, 0.0)
+                    share /= max(1.0 + wire_rate * hot, 0.05)
                     _add(flow, share * power - back * hot, sources[j])
             for i in range(r):
                 value = g * flow[i]

@@ -1,47 +1,33 @@
-"""Blind trials: truths drawn at random, nothing declared, and what ``close`` calls them. ``make blind``
+"""Blind trials of fabrics: truths drawn at random, nothing declared, and what ``close`` calls them. ``make blind``
 prints the table.
 
-Run as ``PYTHONPATH=.:tests python -m loop.blind [domain] [trials] [effect or effect+effect ...]``; deterministic for
-given arguments. ``--poor`` takes one rate, one cycle, one direction (or one plate), ``--other`` the second set of
-generators, whose laws, protocols and mold are others. ``--next`` carries out the measurement that an ambiguous finding
-asks for, and beside it the old test once more.
+Run as ``PYTHONPATH=.:tests python -m loop.blind fabric [trials] [effect or effect+effect ...]``; deterministic for
+given arguments. ``--poor`` takes one rate, one cycle, one direction, ``--other`` the second set of generators, whose
+laws and protocols are others. ``--next`` carries out the measurement that an ambiguous finding asks for, and beside it
+the old test once more.
 """
 
 from __future__ import annotations
 
 import sys
-import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from loop.generators import fabric as truths
-from loop.generators import heat as heat_truths
-from loop.generators import other_fabric, other_heat
+from loop.generators import other_fabric
 
-from hyperfab.chapters.close_loop import heat
-from hyperfab.chapters.job import Job
-from hyperfab.console import Console
-from hyperfab.documents.base import parse_document
-from hyperfab.documents.mold import MoldDocument
-from hyperfab.io.toml_io import load_toml
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fabric import FabricProblem, FabricTest, fabric_problem
-from hyperfab.loop.heat import HeatProblem, heat_problem
 from hyperfab.materials.registry import law
 
 #: Pairs for the trials with two effects.
 PAIRS = (
     "anisotropy+hysteresis", "rate+thermal-softening", "mullins+rate", "permanent-set+anisotropy",
     "hysteresis+thermal-softening", "grip-slack+rate", "elastic-law+mullins", "mullins+permanent-set",
-)  # fmt: skip
-HEAT_PAIRS = (
-    "radiation+sensor-lag", "contact-resistance+ambient-drift", "base-conduction+property-drift",
-    "power-loss+sensor-lag",
 )  # fmt: skip
 MODES = {"uniaxial": 0, "shear": 1, "biaxial": 2}
 
@@ -229,141 +215,22 @@ def table(
     return counts
 
 
-#: An effect that raises the rms to 1.5 times the noise leaves this much structure, in standard deviations of it.
-WORTH = float(np.sqrt(1.5**2 - 1.0))
-
-
-def heat_problems(other: bool = False, poor: bool = False) -> Callable[..., HeatProblem]:
-    """Return a function from truth, noise and seed to a problem; the mold is meshed and reduced once."""
-    folder = tempfile.mkdtemp()
-    text, power = other_heat.mold_toml(poor) if other else heat_truths.mold_toml()
-    duration, air = (
-        (other_heat.DURATION, other_heat.AIR) if other else (heat_truths.DURATION, heat_truths.AIR)
-    )
-    (Path(folder) / "power.csv").write_text(power)
-    name = str(Path(folder) / "mold.toml")
-    Path(name).write_text(text)
-    job = Job("close-loop", [], Console(True))
-    document = parse_document(load_toml(text.encode(), name), name, MoldDocument)
-    names = ["T1", "T2", "T3", "T4"][: 2 if poor else 4]
-    times = np.linspace(0.0, duration, 200)
-    empty = heat.Thermocouples(times, np.full((200, len(names)), air), names)
-    posed, _ = heat.pose(
-        job, document, name, heat.MoldBuilder(document, name, job.inputs), empty, [], heat.PRIOR
-    )
-    mold = posed.runs[0].mold
-    own = [(constant.name, kind) for constant, kind in zip(posed.own, posed.kinds, strict=True)]
-
-    def problem(truth: heat_truths.Truth | other_heat.Truth, noise: float, seed: int) -> HeatProblem:
-        random = np.random.default_rng([seed, 7])
-        if isinstance(truth, other_heat.Truth):
-            at, readings = other_heat.measure(truth, random, noise, poor=poor)
-        else:
-            at, readings = heat_truths.measure(truth, random, noise)
-        return heat_problem(mold, at, readings, range(len(names)), names, own, list(posed.joints), heat.PRIOR)
-
-    return problem
-
-
-def heat_with_next(
-    problem: HeatProblem, found: Finding, truth: other_heat.Truth, seed: int, poor: bool
-) -> Finding:
-    """Carry out the measurement that an ambiguous finding asks for, and close the loop on both runs."""
-    extra = next(one for one in problem.extras() if one.text == found.measurements[0].text)
-    top = 4.0 * max(float(np.max(table.y)) for _, table in problem.runs[0].mold.heaters)
-    details = extra.details
-    program = other_heat.Program(
-        np.array(details["time_s"]),
-        top * np.array(details["power_share"]),
-        bool(details["probe_in_each_part"]),
-    )
-    random = np.random.default_rng([seed, 8])
-    _, readings = other_heat.measure(truth, random, 0.3, poor=poor, program=program)
-    measured = np.concatenate([problem.measured, readings.T.ravel()])
-    return close(replace(extra.problem, measured=measured), design=False)
-
-
-def heat_table(
-    effects: Sequence[Sequence[str]],
-    trials: int,
-    poor: bool = False,
-    other: bool = False,
-    further: bool = False,
-) -> None:
-    """Run trials on the mold and print each, then the sums; the poor mold is the second set's.
-
-    ``further``: ambiguous findings get the measurement they ask for, and are named again.
-    """
-    other = other or poor
-    make = heat_problems(other, poor)
-    for truth in effects:
-        tally: Counter[str] = Counter()
-        for seed in range(trials):
-            random = np.random.default_rng([seed, len(truth)])
-            drawn: heat_truths.Truth | other_heat.Truth
-            if other:
-                drawn = other_heat.draw(random, tuple(truth), seed if len(truth) == 1 else None)
-            else:
-                drawn = heat_truths.draw(random, tuple(truth))
-            began = time.perf_counter()
-            problem = make(drawn, 0.3, seed)
-            found = close(problem, design=further)
-            took = time.perf_counter() - began
-            named = found.verdict in ("effect", "ambiguous")
-            tally["named alone"] += found.verdict == "effect" and set(found.after.ids) == set(truth)
-            tally["right or in the set"] += named and all(in_answer(name, found) for name in truth)
-            tally["one right"] += named and any(in_answer(name, found) for name in truth)
-            tally["spurious"] += found.verdict == "effect" and any(n not in truth for n in found.after.ids)
-            tally["noise"] += found.verdict == "noise"
-            tally["unexplained"] += found.verdict == "unexplained"
-            tally["ambiguous"] += found.verdict == "ambiguous"
-            tally["held out <= 1.2"] += bool(found.after.held_out.mean_square <= 1.44)
-            before, left = found.before.judgement.structured, found.after.judgement.structured
-            worth = before >= WORTH and bool(truth)
-            tally["worth naming"] += worth
-            tally["of these right or in the set"] += (
-                worth and named and all(in_answer(n, found) for n in truth)
-            )
-            name = "+".join(truth) or "none"
-            if further and found.measurements and isinstance(drawn, other_heat.Truth):
-                again = heat_with_next(problem, found, drawn, seed, poor)
-                tally["next carried out"] += 1
-                tally["then the truth first"] += again.after.ids[:1] == tuple(truth)[:1]
-                tally["then alone"] += again.verdict == "effect" and set(again.after.ids) == set(truth)
-                print(f"      {found.measurements[0].text}: {label(again)}", flush=True)
-            print(
-                f"  {seed:3d} {name:22s} {label(found):50s} {before:.2f}, {left:.2f}; {took:.0f} s",
-                flush=True,
-            )
-        print(
-            f"{'+'.join(truth) or 'none':22s} of {trials}: "
-            + ", ".join(f"{k} {v}" for k, v in tally.items()),
-            flush=True,
-        )
-
-
 def main() -> None:
     """Print the tables."""
     domain = sys.argv[1] if len(sys.argv) > 1 else "fabric"
     trials = int(sys.argv[2]) if len(sys.argv) > 2 else 20
     show = "--show" in sys.argv
     only = [word for word in sys.argv[3:] if not word.startswith("--")]
-    if domain not in ("fabric", "heat"):
-        raise SystemExit(f"no blind trials for {domain}")
+    if domain != "fabric":
+        raise SystemExit(f"no blind trials for {domain} here: see loop.blind_{domain}")
     poor, other = "--poor" in sys.argv, "--other" in sys.argv
     if "--two" in sys.argv:
-        only = list(PAIRS if domain == "fabric" else HEAT_PAIRS)
+        only = list(PAIRS)
     outside: Sequence[str] = truths.OUTSIDE if not other else other_fabric.OUTSIDE
-    if domain == "heat":
-        outside = other_heat.OUTSIDE if other else ()
     if only:
         effects = [tuple(part for part in word.split("+") if part and part != "none") for word in only]
     else:
-        ids = truths.IDS if domain == "fabric" else heat_truths.IDS
-        effects = [(name,) for name in ids] + [()] + [(name,) for name in outside]
-    if domain == "heat":
-        heat_table(effects, trials, poor, other, "--next" in sys.argv)
-        return
+        effects = [(name,) for name in truths.IDS] + [()] + [(name,) for name in outside]
     whole: Counter[str] = Counter()
     for truth, tally in table(effects, trials, poor, show, other, "--next" in sys.argv).items():
         counted = {key: value for key, value in tally.items() if key.startswith("#") and key != "#slowest ms"}

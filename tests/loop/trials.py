@@ -80,6 +80,9 @@ def table(trials: Trials, truth: tuple[str, ...], seeds: Sequence[int], protocol
         before, left = found.before.judgement.structured, found.after.judgement.structured
         tally["alone"] += found.verdict == "effect" and set(found.after.ids) == set(truth)
         tally["right or in the set"] += named and all(in_answer(name, found) for name in truth)
+        if truth and size >= WORTH:
+            tally["worth naming"] += 1
+            tally["of these right or in the set"] += named and all(in_answer(name, found) for name in truth)
         tally["one right"] += named and any(in_answer(name, found) for name in truth)
         for verdict in ("noise", "unexplained", "ambiguous"):
             tally[verdict] += found.verdict == verdict

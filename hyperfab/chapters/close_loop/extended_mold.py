@@ -231,6 +231,12 @@ def _add(
                 f"power-loss: the share {values['lost_share_per_K']:.3g} lost per kelvin has no key in a mold "
                 "document; only the constant share is in the extended model"
             )
+        elif name == "power-loss" and "resistance_per_K" in values:
+            notes.append(
+                f"power-loss: the heater's wire resists {100.0 * values['resistance_per_K']:.3g} % more a kelvin and "
+                "draws less at the same voltage, for which a mold document has no key; the extended model has its "
+                "power at the start"
+            )
         elif name == "power-loss" and "back_W_K" in values:
             notes.append(
                 f"power-loss: the {values['back_W_K']:.3g} W a kelvin lost through the heater's back have no key in a "

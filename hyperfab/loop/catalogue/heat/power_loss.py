@@ -7,7 +7,10 @@ from hyperfab.loop.problem import Constant, Effect, Form
 
 
 def entry(scene: Scene) -> Effect:
-    """Return the effect: a share lost, constant or growing with the heater's temperature, or out of its back."""
+    """Return the effect: a share lost, constant or growing with the heater's temperature, or out of its back.
+
+    A wire that resists more when hot draws less at the same voltage.
+    """
     share = Constant("lost_share", 0.0, -0.3, 0.9, 0.05)
     warm = Constant("lost_share_per_K", 0.0, -0.5 / scene.rise_K, 0.9 / scene.rise_K, 0.05 / scene.rise_K)
     bend = Constant(
@@ -16,6 +19,7 @@ def entry(scene: Scene) -> Effect:
     back = Constant(
         "back_W_K", 0.0, 0.0, 0.9 * scene.power_W / scene.rise_K, 0.05 * scene.power_W / scene.rise_K
     )
+    wire = Constant("resistance_per_K", 0.0, -0.4 / scene.rise_K, 4.0 / scene.rise_K, 0.05 / scene.rise_K)
     return Effect(
         id="power-loss",
         title="part of the power does not reach the mold",
@@ -37,6 +41,14 @@ def entry(scene: Scene) -> Effect:
                 ((0.02, 0.1 * scene.power_W / scene.rise_K),),
                 ((0.0, 0.03 * scene.power_W / scene.rise_K),),
             ),
+            # A straight decline passes for a film: where there is one body alone, only the bend shows.
+            Form(
+                "wire",
+                (wire,),
+                ((0.1 / scene.rise_K,), (0.5 / scene.rise_K,)),
+                ((0.05 / scene.rise_K,), (0.5 / scene.rise_K,)),
+            ),
+            Form("wire and share", (share, wire), ((0.0, 0.0),), refines="wire"),
             Form("bent", (share, warm, bend), ((0.0, 0.0, 0.0),), refines="with temperature"),
         ),
         smooth=False,

@@ -39,7 +39,7 @@ def entry(scene: Scene) -> Effect:
                 ((0.0, 0.03 / scene.rise_K),),
             ),
             Form("bent", (c, bend), ((0.0, 0.0),), refines="specific heat"),
-            Form("bent both", (c, bend, k), ((0.0, 0.0, 0.0),), refines="bent"),
+            Form("bent both", (c, bend, k), ((0.0, 0.0, 0.0),), refines=("bent", "both")),
         ),
         smooth=False,
         mimic_share=0.98,
