@@ -69,7 +69,8 @@ class AddedEffect(_Part):
 
     id: str
     title: str
-    form: str
+    form: str = Field(description="which of the effect's laws: docs/close-loop-laws.md")
+    source: str = Field(description="where the law comes from")
     parameters: dict[str, float]
     parameters_sd: dict[str, float] = Field(default_factory=dict)
     evidence: Evidence

@@ -171,6 +171,7 @@ def _added(problem: Problem, found: Finding, name: str) -> AddedEffect:
         id=name,
         title=effect.title,
         form=form.name,
+        source=effect.source,
         parameters={c.name: float(v) for c, v in zip(form.constants, fit.x[place], strict=True)},
         parameters_sd={c.name: float(v) * scale for c, v in zip(form.constants, fit.sd[place], strict=True)},
         evidence=Evidence(
