@@ -14,15 +14,25 @@ from hyperfab.loop.problem import Array, Curve
 _DETERMINED = 1.0
 #: A test that is noise up to this (rms) and moves by less than this share of the mean of all is not helped or harmed.
 _NOISE, _IDLE = 1.5, 0.05
+#: Square of the distance of two predictions of a test that its readings can tell: two standard deviations.
+_TOLD = 4.0
 
 
 @dataclass(frozen=True)
 class HeldOut:
-    """Whitened residual of each curve as predicted from the others, nan where they cannot tell; which count."""
+    """Whitened residual of each curve as predicted from the others, nan where they cannot tell; which count.
+
+    ``places`` are the rows of each.
+    """
 
     residual: Array
     counted: tuple[int, ...]
     rms: Array
+    places: tuple[slice, ...]
+
+    def rows(self, tests: Sequence[int]) -> list[slice]:
+        """Return where the rows of some tests are."""
+        return [self.places[test] for test in tests]
 
     @property
     def mean_square(self) -> float:
@@ -52,7 +62,7 @@ def leave_curves_out(fit: Fit, curves: Sequence[Curve], tolerance: float = _DETE
         left[curve.rows] = r + (reach[:, sure] / values[sure]) @ (reach[:, sure].T @ r)
         counted.append(index)
         rms[index] = np.sqrt(np.mean(left[curve.rows] ** 2))
-    return HeldOut(left, tuple(counted), rms)
+    return HeldOut(left, tuple(counted), rms, tuple(curve.rows for curve in curves))
 
 
 @dataclass(frozen=True)
@@ -81,5 +91,8 @@ def help_of(before: HeldOut, after: HeldOut) -> Help | None:
     # What was noise and stays so moves by chance alone: where other tests move much, it says nothing.
     change = np.abs(old**2 - new**2)
     matters &= (np.maximum(old, new) > _NOISE) | (change > _IDLE * float(np.mean(change)))
+    # Two predictions that lie nearer to each other than readings can tell are neither better nor worse.
+    moved = [float(np.sum((before.residual[rows] - after.residual[rows]) ** 2)) for rows in before.rows(both)]
+    matters &= np.array(moved) > _TOLD
     helped = float(np.mean(new[matters] < old[matters])) if np.any(matters) else 0.0
     return Help(taken, helped, len(both))

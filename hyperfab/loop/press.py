@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.special import ndtr
 
@@ -16,61 +14,19 @@ from hyperfab.loop.catalogue import catalogue
 from hyperfab.loop.catalogue.press.scene import Scene
 from hyperfab.loop.known import known, known_curve, sure, without_prior
 from hyperfab.loop.press_float import found_tilt, loads
+from hyperfab.loop.press_reading import UNITS, Kind, Reading, Setting
 from hyperfab.loop.press_table import Moved, PressTable
 from hyperfab.loop.press_variation import variation
 from hyperfab.loop.problem import Array, Constant, Curve, Extra, Problem
 from hyperfab.loop.scatter import patches
 
-Kind = Literal["pressure", "contact", "thickness", "force"]
-Ints = NDArray[np.int64]
-
-#: Units the readings are told in.
-UNITS: dict[str, str] = {"pressure": "MPa", "contact": "-", "thickness": "mm", "force": "N"}
 #: A place reads half contact half open over this much of a gap [mm]: a film's or a paste's own thickness.
 CONTACT_BLUR = 0.05
+#: Readings over the stroke that are left out together, about.
+_SEGMENT = 15
 #: What is known of the press beside the foam's stiffness: gap [mm], force and foam thickness (shares), zero of a
 #: stroke [mm].
 GAP_SD, FORCE_SD, THICKNESS_SD, STROKE_SD = 0.02, 0.02, 0.01, 0.02
-
-
-@dataclass(frozen=True)
-class Reading:
-    """One file: ``kind`` and values (m,); at places of the male (``corners`` (m, 3) of the table of the places with
-    their ``weights``) or at machine ``stroke`` (m,) [mm]; ``time_s`` since the foam was first pressed."""
-
-    name: str
-    kind: Kind
-    values: Array
-    corners: Ints | None = None
-    weights: Array | None = None
-    places: Array | None = None
-    stroke: Array | None = None
-    time_s: Array | None = None
-
-    def rows(self, chosen: Ints) -> Reading:
-        """Return some of the rows, in that order."""
-        parts: dict[str, Any] = {
-            key: None if value is None else value[chosen]
-            for key, value in vars(self).items()
-            if key not in ("name", "kind")
-        }
-        return Reading(self.name, self.kind, **parts)
-
-
-@dataclass(frozen=True)
-class Setting:
-    """How the press was set: the opening [mm] without a yielding frame, or the force [N]; ``compliance`` [mm/N] of
-    the frame the model has already; ``zero_rate`` (2,) is what resetting the clearance hot gives back per strain of
-    male and female [mm]; ``recovery`` the share of its compression the foam gives back, None where thickness was read
-    under the press; a ``floating`` female turns until nothing has a moment about its joint, whatever lies between."""
-
-    opening: float
-    force: float | None = None
-    compliance: float = 0.0
-    zero_rate: tuple[float, float] = (0.0, 0.0)
-    recovery: float | None = None
-    floating: bool = False
-    touch_offset: float = 0.0
 
 
 @dataclass
@@ -329,7 +285,9 @@ def press_problem(
     parts: list[Reading] = []
     for reading in readings:
         if reading.places is None:
-            parts.append(reading)
+            # Along the stroke, and at a hold along the time.
+            count = max(1, min(4, len(reading.values) // _SEGMENT))
+            parts += [reading.rows(rows) for rows in np.array_split(np.arange(len(reading.values)), count)]
             continue
         parts += [reading.rows(rows) for rows in patches(reading.places)]
     constants = [Constant("foam.compression", 1.0, 0.05, 20.0, 0.1, prior)]
@@ -349,7 +307,7 @@ def press_problem(
     for number, part in enumerate(parts):
         size = len(part.values)
         abscissa = part.stroke if part.stroke is not None else np.arange(size, dtype=np.float64)
-        name = part.name if part.places is None else f"{part.name}, patch {number + 1}"
+        name = f"{part.name}, part {number + 1}"
         curves.append(Curve(name, row, row + size, abscissa, channel=kinds.index(part.kind)))
         row += size
     curves.append(known_curve(priors, row, len(kinds)))
@@ -362,6 +320,8 @@ def press_problem(
         strokes="force" in kinds,
         timed=any(part.time_s is not None for part in parts),
         time_s=max((float(np.max(p.time_s)) for p in parts if p.time_s is not None), default=1.0),
+        floats=setting.floating,
+        forced=setting.force is not None,
         height_mm=max(float(np.max(np.abs(whole.shift[0, :, 2]))), 1.0),
         pressure_MPa=float(deep),
     )

@@ -18,7 +18,7 @@ from hyperfab.chapters.close_loop.rerun import rerun
 from hyperfab.chapters.press_contact.result import Told
 from hyperfab.cli.steps import chapter_words
 from hyperfab.loop.design import NextMeasurement
-from hyperfab.loop.press import Reading
+from hyperfab.loop.press_reading import Reading
 
 
 @cache

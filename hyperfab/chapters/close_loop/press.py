@@ -19,7 +19,8 @@ from hyperfab.chapters.press_contact.result import Told
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_table import read_table
 from hyperfab.loop.noise import Noise
-from hyperfab.loop.press import Kind, PressProblem, Reading, Setting, press_problem
+from hyperfab.loop.press import PressProblem, press_problem
+from hyperfab.loop.press_reading import Kind, Reading, Setting
 from hyperfab.loop.press_table import press_table
 from hyperfab.loop.problem import Array, Problem
 from hyperfab.loop.scatter import cloud_noise, level_of_curve

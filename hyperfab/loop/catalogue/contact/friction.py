@@ -6,12 +6,13 @@ from hyperfab.loop.catalogue.contact.scene import Scene
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect | None:
+def entry(scene: Scene) -> Effect:
     """Return the effect: a coefficient, added to the model's own."""
     mu = Constant("mu", 0.0, 0.0, max(scene.friction, 1e-9), 0.05)
     return Effect(
         id="friction",
         title="the sheet rubs on the punch",
+        not_sought="" if scene.friction else "the model's sheet sticks to the punch where it touches",
         rides_on=("depth_mm",),
         shown_by="the same test with the punch oiled, or powdered",
         source="Coulomb's law",

@@ -6,7 +6,7 @@ from hyperfab.loop.catalogue.contact.scene import Scene
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect | None:
+def entry(scene: Scene) -> Effect:
     """Return the effect: stretch of the rim, added to the model's own."""
     down, up = scene.prestretch
     added = Constant("added_stretch", 0.0, -down, up, 0.005)

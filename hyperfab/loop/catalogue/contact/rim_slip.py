@@ -6,7 +6,7 @@ from hyperfab.loop.catalogue.contact.scene import Scene
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect | None:
+def entry(scene: Scene) -> Effect:
     """Return the effect: the rim creeps inward in proportion to the pull, or to what of it the clamp does not hold."""
     slip = Constant("slip_mm2_N", 0.0, 0.0, scene.slip, 0.02 * scene.slip)
     past = Constant("slip_mm2_N", 0.0, 0.0, 4.0 * scene.slip, 0.02 * scene.slip)

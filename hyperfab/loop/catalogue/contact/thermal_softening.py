@@ -8,7 +8,7 @@ from hyperfab.loop.catalogue.contact.scene import Scene
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect | None:
+def entry(scene: Scene) -> Effect:
     """Return the effect: exponential in temperature; with three temperatures also its curvature."""
     away = max((abs(v - scene.reference_degC) for v in scene.temperatures), default=0.0)
     span = max(away, float(np.ptp(scene.temperatures)) if scene.temperatures else 0.0, 10.0)
@@ -20,6 +20,7 @@ def entry(scene: Scene) -> Effect | None:
     return Effect(
         id="thermal-softening",
         title="stiffness changes with temperature",
+        not_sought="" if scene.temperatures else "no file states its temperature",
         rides_on=("temperature_degC",),
         shown_by="the same test at two temperatures 30 K or more apart",
         source="Ferry (1980), Viscoelastic Properties of Polymers, ch. 11",

@@ -6,7 +6,7 @@ from hyperfab.loop.catalogue.press.scene import Scene
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect | None:
+def entry(scene: Scene) -> Effect:
     """Return the effect: a share of the pressure, and with readings over time its time."""
     share = Constant("share", 0.0, 0.0, 0.95, 0.03)
     forms = [Form("share", (share,), ((0.2,), (0.5,)), ((0.05,),))]

@@ -6,7 +6,7 @@ from hyperfab.loop.catalogue.press.scene import Scene
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect | None:
+def entry(scene: Scene) -> Effect:
     """Return the effect: a share of the foam's thickness."""
     return Effect(
         id="foam-shrinkage",

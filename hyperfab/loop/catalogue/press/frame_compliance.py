@@ -6,12 +6,16 @@ from hyperfab.loop.catalogue.press.scene import Scene
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect | None:
+def entry(scene: Scene) -> Effect:
     """Return the effect: the frame opens in proportion to the force."""
     whole = 1e3 * scene.travel_mm / scene.force_N
+    reason = (
+        "the press is set by its force, and no stroke was read" if scene.forced and not scene.strokes else ""
+    )
     return Effect(
         id="frame-compliance",
         title="the frame of the press yields",
+        not_sought=reason,
         rides_on=("stroke_mm",),
         shown_by="force over stroke with the molds metal on metal, or a dial gauge between the platens",
         source="a linear spring in series",

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 @dataclass(frozen=True)
 class Scene:
     """Half the male's width and its height [mm], the largest force [N], the travel from the first touch [mm], the
-    foam's pressure half pressed [MPa]; whether strokes and times were read, and the longest time [s]."""
+    foam's pressure half pressed [MPa]; whether strokes and times were read, and the longest time [s]; whether the
+    female floats, and whether the press was set by its force."""
 
     half_mm: float
     height_mm: float
@@ -18,3 +19,5 @@ class Scene:
     strokes: bool
     timed: bool
     time_s: float
+    floats: bool = False
+    forced: bool = False

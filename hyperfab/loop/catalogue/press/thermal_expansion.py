@@ -6,7 +6,7 @@ from hyperfab.loop.catalogue.press.scene import Scene
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect | None:
+def entry(scene: Scene) -> Effect:
     """Return the effect: thermal strain of both molds, or of each, beyond what the model has."""
     # 23e-6 1/K: aluminium, 100 K.
     strain = Constant("strain", 0.0, -0.03, 0.03, 2e-4)

@@ -6,7 +6,7 @@ from hyperfab.loop.catalogue.press.scene import Scene
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect | None:
+def entry(scene: Scene) -> Effect:
     """Return the effect: a wedge, a bowl, or both, or bent ones, over the plan of the male."""
     x, y, xx, xy, yy = (Constant(name, 0.0, -0.8, 0.8, 0.02) for name in ("x", "y", "xx", "xy", "yy"))
     cubes = tuple(Constant(name, 0.0, -0.8, 0.8, 0.02) for name in ("xxx", "xxy", "xyy", "yyy"))

@@ -8,7 +8,7 @@ from hyperfab.loop.catalogue.press.scene import Scene
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect | None:
+def entry(scene: Scene) -> Effect:
     """Return the effect: a rotation about each of the two axes across the closing axis."""
     edge = math.degrees(0.1 / scene.half_mm)
     about_x, about_y = (Constant(f"tilt_{name}_deg", 0.0, -5.0, 5.0, 0.5 * edge) for name in "xy")
@@ -16,6 +16,7 @@ def entry(scene: Scene) -> Effect | None:
     return Effect(
         id="tilt",
         title="the molds are not parallel",
+        not_sought="a floating female finds its own tilt" if scene.floats else "",
         rides_on=("x_mm", "y_mm"),
         shown_by="pressure or thickness on opposite sides of the mold",
         source="rigid rotation, Rodrigues' formula",
