@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import chdtrc
 
 from hyperfab.loop.problem import Array, Curve, Problem
 
@@ -14,6 +15,10 @@ from hyperfab.loop.problem import Array, Curve, Problem
 _MAD = 1.4826
 #: Smoothed third differences count for about this many independent readings each, their median for less.
 _WORTH = 0.3
+#: Differences needed for a level of a curve's own, and the chance of telling levels apart that are alike.
+_ENOUGH, _BY_CHANCE = 12, 1e-4
+#: A constant of the noise more has to lower minus twice the logarithm of the likelihood of the differences by this.
+_EARNS = 6.0
 #: A scatter of specimens seen in one pair may be this many times greater (fewer with more pairs): the quantiles of
 #: Student's distribution for so few degrees of freedom. Only what readings cannot explain to two of their standard
 #: deviations counts.
@@ -167,18 +172,49 @@ def _from_differences(y: Array, curves: Sequence[Curve], rows: Array) -> tuple[A
     floor = max(_resolution(y[rows]) / np.sqrt(12.0), 1e-9 * size)
     if len(found) < 4:
         return np.full(len(rows), max(0.02 * size, floor)), 2.0
-    best, best_fit = (0.0, 0.0), np.inf
+    edges = np.cumsum([len(part[0]) for part in parts])[:-1]
+    best, best_fit = (0.0, 0.0, np.ones(len(parts))), np.inf
     for ratio in (0.0, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0):
         shape = np.sqrt(1.0 + (ratio * level / size) ** 2)
         scaled = np.abs(found) / shape
         a = max(_MAD * float(np.median(scaled)), floor)
-        # Winsorised: a corner the pieces do not know of must not speak for a louder noise.
-        misfit = 2.0 * float(np.sum(np.log(a * shape))) + float(np.sum(np.minimum(scaled / a, 3.0) ** 2))
-        if misfit < best_fit - (0.0 if ratio == 0.0 else 6.0):
-            best, best_fit = (a, a * ratio / size), misfit
-    a, b = best
+        alike = np.ones(len(parts))
+        for each in (alike, _of_each(np.split(scaled / a, edges))):
+            spread = a * np.repeat(each, [len(part[0]) for part in parts])
+            # Winsorised: a corner the pieces do not know of must not speak for a louder noise.
+            misfit = 2.0 * float(np.sum(np.log(spread * shape)))
+            misfit += float(np.sum(np.minimum(scaled / spread, 3.0) ** 2))
+            misfit += _EARNS * ((ratio > 0.0) + (0 if each is alike else len(parts) - 1))
+            if misfit < best_fit:
+                best, best_fit = (a, a * ratio / size, each), misfit
+    a, b, louder = best
     sd = np.sqrt(a**2 + (b * y[rows]) ** 2)
+    sd *= np.concatenate([np.full(c.stop - c.start, one) for c, one in zip(curves, louder, strict=True)])
     return np.maximum(sd, floor), max(_WORTH * len(found), 2.0)
+
+
+def _of_each(scaled: Sequence[Array]) -> Array:
+    """Return by how much the noise of each curve is louder than that of all, 1 where they do not clearly differ.
+
+    Machines read some tests in other ranges, or with a noise in proportion to the peak. The levels are drawn together
+    by what they scatter by chance (James and Stein).
+    """
+    worth = np.array([_WORTH * len(one) for one in scaled])
+    level = np.array([_MAD * float(np.median(one)) if len(one) >= _ENOUGH else 0.0 for one in scaled])
+    known = level > 0.0
+    factor = np.ones(len(scaled))
+    if np.count_nonzero(known) < 2:
+        return factor
+    size, weight = np.log(level[known]), 2.0 * worth[known]
+    middle = float(np.average(size, weights=weight))
+    apart, free = float(weight @ (size - middle) ** 2), len(size) - 1
+    if chdtrc(free, apart) > _BY_CHANCE:
+        return factor
+    between = max(apart / free - 1.0, 0.0) / float(np.mean(weight))
+    kept = between / (between + 1.0 / weight)
+    factor[known] = np.exp(middle + kept * (size - middle))
+    factor[~known] = np.exp(middle)
+    return factor
 
 
 def _resolution(values: Array) -> float:
@@ -289,7 +325,7 @@ def _told_apart(apart: Array, level: Array, others: Sequence[Array]) -> tuple[Ar
 
 
 def _difference(y: Array, sd: Array, first: Curve, second: Curve) -> tuple[Array, Array, Array, Array]:
-    """Return the second replicate minus the first at the second's places, and their level, slope and sd there."""
+    """Return the second replicate minus the first at the second's places, and their level, slope and mean sd there."""
     found: list[tuple[Array, Array, Array, Array]] = []
     for one, other in zip(first.pieces(), second.pieces(), strict=False):
         x1 = _places(first)[one.start - first.start : one.stop - first.start]
@@ -298,7 +334,9 @@ def _difference(y: Array, sd: Array, first: Curve, second: Curve) -> tuple[Array
         inside = (x2 >= x1[order[0]]) & (x2 <= x1[order[-1]])
         there = np.interp(x2[inside], x1[order], y[one][order])
         level = (y[other][inside] + there) / 2.0
-        found.append((y[other][inside] - there, level, _slope(x2[inside], level), sd[other][inside]))
+        # Of both, so that half the square of their difference is one.
+        both = np.sqrt((sd[other][inside] ** 2 + np.interp(x2[inside], x1[order], sd[one][order] ** 2)) / 2.0)
+        found.append((y[other][inside] - there, level, _slope(x2[inside], level), both))
     if not found:
         return np.empty(0), np.empty(0), np.empty(0), np.empty(0)
     apart, level, slope, deviation = (np.concatenate([one[k] for one in found]) for k in range(4))

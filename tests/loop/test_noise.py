@@ -37,3 +37,19 @@ def test_an_offset_of_a_specimen_is_told_from_its_stiffness(gain: float, offset:
     else:
         assert noise.gain_sd == pytest.approx(0.1 / 1.05 / np.sqrt(2.0), rel=0.1)
         assert noise.gain_doubt > noise.gain_sd
+
+
+@pytest.mark.parametrize("louder", [1.0, 4.0])
+def test_noise_of_each_curve_is_its_own_where_they_clearly_differ(louder: float) -> None:
+    rng = np.random.default_rng(8)
+    setup = truths.Setup(turns=(1.4, 1.0), rate=0.01)
+    readings = truths.measure(truths.draw(rng, ()), [setup] * 4, rng, 0.002)
+    readings[2].stress = readings[2].stress + rng.normal(
+        0.0, 0.002 * np.sqrt(louder**2 - 1.0), len(readings[2].stress)
+    )
+    problem = problem_of(readings)
+    noise = estimate_noise(problem)
+    levels = [float(np.median(noise.sd[curve.rows])) for curve in problem.curves]
+    assert levels == pytest.approx([0.002, 0.002, 0.002 * louder, 0.002], rel=0.3)
+    if louder == 1.0:
+        assert levels == [levels[0]] * 4
