@@ -18,6 +18,8 @@ ALPHA = 0.015
 #: Structure smaller than this many standard deviations of the noise (rms) is found, but not worth a term: the total is
 #: then at most 1.1 times the noise.
 SMALL = 0.45
+#: Readings of a test below which it is not judged by itself.
+_FEWEST = 8
 
 
 @dataclass(frozen=True)
@@ -49,14 +51,30 @@ def judge(problem: Problem, noise: Noise, fit: Fit, found: list[Signature]) -> J
     free = _degrees(fit)
     # A stiffness per specimen is estimated along with the rest.
     ratio = fit.chi2 / free
-    p_fit = float(fdtrc(free, noise.dof, ratio) if np.isfinite(noise.dof) else chdtrc(free, fit.chi2))
     return Judgement(
         chi2_reduced=ratio,
         structured=float(np.sqrt(max(ratio - 1.0, 0.0))),
-        p_lack_of_fit=p_fit,
+        p_lack_of_fit=min(
+            _by_chance(ratio, free, noise.dof), _worst_by_chance(fit, noise.dof, problem.curves)
+        ),
         p_autocorrelation=autocorrelation(fit.residual, problem.curves),
         p_greatest_score=greatest_by_chance(found, noise.dof),
     )
+
+
+def _by_chance(ratio: float, free: float, dof: float) -> float:
+    """Return the probability of a mean square as great as ``ratio``; the noise is known with ``dof``."""
+    return float(fdtrc(free, dof, ratio) if np.isfinite(dof) else chdtrc(free, ratio * free))
+
+
+def _worst_by_chance(fit: Fit, dof: float, curves: Sequence[Curve]) -> float:
+    """Return the probability of the test that misses most, all of them counted: what one lacks many may hide."""
+    each = [
+        _by_chance(float(np.mean(fit.residual[curve.rows] ** 2)), float(curve.stop - curve.start), dof)
+        for curve in curves
+        if not curve.beforehand and curve.stop - curve.start >= _FEWEST
+    ]
+    return min(1.0, len(each) * min(each, default=1.0))
 
 
 def _degrees(fit: Fit) -> float:

@@ -247,7 +247,11 @@ def noise_of(
     told = [(one, None if sd is None else np.sqrt(np.mean(sd**2))) for one, sd in files]
     stated_of = None if level is None else _KINDS[level[0]]
     return noise_from(
-        told, lambda one: level[1] if level and stated_of == one.kind else None, rows_of, estimate
+        told,
+        lambda one: level[1] if level and stated_of == one.kind else None,
+        rows_of,
+        estimate,
+        lambda one: one.kind,
     )
 
 

@@ -8,6 +8,7 @@ from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import chdtrc
 
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.errors import InputError, UsageError
@@ -17,6 +18,8 @@ from hyperfab.loop.problem import Array, Problem
 
 #: Readings below which noise cannot be told from a residual.
 LEAST = 12
+#: Chance of telling levels of noise apart that are alike.
+_BY_CHANCE = 1e-4
 
 
 class Reading(Protocol):
@@ -85,29 +88,58 @@ def noise_from(
     level: Callable[[R], float | None],
     rows_of: Callable[[Any, R], NDArray[np.int64]],
     estimate: Callable[[Any, R, NDArray[np.int64], Array], tuple[float, float, str]],
+    kind: Callable[[R], str] = lambda one: "",
 ) -> Callable[[Problem, Array | None], Noise]:
     """Return what tells the noise of the files less what a model predicts (the model as it is where None).
 
     For each file ``level`` is what was stated, else its sd column holds, else ``estimate`` returns from its rows of the
-    prediction the standard deviation, its degrees of freedom, and how that was found.
+    prediction the standard deviation, its degrees of freedom, and how that was found. Files of a ``kind`` whose
+    estimates differ by no more than chance were read with the same instrument: they have the mean of them.
     """
 
     def noise(problem: Problem, predicted: Array | None) -> Noise:
         if predicted is None:
             predicted = problem.predict(np.array([one.value for one in problem.own]), {})
         sd, unsure, count, source = np.ones(len(problem.measured)), 0.0, 0, ""
+        guessed: dict[str, list[tuple[NDArray[np.int64], float, float]]] = {}
         for one, column in files:
             rows = rows_of(problem, one)
-            told, known = level(one), np.inf
+            told = level(one)
             if told is not None:
                 sd[rows], how = told, "stated"
             elif column is not None:
                 sd[rows], how = column, "standard deviations in the data"
             else:
-                sd[rows], known, how = estimate(problem, one, rows, predicted)
+                size, known, how = estimate(problem, one, rows, predicted)
+                guessed.setdefault(kind(one), []).append((rows, size, known))
             source = source or how
             count += len(rows)
-            unsure += len(rows) ** 2 / known
+        for group in guessed.values():
+            sizes, known_of = np.array([size for _, size, _ in group]), np.array([dof for *_, dof in group])
+            if alike(sizes, known_of):
+                size = float(np.sqrt(np.average(sizes**2, weights=known_of)))
+                group = [(np.concatenate([rows for rows, *_ in group]), size, float(known_of.sum()))]
+            for rows, size, known in group:
+                sd[rows] = size
+                unsure += len(rows) ** 2 / known
         return Noise(sd, count**2 / unsure if unsure > 0.0 else np.inf, source)
 
     return noise
+
+
+def alike(sizes: Array, dof: Array) -> bool:
+    """Return whether standard deviations (n,), known with ``dof`` degrees of freedom, differ by no more than chance.
+
+    Bartlett (1937), Proc. R. Soc. A 160, 268.
+
+    >>> alike(np.array([1.0, 1.1, 0.9]), np.array([20.0, 20.0, 20.0]))
+    True
+    >>> alike(np.array([1.0, 5.0]), np.array([20.0, 20.0]))
+    False
+    """
+    if len(sizes) < 2:
+        return False
+    whole = float(dof.sum())
+    gap = whole * np.log(np.average(sizes**2, weights=dof)) - float(dof @ np.log(sizes**2))
+    share = 1.0 + (float(np.sum(1.0 / dof)) - 1.0 / whole) / (3.0 * (len(sizes) - 1.0))
+    return float(chdtrc(len(sizes) - 1.0, gap / share)) > _BY_CHANCE
