@@ -51,6 +51,7 @@ _MOVED: Mapping[str, Mapping[str, tuple[str, ...]]] = {
         "each": (),
         "uneven": ("", "joint_uneven", "joint_x", "joint_y"),
         "closing with warmth": ("", "joint_per_K"),
+        "each, closing with warmth": ("joint_per_K",),
     },
 }
 #: What is known of the temperature at the start and of the ambient [K]: what a thermometer on the wall tells.
@@ -210,7 +211,9 @@ class HeatProblem(Problem):
 
 def _resist(opened: Array, added: Array, form: str, values: Array) -> None:
     """Set the resistances of joints that conduct perfectly in the model, or where it has none, add to its joints'."""
-    if form == "each":
+    if form.startswith("each"):
+        # The rate of closing, where there is one, comes first.
+        values = values[len(values) - len(opened) - len(added) :]
         opened[:], added[:] = values[: len(opened)], values[len(opened) :]
     elif len(opened):
         opened[:] = values[0]

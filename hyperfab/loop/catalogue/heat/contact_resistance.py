@@ -23,6 +23,15 @@ def entry(scene: Scene) -> Effect:
         uneven = [Constant(name, 0.0, -2.0, 2.0, 0.1, 0.5) for name in ("from_middle", "along_x", "along_y")]
         warm = Constant("closing_per_K", 0.0, -0.9 / scene.rise_K, 5.0 / scene.rise_K, 0.05 / scene.rise_K)
         forms.append(Form("closing with warmth", (resistance, warm), ((1e-3, 0.0),), refines="gap"))
+        if joints > 1:
+            forms.append(
+                Form(
+                    "each, closing with warmth",
+                    (warm, *each),
+                    ((0.0, *(1e-3 for _ in each)),),
+                    refines=("each", "closing with warmth"),
+                )
+            )
         forms.append(Form("uneven", (resistance, *uneven), ((1e-3, 0.0, 0.0, 0.0),), refines="gap"))
     return Effect(
         id="contact-resistance",

@@ -49,7 +49,7 @@ def entry(scene: Scene) -> Effect:
                 ((0.05 / scene.rise_K,), (0.5 / scene.rise_K,)),
             ),
             Form("wire and share", (share, wire), ((0.0, 0.0),), refines="wire"),
-            Form("bent", (share, warm, bend), ((0.0, 0.0, 0.0),), refines="with temperature"),
+            Form("bent", (share, warm, bend), ((0.0, 0.0, 0.0),), refines=("with temperature", "wire")),
         ),
         smooth=False,
         mimic_share=0.98,
