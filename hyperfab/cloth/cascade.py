@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from .dynamic import swing
 from .mold import Mold
 from .net import Sheet
 from .newton import equilibrium
@@ -14,6 +15,9 @@ from .state import Equilibrium, Step
 COARSEST = 24
 #: Residual to which the coarse grids are brought; their error of discretisation is far above it.
 COARSE_TOLERANCE = 1e-4
+#: Where no step of Newton's lowers the energy though the residual is below the first, the sheet swings for so many time
+#: steps before Newton goes on; this often at most. Facets that meet in a valley can hold a node up between them.
+NEARLY, SWINGS, ROUNDS = 0.05, 200, 3
 
 
 def grid_sizes(n: int, m: int) -> list[tuple[int, int]]:
@@ -55,6 +59,14 @@ def drape(
         goal = tolerance if (n, m) == sizes[-1] else max(tolerance, COARSE_TOLERANCE)
         found = equilibrium(grid, mold, start, goal, report=report)
         history += found.history
+        for _ in range(ROUNDS):
+            if found.converged or found.residual_relative > NEARLY:
+                break
+            swung = swing(grid, mold, found.state, goal, SWINGS, report)
+            history += swung.history
+            again = swung if swung.converged else equilibrium(grid, mold, swung.state, goal, report=report)
+            history += [] if again is swung else again.history
+            found = min(found, again, key=lambda one: one.residual_relative)
         state = found.state
     found.history = history
     return found

@@ -57,11 +57,13 @@ def follow(
     tolerance: float = 1e-6,
     wanted: Floats | None = None,
     report: Callable[[Step], None] | None = None,
+    enough: float = 0.0,
 ) -> Iterator[Rest]:
     """Rest positions as ``mold``, whose top touches the flat sheet at height 0, is pushed up to ``heights`` mm.
 
     ``mu`` is the coefficient of Coulomb friction on the mold. Heights in ``wanted`` (default: the last) are brought to
-    ``tolerance``, the others to a looser one. Ends early where no equilibrium is found.
+    ``tolerance``, the others to a looser one. Ends early where no equilibrium is found, to ``enough`` where no
+    step gets nearer.
     """
     wanted = heights[-1:] if wanted is None else wanted
     loaded = sheet.mass > 0.0
@@ -70,9 +72,9 @@ def follow(
     found = equilibrium(sheet, mold, flat, tolerance, report=report, friction=rubbing)
     rest = Rest(0.0, found, rubbing, 0.0, 0.0, 0.0, found.energy, 0)
     before, pace = flat, 0.0
-    if 0.0 in heights or not found.converged:
+    if 0.0 in heights or (not found.converged and found.residual_relative > enough):
         yield rest
-    if not found.converged:
+    if not found.converged and found.residual_relative > enough:
         return
     for height in heights[heights > 0.0]:
         goal = tolerance if np.isclose(wanted, height, rtol=0.0, atol=1e-9).any() else max(tolerance, BETWEEN)
@@ -80,12 +82,13 @@ def follow(
         while done < height - 1e-9:
             step = min(rise, height - done)
             ratio = step / pace if pace > 0.0 else 0.0
-            after = _step(sheet, mold, rest, before, step, ratio, mu, goal, report)
-            if not after.found.converged and halved < HALVINGS:
+            after = _step(sheet, mold, rest, before, step, ratio, mu, goal, report, enough)
+            reached = after.found.converged or after.found.residual_relative <= enough
+            if not reached and halved < HALVINGS:
                 rise, halved = 0.5 * step, halved + 1
                 continue
             before, pace, rest, done = rest.found.state, step, after, done + step
-            if not after.found.converged:
+            if not reached:
                 yield rest
                 return
         yield rest
@@ -101,6 +104,7 @@ def _step(
     mu: float,
     goal: float,
     report: Callable[[Step], None] | None,
+    enough: float,
 ) -> Rest:
     """The rest position ``rise`` mm above ``rest``."""
     below, above = raised(mold, rest.height), raised(mold, rest.height + rise)
@@ -117,7 +121,7 @@ def _step(
             start = drape(clamped(sheet), above, BETWEEN).state
         largest = FEW if carried else MANY
         found = equilibrium(sheet, above, start, goal, largest, report, rubbing)
-        if found.converged:
+        if found.converged or found.residual_relative <= enough:
             break
     rubbed, drawn = _spent(sheet, rest.friction, rubbing, old, found)
     work = 0.5 * (_push(rest.found) + _push(found)) * rise

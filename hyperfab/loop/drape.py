@@ -1,17 +1,18 @@
-"""Markers on a draped sheet as a problem of the loop, on an emulated forward model."""
+"""Markers on a draped sheet as a problem of the loop, on a forward model known from runs."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import ClassVar
 
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
 
 from hyperfab.loop.catalogue import catalogue
 from hyperfab.loop.catalogue.drape.scene import Scene
-from hyperfab.loop.emulator import Emulator
 from hyperfab.loop.known import known, known_curve, sure, without_prior
+from hyperfab.loop.kriging import Kriged
 from hyperfab.loop.problem import Array, Constant, Curve, Extra, Problem
 from hyperfab.loop.scatter import patches
 
@@ -35,31 +36,34 @@ class Markers:
 
 @dataclass(frozen=True)
 class Draped:
-    """The emulated sheet: how its nodes (n, m, 3) move with the settings, and ``base`` (n', m', 3), where the model
-    itself has them on its own grid.
+    """The sheet as runs tell it: how its nodes (n, m, 3) move with the settings, and ``base`` (n', m', 3), where the
+    model itself has them on its own grid.
 
-    The first settings are the law's relative stiffnesses ``names`` (the first of them left out, where ``shape`` alone
-    counts), then the depth, then the effects.
+    The settings are the law's relative constants ``names``, of which some ``scales`` the stress, then the depth, then
+    the effects. A sheet that is stiffer throughout, and heavier by as much, rests as before: settings are brought to a
+    sheet as stiff as the model's own, ``carried`` being the shear modulus [MPa] and mass [g/m^2] that has (None where
+    it has what does not scale so: a holder, a measured law of the diagonals).
     """
 
-    emulator: Emulator
+    kriged: Kriged
     grid: tuple[int, int]
     base: Array
     size: tuple[float, float]
     names: tuple[str, ...]
-    anchor: Array | None = None
+    scales: tuple[bool, ...]
+    carried: tuple[float, float] | None
 
     def shift(self, settings: Array) -> Array:
         """Return the nodes' shift (n, m, 3) on the emulated grid."""
-        at_base = np.array([axis.base for axis in self.emulator.axes])
-        moved = (self.emulator(settings) - self.emulator(at_base)).reshape(*self.grid, 3)
-        return moved if self.anchor is None else moved + self.anchor
+        at_base = np.array([axis.base for axis in self.kriged.axes])
+        return (self.kriged(settings) - self.kriged(at_base)).reshape(*self.grid, 3)
 
 
 @dataclass
 class DrapeProblem(Problem):
     """A draped sheet and markers found on it."""
 
+    hiding: ClassVar[bool] = True
     draped: Draped = field(kw_only=True)
     files: tuple[Markers, ...] = field(kw_only=True)
     priors: tuple[Constant, ...] = field(kw_only=True)
@@ -118,16 +122,26 @@ def settings_of(draped: Draped, own: Array, terms: Mapping[str, tuple[str, Array
     """Return the emulator's settings for factors of the law and the depth's offset (last), and effects."""
     ratio = dict(zip(draped.names, (float(v) for v in own), strict=False))
     stretch = terms["pretension"][1] if "pretension" in terms else np.zeros(1)
+    shear = float(terms["shear-stiffness"][1][0]) if "shear-stiffness" in terms else 0.0
+    mass = float(terms["gravity"][1][0]) if "gravity" in terms else 0.0
+    if draped.carried is not None:
+        stiffness = [ratio[name] for name, scales in zip(draped.names, draped.scales, strict=True) if scales]
+        factor = float(np.exp(np.mean(np.log(stiffness)))) if stiffness else 1.0
+        ratio = {name: ratio[name] / factor if scales else ratio[name]
+                 for name, scales in zip(draped.names, draped.scales, strict=True)}  # fmt: skip
+        shear, mass = (
+            (given + more) / factor - given for given, more in zip(draped.carried, (shear, mass), strict=True)
+        )
     given = {
         "depth": float(own[-1]),
         "prestretch": float(stretch[0]),
-        "weft": float(stretch[0]) + (float(stretch[1]) if len(stretch) > 1 else 0.0),
+        "weft more": float(stretch[1]) if len(stretch) > 1 else 0.0,
         "friction": float(terms["friction"][1][0]) if "friction" in terms else 0.0,
-        "shear": float(terms["shear-stiffness"][1][0]) if "shear-stiffness" in terms else 0.0,
-        "mass": float(terms["gravity"][1][0]) if "gravity" in terms else 0.0,
+        "shear": shear,
+        "mass": mass,
     }
     return np.array([given[a.name] if a.name in given else ratio[a.name.removeprefix("law ")]
-                     for a in draped.emulator.axes])  # fmt: skip
+                     for a in draped.kriged.axes])  # fmt: skip
 
 
 def at_markers(draped: Draped, flat: Array) -> tuple[Array, Array]:
@@ -190,10 +204,10 @@ def drape_problem(
             row += count
     curves.append(known_curve(priors, row, 1))
     places = [at_markers(draped, part.flat) for part in parts]
-    axes = {axis.name: axis for axis in draped.emulator.axes}
+    axes = {axis.name: axis for axis in draped.kriged.axes}
     scene = Scene(
         prestretch=(axes["prestretch"].down, axes["prestretch"].up),
-        friction=axes["friction"].up if axes["friction"].level else 0.0,
+        friction=axes["friction"].up if axes["friction"].up > 1e-3 else 0.0,
         shear=axes["shear"].up,
         mass=axes["mass"].up,
     )

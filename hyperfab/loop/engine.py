@@ -120,16 +120,18 @@ def _grow(search: Search, base: State) -> tuple[State, dict[str, Evidence]]:
     tried: dict[str, Evidence] = {}
     for depth in range(_DEPTH):
         grown: dict[frozenset[str], State] = {}
+        idle: dict[frozenset[str], State] = {}
         accepted: set[frozenset[str]] = set()
         for state in beam:
             for larger, evidence in search.candidates(state):
                 if depth == 0:
                     tried[larger.ids[-1]] = evidence
                 ids = frozenset(larger.ids)
-                if evidence.delta_bic >= MARGIN:
-                    grown.setdefault(ids, larger)
+                (grown if evidence.delta_bic >= MARGIN else idle).setdefault(ids, larger)
                 if evidence.accepted(first=depth == 0) and _worth_a_name(base, state, larger, evidence):
                     accepted.add(ids)
+        if not grown and depth == 0 and search.problem.hiding:
+            grown = idle
         if not grown:
             break
         bic = common_bic(list(grown.values()), search.problem)

@@ -166,6 +166,9 @@ class Problem(ABC):
     rich: ClassVar[int] = 3
     #: Whether the own constants are known so well that fits start there too, and models that leave it pay for that.
     well_known: ClassVar[bool] = False
+    #: Whether two effects may hide each other, so that neither pays until the other is there: where entries are few and
+    #: physics. Among many that only describe, some pair would pass for anything.
+    hiding: ClassVar[bool] = False
     starts: tuple[Array, ...] = ()
 
     @abstractmethod

@@ -7,7 +7,9 @@ import pytest
 
 from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_problem
 from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem
+from hyperfab.loop.drape_places import places
 from hyperfab.loop.emulator import Axis, emulate
+from hyperfab.loop.kriging import krige
 
 KNOTS = np.linspace(5.0, 60.0, 12)
 
@@ -34,14 +36,28 @@ def contact(slip: float = 0.0) -> ContactProblem:
 
 
 def drape() -> DrapeProblem:
-    names = ("law warp", "law weft", "depth", "prestretch", "weft", "friction", "shear", "mass")
-    axes = [Axis(name, 1.0, 0.3, 0.3, level=1, mixes=False, couples=False) if name.startswith("law")
-            else Axis(name, 0.0, 0.4, 0.4 if name == "depth" else 0.0) for name in names]  # fmt: skip
+    names = ("law warp", "law weft", "depth", "prestretch", "weft more", "friction", "shear", "mass")
+    axes = [Axis(name, 1.0, 0.3, 0.3) if name.startswith("law")
+            else Axis(name, 0.0, 0.4, 0.4 if name in ("depth", "weft more") else 0.0) for name in names]  # fmt: skip
+    base = np.array([axis.base for axis in axes])
+    settings = np.stack(
+        [base, *(base + [axis.up * one.get(axis.name, 0.0) for axis in axes] for one in places(axes))]
+    )
     place = np.random.default_rng(4).standard_normal((len(names), 7 * 7 * 3))
-    emulator = emulate(lambda settings: settings @ place, axes, squares=False)
-    draped = Draped(emulator, (7, 7), np.zeros((7, 7, 3)), (200.0, 200.0), ("warp", "weft"))
+    kriged = krige(axes, settings, settings @ place)
+    draped = Draped(
+        kriged, (7, 7), np.zeros((7, 7, 3)), (200.0, 200.0), ("warp", "weft"), (True, True), (0.0, 0.0)
+    )
     flat = np.random.default_rng(5).uniform(-90.0, 90.0, (40, 2))
     return drape_problem(draped, [Markers("m", flat, np.zeros((40, 3)))])
+
+
+def test_a_sheet_stiffer_and_heavier_by_as_much_rests_as_before() -> None:
+    problem = drape()
+    mass = problem.effect("gravity").forms[0]
+    light = problem.predict(np.array([1.0, 1.0, 0.05]), {"gravity": (mass.name, np.array([0.1]))})
+    heavy = problem.predict(np.array([1.2, 1.2, 0.05]), {"gravity": (mass.name, np.array([0.12]))})
+    assert np.allclose(light[:-3], heavy[:-3], rtol=0.0, atol=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -21,15 +21,17 @@ from hyperfab.chapters.drape.depths import load_steps
 from hyperfab.chapters.drape.effects import Effects
 from hyperfab.chapters.job import Job
 from hyperfab.cloth import HeldNodeInside, Mold, Sheet, drape, follow, raised
+from hyperfab.cloth.net import GRAVITY
 from hyperfab.documents.base import parse_document
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import InputError, NotConverged
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.json_io import dump_json, load_json
 from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem, settings_of
+from hyperfab.loop.drape_places import places, reached
 from hyperfab.loop.emulator import Axis as Setting
-from hyperfab.loop.emulator import emulate
 from hyperfab.loop.engine import Finding
+from hyperfab.loop.kriging import krige
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Array, Problem
 from hyperfab.loop.scatter import cloud_noise
@@ -38,8 +40,15 @@ from hyperfab.loop.scatter import cloud_noise
 PRIOR = 0.10
 #: Nodes a side of the loop's own grid, its load steps where it rubs, and the residual it is brought to.
 _NODES, _STEPS, _TOLERANCE = 25, 10, 1e-6
-#: How far an added prestretch, the friction and the mass per area [g/m^2] may go.
+#: The residual with which a run counts where no step gets nearer: places are then off by some thousandths of a mm.
+_NEAR = 1e-2
+#: A sheet that rests this far from where it was thought to (rms, standard deviations of the noise) is run anew, there
+#: and beside, this share of each setting's reach away.
+_OFF, _ASIDE = 0.2, 0.12
+#: How far an added prestretch and the friction may go.
 _MOST_STRETCH, _MOST_FRICTION = 0.12, 0.6
+#: Weight of the sheet over what a unit strain of it pulls with, at the most; and the masses that has to lie between.
+_SAG, _MASSES = 0.025, (200.0, 5000.0)
 
 
 def run(job: Job, given: Given) -> int:
@@ -144,11 +153,12 @@ class Forward:
                 for way, law in (("warp", sheet.warp), ("weft", sheet.weft))
             )
             sheet = replace(sheet, warp=warp, weft=weft)
-        added = settings.get("prestretch", 0.0), settings.get("weft", settings.get("prestretch", 0.0))
+        taut = settings.get("prestretch", 0.0)
+        added = taut, taut + settings.get("weft more", 0.0)
         shear, mass = settings.get("shear", 0.0), settings.get("mass", 0.0)
         n, m = grid or self.grid
         law = sheet.shear
-        if shear > 0.0:
+        if shear != 0.0:
             given = self.effects.shear_modulus or 0.0
             law = replace(self.effects, shear_modulus=given + shear, bias=None).shear_law(sheet.size, (n, m))
         sheet = replace(
@@ -162,72 +172,89 @@ class Forward:
         try:
             if mu > 0.0 or self.effects.holder:
                 heights = load_steps([rise], _STEPS)
-                found = [rest.found for rest in follow(sheet, self.mold, heights, mu, _TOLERANCE)][-1]
+                rest = list(follow(sheet, self.mold, heights, mu, _TOLERANCE, enough=_NEAR))[-1]
+                found, there = rest.found, bool(np.isclose(rest.height, rise))
             else:
-                found = drape(sheet, raised(self.mold, rise), _TOLERANCE)
+                found, there = drape(sheet, raised(self.mold, rise), _TOLERANCE), True
         except HeldNodeInside as error:
             raise NotConverged(str(error)) from None
-        if found.residual_relative > 1e-3:
+        if found.residual_relative > _NEAR or not there:
             raise NotConverged("the sheet finds no equilibrium")
         return np.asarray(found.state.x)
 
     def corrected(self, problem: Problem, found: Finding) -> Problem | None:
-        """Return the problem with the nodes moved by a run of what was found, where the emulated ones are off."""
+        """Return the problem with runs at and around what was found, where the nodes rest elsewhere than thought."""
         assert isinstance(problem, DrapeProblem)
         draped, fit = problem.draped, found.after.fit
+        kriged = draped.kriged
         settings = settings_of(draped, np.asarray(fit.x[: fit.own]), fit.terms)
-        names = [axis.name for axis in draped.emulator.axes]
-        base = self.nodes({})
         try:
-            true = self.nodes(dict(zip(names, (float(v) for v in settings), strict=True))) - base
+            true = self.at(kriged.axes, settings)
         except NotConverged:
             return None
-        off = true - draped.shift(settings)
-        rows = np.concatenate([(w @ off.reshape(-1, 3)).T.ravel() for w in problem.weights])
-        if float(np.sqrt(np.mean((rows / found.noise.sd[: len(rows)]) ** 2))) < 0.2:
+        off = (true - kriged(settings)).reshape(-1, 3)
+        rows = np.concatenate([(w @ off).T.ravel() for w in problem.weights])
+        if float(np.sqrt(np.mean((rows / found.noise.sd[: len(rows)]) ** 2))) < _OFF:
             return None
-        before = np.zeros_like(off) if draped.anchor is None else draped.anchor
-        return replace(problem, draped=replace(draped, anchor=before + off))
+        places, values = [settings], [true]
+        for index, axis in enumerate(kriged.axes):
+            beside = settings.copy()
+            # Inwards where the reach ends.
+            way = -1.0 if settings[index] + _ASIDE * axis.up > axis.base + axis.up else 1.0
+            beside[index] += way * _ASIDE * axis.up
+            try:
+                values.append(self.at(kriged.axes, beside))
+            except NotConverged:
+                continue
+            places.append(beside)
+        return replace(
+            problem, draped=replace(draped, kriged=kriged.with_runs(np.stack(places), np.stack(values)))
+        )
+
+    def at(self, axes: Sequence[Setting], settings: Array) -> Array:
+        """Return the nodes (3 n m,) at settings of the axes."""
+        return self.nodes({axis.name: float(v) for axis, v in zip(axes, settings, strict=True)}).ravel()
 
 
 def pose_sheet(forward: Forward, tick: Callable[[float], None]) -> Draped:
-    """Drape the sheet on a sparse grid of its constants and effects, and return what stands for it."""
+    """Drape the sheet at chosen settings of its constants and effects, and return what stands for it."""
     material, sheet = forward.material, forward.sheet
     # Laws that came straight from tests are scaled along warp and weft.
-    names = ("warp", "weft") if material is None else linear_of(material)[0]
-    axes = [Setting(f"law {name}", 1.0, 0.35, 0.35, level=1, mixes=False, couples=False) for name in names]
-    axes.append(Setting("depth", 0.0, 0.4, 0.4, level=1, mixes=False, couples=False))
+    names, scales = (("warp", "weft"), (True, True)) if material is None else linear_of(material)
     # A modulus of the threads sets the scale of what resists shear, and of the weight that shows.
     modulus = float(np.mean([float(law(1.001)[2][0]) for law in (sheet.warp, sheet.weft)]))
+    heavy = _SAG * modulus * sheet.thickness / (GRAVITY * 1e-9 * max(sheet.size))
     down = min(max(min(sheet.prestretch) - 1.0, 0.0), 0.1)
+    axes = [Setting(f"law {name}", 1.0, 0.35, 0.35) for name in names]
     axes += [
+        Setting("depth", 0.0, 0.4, 0.4),
         Setting("prestretch", 0.0, _MOST_STRETCH, down),
-        Setting("weft", 0.0, _MOST_STRETCH, down),
+        Setting("weft more", 0.0, _MOST_STRETCH, _MOST_STRETCH),
         Setting("friction", 0.0, _MOST_FRICTION),
         Setting("shear", 0.0, 0.4 * modulus),
-        Setting("mass", 0.0, 3000.0),
+        Setting("mass", 0.0, float(np.clip(heavy, *_MASSES))),
     ]
     base = forward.nodes({})
-
-    def one(settings: Array) -> Array:
-        return forward.nodes(
-            dict(zip((axis.name for axis in axes), (float(v) for v in settings), strict=True))
-        ).ravel()
-
-    for _ in range(4):
+    settings, values = [np.array([axis.base for axis in axes])], [base.ravel()]
+    plan = places(axes)
+    for count, place in enumerate(plan):
+        at = np.array([axis.base + axis.up * place.get(axis.name, 0.0) for axis in axes])
         try:
-            emulator = emulate(one, axes, tick, squares=False)
-            break
+            values.append(forward.at(axes, at))
+            settings.append(at)
         except NotConverged:
-            axes = [replace(axis, up=0.5 * axis.up, down=0.5 * axis.down) for axis in axes]
-    else:
-        raise NotConverged(
-            "the sheet has no equilibrium near the model's constants", remedy="drape it less deep"
-        )
+            continue  # no rest there: the others tell as much as can be told
+        finally:
+            tick((count + 1) / len(plan))
+    axes = [reached(axis, np.array(settings)[:, i]) for i, axis in enumerate(axes)]
     fine = base
     if max(sheet.n, sheet.m) > _NODES:
         fine = forward.nodes({}, (sheet.n, sheet.m))
-    return Draped(emulator, forward.grid, fine, sheet.size, names)
+    effects = forward.effects
+    alike = not effects.holder and effects.bias is None
+    carried = (effects.shear_modulus or 0.0, sheet.mass) if alike else None
+    kriged = krige(axes, np.array(settings), np.array(values))
+    return Draped(kriged, forward.grid, fine, sheet.size, names, scales, carried)
 
 
 def pose(draped: Draped, files: Sequence[Markers], prior: float, fix: Sequence[str]) -> DrapeProblem:
