@@ -9,11 +9,11 @@ import numpy as np
 
 from hyperfab.loop.dependence import dependence, suggestion
 from hyperfab.loop.design import NextMeasurement, next_measurement
-from hyperfab.loop.fitting import fit, least_misfit
+from hyperfab.loop.fitting import fit, least_misfits
 from hyperfab.loop.judge import SMALL
 from hyperfab.loop.mimic import Rival, indistinguishable, rivals
 from hyperfab.loop.noise import Noise, estimate_noise
-from hyperfab.loop.problem import Problem
+from hyperfab.loop.problem import Array, Problem
 from hyperfab.loop.search import MARGIN, Evidence, Search, State, common_bic
 
 #: Terms added at most, and models carried along at each number of terms.
@@ -23,10 +23,12 @@ _HOPELESS = 9.0
 #: Terms that take this share of what is not noise, and leave a total of less than 1.2 times the noise (this rms beside
 #: it, in its standard deviations), are what the model lacked: the rest is their law's own inaccuracy.
 EXPLAINED, ENOUGH = 0.95, 0.66
-#: A term has to lower chi-squared by this though specimens scatter as much as their replicates allow.
-DOUBTFUL = 4.0
-#: What one specimen alone shows has to stand against this many times that scatter.
-ALONE = 2.0
+#: A term has to lower minus twice the logarithm of the likelihood by this though specimens may scatter as they like.
+DOUBTFUL = 8.0
+#: Scatters of specimens that are tried, in units of what the replicates show; where all of them together show this many
+#: times more than these, the loop is closed again with that.
+_SCATTERS = 2.0 ** (np.arange(-4, 13) / 2.0)
+_SCATTERED = 1.4
 
 
 @dataclass(frozen=True)
@@ -60,9 +62,10 @@ def close(
     tick: Callable[[str], None] = lambda text: None,
     refit: int = 6,
     design: bool = True,
+    again: bool = True,
 ) -> Finding:
     """Close the loop on a problem; ``noise`` is the standard deviation of a reading or all that is known of the noise,
-    else it is estimated."""
+    else it is estimated. Once more (``again``) where all specimens scatter more than the replicates show."""
     level = noise if isinstance(noise, Noise) else estimate_noise(problem, noise)
     search = Search(problem, level, tick, max(refit, problem.rich))
     before = search.base()
@@ -89,6 +92,10 @@ def close(
     best = _pruned(search, best)
     if best is not before and not explains(before, best):
         best = search.enriched(best)
+    scatter = min(_surprise(search, best)[1], level.gain_doubt) if level.gain_doubt else 0.0
+    if again and scatter > _SCATTERED * level.gain_sd:
+        wider = replace(level, gain_sd=scatter)
+        return close(problem, noise=wider, tick=tick, refit=refit, design=design, again=False)
     if best is before:
         return finding("noise" if before.judgement.is_small else "unexplained", before, {}, tried)
     best = _undoubted(search, best)
@@ -168,15 +175,14 @@ def explains(base: State, state: State) -> bool:
 
 
 def _undoubted(search: Search, best: State) -> State:
-    """Take out terms that a scatter of specimens larger than the few replicates show could explain as well."""
+    """Take out terms that specimens which scatter more than the few replicates show could explain as well.
+
+    The scatter is fitted anew with and without the term, to all specimens: of many that follow a term few need be
+    replicates; of one that stands alone nothing is known but what the others scatter by.
+    """
     while best.ids and search.noise.gain_doubt:
-        worth = {}
-        for name in best.ids:
-            less = search.without(best, name)
-            noise = search.noise.doubted(ALONE if _is_of_one_specimen(search, best, less) else 1.0)
-            whole = least_misfit(search.problem, noise, best.fit)
-            gain = least_misfit(search.problem, noise, less.fit) - whole
-            worth[name] = gain / max(whole / len(best.fit.residual), 1.0)
+        whole, _ = _surprise(search, best)
+        worth = {name: _surprise(search, search.without(best, name), best)[0] - whole for name in best.ids}
         weakest = min(worth, key=lambda name: worth[name])
         if worth[weakest] >= DOUBTFUL:
             break
@@ -184,18 +190,31 @@ def _undoubted(search: Search, best: State) -> State:
     return best
 
 
-def _is_of_one_specimen(search: Search, best: State, less: State) -> bool:
-    """Whether what a term explains is nearly all in one specimen, whose stiffness is its own."""
-    gone = (best.fit.predicted - less.fit.predicted) ** 2 / search.noise.sd**2
-    shares = [float(np.sum(gone[rows])) for rows in search.noise.groups]
-    return bool(shares) and max(shares) > 0.8 * sum(shares)
+def _surprise(search: Search, state: State, best: State | None = None) -> tuple[float, float]:
+    """Return minus twice the logarithm of a model's likelihood for the likeliest scatter of specimens, and that.
+
+    What ``best`` (the model itself by default) leaves though every specimen has a stiffness of its own counts as noise.
+    """
+    scatters = [float(one) for one in search.noise.gain_sd * _SCATTERS]
+
+    def misfits(one: State) -> tuple[Array, Array]:
+        metrics = [search.noise.among(one.fit.predicted, scatter) for scatter in scatters]
+        entropy = np.array([metric.entropy for metric in metrics])
+        return least_misfits(search.problem, metrics, one.fit), entropy
+
+    misfit, entropy = misfits(state)
+    least = misfit if best is None else misfits(best)[0]
+    surprise = misfit / max(float(least[-1]) / len(state.fit.residual), 1.0) + entropy
+    likeliest = int(np.argmin(surprise))
+    return float(surprise[likeliest]), float(scatters[likeliest])
 
 
 def _without_names(search: Search, before: State) -> str:
     """Return the verdict where nothing is named: noise if a larger scatter of specimens could be all there is."""
-    noise = search.noise.doubted()
+    noise = search.noise
+    metric = noise.among(before.fit.predicted, max(noise.gain_doubt, noise.gain_sd))
     rows = len(before.fit.residual)
-    left = least_misfit(search.problem, noise, before.fit) / max(rows - len(before.fit.x), 1)
+    left = float(least_misfits(search.problem, [metric], before.fit)[0]) / max(rows - len(before.fit.x), 1)
     small = np.sqrt(max(left - 1.0, 0.0)) <= SMALL
     return "noise" if before.judgement.is_small or small else "unexplained"
 

@@ -174,18 +174,24 @@ def fit(
     )
 
 
-def least_misfit(problem: Problem, noise: Noise, found: Fit) -> float:
-    """Return the least chi-squared near a fit in the metric of another noise: one step of Gauss and Newton away."""
+def least_misfits(problem: Problem, metrics: Sequence[Noise], found: Fit) -> Array:
+    """Return the least chi-squared near a fit in each of several metrics: one step of Gauss and Newton away.
+
+    The metrics differ in what rows have in common alone.
+    """
     constants = [*problem.own, *(constant for form in found.forms.values() for constant in form.constants)]
     low, high, scale = (_column(constants, name) for name in ("low", "high", "scale"))
-    noise = noise.at(found.predicted)
-    left = noise.whiten(problem.measured - found.predicted)
-    slope = _jacobian(problem, found.forms, found.x, found.predicted, scale, low, high, noise)
-    free = (found.x > low) & (found.x < high)
-    size = np.sqrt(np.sum(slope**2, axis=0))
-    slope = slope[:, free & (size > 0.0)] / size[free & (size > 0.0)]
-    step = np.linalg.lstsq(slope, left, rcond=1e-9)[0]
-    return float(left @ left - (slope @ step) @ (slope @ step))
+    plain = metrics[0].plain
+    slope = _jacobian(problem, found.forms, found.x, found.predicted, scale, low, high, plain)
+    slope = slope[:, (found.x > low) & (found.x < high)] * plain.sd[:, None]
+    misfits = []
+    for metric in metrics:
+        left, columns = metric.whiten(problem.measured - found.predicted), metric.whiten(slope)
+        size = np.sqrt(np.sum(columns**2, axis=0))
+        columns = columns[:, size > 0.0] / size[size > 0.0]
+        step = np.linalg.lstsq(columns, left, rcond=1e-9)[0]
+        misfits.append(float(left @ left - (columns @ step) @ (columns @ step)))
+    return np.array(misfits)
 
 
 def _nowhere(forms: Mapping[str, Form], x: Array, value: Array, weight: Array, own: int) -> Fit:

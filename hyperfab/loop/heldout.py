@@ -12,8 +12,10 @@ from hyperfab.loop.problem import Array, Curve
 
 #: A test is counted only where the others determine its prediction to this many standard deviations of the noise (rms).
 _DETERMINED = 1.0
-#: A test that is noise up to this (rms) and moves by less than this share of the mean of all is not helped or harmed.
-_NOISE, _IDLE = 1.5, 0.05
+#: A test is noise up to this (rms).
+_NOISE = 1.5
+#: Share of what a term explains that has to be in tests the others predict, for these to be asked.
+_SEEN = 0.5
 #: Square of the distance of two predictions of a test that its readings can tell: two standard deviations.
 _TOLD = 4.0
 
@@ -74,10 +76,15 @@ class Help:
     tests: int
 
 
-def help_of(before: HeldOut, after: HeldOut) -> Help | None:
-    """Compare two models on the tests both can predict; None where there are fewer than two."""
+def help_of(before: HeldOut, after: HeldOut, gone: Array) -> Help | None:
+    """Compare two models on the tests both can predict; None where there are fewer than two.
+
+    Also None where most of what the second explains (``gone`` from the square of each row's residual) is in tests that
+    the others cannot predict, as the only one at a temperature: how the rest move by chance says nothing then.
+    """
     both = sorted(set(before.counted) & set(after.counted))
-    if len(both) < 2:
+    seen = sum(float(np.sum(gone[rows])) for rows in before.rows(both))
+    if len(both) < 2 or seen < _SEEN * float(np.sum(gone)):
         return None
     old, new = before.rms[both], after.rms[both]
     structured = np.median(np.maximum(old**2 - 1.0, 0.0))
@@ -88,11 +95,12 @@ def help_of(before: HeldOut, after: HeldOut) -> Help | None:
         means = float(np.mean(old**2 - new**2)) / float(np.mean(np.maximum(old**2 - 1.0, 0.0)))
         taken = max(float(np.median(old**2 - new**2)) / float(structured), means)
     matters = np.abs(old - new) > 0.02 * np.maximum(old, 1.0)
-    # What was noise and stays so moves by chance alone: where other tests move much, it says nothing.
-    change = np.abs(old**2 - new**2)
-    matters &= (np.maximum(old, new) > _NOISE) | (change > _IDLE * float(np.mean(change)))
     # Two predictions that lie nearer to each other than readings can tell are neither better nor worse.
     moved = [float(np.sum((before.residual[rows] - after.residual[rows]) ** 2)) for rows in before.rows(both)]
     matters &= np.array(moved) > _TOLD
-    helped = float(np.mean(new[matters] < old[matters])) if np.any(matters) else 0.0
+    # What was noise and stays so moves by chance alone: the less it moves beside the others, the less it says.
+    change = np.abs(old**2 - new**2)
+    voice = np.minimum(change / max(float(np.mean(change)), 1e-300), 1.0)
+    voice = np.where(matters, np.where(np.maximum(old, new) > _NOISE, 1.0, voice), 0.0)
+    helped = float(np.sum(voice[new < old]) / np.sum(voice)) if np.any(matters) else 0.0
     return Help(taken, helped, len(both))

@@ -52,9 +52,19 @@ class Noise:
         """The noise without what rows have in common."""
         return replace(self, gain_sd=0.0, correlation=0.0)
 
-    def doubted(self, times: float = 1.0) -> Noise:
-        """Return the noise with specimens that scatter as much as the replicates allow, or so many times that."""
-        return replace(self, gain_sd=max(times * self.gain_doubt, self.gain_sd))
+    def among(self, predicted: Array, gain_sd: float) -> Noise:
+        """Return the noise of specimens that scatter so much in proportion to a prediction.
+
+        For a model that may still move: a pattern that follows the readings would draw it off the data.
+        """
+        return replace(self, gain_sd=gain_sd, pattern=np.maximum(predicted, 0.0))
+
+    @property
+    def entropy(self) -> float:
+        """Minus twice what the scatter of the specimens costs in logarithm of likelihood, above white noise."""
+        if not self.gain_sd:
+            return 0.0
+        return float(sum(-2.0 * np.log1p(-shrink) for _, _, shrink in self._shapes()))
 
     def at(self, predicted: Array) -> Noise:
         """Return the noise around a prediction: specimens scatter in proportion to prediction and reading.

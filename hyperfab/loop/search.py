@@ -280,13 +280,11 @@ class Search:
                 fit(self.problem, self.noise, forms, start, iterations=_FEW, coarse=True) for start in starts
             ]
             starts = [min(tries, key=lambda one: one.cost).x]
-        best: Fit | None = None
-        for start in starts:
-            best = fit(self.problem, self.noise, forms, start, coarse=True)
-        if best is not None and np.isfinite(best.chi2):
-            self._fits[key] = best
-            return best
-        return None
+        best = fit(self.problem, self.noise, forms, starts[0], coarse=True)
+        if not np.isfinite(best.chi2):
+            return None
+        self._fits[key] = best
+        return best
 
     def evidence(self, smaller: State, larger: State) -> Evidence:
         """Return what the terms of ``larger`` that ``smaller`` lacks are worth."""
@@ -304,7 +302,7 @@ class Search:
         return Evidence(
             delta_bic=gain / time - more * float(np.log(count)),
             variance_share=gone / total,
-            help=help_of(smaller.held_out, larger.held_out),
+            help=help_of(smaller.held_out, larger.held_out, old.residual**2 - new.residual**2),
             certain=self._certain(smaller, larger),
             restores=back >= max(MARGIN, 0.5 * gone) and larger.judgement.is_noise,
         )

@@ -126,3 +126,18 @@ def test_the_loop_closes_on_every_law_though_its_constants_stem_from_other_stret
     base = search.base()
     assert np.isfinite(base.fit.chi2)
     assert search.ranking(base)
+
+
+@pytest.mark.parametrize(("softer", "found"), [(0.7, ["thermal-softening"]), (0.96, [])])
+@pytest.mark.parametrize("hot", [1, 3])
+def test_one_hot_specimen_among_specimens_that_scatter(softer: float, found: list[str], hot: int) -> None:
+    """What it differs by counts against what the others differ by; several hot ones count more."""
+    rng = np.random.default_rng(11)
+    cold = truths.Setup(turns=(1.4, 1.0), rate=0.01)
+    warm = truths.Setup(turns=(1.4, 1.0), rate=0.01, temperature=80.0)
+    readings = truths.measure(truths.draw(rng, ()), [cold] * 4 + [warm] * hot, rng, 0.002)
+    for number, gain in enumerate((1.02, 0.99, 1.015, 0.975, 1.01, 0.98, 1.02)[: len(readings)]):
+        readings[number].stress = readings[number].stress * gain * (softer if number >= 4 else 1.0)
+    closed = close(problem_of(readings), design=False)
+    assert list(closed.after.ids) == found
+    assert closed.verdict == ("effect" if found else "noise")
