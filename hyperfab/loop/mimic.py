@@ -59,17 +59,30 @@ def rivals(search: Search, best: State) -> list[Rival]:
                 continue
             # A rival with more constants than the found law would pass for nearly anything.
             fitted = search.with_term(without, effect, most=most)
-            if fitted is None:
-                continue
-            state = search.state(fitted)
-            left = _misfit(search.problem, search.noise, best.fit, fitted)
-            share = 1.0 - left / imprint if imprint > 0.0 else 0.0
-            bic = common_bic([best, state], search.problem)
-            small = np.sqrt(max(state.excess - 1.0, 0.0)) < 0.6 + np.sqrt(max(best.excess - 1.0, 0.0))
-            gap = bic[state.ids] - bic[best.ids] if small else np.inf
-            rest = float(np.sqrt(left / len(best.fit.residual)))
-            found.append(Rival(effect.id, name, share, rest, gap, state))
+            one = None if fitted is None else _rival(search, best, name, effect.id, fitted, imprint)
+            # Where much is known of the own constants BIC tells whether it pays for them by bringing these home.
+            free = search.with_term(without, effect) if search.problem.well_known else None
+            least = MARGIN if one is None else min(one.delta_bic, MARGIN)
+            if free is not None and free is not fitted and _gap(search, best, search.state(free)) < least:
+                one = _rival(search, best, name, effect.id, free, imprint)
+            if one is not None:
+                found.append(one)
     return sorted(found, key=lambda rival: -rival.share)
+
+
+def _rival(search: Search, best: State, name: str, effect: str, fitted: Fit, imprint: float) -> Rival:
+    left = _misfit(search.problem, search.noise, best.fit, fitted)
+    share = 1.0 - left / imprint if imprint > 0.0 else 0.0
+    state = search.state(fitted)
+    rest = float(np.sqrt(left / len(best.fit.residual)))
+    return Rival(effect, name, share, rest, _gap(search, best, state), state)
+
+
+def _gap(search: Search, best: State, state: State) -> float:
+    """Return how much worse a model does on the data than the best by BIC, infinitely where it leaves much more."""
+    bic = common_bic([best, state], search.problem)
+    small = np.sqrt(max(state.excess - 1.0, 0.0)) < 0.6 + np.sqrt(max(best.excess - 1.0, 0.0))
+    return float(bic[state.ids] - bic[best.ids]) if small else np.inf
 
 
 def _alike(search: Search, best: State, without: State) -> dict[str, float]:

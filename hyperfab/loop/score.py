@@ -40,7 +40,10 @@ class Signature:
 
 
 def signatures(problem: Problem, noise: Noise, fit: Fit, effects: Iterable[Effect]) -> list[Signature]:
-    """Return the signatures of all forms of ``effects`` that the data could show."""
+    """Return the signatures of all forms of ``effects`` that the data could show.
+
+    A form that refines another has one of its own only where the data could not show the simpler one.
+    """
     own, terms, noise = fit.x[: fit.own], fit.terms, noise.at(fit.predicted)
     basis, residual = projected(fit)
     wide = basis
@@ -48,9 +51,11 @@ def signatures(problem: Problem, noise: Noise, fit: Fit, effects: Iterable[Effec
         smooth = noise.whiten(problem.nuisance)
         smooth = np.vstack([smooth, np.zeros((len(basis) - len(smooth), smooth.shape[1]))])
         wide = _orthonormal(np.hstack([basis, smooth]))
-    found = []
+    found: list[Signature] = []
     for effect in effects:
         for form in effect.forms:
+            if any(one.effect is effect and form.enriches(one.form.name) for one in found):
+                continue
             for probe in form.probes:
                 value = problem.predict(own, {**terms, effect.id: (form.name, np.array(probe))})
                 if not np.all(np.isfinite(value)):

@@ -142,14 +142,19 @@ class Search:
         """Return the best joint fit of the model with ``effect``: its forms, then those that refine them.
 
         ``families`` are the simple forms that are refined, the best first of those that have richer ones; ``most``
-        bounds the constants of the forms that refine.
+        bounds the constants of the forms that refine. Where the data cannot show the simple form, a richer one is
+        tried on its own.
         """
         rank: dict[str, float] = {}
         for signature in state.found:
             if signature.effect is effect:
                 rank[signature.form.name] = max(rank.get(signature.form.name, 0.0), points_at(signature))
         basic = sorted(
-            (form for form in effect.forms if form.refines is None and form.name in rank),
+            (
+                form
+                for form in effect.forms
+                if form.name in rank and (form.refines is None or len(form.constants) <= most)
+            ),
             key=lambda form: -rank[form.name],
         )
         fits = [

@@ -34,7 +34,11 @@ def entry(scene: Scene) -> Effect:
                 ((0.1 * scene.typical_film,),),
             ),
             Form(
-                "bench that warms up", (h, share, time), ((1.0, 0.3, 0.2 * scene.duration_s),), refines="film"
+                "bench that warms up",
+                (h, share, time),
+                ((1.0, 0.3, 0.2 * scene.duration_s), (scene.typical_film, 0.7, 0.3 * scene.duration_s)),
+                ((0.3 * scene.typical_film, 0.5, 0.2 * scene.duration_s),),
+                refines="film",
             ),
             Form("uneven", (h, *uneven), ((1.0, 0.0, 0.0, 0.0),), refines="film"),
         ),
