@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import jsonschema
+import numpy as np
 import pytest
 from conftest import Run
 from loop.generators import fabric as truths
@@ -196,8 +197,20 @@ def test_mistakes_are_told(hf: Run, tmp_path: Path, change: list[str], status: i
 def test_domain_that_is_not_built_is_refused_by_name(hf: Run, tmp_path: Path) -> None:
     (tmp_path / "d.json").write_text('{"format": "hyperfab.heat/1"}')
     done = hf("close-loop", "d.json", "--measured", "x.csv", cwd=tmp_path)
-    assert done.returncode == 2
+    assert done.returncode == 3
     assert "heat" in done.stderr.decode()
+
+
+def test_file_the_model_was_fitted_to_is_the_test_it_was_given_as(hf: Run, tmp_path: Path) -> None:
+    strain = np.linspace(0.02, 0.5, 40)
+    stretch = 1.0 + strain
+    stress = 0.1 * (stretch - stretch**-2) * (1.0 + 0.01 * np.random.default_rng(1).standard_normal(40))
+    rows = "".join(f"{e:.4f},{s:.6f}\n" for e, s in zip(strain, stress, strict=True))
+    (tmp_path / "warp.csv").write_text("strain [-],stress [MPa]\n" + rows)
+    done = hf("fit", "--uniaxial", "warp.csv", "--model", "neo-hookean", "-o", "fabric.json", cwd=tmp_path)
+    assert done.returncode == 0
+    done = hf("close-loop", "fabric.json", "--measured", "warp.csv", "-o", "loop.json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr.decode()
 
 
 @pytest.mark.parametrize("knit", ["knit-glove-garter", "knit-acrylic-stockinette"])

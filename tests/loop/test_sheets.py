@@ -37,7 +37,7 @@ def contact(slip: float = 0.0) -> ContactProblem:
 
 def drape() -> DrapeProblem:
     names = ("law warp", "law weft", "depth", "prestretch", "weft more", "friction", "shear", "mass")
-    axes = [Axis(name, 1.0, 0.3, 0.3) if name.startswith("law")
+    axes = [Axis(name, 1.0, 0.3, 0.3, mixes=False) if name.startswith("law")
             else Axis(name, 0.0, 0.4, 0.4 if name in ("depth", "weft more") else 0.0) for name in names]  # fmt: skip
     base = np.array([axis.base for axis in axes])
     settings = np.stack(

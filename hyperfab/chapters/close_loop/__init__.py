@@ -7,7 +7,7 @@ import importlib
 from hyperfab.chapters.close_loop.domain import Given, kind_of
 from hyperfab.chapters.close_loop.recall import Parse
 from hyperfab.chapters.job import Job
-from hyperfab.errors import UsageError
+from hyperfab.errors import InputError, UsageError
 from hyperfab.io.units import quantity
 
 #: The kinds of model that the loop can be closed on, and the module of each.
@@ -35,9 +35,11 @@ def run(
         raise UsageError("nothing to compare with; give measured data with --measured FILE.csv")
     kind, data = kind_of(job, model)
     if kind not in BUILT:
-        raise UsageError(
-            f"close-loop does not take a {kind} document as a model ({model}); it takes a material, contact, drape "
-            "or press document, or a mold.toml"
+        raise InputError(
+            f"is a {kind} document, a model is needed",
+            file=model,
+            key="format",
+            remedy="give a material, contact, drape or press document, or a mold.toml",
         )
     chapter = importlib.import_module(f"hyperfab.chapters.close_loop.{BUILT[kind]}")
     given = Given(

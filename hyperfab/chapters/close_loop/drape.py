@@ -225,9 +225,9 @@ def pose_sheet(forward: Forward, tick: Callable[[float], None]) -> Draped:
     modulus = float(np.mean([float(law(1.001)[2][0]) for law in (sheet.warp, sheet.weft)]))
     heavy = _SAG * modulus * sheet.thickness / (GRAVITY * 1e-9 * max(sheet.size))
     down = min(max(min(sheet.prestretch) - 1.0, 0.0), 0.1)
-    axes = [Setting(f"law {name}", 1.0, 0.35, 0.35) for name in names]
+    axes = [Setting(f"law {name}", 1.0, 0.35, 0.35, mixes=False) for name in names]
     axes += [
-        Setting("depth", 0.0, 0.4, 0.4),
+        Setting("depth", 0.0, 0.4, 0.4, mixes=False),
         Setting("prestretch", 0.0, _MOST_STRETCH, down),
         Setting("weft more", 0.0, _MOST_STRETCH, _MOST_STRETCH),
         Setting("friction", 0.0, _MOST_FRICTION),

@@ -36,8 +36,11 @@ def run(job: Job, given: Given) -> int:
     """Close the loop on a material document."""
     out = Output(given.output, (".model.json", ".png", ".csv"))
     document = parse_document(given.data, given.name, MaterialDocument)
-    tests = read_measured(job, given.measured, given.decimal, document.thickness_mm)
-    held_out = read_measured(job, given.held, given.decimal, document.thickness_mm) if given.held else None
+    made = document.provenance
+    tests = read_measured(job, given.measured, given.decimal, document.thickness_mm, made)
+    held_out = (
+        read_measured(job, given.held, given.decimal, document.thickness_mm, made) if given.held else None
+    )
     level = None
     if given.noise is not None:
         kind = "membrane-stress" if tests.unit == "N/mm" else "stress"

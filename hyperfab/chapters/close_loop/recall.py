@@ -91,6 +91,10 @@ def reworded(words: Sequence[str], changes: Mapping[str, str | None]) -> list[st
 def _found(job: Job, name: str, relative: str, provenance: Provenance, command: str) -> str:
     """Return where an input lies now: beside the document, or in a folder near by, known by its hash."""
     if relative == "-":
+        kept = _kept(name, {one.sha256 for one in provenance.inputs if one.name == relative})
+        if kept is not None:
+            job.inputs.read(kept)
+            return kept
         raise InputError(
             "was made from a document on standard input, which is gone",
             file=name,
@@ -115,6 +119,15 @@ def _found(job: Job, name: str, relative: str, provenance: Provenance, command: 
         file=first,
         remedy=f"put it back, or make {os.path.basename(name)} again with hf {command}",
     )
+
+
+def _kept(name: str, wanted: set[str]) -> str | None:
+    """Return the copy of a piped document that was kept beside the document ``name`` or in the present folder."""
+    for folder in (Path(name).parent, Path()):
+        for path in sorted(folder.glob("*.json")):
+            if path.is_file() and _hash(str(path)) in wanted:
+                return os.path.normpath(path)
+    return None
 
 
 def _hash(place: str) -> str:

@@ -5,16 +5,21 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from hashlib import sha256
 from itertools import pairwise
 
 import numpy as np
 
 from hyperfab.chapters.job import Job
+from hyperfab.documents.provenance import Provenance
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_tests import TestData, read_tests
 from hyperfab.loop.fabric import FabricTest
 from hyperfab.loop.problem import Array
 from hyperfab.materials.effects.path import BIAXIAL, GENERAL, SHEAR, UNIAXIAL
+
+#: Options of ``hf fit`` that say which test a file is.
+_OPTIONS = ("--uniaxial", "--shear", "--biaxial")
 
 _MODES = {"uniaxial": UNIAXIAL, "shear": SHEAR, "biaxial": BIAXIAL, "biaxial-general": GENERAL}
 
@@ -29,13 +34,26 @@ class Measured:
     warnings: list[str] = field(default_factory=list)
 
 
-def read_measured(job: Job, names: Sequence[str], decimal: str | None, thickness: float | None) -> Measured:
-    """Read test files; stress in N/mm becomes MPa by ``thickness`` [mm], or counts as that of 1 mm without one."""
+def read_measured(
+    job: Job,
+    names: Sequence[str],
+    decimal: str | None,
+    thickness: float | None,
+    fitted: Provenance | None = None,
+) -> Measured:
+    """Read test files; stress in N/mm becomes MPa by ``thickness`` [mm], or counts as that of 1 mm without one.
+
+    A file that the model was ``fitted`` to is the test that it was given as then.
+    """
     twice = [name for name, count in Counter(names).items() if count > 1]
     if twice:
         raise UsageError(f"{twice[0]} is given twice; its rows would count double")
     found = Measured([], "MPa")
-    every = [test for name in names for test in read_tests(job.inputs.read(name), name, decimal=decimal)]
+    given = _given_as(fitted)
+    every = []
+    for name in names:
+        data = job.inputs.read(name)
+        every += read_tests(data, name, test=given.get(sha256(data).hexdigest()), decimal=decimal)
     widths = [test for test in every if test.membrane]
     if widths and len(widths) < len(every):
         if thickness is None:
@@ -69,6 +87,18 @@ def read_measured(job: Job, names: Sequence[str], decimal: str | None, thickness
         raise InputError(
             "has no test of a sheet", file=names[0], remedy="give uniaxial, shear or biaxial tests"
         )
+    return found
+
+
+def _given_as(fitted: Provenance | None) -> dict[str, str]:
+    """Return, by the SHA-256 of the files a model was fitted to, which test each was given as."""
+    if fitted is None or fitted.command != "fit":
+        return {}
+    known = {one.name: one.sha256 for one in fitted.inputs}
+    found = {}
+    for option, name in pairwise(fitted.arguments):
+        if option in _OPTIONS and name in known:
+            found[known[name]] = option.removeprefix("--")
     return found
 
 
