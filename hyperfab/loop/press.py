@@ -283,7 +283,8 @@ def press_problem(
     whole, summed, correction = tables
     kinds = list(dict.fromkeys(reading.kind for reading in readings))
     parts: list[Reading] = []
-    for reading in readings:
+    for one in readings:
+        reading = replace(one, index=np.arange(len(one.values), dtype=np.float64))
         if reading.places is None:
             # Along the stroke, and at a hold along the time.
             count = max(1, min(4, len(reading.values) // _SEGMENT))

@@ -20,7 +20,8 @@ UNITS: dict[str, str] = {"pressure": "MPa", "contact": "-", "thickness": "mm", "
 @dataclass(frozen=True)
 class Reading:
     """One file: ``kind`` and values (m,); at places of the male (``corners`` (m, 3) of the table of the places with
-    their ``weights``) or at machine ``stroke`` (m,) [mm]; ``time_s`` since the foam was first pressed."""
+    their ``weights``) or at machine ``stroke`` (m,) [mm]; ``time_s`` since the foam was first
+    pressed; ``index`` is where the rows stand in the file."""
 
     name: str
     kind: Kind
@@ -30,6 +31,7 @@ class Reading:
     places: Array | None = None
     stroke: Array | None = None
     time_s: Array | None = None
+    index: Array | None = None
 
     def rows(self, chosen: Ints) -> Reading:
         """Return some of the rows, in that order."""

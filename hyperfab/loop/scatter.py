@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -17,6 +19,57 @@ _NEIGHBOURS, _MAD = 9, 1.4826
 _SAME = 1e-6
 
 
+@dataclass(frozen=True)
+class Guess:
+    """How loud readings seem: their standard deviation, its degrees of freedom, and where that is from.
+
+    ``found`` (k,) are differences that have the variance of the noise, ``level`` (k,) the size of the readings there;
+    None where noise in proportion to the reading is not asked for.
+    """
+
+    size: float
+    dof: float
+    source: str
+    found: Array | None = None
+    level: Array | None = None
+
+    def sized(self, ratio: float, top: float) -> float:
+        """Return the constant part where noise in proportion is ``ratio`` times that at the reading ``top``."""
+        if self.found is None or self.level is None or ratio == 0.0:
+            return self.size
+        return max(_size(self.found / np.hypot(1.0, ratio * self.level / top)), 1e-9 * top)
+
+
+#: Noise in proportion to the reading, over the constant part at the largest; what asking for it has to earn in minus
+#: twice the logarithm of the likelihood, and how many independent differences one counts for.
+_RATIOS, _EARNS, _WORTH = (0.0, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0), 6.0, 0.4
+
+
+def proportional(guesses: Sequence[Guess], top: float) -> float:
+    """Return how loud noise in proportion is at the reading ``top``, over the constant part: 0 unless the data ask.
+
+    >>> y = np.linspace(1.0, 100.0, 200)
+    >>> d = 0.01 * y * np.random.default_rng(0).standard_normal(200)
+    >>> proportional([Guess(0.6, 80.0, "", d, y)], 100.0) >= 10.0
+    True
+    >>> proportional([Guess(1.0, 80.0, "", d / y, y)], 100.0)
+    0.0
+    """
+    known = [(one.found, one.level) for one in guesses if one.found is not None and one.level is not None]
+    if len(known) < len(guesses) or min((len(found) for found, _ in known), default=0) < 8 or top <= 0.0:
+        return 0.0
+    misfits = []
+    for ratio in _RATIOS:
+        misfit = _EARNS * (ratio > 0.0)
+        for found, level in known:
+            shape = np.hypot(1.0, ratio * level / top)
+            size = max(_size(found / shape), 1e-9 * top)
+            left = np.minimum(np.abs(found) / (size * shape), 3.0)
+            misfit += _WORTH * float(np.sum(2.0 * np.log(size * shape) + left**2))
+        misfits.append(misfit)
+    return float(_RATIOS[int(np.argmin(misfits))])
+
+
 def cloud_noise(places: Array, values: Array) -> tuple[float, float]:
     """Return the standard deviation of readings (n,) at ``places`` (n, d), and its degrees of freedom.
 
@@ -28,16 +81,27 @@ def cloud_noise(places: Array, values: Array) -> tuple[float, float]:
     >>> abs(cloud_noise(x, y)[0] - 0.1) < 0.02
     True
     """
+    guess = guess_of_cloud(places, values)
+    return guess.size, guess.dof
+
+
+def guess_of_cloud(places: Array, values: Array, level: Array | None = None) -> Guess:
+    """Return the noise of readings (n,) at ``places`` (n, d), as ``cloud_noise``; ``level`` (n,) is their size."""
+    source = "neighbouring readings"
     size = float(np.max(np.ptp(places, axis=0), initial=0.0)) or 1.0
+    level = np.abs(values) if level is None else level
     tree = cKDTree(places)
     pairs = tree.query_pairs(_SAME * size, output_type="ndarray")
     if len(pairs) >= 6:
         apart = (values[pairs[:, 0]] - values[pairs[:, 1]]) / np.sqrt(2.0)
-        return float(np.sqrt(np.mean(apart**2))), float(len(pairs))
+        spread = float(np.sqrt(np.mean(apart**2)))
+        return Guess(
+            spread, float(len(pairs)), source, apart, 0.5 * (level[pairs[:, 0]] + level[pairs[:, 1]])
+        )
     top = float(np.max(np.abs(values), initial=0.0)) or 1.0
     count = min(_NEIGHBOURS, len(values) - 1)
     if count < 5:
-        return 0.02 * top, 2.0
+        return Guess(0.02 * top, 2.0, source)
     _, near = tree.query(places, count + 1)
     left = np.empty(len(values))
     for i, (mine, others) in enumerate(zip(near[:, 0], near[:, 1:], strict=True)):
@@ -45,7 +109,7 @@ def cloud_noise(places: Array, values: Array) -> tuple[float, float]:
         design = np.hstack([np.ones((count, 1)), _plan(away)])
         weights = np.linalg.pinv(design)[0]
         left[i] = (values[mine] - weights @ values[others]) / np.sqrt(1.0 + weights @ weights)
-    return max(_size(left), 1e-6 * top), max(0.5 * len(values), 2.0)
+    return Guess(max(_size(left), 1e-6 * top), max(0.5 * len(values), 2.0), source, left, level[near[:, 0]])
 
 
 def _size(left: Array) -> float:
@@ -91,20 +155,28 @@ def _path(places: Array, rows: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.array(path, dtype=np.int64)
 
 
-def level_of_curve(values: Array, abscissa: Array, time_s: Array | None = None) -> tuple[float, float]:
-    """Return the standard deviation of readings (n,) along a smooth curve, and its degrees of freedom.
+def guess_of_curve(
+    values: Array, abscissa: Array, time_s: Array | None = None, level: Array | None = None
+) -> Guess:
+    """Return the noise of readings (n,) along a smooth curve; ``level`` (n,) is their size where it is not their own.
 
     Readings at one place of it, as where a press holds, are smooth in time where that is known.
     """
+    source = "local differences"
     order = np.lexsort((abscissa if time_s is None else time_s, abscissa))
-    found, _ = third_differences(values[order], Curve("", 0, len(values), abscissa[order]))
+    level = values if level is None else level
+    parts = [(order, abscissa)]
     if time_s is not None:
         same = np.diff(abscissa[order]) <= _SAME * max(float(np.ptp(abscissa)), 1e-12)
         starts = np.concatenate([[0], np.flatnonzero(~same) + 1, [len(order)]])
-        held = [order[a:b] for a, b in pairwise(starts) if b - a > 4]
-        more = [third_differences(values[rows], Curve("", 0, len(rows), time_s[rows]))[0] for rows in held]
-        found = np.concatenate([found, *more])
+        parts += [(order[a:b], time_s) for a, b in pairwise(starts) if b - a > 4]
+    found, sizes = [], []
+    for rows, along in parts:
+        curve = Curve("", 0, len(rows), along[rows])
+        found.append(third_differences(values[rows], curve)[0])
+        sizes.append(third_differences(level[rows], curve)[1])
+    left = np.concatenate(found)
     top = float(np.max(np.abs(values), initial=0.0)) or 1.0
-    if len(found) < 4:
-        return 0.02 * top, 2.0
-    return max(_size(found), 1e-6 * top), max(0.4 * len(found), 2.0)
+    if len(left) < 4:
+        return Guess(0.02 * top, 2.0, source)
+    return Guess(max(_size(left), 1e-6 * top), max(0.4 * len(left), 2.0), source, left, np.concatenate(sizes))

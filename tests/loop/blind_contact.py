@@ -72,7 +72,8 @@ def posed(truth: truths.Truth, noise: float, protocols: Sequence[str], seed: int
             rubs = 0.0 if protocol == "oiled" else None
             files.append(ForceDepth(f"{len(files)}.csv", depth, force, temperature, friction=rubs))
             finer = 0.1 / 0.2 if protocol == "begin" else 1.0
-            loud.append(np.full(len(depth), 0.002 * noise * finer * float(force.max())))
+            even = np.full(len(depth), 0.002 * noise * finer * float(force.max()))
+            loud.append(0.01 * noise * np.abs(force) if protocol == "share" else even)
     problem = pose(sheet, files, material, prior, [])
     sd = np.ones(len(problem.measured))
     sd[: sum(map(len, loud))] = np.concatenate(loud)
@@ -93,11 +94,13 @@ _NEXT = {"warmer": "warm", "first fifth": "begin", "five times": "often", "oiled
 def case(effects: tuple[str, ...], seed: int, protocol: str, larger: float, finer: float) -> Case:
     """Return the case of a seed."""
     random = np.random.default_rng([seed, sum(map(ord, "".join(effects)))])
-    poor, usual = protocol == "poor", protocol == "usual"
+    poor, usual = protocol == "poor", protocol in ("usual", "share")
     # Whoever has measured well often knows the fabric from its own tests, but not always.
     known = 0.10 if poor or usual else 0.02
     truth = truths.draw(random, effects, 0.65 * known, larger)
-    return posed(truth, finer * (4.0 if poor else 1.0), ["rich" if usual else protocol], seed, known)
+    return posed(
+        truth, finer * (4.0 if poor else 1.0), ["rich" if protocol == "usual" else protocol], seed, known
+    )
 
 
 TRIALS = Trials(

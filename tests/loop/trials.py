@@ -127,7 +127,7 @@ def main(trials: Trials) -> None:
     parser.add_argument("--next", action="store_true", help="carry out the next measurement")
     parser.add_argument("--first", type=int, default=0, help="the first seed")
     given = parser.parse_args()
-    usual = [*(trials.ids if given.protocol in ("rich", "usual") else trials.poor), "none"]
+    usual = [*(trials.ids if given.protocol in ("rich", "usual", "share") else trials.poor), "none"]
     words = given.effects or (trials.pairs if given.two else trials.outside if given.outside else usual)
     for word in words:
         truth = tuple(part for part in word.split("+") if part != "none")

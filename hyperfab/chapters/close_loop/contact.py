@@ -31,7 +31,7 @@ from hyperfab.loop.emulator import emulate
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Array, Problem
-from hyperfab.loop.scatter import level_of_curve
+from hyperfab.loop.scatter import Guess, guess_of_curve
 from hyperfab.materials.registry import bind
 from hyperfab.membrane.contact import Frictionless
 from hyperfab.membrane.equilibrium import NoEquilibriumError
@@ -311,7 +311,7 @@ def noise_of(
 
     def estimate(
         problem: ContactProblem, one: ForceDepth, rows: NDArray[np.int64], predicted: Array
-    ) -> tuple[float, float, str]:
-        return *level_of_curve(one.force - predicted[rows], one.depth), "local differences"
+    ) -> Guess:
+        return guess_of_curve(one.force - predicted[rows], one.depth, level=one.force)
 
     return noise_from(files, lambda one: level, rows_of, estimate)

@@ -34,7 +34,7 @@ from hyperfab.loop.engine import Finding
 from hyperfab.loop.kriging import krige
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Array, Problem
-from hyperfab.loop.scatter import cloud_noise
+from hyperfab.loop.scatter import Guess, cloud_noise
 
 #: What is known of the law's constants where --prior does not say.
 PRIOR = 0.10
@@ -274,15 +274,13 @@ def noise_of(
         return [(part, np.arange(starts[i], starts[i + 1]))
                 for i, part in enumerate(problem.files) if part.name == one.name]  # fmt: skip
 
-    def estimate(
-        problem: DrapeProblem, one: Markers, rows: NDArray[np.int64], predicted: Array
-    ) -> tuple[float, float, str]:
+    def estimate(problem: DrapeProblem, one: Markers, rows: NDArray[np.int64], predicted: Array) -> Guess:
         left = problem.measured - predicted
         parts = parts_of(problem, one)
         flat = np.concatenate([part.flat for part, _ in parts])
         by_axis = np.concatenate([left[own].reshape(3, -1).T for _, own in parts])
         sizes = [cloud_noise(flat, by_axis[:, k])[0] for k in range(3)]
-        return float(np.sqrt(np.mean(np.square(sizes)))), 1.5 * len(flat), "neighbouring markers"
+        return Guess(float(np.sqrt(np.mean(np.square(sizes)))), 1.5 * len(flat), "neighbouring markers")
 
     # Patches do not keep the order of the file: of stated deviations the rms is taken.
     told = [(one, None if sd is None else np.sqrt(np.mean(sd**2))) for one, sd in files]

@@ -23,7 +23,7 @@ from hyperfab.loop.press import PressProblem, press_problem
 from hyperfab.loop.press_reading import Kind, Reading, Setting
 from hyperfab.loop.press_table import press_table
 from hyperfab.loop.problem import Array, Problem
-from hyperfab.loop.scatter import cloud_noise, level_of_curve
+from hyperfab.loop.scatter import Guess, guess_of_cloud, guess_of_curve
 from hyperfab.surface import Surface
 
 #: What is known of the foam's stiffness where --prior does not say.
@@ -230,24 +230,22 @@ def noise_of(
         raise UsageError("--noise states another kind of reading than the files hold")
 
     def rows_of(problem: PressProblem, one: Reading) -> NDArray[np.int64]:
-        mine = [curve.rows for part, curve in zip(problem.readings, problem.curves, strict=False)
-                if part.name == one.name]  # fmt: skip
-        return np.concatenate([np.arange(place.start, place.stop) for place in mine])
+        both = zip(problem.readings, problem.curves, strict=False)
+        mine = [
+            (np.arange(curve.start, curve.stop), part.index) for part, curve in both if part.name == one.name
+        ]
+        rows, order = (np.concatenate([np.asarray(part[i]) for part in mine]) for i in (0, 1))
+        return np.asarray(rows[np.argsort(order, kind="stable")])
 
-    def estimate(
-        problem: PressProblem, one: Reading, rows: NDArray[np.int64], predicted: Array
-    ) -> tuple[float, float, str]:
+    def estimate(problem: PressProblem, one: Reading, rows: NDArray[np.int64], predicted: Array) -> Guess:
         if one.stroke is not None:
-            return *level_of_curve(one.values, one.stroke, one.time_s), "local differences"
-        parts = [part.places for part in problem.readings if part.name == one.name]
-        places = np.concatenate([part for part in parts if part is not None])
-        return *_cloud(one.kind, places, problem.measured[rows], predicted[rows]), "neighbouring readings"
+            return guess_of_curve(one.values, one.stroke, one.time_s)
+        assert one.places is not None
+        return _cloud(one.kind, one.places, one.values, predicted[rows])
 
-    # Patches do not keep the order of the file: of stated deviations the rms is taken.
-    told = [(one, None if sd is None else np.sqrt(np.mean(sd**2))) for one, sd in files]
     stated_of = None if level is None else _KINDS[level[0]]
     return noise_from(
-        told,
+        files,
         lambda one: level[1] if level and stated_of == one.kind else None,
         rows_of,
         estimate,
@@ -255,15 +253,16 @@ def noise_of(
     )
 
 
-def _cloud(kind: str, places: Array, values: Array, predicted: Array) -> tuple[float, float]:
+def _cloud(kind: str, places: Array, values: Array, predicted: Array) -> Guess:
     """Return the noise of scattered readings: what neighbours differ by, less what the model says they do."""
-    sd, dof = cloud_noise(places, values)
+    plain = guess_of_cloud(places, values)
     if kind == "contact":
         # Ones and zeros: what neighbours disagree by is the edge's own width.
         _, near = cKDTree(places).query(places, min(7, len(values)))
         share = values[near].mean(axis=1)
-        return max(float(np.sqrt(np.mean(share * (1.0 - share)))), 0.1), dof
-    return min(sd, cloud_noise(places, values - predicted)[0]), dof
+        return Guess(max(float(np.sqrt(np.mean(share * (1.0 - share)))), 0.1), plain.dof, plain.source)
+    less = guess_of_cloud(places, values - predicted, np.abs(values))
+    return min(plain, less, key=lambda guess: guess.size)
 
 
 def _axis(problem: Problem) -> Axis:

@@ -15,6 +15,7 @@ from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_table import Table
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Array, Problem
+from hyperfab.loop.scatter import Guess, proportional
 
 #: Readings below which noise cannot be told from a residual.
 LEAST = 12
@@ -87,21 +88,21 @@ def noise_from(
     files: Sequence[tuple[R, Array | None]],
     level: Callable[[R], float | None],
     rows_of: Callable[[Any, R], NDArray[np.int64]],
-    estimate: Callable[[Any, R, NDArray[np.int64], Array], tuple[float, float, str]],
+    estimate: Callable[[Any, R, NDArray[np.int64], Array], Guess],
     kind: Callable[[R], str] = lambda one: "",
 ) -> Callable[[Problem, Array | None], Noise]:
     """Return what tells the noise of the files less what a model predicts (the model as it is where None).
 
     For each file ``level`` is what was stated, else its sd column holds, else ``estimate`` returns from its rows of the
-    prediction the standard deviation, its degrees of freedom, and how that was found. Files of a ``kind`` whose
-    estimates differ by no more than chance were read with the same instrument: they have the mean of them.
+    prediction what they seem to be. Files of a ``kind`` whose estimates differ by no more than chance were read with
+    the same instrument: they have the mean of them; noise in proportion to the reading is looked for in all of them.
     """
 
     def noise(problem: Problem, predicted: Array | None) -> Noise:
         if predicted is None:
             predicted = problem.predict(np.array([one.value for one in problem.own]), {})
         sd, unsure, count, source = np.ones(len(problem.measured)), 0.0, 0, ""
-        guessed: dict[str, list[tuple[NDArray[np.int64], float, float]]] = {}
+        guessed: dict[str, list[tuple[NDArray[np.int64], Guess]]] = {}
         for one, column in files:
             rows = rows_of(problem, one)
             told = level(one)
@@ -110,21 +111,37 @@ def noise_from(
             elif column is not None:
                 sd[rows], how = column, "standard deviations in the data"
             else:
-                size, known, how = estimate(problem, one, rows, predicted)
-                guessed.setdefault(kind(one), []).append((rows, size, known))
+                guess = estimate(problem, one, rows, predicted)
+                guessed.setdefault(kind(one), []).append((rows, guess))
+                how = guess.source
             source = source or how
             count += len(rows)
         for group in guessed.values():
-            sizes, known_of = np.array([size for _, size, _ in group]), np.array([dof for *_, dof in group])
-            if alike(sizes, known_of):
-                size = float(np.sqrt(np.average(sizes**2, weights=known_of)))
-                group = [(np.concatenate([rows for rows, *_ in group]), size, float(known_of.sum()))]
-            for rows, size, known in group:
+            for rows, size, known in _loudness(problem.measured, group):
                 sd[rows] = size
                 unsure += len(rows) ** 2 / known
         return Noise(sd, count**2 / unsure if unsure > 0.0 else np.inf, source)
 
     return noise
+
+
+def _loudness(
+    measured: Array, group: Sequence[tuple[NDArray[np.int64], Guess]]
+) -> list[tuple[NDArray[np.int64], Array, float]]:
+    """Return rows, standard deviation of each, and its degrees of freedom for files of one kind."""
+    every = np.concatenate([rows for rows, _ in group])
+    top = float(np.max(np.abs(measured[every]), initial=0.0))
+    ratio = proportional([guess for _, guess in group], top)
+    sizes = np.array([guess.sized(ratio, top) for _, guess in group])
+    dof = np.array([guess.dof for _, guess in group])
+
+    def shaped(rows: NDArray[np.int64], size: float) -> Array:
+        return np.asarray(size * np.hypot(1.0, ratio * measured[rows] / max(top, 1e-300)))
+
+    if alike(sizes, dof):
+        size = float(np.sqrt(np.average(sizes**2, weights=dof)))
+        return [(every, shaped(every, size), float(dof.sum()))]
+    return [(rows, shaped(rows, size), guess.dof) for (rows, guess), size in zip(group, sizes, strict=True)]
 
 
 def alike(sizes: Array, dof: Array) -> bool:

@@ -120,14 +120,14 @@ def _curve(c10: float, c20: float, mu: float, stretch: float, slip: float) -> tu
 def measure(truth: Truth, random: Generator, noise: float, protocol: str) -> list[tuple[Array, Array, Array]]:
     """Return files of depth, force, temperature: ``rich`` at three temperatures, ``poor`` one at room temperature,
     ``warm`` at two in turn, ``often`` five times as many readings, ``begin`` the first fifth read ten times finer,
-    ``oiled`` where nothing rubs.
+    ``oiled`` where nothing rubs; ``share`` as rich, each reading off by 1 % of it.
 
     ``noise`` is in 0.2 % of the largest force.
     """
     size = truth.size
     found = []
     slips = 60.0 * size.get("rim-slip", 0.0)
-    hot = {"rich": (0.0, 30.0, 60.0), "warm": (0.0, 40.0)}.get(protocol, (0.0,))
+    hot = {"rich": (0.0, 30.0, 60.0), "share": (0.0, 30.0, 60.0), "warm": (0.0, 40.0)}.get(protocol, (0.0,))
     for warmer in hot:
         # Linear, with a little of the square: no exponential.
         rise = size.get("thermal-softening", 0.0) * warmer / 60.0
@@ -145,7 +145,7 @@ def measure(truth: Truth, random: Generator, noise: float, protocol: str) -> lis
         if protocol == "begin":
             at = np.linspace(max(0.6, float(depth[0])), 0.2 * deepest, 40)
         forces = _smooth(depth, force)(at)
-        sd = 0.002 * noise * float(force[depth <= 60.0].max())
+        sd: float | Array = 0.002 * noise * float(force[depth <= 60.0].max())
         if "ripple" in size:
             forces = forces * (1.0 + 0.02 * size["ripple"] * np.sin(at * 2.0 * np.pi / 7.0))
         if "torn-seam" in size:
@@ -154,6 +154,8 @@ def measure(truth: Truth, random: Generator, noise: float, protocol: str) -> lis
             most = (1.0 - 0.25 * size["saturated-cell"]) * float(forces.max())
             forces = np.minimum(forces, most + 0.15 * (forces - most))
         sd *= 0.1 if protocol == "begin" else 1.0
+        if protocol == "share":
+            sd = 0.01 * noise * forces
         found.append((at, forces + sd * random.standard_normal(len(at)), np.full(len(at), ROOM + warmer)))
     return found
 
