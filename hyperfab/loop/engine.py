@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from hyperfab.errors import NotConverged
 from hyperfab.loop.dependence import dependence, suggestion
 from hyperfab.loop.design import NextMeasurement, next_measurement
 from hyperfab.loop.fitting import fit, least_misfits
@@ -69,6 +70,11 @@ def close(
     level = noise if isinstance(noise, Noise) else estimate_noise(problem, noise)
     search = Search(problem, level, tick, max(refit, problem.rich))
     before = search.base()
+    if not np.isfinite(before.fit.cost):
+        raise NotConverged(
+            "the model has no finite prediction for all of these readings",
+            remedy="fit its constants to tests that reach as far, or take a law without a limiting stretch",
+        )
     scores = {effect.id: score for effect, score in search.ranking(before)}
     worth = search.worth(before)
 
@@ -163,7 +169,8 @@ def _worth_a_name(base: State, smaller: State, larger: State, evidence: Evidence
         return evidence.variance_share >= 0.5 and larger.judgement.is_small
     if evidence.help is None and len(smaller.held_out.counted) > 1:
         # Constants of each specimen cannot be tested on others: they have to explain what is left.
-        return larger.judgement.is_noise or (smaller is base and explains(base, larger))
+        nearly = evidence.variance_share >= EXPLAINED or explains(base, larger)
+        return larger.judgement.is_noise or (smaller is base and nearly)
     return True
 
 

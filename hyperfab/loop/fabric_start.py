@@ -27,15 +27,18 @@ def best_by_law(law: Law, path: Path, stress: Array, own: Sequence[Constant], se
     if not law.nonlinear or not law.isotropic:
         return ()
     rows = np.flatnonzero((path.mode != GENERAL) & (path.stretch > 0.0) & np.isfinite(stress))
-    rows = rows[:: max(len(rows) // _ROWS, 1)]
+    if len(rows) == 0:
+        return ()
+    # The farthest row of each mode among them: a law must not end before it.
+    modes = np.unique(path.mode[rows])
+    ends = [max(rows[path.mode[rows] == mode], key=lambda row: path.stretch[row]) for mode in modes]
+    rows = np.union1d(rows[:: max(len(rows) // _ROWS, 1)], ends)
     weight = np.full(len(rows), 1.0 / max(float(np.max(np.abs(stress))), 1e-300))
     curves = [
         Curve(MODE_NAMES[mode], path.stretch[rows][there], stress[rows][there], weight[there])
         for mode in range(BIAXIAL + 1)
         if np.any(there := path.mode[rows] == mode)
     ]
-    if not curves:
-        return ()
     found = fit_law(LawProblem(law, Rows.of(curves)))
     if found is None:
         return ()
