@@ -12,8 +12,9 @@ from hyperfab.loop.fitting import Fit
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Array, Effect, Form, Problem
 
-#: A signature that keeps less of its square than this after projection cannot be seen on these data.
-_VISIBLE = 1e-5
+#: A signature that keeps less of its square than this after projection cannot be seen on these data, unless at the size
+#: a fit begins with it stands this many standard deviations of the noise out, and keeps what differences can tell.
+_VISIBLE, _STANDS_OUT, _TOLD = 1e-5, 6.0, 1e-8
 _DRAWS = 2000
 #: Below this the sum of the single probabilities bounds that of the greatest well enough.
 _CLEAR = 1e-6
@@ -65,7 +66,10 @@ def signatures(problem: Problem, noise: Noise, fit: Fit, effects: Iterable[Effec
                 total = float(imprint @ imprint)
                 left = imprint - basis @ (basis.T @ imprint)
                 length = float(left @ left)
-                if length <= _VISIBLE * total or length <= 1e-16:
+                seen = length > _VISIBLE * total or (
+                    length > _TOLD * total and np.sqrt(length) * _begins(form, probe) > _STANDS_OUT
+                )
+                if not seen or length <= 1e-16:
                     continue
                 z = float(left @ residual) / np.sqrt(length)
                 robust = z
@@ -86,6 +90,14 @@ def signatures(problem: Problem, noise: Noise, fit: Fit, effects: Iterable[Effec
                     )
                 )
     return found
+
+
+def _begins(form: Form, probe: tuple[float, ...]) -> float:
+    """Return how many times as large as a probe an effect is where a fit of it begins."""
+    away = np.array(probe) - np.array(form.null)
+    moved = away != 0.0
+    starts = np.array(form.starts)[:, moved] - np.array(form.null)[moved]
+    return float(np.max(np.abs(starts / away[moved]))) if np.any(moved) else 0.0
 
 
 def points_at(signature: Signature) -> float:
