@@ -11,11 +11,13 @@ from loop.generators import fabric as truths
 
 from hyperfab.loop.fabric import FabricTest, fabric_problem
 from hyperfab.materials import bind
+from hyperfab.materials.effects import compressibility
 from hyperfab.materials.effects.anisotropy import fibres
 from hyperfab.materials.effects.fabric import Fabric
-from hyperfab.materials.effects.path import UNIAXIAL, Path, uniaxial_pull
+from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL, Path, uniaxial_pull
 from hyperfab.materials.effects.permanent_set import second_network
 from hyperfab.materials.effects.rate import flowing, relaxing, relaxing_measured, thinning
+from hyperfab.materials.kinematics import Sheet
 from hyperfab.materials.registry import law
 
 WARP = np.array([0.06, 0.02, 0.017])
@@ -196,3 +198,31 @@ def test_a_second_network_leaves_a_set_where_both_balance() -> None:
     balance = 0.9 * (x - x**-2.0) + 0.1 * (x / 1.5 - (x / 1.5) ** -2.0) / 1.5
     assert balance == pytest.approx(0.0, abs=1e-3)
     assert not np.any(found[:at])
+
+
+@pytest.mark.parametrize("nu", [0.2, 0.4, 0.49])
+@pytest.mark.parametrize("mode", [UNIAXIAL, SHEAR, BIAXIAL])
+def test_energy_of_shape_and_volume_leaves_no_stress_across(mode: int, nu: float) -> None:
+    """Stresses by differences of the energy itself, neo-Hookean, at the stretches the volume gives."""
+    G, K = 1.0, 2.0 * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu))
+
+    def energy(l1: float, l2: float, l3: float) -> float:
+        J = l1 * l2 * l3
+        return 0.5 * G * (J ** (-2 / 3) * (l1**2 + l2**2 + l3**2) - 3.0) + 0.5 * K * (J - 1.0) ** 2
+
+    def stress(state: list[float], along: int) -> float:
+        up, down = list(state), list(state)
+        up[along] += 1e-6
+        down[along] -= 1e-6
+        return (energy(*up) - energy(*down)) / 2e-6
+
+    stretch, kind, none = np.array([1.6]), np.array([mode]), np.array([np.nan])
+    J = compressibility.volume(kind, stretch, none, nu)
+    side = float(np.sqrt(J[0] / 1.6)) if mode == UNIAXIAL else 1.0 if mode == SHEAR else 1.6
+    state = [1.6, side, float(J[0]) / (1.6 * side)]
+    assert stress(state, 2) == pytest.approx(0.0, abs=1e-8)
+    first, second = compressibility.of_shape(kind, stretch, none, J)
+    there = Sheet.of(first, second)
+    term = law("neo-hookean").terms(there, [])[0]
+    told = 0.5 * G * term.stress(there) / np.cbrt(J)
+    assert float(told[0]) == pytest.approx(stress(state, 0), rel=1e-6)

@@ -7,6 +7,9 @@ import numpy as np
 from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL
 from hyperfab.materials.kinematics import Array
 
+#: Newton steps for the volume; each doubles the digits.
+_STEPS = 7
+
 
 def across(stretch: Array, contraction: Array | float, bend: float = 0.0) -> Array:
     """Return the transverse stretch of a uniaxial test: ``stretch^-(contraction + bend ln stretch)``.
@@ -44,3 +47,44 @@ def pull(stretch: Array, second: Array, usual: Array) -> Array:
     driving = stretch - 1.0 / (stretch**3 * second**2)
     before = stretch - 1.0 / (stretch**3 * usual**2)
     return np.asarray(np.where(np.abs(before) > 1e-9, driving / np.where(before == 0.0, 1.0, before), 1.0))
+
+
+def volume(mode: Array, stretch: Array, second: Array, nu: float) -> Array:
+    """Return the volume ratio of a sheet whose energy splits into one of shape and ``K/2 (J - 1)^2``.
+
+    ``nu`` is Poisson's ratio at rest, ``second`` the given second stretch (of tests that give one). With no stress
+    through the thickness ``K J (J - 1)`` balances the stress of shape, taken as neo-Hooke's.
+    Flory (1961), Trans. Faraday Soc. 57, 829, doi:10.1039/tf9615700829.
+
+    >>> volume(np.array([UNIAXIAL]), np.array([1.5]), np.array([np.nan]), 0.5)
+    array([1.])
+    """
+    share = (1.0 - 2.0 * nu) / (2.0 * (1.0 + nu))
+    found = np.ones_like(stretch)
+    if share == 0.0:
+        return found
+    area = np.where(mode == BIAXIAL, stretch**2, np.where(mode == SHEAR, stretch, stretch * second))
+    other = np.where(mode == BIAXIAL, stretch, np.where(mode == SHEAR, 1.0, second))
+    pulled = mode == UNIAXIAL
+    flat, thick = stretch**2 + np.where(pulled, 0.0, other**2), np.where(pulled, 0.0, area**-2.0)
+    side = np.where(pulled, 1.0 / stretch, 0.0)
+    for _ in range(_STEPS):
+        shape = (
+            flat * found ** (-2.0 / 3.0) - 2.0 * thick * found ** (4.0 / 3.0) - side * found ** (1.0 / 3.0)
+        )
+        slope = (
+            -2.0 / 3.0 * flat * found ** (-5.0 / 3.0)
+            - 8.0 / 3.0 * thick * found ** (1.0 / 3.0)
+            - side * found ** (-2.0 / 3.0) / 3.0
+        )
+        step = (found * (found - 1.0) - share * shape) / (2.0 * found - 1.0 - share * slope)
+        found = np.clip(found - step, 0.5 * found, 2.0 * found)
+    return np.asarray(found)
+
+
+def of_shape(mode: Array, stretch: Array, second: Array, ratio: Array) -> tuple[Array, Array]:
+    """Return the two stretches of shape alone, in the sheet's plane, of a volume ``ratio``."""
+    size = np.cbrt(ratio)
+    other = np.where(mode == BIAXIAL, stretch, np.where(mode == SHEAR, 1.0, second))
+    other = np.where(mode == UNIAXIAL, np.sqrt(ratio / stretch), other)
+    return stretch / size, np.asarray(other / size)

@@ -81,6 +81,10 @@ class Fabric:
         stretch, _ = self._stretch(terms)
         if "compressibility" not in terms or _absent("compressibility", *terms["compressibility"]):
             return np.asarray(stretch**-0.5)
+        form, values = terms["compressibility"]
+        if form == "split":
+            ratio = compressibility.volume(self.path.mode, stretch, self.path.across, values[0])
+            return np.asarray(np.sqrt(ratio / stretch))
         nu, bend = self._contraction(terms["compressibility"])
         return compressibility.across(stretch, nu, bend)
 
@@ -207,20 +211,48 @@ class Fabric:
         terms: Terms,
         needs_energy: bool,
     ) -> tuple[Array, Array | None]:
-        form = terms.get("compressibility", ("", np.empty(0)))[0]
+        form, values = terms.get("compressibility", ("", np.empty(0)))
+        if form == "split":
+            return self._split(theta, stretch, extra_form, shape, values[0], needs_energy)
         second = self._second(theta, stretch, terms)
         plain: Array | float = 1.0
         if form.startswith("slope"):
             thinner, second = second, self._second(theta, stretch, {})
             plain = compressibility.pull(stretch, thinner, second)
-        sheet = Sheet.of(stretch, second)
+        return self._columns(theta, Sheet.of(stretch, second), extra_form, shape, plain, needs_energy)
+
+    def _split(
+        self,
+        theta: Sequence[float],
+        stretch: Array,
+        extra_form: str,
+        shape: Sequence[float],
+        nu: float,
+        needs_energy: bool,
+    ) -> tuple[Array, Array | None]:
+        path = self.path
+        ratio = compressibility.volume(path.mode, stretch, path.across, nu)
+        sheet = Sheet.of(*compressibility.of_shape(path.mode, stretch, path.across, ratio))
+        return self._columns(theta, sheet, extra_form, shape, 1.0 / np.cbrt(ratio), needs_energy)
+
+    def _columns(
+        self,
+        theta: Sequence[float],
+        sheet: Sheet,
+        extra_form: str,
+        shape: Sequence[float],
+        factor: Array | float,
+        needs_energy: bool,
+    ) -> tuple[Array, Array | None]:
+        """Return the stress (times ``factor``) and the energy of each term of the law in a state of the sheet."""
         parts: list[Term] = list(self.law.terms(sheet, theta))
         if extra_form:
             parts += elastic_law.added_terms(extra_form, sheet, shape)
-        columns = np.stack([part.stress(sheet) * plain + 0.0 * stretch for part in parts], axis=1)
+        nothing = 0.0 * sheet.l1
+        columns = np.stack([part.stress(sheet) * factor + nothing for part in parts], axis=1)
         if not needs_energy:
             return columns, None
-        return columns, np.stack([_energy(part, sheet) + 0.0 * stretch for part in parts], axis=1)
+        return columns, np.stack([_energy(part, sheet) + nothing for part in parts], axis=1)
 
     def _second(self, theta: Sequence[float], stretch: Array, terms: Terms) -> Array:
         path = self.path

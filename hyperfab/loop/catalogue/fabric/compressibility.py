@@ -19,6 +19,8 @@ def entry(scene: Scene) -> Effect:
     bend = Constant("bend", 0.0, -1.0, 1.0, 0.1)
     forms = [Form("uniform", (nu,), ((0.4,), (0.2,)), ((0.48,),))]
     forms.append(Form("slope", (nu,), ((0.4,), (0.2,)), ((0.48,),)))
+    at_rest = Constant("nu", 0.5, -0.4, 0.6, 0.05)
+    forms.append(Form("split", (at_rest,), ((0.4,), (0.2,)), ((0.48,),)))
     if scene.transverse:
         forms.append(Form("slope-bent", (nu, bend), ((0.4, 0.05),), refines="slope"))
         forms.append(Form("uniform-bent", (nu, bend), ((0.4, 0.05),), refines="uniform"))
@@ -32,7 +34,7 @@ def entry(scene: Scene) -> Effect:
         not_sought=reason,
         rides_on=("mode", "transverse stretch"),
         shown_by="the transverse stretch of a uniaxial test, or uniaxial and biaxial tests of one sheet",
-        source="Blatz & Ko (1962), doi:10.1122/1.548937",
+        source="Blatz & Ko (1962), doi:10.1122/1.548937; Flory (1961), doi:10.1039/tf9615700829",
         forms=tuple(forms),
         mimic_share=0.97,
         smooth=False,
