@@ -119,7 +119,42 @@ class HeatProblem(Problem):
         """Return many predictions in one pass through time."""
         return self._run(own, [split(rest, forms) for rest in values])
 
+    def given_off(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> list[Table]:
+        """Return the power [W] that each heater brings into the mold over the first run, what is lost taken off."""
+        run = self.runs[0]
+        settings, _, _ = self._settings(own[None, :], [terms])
+        shapes = np.stack([shape for shape, _ in run.mold.heaters])
+        clock, _ = run.clock
+        hot = replace(run.mold, probes=shapes).run(clock, settings)[0] - run.mold.reference_degC
+        names = ("lost", "lost_per_K", "lost_per_K2", "back_W_K", "wire_per_K")
+        lost, rate, bend, back, wire = settings.of(0, *names)
+        found = []
+        for number, (_, table) in enumerate(run.mold.heaters):
+            at = np.union1d(clock, table.x)
+            above = np.interp(at, clock, hot[:, number])
+            power = table(at) * settings.power[0, number]
+            share = np.maximum(1.0 - lost - (rate + bend * above) * above, 0.0)
+            share /= np.maximum(1.0 + wire * above, 0.05)
+            found.append(Table(at, share * power - np.where(power == 0.0, 0.0, back * above)))
+        return found
+
     def _run(self, own: Array, terms: Sequence[Mapping[str, tuple[str, Array]]]) -> Array:
+        settings, lag, second = self._settings(own, terms)
+        rows = []
+        for one in self.runs:
+            clock, read = one.clock
+            found = one.mold.run(clock, settings)
+            # Probes of a run to come that the present one does not have follow like the first.
+            more = np.repeat(lag[:, :1], len(one.mold.probes) - lag.shape[1], axis=1)
+            shown = lagging(clock, found, np.maximum(np.hstack([lag, more]), 0.0))
+            shown = lagging(clock, shown, second)[:, read]
+            rows.append(shown.transpose(0, 2, 1).reshape(len(own), -1)[:, one.kept])
+        return np.concatenate(rows, axis=1)
+
+    def _settings(
+        self, own: Array, terms: Sequence[Mapping[str, tuple[str, Array]]]
+    ) -> tuple[Settings, Array, Array]:
+        """Return what the mold is run with, and the first and second lag [s] of the probes."""
         count = len(own)
         mold = self.runs[0].mold
         moved: dict[str, Array] = {}
@@ -157,16 +192,7 @@ class HeatProblem(Problem):
             ambient_K=own[:, self.kinds.index("ambient")],
             effects=moved,
         )
-        rows = []
-        for one in self.runs:
-            clock, read = one.clock
-            found = one.mold.run(clock, settings)
-            # Probes of a run to come that the present one does not have follow like the first.
-            more = np.repeat(lag[:, :1], len(one.mold.probes) - lag.shape[1], axis=1)
-            shown = lagging(clock, found, np.maximum(np.hstack([lag, more]), 0.0))
-            shown = lagging(clock, shown, second)[:, read]
-            rows.append(shown.transpose(0, 2, 1).reshape(count, -1)[:, one.kept])
-        return np.concatenate(rows, axis=1)
+        return settings, lag, second
 
     def extras(self) -> Sequence[Extra]:
         """Return runs that could be done next, each with the problem it would make."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -87,6 +88,40 @@ def test_effects_of_a_mold_are_absent_at_their_null() -> None:
         for form in effect.forms:
             with_null = problem.predict(own, {effect.id: (form.name, np.array(form.null))})
             assert np.array_equal(with_null, plain), effect.id
+
+
+def test_wire_at_constant_voltage_warms_as_the_ordinary_differential_equation_says() -> None:
+    problem, times = cube(20.0, 25.0)
+    own = np.array([constant.value for constant in problem.own])
+    found = problem.predict(own, {"power-loss": ("wire", np.array([0.01]))})
+    capacity, loss, now, expected = 8900.0 * 385.0 * 8e-6, 20.0 * 2.4e-3, 25.0, []
+    for i in range(100001):
+        if i % 1000 == 0:
+            expected.append(now)
+        now += 0.01 * (20.0 / (1.0 + 0.01 * (now - 25.0)) - loss * (now - 25.0)) / capacity
+    assert np.max(np.abs(found - np.array(expected))) < 0.05
+    assert len(times) == len(expected)
+
+
+@pytest.mark.parametrize(
+    ("form", "values"),
+    [("wire and share", [0.1, 0.01]), ("bent", [0.05, 2e-3, 1e-6]), ("through the back", [0.1, 0.02])],
+)
+def test_power_that_reached_the_mold_as_a_schedule_warms_it_as_the_term_does(
+    form: str, values: list[float]
+) -> None:
+    problem, _ = cube(20.0, 25.0)
+    own = np.array([constant.value for constant in problem.own])
+    own[[constant.name for constant in problem.own].index("heater.0.power")] = 1.2
+    terms = {"power-loss": (form, np.array(values))}
+    found = problem.predict(own, terms)
+    [power] = problem.given_off(own, terms)
+    run = problem.runs[0]
+    [(shape, _)] = run.mold.heaters
+    again = replace(problem, runs=[replace(run, mold=replace(run.mold, heaters=[(shape, power)]))])
+    own[[constant.name for constant in problem.own].index("heater.0.power")] = 1.0
+    # The schedule is linear between the steps of the run.
+    assert again.predict(own, {}) == pytest.approx(found, abs=0.03)
 
 
 def test_thermostat_is_followed_by_the_power_it_drew() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -42,6 +42,8 @@ def extend(
              for name, (_, values) in fit.terms.items()
              if tuple(values) != fit.forms[name].null}  # fmt: skip
     _scale(mold, document, problem, factors, terms, files)
+    if set(terms.get("power-loss", {})) - {"lost_share"}:
+        _heat_as_given_off(mold, document, problem.given_off(fit.x[: fit.own], fit.terms), files)
     notes = _add(mold, document, problem, terms, files, factors.get("ambient", 0.0))
     _named(mold, stem)
     files[".model.toml"] = tomli_w.dumps(mold).encode()
@@ -148,6 +150,20 @@ def _scale(
         mold["contact"][index]["h"] = f"{h / (1.0 + added[1][index] * h)!r} W/m^2/K"
 
 
+def _heat_as_given_off(
+    mold: dict[str, Any], document: MoldDocument, powers: Sequence[Table], files: dict[str, bytes]
+) -> None:
+    """Write the power that reached the mold in this run as the heaters' schedules; a thermostat keeps its rating."""
+    for index, (heater, power) in enumerate(zip(document.heater, powers, strict=True)):
+        if heater.control is not None:
+            continue
+        for key in ("power", "flux"):
+            mold["heater"][index].pop(key, None)
+        at, first = np.unique([float(f"{time:.9g}") for time in power.x], return_index=True)
+        files[f".power-{index}.csv"] = _csv("time [s]", "power [W]", at, np.maximum(power.y[first], 0.0))
+        mold["heater"][index]["schedule"] = f".power-{index}.csv"
+
+
 def _added(values: Mapping[str, float], problem: HeatProblem) -> tuple[list[float], list[float]]:
     """Return the resistances [m^2 K/W] of joints without one in the document, and those added to its joints'."""
     new, old = len(problem.pairs), len(problem.joints)
@@ -226,21 +242,11 @@ def _add(
             for kind in ("convection", "radiation"):
                 for section in mold.get(kind, []):
                     section["ambient"] = {"table": ".ambient.csv"}
-        elif name == "power-loss" and "lost_share_per_K" in values:
+        elif name == "power-loss" and set(values) - {"lost_share"}:
+            told = ", ".join(f"{key} {value:.3g}" for key, value in values.items() if key != "lost_share")
             notes.append(
-                f"power-loss: the share {values['lost_share_per_K']:.3g} lost per kelvin has no key in a mold "
-                "document; only the constant share is in the extended model"
-            )
-        elif name == "power-loss" and "resistance_per_K" in values:
-            notes.append(
-                f"power-loss: the heater's wire resists {100.0 * values['resistance_per_K']:.3g} % more a kelvin and "
-                "draws less at the same voltage, for which a mold document has no key; the extended model has its "
-                "power at the start"
-            )
-        elif name == "power-loss" and "back_W_K" in values:
-            notes.append(
-                f"power-loss: the {values['back_W_K']:.3g} W a kelvin lost through the heater's back have no key in a "
-                "mold document; only the constant share is in the extended model"
+                f"power-loss: a mold document has no key for what rides on the temperature ({told}); the extended "
+                "model has the power that reached the mold in this run as its schedule"
             )
     return notes
 
