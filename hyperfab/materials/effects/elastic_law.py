@@ -15,6 +15,7 @@ from hyperfab.materials.term import InvariantTerm, PowerTerm, Term, of_I1, of_I2
 FORMS = {
     "powers": ("C20_MPa", "C30_MPa"),
     "powers-log": ("C20_MPa", "C30_MPa", "C2_MPa"),
+    "powers-mixed": ("C20_MPa", "C30_MPa", "C01_MPa", "C11_MPa"),
     "ogden": ("mu_MPa", "alpha"),
     "exponential": ("D_MPa", "b"),
     "high-powers": ("C40_MPa", "C2_MPa"),
@@ -39,6 +40,8 @@ def added_terms(form: str, sheet: Sheet, shape: Sequence[float]) -> list[Term]:
         return [square, cube]
     if form == "powers-log":
         return [square, cube, log_I2(sheet)]
+    if form == "powers-mixed":
+        return [square, cube, *added_terms("second-invariant", sheet, shape)[:2]]
     if form == "high-powers":
         return [of_I1(x**4, 4.0 * x**3, 12.0 * x**2), log_I2(sheet)]
     if form in _WITH_LOG:

@@ -24,11 +24,16 @@ def entry(scene: Scene) -> Effect:
         Constant("at", 0.3 * far, 0.12 * far, 1.5 * far, 0.2 * far),
         Constant("width", 0.1 * far, 0.04 * far, far, 0.1 * far),
     )
+    mixed = (
+        Constant("C01_MPa", 0.0, scale=0.1 * size),
+        Constant("C11_MPa", 0.0, scale=0.1 * size / far),
+    )
     forms = []
     if not set(scene.law.linear) >= _ALL:
         forms += [
             Form("powers", (square, cube), _starts(square, cube), _singles(square, cube)),
             Form("powers-log", (square, cube, log), _starts(square, cube, log), refines="powers"),
+            Form("powers-mixed", (square, cube, *mixed), _starts(square, cube, *mixed), refines="powers"),
         ]
     else:
         forms.append(Form("high-powers", (fourth, log), _starts(fourth, log), _singles(fourth, log)))
@@ -51,8 +56,7 @@ def entry(scene: Scene) -> Effect:
         Form(
             "second-invariant",
             (
-                Constant("C01_MPa", 0.0, scale=0.1 * size),
-                Constant("C11_MPa", 0.0, scale=0.1 * size / far),
+                *mixed,
                 Constant("C02_MPa", 0.0, scale=0.1 * size / far),
             ),
             ((0.01 * size, 0.0, 0.0),),
