@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from hyperfab.errors import NotConverged
+from hyperfab.loop.bic import common_bic
 from hyperfab.loop.dependence import dependence, suggestion
 from hyperfab.loop.design import NextMeasurement, next_measurement
 from hyperfab.loop.fitting import fit, least_misfits
@@ -15,7 +16,7 @@ from hyperfab.loop.judge import SMALL
 from hyperfab.loop.mimic import Rival, indistinguishable, rivals
 from hyperfab.loop.noise import Noise, estimate_noise
 from hyperfab.loop.problem import Array, Problem
-from hyperfab.loop.search import MARGIN, Evidence, Search, State, common_bic
+from hyperfab.loop.search import MARGIN, Evidence, Search, State
 
 #: Terms added at most, and models carried along at each number of terms.
 _DEPTH, _BEAM = 3, 2
@@ -147,7 +148,7 @@ def _grow(search: Search, base: State) -> tuple[State, dict[str, Evidence]]:
             grown = idle
         if not grown:
             break
-        bic = common_bic(list(grown.values()), search.problem)
+        bic = common_bic([state.fit for state in grown.values()], search.problem)
         order = sorted(grown.values(), key=lambda state: bic[state.ids])
         beam = order[:_BEAM]
         passing = [state for state in order if frozenset(state.ids) in accepted]

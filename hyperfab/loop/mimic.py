@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import chdtrc
 
+from hyperfab.loop.bic import common_bic
 from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.score import projected
-from hyperfab.loop.search import MARGIN, Search, State, common_bic
+from hyperfab.loop.search import MARGIN, Search, State
 
 #: Constants a rival may always have.
 _FEWEST = 2
@@ -80,7 +81,7 @@ def _rival(search: Search, best: State, name: str, effect: str, fitted: Fit, imp
 
 def _gap(search: Search, best: State, state: State) -> float:
     """Return how much worse a model does on the data than the best by BIC, infinitely where it leaves much more."""
-    bic = common_bic([best, state], search.problem)
+    bic = common_bic([best.fit, state.fit], search.problem)
     small = np.sqrt(max(state.excess - 1.0, 0.0)) < 0.6 + np.sqrt(max(best.excess - 1.0, 0.0))
     return float(bic[state.ids] - bic[best.ids]) if small else np.inf
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.loop.bic import prior_misfit, scaled_chi2
 from hyperfab.loop.fitting import Fit, fit, inverse
 from hyperfab.loop.heldout import HeldOut, Help, help_of, leave_curves_out
 from hyperfab.loop.judge import Judgement, correlation_time, judge
@@ -370,36 +370,3 @@ def _is_spent(fitted: Fit) -> bool:
     """Whether a fit leaves no more than noise, so that nothing richer is called for."""
     rows = len(fitted.residual)
     return fitted.chi2 <= rows - len(fitted.x) + float(np.sqrt(2.0 * rows))
-
-
-def common_bic(states: Sequence[State], problem: Problem) -> Mapping[tuple[str, ...], float]:
-    """Return BIC of several models on one scale: that of the best fit among them."""
-    best = min(states, key=lambda state: state.fit.chi2).fit
-    channel = problem.channel
-    time = correlation_time(best.residual, problem.curves)
-    count = max(len(best.residual) / time, 3.0)
-    return {
-        state.ids: (scaled_chi2(state.fit, best, channel) + prior_misfit(state.fit, best, problem)) / time
-        + len(state.fit.x) * float(np.log(count))
-        for state in states
-    }
-
-
-def prior_misfit(fitted: Fit, best: Fit, problem: Problem) -> float:
-    """Return how far the constants are from what is known of them, as chi-squared, where that is to count.
-
-    As with the readings, what ``best`` leaves counts as noise.
-    """
-    if not problem.well_known:
-        return 0.0
-    return max(fitted.cost - fitted.chi2, 0.0) / max(best.chi2 / len(best.residual), 1.0)
-
-
-def scaled_chi2(fitted: Fit, best: Fit, channel: NDArray[np.int64]) -> float:
-    """Return chi-squared with each channel's noise taken as no less than what ``best`` leaves there."""
-    total = 0.0
-    for which in np.unique(channel):
-        rows = channel == which
-        left = float(np.mean(best.residual[rows] ** 2))
-        total += float(np.sum(fitted.residual[rows] ** 2)) / max(left, 1.0)
-    return total
