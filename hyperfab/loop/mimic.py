@@ -56,15 +56,22 @@ def rivals(search: Search, best: State) -> list[Rival]:
         imprint = _misfit(search.problem, search.noise, best.fit, without.fit)
         alike = _alike(search, best, without)
         for effect, _ in search.ranking(without):
-            if effect.id == name or alike[effect.id] < _ALIKE:
+            if effect.id == name:
                 continue
-            # A rival with more constants than the found law would pass for nearly anything.
+            # Where much is known of the own constants BIC tells whether a law with more constants pays for them by
+            # bringing these home, and whatever a little of it looks like.
+            free = search.with_term(without, effect) if search.problem.well_known else None
+            gap = np.inf if free is None else _gap(search, best, search.state(free))
+            if alike[effect.id] < _ALIKE and gap >= MARGIN:
+                continue
+            # Else a rival with more constants than the found law would pass for nearly anything.
             fitted = search.with_term(without, effect, most=most)
             one = None if fitted is None else _rival(search, best, name, effect.id, fitted, imprint)
-            # Where much is known of the own constants BIC tells whether it pays for them by bringing these home.
-            free = search.with_term(without, effect) if search.problem.well_known else None
-            least = MARGIN if one is None else min(one.delta_bic, MARGIN)
-            if free is not None and free is not fitted and _gap(search, best, search.state(free)) < least:
+            if (
+                free is not None
+                and free is not fitted
+                and gap < min(MARGIN, one.delta_bic if one else np.inf)
+            ):
                 one = _rival(search, best, name, effect.id, free, imprint)
             if one is not None:
                 found.append(one)
