@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Array, Constant, Form, Problem, split
@@ -130,16 +131,11 @@ def fit(
         cost = misfit + float(prior @ (x - centre) ** 2)
         gradient = jacobian.T @ left - prior * (x - centre)
         held = ((x <= low) & (gradient < 0.0)) | ((x >= high) & (gradient > 0.0))
-        free = ~held
         normal = jacobian.T @ jacobian + np.diag(prior)
         size = np.diag(normal) + 1e-12 / scale**2
         moved = False
         for _ in range(8):
-            step = np.zeros_like(x)
-            # In units of what the data tell of each constant: their own units lie many powers of ten apart.
-            unit = 1.0 / np.sqrt(size[free])
-            matrix = normal[np.ix_(free, free)] * np.outer(unit, unit) + damping * np.eye(len(unit))
-            step[free] = unit * np.linalg.lstsq(matrix, unit * gradient[free], rcond=1e-14)[0]
+            step = _step(normal, size, gradient, damping, x, low, high, ~held)
             trial = np.clip(x + step, low, high)
             new_value, new_left, new_misfit = state(trial)
             new_cost = new_misfit + float(prior @ (trial - centre) ** 2)
@@ -152,10 +148,12 @@ def fit(
         small = cost - new_cost < _SHARE * cost + _AMOUNT
         # In units of what is left: a misfit counts as noise.
         small = small or (coarse and cost - new_cost < _COARSE * max(new_misfit / len(left), 1.0))
+        # A step that a bound cuts short is not the end: the next one goes along the bound.
+        cut = bool(np.any(trial != x + step)) and not np.array_equal(trial, x)
         x, value, left, misfit = trial, new_value, new_left, new_misfit
         jacobian = _jacobian(problem, forms, x, value, scale, low, high, noise)
         damping = max(damping / 10.0, 1e-9)
-        if small:
+        if small and not cut:
             break
     if full.gain_sd or full.correlation:
         full = full.at(value)
@@ -172,6 +170,31 @@ def fit(
         prior=prior,
         own=own,
     )
+
+
+def _step(
+    normal: Array,
+    size: Array,
+    gradient: Array,
+    damping: float,
+    x: Array,
+    low: Array,
+    high: Array,
+    free: NDArray[np.bool_],
+) -> Array:
+    """Return the damped step of the ``free`` constants; those at a bound that it would carry out of it stay there."""
+    step = np.zeros_like(x)
+    for _ in range(len(x)):
+        # In units of what the data tell of each constant: their own units lie many powers of ten apart.
+        unit = 1.0 / np.sqrt(size[free])
+        matrix = normal[np.ix_(free, free)] * np.outer(unit, unit) + damping * np.eye(len(unit))
+        step[:] = 0.0
+        step[free] = unit * np.linalg.lstsq(matrix, unit * gradient[free], rcond=1e-14)[0]
+        out = ((x <= low) & (step < 0.0)) | ((x >= high) & (step > 0.0))
+        if not np.any(out):
+            break
+        free = free & ~out
+    return step
 
 
 def least_misfits(problem: Problem, metrics: Sequence[Noise], found: Fit) -> Array:
