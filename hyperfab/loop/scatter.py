@@ -94,7 +94,9 @@ def guess_of_cloud(places: Array, values: Array, level: Array | None = None) -> 
     pairs = tree.query_pairs(_SAME * size, output_type="ndarray")
     if len(pairs) >= 6:
         apart = (values[pairs[:, 0]] - values[pairs[:, 1]]) / np.sqrt(2.0)
-        spread = float(np.sqrt(np.mean(apart**2)))
+        # The same file under two names is no measure of noise.
+        top = float(np.max(np.abs(values), initial=0.0)) or 1.0
+        spread = max(float(np.sqrt(np.mean(apart**2))), 1e-6 * top)
         return Guess(
             spread, float(len(pairs)), source, apart, 0.5 * (level[pairs[:, 0]] + level[pairs[:, 1]])
         )

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from hyperfab.chapters.close_loop.describe import describe, errors_of, lowered, say
+from hyperfab.chapters.close_loop.describe import column, describe, errors_of, lowered, say
 from hyperfab.chapters.close_loop.recall import Parse, Recalled
 from hyperfab.chapters.close_loop.rerun import rerun
 from hyperfab.chapters.job import Job
@@ -208,23 +208,20 @@ def _files(out: Output, problem: Problem, found: Finding, axis: Axis) -> None:
     curves = [curve for curve in problem.curves if curve.channel == 0]
     before, after = found.before.fit.predicted, found.after.fit.predicted
     quantities = [curve for curve in problem.curves if curve.channel < len(problem.units)]
-    head = [
-        axis.label,
-        f"measured [{unit}]",
-        f"before [{unit}]",
-        f"after [{unit}]",
-        f"noise sd [{unit}]",
-        "file",
-    ]
-    rows = [",".join(head)]
+    units = list(dict.fromkeys(problem.units[curve.channel] for curve in quantities))
+    head = [column(*[*axis.label.removesuffix("]").split(" ["), ""][:2])]
+    head += [column(name, one) for one in units for name in ("measured", "before", "after", "noise_sd")]
+    rows = [",".join([*head, "file"])]
     place = np.full(len(problem.measured), np.nan)
     place[np.flatnonzero(first)] = axis.values
     for curve in quantities:
         name = '"' + curve.name.replace('"', "'") + '"'
+        own = units.index(problem.units[curve.channel])
+        gaps = [""] * 4 * own, [""] * 4 * (len(units) - own - 1)
         for i in range(curve.start, curve.stop):
-            at = place[i] if np.isfinite(place[i]) else curve.abscissa[i - curve.start]
-            values = (at, problem.measured[i], before[i], after[i], found.noise.sd[i])
-            rows.append(",".join([*(f"{float(v):.8g}" for v in values), name]))
+            values = (problem.measured[i], before[i], after[i], found.noise.sd[i])
+            at = f"{float(place[i]):.8g}" if np.isfinite(place[i]) else ""
+            rows.append(",".join([at, *gaps[0], *(f"{float(v):.8g}" for v in values), *gaps[1], name]))
     out.add(".csv", ("\n".join(rows) + "\n").encode())
     out.add(
         ".png",

@@ -285,17 +285,20 @@ def say(console: Console, document: LoopDocument) -> None:
     console.table("What the model might lack", ["effect", "score", "BIC lowered by", "not told from"], rows)
 
 
+def column(name: str, unit: str) -> str:
+    """Return a column's header, its unit at its end.
+
+    >>> column("measured", "N/mm"), column("from the middle", "mm"), column("stretch", "-")
+    ('measured_N_mm', 'from_the_middle_mm', 'stretch')
+    """
+    words = [*name.split(), *(unit.split("/") if unit.strip("-") else [])]
+    return "_".join(words)
+
+
 def curves_csv(problem: FabricProblem, found: Finding, unit: str) -> bytes:
     """Return measured and predicted stresses, row by row."""
     quantity = "membrane stress" if unit == "N/mm" else "stress"
-    head = [
-        "test",
-        "stretch [-]",
-        f"{quantity} [{unit}]",
-        f"before [{unit}]",
-        f"after [{unit}]",
-        f"noise sd [{unit}]",
-    ]
+    head = ["test", "stretch", *(column(name, unit) for name in (quantity, "before", "after", "noise sd"))]
     lines = [",".join(head)]
     path = problem.fabric.path
     old, new = found.before.fit.predicted, found.after.fit.predicted

@@ -298,7 +298,7 @@ def _files(out: Output, problem: HeatProblem, found: Finding, read: Thermocouple
 
     before, after = found.before.fit.predicted, found.after.fit.predicted
     rows, count = len(read.times), len(read.names)
-    head = ["time [s]"] + [f"{n} {w} [degC]" for n in read.names for w in ("measured", "before", "after")]
+    head = ["time_s"] + [f"{n}_{w}_degC" for n in read.names for w in ("measured", "before", "after")]
     lines = [",".join(head)]
     place = np.full(rows * count, -1)
     place[problem.runs[0].kept] = np.arange(len(problem.measured))

@@ -55,8 +55,9 @@ def _errors(data: Any) -> Table:
 
 def _residuals(source: Source, data: Any) -> list[Part]:
     table = columns(source.sibling(".csv"), source.name)
-    before = next((name for name in table if name.startswith("before")), None)
-    after = next((name for name in table if name.startswith("after")), None)
+    # A mold has columns of each probe: the first stands for them.
+    before = next((name for name in table if "before_" in name), None)
+    after = next((name for name in table if "after_" in name), None)
     names = list(table)
     if before is None or after is None or names.index(before) < 2:
         return []
