@@ -55,6 +55,7 @@ class Finding:
     measurements: list[NextMeasurement] = field(default_factory=list)
     rides_on: dict[str, float] = field(default_factory=dict)
     suggestion: tuple[str, float] | None = None
+    doubted: tuple[str, ...] = ()
 
 
 def close(
@@ -105,12 +106,14 @@ def close(
         return close(problem, noise=wider, tick=tick, refit=refit, design=design, again=False)
     if best is before:
         return finding("noise" if before.judgement.is_small else "unexplained", before, {}, tried)
-    best = _undoubted(search, best)
-    if best is before or not best.ids:
-        return finding(_without_names(search, before), before, {}, tried)
-    best = _ordered(search, before, best)
+    sure = _undoubted(search, best)
+    doubted = tuple(name for name in best.ids if name not in sure.ids)
+    if sure is before or not sure.ids:
+        return replace(finding(_without_names(search, before), before, {}, tried), doubted=doubted)
+    best = _ordered(search, before, sure)
     added = _worth_of_each(search, best)
     found = finding("effect" if explains(before, best) else "unexplained", best, added, tried)
+    found = replace(found, doubted=doubted)
     tick("rivals")
     others = rivals(search, best)
     sets = indistinguishable(problem, others, best)
@@ -220,7 +223,8 @@ def _surprise(search: Search, state: State, best: State | None = None) -> tuple[
 def _without_names(search: Search, before: State) -> str:
     """Return the verdict where nothing is named: noise if a larger scatter of specimens could be all there is."""
     noise = search.noise
-    metric = noise.among(before.fit.predicted, max(noise.gain_doubt, noise.gain_sd))
+    likeliest = _surprise(search, before)[1] if noise.gain_sd else 0.0
+    metric = noise.among(before.fit.predicted, max(noise.gain_doubt, likeliest))
     rows = len(before.fit.residual)
     left = float(least_misfits(search.problem, [metric], before.fit)[0]) / max(rows - len(before.fit.x), 1)
     small = np.sqrt(max(left - 1.0, 0.0)) <= SMALL

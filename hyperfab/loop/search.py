@@ -298,8 +298,8 @@ class Search:
         time = correlation_time(new.residual, self.problem.curves)
         gain = scaled_chi2(old, new, channel) - scaled_chi2(new, new, channel)
         gain += prior_misfit(old, new, self.problem) - prior_misfit(new, new, self.problem)
-        total = max(old.chi2 - len(old.residual), 1e-9)
         gone = old.chi2 - new.chi2
+        total = max(old.chi2 - len(old.residual), gone, 1e-9)
         count = max(len(new.residual) / time, 3.0)
         more = len(new.x) - len(old.x)
         known = [np.arange(c.start, c.stop) for c in self.problem.curves if c.beforehand]

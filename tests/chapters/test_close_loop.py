@@ -275,3 +275,23 @@ def test_the_axes_of_a_general_biaxial_test_are_across_each_other(tmp_path: Path
     (tmp_path / "both.csv").write_text(head + rows)
     measured = read_measured(Job("close-loop", [], Console(True)), [str(tmp_path / "both.csv")], None, None)
     assert [test.angle_deg for test in measured.tests] == [0.0, 90.0]
+
+
+def test_what_a_scatter_of_specimens_may_be_is_told_as_such(hf: Run, tmp_path: Path) -> None:
+    """One hot specimen, 6 % softer, beside cold ones that differ by 4 %."""
+    steps = [*(1.0 + 0.01 * i for i in range(41)), *(1.4 - 0.01 * i for i in range(1, 41))]
+    arguments = ["close-loop", "model.json"]
+    (tmp_path / "model.json").write_text(json.dumps(MODEL))
+    for number, (gain, hot) in enumerate([(1.02, 23), (0.98, 23), (1.025, 23), (0.985, 23), (0.94, 80)]):
+        noise = np.random.default_rng(number).normal(0.0, 0.0004, len(steps))
+        body = "".join(
+            f"{x:.6g},{gain * 2 * (x - x**-2) * (0.1 + 0.04 * (x**2 + 2 / x - 3)) + e:.8g}\n"
+            for x, e in zip(steps, noise, strict=True)
+        )
+        head = f"# test: uniaxial\n# direction: warp\n# rate: 0.01 1/s\n# temperature: {hot} degC\n"
+        (tmp_path / f"{number}.csv").write_text(f"{head}stretch,stress [MPa]\n{body}")
+        arguments += ["--measured", f"{number}.csv"]
+    done = hf(*arguments, cwd=tmp_path)
+    document = json.loads(done.stdout)
+    assert document["verdict"] == "noise"
+    assert "specimens of each kind of test would tell" in document["summary"][-1]

@@ -84,7 +84,7 @@ def describe(
         left_out=dict(left_out),
         warnings=list(warnings),
     )
-    document.summary = summary(problem, document)
+    document.summary = [*summary(problem, document), *_doubts(found)]
     return document
 
 
@@ -227,6 +227,23 @@ def _shares(noise: NoiseFigures) -> str:
 def lowered(found: Finding) -> dict[str, float]:
     """Return what each effect that was tried lowers BIC by: beside the other added ones, or else alone."""
     return {name: float(one.delta_bic) for name, one in (found.tried | found.added).items()}
+
+
+def _doubts(found: Finding) -> list[str]:
+    """Return what the scatter of specimens may hide, and what would show it."""
+    share = 100.0 * found.noise.gain_sd
+    more = "two or three specimens of each kind of test would tell."
+    if found.doubted:
+        return [
+            f"Not added: {', '.join(found.doubted)}. Specimens that scatter a little more than the {share:.2g} % in "
+            f"stiffness seen here would explain as much: {more}"
+        ]
+    if found.verdict == "noise" and share:
+        return [
+            f"Tests that differ in stiffness by the {share:.2g} % that specimens scatter by count as noise. Should "
+            f"temperature, rate or direction do less than that, {more}"
+        ]
+    return []
 
 
 def summary(problem: Problem, document: LoopDocument) -> list[str]:

@@ -142,8 +142,8 @@ def _warn(job: Job, document: MaterialDocument, tests: Measured) -> None:
 
 def _warn_of_softness(job: Job, model: MaterialDocument, tests: Measured) -> None:
     """Say where the constants that these data ask for give a fabric that other commands must refuse."""
-    ways = {"": model.parameters}
-    ways.update({f" along the {way}": one.parameters for way, one in (model.directions or {}).items()})
+    ways = {f" along the {way}": one.parameters for way, one in (model.directions or {}).items()}
+    ways = ways or {"": model.parameters}
     for way, parameters in ways.items():
         law = law_of(model.model, parameters)
         modulus = stiffness_at_rest(law, parameters)
