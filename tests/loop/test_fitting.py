@@ -1,39 +1,48 @@
-"""The fit of constants against the exact solution of a linear model, whatever their units."""
+"""Fits with bounds, and a test that misses by itself."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import pairwise
 
 import numpy as np
-import pytest
+from scipy.optimize import lsq_linear
 
 from hyperfab.loop.fitting import fit
+from hyperfab.loop.judge import judge
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Array, Constant, Curve, Problem
 
 
-class Line(Problem):
-    """A straight line and a bend, each constant in a unit of its own."""
-
-    units_of = np.array([1.0, 1e-3, 1e-9])
-
-    def columns(self) -> Array:
-        x = np.linspace(0.0, 1.0, 40)
-        return np.stack([np.ones(40), x, x**2], axis=1) / self.units_of
+class Powers(Problem):
+    """A polynomial over 0 to 1."""
 
     def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
-        return np.asarray(self.columns() @ own)
+        """Return its values."""
+        x = np.linspace(0.0, 1.0, len(self.measured))
+        return np.asarray(sum(c * x**k for k, c in enumerate(own)))
 
 
-def test_fit_is_that_of_linear_least_squares_though_units_lie_far_apart() -> None:
-    random = np.random.default_rng(5)
-    own = tuple(Constant(name, 0.0, scale=unit) for name, unit in zip("abc", Line.units_of, strict=True))
-    problem = Line(np.zeros(40), (Curve("one", 0, 40, np.arange(40.0)),), own, ())
-    columns = problem.columns()
-    problem.measured = columns @ (Line.units_of * [2.0, -1.0, 3.0]) + 0.1 * random.standard_normal(40)
-    found = fit(problem, Noise(np.full(40, 0.1), np.inf, "known"), {}, [0.0, 0.0, 0.0])
-    scaled = columns * Line.units_of
-    expected = np.linalg.lstsq(scaled, problem.measured, rcond=None)[0]
-    assert found.x / Line.units_of == pytest.approx(expected, rel=1e-6)
-    spread = 0.1 * np.sqrt(np.diag(np.linalg.inv(scaled.T @ scaled)))
-    assert found.sd / Line.units_of == pytest.approx(spread, rel=1e-6)
+def posed(measured: Array, bound: float, size: int) -> Powers:
+    own = tuple(Constant(f"c{k}", 0.0, -bound, bound) for k in range(size))
+    edges = np.linspace(0, len(measured), 5).astype(int)
+    curves = tuple(Curve(str(a), int(a), int(b), np.arange(float(b - a))) for a, b in pairwise(edges))
+    return Powers(measured, curves, own, ())
+
+
+def test_a_fit_goes_on_along_its_bounds_to_the_least_misfit() -> None:
+    x = np.linspace(0.0, 1.0, 80)
+    problem = posed(3.0 * np.exp(-6.0 * x) + x, 1.0, 5)
+    found = fit(problem, Noise(np.full(80, 0.01), np.inf, "known"), {}, np.full(5, 0.3))
+    best = lsq_linear(np.stack([x**k for k in range(5)], axis=1), problem.measured, (-1.0, 1.0))
+    assert found.chi2 <= 1.001 * 2.0 * best.cost / 0.01**2
+
+
+def test_one_test_that_misses_is_not_lost_among_those_that_do_not() -> None:
+    left = np.random.default_rng(0).standard_normal(80)
+    left[60:] = np.where(np.arange(20) % 2, 2.2, -2.2)
+    problem = posed(left, 1.0, 1)
+    noise = Noise(np.ones(80), 20.0, "local differences")
+    assert not judge(problem, noise, fit(problem, noise, {}, [0.0]), []).is_noise
+    even = posed(left * np.sqrt(80.0) / np.linalg.norm(left), 1.0, 1)
+    assert judge(even, noise, fit(even, noise, {}, [0.0]), []).p_lack_of_fit > 0.05
