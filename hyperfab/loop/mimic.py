@@ -23,6 +23,8 @@ _ALIKE = 0.2
 #: Where the model's own constants are this unlikely to be so far from what is known of them, a rival passes that
 #: reproduces this share: the found law is then not sure to be the whole truth.
 _STRAINED, _SHARE_WHERE_STRAINED = 1e-3, 0.95
+#: Where much is known of the own constants a rival is none that needs them this unlikely far off, the found law not.
+_IMPOSSIBLE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -111,27 +113,39 @@ def _alike(search: Search, best: State, without: State) -> dict[str, float]:
 def indistinguishable(problem: Problem, found: Sequence[Rival], best: State) -> list[list[str]]:
     """Return, for each found effect, the set of it and the rivals the data cannot tell from it."""
     sets = []
-    most = _SHARE_WHERE_STRAINED if is_strained(problem, best.fit) else 1.0
+    strained = is_strained(problem, best.fit)
+    most = _SHARE_WHERE_STRAINED if strained else 1.0
     for name in best.ids:
         effect = problem.effect(name)
         same = [
             rival.effect
             for rival in found
-            if rival.instead_of == name and rival.passes(min(effect.mimic_share, most), effect.mimic_left)
+            if rival.instead_of == name
+            and rival.passes(min(effect.mimic_share, most), effect.mimic_left)
+            and (strained or not _is_impossible(problem, rival))
         ]
         if same:
             sets.append([name, *same])
     return sets
 
 
-def is_strained(problem: Problem, found: Fit) -> bool:
-    """Whether a fit puts the model's own constants, together, further off than what is known of them allows."""
+def _is_impossible(problem: Problem, rival: Rival) -> bool:
+    if not problem.well_known or rival.state is None:
+        return False
+    return is_strained(problem, rival.state.fit, _IMPOSSIBLE)
+
+
+def is_strained(problem: Problem, found: Fit, least: float = _STRAINED) -> bool:
+    """Whether a fit puts the model's own constants, together, further off than what is known of them allows.
+
+    ``least`` is the probability below which they are.
+    """
     away = [
         (value - constant.value) / constant.prior_sd
         for constant, value in zip(problem.own, found.x, strict=False)
         if np.isfinite(constant.prior_sd)
     ]
-    return bool(away) and float(chdtrc(len(away), np.sum(np.square(away)))) < _STRAINED
+    return bool(away) and float(chdtrc(len(away), np.sum(np.square(away)))) < least
 
 
 def _misfit(problem: Problem, noise: Noise, truth: Fit, start: Fit) -> float:
