@@ -145,6 +145,20 @@ def estimate_noise(problem: Problem, stated: float | None = None) -> Noise:
     return _with_replicates(problem, Noise(sd, dof, source), free)
 
 
+def with_misfit(noise: Noise, left: Array, curves: Sequence[Curve]) -> Noise:
+    """Return the noise with what a model leaves, ``left`` (rows), as part of it: alike in all rows of a channel.
+
+    What is known beforehand stays as sure as it is.
+    """
+    sd = noise.sd.copy()
+    for channel in {curve.channel for curve in curves if not curve.beforehand}:
+        rows = np.concatenate(
+            [np.arange(curve.start, curve.stop) for curve in curves if curve.channel == channel]
+        )
+        sd[rows] = np.hypot(sd[rows], np.sqrt(np.mean(left[rows] ** 2)))
+    return replace(noise, sd=sd)
+
+
 def third_differences(y: Array, curve: Curve) -> tuple[Array, Array]:
     """Return normalised third differences along the smooth pieces of a curve, and the level where each was taken.
 

@@ -12,7 +12,7 @@ from hyperfab.loop.bic import prior_misfit, scaled_chi2
 from hyperfab.loop.fitting import Fit, fit, inverse
 from hyperfab.loop.heldout import HeldOut, Help, help_of, leave_curves_out
 from hyperfab.loop.judge import Judgement, correlation_time, judge
-from hyperfab.loop.noise import Noise
+from hyperfab.loop.noise import Noise, with_misfit
 from hyperfab.loop.problem import Array, Effect, Form, Problem
 from hyperfab.loop.score import Signature, points_at, signatures
 
@@ -24,6 +24,8 @@ _STEPS = 4
 _FEW = 5
 #: Forms of an entry that are tried, and entries of which the forms that refine them are tried too.
 _FORMS, _RICH = 3, 3
+#: A model whose mean square misfit is so many times the noise's is wrong.
+_WRONG = 4.0
 #: Shares of the structured variance a first and a further term must take.
 FIRST_SHARE, NEXT_SHARE = 0.01, 0.05
 #: Shares of the structured held-out error and of the tests; of three tests, two are enough.
@@ -108,7 +110,13 @@ class Search:
         """Return the model as it is, with its own constants refitted."""
         given = np.array([constant.value for constant in self.problem.own])
         fits = [fit(self.problem, self.noise, {}, start) for start in (given, *self.problem.starts)]
-        return self.state(min(fits, key=lambda one: one.cost))
+        best = min(fits, key=lambda one: one.cost)
+        if np.isfinite(best.chi2) and best.chi2 > _WRONG * len(best.residual):
+            # What the model misses counts as noise: the quietest test must not be all that it is fitted to.
+            wrong = with_misfit(self.noise, self.problem.measured - best.predicted, self.problem.curves)
+            near = fit(self.problem, wrong, {}, best.x)
+            best = fit(self.problem, self.noise, {}, near.x, iterations=0)
+        return self.state(best)
 
     def state(self, fitted: Fit) -> State:
         """Judge a fit."""
