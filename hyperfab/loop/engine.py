@@ -155,6 +155,8 @@ def _grow(search: Search, base: State) -> tuple[State, dict[str, Evidence]]:
         order = sorted(grown.values(), key=lambda state: bic[state.ids])
         beam = order[:_BEAM]
         passing = [state for state in order if frozenset(state.ids) in accepted]
+        if best is not base and explains(base, best):
+            passing = [state for state in passing if _outdoes(state, best)]
         if passing:
             best = passing[0] if explains(base, passing[0]) else search.polished(passing[0])
             beam = [best, *[state for state in beam if frozenset(state.ids) != frozenset(best.ids)]][:_BEAM]
@@ -163,6 +165,11 @@ def _grow(search: Search, base: State) -> tuple[State, dict[str, Evidence]]:
         if best.judgement.is_small and len(best.ids) == depth + 1:
             break
     return best, tried
+
+
+def _outdoes(larger: State, smaller: State) -> bool:
+    """Whether a model with more terms, these or others, pays where the smaller one explains what was there."""
+    return larger.judgement.is_small and larger.excess - 1.0 <= 0.5 * (smaller.excess - 1.0)
 
 
 def _worth_a_name(base: State, smaller: State, larger: State, evidence: Evidence) -> bool:

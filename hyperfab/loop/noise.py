@@ -19,6 +19,9 @@ _WORTH = 0.3
 _ENOUGH, _BY_CHANCE = 12, 1e-4
 #: A constant of the noise more has to lower minus twice the logarithm of the likelihood of the differences by this.
 _EARNS = 6.0
+#: Ratios tried of the noise in proportion, at the largest reading, to that at zero; misfits that are hardly apart.
+_RATIOS = (0.0, 0.3, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 14.0, 20.0, 30.0, 50.0, 100.0)
+_HARDLY = 2.0
 #: A scatter of specimens seen in one pair may be this many times greater (fewer with more pairs): the quantiles of
 #: Student's distribution for so few degrees of freedom. Only what readings cannot explain to two of their standard
 #: deviations counts.
@@ -197,8 +200,8 @@ def _from_differences(y: Array, curves: Sequence[Curve], rows: Array) -> tuple[A
     if len(found) < 4:
         return np.full(len(rows), max(0.02 * size, floor)), 2.0
     edges = np.cumsum([len(part[0]) for part in parts])[:-1]
-    best, best_fit = (0.0, 0.0, np.ones(len(parts))), np.inf
-    for ratio in (0.0, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0):
+    tried = []
+    for ratio in _RATIOS:
         shape = np.sqrt(1.0 + (ratio * level / size) ** 2)
         scaled = np.abs(found) / shape
         a = max(_MAD * float(np.median(scaled)), floor)
@@ -209,9 +212,10 @@ def _from_differences(y: Array, curves: Sequence[Curve], rows: Array) -> tuple[A
             misfit = 2.0 * float(np.sum(np.log(spread * shape)))
             misfit += float(np.sum(np.minimum(scaled / spread, 3.0) ** 2))
             misfit += _EARNS * ((ratio > 0.0) + (0 if each is alike else len(parts) - 1))
-            if misfit < best_fit:
-                best, best_fit = (a, a * ratio / size, each), misfit
-    a, b, louder = best
+            tried.append((misfit, a, a * ratio / size, each))
+    # Of what the data hardly tell apart, the least in proportion: rows near zero must not pass for surer than they are.
+    least = min(misfit for misfit, *_ in tried)
+    a, b, louder = next(one[1:] for one in tried if one[0] <= least + _HARDLY)
     sd = np.sqrt(a**2 + (b * y[rows]) ** 2)
     sd *= np.concatenate([np.full(c.stop - c.start, one) for c, one in zip(curves, louder, strict=True)])
     return np.maximum(sd, floor), max(_WORTH * len(found), 2.0)
