@@ -11,14 +11,14 @@ from scipy.special import chdtrc
 from hyperfab.loop.bic import common_bic
 from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.noise import Noise
-from hyperfab.loop.problem import Problem
-from hyperfab.loop.score import projected
+from hyperfab.loop.problem import Array, Problem
+from hyperfab.loop.score import orthonormal, projected
 from hyperfab.loop.search import MARGIN, Search, State
 
 #: Constants a rival may always have.
 _FEWEST = 2
 #: An entry whose imprint has less than this (squared cosine) in common with a found effect's is no rival: to pass it
-#: would have to have nearly all.
+#: would have to have nearly all. A little of a large effect has not all in common with it either: that is the measure.
 _ALIKE = 0.2
 #: Where the model's own constants are this unlikely to be so far from what is known of them, a rival passes that
 #: reproduces this share: the found law is then not sure to be the whole truth.
@@ -64,7 +64,7 @@ def rivals(search: Search, best: State) -> list[Rival]:
             # bringing these home, and whatever a little of it looks like.
             free = search.with_term(without, effect) if search.problem.well_known else None
             gap = np.inf if free is None else _gap(search, best, search.state(free))
-            if alike[effect.id] < _ALIKE and gap >= MARGIN:
+            if alike[effect.id] < _ALIKE * alike.get(name, 1.0) and gap >= MARGIN:
                 continue
             # Else a rival with more constants than the found law would pass for nearly anything.
             fitted = search.with_term(without, effect, most=most)
@@ -96,17 +96,23 @@ def _gap(search: Search, best: State, state: State) -> float:
 
 
 def _alike(search: Search, best: State, without: State) -> dict[str, float]:
-    """Return how far the imprint of a found effect lies along that of each entry: the greatest squared cosine."""
+    """Return how far the imprint of a found effect lies in what each entry can do: the greatest squared cosine.
+
+    What one form does with all its constants together counts: a turn about one axis is little like one about both.
+    """
     basis, _ = projected(without.fit)
     noise = search.noise.at(without.fit.predicted)
     imprint = np.zeros(len(basis))
     imprint[: len(noise.sd)] = noise.whiten(best.fit.predicted - without.fit.predicted)
     imprint -= basis @ (basis.T @ imprint)
     power = max(float(imprint @ imprint), 1e-300)
-    found: dict[str, float] = {}
+    directions: dict[tuple[str, str], list[Array]] = {}
     for signature in without.found:
-        cosine = float(signature.direction @ imprint) ** 2 / power
-        found[signature.effect.id] = max(found.get(signature.effect.id, 0.0), cosine)
+        directions.setdefault((signature.effect.id, signature.form.name), []).append(signature.direction)
+    found: dict[str, float] = {}
+    for (name, _), ways in directions.items():
+        cosine = float(np.sum((orthonormal(np.stack(ways, axis=1)).T @ imprint) ** 2)) / power
+        found[name] = max(found.get(name, 0.0), cosine)
     return found
 
 

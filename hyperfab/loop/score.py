@@ -51,7 +51,7 @@ def signatures(problem: Problem, noise: Noise, fit: Fit, effects: Iterable[Effec
     if problem.nuisance is not None:
         smooth = noise.whiten(problem.nuisance)
         smooth = np.vstack([smooth, np.zeros((len(basis) - len(smooth), smooth.shape[1]))])
-        wide = _orthonormal(np.hstack([basis, smooth]))
+        wide = orthonormal(np.hstack([basis, smooth]))
     found: list[Signature] = []
     for effect in effects:
         for form in effect.forms:
@@ -133,13 +133,14 @@ def greatest_by_chance(found: list[Signature], dof: float) -> float:
 def projected(fit: Fit) -> tuple[Array, Array]:
     """Return an orthonormal basis of the own sensitivities with the priors as extra rows, and the residual so too."""
     root = np.sqrt(fit.prior)
-    basis = _orthonormal(np.vstack([fit.jacobian, np.diag(root)]))
+    basis = orthonormal(np.vstack([fit.jacobian, np.diag(root)]))
     # At the optimum the residual with its prior rows is orthogonal to the basis; held bounds leave a little.
     residual = np.concatenate([fit.residual, np.zeros(len(root))])
     return basis, residual - basis @ (basis.T @ residual)
 
 
-def _orthonormal(matrix: Array) -> Array:
+def orthonormal(matrix: Array) -> Array:
+    """Return an orthonormal basis (rows, k) of what the columns of a tall matrix span."""
     norms = np.sqrt(np.sum(matrix**2, axis=0))
     scaled = matrix[:, norms > 0.0] / norms[norms > 0.0]
     # By the small Gram matrix: much quicker than a decomposition of the tall one, and exact enough to project with.

@@ -2,14 +2,43 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from hyperfab.loop.engine import close
 from hyperfab.loop.mimic import is_strained
-from hyperfab.loop.problem import Constant
+from hyperfab.loop.problem import Array, Constant, Curve, Effect, Form, Problem
+
+PLACE = np.linspace(0.0, 1.0, 60)
+
+
+class Saturating(Problem):
+    """Readings around a level; one effect saturates, another is the same by another name, the third is a slope."""
+
+    def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
+        """Return the level and what the terms add: little of the first two is nothing like much of them."""
+        found = np.full(len(self.measured), own[0])
+        for name, (_, values) in terms.items():
+            x = np.concatenate([PLACE, PLACE])
+            found = found + (values[0] * x if name == "slope" else np.tanh(values[0] * x**15))
+        return found
+
+
+def saturating(size: float) -> Saturating:
+    def effect(name: str) -> Effect:
+        form = Form("plain", (Constant("a", 0.0, 0.0, 1e9, 1e-2),), ((1.0,), (1e3,)), ((1e-2,),))
+        return Effect(name, name, ("place",), "nothing", "made up", (form,), smooth=False)
+
+    curves = tuple(Curve(f"{k}", 60 * k, 60 * k + 60, PLACE) for k in range(2))
+    own = (Constant("level", 0.0),)
+    exact = Saturating(np.zeros(120), curves, own, tuple(effect(n) for n in ("one", "other", "slope")))
+    noise = 0.01 * np.random.default_rng(1).standard_normal(120)
+    exact.measured = exact.predict(np.array([1.0]), {"one": ("plain", np.array([size]))}) + noise
+    return exact
 
 
 @pytest.mark.parametrize(
@@ -33,3 +62,10 @@ def test_constants_of_which_nothing_is_known_are_never_strained() -> None:
     problem: Any = SimpleNamespace(own=[Constant("C10_MPa", 0.0, -9.0, 9.0, 1.0)])
     fit: Any = SimpleNamespace(x=np.array([5.0]))
     assert not is_strained(problem, fit)
+
+
+@pytest.mark.parametrize("size", [0.5, 1e4])
+def test_look_alike_is_flagged_however_large_the_effect(size: float) -> None:
+    found = close(saturating(size), noise=0.01, design=False)
+    assert found.verdict == "ambiguous"
+    assert [set(one) for one in found.indistinguishable] == [{"one", "other"}]

@@ -1,4 +1,4 @@
-"""What the blind trials of presses and sheets have in common: a truth worth naming, its verdict, what comes next."""
+"""What blind trials of molds, presses and sheets have in common: a truth worth naming, its verdict, what comes next."""
 
 from __future__ import annotations
 
