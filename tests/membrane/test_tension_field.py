@@ -86,3 +86,45 @@ def test_two_equal_directions_are_the_isotropic_sheet_bit_for_bit():
     assert two(strain).stress.tobytes() == one(strain).stress.tobytes()
     assert two(strain).energy.tobytes() == one(strain).energy.tobytes()
     assert two.principal(strain).cauchy.tobytes() == one.principal(strain).cauchy.tobytes()
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.7])
+def test_cauchy_stress_is_the_pull_over_the_deformed_section(angle):
+    """Taut: force over the section as deformed; wrinkled: as in a uniaxial test, whose sides have contracted freely."""
+    taut = IsotropicSheet(STIFF).principal(_tensor(1.4, 1.2, angle))
+    own = STIFF.membrane(1.4, 1.2)
+    np.testing.assert_allclose(taut.stretch[0], [1.4, 1.2], rtol=1e-12)
+    # Incompressible: the section is 1/stretch of the undeformed one.
+    np.testing.assert_allclose(taut.cauchy[0], [1.4 * float(own.P1), 1.2 * float(own.P2)], rtol=1e-12)
+    assert taut.thickness[0] == pytest.approx(1.0 / (1.4 * 1.2), rel=1e-12)
+    wrinkled = IsotropicSheet(STIFF).principal(_tensor(1.5, 0.7, angle))
+    np.testing.assert_allclose(wrinkled.cauchy[0], [1.5 * float(STIFF.uniaxial(1.5).P), 0.0], rtol=1e-12)
+    assert wrinkled.thickness[0] == pytest.approx(1.5**-0.5, rel=1e-12)
+    slack = IsotropicSheet(STIFF).principal(_tensor(0.99, 0.8, angle))
+    assert slack.thickness[0] == 1.0
+    assert not slack.cauchy.any()
+
+
+def test_cauchy_stress_of_a_wrinkled_foam():
+    """Blatz and Ko's foam with nu = 1/4 contracts to l^-1/4 both ways: the section is l^-1/2 of what it was."""
+    foam = bind("blatz-ko", {"mu_MPa": 0.3, "nu": 0.25, "f": 0.0})
+    found = IsotropicSheet(foam).principal(_tensor(1.5, 0.7))
+    # W = mu/2 (l1^-2 + l2^-2 + l3^-2 + 2 J - 5): dW/dl1 = mu (l2 l3 - l1^-3).
+    pull = 0.3 * (1.5**-0.5 - 1.5**-3.0)
+    assert float(foam.uniaxial(1.5).P) == pytest.approx(pull, rel=1e-12)
+    assert found.cauchy[0, 0] == pytest.approx(pull * 1.5**0.5, rel=1e-12)
+    assert found.thickness[0] == pytest.approx(1.5**-0.25, rel=1e-12)
+
+
+def test_cauchy_stress_of_threads_is_that_of_the_law_along_them():
+    """Pulled along the stiff threads, free to contract: the uniaxial stress of that law over the section it leaves."""
+    law = OrthotropicSheet(STIFF, SOFT)
+    found = law.principal(_tensor(1.5, 1.5**-0.5))
+    assert found.cauchy[0, 0] == pytest.approx(1.5 * float(STIFF.uniaxial(1.5).P), rel=1e-12)
+    assert found.cauchy[0, 1] == pytest.approx(0.0, abs=1e-12)
+    # Both ways: the ground's own, and along the threads what theirs has more, of the same section.
+    ground, both = SOFT.membrane(1.4, 1.2), law.principal(_tensor(1.4, 1.2))
+    more = float(STIFF.uniaxial(1.4).P) - float(SOFT.uniaxial(1.4).P)
+    np.testing.assert_allclose(
+        both.cauchy[0], [1.4 * (float(ground.P1) + more), 1.2 * float(ground.P2)], rtol=1e-12
+    )
