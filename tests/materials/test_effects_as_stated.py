@@ -329,7 +329,9 @@ STATED: list[tuple[str, str, tuple[float, ...], Callable[[Row], float]]] = [
     *(("permanent-set", form, values, set_of(form, values)) for form, values in (
         ("returned", (0.2,)), ("flow", (0.2,)), ("next-pull", (0.2,)), ("returned-power", (0.2, 1.4)),
         ("flow-power", (0.2, 1.4)), ("next-pull-power", (0.2, 1.4)), ("returned-bent", (0.2, 1.5)),
-        ("flow-bent", (0.2, 1.5)), ("crept", (0.3, 0.4)), ("cycles", (0.05, 0.5)), ("flow-added", (0.2,)), ("next-pull-added", (0.2,)),
+        ("flow-bent", (0.2, 1.5)),
+        ("crept", (0.3, 0.4)), ("cycles", (0.05, 0.5)), ("flow-added", (0.2,)),
+        ("next-pull-added", (0.2,)),
         ("crept-added", (0.3, 0.4)), ("cycles-added", (0.05, 0.5)), ("flow-power-added", (0.2, 1.4)),
         ("flow-bent-added", (0.2, 1.5)), ("network", (0.2,)), ("network-power", (0.2, 1.4)),
     )),

@@ -1,0 +1,241 @@
+"""Plant small defects in the program, one at a time, and look whether a test notices: ``make mutants``.
+
+The draw is the same each time: of every package so many, by a hash of where each defect stands, so that a change
+elsewhere moves nothing. A defect is shown to the tests that reach it until one fails. One that no test notices is
+either equivalent (``equivalent.toml`` says why) or asks for a test.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import resource
+import shutil
+import signal
+import subprocess
+import time
+import tomllib
+from collections import Counter
+from pathlib import Path
+
+from trials.mutants import reach, tree
+from trials.mutants.selection import Program, Selection
+from trials.mutants.sites import Mutant, mutants
+
+#: How many are drawn of which files; the last are twice a figure that a document tells.
+STRATA = {
+    "materials": 28, "membrane": 24, "cloth": 28, "thermal": 28, "pressing": 22, "surface": 8, "numerics": 6,
+    "loop": 26, "io": 20, "figures": 24,
+}  # fmt: skip
+#: Tests that are not asked: they time, interrupt or drive other programs.
+IGNORED = ("tests/faults/", "tests/report/test_browser.py", "tests/test_packaging.py")
+
+
+def drawn(root: Path, scale: float = 1.0) -> list[Mutant]:
+    """The defects of this draw, at most two of a function."""
+    found: list[Mutant] = []
+    for stratum, count in STRATA.items():
+        figures = stratum == "figures"
+        folders = ("chapters", "loop", "materials", "io", "thermal", "membrane") if figures else (stratum,)
+        all_of_it = [
+            mutant
+            for folder in folders
+            for file in sorted((root / "hyperfab" / folder).glob("**/*.py"))
+            for mutant in mutants(root, file.relative_to(root).as_posix(), figures)
+        ]
+        taken: Counter[str] = Counter()
+        here: list[Mutant] = []
+        for mutant in sorted(all_of_it, key=lambda mutant: mutant.name):
+            at = f"{mutant.path} {mutant.function}"
+            if taken[at] < 2 and len(here) < round(scale * count):
+                taken[at] += 1
+                here.append(mutant)
+        found += sorted(here, key=lambda mutant: (mutant.path, mutant.start))
+    return found
+
+
+def mapped(root: Path, copy: Path, work: Path, fresh: bool) -> dict[str, dict[str, object]]:
+    """What each test reaches: as kept, with tests of changed files run again."""
+    kept = work / "reach.json"
+    known: dict[str, dict[str, object]] = (
+        json.loads(kept.read_text(encoding="utf-8")) if kept.exists() and not fresh else {}
+    )
+    files = sorted(
+        path.relative_to(root).as_posix()
+        for folder in ("tests", "hyperfab")
+        for path in (root / folder).glob("**/*.py")
+        if not path.relative_to(root).as_posix().startswith(IGNORED)
+        and (
+            path.name.startswith("test_")
+            or (folder == "hyperfab" and ">>>" in path.read_text(encoding="utf-8"))
+        )
+    )
+    stamps = {file: _stamp(root / file) for file in files}
+    tests = {name: test for name, test in known.items() if stamps.get(name.split("::")[0]) == test["stamp"]}
+    changed = [file for file in files if known.get(f"{file}::", {}).get("stamp") != stamps[file]]
+    # The tests of commands last: they take longest.
+    changed.sort(
+        key=lambda file: (file.startswith(("tests/chapters", "tests/cloth", "tests/loop", "tests/cli")), file)
+    )
+    examples = [file for file in changed if file.startswith("hyperfab")]
+    for batch in [examples, *([file] for file in changed if file not in examples)]:
+        if not batch:
+            continue
+        told = work / "told"
+        for old in work.glob("told*"):
+            old.unlink()
+        environment = {reach.TREE: str(copy), reach.TOLD: str(told)}
+        with open(work / "map.log", "ab") as log:
+            asked = ["-p", "trials.mutants.reach", *batch]
+            tree.pytest(copy, asked, environment, stdout=log, stderr=log).wait()
+        tests = {name: test for name, test in tests.items() if name.split("::")[0] not in batch}
+        for file in batch:
+            tests[f"{file}::"] = {"stamp": stamps[file], "seconds": 0.0, "reaches": []}
+        for name, test in reach.read(told).items():
+            tests[name] = {**test, "stamp": stamps[name.split("::")[0]]}
+        kept.write_text(json.dumps(tests), encoding="utf-8")
+        print(f"what it reaches: {batch[-1]}", flush=True)
+    return {name: test for name, test in tests.items() if not name.endswith("::")}
+
+
+def _stamp(path: Path) -> str:
+    import hashlib
+
+    return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
+
+
+def shown(mutant: Mutant, copy: Path, names: list[str], modules: set[str], seconds: float) -> str:
+    """Plant the defect in the copy, run the tests until one fails; ``caught by ...``, ``survived`` or ``no test``."""
+    if not names:
+        return "no test reaches it"
+    file = copy / mutant.path
+    source = file.read_bytes()
+    aside = copy.parent / "compiled"
+    shutil.rmtree(aside, ignore_errors=True)
+    compiled = [
+        kept
+        for module in sorted(modules | {mutant.path})
+        for kept in (copy / module).parent.glob(f"__pycache__/{Path(module).stem}.*.nb[ic]")
+    ]
+    moved = [(kept, aside / str(number)) for number, kept in enumerate(compiled)]
+    aside.mkdir(parents=True)
+    for kept, away in moved:
+        shutil.move(kept, away)
+    try:
+        file.write_bytes(mutant.planted(source))
+        os.utime(file, (tree.EPOCH + 1 + int(mutant.name[:6], 16),) * 2)
+        limit = int(3.0 * seconds + 60.0)
+        process = tree.pytest(
+            copy,
+            ["-x", "-q", "--no-header", "--tb=no", *names],
+            {"PYTHONDONTWRITEBYTECODE": "1"},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5)),
+        )
+        try:
+            told = process.communicate(timeout=10.0 * limit)[0].decode(errors="replace")
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.communicate()
+            return "caught: runs on"
+        if process.returncode == 0:
+            return "survived"
+        failed = [
+            line.split(" - ")[0].split(" ", 1)[1]
+            for line in told.splitlines()
+            if line.startswith(("FAILED", "ERROR "))
+        ]
+        return f"caught by {failed[0]}" if failed else f"caught: status {process.returncode}"
+    finally:
+        file.write_bytes(source)
+        os.utime(file, (tree.EPOCH, tree.EPOCH))
+        for module in sorted(modules | {mutant.path}):
+            for new in (copy / module).parent.glob(f"__pycache__/{Path(module).stem}.*.nb[ic]"):
+                new.unlink()
+        for kept, away in moved:
+            shutil.move(away, kept)
+
+
+def main() -> int:
+    """Draw, plant, tell; status 1 where under nine in ten of those that matter were noticed."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--scale", type=float, default=1.0, help="times as many of each package (214 at 1)")
+    parser.add_argument(
+        "--seconds", type=float, default=60.0, help="CPU time of tests that one defect may take"
+    )
+    parser.add_argument("--only", default="", help="files whose path begins so")
+    parser.add_argument("--fresh", action="store_true", help="ask anew which test reaches what")
+    parser.add_argument("--as-mapped", action="store_true", help="take what is known of it, and ask nothing")
+    parser.add_argument("--map-only", action="store_true", help="ask which test reaches what, and stop")
+    options = parser.parse_args()
+    work = tree.ROOT / "build" / "mutants"
+    copy = work / "tree"
+    copy.mkdir(parents=True, exist_ok=True)
+    tree.copy(copy)
+    if options.as_mapped:
+        known = json.loads((work / "reach.json").read_text(encoding="utf-8"))
+        reached = {name: test for name, test in known.items() if not name.endswith("::")}
+    else:
+        beside = work / "reached"
+        beside.mkdir(exist_ok=True)
+        tree.copy(beside)
+        reached = mapped(tree.ROOT, beside, work, options.fresh)
+    if options.map_only:
+        return 0
+    program = Program(copy)
+    selection = Selection(program, reached)
+    told: dict[str, str] = tomllib.loads(
+        (Path(__file__).parent / "equivalent.toml").read_text(encoding="utf-8")
+    )
+    kept = work / "outcomes.json"
+    outcomes: dict[str, list[str]] = json.loads(kept.read_text(encoding="utf-8")) if kept.exists() else {}
+    counts: Counter[str] = Counter()
+    draw = [mutant for mutant in drawn(copy, options.scale) if mutant.path.startswith(options.only)]
+    for mutant in draw:
+        names, total = [], 0.0
+        for name in selection.tests(mutant):
+            total += selection.seconds[name]
+            if names and total > options.seconds:
+                break
+            names.append(name)
+        source = _stamp(copy / mutant.path)
+        tests = _stamp_of(copy, names)
+        outcome, old_source, old_tests, used = outcomes.get(mutant.name, ["", "", "", ""])
+        if mutant.name in told:
+            outcome = f"equivalent: {told[mutant.name]}"
+        elif old_source != source or (not outcome.startswith("caught") and old_tests != tests):
+            before = sum(os.times()[2:4])
+            outcome = shown(mutant, copy, names, program.compiled_from(mutant), min(total, options.seconds))
+            used = f"{sum(os.times()[2:4]) - before:.1f}"
+            outcomes[mutant.name] = [outcome, source, tests, used]
+            kept.write_text(json.dumps(outcomes, indent=1), encoding="utf-8")
+        counts[outcome.split()[0].rstrip(":")] += 1
+        print(f"{mutant.name} {mutant}\n           {outcome} ({used} s)", flush=True)
+    matter = counts["caught"] + counts["survived"] + counts["no"]
+    print(
+        f"{len(draw)} defects: {counts['caught']} caught, {counts['survived'] + counts['no']} not, "
+        f"{counts['equivalent']} equivalent; {100.0 * counts['caught'] / max(matter, 1):.1f} % of those that matter"
+    )
+    for stale in sorted(set(told) - {mutant.name for mutant in drawn(copy, options.scale)}):
+        print(f"equivalent.toml: no such defect any more: {stale}")
+    return 0 if counts["caught"] >= 0.9 * matter else 1
+
+
+def _stamp_of(copy: Path, names: list[str]) -> str:
+    import hashlib
+
+    files = sorted({name.split("::")[0] for name in names})
+    return hashlib.sha256("".join([*names, *(_stamp(copy / file) for file in files)]).encode()).hexdigest()[
+        :16
+    ]
+
+
+if __name__ == "__main__":
+    start = time.monotonic()
+    status = main()
+    print(f"{time.monotonic() - start:.0f} s")
+    raise SystemExit(status)
