@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
+from hyperfab.cases.case import Case
+from hyperfab.cases.like import Earlier
 from hyperfab.console import Console
 from hyperfab.documents.base import Document
 from hyperfab.documents.provenance import record
@@ -16,13 +19,17 @@ from hyperfab.io.output import Output
 class Job:
     """One run of one command.
 
-    ``arguments`` are the options as the user gave them, for provenance.
+    arguments  the options as the user gave them, for provenance
+    target     where the document goes, ``-`` is standard output
+    like       the document that the set-up was taken from
     """
 
     command: str
     arguments: Sequence[str]
     console: Console
     inputs: Inputs = field(default_factory=Inputs)
+    target: str = "-"
+    like: Earlier[Any] | None = None
 
     def opened(self, target: str, suffixes: Sequence[str]) -> Output:
         """Return where the command writes: ``target`` and its siblings; a run inside another command keeps them."""
@@ -31,8 +38,22 @@ class Job:
     def keep(self, told: object) -> None:
         """Offer what was computed to a command that runs this one inside itself; nobody takes it otherwise."""
 
-    def write(self, output: Output, document: Document) -> None:
-        """Write the document with its provenance, and the siblings queued in ``output``."""
+    def write(self, output: Output, document: Document, case: Case | None = None, **taken: Any) -> None:
+        """Write the document with its set-up and provenance, and the siblings queued in ``output``.
+
+        ``taken`` are values of the case's fields, by name, that were not asked for but follow from inputs.
+        """
         document.format = document.format_name()
         document.provenance = record(self.command, self.arguments, self.inputs.files, output.target)
-        output.finish(document.to_json(), self.inputs)
+        data: dict[str, Any] = document.to_json()
+        if case is not None:
+            setup = case.setup({file.name: file.sha256 for file in self.inputs.files}, taken)
+            data["setup"] = setup | data.get("setup", {})
+            # Where it comes from stands last.
+            for key in ("files", "provenance"):
+                if key in data:
+                    data[key] = data.pop(key)
+        if self.like is not None:
+            for name in self.like.altered(self.inputs):
+                self.console.warn(f"{name} has changed since {self.like.name} was made from it")
+        output.finish(data, self.inputs)

@@ -17,12 +17,20 @@ Ints = npt.NDArray[np.int64]
 
 @dataclass(frozen=True)
 class PlacedMold:
-    """A sound surface and where it stands: its own coordinates plus ``shift`` mm, the sheet's plane at z = 0."""
+    """A sound surface and where it stands: its own coordinates plus ``shift`` mm, the sheet's plane at z = 0 and its
+    highest point ``depth`` mm above it.
+    """
 
     name: str
     surface: Surface
     closed: bool
     shift: tuple[float, float, float]
+    depth: float
+
+    @property
+    def touching(self) -> tuple[float, float, float]:
+        """The shift at which its highest point touches the sheet's plane from below."""
+        return self.shift[0], self.shift[1], self.shift[2] - self.depth
 
 
 def read_molds(job: Job, names: list[str], stl_unit: str, depth: float) -> PlacedMold:
@@ -44,7 +52,7 @@ def read_molds(job: Job, names: list[str], stl_unit: str, depth: float) -> Place
             np.vstack([body.surface.faces + offset for body, offset in zip(bodies, offsets, strict=False)]),
         )
     shift = (float(-0.5 * (low[0] + high[0])), float(-0.5 * (low[1] + high[1])), float(depth - high[2]))
-    return PlacedMold(", ".join(names), surface, all(body.found.closed for body in bodies), shift)
+    return PlacedMold(", ".join(names), surface, all(body.found.closed for body in bodies), shift, depth)
 
 
 @dataclass(frozen=True)

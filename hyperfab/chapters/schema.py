@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from hyperfab.cases.registry import CASES, MADE_BY, case_class
 from hyperfab.chapters.job import Job
 from hyperfab.documents.base import schema
 from hyperfab.io.json_io import dump_json
@@ -10,5 +11,11 @@ from hyperfab.io.output import write_stdout
 
 def run(job: Job, *, kind: str) -> int:
     """Print the schema; UsageError names the known kinds where ``kind`` is none of them."""
-    write_stdout(dump_json(schema(kind)))
+    found = schema(kind)
+    command = MADE_BY.get(kind)
+    if command in CASES:
+        found["properties"]["setup"] = {
+            "allOf": [found["properties"].get("setup", {}), case_class(command).schema()]
+        }
+    write_stdout(dump_json(found))
     return 0

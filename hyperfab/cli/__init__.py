@@ -9,9 +9,9 @@ from typing import Annotated
 import typer
 
 from hyperfab import __version__
+from hyperfab.cases.registry import case_class
 from hyperfab.cli import (
     close_loop,
-    drape,
     export,
     fabric_contact,
     fit,
@@ -23,6 +23,7 @@ from hyperfab.cli import (
     summary,
     sweep,
 )
+from hyperfab.cli.command import command_of
 from hyperfab.errors import OutputError
 
 app = typer.Typer(
@@ -37,7 +38,7 @@ app = typer.Typer(
 # In the order of the production line.
 app.command("fit", short_help=fit.SHORT_HELP)(fit.fit)
 app.command("fabric-contact", short_help=fabric_contact.SHORT_HELP)(fabric_contact.fabric_contact)
-app.command("drape", short_help=drape.SHORT_HELP)(drape.drape)
+app.command("drape", short_help="Fabric relaxed onto a mold (STL)")(command_of(case_class("drape")))
 app.command("mold-heat", short_help=mold_heat.SHORT_HELP)(mold_heat.mold_heat)
 app.command("press-contact", short_help=press_contact.SHORT_HELP)(press_contact.press_contact)
 app.command("close-loop", short_help=close_loop.SHORT_HELP)(close_loop.close_loop)

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import importlib
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from hyperfab.console import Console, run_guarded
+
+if TYPE_CHECKING:
+    from hyperfab.cases.case import Case
 
 Target = Annotated[
     str,
@@ -39,6 +42,29 @@ def run_chapter(context: typer.Context, **more: object) -> None:
         job = Job(command, arguments_given(context), Console(bool(context.params.get("quiet"))))
         status: int = chapter.run(job, **chapter_options(context), **more)
         return status
+
+    raise typer.Exit(run_guarded(action, bool(context.params.get("debug"))))
+
+
+def run_case(context: typer.Context, cls: type[Case]) -> None:
+    """Run the chapter of a command on the case that its options give, and end with its exit status."""
+
+    def action() -> int:
+        from hyperfab.chapters.commands import asked, run
+        from hyperfab.chapters.job import Job
+
+        given = {
+            name: context.params[name]
+            for name in cls.settings()
+            if (source := context.get_parameter_source(name)) is not None and source.name == "COMMANDLINE"
+        }
+        job = Job(
+            cls.COMMAND,
+            arguments_given(context),
+            Console(bool(context.params.get("quiet"))),
+            target=str(context.params["output"]),
+        )
+        return run(job, asked(job, cls, given, context.params.get("like")))
 
     raise typer.Exit(run_guarded(action, bool(context.params.get("debug"))))
 

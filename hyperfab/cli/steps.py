@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 import typer.main
 
 from hyperfab import errors
+from hyperfab.cases import options
+from hyperfab.cases.registry import CASES, case_class
 from hyperfab.cli.shared import arguments_given, chapter_options
 from hyperfab.console import Console
 from hyperfab.errors import HyperfabError
@@ -43,18 +45,20 @@ class _Listener(Console):
 
 def run(command: str, words: Sequence[str], output: str) -> Outcome:
     """Run ``hf COMMAND WORDS -o OUTPUT`` in this process and return how it ended, as the command line would."""
+    from hyperfab.chapters.commands import run_words
     from hyperfab.chapters.job import Job
     from hyperfab.studies.store import Outcome
 
     listener = _Listener()
     try:
+        if command in CASES:
+            job = Job(command, words, listener, target=output)
+            return _outcome(run_words(job, words), listener)
         context = parse(command, [*words, "-o", output])
         chapter = importlib.import_module(f"hyperfab.chapters.{command.replace('-', '_')}")
         job = Job(command, arguments_given(context), listener)
         more: dict[str, Any] = {"parse": chapter_words} if command == "close-loop" else {}
-        status = int(chapter.run(job, **chapter_options(context), **more))
-        message = listener.warnings[-1] if status and listener.warnings else ""
-        return Outcome(status, message, tuple(listener.warnings))
+        return _outcome(int(chapter.run(job, **chapter_options(context), **more)), listener)
     except HyperfabError as error:
         return Outcome(error.exit_status, str(error), tuple(listener.warnings))
     except UsageError as error:
@@ -65,13 +69,25 @@ def run(command: str, words: Sequence[str], output: str) -> Outcome:
         return Outcome(70, f"defect: {type(error).__name__}: {error}", tuple(listener.warnings))
 
 
+def _outcome(status: int, listener: _Listener) -> Outcome:
+    from hyperfab.studies.store import Outcome
+
+    message = listener.warnings[-1] if status and listener.warnings else ""
+    return Outcome(status, message, tuple(listener.warnings))
+
+
 def check(command: str, words: Sequence[str]) -> str | None:
     """Return what is wrong with a step's arguments, or None; nothing is run."""
     if command not in COMMANDS or command not in _commands().commands:
         known = ", ".join(name for name in COMMANDS if name in _commands().commands)
         return f"no command {command!r} makes documents; there is {known}"
     try:
-        parse(command, [*words, "-o", "step.json"])
+        if command in CASES:
+            options.read(case_class(command), words)
+        else:
+            parse(command, [*words, "-o", "step.json"])
+    except errors.UsageError as error:
+        return str(error)
     except UsageError as error:
         return error.format_message()
     return None

@@ -5,7 +5,7 @@ from .cascade import drape
 from .law import SpringLaw, piecewise_linear, tabulate
 from .mold import Mold, mold_of, raised
 from .net import Sheet
-from .path import Rest, follow
+from .path import Rest, follow, load_steps
 from .start import HeldNodeInside
 from .state import Equilibrium, Step
 
@@ -21,6 +21,7 @@ __all__ = [
     "answers",
     "drape",
     "follow",
+    "load_steps",
     "mold_of",
     "piecewise_linear",
     "raised",

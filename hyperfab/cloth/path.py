@@ -7,7 +7,7 @@ up by it, the others go on as in the step before.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -47,6 +47,25 @@ class Rest:
     drawn: float
     unstressed: float
     steps: int
+
+
+def load_steps(depths: Sequence[float], steps: int) -> Floats:
+    """Heights of the mold at which a sheet that rubs comes to rest: about equal steps that meet all rising ``depths``.
+
+    >>> load_steps([20.0, 60.0], 4).tolist()
+    [20.0, 33.333333333333336, 46.66666666666667, 60.0]
+    """
+    if depths[-1] == 0.0:
+        return np.zeros(1)
+    pace = depths[-1] / steps
+    heights, last = [], 0.0
+    for depth in depths:
+        count = max(1, round((depth - last) / pace)) if depth > last else 0
+        heights += [last + (depth - last) * (k + 1) / count for k in range(count)]
+        last = depth
+    if depths[0] == 0.0:
+        heights.insert(0, 0.0)
+    return np.array(heights)
 
 
 def follow(

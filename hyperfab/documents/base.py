@@ -48,6 +48,7 @@ class Document(BaseModel):
         default_factory=list, description="files written beside the document, relative to it"
     )
     provenance: Provenance | None = Field(default=None, description="how the document came to be")
+    setup: Any = Field(default=None, description="the set-up that was run, defaults included")
 
     @classmethod
     def format_name(cls) -> str:

@@ -118,28 +118,28 @@ class DrapeProblem(Problem):
         )
 
 
+def amounts_of(terms: Mapping[str, tuple[str, Array]]) -> dict[str, float]:
+    """Return how much of each of the emulator's settings effects add."""
+    stretch = terms["pretension"][1] if "pretension" in terms else np.zeros(1)
+    named = {"friction": "friction", "shear": "shear-stiffness", "mass": "gravity"}
+    return {
+        "prestretch": float(stretch[0]),
+        "weft more": float(stretch[1]) if len(stretch) > 1 else 0.0,
+        **{name: float(terms[key][1][0]) if key in terms else 0.0 for name, key in named.items()},
+    }
+
+
 def settings_of(draped: Draped, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
     """Return the emulator's settings for factors of the law and the depth's offset (last), and effects."""
     ratio = dict(zip(draped.names, (float(v) for v in own), strict=False))
-    stretch = terms["pretension"][1] if "pretension" in terms else np.zeros(1)
-    shear = float(terms["shear-stiffness"][1][0]) if "shear-stiffness" in terms else 0.0
-    mass = float(terms["gravity"][1][0]) if "gravity" in terms else 0.0
+    given = {"depth": float(own[-1]), **amounts_of(terms)}
     if draped.carried is not None:
         stiffness = [ratio[name] for name, scales in zip(draped.names, draped.scales, strict=True) if scales]
         factor = float(np.exp(np.mean(np.log(stiffness)))) if stiffness else 1.0
         ratio = {name: ratio[name] / factor if scales else ratio[name]
                  for name, scales in zip(draped.names, draped.scales, strict=True)}  # fmt: skip
-        shear, mass = (
-            (given + more) / factor - given for given, more in zip(draped.carried, (shear, mass), strict=True)
-        )
-    given = {
-        "depth": float(own[-1]),
-        "prestretch": float(stretch[0]),
-        "weft more": float(stretch[1]) if len(stretch) > 1 else 0.0,
-        "friction": float(terms["friction"][1][0]) if "friction" in terms else 0.0,
-        "shear": shear,
-        "mass": mass,
-    }
+        for name, had in zip(("shear", "mass"), draped.carried, strict=True):
+            given[name] = (had + given[name]) / factor - had
     return np.array([given[a.name] if a.name in given else ratio[a.name.removeprefix("law ")]
                      for a in draped.kriged.axes])  # fmt: skip
 

@@ -12,7 +12,9 @@ import pytest
 import trimesh
 from loop.generators import fabric as truths
 
-from hyperfab.chapters.close_loop.rerun import rerun
+from hyperfab.cases.drape import DrapeCase
+from hyperfab.cases.options import read
+from hyperfab.chapters.close_loop.rerun import rerun, rerun_case
 from hyperfab.cli.steps import chapter_words
 from hyperfab.io.stl_write import stl_bytes
 from hyperfab.loop.fabric import FabricTest, fabric_problem
@@ -69,11 +71,15 @@ def computed(tmp_path_factory) -> Callable[[tuple[str, ...], list[dict[str, Any]
         name = str(folder / "fabric.json")
         document = {**MODEL, "effects": effects} if effects else MODEL
         (folder / "fabric.json").write_text(json.dumps(document))
-        options = chapter_words(command, [name, *rest, "-o", str(folder / "out.json"), "--quiet"])
-        made = rerun(command, [name, *rest], options, {})
+        target = str(folder / "out.json")
+        if command == "drape":
+            made = rerun_case(read(DrapeCase, [name, *rest]), target)
+        else:
+            options = chapter_words(command, [name, *rest, "-o", target, "--quiet"])
+            made = rerun(command, [name, *rest], options, {})
         # What the document says of effects differs; nothing computed may.
         for part in (made.document, made.document.get("setup", {})):
-            for key in ("effects", "left_out", "provenance"):
+            for key in ("effects", "left_out", "provenance", "sha256"):
                 part.pop(key, None)
         return made.document, made.siblings
 

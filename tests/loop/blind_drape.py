@@ -12,11 +12,12 @@ import numpy as np
 from loop.generators import drape as truths
 from loop.trials import Case, Trials, main
 
+from hyperfab.cases.drape import DrapeCase
+from hyperfab.cases.like import earlier
+from hyperfab.cases.options import read
 from hyperfab.chapters.close_loop.drape import Forward, noise_of, pose, pose_sheet
-from hyperfab.chapters.close_loop.recall import recall
-from hyperfab.chapters.close_loop.rerun import rerun
+from hyperfab.chapters.close_loop.rerun import rerun_case
 from hyperfab.chapters.job import Job
-from hyperfab.cli.steps import chapter_words
 from hyperfab.console import Console
 from hyperfab.io.json_io import dump_json
 from hyperfab.loop.design import NextMeasurement
@@ -33,7 +34,7 @@ def document(folder: Path) -> str:
     words += ["--grid", f"{n}x{n}", "--size", f"{side}mmx{side}mm", "--depth", f"{truths.DEPTH}mm"]
     words += ["--thickness", f"{truths.THICK}mm"]
     name = str(folder / "drape.json")
-    made = rerun("drape", words, chapter_words("drape", [*words, "-o", name, "--quiet"]))
+    made = rerun_case(read(DrapeCase, words), name)
     Path(name).write_bytes(dump_json(made.document))
     return name
 
@@ -46,7 +47,7 @@ def model() -> tuple[Draped, Forward]:
     name = document(Path(tempfile.mkdtemp()))
     job = Job("close-loop", [], Console(True))
     data = load_json(Path(name).read_bytes(), name)
-    forward = Forward(recall(job, name, data, "drape", chapter_words), None)
+    forward = Forward(job, earlier(DrapeCase, data, name).case, None)
     return pose_sheet(forward, lambda share: None), forward
 
 

@@ -10,9 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from hyperfab.cases.case import Case
+from hyperfab.cases.options import words
 from hyperfab.chapters.close_loop.describe import column, describe, errors_of, lowered, say
 from hyperfab.chapters.close_loop.recall import Parse, Recalled
-from hyperfab.chapters.close_loop.rerun import rerun
+from hyperfab.chapters.close_loop.rerun import rerun, rerun_case
 from hyperfab.chapters.job import Job
 from hyperfab.console import NEGATIVE_VERDICT
 from hyperfab.documents.loop import Errors, LoopDocument
@@ -32,9 +34,10 @@ _REFITS = 40.0
 
 @dataclass(frozen=True)
 class Extension:
-    """The command that makes the extended model: its words, and files it reads that are not written yet (by suffix)."""
+    """The case of the extended model, or the words of the command that makes it; and files it reads that are not
+    written yet (by suffix)."""
 
-    words: list[str]
+    asked: Case | list[str]
     files: Mapping[str, bytes] = field(default_factory=dict)
     notes: Sequence[str] = ()
 
@@ -71,10 +74,10 @@ def finish(
     noise: Callable[[Problem, Array | None], Noise],
     *,
     domain: str,
-    recalled: Recalled,
-    parse: Parse,
     axis: Callable[[Problem], Axis],
     extend: Callable[[Finding], Extension],
+    recalled: Recalled | None = None,
+    parse: Parse | None = None,
     rounds: Callable[[Problem, Finding], Problem | None] = lambda problem, found: None,
     apart: Callable[[Problem], tuple[Problem, Array]] | None = None,
     left_out: Mapping[str, int] | None = None,
@@ -160,7 +163,12 @@ def close_anew(
 
 
 def _model(
-    job: Job, out: Output, extension: Extension, result: LoopDocument, recalled: Recalled, parse: Parse
+    job: Job,
+    out: Output,
+    extension: Extension,
+    result: LoopDocument,
+    recalled: Recalled | None,
+    parse: Parse | None,
 ) -> None:
     """Run the model's own command with the found terms, and queue what it writes as the extended model."""
     target = str(out.path(".model.json"))
@@ -168,15 +176,19 @@ def _model(
     notes = list(extension.notes)
     for suffix, data in extension.files.items():
         out.add(suffix, data)
+    if isinstance(extension.asked, Case):
+        command, asked = extension.asked.COMMAND, words(extension.asked)
+    else:
+        assert recalled is not None
+        command, asked = recalled.command, extension.asked
     try:
-        made = rerun(
-            recalled.command,
-            extension.words,
-            parse(recalled.command, [*extension.words, "-o", target, "--quiet"]),
-            given,
-        )
+        if isinstance(extension.asked, Case):
+            made = rerun_case(extension.asked, target, given)
+        else:
+            assert parse is not None
+            made = rerun(command, asked, parse(command, [*asked, "-o", target, "--quiet"]), given)
     except HyperfabError as error:
-        notes.append(f"hf {recalled.command} does not run with what was found: {error}")
+        notes.append(f"hf {command} does not run with what was found: {error}")
         result.warnings += notes
         for text in notes:
             job.console.warn(text)
@@ -192,9 +204,8 @@ def _model(
     for suffix, data in made.siblings.items():
         out.add(f".model{suffix}", data)
     result.model = out.path(".model.json").name
-    words = [relative_name(word, target) if os.path.exists(word) or word in given else word
-             for word in extension.words]  # fmt: skip
-    result.model_command = shlex.join(["hf", recalled.command, *words, "-o", result.model])
+    shown = [relative_name(word, target) if os.path.exists(word) or word in given else word for word in asked]
+    result.model_command = shlex.join(["hf", command, *shown, "-o", result.model])
     for text in notes:
         job.console.warn(text)
     result.warnings += [*notes, *(text for text in made.warnings if text not in result.warnings)]

@@ -66,7 +66,7 @@ def run(job: Job, given: Given) -> int:
             files.plain,
             lambda s: advance(0.3 * s, "forward runs"),
         )
-    check_unchanged(job, recalled, given.name, [*given.measured, *given.held])
+    check_unchanged(job, recalled, [*given.measured, *given.held])
     forward = Forward(recalled, material)
     at = recalled.options.get("temperature")
     problem = pose(

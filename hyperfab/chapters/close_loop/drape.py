@@ -4,29 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.cases.drape import DrapeCase
+from hyperfab.cases.like import earlier
 from hyperfab.chapters.close_loop.closing import MODEL_SUFFIXES, Axis, finish, stated
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_contact import FABRIC
-from hyperfab.chapters.close_loop.extended_drape import THREADS, extend
-from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, read_files, spread, widened
-from hyperfab.chapters.close_loop.recall import Recalled, check_unchanged, recall
-from hyperfab.chapters.close_loop.rerun import preview
+from hyperfab.chapters.close_loop.extended_drape import THREADS, drape_applied, extend
+from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, spread, widened
+from hyperfab.chapters.close_loop.readings import read_files as read_measured
+from hyperfab.chapters.close_loop.recall import check_unchanged, unchanged
+from hyperfab.chapters.close_loop.rerun import Listener, Overlay
 from hyperfab.chapters.close_loop.softer import linear_of, scaled_material
-from hyperfab.chapters.drape.depths import load_steps
-from hyperfab.chapters.drape.effects import Effects
+from hyperfab.chapters.drape.fabric import read_fabric
+from hyperfab.chapters.drape.model import Model, model_of, read_files
 from hyperfab.chapters.job import Job
-from hyperfab.cloth import HeldNodeInside, Mold, Sheet, drape, follow, raised
+from hyperfab.cloth import HeldNodeInside, Sheet, drape, follow, load_steps, raised
 from hyperfab.cloth.net import GRAVITY
-from hyperfab.documents.base import parse_document
+from hyperfab.documents.base import read_document
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import InputError, NotConverged
 from hyperfab.io.csv_table import read_table
-from hyperfab.io.json_io import dump_json, load_json
+from hyperfab.io.json_io import dump_json
 from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem, settings_of
 from hyperfab.loop.drape_places import places, reached
 from hyperfab.loop.emulator import Axis as Setting
@@ -55,14 +57,16 @@ def run(job: Job, given: Given) -> int:
     """Close the loop on a drape document."""
     out = job.opened(given.output, (*MODEL_SUFFIXES, ".model.pvd", FABRIC, *THREADS, ".png", ".csv"))
     level = stated(given.noise, ("length",))
-    recalled = recall(job, given.name, given.data, "drape", given.parse)
-    files = read_files(given, lambda name: read_markers(job, name, given.decimal))
+    made = unchanged(earlier(DrapeCase, given.data, given.name))
+    files = read_measured(given, lambda name: read_markers(job, name, given.decimal))
     out.refuse_inputs(job.inputs)
-    material = read_material(job, recalled)
-    forward = Forward(recalled, material)
-    for file in forward.read:
-        job.inputs.read(file)
-    check_unchanged(job, recalled, given.name, [*given.measured, *given.held])
+    material = (
+        None
+        if made.case.material is None
+        else read_document(job.inputs, made.case.material, MaterialDocument)
+    )
+    forward = Forward(job, made.case, material)
+    check_unchanged(job, made, [*given.measured, *given.held])
     _check_places(forward.sheet, [*files.plain, *files.apart])
     with job.console.progress("Closing the loop") as advance:
         draped = pose_sheet(forward, lambda share: advance(0.3 * share, "forward runs"))
@@ -73,10 +77,8 @@ def run(job: Job, given: Given) -> int:
         problem,
         noise_of(files.measured, None if level is None else level[1]),
         domain="drape",
-        recalled=recalled,
-        parse=given.parse,
         axis=lambda p: Axis(p.states["from the middle_mm"], "from the middle [mm]"),
-        extend=lambda found: extend(out, recalled, material, forward.effects, forward.sheet, problem, found),
+        extend=lambda found: extend(out, made.case, material, forward.sheet, problem, found),
         rounds=forward.corrected,
         apart=(lambda p: widened(p, files.apart)) if files.apart else None,
     )
@@ -92,14 +94,6 @@ def read_markers(job: Job, name: str, decimal: str | None) -> tuple[Markers, Arr
         sd = spread(table, "x")
     flat = np.stack([table["x0"], table["y0"]], axis=1)
     return Markers(name, flat, np.stack([table[axis] for axis in "xyz"], axis=1)), sd
-
-
-def read_material(job: Job, recalled: Recalled) -> MaterialDocument | None:
-    """Return the material document of the sheet, None where its laws came straight from tests."""
-    name = recalled.options.get("material")
-    if name is None:
-        return None
-    return parse_document(load_json(job.inputs.read(str(name)), str(name)), str(name), MaterialDocument)
 
 
 def _check_places(sheet: Sheet, files: Sequence[Markers]) -> None:
@@ -119,63 +113,45 @@ def _check_places(sheet: Sheet, files: Sequence[Markers]) -> None:
 class Forward:
     """The forward model on the loop's coarse grid."""
 
-    def __init__(self, recalled: Recalled, material: MaterialDocument | None) -> None:
-        self.recalled, self.material = recalled, material
-        kept, inputs = self._preview({})
-        self.sheet: Sheet = kept[0]
-        self.mold: Mold = kept[1]
-        self.depth: float = kept[2]
-        self.effects: Effects = kept[3]
-        self.read = [file.name for file in inputs.files]
-        count = max(self.sheet.n, self.sheet.m)
-        share = min(1.0, (_NODES - 1) / (count - 1))
-        self.grid = (
-            max(round((self.sheet.n - 1) * share) + 1, 5),
-            max(round((self.sheet.m - 1) * share) + 1, 5),
-        )
+    def __init__(self, job: Job, case: DrapeCase, material: MaterialDocument | None) -> None:
+        self.case, self.material = case, material
+        # What the files are warned of was said when the document was made.
+        self.job = replace(job, console=Listener())
+        self.files = read_files(self.job, case)
+        self.sheet = model_of(case, self.files).sheet
+        n, m = case.grid
+        share = min(1.0, (_NODES - 1) / (max(n, m) - 1))
+        self.grid = max(round((n - 1) * share) + 1, 5), max(round((m - 1) * share) + 1, 5)
 
-    def _preview(self, files: Mapping[str, bytes]) -> Any:
-        return preview(
-            self.recalled.command, self.recalled.words, {**self.recalled.options, "output": "-"}, files
-        )
-
-    def nodes(self, settings: Mapping[str, float], grid: tuple[int, int] | None = None) -> Array:
-        """Return where the nodes (n, m, 3) rest; NotConverged where there is no equilibrium."""
-        sheet = self.sheet
+    def model(self, settings: Mapping[str, float], grid: tuple[int, int] | None = None) -> Model:
+        """Return the model with relative constants of the laws and added effects."""
+        case = replace(drape_applied(self.case, settings), grid=grid or self.grid, load_steps=None)
         ratios = {key.removeprefix("law "): v for key, v in settings.items() if key.startswith("law ")}
+        files = self.files
         if self.material is not None and any(v != 1.0 for v in ratios.values()):
-            changed = scaled_material(self.material, ratios)
-            files = {str(self.recalled.options["material"]): dump_json(changed.to_json())}
-            sheet = self._preview(files)[0][0]
+            changed = dump_json(scaled_material(self.material, ratios).to_json())
+            inputs = Overlay({str(case.material): changed})
+            files = replace(files, fabric=read_fabric(replace(self.job, inputs=inputs), case))
         elif self.material is None:
             warp, weft = (
                 replace(law, pieces=law.pieces * ratios.get(way, 1.0))
-                for way, law in (("warp", sheet.warp), ("weft", sheet.weft))
+                for way, law in (("warp", self.sheet.warp), ("weft", self.sheet.weft))
             )
-            sheet = replace(sheet, warp=warp, weft=weft)
-        taut = settings.get("prestretch", 0.0)
-        added = taut, taut + settings.get("weft more", 0.0)
-        shear, mass = settings.get("shear", 0.0), settings.get("mass", 0.0)
-        n, m = grid or self.grid
-        law = sheet.shear
-        if shear != 0.0:
-            given = self.effects.shear_modulus or 0.0
-            law = replace(self.effects, shear_modulus=given + shear, bias=None).shear_law(sheet.size, (n, m))
-        sheet = replace(
-            sheet.coarser(n, m),
-            prestretch=(sheet.prestretch[0] + added[0], sheet.prestretch[1] + added[1]),
-            shear=law,
-            mass=sheet.mass + mass,
-        )
-        rise = self.depth + settings.get("depth", 0.0)
-        mu = self.effects.friction + settings.get("friction", 0.0)
+            files = replace(files, fabric=replace(files.fabric, warp=warp, weft=weft))
+        return model_of(case, files)
+
+    def nodes(self, settings: Mapping[str, float], grid: tuple[int, int] | None = None) -> Array:
+        """Return where the nodes (n, m, 3) rest; NotConverged where there is no equilibrium."""
+        model = self.model(settings, grid)
+        rise = model.case.wanted[-1]
         try:
-            if mu > 0.0 or self.effects.holder:
+            if model.case.rubs:
                 heights = load_steps([rise], _STEPS)
-                rest = list(follow(sheet, self.mold, heights, mu, _TOLERANCE, enough=_NEAR))[-1]
+                path = follow(model.sheet, model.mold, heights, model.case.friction, _TOLERANCE, enough=_NEAR)
+                rest = list(path)[-1]
                 found, there = rest.found, bool(np.isclose(rest.height, rise))
             else:
-                found, there = drape(sheet, raised(self.mold, rise), _TOLERANCE), True
+                found, there = drape(model.sheet, raised(model.mold, rise), _TOLERANCE), True
         except HeldNodeInside as error:
             raise NotConverged(str(error)) from None
         if found.residual_relative > _NEAR or not there:
@@ -250,9 +226,9 @@ def pose_sheet(forward: Forward, tick: Callable[[float], None]) -> Draped:
     fine = base
     if max(sheet.n, sheet.m) > _NODES:
         fine = forward.nodes({}, (sheet.n, sheet.m))
-    effects = forward.effects
-    alike = not effects.holder and effects.bias is None
-    carried = (effects.shear_modulus or 0.0, sheet.mass) if alike else None
+    case = forward.case
+    alike = not case.blank_holder and case.shear_law is None
+    carried = (case.shear_modulus or 0.0, case.mass) if alike else None
     kriged = krige(axes, np.array(settings), np.array(values))
     return Draped(kriged, forward.grid, fine, sheet.size, names, scales, carried)
 

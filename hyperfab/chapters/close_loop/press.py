@@ -57,7 +57,7 @@ def run(job: Job, given: Given) -> int:
         )
         for file in made.read.files:
             job.inputs.read(file.name)
-        check_unchanged(job, recalled, given.name, [*given.measured, *given.held])
+        check_unchanged(job, recalled, [*given.measured, *given.held])
         told = made.kept[-1]
         assert isinstance(told, Told)
         advance(0.15, "gaps over the stroke")

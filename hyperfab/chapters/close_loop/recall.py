@@ -7,14 +7,17 @@ import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
+from hyperfab.cases.case import Case
+from hyperfab.cases.like import Earlier
 from hyperfab.chapters.job import Job
 from hyperfab.documents.base import document_class, parse_document
 from hyperfab.documents.provenance import Provenance
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.inputs import Inputs
 
+CaseT = TypeVar("CaseT", bound=Case)
 #: Reads the words of a command line: command and words to the options its chapter takes.
 Parse = Callable[[str, Sequence[str]], Mapping[str, Any]]
 
@@ -27,6 +30,7 @@ class Recalled:
     """How a document was made: ``words`` of its command with the files where they are now, and ``options`` of the
     chapter; ``known`` are the SHA-256 of what was read then."""
 
+    name: str
     command: str
     words: list[str]
     options: dict[str, Any]
@@ -61,15 +65,25 @@ def recall(job: Job, name: str, data: Mapping[str, Any], kind: str, parse: Parse
             key="provenance.arguments",
             remedy=f"make it again with hf {command}",
         ) from None
-    return Recalled(command, words, options, frozenset(one.sha256 for one in provenance.inputs), data)
+    return Recalled(name, command, words, options, frozenset(one.sha256 for one in provenance.inputs), data)
 
 
-def check_unchanged(job: Job, recalled: Recalled, name: str, besides: Iterable[str]) -> None:
+def unchanged(made: Earlier[CaseT]) -> Earlier[CaseT]:
+    """Return how a model was made; InputError where an input of it has changed since."""
+    for name in made.changed:
+        raise _changed(name, made.name, made.case.COMMAND)
+    return made
+
+
+def check_unchanged(job: Job, made: Earlier[Any] | Recalled, besides: Iterable[str]) -> None:
     """Refuse files read for the model that are not those it was made from; ``besides`` were read for other ends."""
-    other = {name, *besides}
+    other = {made.name, *besides}
+    known = made.known if isinstance(made, Recalled) else set(made.read.values())
     for file in job.inputs.files:
-        if file.name not in other and file.sha256 not in recalled.known:
-            raise _changed(file.name, name, recalled.command)
+        if file.name not in other and file.sha256 not in known:
+            raise _changed(
+                file.name, made.name, made.command if isinstance(made, Recalled) else made.case.COMMAND
+            )
 
 
 def reworded(words: Sequence[str], changes: Mapping[str, str | None]) -> list[str]:

@@ -8,6 +8,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from hyperfab.cases.case import Case
+from hyperfab.cases.options import words
+from hyperfab.chapters.commands import run
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.io.inputs import MAX_BYTES, Inputs
@@ -117,3 +120,12 @@ def preview(
     with contextlib.suppress(_EnoughError):
         chapter.run(job, **options)
     return job.kept[-1], job.inputs
+
+
+def rerun_case(case: Case, target: str, given: Mapping[str, bytes] = {}) -> Made:
+    """Run the command of a case, with files ``given`` by name that are not written yet; errors are the command's."""
+    listener = Listener()
+    job = Rerun(case.COMMAND, words(case), listener, Overlay(given), target)
+    status = run(job, case)
+    kept = job.outputs[-1]
+    return Made(kept.document, kept.siblings, status, listener.warnings, job.kept, job.inputs)

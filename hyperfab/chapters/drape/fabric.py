@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hyperfab.cases.drape import DrapeCase
 from hyperfab.chapters.drape.curves import read_curve
 from hyperfab.chapters.job import Job
 from hyperfab.cloth import SpringLaw
@@ -15,8 +16,7 @@ from hyperfab.cloth.law import Floats
 from hyperfab.documents.base import read_document
 from hyperfab.documents.drape import SpringUse
 from hyperfab.documents.material import FitFigures, MaterialDocument
-from hyperfab.errors import InputError, UsageError
-from hyperfab.io import units
+from hyperfab.errors import InputError
 from hyperfab.materials import bind
 
 #: What a law straight from a test is called.
@@ -41,20 +41,12 @@ class Fabric:
     fails: tuple[float | None, float | None] = (None, None)
 
 
-def read_fabric(
-    job: Job, name: str | None, thickness: str | None, warp: str | None = None, weft: str | None = None
-) -> Fabric:
+def read_fabric(job: Job, case: DrapeCase) -> Fabric:
     """Read a material document, or the tests ``warp`` and ``weft`` in its place or in place of one direction.
 
-    ``thickness`` from the command line goes before what the files state.
+    The thickness that was asked for goes before what the files state.
     """
-    given = None if thickness is None else units.quantity(thickness, "length", option="--thickness")
-    if given is not None and given <= 0.0:
-        raise UsageError(f"--thickness {thickness}: must be more than 0mm")
-    if name is None and warp is None and weft is None:
-        raise UsageError(
-            "no fabric: name a material document (FABRIC.json), or uniaxial tests with --warp and --weft"
-        )
+    name, warp, weft, given = case.material, case.warp, case.weft, case.thickness
     curves = [
         None if file is None else read_curve(job, option, file, angle, given)
         for option, file, angle in (("--warp", warp, 0.0), ("--weft", weft, 90.0))

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from hyperfab.chapters.drape.fabric import Fabric, use_of
+from hyperfab.cases.drape import SIDES
+from hyperfab.chapters.drape.fabric import use_of
+from hyperfab.chapters.drape.model import Model
 from hyperfab.chapters.drape.states import State
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.molds import PlacedMold
 from hyperfab.cloth import Sheet
 from hyperfab.cloth.friction import SLIDES, STARTS, STICKS
 from hyperfab.cloth.mold import FREE
@@ -21,16 +22,11 @@ def draw_in(sheet: Sheet, state: State, edges: list[str]) -> dict[str, float] | 
     return {name: float(inward[name].max()) + 0.0 for name in edges} or None
 
 
-def document_of(
-    fabric: Fabric,
-    sheet: Sheet,
-    placed: PlacedMold,
-    states: list[State],
-    depths: list[float],
-    loose: list[str],
-    tolerance: float,
-) -> DrapeDocument:
-    """The document of the last state; ``loose`` are the edges that can be drawn in."""
+def document_of(model: Model, states: list[State]) -> DrapeDocument:
+    """The document of the last state."""
+    case, sheet, placed, fabric = model.case, model.sheet, model.files.placed, model.files.fabric
+    depths, tolerance = case.wanted, case.tolerance
+    loose = [side for side in SIDES if side not in case.clamp or side in case.holder]
     state = states[-1]
     found, fields = state.found, state.fields
     warp, weft = use_of(fabric, fields.stretch_warp, fields.stretch_weft)
@@ -43,11 +39,14 @@ def document_of(
         )
         if len(depths) > 1 or state.rest is not None:
             status += f", at a depth of {state.depth:.4g} mm"
+    left_out = model.absent
+    if case.friction > 0.0 and len(state.mold.creases.corners) > 0:
+        left_out.append("friction of the threads between nodes where they run over sharp edges")
     x_mm, y_mm, z_mm = placed.shift
     document = DrapeDocument(
         converged=found.converged,
         status=status,
-        iterations=sum(1 for s in states for step in s.found.history if step.iteration > 0),
+        iterations=_steps(states) if case.solver == "newton" else found.history[-1].iteration,
         iterations_finest=found.history[-1].iteration,
         residual_max_N=found.residual_max,
         residual_relative=found.residual_relative,
@@ -68,7 +67,16 @@ def document_of(
         grid=[sheet.n, sheet.m],
         size_mm=list(sheet.size),
         depth_mm=depths[-1],
-        clamp=[],
+        clamp=list(case.clamp),
+        slide=case.sliding,
+        blank_holder_N_mm=case.holder or None,
+        friction=case.friction or None,
+        solver=case.solver,
+        prestretch=list(case.prestretch),
+        mass_g_m2=case.mass or None,
+        shear_modulus_MPa=case.shear_modulus,
+        shear_law=None if model.files.bias is None else "measured",
+        left_out=left_out,
         warp=warp,
         weft=weft,
         mold=DrapeMold(
@@ -87,6 +95,11 @@ def document_of(
     if state.rest is not None:
         document.rubbing = _rubbing(state)
     return document
+
+
+def _steps(states: list[State]) -> int:
+    """Newton steps on all grids, at all depths."""
+    return sum(1 for state in states for step in state.found.history if step.iteration > 0)
 
 
 def _state(sheet: Sheet, state: State, loose: list[str]) -> DrapeState:

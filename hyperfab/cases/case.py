@@ -1,0 +1,132 @@
+"""A case: what is asked of a command, as a value. It is read from words, kept in documents and read from them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, Self
+
+from hyperfab.cases.field import Setting, settings_of
+from hyperfab.cases.kinds import plain
+from hyperfab.errors import InputError, UsageError
+
+#: Keys of ``setup`` beside the fields: which were not asked but follow from inputs, and what the input files hold.
+DERIVED, HASHES = "derived", "sha256"
+
+
+@dataclass(frozen=True)
+class Case:
+    """The set-up of one run. Subclasses are frozen dataclasses whose docstring is the command's help.
+
+    A case is always sound: what a single field forbids its kind refuses, what fields say together ``check`` does.
+    """
+
+    #: The command, its line on the list of commands, and the kind of document it writes (None: no document).
+    COMMAND: ClassVar[str]
+    KIND: ClassVar[str | None] = None
+    _SETTINGS: ClassVar[Mapping[str, Setting]]
+
+    def __post_init__(self) -> None:
+        self.check()
+
+    def check(self) -> None:
+        """Raise UsageError where fields contradict each other."""
+
+    @classmethod
+    def settings(cls) -> Mapping[str, Setting]:
+        """Return the settings by the field's name."""
+        if "_SETTINGS" not in vars(cls):
+            cls._SETTINGS = {one.name: one for one in settings_of(cls)}
+        return cls._SETTINGS
+
+    @classmethod
+    def of(cls, given: Mapping[str, Any], like: Self | None = None) -> Self:
+        """Return the case of options ``given`` by field name as people write them; ``like`` says the others.
+
+        An empty text takes a field back to its default. Raises UsageError where an option cannot be meant, or is
+        missing.
+        """
+        settings = cls.settings()
+        values = {} if like is None else {name: getattr(like, name) for name in settings}
+        for name in given:
+            for other in settings[name].over:
+                values.pop(other, None)
+        for name, text in given.items():
+            one = settings[name]
+            if text in ("", [""], ("",)):
+                values.pop(name, None)
+            else:
+                values[name] = one.kind.read(text, one.spoken)
+        for one in settings.values():
+            if one.required and one.name not in values:
+                raise UsageError(
+                    f"{one.spoken}{'' if one.argument else ' ' + one.metavar} is missing: {one.help}"
+                )
+        return cls(**values)
+
+    def setup(self, hashes: Mapping[str, str], taken: Mapping[str, Any] | None = None) -> dict[str, Any]:
+        """Return the case as a document keeps it: every field that has a value, by its key.
+
+        ``hashes`` are the SHA-256 of what was read, by name: files stand with their base name, and what they hold
+        beside. ``taken`` are values, by field name, that were not asked for but follow from inputs.
+        """
+        found: dict[str, Any] = {}
+        derived = []
+        held: dict[str, Any] = {}
+        for one in self.settings().values():
+            value = getattr(self, one.name)
+            if value is None and taken is not None and taken.get(one.name) is not None:
+                value = taken[one.name]
+                derived.append(one.key)
+            if value is None:
+                continue
+            found[one.key] = plain(one.kind.dump(value))
+            names = [value] if isinstance(value, str) else value
+            if one.files and all(name in hashes for name in names):
+                found[one.key] = _bare(value)
+                if names:
+                    held[one.key] = (
+                        hashes[value] if isinstance(value, str) else [hashes[name] for name in value]
+                    )
+        return found | ({DERIVED: derived} if derived else {}) | ({HASHES: held} if held else {})
+
+    @classmethod
+    def load(cls, setup: Mapping[str, Any], name: str) -> Self:
+        """Return the case that the document ``name`` keeps; InputError names a key that is not sound."""
+        values = {}
+        for one in cls.settings().values():
+            if one.key not in setup or one.key in setup.get(DERIVED, ()):
+                continue
+            try:
+                values[one.name] = one.kind.load(setup[one.key])
+            except ValueError as error:
+                raise InputError(str(error), file=name, key=f"setup.{one.key}") from None
+        try:
+            return cls(**values)
+        except TypeError:
+            missing = next(one for one in cls.settings().values() if one.required and one.name not in values)
+            raise InputError("is missing", file=name, key=f"setup.{missing.key}") from None
+        except UsageError as error:
+            raise InputError(str(error), file=name, key="setup") from None
+
+    @classmethod
+    def schema(cls) -> dict[str, Any]:
+        """Return the JSON Schema of ``setup``."""
+        properties = {
+            one.key: {**one.kind.schema(), "description": one.help} for one in cls.settings().values()
+        }
+        return {
+            "type": "object",
+            "description": "the set-up that was run, defaults included: --like takes it from here",
+            "properties": {
+                **properties,
+                DERIVED: {"type": "array", "items": {"enum": list(properties)},
+                          "description": "keys that were not asked but follow from inputs"},
+                HASHES: {"type": "object", "description": "SHA-256 of the input files, by key"},
+            },
+        }  # fmt: skip
+
+
+def _bare(value: Any) -> Any:
+    return os.path.basename(value) if isinstance(value, str) else [os.path.basename(name) for name in value]

@@ -1,0 +1,159 @@
+"""The set-up of an earlier document: its case, with every input found again by its name and hash."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import os
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Generic, TypeVar
+
+from hyperfab.cases import options
+from hyperfab.cases.case import HASHES, Case
+from hyperfab.documents.base import document_class, parse_document
+from hyperfab.documents.provenance import Provenance
+from hyperfab.errors import InputError, UsageError
+from hyperfab.io.inputs import Inputs
+
+CaseT = TypeVar("CaseT", bound=Case)
+
+
+@dataclass(frozen=True)
+class Earlier(Generic[CaseT]):
+    """How the document ``name`` was made: its ``case`` with the files where they are now, the SHA-256 of all that was
+    ``read`` then by the name it has from here, and the ``changed`` inputs among those the case names."""
+
+    name: str
+    case: CaseT
+    read: Mapping[str, str]
+    changed: Sequence[str]
+
+    def altered(self, inputs: Inputs) -> list[str]:
+        """Return files read now that lie where the earlier run read others, besides those the case names."""
+        now = {os.path.normpath(file.name): file.sha256 for file in inputs.files if file.name != "-"}
+        return [
+            name
+            for name, known in self.read.items()
+            if name in now and now[name] != known and name not in self.changed
+        ]
+
+
+def earlier(
+    cls: type[CaseT], data: Mapping[str, Any], name: str, replaced: Collection[str] = ()
+) -> Earlier[CaseT]:
+    """Return how the document ``name`` with the plain ``data`` was made; fields ``replaced`` need no file.
+
+    A file is looked for beside the document and in folders near by, by its hash; one that has changed is taken by its
+    name. Raises InputError where the document does not say how it was made, or names an input that is missing.
+    """
+    if cls.KIND is None:
+        raise UsageError(f"hf {cls.COMMAND} writes no document to take a set-up from")
+    document = parse_document(data, name, document_class(cls.KIND))
+    provenance = document.provenance
+    setup = data.get("setup")
+    if provenance is None or provenance.command != cls.COMMAND:
+        raise InputError(
+            "does not say how it was made",
+            file=name,
+            key="provenance",
+            remedy=f"make it with hf {cls.COMMAND}",
+        )
+    hashes: Mapping[str, Any] = {}
+    # The set-up of older documents says what was pressed, and not all that was asked.
+    if isinstance(setup, Mapping) and HASHES in setup:
+        case = cls.load(setup, name)
+        hashes = setup[HASHES]
+    else:
+        case = _of_words(cls, provenance, name)
+    search = _Search(name, cls.COMMAND, provenance)
+    values: dict[str, Any] = {}
+    for one in cls.settings().values():
+        value = getattr(case, one.name)
+        if not one.files or not value or one.name in replaced:
+            continue
+        known = hashes.get(one.key)
+        if isinstance(value, str):
+            values[one.name] = search.found(value, known if isinstance(known, str) else None)
+        else:
+            each = known if isinstance(known, list) and len(known) == len(value) else [None] * len(value)
+            values[one.name] = tuple(search.found(*pair) for pair in zip(value, each, strict=True))
+    read = {search.beside(one.name): one.sha256 for one in provenance.inputs}
+    return Earlier(name, dataclasses.replace(case, **values), read, search.changed)
+
+
+def _of_words(cls: type[CaseT], provenance: Provenance, name: str) -> CaseT:
+    """Return the case of a document without ``setup``, from the words it was made with."""
+    try:
+        return options.read(cls, provenance.arguments)
+    except UsageError as error:
+        raise InputError(
+            f"has arguments that hf {cls.COMMAND} does not take: {error}",
+            file=name,
+            key="provenance.arguments",
+            remedy=f"make it again with hf {cls.COMMAND}",
+        ) from None
+
+
+class _Search:
+    """Finds inputs of a document again."""
+
+    def __init__(self, name: str, command: str, provenance: Provenance) -> None:
+        self.name, self.command, self.provenance = name, command, provenance
+        self.changed: list[str] = []
+
+    def beside(self, relative: str) -> str:
+        """Return a name that the document gives, from here."""
+        return relative if relative == "-" else os.path.normpath(Inputs.beside(self.name, relative))
+
+    def found(self, shown: str, known: str | None) -> str:
+        """Return where the input ``shown`` lies now; ``known`` is its hash where the set-up says it."""
+        inputs = self.provenance.inputs
+        relative = next(
+            (one.name for one in inputs if one.sha256 == known and _base(one.name) == _base(shown)), shown
+        )
+        wanted = {known} if known else {one.sha256 for one in inputs if one.name == relative}
+        if not wanted and not os.path.isfile(self.beside(relative)):
+            return shown  # no file but a name that stands for something, as a shape
+        if relative == "-":
+            return self._kept(wanted)
+        first = self.beside(relative)
+        others = [relative]
+        # No further: a copy that happens to lie about elsewhere is not the user's file.
+        for folder in (Path(), Path(self.name).parent):
+            others += [
+                str(path) for path in [folder / _base(relative), *sorted(folder.glob(f"*/{_base(relative)}"))]
+            ]
+        for place in (first, *(os.path.normpath(place) for place in others)):
+            if os.path.isfile(place) and (not wanted or _hash(place) in wanted):
+                return place
+        if os.path.isfile(first):
+            self.changed.append(first)
+            return first
+        raise InputError(
+            f"no such file; {self.name} was made from it",
+            file=first,
+            remedy=f"put it back, or make {_base(self.name)} again with hf {self.command}",
+        )
+
+    def _kept(self, wanted: set[str]) -> str:
+        """Return the copy of a piped document that was kept beside the document or in the present folder."""
+        for folder in (Path(self.name).parent, Path()):
+            for path in sorted(folder.glob("*.json")):
+                if path.is_file() and _hash(str(path)) in wanted:
+                    return os.path.normpath(path)
+        raise InputError(
+            "was made from a document on standard input, which is gone",
+            file=self.name,
+            key="provenance.arguments",
+            remedy=f"keep that document in a file and run hf {self.command} on it",
+        )
+
+
+def _base(name: str) -> str:
+    return os.path.basename(name)
+
+
+def _hash(place: str) -> str:
+    return hashlib.sha256(Path(place).read_bytes()).hexdigest()

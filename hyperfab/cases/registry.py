@@ -1,0 +1,27 @@
+"""Which case a command has, and which a kind of document; imported only when asked for."""
+
+from __future__ import annotations
+
+import importlib
+
+from hyperfab.cases.case import Case
+
+#: The module of ``hyperfab.cases`` and the class in it, by command.
+CASES = {"drape": "drape:DrapeCase"}
+#: The command that makes each kind of document.
+MADE_BY = {
+    "material": "fit",
+    "contact": "fabric-contact",
+    "drape": "drape",
+    "heat": "mold-heat",
+    "press": "press-contact",
+    "loop": "close-loop",
+    "sweep": "sweep",
+}
+
+
+def case_class(command: str) -> type[Case]:
+    """Return the class of the cases of a command."""
+    module, name = CASES[command].split(":")
+    found: type[Case] = getattr(importlib.import_module(f"hyperfab.cases.{module}"), name)
+    return found

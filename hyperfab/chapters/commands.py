@@ -1,0 +1,44 @@
+"""The commands by name: the chapter that runs each, imported only when it is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from hyperfab.cases.case import Case
+from hyperfab.cases.like import earlier
+from hyperfab.cases.options import given
+from hyperfab.cases.registry import case_class
+from hyperfab.chapters.job import Job
+from hyperfab.io.json_io import load_json
+
+
+def asked(job: Job, cls: type[Case], options: Mapping[str, Any], like: str | None = None) -> Case:
+    """Return the case of the ``options`` given, the others as in the document ``like``; changed inputs are told."""
+    if like is None:
+        return cls.of(options)
+    data = load_json(job.inputs.read(like), like)
+    replaced = {*options, *(other for name in options for other in cls.settings()[name].over)}
+    job.like = earlier(cls, data if isinstance(data, Mapping) else {}, like, replaced)
+    for name in job.like.changed:
+        job.console.warn(f"{name} has changed since {like} was made from it")
+    return cls.of(options, job.like.case)
+
+
+def run_words(job: Job, words: Sequence[str]) -> int:
+    """Run the job's command on the case of its words; ``--like DOC.json`` stands among them as on the command line."""
+    cls = case_class(job.command)
+    rest = list(words)
+    like = None
+    if "--like" in rest[:-1]:
+        at = rest.index("--like")
+        like = rest[at + 1]
+        del rest[at : at + 2]
+    return run(job, asked(job, cls, given(cls, rest), like))
+
+
+def run(job: Job, case: Any) -> int:
+    """Run the chapter of the case's command; return its exit status."""
+    from hyperfab.chapters import drape
+
+    return drape.run(job, case)

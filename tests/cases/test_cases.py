@@ -1,0 +1,99 @@
+"""A case is a value: words give it, a document keeps it, places reach into it, and each way back is exact."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import jsonschema
+import pytest
+
+from hyperfab.cases import options
+from hyperfab.cases.case import Case
+from hyperfab.cases.place import get, put
+from hyperfab.cases.registry import CASES, case_class
+from hyperfab.errors import InputError, UsageError
+from hyperfab.io.json_io import dump_json, load_json
+
+#: A set-up of each command in which as many fields as can stand together are not at their default.
+FULL: dict[str, list[str]] = {
+    "drape": [
+        "fabric.json", "--mold", "a.stl", "--mold", "b.stl", "--grid", "31x21", "--size", "20cmx180mm", "--depths",
+        "2cm,4cm", "--thickness", "0.7 mm", "--clamp", "x-,x+", "--slide", "y-", "--blank-holder", "0.5N/mm",
+        "--blank-holder", "x+=1 N/cm", "--friction", "0.3", "--load-steps", "7", "--prestretch", "1.05x1.1", "--mass",
+        "0.18kg/m^2", "--shear-modulus", "50kPa", "--max-stretch", "1.9", "--steps", "5", "--divisor", "41",
+        "--tolerance", "1e-7", "--stl-unit", "cm", "--warp", "w.csv",
+    ],
+}  # fmt: skip
+#: The least that each command needs.
+LEAST: dict[str, list[str]] = {"drape": ["fabric.json", "--mold", "a.stl"]}
+
+
+def cases() -> list[Case]:
+    """Return the least and the fullest case of each command."""
+    return [options.read(case_class(command), words[command]) for words in (LEAST, FULL) for command in CASES]
+
+
+@pytest.mark.parametrize("case", cases(), ids=lambda case: case.COMMAND)
+def test_words_and_documents_give_the_case_back(case: Case) -> None:
+    cls = type(case)
+    assert options.read(cls, options.words(case)) == case
+    hashes = {
+        name: "0" * 64
+        for one in cls.settings().values()
+        if one.files
+        for value in [getattr(case, one.name)]
+        for name in ([value] if isinstance(value, str) else value or ())
+    }
+    setup = load_json(dump_json(case.setup(hashes)), "a.json")
+    jsonschema.validate(setup, cls.schema())
+    assert cls.load(setup, "a.json") == case
+
+
+@pytest.mark.parametrize("case", cases(), ids=lambda case: case.COMMAND)
+def test_what_stands_at_a_place_can_be_put_there(case: Case) -> None:
+    for one in case.settings().values():
+        value = get(case, one.key)
+        if value is not None:
+            assert put(case, one.key, value) == case
+
+
+@pytest.mark.parametrize("command", CASES)
+def test_every_default_is_within_its_own_bounds_and_every_field_has_help(command: str) -> None:
+    cls = case_class(command)
+    for one, field in zip(cls.settings().values(), dataclasses.fields(cls), strict=True):
+        assert one.help.endswith("."), one.name
+        if field.default not in (dataclasses.MISSING, None, ()):
+            assert one.kind.load(one.kind.dump(field.default)) == field.default
+
+
+def test_a_place_reaches_into_what_a_field_holds() -> None:
+    case = options.read(case_class("drape"), FULL["drape"])
+    assert get(case, "prestretch.1") == 1.1
+    assert get(put(case, "prestretch.1", 1.2), "prestretch") == [1.05, 1.2]
+    assert get(put(case, "blank_holder_N_mm.x+", 3.0), "blank_holder_N_mm") == {"clamped": 0.5, "x+": 3.0}
+    with pytest.raises(UsageError, match="no such setting"):
+        get(case, "depht_mm")
+    with pytest.raises(UsageError, match=r"0\.5 to 3"):
+        put(case, "prestretch.0", 9.0)
+
+
+def test_an_option_given_wins_over_an_earlier_set_up_and_over_its_rivals() -> None:
+    cls: Any = case_class("drape")
+    earlier = options.read(cls, FULL["drape"])
+    assert cls.of({"depth": "9mm"}, earlier).wanted == [9.0]
+    assert cls.of({"shear_law": "bias.csv"}, earlier).shear_modulus is None
+    assert cls.of({"friction": "", "load_steps": ""}, earlier).friction == 0.0
+
+
+def test_a_set_up_that_is_not_sound_is_refused_by_its_key() -> None:
+    cls = case_class("drape")
+    setup = options.read(cls, LEAST["drape"]).setup({})
+    for key, wrong in (("depth_mm", "60mm"), ("grid", [2, 100]), ("clamp", ["north"]), ("solver", "magic")):
+        with pytest.raises(InputError) as refused:
+            cls.load({**setup, key: wrong}, "a.json")
+        assert refused.value.key == f"setup.{key}"
+    del setup["mold"]
+    with pytest.raises(InputError) as refused:
+        cls.load(setup, "a.json")
+    assert refused.value.key == "setup.mold"

@@ -1,0 +1,132 @@
+"""``--like``: an earlier document gives the set-up, inputs and all; what is given beside it wins."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+import trimesh
+from conftest import ROOT, Run
+
+from hyperfab.io.stl_write import stl_bytes
+
+FABRIC = {
+    "format": "hyperfab.material/1",
+    "model": "neo-hookean",
+    "parameters": {"C10_MPa": 0.2},
+    "thickness_mm": 0.8,
+}
+#: The words of each command, and an option that changes its result: its words, and its key in ``setup``.
+RUNS: dict[str, tuple[list[str], tuple[str, str], str]] = {
+    "drape": (
+        ["fabric.json", "--mold", "ball.stl", "--grid", "15x13", "--size", "200mm", "--depth", "30mm", "--friction",
+         "0.2", "--load-steps", "3"],
+        ("--friction", "0.1"),
+        "friction",
+    ),
+}  # fmt: skip
+
+
+def without(document: dict[str, Any]) -> dict[str, Any]:
+    """Return the document less its provenance; the names of its siblings less their stem."""
+    document = {key: value for key, value in document.items() if key != "provenance"}
+    document["files"] = [Path(name).name.partition(".")[2] for name in document.get("files", [])]
+    return document
+
+
+@pytest.fixture(scope="module", params=RUNS)
+def made(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, hf: Run
+) -> tuple[str, Path]:
+    """A folder in which a command was run: its document is ``a.json``."""
+    folder = tmp_path_factory.mktemp("like") / "shop"
+    folder.mkdir()
+    mesh = trimesh.creation.icosphere(subdivisions=2, radius=60.0)
+    (folder / "ball.stl").write_bytes(stl_bytes(mesh.vertices, mesh.faces))
+    (folder / "fabric.json").write_text(json.dumps(FABRIC))
+    done = hf(request.param, *RUNS[request.param][0], "-o", "a.json", cwd=folder)
+    assert done.returncode in (0, 1), done.stderr.decode()
+    return request.param, folder
+
+
+def run(hf: Run, command: str, folder: Path, *words: str, name: str = "b.json") -> dict[str, Any]:
+    done = hf(command, *words, "-o", name, cwd=folder)
+    assert done.returncode in (0, 1), done.stderr.decode()
+    found: dict[str, Any] = json.loads((folder / name).read_text())
+    return found
+
+
+def test_the_same_set_up_gives_the_same_document(made: tuple[str, Path], hf: Run) -> None:
+    command, folder = made
+    first = json.loads((folder / "a.json").read_text())
+    assert without(run(hf, command, folder, "--like", "a.json")) == without(first)
+
+
+def test_it_does_from_another_folder(made: tuple[str, Path], hf: Run) -> None:
+    command, folder = made
+    first = json.loads((folder / "a.json").read_text())
+    other = folder.parent / "elsewhere"
+    other.mkdir(exist_ok=True)
+    assert without(run(hf, command, other, "--like", "../shop/a.json")) == without(first)
+
+
+def test_an_option_given_wins_and_nothing_else_of_the_set_up_changes(made: tuple[str, Path], hf: Run) -> None:
+    command, folder = made
+    first = json.loads((folder / "a.json").read_text())
+    _, words, key = RUNS[command]
+    again = run(hf, command, folder, "--like", "a.json", *words)
+    assert {name for name in again["setup"] if again["setup"][name] != first["setup"].get(name)} == {key}
+    assert without(again) != without(first)
+
+
+def test_a_document_without_setup_is_read_by_its_words(made: tuple[str, Path], hf: Run) -> None:
+    command, folder = made
+    first = json.loads((folder / "a.json").read_text())
+    old = {key: value for key, value in first.items() if key != "setup"}
+    if command == "fabric-contact":
+        old["setup"] = {key: value for key, value in first["setup"].items() if key != "sha256"}
+    (folder / "old.json").write_text(json.dumps(old))
+    assert without(run(hf, command, folder, "--like", "old.json")) == without(first)
+
+
+def drape(tmp_path: Path, hf: Run) -> Path:
+    """A folder with a draped ball."""
+    mesh = trimesh.creation.icosphere(subdivisions=2, radius=60.0)
+    (tmp_path / "ball.stl").write_bytes(stl_bytes(mesh.vertices, mesh.faces))
+    (tmp_path / "fabric.json").write_text(json.dumps(FABRIC))
+    run(hf, "drape", tmp_path, *RUNS["drape"][0], name="a.json")
+    return tmp_path
+
+
+def test_inputs_that_moved_are_found_changed_ones_told_and_missing_ones_named(
+    tmp_path: Path, hf: Run
+) -> None:
+    folder = drape(tmp_path, hf)
+    (folder / "molds").mkdir()
+    (folder / "ball.stl").rename(folder / "molds" / "ball.stl")
+    done = hf("drape", "--like", "a.json", "-o", "b.json", cwd=folder)
+    assert done.returncode == 0
+    assert b"changed" not in done.stderr
+    (folder / "fabric.json").write_text(json.dumps(FABRIC | {"thickness_mm": 0.9}))
+    done = hf("drape", "--like", "a.json", "-o", "c.json", cwd=folder)
+    assert done.returncode == 0
+    assert b"fabric.json has changed since a.json was made from it" in done.stderr
+    assert json.loads((folder / "c.json").read_text())["setup"]["thickness_mm"] == 0.9
+    (folder / "molds" / "ball.stl").unlink()
+    done = hf("drape", "--like", "a.json", "-o", "d.json", cwd=folder)
+    assert done.returncode == 3
+    assert b"ball.stl" in done.stderr
+    assert b"no such file" in done.stderr
+
+
+def test_a_document_of_another_kind_is_refused(tmp_path: Path, hf: Run) -> None:
+    (tmp_path / "fabric.json").write_text(json.dumps(FABRIC))
+    done = hf("drape", "--like", "fabric.json", cwd=tmp_path)
+    assert done.returncode == 3
+    assert b"a drape document is needed" in done.stderr
+
+
+def test_readme_explains_it() -> None:
+    assert "`--like" in (ROOT / "README.md").read_text(encoding="utf-8")
