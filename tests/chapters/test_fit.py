@@ -248,6 +248,48 @@ def test_cycle_branch_and_slack_are_chosen_and_told(hf: Run, tmp_path: Path) -> 
     assert second["parameters"]["C10_MPa"] / first["parameters"]["C10_MPa"] == pytest.approx(0.75, rel=1e-3)
 
 
+def test_cycles_and_branches_are_found_where_the_file_does_not_number_them(hf: Run, tmp_path: Path) -> None:
+    loop_csv(tmp_path / "loop.csv")
+    rows = (tmp_path / "loop.csv").read_text().splitlines()
+    bare = "\n".join(",".join(row.split(",")[1:3]) for row in rows) + "\n"
+    (tmp_path / "bare.csv").write_text(bare)
+    chosen = ("--model", "neo-hookean", "--branch", "load", "--cycle", "2", "--accept", "9")
+    told = fit(hf, "--uniaxial", "loop.csv", *chosen, cwd=tmp_path)
+    found = fit(hf, "--uniaxial", "bare.csv", *chosen, cwd=tmp_path)
+    assert found["parameters"] == told["parameters"]
+    seventh = hf("fit", "--uniaxial", "bare.csv", "--cycle", "7", cwd=tmp_path)
+    assert seventh.returncode == 3
+    assert "there are cycles 1 to 2" in seventh.stderr.decode()
+
+
+def test_what_was_averaged_is_said_once_for_all_files_with_its_size(hf: Run, tmp_path: Path) -> None:
+    for name in "abcdef":
+        loop_csv(tmp_path / f"{name}.csv")
+        with (tmp_path / f"{name}.csv").open("a") as file:
+            file.write(f"2,1.0,{1e-5 * ord(name):.9f},unload\n")
+    options = [f"--uniaxial={name}.csv" for name in "abcdef"]
+    found = fit(hf, *options, "--model", "neo-hookean", "--accept", "9", cwd=tmp_path)
+    [branches] = [text for text in found["warnings"] if "loading and unloading differ by" in text]
+    [cycles] = [text for text in found["warnings"] if "cycles 1 and 2 differ by" in text]
+    assert "a.csv, line 403; b.csv, line 403" in branches
+    assert "2 more" in branches
+    assert "--branch load" in branches
+    assert "--cycle first" in cycles
+    chosen = ("--branch", "load", "--cycle", "1", "--accept", "9")
+    settled = fit(hf, *options, "--model", "neo-hookean", *chosen, cwd=tmp_path)
+    assert not [text for text in settled.get("warnings", []) if "differ by" in text]
+
+
+def test_the_same_readings_in_two_files_are_told(hf: Run, tmp_path: Path) -> None:
+    rows = "".join(f"{x / 10},{0.4 * (x / 10 - (x / 10) ** -2):.6f}\n" for x in range(11, 20))
+    (tmp_path / "a.csv").write_text(f"stretch,stress [MPa]\n{rows}")
+    (tmp_path / "b.csv").write_text(f"# direction: warp\nstretch;stress [MPa]\n{rows.replace(',', ';')}")
+    found = fit(hf, "--uniaxial", "a.csv", "--uniaxial", "b.csv", "--model", "neo-hookean", cwd=tmp_path)
+    assert any(
+        "b.csv, line 3: the 9 readings are those of a.csv, line 2" in text for text in found["warnings"]
+    )
+
+
 def test_unloading_that_takes_part_draws_a_warning(hf: Run, tmp_path: Path) -> None:
     loop_csv(tmp_path / "loop.csv")
     found = fit(hf, "--uniaxial", "loop.csv", "--model", "neo-hookean", "--accept", "9", cwd=tmp_path)

@@ -11,6 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.look import remarks
 from hyperfab.documents.provenance import Provenance
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_tests import TestData, read_tests
@@ -68,6 +69,7 @@ def read_measured(
     for name, counts in {test.source: test.left_out for test in every}.items():
         for reason, count in counts.items():
             found.left_out[f"{name}: {reason}"] += count
+    found.warnings += remarks(every, silent=("unloading", "cycles"))
     for test in every:
         if test.test == "volumetric":
             found.left_out[f"{test.source}: volumetric test, the sheet's law has no say in it"] += len(

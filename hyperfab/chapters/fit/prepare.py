@@ -11,9 +11,7 @@ import numpy as np
 
 from hyperfab.chapters.fit.reading import Array, Reading, Whole
 from hyperfab.errors import InputError, UsageError
-
-#: Rows after the largest stretch are unloading where they come back by this share of the whole way.
-_RETURN = 0.2
+from hyperfab.numerics.hygiene import branches, cycles
 
 
 @dataclass(frozen=True)
@@ -36,15 +34,26 @@ class Steps:
             raise UsageError(f"--resample {self.resample}: at least 3 points a curve are needed")
 
 
+def settled(steps: Steps) -> set[str]:
+    """Return the kinds of oddity (``hyperfab.numerics.hygiene``) that the steps take out or count from."""
+    chosen = {
+        "unloading": steps.branch != "all",
+        "cycles": steps.cycle != "all",
+        "offset": steps.zero or steps.preload is not None,
+    }
+    return {kind for kind, done in chosen.items() if done}
+
+
 def prepare(
     curves: Sequence[Reading], steps: Steps, left_out: Counter[str], told: list[str]
 ) -> list[Reading]:
     """Return the curves after the steps, telling each in ``told`` and each row left out in ``left_out``."""
     found = list(curves)
     if steps.cycle != "all":
-        found = _select(
-            found, lambda curve: _of_cycle(curve, steps.cycle), left_out, f"not cycle {steps.cycle}"
-        )
+        there = sorted({int(number) for curve in found for number in _numbered(curve)})
+        remedy = f"there are cycles {there[0]} to {there[-1]}" if len(there) > 1 else "there is one cycle"
+        reason = f"not cycle {steps.cycle}"
+        found = _select(found, lambda curve: _of_cycle(curve, steps.cycle), left_out, reason, remedy)
         told.append(f"cycle {steps.cycle} of each test")
     if steps.branch != "all":
         wanted = 1 if steps.branch == "load" else -1
@@ -68,7 +77,11 @@ def prepare(
 
 
 def _select(
-    curves: Sequence[Reading], wanted: Callable[[Reading], Array], left_out: Counter[str], reason: str
+    curves: Sequence[Reading],
+    wanted: Callable[[Reading], Array],
+    left_out: Counter[str],
+    reason: str,
+    remedy: str = "choose the other branch",
 ) -> list[Reading]:
     found = []
     for curve in curves:
@@ -81,32 +94,25 @@ def _select(
         raise InputError(
             f"no row is left: all are {reason}",
             file=curves[0].source,
-            remedy="choose another branch or cycle",
+            remedy=remedy,
         )
     return found
 
 
 def _branch(curve: Reading) -> Whole:
-    """Return 1 on loading and -1 on unloading: as the file says, else by the way to and from the largest stretch."""
-    if curve.branch is not None:
-        return curve.branch
-    turn = int(np.argmax(curve.stretch))
-    back = float(curve.stretch[turn] - curve.stretch[turn:].min())
-    if back < _RETURN * float(np.ptp(curve.stretch)):
-        return np.ones(len(curve.stretch), dtype=np.int64)
-    return np.where(np.arange(len(curve.stretch)) <= turn, 1, -1)
+    """Return 1 on loading and -1 on unloading: as the file says, else by the turns of the stretch."""
+    return branches(curve.stretch) if curve.branch is None else curve.branch
+
+
+def _numbered(curve: Reading) -> Whole:
+    """Return the cycle of each row: as the file says, else counted by the turns of the stretch."""
+    return cycles(curve.stretch, _branch(curve)) if curve.cycle is None else curve.cycle
 
 
 def _of_cycle(curve: Reading, wanted: str) -> Array:
-    if curve.cycle is None:
-        raise InputError(
-            "does not number its cycles",
-            file=curve.source,
-            column="cycle",
-            remedy="add the column, or leave out --cycle",
-        )
-    number = {"first": int(curve.cycle.min()), "last": int(curve.cycle.max())}.get(wanted)
-    return np.asarray(curve.cycle == (int(wanted) if number is None else number))
+    cycle = _numbered(curve)
+    number = {"first": int(cycle.min()), "last": int(cycle.max())}.get(wanted)
+    return np.asarray(cycle == (int(wanted) if number is None else number))
 
 
 def _zeroed(curve: Reading) -> Reading:

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from hyperfab.chapters.fit.prepare import Steps, prepare
+from hyperfab.chapters.fit.prepare import Steps, prepare, settled
 from hyperfab.chapters.fit.reading import Reading
+from hyperfab.chapters.look import remarks
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_tests import TestData, read_tests
 from hyperfab.io.specimen import Geometry
@@ -106,6 +107,7 @@ def gather(tests: Sequence[TestData], steps: Steps, relative: bool) -> Readings:
         raise InputError(
             "no row is left to fit", file=tests[0].source, remedy="is the stress zero in all rows?"
         )
+    found.warnings += remarks(sheets, settled(steps))
     _remarks(sheets, found)
     return found
 
@@ -184,13 +186,6 @@ def _remarks(tests: Sequence[TestData], found: Readings) -> None:
     if found.nominal:
         found.preparation.append(
             "no thickness is known: 1 mm is taken, and a constant in MPa is force per width in N/mm"
-        )
-    branches = [curve.branch for curve in found.curves if curve.branch is not None]
-    unloading = sum(int((branch == -1).sum()) for branch in branches)
-    if 0 < unloading < sum(map(len, branches)):
-        found.warnings.append(
-            f"{unloading} rows are unloading; an elastic law takes the middle of loading and unloading; "
-            "--branch load takes loading alone"
         )
     for note in dict.fromkeys(f"{test.source}: {note}" for test in tests for note in test.notes):
         found.preparation.append(note)

@@ -1,0 +1,314 @@
+"""A measured curve looked at before any model: where it turns, and readings that no specimen can have given.
+
+Pure arrays in the order they were read; nothing here knows files, units or laws. A sheet of readings that is merely
+noisy draws no remark: every threshold is the larger of a share of the curve and a multiple of its own scatter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Whole = NDArray[np.int64]
+
+#: A curve has turned where it comes back by this share of its whole way.
+TURN = 0.2
+#: Steps below this share of the whole way, or of the peak, are no remark's business.
+SMALL_STEP, SMALL_LEAP = 0.003, 0.05
+#: So many standard deviations of its own scatter make a step, of which a curve has hundreds, no chance.
+FAR = 8.0
+#: Branches and cycles that differ by less than this share of the peak may be averaged without a word.
+ALIKE = 0.02
+#: A reading before the pull beyond this share of the peak is an offset.
+OFFSET = 0.02
+#: Below this share of the peak a reading is zero, whatever its last digits say.
+ZERO = 1e-9
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """What is odd about a curve: its ``kind``, the rows (of the arrays given), a size as a share, and the words.
+
+    Kinds: ``unloading``, ``cycles``, ``step-back``, ``drop``, ``spike``, ``saturation``, ``doubled``, ``offset``.
+    """
+
+    kind: str
+    rows: tuple[int, ...]
+    size: float
+    text: str
+    remedy: str
+
+
+def turns(way: Array, share: float = TURN) -> list[slice]:
+    """Return the sweeps of ``way``: rows between places where it comes back by ``share`` of its whole range.
+
+    Neighbours do not overlap; the turning row belongs to the sweep that ends there.
+
+    >>> turns(np.array([1.0, 1.5, 2.0, 1.6, 1.1, 1.4, 2.0]))
+    [slice(0, 3, None), slice(3, 5, None), slice(5, 7, None)]
+    """
+    count = len(way)
+    enough = share * float(np.ptp(way)) if count else 0.0
+    if count < 3 or enough == 0.0:
+        return [slice(0, count)]
+    edges, low, high, rising = [0], 0, 0, None
+    for row, value in enumerate(way.tolist()):
+        if value > way[high]:
+            high = row
+        if value < way[low]:
+            low = row
+        if rising is not False and way[high] - value >= enough:
+            if rising:
+                edges.append(high + 1)
+            rising, low = False, row
+        elif rising is not True and value - way[low] >= enough:
+            if rising is False:
+                edges.append(low + 1)
+            rising, high = True, row
+        if rising is False and way[low] == value:
+            high = row
+        if rising is True and way[high] == value:
+            low = row
+    edges.append(count)
+    return [slice(a, b) for a, b in pairwise(edges) if b > a]
+
+
+def branches(stretch: Array) -> Whole:
+    """Return 1 for rows on the way away from stretch 1 and -1 for rows on the way back to it.
+
+    >>> branches(np.array([1.0, 1.5, 2.0, 1.5, 1.1]))
+    array([ 1,  1,  1, -1, -1])
+    """
+    away = np.abs(np.log(np.maximum(stretch, 1e-12)))
+    found = np.ones(len(stretch), dtype=np.int64)
+    for part in turns(away):
+        if away[part][-1] < away[part][0]:
+            found[part] = -1
+    return found
+
+
+def cycles(stretch: Array, branch: Whole | None = None) -> Whole:
+    """Return the number of the cycle, from 1, that each row belongs to: a new one begins with each new loading."""
+    side = branches(stretch) if branch is None else branch
+    begins = np.zeros(len(side), dtype=bool)
+    begins[1:] = (side[1:] == 1) & (side[:-1] == -1)
+    return np.asarray(1 + np.cumsum(begins), dtype=np.int64)
+
+
+def scatter(values: Array) -> float:
+    """Return the standard deviation of a reading about its neighbours, by second differences, robustly.
+
+    On a coarse curve its curvature counts as scatter: such a curve draws fewer remarks, not more.
+    """
+    if len(values) < 5:
+        return float(np.ptp(values)) if len(values) else 0.0
+    return float(1.4826 * np.median(np.abs(np.diff(values, 2))) / np.sqrt(6.0))
+
+
+def look(
+    stretch: Array,
+    stress: Array,
+    *,
+    stretch2: Array | None = None,
+    time: Array | None = None,
+    branch: Whole | None = None,
+    cycle: Whole | None = None,
+) -> list[Doubt]:
+    """Return what is odd about one specimen's curve, gravest first. Arrays have one entry a row, in file order."""
+    if len(stretch) < 3 or not np.any(stress):
+        return []
+    way = stretch if np.ptp(stretch) > 0.0 or stretch2 is None else stretch2
+    found = [
+        *_doubled(stretch, stress, time),
+        *_steps_back(way, stress),
+        *_saturated(way, stress),
+        *_leaps(way, stress),
+        *_offset(stretch, stress, stretch2),
+    ]
+    if np.ptp(way) > 0.0:
+        side = branches(way) if branch is None else branch
+        found += _unloading(way, stress, side)
+        found += _cycles(way, stress, side, cycles(way, side) if cycle is None else cycle)
+    return found
+
+
+def _steps_back(way: Array, stress: Array) -> Iterator[Doubt]:
+    """A stretch that steps back in mid-pull while the stress does not follow: the extensometer slipped."""
+    step, change = np.diff(way), np.diff(stress)
+    least = max(SMALL_STEP * float(np.ptp(way)), FAR * scatter(way))
+    rows = []
+    for row in np.flatnonzero(step < -least):
+        before, after = step[max(row - 4, 0) : row], step[row + 1 : row + 5]
+        if len(before) < 2 or len(after) < 2 or min(np.median(before), np.median(after)) <= 0.0:
+            continue  # an unloading begins, goes on or ends here
+        if way[row] - way[row + 1] > 0.5 * np.ptp(way):
+            continue  # the next pull begins
+        slope = np.median(change[max(row - 4, 0) : row]) / np.median(before)
+        if slope > 0.0 and change[row] > 0.3 * slope * step[row] and way[row + 1 :].max() > way[row]:
+            rows.append(int(row) + 1)
+    if rows:
+        size = float(max(way[row - 1] - way[row] for row in rows))
+        yield Doubt(
+            "step-back",
+            tuple(rows),
+            size / float(np.ptp(way)),
+            f"the stretch steps back by {size:.2g} in mid-pull{_times(rows)} and the stress does not follow",
+            "did the extensometer slip? leave out what follows, or measure again",
+        )
+
+
+def _saturated(way: Array, stress: Array) -> Iterator[Doubt]:
+    """A reading that stands at its very peak, digit for digit, while the stretch goes on: the range has ended."""
+    top = float(stress[int(np.abs(stress).argmax())])
+    equal = np.flatnonzero(stress == top)
+    runs = [run for run in np.split(equal, np.flatnonzero(np.diff(equal) > 1) + 1) if len(run) > 3]
+    same = np.flatnonzero((np.diff(stress) == 0.0) & (stress[1:] != top) & (stress[1:] != 0.0))
+    usual = max((len(run) + 1 for run in np.split(same, np.flatnonzero(np.diff(same) > 1) + 1)), default=1)
+    for run in runs:
+        moved = float(np.ptp(way[run])) / max(float(np.ptp(way)), 1e-300)
+        if len(run) > 3 * usual and moved > 0.02:
+            yield Doubt(
+                "saturation",
+                tuple(int(row) for row in run),
+                moved,
+                f"{len(run)} rows read the same largest stress over {100 * moved:.0f} % of the stretch",
+                "has the load cell or its amplifier reached its range? leave these rows out",
+            )
+            return
+
+
+def _leaps(way: Array, stress: Array) -> Iterator[Doubt]:
+    """Single readings off the curve, and stresses that fall in one row while the stretch goes on."""
+    peak = float(np.abs(stress).max())
+    least = max(SMALL_LEAP * peak, 1.5 * FAR * scatter(stress))
+    if len(stress) < 8:
+        return
+    step = np.diff(way)
+    off = np.abs(stress[1:-1] - 0.5 * (stress[:-2] + stress[2:]))
+    around = np.abs(stress[2:] - stress[:-2])
+    spikes = 1 + np.flatnonzero((off > least) & (off > 4.0 * around) & (step[1:] * step[:-1] > 0.0))
+    if spikes.size:
+        size = float(off[spikes - 1].max()) / peak
+        yield Doubt(
+            "spike",
+            tuple(int(row) for row in spikes),
+            size,
+            f"a reading stands off its neighbours by {100 * size:.0f} % of the peak{_times(spikes)}",
+            "correct the reading or leave it out",
+        )
+    change = np.diff(stress) * np.sign(stress[int(np.abs(stress).argmax())])
+    near = np.concatenate([spikes - 1, spikes]) if spikes.size else np.array([], dtype=int)
+    falls = [
+        int(row) + 1
+        for row in np.flatnonzero((change < -least) & (step >= 0.0))
+        if row not in near
+        and np.sum(change[row + 1 : row + 5] > 0.0) >= 3  # it carries again: no failure of the specimen
+        and np.sum(change[max(row - 4, 0) : row] > 0.0) >= 3
+    ]
+    if falls:
+        size = float(max(-change[row - 1] for row in falls)) / peak
+        yield Doubt(
+            "drop",
+            tuple(falls),
+            size,
+            f"the stress falls by {100 * size:.0f} % of the peak in one row{_times(falls)} while the stretch goes on",
+            "did the specimen slip in its grips, or a yarn break?",
+        )
+
+
+def _doubled(stretch: Array, stress: Array, time: Array | None) -> Iterator[Doubt]:
+    """Rows that stand twice: they would count double and hide the scatter."""
+    columns = np.stack([stretch, stress] if time is None else [stretch, stress, time])
+    count = columns.shape[1]
+    rows: NDArray = np.array([], dtype=np.int64)
+    half = count // 2
+    if count >= 6 and count % 2 == 0 and np.array_equal(columns[:, :half], columns[:, half:]):
+        rows = np.arange(half, count)
+    elif count >= 6 and count % 2 == 0 and np.array_equal(columns[:, ::2], columns[:, 1::2]):
+        rows = np.arange(1, count, 2)
+    elif time is not None:
+        rows = 1 + np.flatnonzero(np.all(columns[:, 1:] == columns[:, :-1], axis=0) & (stress[1:] != 0.0))
+        rows = rows if len(rows) >= 3 else rows[:0]
+    if len(rows):
+        yield Doubt(
+            "doubled",
+            tuple(int(row) for row in rows),
+            len(rows) / count,
+            f"{len(rows)} of {count} rows stand twice",
+            "leave out the copies",
+        )
+
+
+def _offset(stretch: Array, stress: Array, stretch2: Array | None) -> Iterator[Doubt]:
+    """A stress before the pull: the load cell was not at zero, or the specimen is clamped taut."""
+    rest = np.abs(stretch - 1.0) <= 1e-6
+    if stretch2 is not None:
+        rest &= np.abs(stretch2 - 1.0) <= 1e-6
+    first = int(np.argmin(rest)) if not rest.all() else 0
+    if first == 0:
+        return
+    peak, mean = float(np.abs(stress).max()), float(np.mean(stress[:first]))
+    if abs(mean) > max(OFFSET * peak, FAR * scatter(stress)):
+        yield Doubt(
+            "offset",
+            tuple(range(first)),
+            abs(mean) / peak,
+            f"the stress is {100 * mean / peak:.0f} % of the peak at a stretch of 1, before the pull",
+            "--zero counts from the first row",
+        )
+
+
+def _unloading(way: Array, stress: Array, side: Whole) -> Iterator[Doubt]:
+    if not ((side == 1).any() and (side == -1).any()):
+        return
+    size = _apart(way, stress, side == 1, side == -1)
+    if size > ALIKE:
+        rows = np.flatnonzero(side == -1)
+        yield Doubt(
+            "unloading",
+            tuple(int(row) for row in rows),
+            size,
+            f"loading and unloading differ by {100 * size:.0f} % of the peak",
+            "--branch load takes loading alone",
+        )
+
+
+def _cycles(way: Array, stress: Array, side: Whole, number: Whole) -> Iterator[Doubt]:
+    first, last = int(number.min()), int(number.max())
+    if first == last:
+        return
+    loading = side == 1
+    size = _apart(way, stress, loading & (number == first), loading & (number == last))
+    if size > ALIKE:
+        yield Doubt(
+            "cycles",
+            tuple(int(row) for row in np.flatnonzero(number != first)),
+            size,
+            f"cycles {first} and {last} differ by {100 * size:.0f} % of the peak",
+            "--cycle first takes the first alone",
+        )
+
+
+def _apart(way: Array, stress: Array, one: NDArray[np.bool_], other: NDArray[np.bool_]) -> float:
+    """Return the mean distance of two sets of rows, at the stretches both reach, as a share of the peak."""
+    if one.sum() < 3 or other.sum() < 3:
+        return 0.0
+    low, high = max(way[one].min(), way[other].min()), min(way[one].max(), way[other].max())
+    if not high > low:
+        return 0.0
+    grid = np.linspace(low, high, 33)
+    curves = []
+    for rows in (one, other):
+        order = np.argsort(way[rows], kind="stable")
+        curves.append(np.interp(grid, way[rows][order], stress[rows][order]))
+    return float(np.mean(np.abs(curves[0] - curves[1]))) / float(np.abs(stress).max())
+
+
+def _times(rows: object) -> str:
+    count = len(rows)  # type: ignore[arg-type]
+    return f", {count} times" if count > 1 else ""

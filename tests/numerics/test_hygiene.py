@@ -1,0 +1,126 @@
+"""A curve is looked at before models: what no specimen gives is told, what every test shows draws no word."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hyperfab.numerics.hygiene import Doubt, branches, cycles, look, turns
+
+
+def pull(count: int = 240, seed: int = 0, noise: float = 0.003) -> tuple[np.ndarray, np.ndarray]:
+    """A stiffening pull to a stretch of 1.5 with the noise of a load cell and of an extensometer."""
+    rng = np.random.default_rng(seed)
+    way = np.linspace(0.0, 0.5, count)
+    stress = 0.3 * (np.exp(2.0 * way) - 1.0)
+    peak = stress[-1]
+    return 1.0 + way + 1e-4 * rng.standard_normal(count), stress + noise * peak * rng.standard_normal(count)
+
+
+def kinds(found: list[Doubt]) -> set[str]:
+    return {doubt.kind for doubt in found}
+
+
+@pytest.mark.parametrize("count", [8, 25, 240, 3000])
+@pytest.mark.parametrize("noise", [0.0, 0.002, 0.01])
+def test_a_noisy_pull_draws_no_remark(count: int, noise: float) -> None:
+    for seed in range(12):
+        stretch, stress = pull(count, seed, noise)
+        assert look(stretch, stress) == []
+
+
+def test_noise_of_the_load_cell_at_rest_draws_no_remark() -> None:
+    stretch, stress = pull()
+    rng = np.random.default_rng(5)
+    rest = 0.003 * stress.max() * rng.standard_normal(30)
+    assert look(np.concatenate([np.ones(30), stretch]), np.concatenate([rest, stress])) == []
+
+
+def test_a_coarse_reading_is_no_saturation() -> None:
+    stretch, stress = pull(400, noise=0.0)
+    assert look(stretch, np.round(stress / stress.max() * 20.0)) == []
+
+
+def test_an_extensometer_that_slips_is_told_by_its_row() -> None:
+    stretch, stress = pull()
+    stretch = np.where(np.arange(240) >= 120, stretch - 0.03, stretch)
+    [found] = look(stretch, stress)
+    assert (found.kind, found.rows) == ("step-back", (120,))
+    assert found.size == pytest.approx(0.03 / np.ptp(stretch), rel=0.1)
+
+
+def test_small_unloadings_in_mid_pull_are_no_slip() -> None:
+    way = np.concatenate([np.linspace(0.0, 0.3, 100), np.linspace(0.3, 0.25, 12), np.linspace(0.25, 0.5, 90)])
+    assert look(1.0 + way, way**2 + way) == []
+
+
+def test_a_load_cell_at_its_range_is_told() -> None:
+    stretch, stress = pull(noise=0.001)
+    top = 0.8 * stress.max()
+    [found] = look(stretch, np.minimum(stress, top))
+    assert found.kind == "saturation"
+    assert found.rows[0] == int(np.argmax(stress >= top))
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_spike_and_a_slip_in_the_grips_are_told_apart(sign: float) -> None:
+    stretch, stress = pull()
+    spiked = stress.copy()
+    spiked[100] += sign * 0.2 * stress.max()
+    [found] = look(stretch, spiked)
+    assert (found.kind, found.rows) == ("spike", (100,))
+    slipped = np.where(np.arange(240) >= 150, stress - 0.1 * stress.max(), stress)
+    [found] = look(stretch, slipped)
+    assert (found.kind, found.rows) == ("drop", (150,))
+
+
+def test_rows_that_stand_twice_are_told() -> None:
+    stretch, stress = pull()
+    twice = look(np.tile(stretch, 2), np.tile(stress, 2))
+    assert twice[0].kind == "doubled"
+    assert twice[0].rows == tuple(range(240, 480))
+    assert look(np.repeat(stretch, 2), np.repeat(stress, 2))[0].kind == "doubled"
+
+
+def test_a_stress_before_the_pull_is_told() -> None:
+    stretch, stress = pull()
+    rest = np.full(20, 0.05 * stress.max())
+    [found] = look(np.concatenate([np.ones(20), stretch]), np.concatenate([rest, stress + rest[0]]))
+    assert found.kind == "offset"
+
+
+def test_loading_unloading_and_cycles_are_told_with_their_distance() -> None:
+    up = np.linspace(0.0, 0.5, 50)
+    way = np.concatenate([up, up[::-1], up, up[::-1], up, up[::-1]])
+    stress = np.concatenate(
+        [f * (up if k % 2 == 0 else up[::-1]) for k, f in enumerate((1, 0.7, 0.9, 0.7, 0.85, 0.7))]
+    )
+    found = {doubt.kind: doubt for doubt in look(1.0 + way, stress)}
+    assert set(found) == {"unloading", "cycles"}
+    assert found["cycles"].size == pytest.approx(0.075, rel=0.1)  # 15 % of a line's mean, half its peak
+    number = cycles(1.0 + way)
+    assert [int((number == k).sum()) for k in (1, 2, 3)] == [100, 100, 100]
+    assert (branches(1.0 + way)[:50] == 1).all()
+
+
+def test_a_loss_too_small_to_matter_draws_no_remark() -> None:
+    up = np.linspace(0.0, 0.5, 50)
+    way = np.concatenate([up, up[::-1]])
+    assert look(1.0 + way, way * np.where(np.arange(100) < 50, 1.0, 0.99)) == []
+
+
+def test_a_hold_is_no_turn() -> None:
+    way = np.concatenate([np.linspace(1.0, 1.5, 40), np.full(200, 1.5)])
+    assert turns(way) == [slice(0, 240)]
+    assert (branches(way) == 1).all()
+
+
+def test_compression_is_loading_too() -> None:
+    way = np.concatenate([np.linspace(1.0, 0.4, 40), np.linspace(0.4, 1.0, 40)])
+    assert (branches(way)[:40] == 1).all()
+    assert (branches(way)[41:] == -1).all()
+
+
+def test_a_held_axis_is_looked_at_along_the_other() -> None:
+    across, stress = pull()
+    assert look(np.ones(240), stress, stretch2=across) == []
