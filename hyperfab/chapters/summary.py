@@ -76,8 +76,9 @@ def _contact(data: Plain) -> Iterator[str]:
 
 def _drape(data: Plain) -> Iterator[str]:
     state = "equilibrium" if data["converged"] else "no equilibrium"
+    edges = f" and {data['contact_edges']} springs on its edges" if data.get("contact_edges") else ""
     yield (
-        f"{state}: {data['contact_nodes']} nodes on the mold, press force {data['force_N']:.4g} N, "
+        f"{state}: {data['contact_nodes']} nodes on the mold{edges}, press force {data['force_N']:.4g} N, "
         f"thinnest {data['thickness_min_mm']:.3f} mm, {data['slack_springs']} slack springs"
     )
     yield (

@@ -39,6 +39,8 @@ class Answers:
     cell_shear: Floats  # degrees off the right angle
     cell_thickness: Floats  # mm
     cell_slack: npt.NDArray[np.bool_]
+    cell_on_edge: npt.NDArray[np.bool_]  # a taut spring of the cell runs over a sharp edge of the mold
+    contact_edges: int  # taut springs that a sharp edge of the mold carries
     slack_springs: int
     touching: npt.NDArray[np.bool_]  # (n, m) nodes on the mold
     contact_force: Floats  # (n, m, 3) N, of the mold on the sheet
@@ -69,12 +71,14 @@ def answers(sheet: Sheet, mold: Mold, found: Equilibrium) -> Answers:
         np.linalg.norm(side_x, axis=2) * np.linalg.norm(side_y, axis=2), 1e-300
     )
     # Where springs are laid over an edge the chords cut it off: the area is that of the sides as they run.
-    folded = np.zeros(area.shape, np.bool_)
-    for i, j, d, _ in found.bent:
+    folded, on_edge = np.zeros(area.shape, np.bool_), np.zeros(area.shape, np.bool_)
+    carried = found.bent_length > rest[found.bent[:, 2]] * (1.0 + SLACK)
+    for (i, j, d, _), taut in zip(found.bent, carried, strict=True):
         beside = (
             np.s_[i : i + 1, max(j - 1, 0) : j + 1] if d == 0 else np.s_[max(i - 1, 0) : i + 1, j : j + 1]
         )
         folded[beside] = True
+        on_edge[beside] |= taut
     sides = 0.25 * (along[:, :-1] + along[:, 1:]) * (across[:-1] + across[1:])
     area = np.where(folded, sides * np.sqrt(np.maximum(1.0 - cosine**2, 0.0)), area)
     cell_slack = slack_warp[:, :-1] | slack_warp[:, 1:] | slack_weft[:-1] | slack_weft[1:]
@@ -99,6 +103,8 @@ def answers(sheet: Sheet, mold: Mold, found: Equilibrium) -> Answers:
         np.degrees(np.arcsin(np.clip(cosine, -1.0, 1.0))),
         sheet.thickness * hx * hy / np.maximum(area, 1e-300),
         cell_slack,
+        on_edge,
+        int(carried.sum()),
         int(slack_warp.sum() + slack_weft.sum()),
         on_mold(x, sheet, mold, found.state),
         contact,

@@ -40,6 +40,11 @@ class Balance:
         """Largest unbalanced nodal force over the largest spring force."""
         return self.worst / max(self.strongest, self.unstretched)
 
+    @property
+    def rounding(self) -> float:
+        """Energy in N mm below which a difference means nothing."""
+        return 1e-9 * abs(self.energy) + self.unstretched * float(self.model.net.rest.max())
+
     def forces(self, now: State) -> None:
         """Find the energy and the forces."""
         self.energy, self.strongest = self.model.forces(now.x, now.clear, self.f)

@@ -1,8 +1,9 @@
 """Dynamic relaxation: the sheet swings under its own forces and is stopped whenever its motion is at its height.
 
 Nodes get fictitious masses by which every mode is slower than the time step; at each peak of the kinetic energy all
-velocities are set to zero (kinetic damping; Barnes, Int. J. Space Structures 14, 1999). No matrix, no line search and
-no coarser grid: slow, and independent of Newton's method, whose answers it confirms.
+velocities are set to zero (kinetic damping; Barnes, Int. J. Space Structures 14, 1999). A swing that gains energy,
+where springs stiffened beyond their masses, is taken back to where it began, with heavier nodes. No matrix, no line
+search and no coarser grid: slow, and independent of Newton's method, whose answers it confirms.
 """
 
 from __future__ import annotations
@@ -25,6 +26,10 @@ from .state import Equilibrium, State, Step
 EVERY = 100
 #: Masses are this many times what keeps the fastest mode stable: springs stiffen between two peaks.
 SAFETY = 1.5
+#: A swing is unstable whose springs come to store more than they began with, by this share of what they gave away.
+GAIN = 0.1
+#: Where masses this many times heavier do not keep it, the sheet flies apart.
+HEAVIEST = 1e12
 
 
 @kernel
@@ -55,21 +60,45 @@ def swing(
     balance = Balance(sheet, mold, tolerance)
     tangent = Tangent.empty(sheet.n, sheet.m, balance.model.net.sheared)
     v = np.zeros((sheet.n, sheet.m, 3))
-    last, mass = np.inf, np.zeros((0, 0))
+    last, mass, heavier = np.inf, np.zeros((0, 0)), 1.0
+    began, energy, released = start.copy(), np.inf, 0.0  # of the present swing, and the most it gave away
+
+    def begin(now: State) -> None:
+        nonlocal mass, began, energy, released
+        mass = heavier * _masses(balance, now, tangent)
+        began, energy, released = now.copy(), balance.energy, 0.0
+        v[:] = 0.0
+
+    def take_back(now: State) -> None:
+        nonlocal last, heavier, released
+        released = max(released, energy - balance.energy)
+        if (
+            not mass.size
+            or balance.energy <= energy + GAIN * released + balance.rounding
+            or heavier > HEAVIEST
+        ):
+            return
+        heavier *= 4.0
+        now.assign(began)
+        balance.forces(now)
+        balance.settle(now)
+        begin(now)
+        last = np.inf
 
     def velocity(now: State) -> Floats:
-        nonlocal last, mass
+        nonlocal last, heavier
         if not mass.size:
-            mass = _masses(balance, now, tangent)
+            begin(now)
         kinetic = _push(balance.r, balance.q, mass, v)
-        if kinetic < last < np.inf:
-            v[:] = 0.0  # past the peak: begin anew from here
-            mass = _masses(balance, now, tangent)
+        if kinetic < last < np.inf:  # past the peak: begin anew from here
+            heavier = max(1.0, 0.5 * heavier)
+            begin(now)
             kinetic = _push(balance.r, balance.q, 2.0 * mass, v)
         last = kinetic
         return v
 
-    return march(balance, start, velocity, largest, EVERY, report, "no equilibrium within the allowed steps")
+    unfinished = "no equilibrium within the allowed steps"
+    return march(balance, start, velocity, largest, EVERY, report, unfinished, take_back)
 
 
 def _masses(balance: Balance, now: State, tangent: Tangent) -> Floats:

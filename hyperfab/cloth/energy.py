@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from .creases import bend_forces, bend_stiffness, hinge_nodes
 from .law import Floats
@@ -10,8 +11,11 @@ from .laying import find_bends
 from .linear import Tangent
 from .mold import Ints, Mold
 from .net import Sheet, forces, stiffness
+from .state import State
 
 ROWS = 200_000  # nodes handled by one call of a kernel that searches the mold
+#: A spring's length that changes by this share of its rest length more than its ends move has jumped.
+JUMP = 1e-8
 
 
 class Energy:
@@ -27,24 +31,43 @@ class Energy:
         self.highest = float(corners[:, :, 2].max()) if len(corners) else -np.inf  # of the sharp edges, mm
         self.straight = np.zeros((sheet.n, sheet.m, 2), np.bool_)  # springs not to be laid over edges
 
-    def leave_corners(self, x: Floats) -> bool:
-        """Leave the springs near corners of several sharp edges straight from now on; False where that is done or none.
+    def leave(self, now: State, trial: State, where: int | None = None) -> bool:
+        """Leave springs straight from now on whose way around an edge jumps between two places, ``now`` and ``trial``.
 
-        There a spring has ways around the corner that jump from one edge to another, and no equilibrium may exist.
-        What it then cuts off the corner is part of the penetration reported.
+        Where edges meet, or beside a curved one, a spring has several ways around that jump from one to the next, and
+        no equilibrium may exist. What it then cuts off the mold is part of the penetration reported. ``where``: leave
+        the springs of this node (flat index) and its neighbours instead. False where there are none. Finds the
+        forces' ways at ``trial``.
         """
-        creases = self.mold.creases
-        corners = creases.corners[:, :2][(creases.meeting >= 0).any(2)]
-        if not len(corners) or self.straight.any():
-            return False
-        reach = 3.0 * float(self.net.rest[:2].max())
-        near = np.zeros(x.shape[:2], np.bool_)
-        for corner in np.unique(corners, axis=0):
-            near |= ((x - corner) ** 2).sum(2) < reach**2
-        self.straight[:] = near[:, :, None]
-        self.straight[:-1, :, 0] |= near[1:]
-        self.straight[:, :-1, 1] |= near[:, 1:]
+        near = np.zeros(self.straight.shape, np.bool_)
+        if where is None:
+            before, after = self._lengths(now), self._lengths(trial)
+            moved = np.linalg.norm(trial.x - now.x, axis=2)
+            room = np.zeros(near.shape)
+            room[:-1, :, 0], room[:, :-1, 1] = moved[1:] + moved[:-1], moved[:, 1:] + moved[:, :-1]
+            near = np.abs(after - before) > 2.0 * room + JUMP * float(self.net.rest.max())
+        else:
+            i, j = divmod(where, near.shape[1])
+            near[max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2] = True
+            near &= self._laid(now)
+        near &= ~self.straight
+        self.straight |= near
         return bool(near.any())
+
+    def _laid(self, at: State) -> npt.NDArray[np.bool_]:
+        out = np.zeros(self.straight.shape, np.bool_)
+        self._lay(at.x, at.clear)
+        out[self.springs[:, 0], self.springs[:, 1], self.springs[:, 2]] = True
+        return out
+
+    def _lengths(self, at: State) -> Floats:
+        """(n, m, 2) mm: all springs, bent ones along their ways."""
+        out = np.zeros(self.straight.shape)
+        out[:-1, :, 0] = np.linalg.norm(np.diff(at.x, axis=0), axis=2)
+        out[:, :-1, 1] = np.linalg.norm(np.diff(at.x, axis=1), axis=2)
+        self._lay(at.x, at.clear)
+        out[self.springs[:, 0], self.springs[:, 1], self.springs[:, 2]] = self.ways[:, 12]
+        return out
 
     def forces(self, x: Floats, clear: Floats, f: Floats) -> tuple[float, float]:
         """Forces on the nodes at x into ``f``; (energy N mm, largest spring force N)."""

@@ -102,6 +102,8 @@ def _crossed(creases: Creases, c: int, p: Floats, q: Floats, g: Floats, h: Float
     c, s, length = _over(creases, c, p, q, h)
     _place(creases, c, s, h, g)
     end = 0 if s < 0.5 * length else 1
+    if 0.0 < s < length and creases.beyond[c, end] >= 0:  # amid an edge of several creases
+        return c if _parted(creases, c, p, q, g, h) % BURIED == CUT else -1
     span = (q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2 + (q[2] - p[2]) ** 2
     if min(s, length - s) ** 2 <= span:
         shortest, best = np.inf, c

@@ -13,6 +13,15 @@ from .state import Equilibrium, State, Step
 #: Finds the step (n, m, 3) of all nodes at a place whose forces and contact are known.
 Direction = Callable[[State], Floats]
 
+#: All springs at this stretch store more than any sheet on its way to rest.
+APART = 100.0
+
+
+def bounded(balance: Balance, first: float) -> float:
+    """Energy in N mm that a sheet passes only on its way to infinity; ``first`` is what it began with."""
+    rest = float(balance.model.net.rest[:2].max())
+    return 2.0 * abs(first) + balance.f[..., 0].size * balance.stiffness * (APART * rest) ** 2
+
 
 def march(
     balance: Balance,
@@ -22,16 +31,26 @@ def march(
     every: int,
     report: Callable[[Step], None] | None,
     unfinished: str,
+    take_back: Callable[[State], None] | None = None,
 ) -> Equilibrium:
     """Make at most ``largest`` steps from ``start``, a line of history ``every`` so many.
 
-    ``unfinished`` is the status where an unbalanced force is left above the balance's tolerance.
+    ``unfinished`` is the status where an unbalanced force is left above the balance's tolerance. A sheet that flies
+    apart, its steps growing without end, ends where it was one step before. ``take_back`` may set it to a place before.
     """
     now, trial = start.copy(), start.copy()
     history: list[Step] = []
+    limit = np.inf
     for iteration in range(largest + 1):
         balance.forces(now)
+        if take_back is not None:
+            take_back(now)
+        if not balance.energy <= limit:
+            balance.forces(trial)
+            balance.settle(trial)
+            return balance.ended(trial, f"the sheet flew apart after {iteration} steps", history)
         balance.settle(now)
+        limit = min(limit, bounded(balance, balance.energy))
         done = balance.residual <= balance.tolerance
         if iteration % every == 0 or done or iteration == largest:
             history.append(balance.line(iteration))

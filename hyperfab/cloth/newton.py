@@ -13,10 +13,10 @@ from .mold import Mold
 from .net import Sheet
 from .state import Equilibrium, State, Step
 
-#: Steps after which springs around corners of the mold are taken for what keeps the equilibrium away.
-PATIENCE = 80
+#: Steps without progress after which springs that jump over edges of the mold are taken for what keeps it away.
+PATIENCE = 12
 #: Steps allowed, and where nodes stop on sharp edges one by one.
-STEPS, SHARP_STEPS = 60, 120
+STEPS, SHARP_STEPS = 60, 240
 #: The linear systems are solved at least this well: setting them up costs more than a few inner steps.
 FORCING = 5e-3
 
@@ -49,6 +49,7 @@ def equilibrium(
     balance.forces(now)
     history: list[Step] = []
     alpha, inner, relative_old, retried = 1.0, 0, 1.0, False
+    lowest, least, idle = np.inf, np.inf, 0  # energy and residual, and steps since either fell
     status = "no equilibrium within the allowed steps"
     for iteration in range(largest + 1):
         balance.settle(now)
@@ -91,7 +92,11 @@ def equilibrium(
                 now.crossed[:], stops = 1, True
             if alpha < 1e-6:
                 break
-        if (alpha < 1e-6 or iteration == PATIENCE) and model.leave_corners(now.x):
+        fell = energy < lowest - 1e-9 * abs(lowest) or relative < 0.9 * least
+        lowest, least, idle = min(energy, lowest), min(relative, least), 0 if fell else idle + 1
+        stalled = sharp and (alpha < 1e-6 or idle > PATIENCE)
+        if stalled and (model.leave(now, trial) or model.leave(now, trial, balance.where)):
+            lowest, least = np.inf, np.inf
             balance.forces(now)
             continue
         if alpha < 1e-6 and friction is not None and friction.blocked.any() and not retried:

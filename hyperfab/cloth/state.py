@@ -18,6 +18,11 @@ class State:
     clear: Floats  # (n, m) mm, free of the mold at least this far
     crossed: States  # (n, m) 1: its last step led over a sharp edge
 
+    def assign(self, other: State) -> None:
+        """Become as ``other``."""
+        for name in ("x", "contact", "slot", "clear", "crossed"):
+            getattr(self, name)[:] = getattr(other, name)
+
     def copy(self) -> State:
         """Arrays of its own."""
         return State(

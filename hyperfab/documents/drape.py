@@ -64,6 +64,7 @@ class DrapeState(Part):
     force_N: float
     energy_J: float
     contact_nodes: int
+    contact_edges: int | None = None
     slack_springs: int
     stress_warp_max_MPa: float
     stress_weft_max_MPa: float
@@ -88,6 +89,9 @@ class DrapeDocument(Document):
     force_N: float = Field(description="force of the press: sum of the contact forces along z")
     imbalance_N: float = Field(description="contact forces + clamp reactions + weight: zero at equilibrium")
     contact_nodes: int
+    contact_edges: int | None = Field(
+        default=None, description="springs between two nodes that a sharp edge of the mold carries"
+    )
     penetration_max_mm: float = Field(description="deepest point of the net, nodes and springs, in the mold")
     penetration_nodes_mm: float
     penetration_edges_mm: float

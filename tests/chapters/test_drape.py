@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from cloth_molds import saddle
 
 from hyperfab.cli import main
 from hyperfab.io.stl_write import stl_bytes
@@ -374,6 +375,20 @@ def test_a_mold_that_no_node_meets_is_named(drape, folder):
     assert status == 4
     assert "finer --grid" in err
     assert json.loads(out)["contact_nodes"] == 0
+
+
+def test_a_sheet_that_hangs_on_sharp_ridges_is_a_result(drape, folder):
+    surface = saddle()
+    (folder / "saddle.stl").write_bytes(stl_bytes(surface.vertices, surface.faces))
+    status, _, err = drape(
+        "--grid", "61x61", "--size", "220mm", "--depth", "20mm", "-o", "d.json", mold="saddle.stl"
+    )
+    document = json.loads((folder / "d.json").read_text())
+    assert status == 0, err
+    assert document["converged"] is True
+    assert "status" not in document
+    assert document["contact_edges"] > 10
+    assert document["force_N"] > 1.0
 
 
 def test_a_depth_that_locks_the_law_is_named(drape, folder):

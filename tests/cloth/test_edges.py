@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cloth_molds import ball, block, punch
+from cloth_molds import ball, block, punch, saddle, under
 
 from hyperfab.cloth import Sheet, answers, drape, mold_of, tabulate
 from hyperfab.cloth.energy import Energy
+from hyperfab.cloth.fabric import spring_law
 from hyperfab.cloth.linear import Tangent, apply
 from hyperfab.cloth.net import FIXED, Y
+from hyperfab.materials import bind
 from hyperfab.surface import Surface
 
+WARP = spring_law(bind("yeoh-3", {"C10_MPa": 0.06095, "C20_MPa": 0.02146, "C30_MPa": 0.017258}))
+WEFT = spring_law(bind("yeoh-3", {"C10_MPa": 0.04, "C20_MPa": 0.012, "C30_MPa": 0.01}))
 SOFT = tabulate(lambda lam: (0.4 * (lam - lam**-2), 0.4 * (1 + 2 * lam**-3)), 4.0)
 
 
@@ -104,6 +108,46 @@ def test_the_forces_of_bent_springs_are_derivatives_of_the_energy_and_the_tangen
     error[on_top, 2] = 0.0
     # The tangent leaves out how the axis of unfolding turns for ends that hang free beside the rim.
     assert np.quantile(error, 0.98) < 2e-3 * np.abs(kd).max()
+
+
+@pytest.mark.parametrize("n", [61, 100, 140])
+@pytest.mark.parametrize("depth", [10.0, 20.0, 40.0, 50.0])
+def test_a_sheet_that_hangs_on_two_ridges_rests_on_its_springs_alone(n, depth):
+    surface = saddle()
+    mold = mold_of(surface, under(surface, depth))
+    sheet = Sheet(n, n, (220.0, 220.0), 1.0, SOFT, SOFT)
+    found = drape(sheet, mold)
+    fields = answers(sheet, mold, found)
+    assert found.converged, found.status
+    assert fields.contact_edges > 10
+    assert fields.cell_on_edge.any()
+    assert fields.press_force == pytest.approx(found.push[2] + fields.contact_force[..., 2].sum(), rel=1e-12)
+    assert fields.imbalance < 1e-4
+    # Both ridges carry, each half, and nothing rests on the trough between them.
+    places = sheet.flat()[found.bent[:, 0], found.bent[:, 1], 0]
+    assert (places > 30.0).any()
+    assert (places < -30.0).any()
+    assert not fields.touching[np.abs(sheet.flat()[..., 0]) < 30.0].any()
+
+
+@pytest.mark.parametrize(
+    ("half", "height", "cells", "turned", "n", "depth"),
+    [
+        (40.0, 10.0, 44, True, 60, 40.0),  # straight ridges aslope, ending in corners
+        (50.0, 10.0, 51, True, 60, 50.0),
+        (40.0, 35.0, 62, False, 60, 20.0),  # facets shorter than the springs on a steep arch
+        (40.0, 10.0, 42, False, 60, 20.0),
+    ],
+)
+def test_edges_of_facets_shorter_than_the_springs_keep_no_equilibrium_away(
+    half, height, cells, turned, n, depth
+):
+    surface = saddle(half, height, cells, turned)
+    mold = mold_of(surface, under(surface, depth))
+    sheet = Sheet(n, n, (220.0, 220.0), 1.0, WARP, WEFT)
+    found = drape(sheet, mold)
+    assert found.converged, found.status
+    assert answers(sheet, mold, found).node_penetration <= 1e-9
 
 
 def test_a_smooth_mold_bends_no_spring():

@@ -56,6 +56,7 @@ def field(sheet: Sheet, state: State, max_stretch: float | None) -> bytes:
         "stretch_weft": fields.cell_stretch_weft.ravel(),
         "shear_deg": fields.cell_shear.ravel(),
         "slack": fields.cell_slack.ravel(),
+        "on_edge": fields.cell_on_edge.ravel(),
     }
     if max_stretch is not None:
         cells["over_max_stretch"] = (

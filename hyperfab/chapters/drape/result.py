@@ -55,6 +55,7 @@ def document_of(model: Model, states: list[State]) -> DrapeDocument:
         force_N=fields.press_force,
         imbalance_N=fields.imbalance,
         contact_nodes=int(np.count_nonzero(fields.touching)),
+        contact_edges=fields.contact_edges,
         penetration_max_mm=max(fields.node_penetration, fields.edge_penetration),
         penetration_nodes_mm=fields.node_penetration,
         penetration_edges_mm=fields.edge_penetration,
@@ -111,6 +112,7 @@ def _state(sheet: Sheet, state: State, loose: list[str]) -> DrapeState:
         force_N=fields.press_force,
         energy_J=fields.spring_energy * 1e-3,
         contact_nodes=int(np.count_nonzero(fields.touching)),
+        contact_edges=fields.contact_edges,
         slack_springs=fields.slack_springs,
         stress_warp_max_MPa=float(fields.stress_warp.max()),
         stress_weft_max_MPa=float(fields.stress_weft.max()),
@@ -161,7 +163,7 @@ def judge(job: Job, document: DrapeDocument) -> bool:
                 f"{use.ends_at:.3f}: less --depth, a larger --size, or a law that goes further"
             )
             _add(job, document, text)
-    if document.depth_mm > 0.0 and document.contact_nodes == 0:
+    if document.depth_mm > 0.0 and not (document.contact_nodes or document.contact_edges):
         sound = False
         _add(
             job,

@@ -34,6 +34,11 @@ def section(source: Source) -> Section:
                 ("greatest stress along weft", number(data["stress_weft_max_MPa"], "MPa")),
                 ("thinnest place", number(data["thickness_min_mm"], "mm")),
                 ("nodes on the mold", number(data["contact_nodes"])),
+                *(
+                    [("springs on its edges", number(data["contact_edges"]))]
+                    if data.get("contact_edges")
+                    else []
+                ),
                 ("slack springs", number(data["slack_springs"])),
                 ("deepest penetration", number(data["penetration_max_mm"], "mm")),
                 ("energy of the springs", number(data["energy_J"], "J")),
@@ -102,9 +107,10 @@ def _on_the_way(data: Any) -> list[Any]:
 def _verdict(data: Any) -> tuple[bool | None, str]:
     if not data["converged"]:
         return False, f"No equilibrium: {data.get('status', 'not converged')}."
-    slack = data["slack_springs"]
+    slack, edges = data["slack_springs"], data.get("contact_edges")
+    on_edges = f" and {number(edges).text} springs run over its edges" if edges else ""
     return True, (
-        f"In equilibrium on the mold: {number(data['contact_nodes']).text} nodes touch, "
+        f"In equilibrium on the mold: {number(data['contact_nodes']).text} nodes touch{on_edges}, "
         f"{'no spring is' if slack == 0 else f'{slack} springs are'} slack, "
         f"thinnest place {number(data['thickness_min_mm'], 'mm', 3).text}."
     )
