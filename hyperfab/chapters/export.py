@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import os
-from pathlib import Path
-
 from hyperfab import __version__
 from hyperfab.chapters.job import Job
 from hyperfab.documents.base import read_document
 from hyperfab.documents.material import MaterialDocument
-from hyperfab.errors import InputError, OutputError, UsageError
-from hyperfab.io.atomic import write_files
-from hyperfab.io.output import write_stdout
+from hyperfab.errors import InputError, UsageError
+from hyperfab.io.output import check_place, write_single
 from hyperfab.io.units import quantity
 from hyperfab.materials import bind
 from hyperfab.materials.export import NoCard, Settings, format_called
@@ -34,7 +30,8 @@ def run(
 ) -> int:
     """Write the card; UsageError where the solver has no such law, with the laws it has."""
     chosen = format_called(to)
-    _check_target(output, document)
+    if output != "-":
+        check_place(output)
     if not name.isascii() or not name.replace("_", "").isalnum():
         raise UsageError(f"--name {name}: letters, digits and underscores only, as lycra_warp")
     degrees = None if temperature is None else quantity(temperature, "temperature", option="--temperature")
@@ -63,23 +60,8 @@ def run(
         card = chosen.card(material, settings)
     except NoCard as error:
         raise UsageError(f"--to {to}: {error}; fit one of these") from None
-    if output == "-":
-        write_stdout(card.encode())
-    else:
-        write_files([(output, card.encode())])
+    write_single(output, card.encode(), job.inputs)
     return 0
-
-
-def _check_target(output: str, document: str) -> None:
-    if output == "-":
-        return
-    path = Path(output)
-    if not path.parent.is_dir():
-        raise OutputError(f"{output}: the folder {path.parent} does not exist; make it first")
-    if path.is_dir():
-        raise OutputError(f"{output}: is a folder")
-    if os.path.realpath(output) == os.path.realpath(document):
-        raise UsageError(f"--output {output}: is an input of this command; choose another name")
 
 
 def _warn(job: Job, source: MaterialDocument, direction: str | None) -> None:

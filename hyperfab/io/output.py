@@ -6,6 +6,8 @@ import contextlib
 import json
 import os
 from collections.abc import Sequence
+from fnmatch import fnmatchcase
+from glob import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,45 +19,40 @@ if TYPE_CHECKING:
     from hyperfab.io.inputs import Inputs
 
 
+#: What stands before the ending of a sibling whose own name is an input: ``k17.out.csv`` beside ``k17.csv``.
+BESIDE_INPUT = ".out"
+
+
 class Output:
     """Collects what a command writes and writes it at the end: all files whole, the document last.
 
-    ``target`` is ``NAME.json``, or ``-`` for standard output (then no other file is written).
-    ``suffixes`` are the endings of the siblings the command may write (``.vtu``, ``.csv``, ``.png``).
+    ``target`` is ``NAME.json``, or ``-`` for standard output (then no other file is written); a name without an
+    ending gets ``.json``; what goes to ``/dev/null`` is not kept. ``suffixes`` are the endings of the siblings the
+    command may write (``.vtu``, ``.csv``, ``.png``), as patterns where their number is not known (``.*.vtu``).
 
-    The place is tried at construction, before anything is computed: an output that is also an input is a
-    UsageError, a folder that is missing or cannot be written an OutputError.
+    The place is tried at construction, before anything is computed: a folder that is missing or cannot be written is
+    an OutputError. An output that is also an input is a UsageError as soon as both are known, at the latest before
+    anything is written; only ``NAME.csv`` gives way to an input of its name and becomes ``NAME.out.csv``.
     """
 
     def __init__(self, target: str, suffixes: Sequence[str] = ()) -> None:
+        if target not in ("-", os.devnull) and not Path(target).suffix and not os.path.isdir(target):
+            target += ".json"
         self.target = target
         self._siblings: dict[str, bytes] = {}
         self._suffixes = tuple(suffixes)
-        if target == "-":
+        if not self.wants_files:
             return
-        path = Path(target)
-        if path.suffix != ".json":
+        if Path(target).suffix != ".json":
             raise UsageError(
-                f"--output {target}: the document's name ends in .json; write {path.stem or 'result'}.json"
+                f"--output {target}: the document's name ends in .json; write {Path(target).stem or 'result'}.json"
             )
-        folder = path.parent
-        try:
-            occupied = path.is_dir()
-        except OSError as error:  # a name the system does not take
-            raise OutputError(f"{target[:80]}...: {error.strerror}; choose a shorter name") from None
-        if occupied:
-            raise OutputError(f"{target}: is a folder")
-        if not folder.is_dir():
-            raise OutputError(f"{target}: the folder {folder} does not exist; make it first")
-        if not os.access(folder, os.W_OK | os.X_OK):
-            raise OutputError(
-                f"{target}: the folder {folder} cannot be written; choose another or mend its permissions"
-            )
+        check_place(target)
 
     @property
     def wants_files(self) -> bool:
-        """Whether siblings are written: not where the document goes to standard output."""
-        return self.target != "-"
+        """Whether siblings are written: not where the document goes to standard output or nowhere."""
+        return self.target not in ("-", os.devnull)
 
     def path(self, suffix: str) -> Path:
         """Return the path of the sibling with ``suffix``: ``out/drape.json`` and ``.vtu`` give ``out/drape.vtu``."""
@@ -63,20 +60,21 @@ class Output:
         return target.with_name(target.stem + suffix)
 
     def refuse_inputs(self, inputs: Inputs) -> None:
-        """Refuse to overwrite a file that was read (also through a link, also by a sibling)."""
+        """Refuse to overwrite a file that was read (also through a link, also by a sibling that may be written)."""
         if not self.wants_files:
             return
-        for suffix in (".json", *self._suffixes):
-            path = self.path(suffix)
-            for file in inputs.files:
-                if file.name != "-" and _same_file(path, Path(file.name)):
-                    raise UsageError(
-                        f"--output {self.target}: {path} is an input of this command; choose another name"
-                    )
+        self._refuse(Path(self.target), inputs)
+        folder, stem = Path(self.target).parent, Path(self.target).stem
+        for suffix in self._suffixes:
+            if "*" not in suffix:
+                self._name(suffix, inputs)
+            else:
+                for path in folder.glob(escape(stem) + suffix):
+                    self._refuse(path, inputs)
 
     def add(self, suffix: str, data: bytes) -> None:
         """Queue the sibling with ``suffix``; nothing is written before ``finish``."""
-        if suffix not in self._suffixes and not any(suffix.endswith(known) for known in self._suffixes):
+        if not any(fnmatchcase(suffix, known) for known in self._suffixes):
             raise ValueError(f"sibling {suffix} was not declared")
         if self.wants_files:
             self._siblings[suffix] = data
@@ -86,21 +84,35 @@ class Output:
 
         Siblings of an earlier run that this one does not write again are removed.
         """
-        self.refuse_inputs(inputs)
-        if not self.wants_files:
+        if self.target == "-":
             write_stdout(dump_json(document))
+        if not self.wants_files:
             return
-        names = {suffix: self.path(suffix) for suffix in self._siblings}
+        self._refuse(Path(self.target), inputs)
+        names = {suffix: self._name(suffix, inputs) for suffix in self._siblings}
         earlier = self._written_earlier(document.get("format"))
         document = {**document, "files": sorted(path.name for path in names.values())}
         batch = [(names[suffix], data) for suffix, data in self._siblings.items()]
         write_files([*batch, (Path(self.target), dump_json(document))])
-        inputs_read = [Path(file.name) for file in inputs.files]
         for path in earlier - set(names.values()):
-            if not any(_same_file(path, read) for read in inputs_read):
+            if not is_input(path, inputs):
                 # One that cannot be removed does no harm to what was written: the document does not list it.
                 with contextlib.suppress(OSError, ValueError):
                     path.unlink()
+
+    def _name(self, suffix: str, inputs: Inputs) -> Path:
+        """Return the path of a sibling; UsageError where it is an input, or ``NAME.out.csv`` for ``NAME.csv``."""
+        path = self.path(suffix)
+        if suffix == ".csv" and is_input(path, inputs):
+            path = self.path(BESIDE_INPUT + suffix)
+        self._refuse(path, inputs)
+        return path
+
+    def _refuse(self, path: Path, inputs: Inputs) -> None:
+        if is_input(path, inputs):
+            raise UsageError(
+                f"--output {self.target}: {path} is an input of this command; choose another name"
+            )
 
     def _written_earlier(self, kind: object) -> set[Path]:
         """Return the siblings that the document of this kind lists which is about to be replaced.
@@ -125,9 +137,42 @@ class Output:
         }
 
 
+def check_place(target: str) -> None:
+    """Raise OutputError where ``target`` cannot be a file: its folder is missing or closed, or it is a folder."""
+    path = Path(target)
+    folder = path.parent
+    try:
+        occupied = path.is_dir()
+    except OSError as error:  # a name the system does not take
+        raise OutputError(f"{target[:80]}...: {error.strerror}; choose a shorter name") from None
+    if occupied:
+        raise OutputError(f"{target}: is a folder")
+    if not folder.is_dir():
+        raise OutputError(f"{target}: the folder {folder} does not exist; make it first")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise OutputError(
+            f"{target}: the folder {folder.resolve()} cannot be written; choose another or mend its permissions"
+        )
+
+
+def is_input(path: Path, inputs: Inputs) -> bool:
+    """Whether ``path`` is a file that was read, by whatever name or hard link."""
+    return any(file.name != "-" and _same_file(path, Path(file.name)) for file in inputs.files)
+
+
+def write_single(target: str, data: bytes, inputs: Inputs) -> None:
+    """Write the one file of a command without a document; UsageError where ``target`` is an input of it."""
+    if target == "-":
+        write_stdout(data)
+    elif target != os.devnull:
+        if is_input(Path(target), inputs):
+            raise UsageError(f"--output {target}: is an input of this command; choose another name")
+        write_files([(target, data)])
+
+
 def _same_file(first: Path, second: Path) -> bool:
     try:
-        return first.samefile(second)
+        return first.samefile(second)  # the same device and inode: links of either kind
     except OSError:
         return os.path.realpath(first) == os.path.realpath(second)
 

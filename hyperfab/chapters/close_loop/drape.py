@@ -55,7 +55,9 @@ _SAG, _MASSES = 0.025, (200.0, 5000.0)
 
 def run(job: Job, given: Given) -> int:
     """Close the loop on a drape document."""
-    out = job.opened(given.output, (*MODEL_SUFFIXES, ".model.pvd", FABRIC, *THREADS, ".png", ".csv"))
+    out = job.opened(
+        given.output, (*MODEL_SUFFIXES, ".model.[0-9]*.vtu", ".model.pvd", FABRIC, *THREADS, ".png", ".csv")
+    )
     level = stated(given.noise, ("length",))
     made = unchanged(earlier(DrapeCase, given.data, given.name))
     files = read_measured(given, lambda name: read_markers(job, name, given.decimal))

@@ -18,6 +18,12 @@ from hyperfab.thermal.tables import Table
 
 _UNEVEN = "{}, for which a mold document has no key; the extended model has the mean throughout"
 _FILES = ("table", "stl", "schedule", "document")
+#: Endings of the tables an extended mold may have beside it.
+TABLES = (
+    *(f".{what}-*.csv" for what in ("film", "power", "conductivity", "specific-heat")),
+    ".ambient.csv",
+    ".sky.csv",
+)
 
 
 def extend(

@@ -11,7 +11,7 @@ import numpy as np
 
 from hyperfab.chapters.close_loop.describe import describe, lowered, say
 from hyperfab.chapters.close_loop.domain import Given
-from hyperfab.chapters.close_loop.extended_mold import extend
+from hyperfab.chapters.close_loop.extended_mold import TABLES, extend
 from hyperfab.chapters.close_loop.thermocouples import Thermocouples, read_thermocouples
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.mold_heat.problem import MoldBuilder, Problem
@@ -41,7 +41,7 @@ _REFITS = 40.0
 
 def run(job: Job, given: Given) -> int:
     """Close the loop on a mold document."""
-    out = Output(given.output, (".model.toml", ".png", ".csv"))
+    out = Output(given.output, (".model.toml", *TABLES, ".png", ".csv"))
     document = parse_document(given.data, given.name, MoldDocument)
     if given.held:
         raise UsageError("--hold-out takes only auto for a mold: each probe is predicted from the others")

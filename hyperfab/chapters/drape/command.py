@@ -20,7 +20,7 @@ def run(job: Job, case: DrapeCase) -> int:
 
     1 where the fabric would tear, 4 where no equilibrium was found or the constants are unstable.
     """
-    out = job.opened(job.target, (".vtu", ".csv", ".png", ".pvd"))
+    out = job.opened(job.target, (".vtu", ".[0-9]*.vtu", ".csv", ".png", ".pvd"))
     model = model_of(case, read_files(job, case))
     out.refuse_inputs(job.inputs)
     found = _drape(job, model)

@@ -43,7 +43,7 @@ def run(
 ) -> int:
     """Heat the mold of the document ``mold``; 0, or 4 where the account of heat does not close."""
     wishes = Wishes(warmup_in, share_power, heater_max)
-    out = Output(output, (".vtu", ".csv", ".png", ".pvd"))
+    out = Output(output, (".vtu", ".[0-9]*.vtu", ".csv", ".history.csv", ".variations.csv", ".png", ".pvd"))
     document = read_document(job.inputs, mold, MoldDocument)
     wishes.check(document, mold)
     asked = None if variations is None else read_variations(job.inputs, variations, document, mold)

@@ -10,10 +10,9 @@ from typing import Any
 
 from hyperfab.chapters.job import Job
 from hyperfab.documents.base import document_class, parse_document
-from hyperfab.errors import InputError, OutputError, UsageError
-from hyperfab.io.atomic import write_files
+from hyperfab.errors import InputError, UsageError
 from hyperfab.io.json_io import load_json
-from hyperfab.io.output import write_stdout
+from hyperfab.io.output import check_place, write_single
 from hyperfab.report.page.compare import molds
 from hyperfab.report.page.parts import Chart, Picture, Scene, Section, Source
 from hyperfab.report.page.pictures import light
@@ -27,7 +26,7 @@ LARGE = 8 * 2**20
 
 def run(job: Job, *, documents: Sequence[str], title: str, output: str) -> int:
     """Write the page. A document that cannot be read costs its section; none at all is an InputError."""
-    _check_target(output, documents)
+    output = _target(output)
     sources: dict[str, Source] = {}
     broken: list[tuple[Source, Section]] = []
     for name in documents:
@@ -52,25 +51,23 @@ def run(job: Job, *, documents: Sequence[str], title: str, output: str) -> int:
         data = page(title, [*told, *broken], molds(ordered))
     if len(data) > LARGE:
         job.console.warn(f"the page has {len(data) / 2**20:.1f} MB; name fewer documents for a phone")
-    if output == "-":
-        write_stdout(data)
-    else:
-        write_files([(output, data)])
+    write_single(output, data, job.inputs)
     return 0
 
 
-def _check_target(output: str, documents: Sequence[str]) -> None:
-    if output == "-":
-        return
+def _target(output: str) -> str:
+    """Return where the page goes: a name without an ending gets ``.html``; the place is tried before any work."""
+    if output in ("-", os.devnull):
+        return output
     path = Path(output)
+    if not path.suffix and not path.is_dir():
+        path = path.with_name(f"{path.name}.html")
     if path.suffix not in (".html", ".htm"):
         raise UsageError(
             f"--output {output}: a page's name ends in .html; write {path.stem or 'report'}.html"
         )
-    if not path.parent.is_dir():
-        raise OutputError(f"{output}: the folder {path.parent} does not exist; make it first")
-    if any(os.path.realpath(name) == os.path.realpath(output) for name in documents):
-        raise UsageError(f"--output {output}: is an input of this command; choose another name")
+    check_place(str(path))
+    return str(path)
 
 
 def _read(job: Job, name: str) -> tuple[Source, InputError | None]:

@@ -28,14 +28,17 @@ class Source:
     read_beside: Callable[[str], bytes]
 
     def sibling(self, ending: str, but: str = "") -> bytes | None:
-        """Return the file of ``files`` with this ending; None where there is none, or it is gone."""
-        for name in self.data.get("files", []):
-            if name.endswith(ending) and not (but and name.endswith(but)):
-                try:
-                    return self.read_beside(name)
-                except HyperfabError:
-                    return None
-        return None
+        """Return the file of ``files`` with this ending; None where there is none, or it is gone.
+
+        Of several it is the one that bears the document's own name: the shortest, but that it gave way to an input.
+        """
+        found = [name for name in self.data.get("files", []) if name.endswith(ending)]
+        found = [name for name in found if not (but and name.endswith(but))]
+        own = [name for name in found if name.endswith(f".out{ending}")] or found
+        try:
+            return self.read_beside(min(own, key=len)) if own else None
+        except HyperfabError:
+            return None
 
 
 @dataclass(frozen=True)
