@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import exp
 
-from hyperfab.samples.text import csv_file
+from hyperfab.io.csv_write import csv_bytes
 
 _SOURCE = (
     "synthetic, not measured: plateau and densification in the form of Avalle, Belingardi and Montanini, "
@@ -42,7 +42,7 @@ def foam_curve() -> bytes:
     """
     rows = [[f"{step / 50:.2f}", f"{stress(step / 50):.5f}"] for step in range(46)]
     metadata = {"material": "polyurethane foam (synthetic)", "source": _SOURCE}
-    return csv_file(metadata, ["strain [-]", "stress [MPa]"], rows)
+    return csv_bytes(["strain [-]", "stress [MPa]"], rows, metadata=metadata)
 
 
 def stress(strain: float) -> float:

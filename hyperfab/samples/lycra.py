@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from random import Random
 
-from hyperfab.samples.text import csv_file
+from hyperfab.io.csv_write import csv_bytes
 
 #: Yeoh constants at 23 degC [MPa].
 YEOH = {"warp": (0.060951, 0.021463, 0.017258), "weft": (0.044, 0.0125, 0.0085)}
@@ -75,7 +75,7 @@ def _test(direction: str, temperature: int) -> bytes:
         "branch": "load",
         "source": _SOURCE,
     }
-    return csv_file(metadata, ["specimen", "strain [-]", "stress [MPa]"], rows)
+    return csv_bytes(["specimen", "strain [-]", "stress [MPa]"], rows, metadata=metadata)
 
 
 def _bell(random: Random) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hyperfab.samples.text import csv_file
+from hyperfab.io.csv_write import csv_bytes
 
 _SOURCE = (
     "L. R. G. Treloar, Stress-strain data for vulcanised rubber under various types of deformation, "
@@ -38,4 +38,4 @@ def treloar() -> dict[str, bytes]:
 def _table(test: str, points: str) -> bytes:
     metadata = {"test": test, "material": "vulcanised rubber", "temperature": "20 degC", "source": _SOURCE}
     rows = [point.split() for point in points.split(",")]
-    return csv_file(metadata, ["stretch [-]", "stress [MPa]"], rows)
+    return csv_bytes(["stretch [-]", "stress [MPa]"], rows, metadata=metadata)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -12,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.documents.study import LimitSection
+from hyperfab.io.csv_write import csv_bytes
 from hyperfab.studies.plan import Plan, Step
 from hyperfab.studies.store import Outcome, Store
 
@@ -121,23 +121,15 @@ def to_csv(table: Table) -> bytes:
     >>> to_csv(Table({"case": ["ab"], "force_N": [0.1], "message": [None]}))
     b'case,force_N,message\\nab,0.1,\\n'
     """
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(table.columns)
-    writer.writerows(zip(*(map(_cell, cells) for cells in table.columns.values()), strict=True))
-    return text.getvalue().encode("utf-8")
+    return csv_bytes(
+        list(table.columns),
+        list(zip(*(map(_no_formula, cells) for cells in table.columns.values()), strict=True)),
+    )
 
 
-def _cell(value: Cell) -> str:
-    if value is None:
-        return ""
-    if isinstance(value, bool):
-        return "1" if value else "0"
-    if isinstance(value, (int, float)):
-        return repr(value)
-    # A line break in a message would be a row to every tool that reads line by line; a leading = a formula.
-    flat = " ".join(value.split())
-    return f"'{flat}" if flat[:1] in ("=", "@", "+", "-") else flat
+def _no_formula(value: Cell) -> Cell:
+    """Return what no spreadsheet takes for a formula."""
+    return f"'{value}" if isinstance(value, str) and value.lstrip()[:1] in ("=", "@", "+", "-") else value
 
 
 def to_parquet(table: Table) -> bytes:

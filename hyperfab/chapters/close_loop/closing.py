@@ -20,6 +20,7 @@ from hyperfab.console import NEGATIVE_VERDICT
 from hyperfab.documents.loop import Errors, LoopDocument
 from hyperfab.documents.provenance import relative_name
 from hyperfab.errors import HyperfabError, UsageError
+from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
 from hyperfab.io.units import quantity
@@ -222,18 +223,16 @@ def _files(out: Output, problem: Problem, found: Finding, axis: Axis) -> None:
     units = list(dict.fromkeys(problem.units[curve.channel] for curve in quantities))
     head = [column(*[*axis.label.removesuffix("]").split(" ["), ""][:2])]
     head += [column(name, one) for one in units for name in ("measured", "before", "after", "noise_sd")]
-    rows = [",".join([*head, "file"])]
+    rows = []
     place = np.full(len(problem.measured), np.nan)
     place[np.flatnonzero(first)] = axis.values
     for curve in quantities:
-        name = '"' + curve.name.replace('"', "'") + '"'
         own = units.index(problem.units[curve.channel])
-        gaps = [""] * 4 * own, [""] * 4 * (len(units) - own - 1)
+        gaps = [None] * 4 * own, [None] * 4 * (len(units) - own - 1)
         for i in range(curve.start, curve.stop):
             values = (problem.measured[i], before[i], after[i], found.noise.sd[i])
-            at = f"{float(place[i]):.8g}" if np.isfinite(place[i]) else ""
-            rows.append(",".join([at, *gaps[0], *(f"{float(v):.8g}" for v in values), *gaps[1], name]))
-    out.add(".csv", ("\n".join(rows) + "\n").encode())
+            rows.append([place[i], *gaps[0], *values, *gaps[1], curve.name])
+    out.add(".csv", csv_bytes([*head, "file"], rows, digits=8))
     out.add(
         ".png",
         loop_figure(

@@ -20,6 +20,7 @@ from hyperfab.documents.loop import (
     NoiseFigures,
     Residual,
 )
+from hyperfab.io.csv_write import csv_bytes
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.fabric import FabricProblem
 from hyperfab.loop.problem import HAS_IT, Array, Problem
@@ -316,13 +317,11 @@ def curves_csv(problem: FabricProblem, found: Finding, unit: str) -> bytes:
     """Return measured and predicted stresses, row by row."""
     quantity = "membrane stress" if unit == "N/mm" else "stress"
     head = ["test", "stretch", *(column(name, unit) for name in (quantity, "before", "after", "noise sd"))]
-    lines = [",".join(head)]
+    rows = []
     path = problem.fabric.path
     old, new = found.before.fit.predicted, found.after.fit.predicted
     curves = [curve for curve in problem.curves if curve.channel == 0]
     for curve in curves:
-        name = '"' + curve.name.replace('"', "'") + '"'
         for i in range(curve.start, curve.stop):
-            values = (path.stretch[i], problem.measured[i], old[i], new[i], found.noise.sd[i])
-            lines.append(",".join([name, *(f"{float(value):.8g}" for value in values)]))
-    return ("\n".join(lines) + "\n").encode()
+            rows.append((curve.name, path.stretch[i], problem.measured[i], old[i], new[i], found.noise.sd[i]))
+    return csv_bytes(head, rows, digits=8)

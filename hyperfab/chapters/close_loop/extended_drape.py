@@ -15,6 +15,7 @@ from hyperfab.chapters.close_loop.extended_contact import FABRIC, refitted
 from hyperfab.cloth import Sheet
 from hyperfab.cloth.law import SpringLaw
 from hyperfab.documents.material import MaterialDocument
+from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
 from hyperfab.loop.drape import DrapeProblem, amounts_of
@@ -68,7 +69,5 @@ def extend(
 
 def _thread(law: SpringLaw, factor: float) -> bytes:
     """Return a measured law with its stress times ``factor``, as a uniaxial test."""
-    rows = ["strain [-],stress [MPa]"]
-    rows += [f"{float(stretch) - 1.0!r},{factor * float(stress)!r}"
-             for stretch, stress in zip(law.knots, law.pieces[:, 1], strict=True)]  # fmt: skip
-    return ("\n".join(rows) + "\n").encode()
+    rows = list(zip(law.knots - 1.0, factor * law.pieces[:, 1], strict=True))
+    return csv_bytes(["strain [-]", "stress [MPa]"], rows)

@@ -11,6 +11,7 @@ import numpy as np
 import tomli_w
 
 from hyperfab.documents.mold import MoldDocument
+from hyperfab.io.csv_write import csv_bytes
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.heat import HeatProblem
 from hyperfab.loop.problem import Array
@@ -286,5 +287,4 @@ def _listed(places: Any) -> list[Any]:
 
 
 def _csv(first: str, second: str, x: Array, y: Array) -> bytes:
-    rows = [f"{first},{second}", *(f"{float(a):.9g},{float(b):.9g}" for a, b in zip(x, y, strict=True))]
-    return ("\n".join(rows) + "\n").encode()
+    return csv_bytes([first, second], list(zip(x, y, strict=True)), digits=9)

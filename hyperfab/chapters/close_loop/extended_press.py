@@ -17,6 +17,7 @@ from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact.inputs import ALUMINIUM
 from hyperfab.chapters.press_contact.result import Told
 from hyperfab.io.csv_table import read_table
+from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.output import Output
 from hyperfab.io.toml_io import load_toml
@@ -106,12 +107,8 @@ def _stiffen(
         original = dict(load_toml(job.inputs.read(name), name))["compression"]["table"]
         path = Inputs.beside(name, original)
         table = read_table(job.inputs.read(path), path, {"strain": "dimensionless", "stress": "stress"})
-        rows = ["strain [-],stress [MPa]"]
-        rows += [
-            f"{e!r},{factor * s!r}"
-            for e, s in zip(table["strain"].tolist(), table["stress"].tolist(), strict=True)
-        ]
-        files[_TABLE] = ("\n".join(rows) + "\n").encode()
+        rows = list(zip(table["strain"], factor * table["stress"], strict=True))
+        files[_TABLE] = csv_bytes(["strain [-]", "stress [MPa]"], rows)
         law["table"] = out.path(_TABLE).name
         return
     for key in ("modulus", "plateau", "densification"):

@@ -19,6 +19,7 @@ from hyperfab.console import NEGATIVE_VERDICT
 from hyperfab.documents.base import parse_document
 from hyperfab.documents.mold import ContactSection, ConvectionSection, MoldDocument
 from hyperfab.errors import InputError, UsageError
+from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
 from hyperfab.io.units import quantity
 from hyperfab.loop.engine import Finding, close
@@ -299,16 +300,16 @@ def _files(out: Output, problem: HeatProblem, found: Finding, read: Thermocouple
     before, after = found.before.fit.predicted, found.after.fit.predicted
     rows, count = len(read.times), len(read.names)
     head = ["time_s"] + [f"{n}_{w}_degC" for n in read.names for w in ("measured", "before", "after")]
-    lines = [",".join(head)]
+    lines = []
     place = np.full(rows * count, -1)
     place[problem.runs[0].kept] = np.arange(len(problem.measured))
     for i in range(rows):
-        cells = [f"{read.times[i]:.8g}"]
+        cells = [read.times[i]]
         for probe in range(count):
             at = place[probe * rows + i]
-            cells += [f"{float(v[at]):.8g}" if at >= 0 else "" for v in (problem.measured, before, after)]
-        lines.append(",".join(cells))
-    out.add(".csv", ("\n".join(lines) + "\n").encode())
+            cells += [v[at] if at >= 0 else None for v in (problem.measured, before, after)]
+        lines.append(cells)
+    out.add(".csv", csv_bytes(head, lines, digits=8))
     out.add(
         ".png",
         loop_figure(

@@ -8,11 +8,20 @@ from hyperfab.chapters.drape.states import State
 from hyperfab.cloth import Sheet
 from hyperfab.cloth.friction import SLIDES, STARTS, STICKS
 from hyperfab.io import vtu
+from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
 
-CSV_HEADER = (
-    "nodes_x,nodes_y,iteration,energy_J,residual_relative,contact_nodes,step,inner_iterations,"
-    "contact_set_changed,depth_mm"
+HISTORY = (
+    "nodes_x",
+    "nodes_y",
+    "iteration",
+    "energy_J",
+    "residual_relative",
+    "contact_nodes",
+    "step",
+    "inner_iterations",
+    "contact_set_changed",
+    "depth_mm",
 )
 
 
@@ -67,14 +76,22 @@ def field(sheet: Sheet, state: State, max_stretch: float | None) -> bytes:
 
 def history(states: list[State]) -> bytes:
     """The energy and the residual step by step, grid by grid, depth by depth."""
-    lines = [CSV_HEADER]
-    for state in states:
-        for s in state.found.history:
-            lines.append(
-                f"{s.nodes[0]},{s.nodes[1]},{s.iteration},{s.energy * 1e-3!r},{s.residual!r},{s.contacts},"
-                f"{s.step_length!r},{s.inner},{int(s.set_changed)},{state.depth!r}"
-            )
-    return ("\n".join(lines) + "\n").encode()
+    rows = [
+        (
+            *s.nodes,
+            s.iteration,
+            s.energy * 1e-3,
+            s.residual,
+            s.contacts,
+            s.step_length,
+            s.inner,
+            s.set_changed,
+            state.depth,
+        )
+        for state in states
+        for s in state.found.history
+    ]
+    return csv_bytes(HISTORY, rows)
 
 
 def picture(sheet: Sheet, states: list[State]) -> bytes:

@@ -7,12 +7,13 @@ import os
 import numpy as np
 
 from hyperfab.chapters.fabric_contact.fabric import Fabric, read_fabric
-from hyperfab.chapters.fabric_contact.fields import csv, vtu
+from hyperfab.chapters.fabric_contact.fields import vtu
 from hyperfab.chapters.fabric_contact.result import document, mounted_row, row, status_of
 from hyperfab.chapters.fabric_contact.setup import Setup, read_setup
 from hyperfab.chapters.job import Job
 from hyperfab.documents.contact import ContactDocument
 from hyperfab.errors import NotConverged, UsageError
+from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
 from hyperfab.membrane.equilibrium import State
 from hyperfab.membrane.friction_path import LOAD_STEPS, run_with_friction
@@ -118,7 +119,8 @@ def _write(
         last = outcomes[0].solved[-1]
         shown = difference if difference is not None and pair[0] is last else None
         out.add(".vtu", vtu(last, shown))
-        out.add(".csv", csv([mounted_row(last)] + [row(solved) for solved in outcomes[0].solved]))
+        rows = [mounted_row(last), *(row(solved) for solved in outcomes[0].solved)]
+        out.add(".csv", csv_bytes(list(rows[0]), [[float(one[name]) for name in rows[0]] for one in rows]))
         from hyperfab.chapters.fabric_contact.picture import picture  # matplotlib takes a fifth of the start
 
         compared = (pair[0], difference) if difference is not None else None

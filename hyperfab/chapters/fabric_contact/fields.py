@@ -59,13 +59,6 @@ def pressure(solved: Solved, cauchy: Array, thickness: Array) -> Array:
     return np.where(state.touching, cauchy.sum(axis=1) * thickness * curvature, 0.0)
 
 
-def csv(rows: list[dict[str, float]]) -> bytes:
-    """Return rows as CSV; numbers read back as the same doubles."""
-    names = list(rows[0])
-    lines = [",".join(names)] + [",".join(repr(float(row[name])) for name in names) for row in rows]
-    return ("\n".join(lines) + "\n").encode("ascii")
-
-
 def mirrors_of(copies: int) -> list[Array]:
     """Return the signs of x, y, z that make the whole sheet of a computed part."""
     signs = [(1, 1), (-1, 1), (-1, -1), (1, -1)] if copies == 4 else [(1, 1)]

@@ -6,24 +6,31 @@ import numpy as np
 
 from hyperfab.chapters.fit.identify import Identified, Setting, predict
 from hyperfab.chapters.fit.judge import Judged, Sets
+from hyperfab.io.csv_write import csv_bytes
 from hyperfab.materials.modes import MODES, nominal_stress
 from hyperfab.report.figures_fit import Line, fit_figure
+
+_COLUMNS = (
+    "test",
+    "direction",
+    "temperature_degC",
+    "specimen",
+    "stretch",
+    "stretch_2",
+    "stress_MPa",
+    "stress_model_MPa",
+    "predicted",
+)
 
 
 def curves_csv(best: Judged, sets: Sets, setting: Setting) -> bytes:
     """Return every reading with the stress of the constants beside it."""
-    head = "test,direction,temperature_degC,specimen,stretch,stretch_2,stress_MPa,stress_model_MPa,predicted"
-    lines = [head]
+    lines = []
     for name, part in _parts(best):
         for curve in sets[name]:
             one, two = predict(part, curve)
-            predicted = "0" if curve.mode in setting.fit_on else "1"
-            start = [
-                curve.mode,
-                name or curve.direction or "",
-                _number(curve.temperature),
-                curve.specimen or "",
-            ]
+            predicted = curve.mode not in setting.fit_on
+            start = [curve.mode, name or curve.direction, curve.temperature, curve.specimen]
             for axis, (measured, model) in enumerate(((curve.stress, one), (curve.stress2, two))):
                 if measured is None or model is None:
                     continue
@@ -32,16 +39,8 @@ def curves_csv(best: Judged, sets: Sets, setting: Setting) -> bytes:
                     own, other = stretch, None if second is None else second[k]
                     if axis == 1:
                         own, other = other, own
-                    cells = [
-                        *start,
-                        _number(own),
-                        _number(other),
-                        _number(measured[k]),
-                        _number(model[k]),
-                        predicted,
-                    ]
-                    lines.append(",".join(_quoted(cell) for cell in cells))
-    return ("\n".join(lines) + "\n").encode()
+                    lines.append([*start, own, other, measured[k], model[k], predicted])
+    return csv_bytes(_COLUMNS, lines)
 
 
 def picture(best: Judged, sets: Sets, setting: Setting) -> bytes:
@@ -77,11 +76,3 @@ def picture(best: Judged, sets: Sets, setting: Setting) -> bytes:
 def _parts(best: Judged) -> list[tuple[str | None, Identified]]:
     named = [(name, part) for name, part in best.results.items() if isinstance(part, Identified)]
     return [(name, part) for name, part in named if name is not None or len(named) == 1]
-
-
-def _number(value: float | None) -> str:
-    return "" if value is None or not np.isfinite(value) else repr(float(value))
-
-
-def _quoted(cell: str) -> str:
-    return '"' + cell.replace('"', '""') + '"' if any(mark in cell for mark in ',"\n') else cell

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.chapters.mold_heat.problem import Problem
+from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
 from hyperfab.io.vtu import collection, unstructured
 from hyperfab.report.figures_heat import heat_figure
@@ -41,7 +40,8 @@ def write_fields(out: Output, problem: Problem, history: History, target: float 
         name: lagging(times, curve(history, sensor, times), problem.lags[name])
         for name, sensor in problem.probes.items()
     }
-    out.add(".csv", _csv(["time_s", *(f"{name}_degC" for name in curves)], [times, *curves.values()]))
+    heads = ["time_s", *(f"{name}_degC" for name in curves)]
+    out.add(".csv", csv_bytes(heads, list(zip(times, *curves.values(), strict=True))))
     out.add(".history.csv", _history(problem, history))
     shown = dict(curves)
     if problem.work_surface is not None:
@@ -75,12 +75,7 @@ def _history(problem: Problem, history: History) -> bytes:
         columns += [
             np.array([getattr(f, name) for f in found]) for name in ("mean", "least", "greatest", "spread")
         ]
-    return _csv(header, columns)
-
-
-def _csv(header: Sequence[str], columns: Sequence[Array]) -> bytes:
-    rows = [",".join(repr(float(value)) for value in row) for row in zip(*columns, strict=True)]
-    return ("\n".join([",".join(header), *rows]) + "\n").encode()
+    return csv_bytes(header, list(zip(*columns, strict=True)))
 
 
 def _work_surface(problem: Problem, temperature: Array) -> tuple[Array, NDArray[np.int64], Array]:

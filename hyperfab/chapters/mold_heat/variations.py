@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +13,7 @@ from hyperfab.documents.mold import MoldDocument
 from hyperfab.documents.quantity import TableFile
 from hyperfab.errors import InputError
 from hyperfab.io.csv_table import read_table
+from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.inputs import Inputs
 from hyperfab.thermal.reduced import ReducedMold, reduce
 from hyperfab.thermal.sensors import lagging
@@ -139,22 +138,18 @@ def variations_csv(found: Variations) -> bytes:
     header = [*(f"{name} [-]" for name in first.factors), "warmup_time_s", "work_surface_mean_degC"]
     header += ["work_surface_spread_K"]
     header += [f"{name}_{what}_degC" for what in ("final", "max") for name in first.probes_final_degC]
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(header)
-    for run in found.runs:
-        writer.writerow(
-            [
-                *run.factors.values(),
-                *(
-                    "" if value is None else value
-                    for value in (run.warmup_time_s, run.work_surface_mean_degC, run.work_surface_spread_K)
-                ),
-                *run.probes_final_degC.values(),
-                *run.probes_max_degC.values(),
-            ]
-        )
-    return stream.getvalue().encode()
+    rows = [
+        [
+            *run.factors.values(),
+            run.warmup_time_s,
+            run.work_surface_mean_degC,
+            run.work_surface_spread_K,
+            *run.probes_final_degC.values(),
+            *run.probes_max_degC.values(),
+        ]
+        for run in found.runs
+    ]
+    return csv_bytes(header, rows)
 
 
 def _refuse_unfit(document: MoldDocument, name: str) -> None:

@@ -21,6 +21,7 @@ from hyperfab.documents.press import (
 )
 from hyperfab.errors import InputError
 from hyperfab.io import vtu
+from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.stl_write import stl_bytes
 from hyperfab.pressing.closing import Closed
 from hyperfab.pressing.design import DesignRefused, constant_gap, with_back
@@ -33,7 +34,7 @@ from hyperfab.pressing.sensitivity import Tooling, levers
 
 Array = NDArray[np.float64]
 
-_CURVE_HEADER = "stroke_mm,force_N,pressed_area_mm2,gap_min_mm,energy_J"
+_CURVE_HEADER = ("stroke_mm", "force_N", "pressed_area_mm2", "gap_min_mm", "energy_J")
 _SIGNS = {1: "+", -1: "-"}
 
 
@@ -167,8 +168,7 @@ def grid_of(told: Told) -> bytes:
 
 def curve_csv(curve: Array) -> bytes:
     """Return the force-stroke curve as CSV."""
-    rows = [",".join(repr(float(value)) for value in row) for row in curve]
-    return ("\n".join([_CURVE_HEADER, *rows]) + "\n").encode("ascii")
+    return csv_bytes(_CURVE_HEADER, list(curve))
 
 
 def picture_of(told: Told, document: PressDocument) -> bytes:
