@@ -45,6 +45,7 @@ _POWER: Dimension = (2, 1, -3, 0, 0)
 _VOLUME: Dimension = (3, 0, 0, 0, 0)
 _FREQUENCY: Dimension = (0, 0, -1, 0, 0)
 _PER_AREA: Dimension = (-2, 1, 0, 0, 0)
+_PER_LENGTH: Dimension = (-1, 1, 0, 0, 0)
 
 _PREFIXES: dict[str, Fraction] = {
     "G": Fraction(10**9), "M": Fraction(10**6), "k": Fraction(10**3), "h": Fraction(10**2),
@@ -56,8 +57,18 @@ _PREFIXED: dict[str, tuple[str, Dimension]] = {
     "m": ("1", _LENGTH), "g": ("1/1000", _MASS), "s": ("1", _TIME), "N": ("1", _FORCE), "Pa": ("1", _STRESS),
     "J": ("1", _ENERGY), "W": ("1", _POWER), "Wh": ("3600", _ENERGY), "bar": ("100000", _STRESS),
     "cal": ("4.184", _ENERGY), "K": ("1", _TEMPERATURE), "l": ("1/1000", _VOLUME), "L": ("1/1000", _VOLUME),
-    "Hz": ("1", _FREQUENCY), "p": ("0.00980665", _FORCE),
+    "Hz": ("1", _FREQUENCY), "p": ("0.00980665", _FORCE), "tex": ("1/1000000", _PER_LENGTH),
 }  # fmt: skip
+#: Prefixed units spelled out, and the prefixes that go with them: kilonewton, millimetres.
+_SPELLED = {
+    "meter": "m", "metre": "m", "gram": "g", "second": "s", "newton": "N", "pascal": "Pa", "joule": "J", "watt": "W",
+    "kelvin": "K", "liter": "l", "litre": "l", "hertz": "Hz", "calorie": "cal",
+}  # fmt: skip
+_PREFIXES_SPELLED = {
+    "giga": "G", "mega": "M", "kilo": "k", "hecto": "h", "deci": "d", "centi": "c", "milli": "m", "micro": "u",
+    "nano": "n", "": "",
+}  # fmt: skip
+_SPELLED_OUT = re.compile(f"({'|'.join(_PREFIXES_SPELLED)})({'|'.join(_SPELLED)})s?")
 _INCH, _POUND, _GRAVITY = Fraction("0.0254"), Fraction("0.45359237"), Fraction("9.80665")
 _LBF = _POUND * _GRAVITY
 _BTU = Fraction("1055.05585262")
@@ -66,14 +77,21 @@ _PLAIN: dict[str, tuple[Fraction, Dimension]] = {
     "ft": (12 * _INCH, _LENGTH), "foot": (12 * _INCH, _LENGTH), "feet": (12 * _INCH, _LENGTH),
     "yd": (36 * _INCH, _LENGTH), "yard": (36 * _INCH, _LENGTH), "mil": (_INCH / 1000, _LENGTH),
     "thou": (_INCH / 1000, _LENGTH), "micron": (Fraction(1, 10**6), _LENGTH),
-    "meter": (Fraction(1), _LENGTH), "metre": (Fraction(1), _LENGTH),
+    "mile": (63360 * _INCH, _LENGTH), "furlong": (7920 * _INCH, _LENGTH), "fathom": (72 * _INCH, _LENGTH),
+    "hand": (4 * _INCH, _LENGTH),
+    "angstrom": (Fraction(1, 10**10), _LENGTH), "Å": (Fraction(1, 10**10), _LENGTH),
     "t": (Fraction(1000), _MASS), "lb": (_POUND, _MASS), "lbs": (_POUND, _MASS), "lbm": (_POUND, _MASS),
-    "oz": (_POUND / 16, _MASS), "slug": (_LBF / (12 * _INCH), _MASS),
-    "sec": (Fraction(1), _TIME), "min": (Fraction(60), _TIME), "h": (Fraction(3600), _TIME),
+    "pound": (_POUND, _MASS), "oz": (_POUND / 16, _MASS), "ounce": (_POUND / 16, _MASS),
+    "tonne": (Fraction(1000), _MASS), "grain": (_POUND / 7000, _MASS), "stone": (14 * _POUND, _MASS),
+    "slug": (_LBF / (12 * _INCH), _MASS),
+    "sec": (Fraction(1), _TIME), "min": (Fraction(60), _TIME), "minute": (Fraction(60), _TIME),
+    "minutes": (Fraction(60), _TIME), "days": (Fraction(86400), _TIME), "week": (Fraction(604800), _TIME),
+    "h": (Fraction(3600), _TIME),
     "hr": (Fraction(3600), _TIME), "hour": (Fraction(3600), _TIME), "hours": (Fraction(3600), _TIME),
     "d": (Fraction(86400), _TIME), "day": (Fraction(86400), _TIME),
     "gf": (_GRAVITY / 1000, _FORCE), "kgf": (_GRAVITY, _FORCE), "kp": (_GRAVITY, _FORCE), "lbf": (_LBF, _FORCE),
     "ozf": (_LBF / 16, _FORCE), "kip": (1000 * _LBF, _FORCE), "dyn": (Fraction(1, 10**5), _FORCE),
+    "dyne": (Fraction(1, 10**5), _FORCE), "poundal": (_POUND * 12 * _INCH, _FORCE),
     "psi": (_LBF / _INCH**2, _STRESS), "ksi": (1000 * _LBF / _INCH**2, _STRESS),
     "psf": (_LBF / (12 * _INCH) ** 2, _STRESS), "atm": (Fraction(101325), _STRESS),
     "at": (_GRAVITY * 10**4, _STRESS), "torr": (Fraction(101325, 760), _STRESS),
@@ -81,8 +99,9 @@ _PLAIN: dict[str, tuple[Fraction, Dimension]] = {
     "erg": (Fraction(1, 10**7), _ENERGY), "BTU": (_BTU, _ENERGY), "Btu": (_BTU, _ENERGY), "btu": (_BTU, _ENERGY),
     "eV": (Fraction("1.602176634e-19"), _ENERGY),
     "hp": (550 * _LBF * 12 * _INCH, _POWER), "PS": (75 * _GRAVITY, _POWER),
-    "kelvin": (Fraction(1), _TEMPERATURE), "degR": (Fraction(5, 9), _TEMPERATURE),
+    "degR": (Fraction(5, 9), _TEMPERATURE),
     "gsm": (Fraction(1, 1000), _PER_AREA),
+    "den": (Fraction(1, 9 * 10**6), _PER_LENGTH), "denier": (Fraction(1, 9 * 10**6), _PER_LENGTH),
     "rpm": (Fraction(1, 60), _FREQUENCY),
     "deg": (Fraction(1), _ANGLE), "degree": (Fraction(1), _ANGLE), "degrees": (Fraction(1), _ANGLE),
     "°": (Fraction(1), _ANGLE), "gon": (Fraction(9, 10), _ANGLE), "arcmin": (Fraction(1, 60), _ANGLE),
@@ -109,11 +128,11 @@ _FACTOR = re.compile(r"""(1|[^\W\d_]+(?:_deg[CF]|_K)?|°[CF]?|[%‰"])(?:(?:\^|\
 
 
 @lru_cache(maxsize=256)
-def parse_unit(text: str, rare: bool = False) -> Unit:
+def parse_unit(text: str) -> Unit:
     """Return the unit ``text`` stands for: ``MPa``, ``W/m^2/K``, ``W/(m² K)``, ``lbf/in2``, ``1/s``, ``s^-1``, ``%``.
 
     A product is read from left to right, so ``J/kg K`` is (J/kg) K; parentheses are allowed once. ``/K`` is ``1/K``.
-    With ``rare`` names that are not in this table are looked up in pint's, which takes a second to load.
+    ``tex`` and ``den`` are textile's: mass per length of yarn. Units of metre to calorie may be spelled out.
 
     Raises UnitError where it is none.
 
@@ -132,8 +151,8 @@ def parse_unit(text: str, rare: bool = False) -> Unit:
     if parenthesis:
         if not denominator.endswith(")"):
             raise UnitError(f"{text} is no unit")
-        return _product(numerator, text, rare, _product(denominator[:-1], text, rare, None), -1)
-    return _product(cleaned, text, rare, None)
+        return _product(numerator, text, _product(denominator[:-1], text, None), -1)
+    return _product(cleaned, text, None)
 
 
 def _clean(text: str) -> str:
@@ -144,7 +163,7 @@ def _clean(text: str) -> str:
     return re.sub(r"[·⋅×]", "*", text)
 
 
-def _product(text: str, whole: str, rare: bool, start: Unit | None, sign: int = 1) -> Unit:
+def _product(text: str, whole: str, start: Unit | None, sign: int = 1) -> Unit:
     """Multiply out ``text``, times ``start`` to the power ``sign``."""
     factor, dimension = Fraction(1), list(_NONE)
     if start is not None:
@@ -157,7 +176,7 @@ def _product(text: str, whole: str, rare: bool, start: Unit | None, sign: int = 
         power = int(match[2] or 1) * operator
         if abs(power) > 6:
             raise UnitError(f"{whole} is no unit")
-        base = _symbol(match[1], whole, rare)
+        base = _symbol(match[1], whole)
         factor *= base.factor**power
         dimension = [
             total + power * exponent for total, exponent in zip(dimension, base.dimension, strict=True)
@@ -175,7 +194,10 @@ def _product(text: str, whole: str, rare: bool, start: Unit | None, sign: int = 
     return Unit(factor, (length, mass, time, temperature, angle))
 
 
-def _symbol(symbol: str, whole: str, rare: bool) -> Unit:
+def _symbol(symbol: str, whole: str) -> Unit:
+    spelled = _SPELLED_OUT.fullmatch(symbol)
+    if spelled is not None:
+        symbol = _PREFIXES_SPELLED[spelled[1]] + _SPELLED[spelled[2]]
     symbol = _DIFFERENCES.get(symbol, symbol)
     if symbol in _PLAIN:
         return Unit(*_PLAIN[symbol])
@@ -193,10 +215,4 @@ def _symbol(symbol: str, whole: str, rare: bool) -> Unit:
         for known in (*_PLAIN, *_PREFIXED, *_SCALES, "mm", "MPa", "kPa", "kN", "kW")
         if known.lower() == symbol.lower()
     ]
-    if rare and not near:
-        from hyperfab.io.rare_units import rare_unit
-
-        found = rare_unit(symbol)
-        if found is not None:
-            return Unit(*found)
     raise UnitError(f"{whole} is no unit" + (f"; write {near[0]}" if near else ""))

@@ -110,7 +110,7 @@ def column_factor(unit: str, kind: str) -> tuple[Fraction, Fraction]:
     >>> column_factor("kPa", "stress"), column_factor("K", "temperature")
     ((Fraction(1, 1000), Fraction(0, 1)), (Fraction(1, 1), Fraction(-5463, 20)))
     """
-    return _linear(parse_unit(unit, rare=True), KINDS[kind], unit)
+    return _linear(parse_unit(unit), KINDS[kind], unit)
 
 
 def is_unit(text: str) -> bool:
@@ -138,7 +138,7 @@ def _convert(value: object, kind: Kind) -> float:
     number, unit = match.groups()
     if not unit and kind.unit != "1":
         raise UnitError(f"{_article(kind)} needs its unit; write {_form(number, kind)}")
-    factor, offset = _linear(parse_unit(unit, rare=True) if unit else DIMENSIONLESS, kind, unit)
+    factor, offset = _linear(parse_unit(unit) if unit else DIMENSIONLESS, kind, unit)
     exact = Fraction(number) * factor + offset
     if kind.offset and exact < _ABSOLUTE_ZERO_C:
         raise UnitError("is below absolute zero")
@@ -169,7 +169,7 @@ def _engineers_reading(text: str, otherwise: Unit) -> Unit:
     head, slash, rest = text.partition("/")
     if not slash or "/" in rest or "(" in rest:
         return otherwise
-    return parse_unit(f"{head}/({rest})", rare=True)
+    return parse_unit(f"{head}/({rest})")
 
 
 def _refusal(

@@ -24,6 +24,11 @@ from hyperfab.io.units import KINDS, column_factor, quantity, size
         ("1 mil", "length", 0.0254),
         ("0.6mm", "length", 0.6),
         ("60 µm", "length", 0.06),
+        ("3 millimeters", "length", 3.0),
+        ("1 mile", "length", 1609344.0),
+        ("2 kilonewtons", "force", 2000.0),
+        ("5 minutes", "time", 300.0),
+        ("4 oz/yd^2", "mass-per-area", 135.6229898995292),
         ("1 lbf", "force", 4.4482216152605),
         ("1 kgf", "force", 9.80665),
         ("250 cN", "force", 2.5),
@@ -173,6 +178,19 @@ def test_sizes_have_one_side_or_two() -> None:
     for text in ("220x220", "220mmx220", "1mmx2mmx3mm", "", "x"):
         with pytest.raises(UsageError, match="--size"):
             size(text, option="--size")
+
+
+def test_units_of_yarn_are_exact() -> None:
+    # ISO 1144: 1 tex is 1 g/km; the denier is 1 g per 9000 m
+    kg_per_m = parse_unit("kg/m")
+    for text, factor in (
+        ("tex", Fraction(1, 10**6)),
+        ("dtex", Fraction(1, 10**7)),
+        ("den", Fraction(1, 9 * 10**6)),
+    ):
+        assert parse_unit(text).factor == factor
+        assert parse_unit(text).dimension == kg_per_m.dimension
+    assert parse_unit("cN/tex").factor == 10**4  # J/kg
 
 
 def test_column_factors_are_exact() -> None:

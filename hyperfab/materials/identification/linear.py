@@ -60,38 +60,13 @@ def least_norm(A: Array, b: Array) -> Array:
 
 
 def nonnegative(A: Array, b: Array) -> Array:
-    """Return c >= 0 that minimises |b - A c| (Lawson & Hanson's active set, on columns of length one).
+    """Return c >= 0 that minimises |b - A c| (Lawson & Hanson, on columns of length one).
 
     >>> nonnegative(np.eye(2), np.array([1.0, -1.0]))
     array([1., 0.])
     """
+    from scipy.optimize import nnls  # half a fit's time to load: only constants held stable need it
+
     length = np.sqrt((A * A).sum(axis=0))
     length = np.where(length > 0.0, length, 1.0)
-    A = A / length
-    count = A.shape[1]
-    c = np.zeros(count)
-    passive = np.zeros(count, dtype=bool)
-    gradient = A.T @ b
-    tolerance = 1e-13 * max(float(np.abs(gradient).max(initial=0.0)), 1e-300)
-    for _ in range(10 * count + 10):
-        candidates = np.where(passive, -np.inf, gradient)
-        entering = int(np.argmax(candidates))
-        if passive.all() or candidates[entering] <= tolerance:
-            break
-        passive[entering] = True
-        while True:
-            trial = np.zeros(count)
-            trial[passive] = np.linalg.lstsq(A[:, passive], b, rcond=None)[0]
-            negative = passive & (trial <= 0.0)
-            if not negative.any():
-                break
-            share = float(np.min(c[negative] / (c[negative] - trial[negative])))
-            c = c + share * (trial - c)
-            passive &= c > 1e-15 * np.abs(c).max()
-            c[~passive] = 0.0
-            if not passive.any():
-                trial = np.zeros(count)
-                break
-        c = trial
-        gradient = A.T @ (b - A @ c)
-    return c / length
+    return np.asarray(nnls(A / length, b, maxiter=100 * A.shape[1])[0] / length)
