@@ -56,7 +56,34 @@ def test_document_holds_the_known_force_and_valid_siblings(press, hf, tmp_path):
     assert found["wrinkled_area_fraction"] == 0.0
     assert [depth for depth, _ in found["force_depth"]] == [0.0, 20.0, 40.0, 60.0]
     assert found["stability"] == {"stable": True}
-    assert found["balance"]["reaction_N"] == pytest.approx(found["force_N"], rel=1e-9)
+    assert found["contact_radius_undeformed_mm"] == pytest.approx(27.803588, abs=0.2)
+    # At the apex, stretched alike both ways by the known 1.2854: 2 C (l^2 - l^-4).
+    apex = 0.4 * (1.2854086307**2 - 1.2854086307**-4)
+    assert found["stress_max_MPa"] == pytest.approx(apex, rel=5e-3)
+    known = {20.0: 1.7959477986, 40.0: 14.679562516, 60.0: 41.576556565}
+    assert dict(found["force_depth"][1:]) == pytest.approx(known, rel=2e-4)
+    # The estimate is of the size of the true error: no bound, but no stranger either.
+    error = abs(found["force_N"] / 41.576556565 - 1.0)
+    assert error / 3.0 < found["force_error_relative"] <= 1e-4
+    balance = found["balance"]
+    assert balance["stored_J"] == pytest.approx(0.69307619325, rel=1e-4)
+    assert balance["work_J"] == pytest.approx(0.69307619325, rel=1e-3)
+    assert balance["dissipated_J"] == pytest.approx(0.0, abs=1e-9)
+    off = balance["work_J"] / balance["stored_J"] - 1.0
+    assert balance["imbalance_relative"] == pytest.approx(off, rel=1e-6, abs=1e-12)
+    assert balance["reaction_N"] == pytest.approx(41.576556565, rel=1e-4)
+    assert abs(balance["force_imbalance_relative"]) < 1e-9
+    assert 2 <= found["newton_iterations"] < 30
+    assert found["newton_iterations_total"] > 2 * found["newton_iterations"]
+    assert 500 < found["unknowns"] < 100_000
+    setup = {
+        "size_mm": 200.0,
+        "thickness_mm": 1.0,
+        "sphere_radius_mm": 40.0,
+        "depth_mm": 60.0,
+        "prestretch": 1.0,
+    }
+    assert {key: found["setup"][key] for key in setup} == setup
     jsonschema.validate(found, json.loads(hf("schema", "contact").stdout))
     assert found["files"] == ["contact.csv", "contact.png", "contact.vtu"]
     lines = (tmp_path / "contact.csv").read_text().splitlines()

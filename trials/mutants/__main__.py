@@ -74,9 +74,10 @@ def mapped(root: Path, copy: Path, work: Path, fresh: bool) -> dict[str, dict[st
     stamps = {file: _stamp(root / file) for file in files}
     tests = {name: test for name, test in known.items() if stamps.get(name.split("::")[0]) == test["stamp"]}
     changed = [file for file in files if known.get(f"{file}::", {}).get("stamp") != stamps[file]]
-    # The tests of commands last: they take longest.
+    # The tests of commands last, those of whole chains last of all: they take longest.
+    late = ("tests/cloth", "tests/loop", "tests/chapters", "tests/cli", "tests/chapters/test_close_loop")
     changed.sort(
-        key=lambda file: (file.startswith(("tests/chapters", "tests/cloth", "tests/loop", "tests/cli")), file)
+        key=lambda file: (max([0, *(n for n, at in enumerate(late, 1) if file.startswith(at))]), file)
     )
     examples = [file for file in changed if file.startswith("hyperfab")]
     for batch in [examples, *([file] for file in changed if file not in examples)]:
