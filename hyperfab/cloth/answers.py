@@ -7,12 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from hyperfab.numerics.kernels import kernel
-from hyperfab.surface.bvh import DEPTH, nearest_one
-
-from .energy import ROWS
+from .cuts import Cut, cut
 from .law import Floats, SpringLaw
-from .mold import FREE, Ints, Mold
+from .mold import FREE, Mold
 from .net import Sheet
 from .start import settled
 from .state import Equilibrium, State
@@ -48,9 +45,17 @@ class Answers:
     spring_energy: float  # N mm
     press_force: float  # N, along z
     imbalance: float  # N, clamp reactions + contact forces + weight
-    node_penetration: float  # mm
-    edge_penetration: float  # mm
-    edge_at: tuple[float, float]  # place on the flat sheet of the deepest edge
+    cut: Cut  # how deep the net is in the mold
+
+    @property
+    def node_penetration(self) -> float:
+        """Depth in mm of the deepest node in the mold."""
+        return self.cut.node
+
+    @property
+    def edge_penetration(self) -> float:
+        """Depth in mm of the deepest point of a spring in the mold."""
+        return self.cut.edge
 
 
 def answers(sheet: Sheet, mold: Mold, found: Equilibrium) -> Answers:
@@ -92,7 +97,6 @@ def answers(sheet: Sheet, mold: Mold, found: Equilibrium) -> Answers:
     reaction += np.where(touching, 0.0, (unbalanced - found.force) * (1.0 - held))  # of the blank holder
     weight = sheet.arrays.weight.sum()
     total = contact.sum((0, 1)) + reaction.sum((0, 1)) + found.push - [0.0, 0.0, weight]
-    inside, edge, at = penetration(x, sheet, mold, found.state, found.bent)
     return Answers(
         warp,
         weft,
@@ -112,9 +116,7 @@ def answers(sheet: Sheet, mold: Mold, found: Equilibrium) -> Answers:
         found.energy - float((sheet.arrays.weight * x[:, :, 2]).sum()),
         float(contact[:, :, 2].sum() + found.push[2]),
         float(np.abs(total).max()),
-        inside,
-        edge,
-        at,
+        cut(x, sheet, mold, found.state, found.bent, found.bent_at),
     )
 
 
@@ -131,91 +133,3 @@ def _at_nodes(law: SpringLaw, stretch: Floats, axis: int) -> Floats:
     padded = np.pad(stress, pad, mode="edge")
     n = padded.shape[axis]
     return np.asarray(0.5 * (padded.take(range(n - 1), axis) + padded.take(range(1, n), axis)))
-
-
-@kernel
-def _deepest(
-    x: Floats,
-    mold: Mold,
-    clear: Floats,
-    slot: Ints,
-    laid: npt.NDArray[np.bool_],
-    samples: int,
-    first: int,
-    last: int,
-) -> tuple[float, float, int, int, int]:
-    """Depth of nodes and of springs of rows ``first:last`` in the mold, and the deepest spring (i, j, direction)."""
-    n, m = x.shape[0], x.shape[1]
-    stack, stack_d = np.empty(DEPTH, np.int64), np.empty(DEPTH)
-    node, edge, bi, bj, bd = 0.0, 0.0, 0, 0, 0
-    for i in range(first, last):
-        for j in range(m):
-            for d in range(2):
-                k, l = (i + 1, j) if d == 0 else (i, j + 1)
-                if k >= n or l >= m:
-                    k, l = i, j
-                dx, dy, dz = x[k, l, 0] - x[i, j, 0], x[k, l, 1] - x[i, j, 1], x[k, l, 2] - x[i, j, 2]
-                if clear[i, j] + clear[k, l] > np.sqrt(dx * dx + dy * dy + dz * dz):
-                    continue
-                last_sample = 1 if (k == i and l == j) or laid[i, j, d] else samples
-                for s in range(last_sample):
-                    if s == 0 and d == 1:
-                        continue
-                    t = s / samples
-                    px, py, pz = x[i, j, 0] + t * dx, x[i, j, 1] + t * dy, x[i, j, 2] + t * dz
-                    cx, cy, cz, near, feature = nearest_one(
-                        px,
-                        py,
-                        pz,
-                        slot[i, j],
-                        mold.corners,
-                        mold.bounds,
-                        mold.right,
-                        mold.start,
-                        mold.number,
-                        stack,
-                        stack_d,
-                    )
-                    v = mold.normals[near, feature]
-                    if (px - cx) * v[0] + (py - cy) * v[1] + (pz - cz) * v[2] < 0.0:
-                        depth = np.sqrt((px - cx) ** 2 + (py - cy) ** 2 + (pz - cz) ** 2)
-                        if s == 0:
-                            node = max(node, depth)
-                        elif depth > edge:
-                            edge, bi, bj, bd = depth, i, j, d
-    return node, edge, bi, bj, bd
-
-
-def penetration(
-    x: Floats, sheet: Sheet, mold: Mold, state: State, bent: Ints, samples: int = 4
-) -> tuple[float, float, tuple[float, float]]:
-    """Greatest depth in mm of a node and of a spring between its nodes in the mold, and where on the flat sheet.
-
-    Springs are probed at ``samples`` - 1 points, the deepest one again at 64. Those laid over a sharp edge (``bent``)
-    run on the mold and are not probed.
-    """
-    laid = np.zeros((*x.shape[:2], 2), np.bool_)
-    laid[bent[:, 0], bent[:, 1], bent[:, 2]] = True
-    node, edge, where = 0.0, 0.0, (0, 0, 0)
-    rows = max(1, ROWS // (8 * sheet.m))
-    for i in range(0, sheet.n, rows):
-        a, b, *at = _deepest(x, mold, state.clear, state.slot, laid, samples, i, min(i + rows, sheet.n))
-        node = max(node, a)
-        if b > edge:
-            edge, where = b, (at[0], at[1], at[2])
-    i, j, d = where
-    if edge > 0.0:
-        two = np.s_[i : i + 2, j : j + 1] if d == 0 else np.s_[i : i + 1, j : j + 2]
-        fine = _deepest(
-            np.ascontiguousarray(x[two]),
-            mold,
-            np.zeros((2, 2)),
-            np.ascontiguousarray(state.slot[two]),
-            np.zeros((2, 2, 2), np.bool_),
-            64,
-            0,
-            1,
-        )
-        edge = max(edge, fine[1])
-    flat = sheet.flat()[i, j]
-    return node, edge, (float(flat[0]), float(flat[1]))

@@ -133,6 +133,7 @@ class Balance:
             self.strongest,
             self.model.springs,
             self.model.ways[:, 12],
+            self.model.over(now.x),
             self.model.push,
             status,
             history,

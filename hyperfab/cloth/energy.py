@@ -97,6 +97,13 @@ class Energy:
             room = found
         self.springs, self.ways = springs[:found], ways[:found]
 
+    def over(self, x: Floats) -> Floats:
+        """(k, 3) mm: where the bent springs run over their edges."""
+        w = self.ways
+        share = w[:, 9] / np.maximum(w[:, 9] + w[:, 10], 1e-300) * w[:, 11]
+        start = x[self.springs[:, 0], self.springs[:, 1]]
+        return np.asarray(start + w[:, 9:10] * w[:, :3] + share[:, None] * w[:, 6:9])
+
     def hinges(self) -> Ints:
         """(n, m, 2) bent springs of each node as ``hinge_nodes`` numbers them."""
         found = np.zeros((*self.net.weight.shape, 2) if len(self.springs) else (0, 0, 2), np.int64)

@@ -60,6 +60,7 @@ class Equilibrium:
     largest_force: float
     bent: Ints  # (k, 4) springs laid over sharp edges: node, direction, crease
     bent_length: Floats  # (k,) mm
+    bent_at: Floats  # (k, 3) mm, where they run over the edge
     push: Floats  # (3,) N, of the sharp edges on the springs laid over them
     status: str = ""
     history: list[Step] = field(default_factory=list)

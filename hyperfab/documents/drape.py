@@ -15,6 +15,13 @@ class Part(BaseModel):
     model_config = ConfigDict(extra="allow", allow_inf_nan=False)
 
 
+class Place(Part):
+    """A place of the net."""
+
+    flat: list[float] = Field(description="[x, y] mm on the flat sheet")
+    draped: list[float] = Field(description="[x, y, z] mm as draped")
+
+
 class DrapeMold(Part):
     """The mold as it stood: the STL moved by ``shift_mm`` is where the draped sheet's coordinates lie."""
 
@@ -94,10 +101,17 @@ class DrapeDocument(Document):
     )
     penetration_max_mm: float = Field(description="deepest point of the net, nodes and springs, in the mold")
     penetration_nodes_mm: float
-    penetration_edges_mm: float
+    penetration_edges_mm: float = Field(
+        description="depth of the deepest point of any spring below the mold's surface, exact to 1e-6 mm"
+    )
     penetration_edges_at_mm: list[float] | None = Field(
         default=None, description="place on the flat sheet of the spring that cuts deepest"
     )
+    stands_through_mm: float | None = Field(
+        default=None,
+        description="how far a corner or tip of the mold stands out through the net, between its nodes",
+    )
+    stands_through_at_mm: Place | None = Field(default=None, description="where, on the sheet and in space")
     slack_springs: int
     stress_warp_max_MPa: float = Field(description="nominal: force per undeformed section")
     stress_weft_max_MPa: float

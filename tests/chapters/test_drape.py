@@ -391,6 +391,33 @@ def test_a_sheet_that_hangs_on_sharp_ridges_is_a_result(drape, folder):
     assert document["force_N"] > 1.0
 
 
+def test_a_pin_that_stands_through_the_net_is_told_with_its_size(drape, folder):
+    import meshio
+
+    ball = trimesh.creation.icosphere(subdivisions=4, radius=30.0)
+    balls = [ball.copy().apply_translation([x, 0.0, 0.0]) for x in (-40.0, 40.0)]
+    options = ("--grid", "41x41", "--size", "200mm", "--depth", "40mm")
+    both = trimesh.util.concatenate(balls)
+    (folder / "balls.stl").write_bytes(stl_bytes(both.vertices, both.faces))
+    drape(*options, "-o", "d.json", mold="balls.stl")
+    row = meshio.read(folder / "d.vtu").points.reshape(41, 41, 3)[
+        20:22, 20
+    ]  # a spring that spans freely, on y = 0
+    x, z = row[:, 0].mean(), row[:, 2].mean() - 10.0  # in the balls' own frame
+    assert np.abs(row[:, 1]).max() < 1e-6
+    pin = trimesh.creation.cylinder(radius=0.25, height=20.0, sections=32)
+    both = trimesh.util.concatenate([*balls, pin.apply_translation([x, 0.004, z - 4.0])])
+    (folder / "pin.stl").write_bytes(stl_bytes(both.vertices, both.faces))
+    status, out, err = drape(*options, mold="pin.stl")
+    document = json.loads(out)
+    assert status == 0
+    assert 0.24 < document["penetration_edges_mm"] < 0.25
+    assert document["penetration_max_mm"] == document["penetration_edges_mm"]
+    assert document["stands_through_mm"] == pytest.approx(6.0, abs=0.1)
+    assert document["stands_through_at_mm"]["draped"][2] == pytest.approx(row[:, 2].mean() + 6.0, abs=1e-3)
+    assert "mm out through the net" in err
+
+
 def test_a_depth_that_locks_the_law_is_named(drape, folder):
     locking = {**FABRIC, "model": "gent", "parameters": {"mu_MPa": 0.4, "Im": 1.0}}
     (folder / "fabric.json").write_text(json.dumps(locking))

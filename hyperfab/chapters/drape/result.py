@@ -10,9 +10,13 @@ from hyperfab.chapters.drape.model import Model
 from hyperfab.chapters.drape.states import State
 from hyperfab.chapters.job import Job
 from hyperfab.cloth import Sheet
+from hyperfab.cloth.cuts import stands_out
 from hyperfab.cloth.friction import SLIDES, STARTS, STICKS
 from hyperfab.cloth.mold import FREE
-from hyperfab.documents.drape import DrapeDocument, DrapeMold, DrapeState, Rubbing
+from hyperfab.documents.drape import DrapeDocument, DrapeMold, DrapeState, Place, Rubbing
+
+#: The mold may stand out between the nodes by this share of their spacing without a word.
+THROUGH = 0.25
 
 
 def draw_in(sheet: Sheet, state: State, edges: list[str]) -> dict[str, float] | None:
@@ -43,6 +47,9 @@ def document_of(model: Model, states: list[State]) -> DrapeDocument:
     if case.friction > 0.0 and len(state.mold.creases.corners) > 0:
         left_out.append("friction of the threads between nodes where they run over sharp edges")
     x_mm, y_mm, z_mm = placed.shift
+    shift = np.array([x_mm, y_mm, z_mm + state.depth - depths[-1]])
+    through, top, below = stands_out(found.state.x, sheet, placed.surface, shift)
+    where = Place(flat=below[:2].tolist(), draped=top.tolist())
     document = DrapeDocument(
         converged=found.converged,
         status=status,
@@ -59,7 +66,9 @@ def document_of(model: Model, states: list[State]) -> DrapeDocument:
         penetration_max_mm=max(fields.node_penetration, fields.edge_penetration),
         penetration_nodes_mm=fields.node_penetration,
         penetration_edges_mm=fields.edge_penetration,
-        penetration_edges_at_mm=list(fields.edge_at) if fields.edge_penetration > 0.0 else None,
+        penetration_edges_at_mm=list(fields.cut.flat) if fields.edge_penetration > 0.0 else None,
+        stands_through_mm=through,
+        stands_through_at_mm=where if through > 0.0 else None,
         slack_springs=fields.slack_springs,
         stress_warp_max_MPa=float(fields.stress_warp.max()),
         stress_weft_max_MPa=float(fields.stress_weft.max()),
@@ -83,7 +92,7 @@ def document_of(model: Model, states: list[State]) -> DrapeDocument:
         mold=DrapeMold(
             facets=len(placed.surface.faces),
             closed=placed.closed,
-            shift_mm=[x_mm, y_mm, z_mm + state.depth - depths[-1]],
+            shift_mm=[float(v) + 0.0 for v in shift],
         ),
         draw_in_mm=draw_in(sheet, state, loose),
     )
@@ -171,6 +180,15 @@ def judge(job: Job, document: DrapeDocument) -> bool:
             "no node of the grid rests on the mold: it passes between the nodes (take a finer --grid), or the sheet "
             "has slipped off it (less --depth)",
         )
+    if document.stands_through_mm and document.stands_through_at_mm:
+        spacing = max(s / (k - 1) for s, k in zip(document.size_mm, document.grid, strict=True))
+        if document.stands_through_mm > THROUGH * spacing:
+            x, y = document.stands_through_at_mm.flat
+            job.console.warn(
+                f"the mold stands {document.stands_through_mm:.3g} mm out through the net, between the nodes about "
+                f"({x:.4g}, {y:.4g}) mm of the flat sheet: take a finer --grid, or an odd one, which has a node in "
+                "its middle"
+            )
     return sound
 
 

@@ -1,0 +1,191 @@
+"""How deep nodes and springs are in the mold, to a proven bound, and how far the mold stands out between them.
+
+The depth of a point is its distance to the mold's surface where it is inside. Along a spring it changes by no more than
+the way (it is Lipschitz), and never exceeds the distance to any one facet, which is convex along the spring: on a piece
+it is at most the larger of the distances of both ends to the same facet. Pieces are halved until no bound is above the
+deepest point found, so that nothing is missed between probes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hyperfab.numerics.kernels import kernel, part
+from hyperfab.surface import Surface
+from hyperfab.surface.bvh import DEPTH, closest_on_triangle, nearest_one
+
+from .law import Floats
+from .mold import Ints, Mold
+from .net import Sheet
+from .state import State
+
+#: The deepest point of a spring is found to this many mm.
+SURE = 1e-6
+#: Springs handled by one call of a kernel.
+ROWS = 100_000
+
+
+@dataclass(frozen=True)
+class Cut:
+    """Deepest point in the mold of nodes and of springs in mm, and where the latter is (flat sheet, draped)."""
+
+    node: float
+    edge: float
+    flat: tuple[float, float]
+    draped: tuple[float, float, float]
+
+
+@part
+def _depth(mold: Mold, p: Floats, hint: int, stack: Ints, stack_d: Floats) -> tuple[float, int]:
+    """Depth of a point, negative outside, and the facet nearest to it."""
+    cx, cy, cz, near, feature = nearest_one(
+        p[0], p[1], p[2], hint, mold.corners, mold.bounds, mold.right, mold.start, mold.number, stack, stack_d
+    )
+    x, y, z, n = p[0] - cx, p[1] - cy, p[2] - cz, mold.normals[near, feature]
+    away = np.sqrt(x * x + y * y + z * z)
+    return (away if x * n[0] + y * n[1] + z * n[2] < 0.0 else -away), near
+
+
+@part
+def _to(mold: Mold, slot: int, p: Floats) -> float:
+    cx, cy, cz, _ = closest_on_triangle(mold.corners[slot], p[0], p[1], p[2])
+    return np.sqrt((p[0] - cx) ** 2 + (p[1] - cy) ** 2 + (p[2] - cz) ** 2)
+
+
+@kernel
+def deepest(
+    starts: Floats, ends: Floats, slots: Ints, mold: Mold, best: float, sure: float
+) -> tuple[float, int, float]:
+    """Deepest point in the mold of the segments ``starts`` to ``ends`` (k, 3), beyond ``best`` mm and to ``sure`` mm.
+
+    ``slots``: a facet near each start, or -1. Returns its depth, its segment (-1: none is deeper than ``best``) and the
+    share of the way to it.
+    """
+    stack, stack_d = np.empty(DEPTH, np.int64), np.empty(DEPTH)
+    part_t, part_f = np.empty((128, 2)), np.empty((128, 2))
+    part_s = np.empty((128, 2), np.int64)
+    a, b, middle = np.empty(3), np.empty(3), np.empty(3)
+    where, share = -1, 0.0
+    for k in range(starts.shape[0]):
+        size = 0.0
+        for r in range(3):
+            size += (ends[k, r] - starts[k, r]) ** 2
+        size = np.sqrt(size)
+        part_t[0, 0], part_t[0, 1] = 0.0, 1.0
+        part_f[0, 0], part_s[0, 0] = _depth(mold, starts[k], slots[k], stack, stack_d)
+        part_f[0, 1], part_s[0, 1] = _depth(mold, ends[k], part_s[0, 0], stack, stack_d)
+        for side in range(2):
+            if part_f[0, side] > best:
+                best, where, share = part_f[0, side], k, float(side)
+        top = 1
+        while top > 0:
+            top -= 1
+            t0, t1, f0, f1 = part_t[top, 0], part_t[top, 1], part_f[top, 0], part_f[top, 1]
+            s0, s1 = part_s[top, 0], part_s[top, 1]
+            length = (t1 - t0) * size
+            if length <= sure or 0.5 * (f0 + f1 + length) <= best + sure:
+                continue
+            t = 0.5 * (t0 + t1)
+            for r in range(3):
+                a[r] = starts[k, r] + t0 * (ends[k, r] - starts[k, r])
+                b[r] = starts[k, r] + t1 * (ends[k, r] - starts[k, r])
+                middle[r] = starts[k, r] + t * (ends[k, r] - starts[k, r])
+            if max(abs(f0), _to(mold, s0, b)) <= best + sure or max(_to(mold, s1, a), abs(f1)) <= best + sure:
+                continue
+            f, s = _depth(mold, middle, s0, stack, stack_d)
+            if f > best:
+                best, where, share = f, k, t
+            if max(_to(mold, s, a), _to(mold, s, b)) <= best + sure:
+                continue
+            part_t[top, 0], part_t[top, 1], part_t[top + 1, 0], part_t[top + 1, 1] = t0, t, t, t1
+            part_f[top, 0], part_f[top, 1], part_f[top + 1, 0], part_f[top + 1, 1] = f0, f, f, f1
+            part_s[top, 0], part_s[top, 1], part_s[top + 1, 0], part_s[top + 1, 1] = s0, s, s, s1
+            top += 2
+    return best, where, share
+
+
+def cut(x: Floats, sheet: Sheet, mold: Mold, state: State, bent: Ints, bent_at: Floats) -> Cut:
+    """How deep the net at ``x`` (n, m, 3) mm is in the mold, its springs to SURE mm.
+
+    Springs laid over a sharp edge (``bent`` (k, 4), at ``bent_at`` (k, 3) mm) are taken as they run: two straight
+    parts.
+    """
+    flat = sheet.flat()
+    points, slots = x.reshape(-1, 3), state.slot.reshape(-1)
+    near = np.flatnonzero(state.clear.reshape(-1) <= max(sheet.spacing))
+    node = max(deepest(points[near], points[near], slots[near], mold, 0.0, SURE)[0], 0.0)
+    best, where = 0.0, (flat[0, 0, :2], x[0, 0])
+    number = np.arange(sheet.n * sheet.m).reshape(sheet.n, sheet.m)
+    flat = flat.reshape(-1, 3)
+    for direction in range(2):
+        one = (number[:-1] if direction == 0 else number[:, :-1]).ravel()
+        two = (number[1:] if direction == 0 else number[:, 1:]).ravel()
+        own = bent[:, 2] == direction
+        laid = np.isin(one, number[bent[own, 0], bent[own, 1]])
+        room = state.clear.reshape(-1)[one] + state.clear.reshape(-1)[two]
+        straight = ~laid & (room <= np.linalg.norm(points[two] - points[one], axis=1))
+        first, last = (
+            number[bent[own, 0], bent[own, 1]],
+            number[bent[own, 0], bent[own, 1]] + (sheet.m if direction == 0 else 1),
+        )
+        for ends in (
+            (one[straight], two[straight], points[one[straight]], points[two[straight]]),
+            (first, last, points[first], bent_at[own]),
+            (last, first, points[last], bent_at[own]),
+        ):
+            for i in range(0, len(ends[0]), ROWS):
+                a, b, start, end = (np.ascontiguousarray(v[i : i + ROWS]) for v in ends)
+                best, k, share = deepest(start, end, slots[a], mold, best, SURE)
+                if k >= 0:
+                    draped = start[k] + share * (end[k] - start[k])
+                    along = share * _share(points[a[k]], end[k], points[b[k]])
+                    where = (flat[a[k], :2] + along * (flat[b[k], :2] - flat[a[k], :2]), draped)
+    at, draped = where
+    return Cut(
+        node, best, (float(at[0]), float(at[1])), (float(draped[0]), float(draped[1]), float(draped[2]))
+    )
+
+
+def _share(start: Floats, over: Floats, end: Floats) -> float:
+    """Share of the way from ``start`` over a point to ``end`` that lies before the point."""
+    one, two = float(np.linalg.norm(over - start)), float(np.linalg.norm(end - over))
+    return one / max(one + two, 1e-300)
+
+
+def stands_out(x: Floats, sheet: Sheet, surface: Surface, shift: Floats) -> tuple[float, Floats, Floats]:
+    """How far in mm the mold's corners stand out through the net, between its nodes; where, draped and flat.
+
+    The net at ``x`` (n, m, 3) mm is taken as triangles, two a cell, its outer side up; ``shift`` puts ``surface`` in
+    its frame. A corner beside the net, nearest to its rim, does not count.
+    """
+    n, m = sheet.n, sheet.m
+    number = np.arange(n * m).reshape(n, m)
+    a, b, c, d = (number[s].ravel() for s in (np.s_[:-1, :-1], np.s_[1:, :-1], np.s_[1:, 1:], np.s_[:-1, 1:]))
+    net = Surface(x.reshape(-1, 3), np.vstack([np.column_stack([a, b, c]), np.column_stack([a, c, d])]))
+    corners = surface.vertices + shift
+    high = corners[corners[:, 2] > x[:, :, 2].min()]
+    none = (0.0, np.zeros(3), np.zeros(3))
+    if not len(high):
+        return none
+    found = net.nearest(high)
+    border = net.twins < 0
+    at_rim = np.zeros(len(high), bool)
+    on_edge = (found.feature >= 1) & (found.feature <= 3)
+    at_rim[on_edge] = border[found.face[on_edge], found.feature[on_edge] - 1]
+    at_vertex = found.feature > 3
+    rim = np.zeros(n * m, bool)
+    for side in (number[0], number[-1], number[:, 0], number[:, -1]):
+        rim[side] = True
+    at_rim[at_vertex] = rim[net.faces[found.face[at_vertex], found.feature[at_vertex] - 4]]
+    depth = np.where(at_rim, 0.0, found.distance)
+    k = int(depth.argmax())
+    if depth[k] <= SURE:
+        return none
+    corner = net.faces[found.face[k]]
+    flat = sheet.flat().reshape(-1, 3)[corner]
+    weights = np.linalg.lstsq(
+        np.vstack([net.vertices[corner].T, np.ones(3)]), np.append(found.point[k], 1.0), rcond=None
+    )[0]
+    return float(depth[k]), high[k], np.asarray(weights @ flat)
