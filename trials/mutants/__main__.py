@@ -21,7 +21,7 @@ from pathlib import Path
 
 from trials.mutants import reach, tree
 from trials.mutants.selection import Program, Selection
-from trials.mutants.sites import Mutant, mutants
+from trials.mutants.sites import Mutant, is_python, mutants
 
 #: How many are drawn of which files; the last are twice a figure that a document tells.
 STRATA = {
@@ -48,7 +48,9 @@ def drawn(root: Path, scale: float = 1.0) -> list[Mutant]:
         here: list[Mutant] = []
         for mutant in sorted(all_of_it, key=lambda mutant: mutant.name):
             at = f"{mutant.path} {mutant.function}"
-            if taken[at] < 2 and len(here) < round(scale * count):
+            if len(here) == round(scale * count):
+                break
+            if taken[at] < 2 and is_python(root, mutant):
                 taken[at] += 1
                 here.append(mutant)
         found += sorted(here, key=lambda mutant: (mutant.path, mutant.start))
@@ -195,7 +197,8 @@ def main() -> int:
     kept = work / "outcomes.json"
     outcomes: dict[str, list[str]] = json.loads(kept.read_text(encoding="utf-8")) if kept.exists() else {}
     counts: Counter[str] = Counter()
-    draw = [mutant for mutant in drawn(copy, options.scale) if mutant.path.startswith(options.only)]
+    whole = drawn(copy, options.scale)
+    draw = [mutant for mutant in whole if mutant.path.startswith(options.only)]
     for mutant in draw:
         names, total = [], 0.0
         for name in selection.tests(mutant):
@@ -221,7 +224,7 @@ def main() -> int:
         f"{len(draw)} defects: {counts['caught']} caught, {counts['survived'] + counts['no']} not, "
         f"{counts['equivalent']} equivalent; {100.0 * counts['caught'] / max(matter, 1):.1f} % of those that matter"
     )
-    for stale in sorted(set(told) - {mutant.name for mutant in drawn(copy, options.scale)}):
+    for stale in sorted(set(told) - {mutant.name for mutant in whole}):
         print(f"equivalent.toml: no such defect any more: {stale}")
     return 0 if counts["caught"] >= 0.9 * matter else 1
 

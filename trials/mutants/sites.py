@@ -251,15 +251,19 @@ class _Figures(_Finder):
 
 
 def mutants(root: Path, path: str, figures_alone: bool = False) -> Iterator[Mutant]:
-    """Every defect that can be planted in a file of the checkout and leaves it Python."""
+    """Every defect that could be planted in a file of the checkout; a few do not leave it Python (``is_python``)."""
     source = (root / path).read_bytes()
     finder = (_Figures if figures_alone else _Finder)(path, source)
     finder.visit(ast.parse(source))
     for mutant in finder.found:
-        if figures_alone and not mutant.new.startswith("(2.0 * ("):
-            continue
-        try:
-            ast.parse(mutant.planted(source))
-        except SyntaxError:
-            continue
-        yield mutant
+        if not figures_alone or mutant.new.startswith("(2.0 * ("):
+            yield mutant
+
+
+def is_python(root: Path, mutant: Mutant) -> bool:
+    """Whether the file can still be read with the defect in it."""
+    try:
+        ast.parse(mutant.planted((root / mutant.path).read_bytes()))
+    except SyntaxError:
+        return False
+    return True
