@@ -32,6 +32,13 @@ class Case:
 
     def check(self) -> None:
         """Raise UsageError where fields contradict each other."""
+        if self.inputs.count("-") > 1:
+            raise UsageError("only one of the inputs can come from standard input")
+
+    @property
+    def inputs(self) -> list[str]:
+        """The input files that the case names."""
+        return [name for one in self.settings().values() for name in one.files(getattr(self, one.name))]
 
     @classmethod
     def settings(cls) -> Mapping[str, Setting]:
@@ -65,31 +72,28 @@ class Case:
                 )
         return cls(**values)
 
-    def setup(self, hashes: Mapping[str, str], taken: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    def setup(self, hashes: Mapping[str, str], known: Mapping[str, Any] | None = None) -> dict[str, Any]:
         """Return the case as a document keeps it: every field that has a value, by its key.
 
         ``hashes`` are the SHA-256 of what was read, by name: files stand with their base name, and what they hold
-        beside. ``taken`` are values, by field name, that were not asked for but follow from inputs.
+        beside. ``known`` are values by key that were not asked for but follow from inputs.
         """
         found: dict[str, Any] = {}
         derived = []
         held: dict[str, Any] = {}
         for one in self.settings().values():
             value = getattr(self, one.name)
-            if value is None and taken is not None and taken.get(one.name) is not None:
-                value = taken[one.name]
-                derived.append(one.key)
             if value is None:
+                if known is not None and known.get(one.key) is not None:
+                    found[one.key] = known[one.key]
+                    derived.append(one.key)
                 continue
             found[one.key] = plain(one.kind.dump(value))
-            names = [value] if isinstance(value, str) else value
-            if one.files and all(name in hashes for name in names):
+            names = one.files(value)
+            if names and all(name in hashes for name in names):
                 found[one.key] = _bare(value)
-                if names:
-                    held[one.key] = (
-                        hashes[value] if isinstance(value, str) else [hashes[name] for name in value]
-                    )
-        return found | ({DERIVED: derived} if derived else {}) | ({HASHES: held} if held else {})
+                held[one.key] = hashes[value] if isinstance(value, str) else [hashes[name] for name in value]
+        return found | ({DERIVED: derived} if derived else {}) | {HASHES: held}
 
     @classmethod
     def load(cls, setup: Mapping[str, Any], name: str) -> Self:

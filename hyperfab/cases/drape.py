@@ -201,6 +201,7 @@ class DrapeCase(Case):
 
     def check(self) -> None:
         """Refuse what means nothing together."""
+        super().check()
         if self.material is None and self.warp is None and self.weft is None:
             raise UsageError(
                 "no fabric: name a material document (FABRIC.json), or uniaxial tests with --warp and --weft"

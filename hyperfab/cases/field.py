@@ -51,10 +51,12 @@ class Setting:
             return None
         return self.kind.read(self.shown or [] if self.kind.repeated else self.shown, self.option)
 
-    @property
-    def files(self) -> bool:
-        """Does it name input files?"""
-        return isinstance(self.kind.item if isinstance(self.kind, Many) else self.kind, File)
+    def files(self, value: Any) -> list[str]:
+        """Return the input files that a value names."""
+        kind = self.kind.item if isinstance(self.kind, Many) else self.kind
+        if not isinstance(kind, File) or value is None:
+            return []
+        return [name for name in ([value] if isinstance(value, str) else value) if name not in kind.besides]
 
     @property
     def spoken(self) -> str:
@@ -127,9 +129,17 @@ def whole(
     return setting(Whole(example or default or "", least, most), metavar, help, default, **more)
 
 
-def choice(metavar: str, help: str, names: tuple[str, ...], default: str | None = None, **more: Any) -> Any:
+def choice(
+    metavar: str,
+    help: str,
+    names: tuple[str, ...],
+    default: str | None = None,
+    *,
+    lenient: bool = False,
+    **more: Any,
+) -> Any:
     """Return a field for one of a few names."""
-    return setting(Choice(names), metavar, help, default, **more)
+    return setting(Choice(names, lenient), metavar, help, default, **more)
 
 
 def text(metavar: str, help: str, default: str | None = None, **more: Any) -> Any:

@@ -131,13 +131,15 @@ class Whole(Kind):
 
 @dataclass(frozen=True)
 class Choice(Kind):
-    """One of a few names."""
+    """One of a few names; ``lenient`` ones may be typed in either case."""
 
     names: tuple[str, ...]
+    lenient: bool = False
 
     def read(self, text: Any, option: str) -> str:
         """Return the name."""
-        return str(self.checked(text, option, lambda: self.load(text)))
+        meant = {name.lower(): name for name in self.names}.get(text.lower(), text) if self.lenient else text
+        return str(self.checked(text, option, lambda: self.load(meant)))
 
     def load(self, data: Any) -> str:
         """Return a name that is one of them."""
@@ -171,7 +173,9 @@ class Text(Kind):
 
 @dataclass(frozen=True)
 class File(Text):
-    """The name of an input file; ``-`` is standard input."""
+    """The name of an input file, ``-`` is standard input; ``besides`` are names that stand for something else."""
+
+    besides: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -71,7 +71,7 @@ def earlier(
     values: dict[str, Any] = {}
     for one in cls.settings().values():
         value = getattr(case, one.name)
-        if not one.files or not value or one.name in replaced:
+        if not one.files(value) or one.name in replaced:
             continue
         known = hashes.get(one.key)
         if isinstance(value, str):
@@ -114,8 +114,6 @@ class _Search:
             (one.name for one in inputs if one.sha256 == known and _base(one.name) == _base(shown)), shown
         )
         wanted = {known} if known else {one.sha256 for one in inputs if one.name == relative}
-        if not wanted and not os.path.isfile(self.beside(relative)):
-            return shown  # no file but a name that stands for something, as a shape
         if relative == "-":
             return self._kept(wanted)
         first = self.beside(relative)

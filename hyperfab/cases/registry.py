@@ -7,7 +7,7 @@ import importlib
 from hyperfab.cases.case import Case
 
 #: The module of ``hyperfab.cases`` and the class in it, by command.
-CASES = {"drape": "drape:DrapeCase"}
+CASES = {"fabric-contact": "contact:ContactCase", "drape": "drape:DrapeCase"}
 #: The command that makes each kind of document.
 MADE_BY = {
     "material": "fit",

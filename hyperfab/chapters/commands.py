@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from hyperfab.cases.case import Case
+from hyperfab.cases.contact import ContactCase
+from hyperfab.cases.drape import DrapeCase
 from hyperfab.cases.like import earlier
 from hyperfab.cases.options import given
 from hyperfab.cases.registry import case_class
@@ -37,8 +39,14 @@ def run_words(job: Job, words: Sequence[str]) -> int:
     return run(job, asked(job, cls, given(cls, rest), like))
 
 
-def run(job: Job, case: Any) -> int:
+def run(job: Job, case: Case) -> int:
     """Run the chapter of the case's command; return its exit status."""
-    from hyperfab.chapters import drape
+    if isinstance(case, ContactCase):
+        from hyperfab.chapters.fabric_contact import run as fabric_contact
 
-    return drape.run(job, case)
+        return fabric_contact(job, case)
+    if isinstance(case, DrapeCase):
+        from hyperfab.chapters.drape import run as drape
+
+        return drape(job, case)
+    raise TypeError(f"no chapter runs {type(case).__name__}")

@@ -38,21 +38,19 @@ class Job:
     def keep(self, told: object) -> None:
         """Offer what was computed to a command that runs this one inside itself; nobody takes it otherwise."""
 
-    def write(self, output: Output, document: Document, case: Case | None = None, **taken: Any) -> None:
+    def write(self, output: Output, document: Document, case: Case | None = None, **known: Any) -> None:
         """Write the document with its set-up and provenance, and the siblings queued in ``output``.
 
-        ``taken`` are values of the case's fields, by name, that were not asked for but follow from inputs.
+        ``known`` are values of the set-up, by key, that were not asked for but follow from inputs; so are those that
+        the document itself has under ``setup``.
         """
         document.format = document.format_name()
         document.provenance = record(self.command, self.arguments, self.inputs.files, output.target)
         data: dict[str, Any] = document.to_json()
         if case is not None:
-            setup = case.setup({file.name: file.sha256 for file in self.inputs.files}, taken)
-            data["setup"] = setup | data.get("setup", {})
-            # Where it comes from stands last.
-            for key in ("files", "provenance"):
-                if key in data:
-                    data[key] = data.pop(key)
+            own = data.get("setup", {})
+            hashes = {file.name: file.sha256 for file in self.inputs.files}
+            data = document.to_json(case.setup(hashes, known | own) | own)
         if self.like is not None:
             for name in self.like.altered(self.inputs):
                 self.console.warn(f"{name} has changed since {self.like.name} was made from it")

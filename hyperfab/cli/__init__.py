@@ -13,7 +13,6 @@ from hyperfab.cases.registry import case_class
 from hyperfab.cli import (
     close_loop,
     export,
-    fabric_contact,
     fit,
     mold_heat,
     press_contact,
@@ -37,7 +36,9 @@ app = typer.Typer(
 
 # In the order of the production line.
 app.command("fit", short_help=fit.SHORT_HELP)(fit.fit)
-app.command("fabric-contact", short_help=fabric_contact.SHORT_HELP)(fabric_contact.fabric_contact)
+app.command("fabric-contact", short_help="A sphere, or any punch (STL), pushed into a clamped sheet")(
+    command_of(case_class("fabric-contact"))
+)
 app.command("drape", short_help="Fabric relaxed onto a mold (STL)")(command_of(case_class("drape")))
 app.command("mold-heat", short_help=mold_heat.SHORT_HELP)(mold_heat.mold_heat)
 app.command("press-contact", short_help=press_contact.SHORT_HELP)(press_contact.press_contact)

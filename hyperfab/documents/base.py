@@ -55,11 +55,13 @@ class Document(BaseModel):
         """Return the value of ``format``: ``hyperfab.KIND/VERSION``."""
         return f"hyperfab.{cls.KIND}/{cls.VERSION}"
 
-    def to_json(self) -> dict[str, Any]:
-        """Return the document as plain data: what was not computed is absent, provenance comes last."""
+    def to_json(self, setup: Mapping[str, Any] | None = None) -> dict[str, Any]:
+        """Return the document as plain data: what was not computed is absent; ``setup`` and provenance come last."""
         data: dict[str, Any] = self.model_dump(mode="json", exclude_none=True, by_alias=True)
         data["format"] = self.format_name()
-        tail: dict[str, Any] = {key: data.pop(key) for key in ("files", "provenance") if key in data}
+        tail: dict[str, Any] = {key: data.pop(key) for key in ("setup", "files", "provenance") if key in data}
+        if setup is not None:
+            tail = {"setup": setup, **{key: value for key, value in tail.items() if key != "setup"}}
         return {"format": data.pop("format"), **data, **tail}
 
 

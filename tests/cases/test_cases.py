@@ -24,9 +24,15 @@ FULL: dict[str, list[str]] = {
         "0.18kg/m^2", "--shear-modulus", "50kPa", "--max-stretch", "1.9", "--steps", "5", "--divisor", "41",
         "--tolerance", "1e-7", "--stl-unit", "cm", "--warp", "w.csv",
     ],
+    "fabric-contact": [
+        "fabric.json", "--against", "other.json", "--shape", "outline.csv", "--size", "20cm", "--thickness", "0.7mm",
+        "--punch", "p.stl", "--depth", "3cm", "--prestretch", "1.05", "--rim-slip", "0.5mm^2/N", "--friction", "stick",
+        "--temperature", "80degC", "--steps", "3", "--mesh-size", "5mm", "--element", "p1", "--tolerance", "1e-3",
+        "--stl-unit", "inch",
+    ],
 }  # fmt: skip
 #: The least that each command needs.
-LEAST: dict[str, list[str]] = {"drape": ["fabric.json", "--mold", "a.stl"]}
+LEAST: dict[str, list[str]] = {"drape": ["fabric.json", "--mold", "a.stl"], "fabric-contact": ["fabric.json"]}
 
 
 def cases() -> list[Case]:
@@ -38,13 +44,7 @@ def cases() -> list[Case]:
 def test_words_and_documents_give_the_case_back(case: Case) -> None:
     cls = type(case)
     assert options.read(cls, options.words(case)) == case
-    hashes = {
-        name: "0" * 64
-        for one in cls.settings().values()
-        if one.files
-        for value in [getattr(case, one.name)]
-        for name in ([value] if isinstance(value, str) else value or ())
-    }
+    hashes = dict.fromkeys(case.inputs, "0" * 64)
     setup = load_json(dump_json(case.setup(hashes)), "a.json")
     jsonschema.validate(setup, cls.schema())
     assert cls.load(setup, "a.json") == case

@@ -161,7 +161,7 @@ def test_new_options_say_what_is_wrong(hf, made, words, said):
 
 def test_softening_with_temperature_scales_the_law(made, job):
     plain = _fabric(job, made).law(STRAIN)
-    soft = _fabric(job, made, "80degC", effects=[SOFTENING])
+    soft = _fabric(job, made, 80.0, effects=[SOFTENING])
     np.testing.assert_allclose(soft.law(STRAIN).stress, np.exp(-0.6) * plain.stress, rtol=1e-12)
     assert soft.temperature == 80.0
     assert soft.obeyed == ["thermal-softening"]
@@ -170,7 +170,7 @@ def test_softening_with_temperature_scales_the_law(made, job):
 def test_effects_at_their_null_value_leave_every_bit(made, job):
     plain = _fabric(job, made).law(STRAIN)
     richer = {"id": "elastic-law", "form": "exponential", "parameters": {"D_MPa": 0.0, "b": 1.0}}
-    same = _fabric(job, made, "20degC", effects=[SOFTENING, richer])
+    same = _fabric(job, made, 20.0, effects=[SOFTENING, richer])
     assert same.law(STRAIN).stress.tobytes() == plain.stress.tobytes()
     assert same.law(STRAIN).energy.tobytes() == plain.energy.tobytes()
     assert same.left_out == []
@@ -186,14 +186,14 @@ def test_terms_that_the_loop_added_are_obeyed(made, job):
 
 def test_constants_at_temperatures_are_interpolated(made, job):
     table = [{"temperature_degC": t, "parameters": {"C10_MPa": c}} for t, c in ((20.0, 0.2), (80.0, 0.1))]
-    warm = _fabric(job, made, "50degC", temperatures=table).law(STRAIN)
+    warm = _fabric(job, made, 50.0, temperatures=table).law(STRAIN)
     same = _fabric(job, made, parameters={"C10_MPa": 0.15}).law(STRAIN)
     np.testing.assert_allclose(warm.stress, same.stress, rtol=1e-12)
 
 
 def test_a_document_without_temperature_refuses_one(made, job):
     with pytest.raises(InputError, match="nothing of temperature"):
-        _fabric(job, made, "50degC")
+        _fabric(job, made, 50.0)
 
 
 def test_effects_that_a_sheet_cannot_obey_are_left_out_with_the_reason(made, job):

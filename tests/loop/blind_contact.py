@@ -14,13 +14,14 @@ import numpy as np
 from loop.generators import contact as truths
 from loop.trials import Case, Trials, main
 
-from hyperfab.chapters.close_loop.contact import Forward, noise_of, pose, pose_sheet, read_material
-from hyperfab.chapters.close_loop.recall import Recalled, recall
-from hyperfab.chapters.close_loop.rerun import rerun
+from hyperfab.cases.contact import ContactCase
+from hyperfab.cases.like import earlier
+from hyperfab.cases.options import read
+from hyperfab.chapters.close_loop.contact import Forward, noise_of, pose, pose_sheet
+from hyperfab.chapters.close_loop.rerun import rerun_case
 from hyperfab.chapters.job import Job
-from hyperfab.cli.steps import chapter_words
 from hyperfab.console import Console
-from hyperfab.documents.base import parse_document
+from hyperfab.documents.base import parse_document, read_document
 from hyperfab.documents.contact import ContactDocument
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.loop.contact import ForceDepth, Sheet
@@ -28,7 +29,7 @@ from hyperfab.loop.design import NextMeasurement
 
 
 @cache
-def model() -> tuple[Recalled, MaterialDocument, Sheet, Forward]:
+def model() -> tuple[MaterialDocument, Sheet, Forward]:
     """Return the sheet as its document has it, emulated once for all trials."""
     folder = Path(tempfile.mkdtemp())
     fabric = {
@@ -48,23 +49,21 @@ def model() -> tuple[Recalled, MaterialDocument, Sheet, Forward]:
         "--steps",
         "6",
     ]
-    made = rerun(
-        "fabric-contact", words, chapter_words("fabric-contact", [*words, "-o", f"{folder}/contact.json"])
-    )
-    data = made.document
-    (folder / "contact.json").write_text(json.dumps(data))
+    name = f"{folder}/contact.json"
+    data = rerun_case(read(ContactCase, words), name).document
+    Path(name).write_text(json.dumps(data))
+    asked = earlier(ContactCase, data, name).case
     job = Job("close-loop", [], Console(True))
-    recalled = recall(job, f"{folder}/contact.json", data, "contact", chapter_words)
-    material = read_material(job, recalled)
+    material = read_document(job.inputs, asked.material, MaterialDocument)
     document = parse_document(data, "contact.json", ContactDocument)
     deepest = ForceDepth("", np.array([60.0]), np.array([0.0]))
-    sheet = pose_sheet(job, recalled, document, material, [deepest], lambda share: None)
-    return recalled, material, sheet, Forward(recalled, material)
+    forward = Forward(job, asked, material)
+    return material, pose_sheet(forward, document, [deepest], lambda share: None), forward
 
 
 def posed(truth: truths.Truth, noise: float, protocols: Sequence[str], seed: int, prior: float) -> Case:
     """Return the case of a truth read by one protocol after the other."""
-    _, material, sheet, forward = model()
+    material, sheet, forward = model()
     files, loud = [], []
     for number, protocol in enumerate(protocols):
         random = np.random.default_rng([seed, number, 1])

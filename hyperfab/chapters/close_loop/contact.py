@@ -4,26 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from hyperfab.cases.contact import ContactCase
+from hyperfab.cases.like import earlier
 from hyperfab.chapters.close_loop.closing import MODEL_SUFFIXES, Axis, finish, stated
 from hyperfab.chapters.close_loop.domain import Given
-from hyperfab.chapters.close_loop.extended_contact import FABRIC, extend
+from hyperfab.chapters.close_loop.extended_contact import FABRIC, PLACES, contact_applied, extend
 from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, read_files, spread, widened
-from hyperfab.chapters.close_loop.recall import Recalled, check_unchanged, recall
-from hyperfab.chapters.close_loop.rerun import preview
+from hyperfab.chapters.close_loop.recall import check_unchanged, unchanged
+from hyperfab.chapters.close_loop.rerun import Listener, Overlay
 from hyperfab.chapters.close_loop.softer import linear_of, scaled_material
+from hyperfab.chapters.fabric_contact.fabric import read_fabric
+from hyperfab.chapters.fabric_contact.setup import read_geometry, setup_of
 from hyperfab.chapters.job import Job
-from hyperfab.documents.base import parse_document
+from hyperfab.documents.base import parse_document, read_document
 from hyperfab.documents.contact import ContactDocument
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import InputError, NotConverged
 from hyperfab.io.csv_table import read_table
-from hyperfab.io.json_io import dump_json, load_json
+from hyperfab.io.json_io import dump_json
 from hyperfab.io.units import quantity
 from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_problem, effects_of
 from hyperfab.loop.emulator import Axis as Setting
@@ -33,7 +36,6 @@ from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Array, Problem
 from hyperfab.loop.scatter import Guess, guess_of_curve
 from hyperfab.materials.registry import bind
-from hyperfab.membrane.contact import Frictionless
 from hyperfab.membrane.equilibrium import NoEquilibriumError
 from hyperfab.membrane.friction import Coulomb, Stick
 from hyperfab.membrane.sheet import Sheet as SheetAlone
@@ -52,37 +54,32 @@ def run(job: Job, given: Given) -> int:
     """Close the loop on a contact document."""
     out = job.opened(given.output, (*MODEL_SUFFIXES, FABRIC, ".png", ".csv"))
     level = stated(given.noise, ("force",))
-    recalled = recall(job, given.name, given.data, "contact", given.parse)
+    made = unchanged(earlier(ContactCase, given.data, given.name))
     files = read_files(given, lambda name: read_force_depth(job, name, given.decimal))
     out.refuse_inputs(job.inputs)
     document = parse_document(given.data, given.name, ContactDocument)
-    material = read_material(job, recalled)
+    material = read_document(job.inputs, made.case.material, MaterialDocument)
+    forward = Forward(job, made.case, material)
+    check_unchanged(job, made, [*given.measured, *given.held])
     with job.console.progress("Closing the loop") as advance:
-        sheet = pose_sheet(
-            job,
-            recalled,
-            document,
-            material,
-            files.plain,
-            lambda s: advance(0.3 * s, "forward runs"),
-        )
-    check_unchanged(job, recalled, [*given.measured, *given.held])
-    forward = Forward(recalled, material)
-    at = recalled.options.get("temperature")
+        sheet = pose_sheet(forward, document, files.plain, lambda s: advance(0.3 * s, "forward runs"))
     problem = pose(
-        sheet, files.plain, material, PRIOR if given.prior is None else given.prior, given.fix,
-        None if at is None else quantity(at, "temperature", option="--temperature"), forward.given.rim_slip,
-    )  # fmt: skip
+        sheet,
+        files.plain,
+        material,
+        PRIOR if given.prior is None else given.prior,
+        given.fix,
+        made.case.temperature,
+        made.case.rim_slip,
+    )
     return finish(
         job,
         out,
         problem,
         noise_of(files.measured, None if level is None else level[1]),
         domain="contact",
-        recalled=recalled,
-        parse=given.parse,
         axis=lambda p: Axis(p.states["depth_mm"], "depth [mm]"),
-        extend=lambda found: extend(out, recalled, material, problem, found, document),
+        extend=lambda found: extend(out, made.case, material, problem, found),
         rounds=forward.corrected,
         apart=(lambda p: widened(p, files.apart)) if files.apart else None,
     )
@@ -111,32 +108,21 @@ def read_force_depth(job: Job, name: str, decimal: str | None) -> tuple[ForceDep
     return reading, None if sd is None else sd[order]
 
 
-def read_material(job: Job, recalled: Recalled) -> MaterialDocument:
-    """Return the material document the sheet was made with."""
-    name = str(recalled.options["material"])
-    return parse_document(load_json(job.inputs.read(name), name), name, MaterialDocument)
-
-
 def pose_sheet(
-    job: Job,
-    recalled: Recalled,
+    forward: Forward,
     document: ContactDocument,
-    material: MaterialDocument,
     files: Sequence[ForceDepth],
     tick: Callable[[float], None],
 ) -> Sheet:
     """Run the sheet on a sparse grid of its constants and effects, on a coarse mesh, and return what stands for it."""
-    forward = Forward(recalled, material)
     test = forward.test()
-    for file in forward.read:
-        job.inputs.read(file)
     deepest = float(max(np.max(one.depth) for one in files))
     if deepest <= 0.0:
         raise InputError(
             "has no depth above 0", file=files[0].name, remedy="count depth from the first touch"
         )
     knots = np.linspace(0.0, 1.02 * deepest, _KNOTS + 1)[1:]
-    names, linear = linear_of(material)
+    names, linear = linear_of(forward.material)
     first = linear.index(True) if any(linear) else -1
     reach = 0.35
     axes = [
@@ -180,41 +166,23 @@ def pose_sheet(
 class Forward:
     """The forward model on the loop's coarse mesh."""
 
-    def __init__(self, recalled: Recalled, material: MaterialDocument) -> None:
-        self.recalled, self.material = recalled, material
-        self.file = str(recalled.options["material"])
-        (tests, _), inputs = self._preview({})
-        self.given: SphereTest = tests[0]
-        self.read = [file.name for file in inputs.files]
-
-    def _preview(self, files: Mapping[str, bytes]) -> Any:
-        options = {**self.recalled.options, "output": "-", "against": None}
-        return preview(self.recalled.command, self.recalled.words, options, files)
+    def __init__(self, job: Job, case: ContactCase, material: MaterialDocument) -> None:
+        self.case, self.material = case, material
+        # What the files are warned of was said when the document was made.
+        self.job = replace(job, console=Listener())
+        self.geometry = read_geometry(self.job, case)
+        self.fabric = read_fabric(self.job, case.material, case.temperature)
 
     def test(self, settings: Mapping[str, float] = {}) -> SphereTest:
         """Return the test with relative law constants and added effects."""
-        law = self.given.law
-        ratios = {
-            key: value for key, value in settings.items() if key not in ("prestretch", "friction", "slip")
-        }
+        fabric = self.fabric
+        ratios = {key: value for key, value in settings.items() if key not in PLACES}
         if any(value != 1.0 for value in ratios.values()):
-            changed = scaled_material(self.material, ratios)
-            (tests, _), _ = self._preview({self.file: dump_json(changed.to_json())})
-            law = tests[0].law
-        friction = self.given.friction
-        rubs = settings.get("friction", 0.0)
-        if rubs and not isinstance(friction, Stick):
-            total = rubs + (friction.coefficient if isinstance(friction, Coulomb) else 0.0)
-            friction = Coulomb(total) if total > 0.0 else Frictionless()
-        return replace(
-            self.given,
-            law=law,
-            prestretch=self.given.prestretch + settings.get("prestretch", 0.0),
-            friction=friction,
-            rim_slip=self.given.rim_slip + settings.get("slip", 0.0),
-            mesh_size=max(self.given.mesh_size, _MESH * self.given.outline.reach),
-            order=_ORDER,
-        )
+            changed = dump_json(scaled_material(self.material, ratios).to_json())
+            job = replace(self.job, inputs=Overlay({self.case.material: changed}))
+            fabric = read_fabric(job, self.case.material, self.case.temperature)
+        test = setup_of(contact_applied(self.case, settings), self.geometry, fabric).test(fabric)
+        return replace(test, mesh_size=max(test.mesh_size, _MESH * test.outline.reach), order=_ORDER)
 
     def path(self, test: SphereTest, knots: Array) -> tuple[Array, Array]:
         """Return force over depth at ``knots`` (k,) [N/mm] and the pull of the rim there; NoEquilibriumError where

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from hyperfab.cases.contact import STICK, ContactCase
+from hyperfab.chapters.close_loop.applied import applied
 from hyperfab.chapters.close_loop.closing import Extension
-from hyperfab.chapters.close_loop.recall import Recalled, reworded
 from hyperfab.chapters.close_loop.softer import scaled_material
-from hyperfab.documents.contact import ContactDocument
 from hyperfab.documents.material import AtTemperature, MaterialDocument
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
@@ -20,46 +22,43 @@ from hyperfab.materials.registry import bind
 
 #: Where the refitted fabric is written.
 FABRIC = ".model.fabric.json"
+#: Where in the set-up of a test the emulator's settings are added, in the order of ``effects_of``.
+PLACES = {"prestretch": ("prestretch",), "friction": ("friction_coefficient",), "slip": ("rim_slip_mm2_N",)}
+
+
+def contact_applied(case: ContactCase, amounts: Mapping[str, float]) -> ContactCase:
+    """Return the case with amounts of the emulator's settings added; where nodes stick there is no coefficient."""
+    if case.friction == STICK:
+        amounts = {**amounts, "friction": 0.0}
+    elif amounts.get("friction", 0.0) < 0.0:
+        # Down to none, less what rounding leaves.
+        amounts = {**amounts, "friction": max(amounts["friction"], -float(case.friction))}
+    return applied(case, amounts, PLACES)
 
 
 def extend(
-    out: Output,
-    recalled: Recalled,
-    material: MaterialDocument,
-    problem: ContactProblem,
-    found: Finding,
-    document: ContactDocument,
+    out: Output, case: ContactCase, material: MaterialDocument, problem: ContactProblem, found: Finding
 ) -> Extension:
-    """Return the command of the extended sheet, and the fabric it reads."""
+    """Return the case of the extended sheet, and the fabric it reads."""
     fit = found.after.fit
     factors = {name: float(v) for name, v in zip(problem.sheet.names, fit.x, strict=False)}
     fabric = refitted(material, factors)
-    terms = {key: [float(v) for v in values] for key, (_, values) in fit.terms.items()}
-    words: dict[str, str | None] = {"--against": None}
     notes: list[str] = []
-    if "pretension" in terms:
-        words["--prestretch"] = repr(document.setup.prestretch + terms["pretension"][0])
-    if "friction" in terms:
-        given = recalled.options.get("friction")
-        words["--friction"] = repr(terms["friction"][0] + (float(given) if given else 0.0))
-    if "rim-slip" in terms:
-        slip = terms["rim-slip"][0]
-        if len(terms["rim-slip"]) > 1:
-            own = np.asarray(fit.x[: fit.own - 1])
-            slip = float(problem.sheet.slips(own, effects_of(fit.terms), 1.0)[-1]) + problem.rim_slip
-            slip = slip / problem.sheet.scale(own) - problem.rim_slip
-            notes.append(
-                "rim-slip: a clamp that holds at first is written as the spring that gives as much at the end"
-            )
-        words["--rim-slip"] = f"{problem.rim_slip + slip!r}mm^2/N"
-    if "thermal-softening" in terms:
-        _soften(fabric, problem, terms["thermal-softening"])
+    added = effects_of(fit.terms)
+    amounts = dict(zip(PLACES, (float(v) for v in added), strict=False))
+    if added[3] > 0.0:
+        own = np.asarray(fit.x[: fit.own - 1])
+        slip = float(problem.sheet.slips(own, added, 1.0)[-1]) + problem.rim_slip
+        amounts["slip"] = slip / problem.sheet.scale(own) - problem.rim_slip
+        notes.append(
+            "rim-slip: a clamp that holds at first is written as the spring that gives as much at the end"
+        )
+    larger = replace(contact_applied(case, amounts), material=str(out.path(FABRIC)), against=None)
+    if "thermal-softening" in fit.terms:
+        _soften(fabric, problem, [float(v) for v in fit.terms["thermal-softening"][1]])
         met = np.concatenate([one.temperature for one in problem.files if one.temperature is not None])
-        words["--temperature"] = f"{float(np.median(met))!r}degC"
-    renamed = [
-        str(out.path(FABRIC)) if word == recalled.options["material"] else word for word in recalled.words
-    ]
-    return Extension(reworded(renamed, words), {FABRIC: dump_json(fabric.to_json())}, notes)
+        larger = replace(larger, temperature=float(np.median(met)))
+    return Extension(larger, {FABRIC: dump_json(fabric.to_json())}, notes)
 
 
 def refitted(material: MaterialDocument, factors: dict[str, float]) -> MaterialDocument:

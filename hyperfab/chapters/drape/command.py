@@ -29,7 +29,7 @@ def run(job: Job, case: DrapeCase) -> int:
     torn = tears(job, document, model.sheet, found[-1], case.max_stretch)
     if out.wants_files:
         files.write(out, model.sheet, found, case.max_stretch)
-    job.write(out, document, case, thickness=model.sheet.thickness)
+    job.write(out, document, case, thickness_mm=model.sheet.thickness)
     return 4 if not sound else 1 if torn else 0
 
 

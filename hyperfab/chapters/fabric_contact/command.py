@@ -6,13 +6,14 @@ import os
 
 import numpy as np
 
+from hyperfab.cases.contact import ContactCase
 from hyperfab.chapters.fabric_contact.fabric import Fabric, read_fabric
 from hyperfab.chapters.fabric_contact.fields import vtu
 from hyperfab.chapters.fabric_contact.result import document, mounted_row, row, status_of
-from hyperfab.chapters.fabric_contact.setup import Setup, read_setup
+from hyperfab.chapters.fabric_contact.setup import Setup, read_geometry, setup_of
 from hyperfab.chapters.job import Job
 from hyperfab.documents.contact import ContactDocument
-from hyperfab.errors import NotConverged, UsageError
+from hyperfab.errors import NotConverged
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
 from hyperfab.membrane.equilibrium import State
@@ -23,41 +24,16 @@ from hyperfab.membrane.sphere_test import run as press
 from hyperfab.membrane.verdict import first_instability, stress_difference
 
 
-def run(
-    job: Job,
-    *,
-    material: str,
-    against: str | None,
-    shape: str = "disc",
-    size: str | None = None,
-    thickness: str | None = None,
-    sphere_radius: str | None = None,
-    punch: str | None = None,
-    depth: str = "60mm",
-    prestretch: float = 1.0,
-    rim_slip: str | None = None,
-    friction: str | None = None,
-    temperature: str | None = None,
-    steps: int | None = None,
-    mesh_size: str | None = None,
-    element: str = "P2",
-    tolerance: float = 1e-4,
-    stl_unit: str = "mm",
-    output: str = "-",
-) -> int:
+def run(job: Job, case: ContactCase) -> int:
     """Press the sphere into the sheet; return 0, or 4 where the depth was not reached or the constants are unstable."""
-    out = job.opened(output, (".vtu", ".csv", ".png"))
-    if [material, against, punch, shape].count("-") > 1:
-        raise UsageError("only one of the inputs can come from standard input")
-    fabrics = [read_fabric(job, name, temperature) for name in (material, against) if name is not None]
-    setup = read_setup(
-        job, fabrics[0], shape=shape, size=size, thickness=thickness, sphere_radius=sphere_radius, punch=punch,
-        depth=depth, prestretch=prestretch, rim_slip=rim_slip, friction=friction, steps=steps, mesh_size=mesh_size,
-        element=element, tolerance=tolerance, stl_unit=stl_unit,
-    )  # fmt: skip
+    out = job.opened(job.target, (".vtu", ".csv", ".png"))
+    fabrics = [
+        read_fabric(job, name, case.temperature) for name in (case.material, case.against) if name is not None
+    ]
+    setup = setup_of(case, read_geometry(job, case), fabrics[0])
     out.refuse_inputs(job.inputs)
-    if thickness is None and fabrics[0].thickness is None:
-        job.console.note(f"{material} states no thickness: 1 mm is taken (--thickness sets it)")
+    if case.thickness is None and fabrics[0].thickness is None:
+        job.console.note(f"{case.material} states no thickness: 1 mm is taken (--thickness sets it)")
     outcomes = _pressed(job, setup, fabrics)
     instabilities = [first_instability(outcome) for outcome in outcomes]
     found = document(setup, fabrics, outcomes, instabilities)
@@ -65,7 +41,7 @@ def run(
         raise NotConverged(
             status_of(outcomes[0], None) or "no equilibrium", remedy="try a larger first --depth"
         )
-    _write(job, out, setup, fabrics, outcomes, found)
+    _write(job, out, case, fabrics, outcomes, found)
     for number, (fabric, outcome, unstable) in enumerate(zip(fabrics, outcomes, instabilities, strict=True)):
         status = status_of(outcome, unstable)
         if status:
@@ -82,7 +58,6 @@ def run(
 
 def _pressed(job: Job, setup: Setup, fabrics: list[Fabric]) -> list[Outcome]:
     tests = [setup.test(fabric) for fabric in fabrics]
-    job.keep((tests, setup))
     seen = [0]
     expected = (
         2
@@ -105,7 +80,7 @@ def _pressed(job: Job, setup: Setup, fabrics: list[Fabric]) -> list[Outcome]:
 def _write(
     job: Job,
     out: Output,
-    setup: Setup,
+    case: ContactCase,
     fabrics: list[Fabric],
     outcomes: list[Outcome],
     found: ContactDocument,
@@ -125,7 +100,7 @@ def _write(
 
         compared = (pair[0], difference) if difference is not None else None
         out.add(".png", picture(_names(fabrics), outcomes, compared))
-    job.write(out, found)
+    job.write(out, found, case)
 
 
 def _at(outcome: Outcome, depth: float) -> Solved:

@@ -10,7 +10,6 @@ from hyperfab.chapters.job import Job
 from hyperfab.documents.base import read_document
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import InputError
-from hyperfab.io.units import quantity
 from hyperfab.materials import Material, bind
 from hyperfab.materials.effects import thermal_softening
 from hyperfab.materials.richer import richer
@@ -49,13 +48,12 @@ class Fabric:
     temperature: float | None = None
 
 
-def read_fabric(job: Job, name: str, temperature: str | None = None) -> Fabric:
-    """Read a material document and make a sheet's law of it, at ``temperature`` (``80degC``) where given.
+def read_fabric(job: Job, name: str, degrees: float | None = None) -> Fabric:
+    """Read a material document and make a sheet's law of it, at a temperature [degC] where given.
 
     Raises InputError where the document is wrong, or says nothing of temperature.
     """
     document = read_document(job.inputs, name, MaterialDocument)
-    degrees = None if temperature is None else quantity(temperature, "temperature", option="--temperature")
     maker = _Maker(document, name, degrees)
     fabric = _of_directions(maker)
     obeyed, left_out = _judged(document, degrees)
