@@ -9,7 +9,7 @@ BUILD  := build
 SOURCES := $(shell find hyperfab -name '*.py' -o -name '*.toml' -o -name '*.csv')
 
 .DELETE_ON_ERROR:
-.PHONY: run study test test-slow lint types bench blind mutants fuzz samples pictures clean distclean help
+.PHONY: run study test test-slow lint types bench blind mutants gaps fuzz samples pictures clean distclean help
 
 help:
 	@echo "make run     the whole chain on the sample specimens and molds, with a summary and pictures in $(BUILD)/"
@@ -141,21 +141,8 @@ blind: $(VENV)/dev
 mutants: $(VENV)/dev
 	OMP_NUM_THREADS=1 $(BIN)/python -m trials.mutants
 
-fuzz: $(VENV)/dev
-	HYPOTHESIS_PROFILE=fuzz $(BIN)/python -m pytest tests/io tests/documents
+# Gaps of molds with bosses, pits, folds and bumps, drawn at random, by trying every facet.
+GAPS ?= 10000
 
-# Write the shipped samples anew; a test holds them equal to what `hf sample` makes.
-samples: $(VENV)/run
-	$(HF) sample . --force
-
-# The pictures of README.md, from the chain's own.
-pictures: $(DOCUMENTS)
-	@mkdir -p docs/images
-	cp $(BUILD)/case-b.png docs/images/fit.png
-	cp $(BUILD)/contact.png $(BUILD)/drape.png $(BUILD)/heat-proposed.png $(BUILD)/press.png $(BUILD)/loop.png docs/images/
-
-clean:
-	rm -rf $(BUILD)
-
-distclean: clean
-	rm -rf $(VENV)
+gaps: $(VENV)/dev
+	PYTHONPATH=.:tests $(BIN)/python -m rough_molds $(GAPS)

@@ -153,9 +153,7 @@ class PressDocument(Document):
     chord_error_mm: float = Field(
         description="how far the facets stand off the smooth molds (95 % of the area)"
     )
-    search: str = Field(
-        description="how the gap was searched: walks that agree with the exact tree, or the tree"
-    )
+    search: str = Field(description="how the gap was searched: by an exact tree, every distance proven")
     border_area_fraction: float = Field(description="area whose nearest point is an open edge of the female")
     oblique_area_fraction: float = Field(
         description="area where nearest and normal direction part by over 30 deg"

@@ -6,8 +6,14 @@ from typing import Any
 
 from numba import njit
 
-# Kept on disk. Division by zero gives inf, as numpy has it; nothing here is called from C.
-_KERNEL: dict[str, Any] = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+# Kept on disk. Division by zero gives inf, as numpy has it; nothing here is called from C. Threads run side by side
+# in kernels (see threads.py).
+_KERNEL: dict[str, Any] = {
+    "cache": True,
+    "error_model": "numpy",
+    "no_cfunc_wrapper": True,
+    "nogil": True,
+}
 _PART: dict[str, Any] = {**_KERNEL, "no_cpython_wrapper": True}
 _INLINED: dict[str, Any] = {**_PART, "forceinline": True}
 

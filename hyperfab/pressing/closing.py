@@ -120,7 +120,7 @@ def close_press(case: Case) -> Closed:
     stays = pose.opening == 0.0 and pose.angle == 0.0
     # A female that stays where it is keeps its search tree.
     there = female if stays else female.moved(pose.carry(female.vertices), female.mount + pose.opening)
-    nearest = nearest_gap(front.vertices, there, front.normals)
+    nearest = nearest_gap(front.vertices, there)
     along = normal_gap(front.vertices, front.normals, there)
     touch = touch_gap(front, nearest.nearest, along)
     part = positive_part(np.asarray(press.sandwich.thickness - touch), front.faces, front.areas)

@@ -51,7 +51,8 @@ def smooth_gap(
         along = (away[i, 0] * n[0] + away[i, 1] * n[1] + away[i, 2] * n[2]) / size
         if smooth[f] and not border[i] and along > least:
             # The facet's foot lies a little beside that of the smooth surface. The distance to the tangent plane there
-            # is right to second order all the same, the distance to the foot itself would be too long.
+            # is right to second order all the same, the distance to the foot itself would be too long. Along ``away``
+            # the lift is the same from either facet of an edge.
             mx = my = mz = 0.0
             for k in range(3):
                 v = faces[f, k]
@@ -60,11 +61,10 @@ def smooth_gap(
                 mz += weight[k] * normals[v, 2]
             length = np.sqrt(mx * mx + my * my + mz * mz)
             mx, my, mz = mx / length, my / length, mz / length
-            lift = height / size
             out[i] = (
-                (points[i, 0] - foot[i, 0] - lift * n[0]) * mx
-                + (points[i, 1] - foot[i, 1] - lift * n[1]) * my
-                + (points[i, 2] - foot[i, 2] - lift * n[2]) * mz
+                (points[i, 0] - foot[i, 0] - height * away[i, 0]) * mx
+                + (points[i, 1] - foot[i, 1] - height * away[i, 1]) * my
+                + (points[i, 2] - foot[i, 2] - height * away[i, 2]) * mz
             )
             direction[i, 0], direction[i, 1], direction[i, 2] = mx, my, mz
         else:

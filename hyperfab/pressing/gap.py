@@ -49,11 +49,11 @@ class Gap:
     at_border: Flags
 
 
-def nearest_gap(points: Array, female: Mold, towards: Array | None = None, order: Ints | None = None) -> Gap:
-    """Return the nearest signed gap at ``points`` (n, 3); with ``towards`` (n, 3), directions that point roughly to
-    the female, much faster, and a little more so with an ``order`` in which neighbours follow each other."""
+def nearest_gap(points: Array, female: Mold, order: Ints | None = None) -> Gap:
+    """Return the nearest signed gap at ``points`` (n, 3), a little faster with an ``order`` in which neighbours follow
+    each other."""
     surface = female.surface
-    near = surface.nearest(points) if towards is None else female.search.nearest(points, towards, order)
+    near = surface.nearest(points, order=order)
     border = _at_border(female, near.face, near.feature)
     if not female.smooth:
         return Gap(near.distance, near.normal, near.face, border)
@@ -80,7 +80,7 @@ def normal_gap(points: Array, normals: Array, female: Mold) -> Array:
 
     Points inside the female (overlap) find it backwards, with a negative gap.
     """
-    gap, face = female.search.along(points, normals)
+    gap, face = female.surface.along(points, normals)
     hit = np.flatnonzero(face >= 0)
     ends = points[hit] + gap[hit, None] * normals[hit]
     gap[hit] += female.curving.reach(face[hit], ends, normals[hit])

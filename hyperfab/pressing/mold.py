@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.pressing.curved import Curving, curving
-from hyperfab.pressing.search import Search
 from hyperfab.surface import Surface
 
 Array = NDArray[np.float64]
@@ -75,14 +74,9 @@ class Mold:
         return Surface(self.vertices, self.faces)
 
     @cached_property
-    def search(self) -> Search:
-        """Fast nearest points and normal hits on ``surface``."""
-        return Search(self.surface)
-
-    @cached_property
     def border(self) -> tuple[Flags, Flags]:
         """Which edges ab, bc, ca of each face are open, (m, 3), and which vertices lie on such an edge, (n,)."""
-        open_edge = np.asarray(self.search.walker.twins < 0)
+        open_edge = np.asarray(self.surface.twins < 0)
         vertex = np.zeros(len(self.vertices), dtype=bool)
         for edge in range(3):
             vertex[self.faces[open_edge[:, edge]][:, [edge, (edge + 1) % 3]]] = True

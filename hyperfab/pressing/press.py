@@ -16,7 +16,7 @@ from hyperfab.pressing.gap import Front, nearest_gap
 from hyperfab.pressing.mold import Mold
 from hyperfab.pressing.pose import UPRIGHT, Pose
 from hyperfab.pressing.sandwich import Sandwich
-from hyperfab.surface.walk import along_a_curve
+from hyperfab.surface.curve import along_a_curve
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -42,9 +42,8 @@ class Press:
         """Return what the sandwich does with the female at ``pose``, or raised by an opening [mm] from ``base``."""
         pose = pose if isinstance(pose, Pose) else replace(self.base, opening=float(pose))
         # Not the female is moved but the points against it: its search tree stays as it is.
-        towards = self.front.normals if pose.angle == 0.0 else self.front.normals @ pose.rotation
         points = pose.into_female(self.front.vertices)
-        gap = nearest_gap(points, self.female, towards, self._order)
+        gap = nearest_gap(points, self.female, self._order)
         if pose.angle != 0.0:
             gap = replace(gap, direction=gap.direction @ pose.rotation.T)
         return contact(self.front, gap, self.sandwich)
@@ -73,11 +72,10 @@ class Press:
                 f"--force {force:.6g} N is out of reach: the molds touch at {largest:.6g} N",
                 remedy=f"the largest force the sandwich can carry is {largest:.6g} N",
             )
-        return float(
-            brentq(
-                lambda s: self.at(s).closing_force - force, low, high, xtol=_POSITION_TOLERANCE, rtol=1e-14
-            )
-        )
+        # At the first touch, found to a tolerance, a force that is next to nothing may be passed already.
+        while self.at(high).closing_force >= force:
+            high += max(high - low, _POSITION_TOLERANCE)
+        return _root(lambda s: self.at(s).closing_force - force, low, high)
 
     def _opening_where(self, margin: Callable[[Array], float]) -> float:
         """Return the opening at which a margin of the gaps, growing with the opening, is zero."""
@@ -100,4 +98,8 @@ class Press:
                     "the molds never part along the closing axis" if start < 0.0 else "the molds never touch",
                     remedy="check --axis and the two STL files",
                 )
-        return float(brentq(value, *sorted((near, far)), xtol=_POSITION_TOLERANCE, rtol=1e-14))
+        return _root(value, *sorted((near, far)))
+
+
+def _root(value: Callable[[float], float], low: float, high: float) -> float:
+    return float(brentq(value, low, high, xtol=_POSITION_TOLERANCE, rtol=1e-14))

@@ -15,17 +15,13 @@ from pathlib import Path
 from typing import Any
 
 from hyperfab.errors import InputError, OutputError
+from hyperfab.numerics.threads import LIMIT, cores
 from hyperfab.studies.program import program
 
 #: How often a batch may lose its worker before it is handed back to the driver.
 ALLOWED_DEATHS = 5
 #: Folders of the workers' own; behind it the driver's number.
 _SCRATCH = "hf-sweep-"
-
-
-def cores() -> int:
-    """Return how many cores this process may use."""
-    return len(os.sched_getaffinity(0))
 
 
 @contextlib.contextmanager
@@ -63,6 +59,7 @@ def local(jobs: int, plugin: Any) -> Iterator[Any]:
             dashboard_address="127.0.0.1:0",
             worker_dashboard_address="127.0.0.1:0",
             memory_limit=0,
+            env={LIMIT: str(max(1, cores() // jobs))},
             local_directory=scratch,
             silence_logs=logging.CRITICAL,
         )

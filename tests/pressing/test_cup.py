@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from rough_molds import split
 
 from hyperfab.errors import InputError
 from hyperfab.pressing.closing import Case, close_press
@@ -86,6 +87,27 @@ def test_shuffled_triangles_give_the_same_answer():
     found = closed(*mixed, 4.5)
     assert found.contact.closing_force == pytest.approx(straight.contact.closing_force, rel=1e-9)
     assert found.touching.sum() == pytest.approx(straight.touching.sum(), rel=1e-9)
+
+
+def test_the_female_in_more_facets_gives_the_same_press():
+    """The same facets split are flat: what changes is the smooth surface read from them, by the chord of 0.02 mm."""
+    male, female = surfaces((92, 84), (88, 90))
+    straight = closed(male, female, 4.5)
+    vertices, faces = female.vertices, female.faces
+    for _ in range(2):
+        vertices, faces = split(vertices, faces)
+        found = closed(male, Surface(vertices, faces), 4.5)
+        assert found.contact.gap.min() == pytest.approx(straight.contact.gap.min(), abs=0.02)
+        assert found.contact.gap.max() == pytest.approx(straight.contact.gap.max(), abs=0.05)
+        assert found.contact.closing_force == pytest.approx(straight.contact.closing_force, rel=2e-3)
+
+
+def test_a_force_that_is_next_to_nothing_has_its_position():
+    male, female = surfaces((30, 30), (31, 29))
+    for force in (1e-3, 1e-9, 1e-18):
+        found = closed(male, female, 4.5, force=force)
+        assert found.stroke == pytest.approx(0.0, abs=0.2)
+        assert found.contact.closing_force == pytest.approx(force, rel=1e-3)
 
 
 def test_swapped_molds_are_refused():

@@ -16,6 +16,7 @@ from hyperfab.documents.base import read_document
 from hyperfab.documents.study import StudyDocument
 from hyperfab.errors import UsageError
 from hyperfab.io.output import Output
+from hyperfab.numerics.threads import cores
 from hyperfab.studies.engine import Engine, Progress
 from hyperfab.studies.plan import Plan
 from hyperfab.studies.store import Store
@@ -98,7 +99,7 @@ def _run_cases(
             workers = (
                 cluster.remote(scheduler, store.folder, warmth)
                 if scheduler
-                else cluster.local(jobs or cluster.cores(), warmth)
+                else cluster.local(jobs or cores(), warmth)
             )
             with workers as client:
                 engine.client = client
