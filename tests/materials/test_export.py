@@ -168,6 +168,11 @@ def read_ls_dyna(card: str):
     if "ARRUDA" in lines[0]:
         return chains(rows[0][3], rows[0][4] ** 0.5)
     assert "HILL" in lines[0]
+    # The bulk modulus at rest goes with the others: 2 G (1 + nu)/(3 (1 - 2 nu)), where n = nu/(1 - 2 nu) and
+    # 2 G is the sum of c b.
+    nu = rows[0][3] / (1.0 + 2.0 * rows[0][3])
+    two_G = sum(c * b for c, b in zip(rows[1], rows[2], strict=True))
+    assert rows[0][2] == pytest.approx(two_G * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu)), rel=1e-9)
     return foam([(c / b, b, rows[0][3]) for c, b in zip(rows[1], rows[2], strict=True) if c])
 
 
