@@ -169,11 +169,11 @@ class DrapeCase(Case):
         least=0.0,
     )  # fmt: skip
     shear_modulus: float | None = amount(
-        "stress", "STRESS", "Springs on the diagonals, of this shear modulus.", example="0.05MPa", above=0.0,
+        "stress", "STRESS", "Threads resist turning by this shear modulus.", example="0.05MPa", above=0.0,
         over=("shear_law",),
     )  # fmt: skip
     shear_law: str | None = file(
-        "BIAS.csv", "Springs on the diagonals, of a test cut at 45 deg.", over=("shear_modulus",)
+        "BIAS.csv", "Threads resist turning as a test cut at 45 deg shows.", over=("shear_modulus",)
     )
     max_stretch: float | None = amount(
         "dimensionless", "S", "Exit 1 where a spring is stretched further.", example="1.8 for 80 %", above=1.0
@@ -224,9 +224,7 @@ class DrapeCase(Case):
         if loose:
             raise UsageError(f"--blank-holder: {loose[0]} is not held; name it in --clamp too")
         if self.shear_modulus is not None and self.shear_law is not None:
-            raise UsageError(
-                "--shear-modulus and --shear-law both say what the diagonals are; give one of them"
-            )
+            raise UsageError("--shear-modulus and --shear-law both say what resists shear; give one of them")
         if self.solver != "newton" and self.rubs:
             raise UsageError(
                 f"--solver {self.solver} knows no friction; leave out --friction and --blank-holder"

@@ -105,7 +105,8 @@ def _masses(balance: Balance, now: State, tangent: Tangent) -> Floats:
     """Mass of each node for a time step of 1: half the stiffness of its springs, taut or about to be (Gershgorin)."""
     balance.model.tangent(now.x, balance.stiffness / 3.0, tangent)
     out = np.abs(_trace(tangent.extra))
-    warp, weft, one, two = (_trace(block) for block in tangent.blocks)
+    warp, weft = _trace(tangent.warp), _trace(tangent.weft)
+    one, two = np.abs(_trace(tangent.one)), np.abs(_trace(tangent.two))  # an angle's tangent may push, too
     out[:-1] += warp
     out[1:] += warp
     out[:, :-1] += weft

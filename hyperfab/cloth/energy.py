@@ -11,6 +11,7 @@ from .laying import find_bends
 from .linear import Tangent
 from .mold import Ints, Mold
 from .net import Sheet, forces, stiffness
+from .shear import shear_forces, shear_stiffness
 from .state import State
 
 ROWS = 200_000  # nodes handled by one call of a kernel that searches the mold
@@ -72,6 +73,8 @@ class Energy:
     def forces(self, x: Floats, clear: Floats, f: Floats) -> tuple[float, float]:
         """Forces on the nodes at x into ``f``; (energy N mm, largest spring force N)."""
         energy, largest = forces(x, self.net, f)
+        if self.net.sheared:
+            energy += shear_forces(x, self.net, f)
         self.push = np.zeros(3)
         if x[:, :, 2].min() > self.highest:  # no spring reaches down to a sharp edge
             self.springs, self.ways = self.springs[:0], self.ways[:0]
@@ -113,7 +116,9 @@ class Energy:
 
     def tangent(self, x: Floats, floor: float, out: Tangent) -> None:
         """Tangent at x, where ``forces`` was called last; slack springs keep the stiffness ``floor`` N/mm."""
-        stiffness(x, self.net, floor, *out.blocks)
+        stiffness(x, self.net, floor, out.warp, out.weft)
+        if self.net.sheared:
+            shear_stiffness(x, self.net, out.one, out.two, out.cross)
         out.extra[:] = 0.0
         out.springs, out.coupling = self.springs, np.empty((len(self.springs), 9))
         if len(self.springs):

@@ -54,12 +54,13 @@ def assemble(
     weft: Floats,
     one: Floats,
     two: Floats,
+    cross: Floats,
     extra: Floats,
     q: Floats,
     diag: Singles,
     off: Singles,
 ) -> None:
-    """Finest operator, sandwiched, from the springs' blocks and a node's own block ``extra``."""
+    """Finest operator, sandwiched, from the springs' and cells' blocks and a node's own block ``extra``."""
     n, m = q.shape[0], q.shape[1]
     b = np.empty((3, 3))
     s = np.empty(6)
@@ -92,9 +93,23 @@ def assemble(
             diag[i, j, 3], diag[i, j, 4], diag[i, j, 5] = o[4], o[5], o[8]
             if i + 1 < n:
                 _full(warp[i, j], b)
+                if sheared:
+                    for r in range(3):
+                        for c in range(3):
+                            if j + 1 < m:
+                                b[r, c] += cross[i, j, 3 * r + c]
+                            if j > 0:
+                                b[r, c] += cross[i, j - 1, 3 * c + r]
                 _sandwich(q[i, j], b, q[i + 1, j], -1.0, off[i, j, 0])
             if j + 1 < m:
                 _full(weft[i, j], b)
+                if sheared:
+                    for r in range(3):
+                        for c in range(3):
+                            if i + 1 < n:
+                                b[r, c] -= cross[i, j, 3 * r + c]
+                            if i > 0:
+                                b[r, c] -= cross[i - 1, j, 3 * c + r]
                 _sandwich(q[i, j], b, q[i, j + 1], -1.0, off[i, j, 1])
             if sheared and i + 1 < n and j + 1 < m:
                 _full(one[i, j], b)

@@ -16,12 +16,13 @@ from .multigrid import Multigrid, project
 
 @dataclass
 class Tangent:
-    """Blocks of the springs (warp, weft, two diagonals), of the nodes, and the projectors."""
+    """Blocks of the springs (warp, weft), of the cells by their diagonals, of the nodes, and the projectors."""
 
     warp: Floats
     weft: Floats
     one: Floats
     two: Floats
+    cross: Floats
     extra: Floats
     q: Floats
     springs: Ints  # (k, 4) springs laid over edges: node, direction, crease
@@ -36,6 +37,7 @@ class Tangent:
             np.zeros((n, m - 1, 6)),
             np.zeros(cells),
             np.zeros(cells),
+            np.zeros((*cells[:2], 9)),
             np.zeros((n, m, 6)),
             np.zeros((n, m, 6)) if q is None else q,
             np.zeros((0, 4), np.int64),
@@ -43,9 +45,9 @@ class Tangent:
         )
 
     @property
-    def blocks(self) -> tuple[Floats, Floats, Floats, Floats]:
-        """The springs' blocks."""
-        return self.warp, self.weft, self.one, self.two
+    def blocks(self) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+        """The springs' and the cells' blocks."""
+        return self.warp, self.weft, self.one, self.two, self.cross
 
 
 @inlined
@@ -64,12 +66,27 @@ def _difference(b: Floats, u: Floats, i: int, j: int, k: int, l: int, out: Float
     out[k, l, 2] -= fz
 
 
+@inlined
+def _crossed(b: Floats, u: Floats, i: int, j: int, out: Floats) -> None:
+    """What each diagonal of a cell feels of the other."""
+    for r in range(3):
+        p, q = 0.0, 0.0
+        for s in range(3):
+            p += b[3 * r + s] * (u[i + 1, j, s] - u[i, j + 1, s])
+            q += b[3 * s + r] * (u[i + 1, j + 1, s] - u[i, j, s])
+        out[i + 1, j + 1, r] += p
+        out[i, j, r] -= p
+        out[i + 1, j, r] += q
+        out[i, j + 1, r] -= q
+
+
 @kernel
 def _apply(
     warp: Floats,
     weft: Floats,
     one: Floats,
     two: Floats,
+    cross: Floats,
     extra: Floats,
     springs: Ints,
     coupling: Floats,
@@ -96,6 +113,7 @@ def _apply(
             if sheared and i + 1 < n and j + 1 < m:
                 _difference(one[i, j], u, i, j, i + 1, j + 1, out)
                 _difference(two[i, j], u, i + 1, j, i, j + 1, out)
+                _crossed(cross[i, j], u, i, j, out)
         for j in range(m):
             a, b, c, p = out[i, j, 0], out[i, j, 1], out[i, j, 2], q[i, j]
             out[i, j, 0] = p[0] * a + p[1] * b + p[2] * c

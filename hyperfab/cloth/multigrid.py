@@ -195,7 +195,7 @@ def prolong(e: Floats, pi: Ints, wi: Floats, pj: Ints, wj: Floats, q: Floats, u:
 class Multigrid:
     """V-cycles on a hierarchy of grids; the arrays are kept between Newton steps.
 
-    ``sheared``: the finest grid has diagonal springs too.
+    ``sheared``: the cells of the finest grid resist shear too.
     """
 
     def __init__(self, n: int, m: int, sheared: bool = False) -> None:
@@ -222,13 +222,13 @@ class Multigrid:
 
     def build(
         self,
-        blocks: tuple[Floats, Floats, Floats, Floats],
+        blocks: tuple[Floats, Floats, Floats, Floats, Floats],
         extra: Floats,
         q: Floats,
         springs: Ints,
         coupling: Floats,
     ) -> None:
-        """Set up all levels for springs' ``blocks`` (warp, weft, two diagonals), node blocks and projectors.
+        """Set up all levels for ``blocks`` of springs and cells (warp, weft, one, two, cross), node blocks, projectors.
 
         ``coupling`` (k, 9) are the blocks of ``springs`` (k, 3) that are laid over edges.
         """

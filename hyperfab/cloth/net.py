@@ -1,4 +1,4 @@
-"""The net: a rectangular grid of tension-only springs along warp (x), weft (y) and, if asked, the diagonals."""
+"""The net: a rectangular grid of tension-only springs along warp (x) and weft (y)."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ GRAVITY = 9.80665
 class Arrays(NamedTuple):
     """A sheet as the kernels take it: rest lengths, cross-sections, laws, load per node."""
 
-    rest: Floats  # (3,) warp, weft, diagonal
+    rest: Floats  # (2,) warp, weft
     warp_area: Floats  # (m,) by row of nodes
     weft_area: Floats  # (n,)
-    shear_area: float
+    cell_volume: float  # mm^3, undeformed
     warp: Any
     weft: Any
     shear: Any
@@ -42,8 +42,8 @@ class Sheet:
 
     Spring sections are width share times thickness, half at the border (so that the sections of all springs of a
     direction add up to width times thickness). ``prestretch``: the springs' rest length is their length in the flat
-    sheet over this. ``fixed`` (n, m): bits X, Y, Z of the axes held at each node. ``shear``: law of the diagonals,
-    their section per unit of the cell's thickness and mean side; ``mass`` in g/m^2 loads the nodes downward.
+    sheet over this. ``fixed`` (n, m): bits X, Y, Z of the axes held at each node. ``shear``: law of the
+    angle between the threads, over 1 + that angle; ``mass`` in g/m^2 loads the nodes downward.
     ``holder`` N/mm at each edge: a blank holder's friction a unit length, against which the edge is drawn in (its bits
     then hold Z alone).
 
@@ -102,13 +102,13 @@ class Sheet:
         """The sheet as the kernels take it."""
         hx, hy = self.spacing
         across, along = _shares(self.m) * hy, _shares(self.n) * hx
-        rest = np.array([hx / self.prestretch[0], hy / self.prestretch[1], np.hypot(hx, hy)])
+        rest = np.array([hx / self.prestretch[0], hy / self.prestretch[1]])
         shear = self.shear or _NONE
         return Arrays(
             rest,
             across * self.thickness,
             along * self.thickness,
-            0.5 * self.thickness * hx * hy / float(np.hypot(hx, hy)),
+            self.thickness * float(rest[0] * rest[1]),
             self.warp.arrays,
             self.weft.arrays,
             shear.arrays,
@@ -169,13 +169,6 @@ def forces(x: Floats, net: Arrays, f: Floats) -> tuple[float, float]:
                 e, t = _spring(x, f, i, j, i, j + 1, net.rest[1], net.weft_area[i], net.weft)
                 row += e
                 largest = max(largest, t)
-            if net.sheared and i + 1 < n and j + 1 < m:
-                e, t = _spring(x, f, i, j, i + 1, j + 1, net.rest[2], net.shear_area, net.shear)
-                row += e
-                largest = max(largest, t)
-                e, t = _spring(x, f, i + 1, j, i, j + 1, net.rest[2], net.shear_area, net.shear)
-                row += e
-                largest = max(largest, t)
             if loaded:
                 f[i, j, 2] -= net.weight[i, j]
                 row += net.weight[i, j] * x[i, j, 2]
@@ -206,10 +199,8 @@ def _block(
 
 
 @kernel
-def stiffness(
-    x: Floats, net: Arrays, floor: float, warp: Floats, weft: Floats, one: Floats, two: Floats
-) -> None:
-    """Tangent blocks of all springs; ``one`` and ``two`` are the diagonals' (empty arrays without shear springs)."""
+def stiffness(x: Floats, net: Arrays, floor: float, warp: Floats, weft: Floats) -> None:
+    """Tangent blocks of all springs."""
     n, m = x.shape[0], x.shape[1]
     for i in range(n):
         for j in range(m):
@@ -217,6 +208,3 @@ def stiffness(
                 _block(x, i, j, i + 1, j, net.rest[0], net.warp_area[j], net.warp, floor, warp[i, j])
             if j + 1 < m:
                 _block(x, i, j, i, j + 1, net.rest[1], net.weft_area[i], net.weft, floor, weft[i, j])
-            if net.sheared and i + 1 < n and j + 1 < m:
-                _block(x, i, j, i + 1, j + 1, net.rest[2], net.shear_area, net.shear, 0.0, one[i, j])
-                _block(x, i + 1, j, i, j + 1, net.rest[2], net.shear_area, net.shear, 0.0, two[i, j])

@@ -140,7 +140,7 @@ class DrapeDocument(Document):
     mass_g_m2: float | None = None
     shear_modulus_MPa: float | None = None
     shear_law: str | None = Field(
-        default=None, description="measured: the diagonals carry a bias test's stress"
+        default=None, description="measured: such that the net answers a bias test as measured"
     )
     draw_in_mm: dict[str, float] | None = Field(
         default=None, description="how far each edge that is not clamped is drawn in"

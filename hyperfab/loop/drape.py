@@ -42,7 +42,7 @@ class Draped:
     The settings are the law's relative constants ``names``, of which some ``scales`` the stress, then the depth, then
     the effects. A sheet that is stiffer throughout, and heavier by as much, rests as before: settings are brought to a
     sheet as stiff as the model's own, ``carried`` being the shear modulus [MPa] and mass [g/m^2] that has (None where
-    it has what does not scale so: a holder, a measured law of the diagonals).
+    it has what does not scale so: a holder, a measured law of shear).
     """
 
     kriged: Kriged

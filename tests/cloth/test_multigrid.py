@@ -43,7 +43,10 @@ def random_grids(n: int, m: int, sheared: bool) -> Multigrid:
         )
 
     cells = (n - 1, m - 1) if sheared else (0, 0)
-    springs = blocks(n - 1, m), blocks(n, m - 1), blocks(*cells), blocks(*cells)
+    springs = (
+        *(blocks(*shape) for shape in ((n - 1, m), (n, m - 1), cells, cells)),
+        0.1 * random.normal(size=(*cells, 9)),
+    )
     free = np.zeros((n, m, 6))
     free[..., [0, 3, 5]] = 1.0
     grids = Multigrid(n, m, sheared)

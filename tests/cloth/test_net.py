@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cloth_molds import ball
 
-from hyperfab.cloth import Sheet, piecewise_linear, tabulate
+from hyperfab.cloth import Sheet, mold_of, piecewise_linear, tabulate
+from hyperfab.cloth.energy import Energy
 from hyperfab.cloth.linear import Solver, Tangent, apply, dot
-from hyperfab.cloth.net import FIXED, forces, stiffness
+from hyperfab.cloth.net import FIXED
 
 WARP = tabulate(lambda lam: (lam - lam**-2, 1 + 2 * lam**-3), 4.0)
 WEFT = tabulate(lambda lam: (2 * lam**2 - 2 / lam, 4 * lam + 2 * lam**-2), 4.0)
-SHEAR = piecewise_linear([1.0, 3.0], [0.0, 0.4])
+SHEAR = piecewise_linear([1.0, 1.3, 2.6], [0.0, 0.1, 0.9])  # over 1 + the shear angle
+
+
+FAR = mold_of(ball(1), (0.0, 0.0, -500.0))
 
 
 def stretched(n: int, m: int, **options) -> tuple[Sheet, np.ndarray]:
@@ -26,28 +31,28 @@ def stretched(n: int, m: int, **options) -> tuple[Sheet, np.ndarray]:
 @pytest.mark.parametrize("options", [{}, {"shear": SHEAR, "mass": 500.0}, {"prestretch": (1.1, 1.2)}])
 def test_forces_are_minus_the_gradient_of_the_energy(options):
     sheet, x = stretched(6, 5, **options)
-    f, trash = np.zeros_like(x), np.zeros_like(x)
-    forces(x, sheet.arrays, f)
+    f, trash, model, clear = np.zeros_like(x), np.zeros_like(x), Energy(sheet, FAR), np.zeros((6, 5))
+    model.forces(x, clear, f)
     rng = np.random.default_rng(0)
     for _ in range(5):
         d = rng.normal(size=x.shape)
         h = 1e-5
-        rise = forces(x + h * d, sheet.arrays, trash)[0] - forces(x - h * d, sheet.arrays, trash)[0]
+        rise = model.forces(x + h * d, clear, trash)[0] - model.forces(x - h * d, clear, trash)[0]
         assert rise / (2 * h) == pytest.approx(-(f * d).sum(), rel=1e-7)
 
 
 @pytest.mark.parametrize("options", [{}, {"shear": SHEAR}])
 def test_the_tangent_is_the_derivative_of_the_forces(options):
     sheet, x = stretched(6, 5, **options)
-    tangent = Tangent.empty(6, 5, sheet.shear is not None)
-    stiffness(x, sheet.arrays, 0.0, *tangent.blocks)
+    tangent, model, clear = Tangent.empty(6, 5, sheet.shear is not None), Energy(sheet, FAR), np.zeros((6, 5))
+    model.tangent(x, 0.0, tangent)
     tangent.q[:] = [1, 0, 0, 1, 0, 1]
     d = np.random.default_rng(1).normal(size=x.shape)
     kd, plus, minus = np.zeros_like(x), np.zeros_like(x), np.zeros_like(x)
     apply(tangent, d, kd)
     h = 1e-6
-    forces(x + h * d, sheet.arrays, plus)
-    forces(x - h * d, sheet.arrays, minus)
+    model.forces(x + h * d, clear, plus)
+    model.forces(x - h * d, clear, minus)
     assert np.allclose(kd, -(plus - minus) / (2 * h), atol=1e-6 * np.abs(kd).max())
 
 
@@ -67,7 +72,7 @@ def test_multigrid_keeps_the_number_of_inner_steps_as_the_grid_grows(sheared):
         x = sheet.flat() * [1.2, 1.3, 1.0]
         x[:, :, 2] = 20 * np.sin(np.pi * i) * np.sin(np.pi * j)
         tangent, solver = Tangent.empty(n, n, sheared), Solver(n, n, sheared)
-        stiffness(x, sheet.arrays, 0.0, *tangent.blocks)
+        Energy(sheet, FAR).tangent(x, 0.0, tangent)
         normal = np.dstack([-np.cos(np.pi * i) * 0.3, 0 * i, 1 + 0 * i])
         normal /= np.linalg.norm(normal, axis=2, keepdims=True)
         q = (
@@ -90,7 +95,7 @@ def test_multigrid_keeps_the_number_of_inner_steps_as_the_grid_grows(sheared):
 def test_the_preconditioner_is_symmetric():
     sheet, x = stretched(17, 14)
     tangent, solver = Tangent.empty(17, 14, False), Solver(17, 14, False)
-    stiffness(x, sheet.arrays, 0.0, *tangent.blocks)
+    Energy(sheet, FAR).tangent(x, 0.0, tangent)
     tangent.q[1:-1, 1:-1] = [1, 0, 0, 1, 0, 1]
     solver.grids.build(tangent.blocks, tangent.extra, tangent.q, tangent.springs, tangent.coupling)
     rng = np.random.default_rng(3)

@@ -55,7 +55,7 @@ def extend(
     larger = drape_applied(case, {"depth": own["depth"], **amounts_of(fit.terms)})
     notes = []
     if "shear-stiffness" in fit.terms and case.shear_law is not None:
-        notes.append("shear-stiffness: a modulus takes the place of the measured law of the diagonals")
+        notes.append("shear-stiffness: a modulus takes the place of the measured law of shear")
     if material is None:
         laws = (_thread(sheet.warp, own["warp"]), _thread(sheet.weft, own["weft"]))
         warp, weft = (str(out.path(suffix)) for suffix in THREADS)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from hyperfab.cases.drape import SIDES, DrapeCase
-from hyperfab.chapters.drape.curves import read_curve
+from hyperfab.chapters.drape.curves import Curve, read_curve
 from hyperfab.chapters.drape.fabric import Fabric, read_fabric
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.molds import PlacedMold, read_molds
-from hyperfab.cloth import Mold, Sheet, SpringLaw, mold_of, piecewise_linear
+from hyperfab.cloth import Mold, Sheet, SpringLaw, mold_of
 from hyperfab.cloth.net import FIXED, X, Y, Z
+from hyperfab.cloth.shear import linear_shear, shear_of_bias
+from hyperfab.errors import InputError
 
 #: Direction of the bias test in degrees from the warp.
 BIAS = 45.0
@@ -18,10 +20,10 @@ BIAS = 45.0
 
 @dataclass(frozen=True)
 class Files:
-    """What the files of a case hold: the fabric, the law of its diagonals where a bias test gives it, the mold."""
+    """What the files of a case hold: the fabric, the test at 45 degrees where one is given, the mold."""
 
     fabric: Fabric
-    bias: SpringLaw | None
+    bias: Curve | None
     placed: PlacedMold
 
 
@@ -53,7 +55,7 @@ class Model:
 def read_files(job: Job, case: DrapeCase) -> Files:
     """Read what the case names; InputError where a file is not sound."""
     fabric = read_fabric(job, case)
-    bias = None if case.shear_law is None else read_curve(job, "--shear-law", case.shear_law, BIAS, None).law
+    bias = None if case.shear_law is None else read_curve(job, "--shear-law", case.shear_law, BIAS, None)
     return Files(fabric, bias, read_molds(job, list(case.mold), case.stl_unit, case.wanted[-1]))
 
 
@@ -69,7 +71,7 @@ def model_of(case: DrapeCase, files: Files) -> Model:
         fabric.warp,
         fabric.weft,
         prestretch=case.prestretch,
-        shear=_diagonals(case, files.bias),
+        shear=_shear(case, files),
         mass=case.mass,
         edges=_held(case),
         holder=_holder(case),
@@ -77,20 +79,16 @@ def model_of(case: DrapeCase, files: Files) -> Model:
     return Model(case, files, sheet, mold_of(files.placed.surface, files.placed.touching))
 
 
-def _diagonals(case: DrapeCase, bias: SpringLaw | None) -> SpringLaw | None:
-    """Law of the diagonals, one of the two being taut in shear.
-
-    Of a modulus it is linear: a cell hx by hy with diagonals d sheared by g strains them by g hx hy/d^2; half the
-    cell's volume to each gives G = E/2 (hx hy/d^2)^2. Of a bias test it is the measured curve twice: pulled along
-    the diagonals that point its way, a net whose threads only turn carries all of the stress on that half.
-    """
-    if bias is not None and case.shear_law is not None:
-        return replace(bias, pieces=2.0 * bias.pieces)
-    if case.shear_modulus is None:
-        return None
-    hx, hy = (side / (count - 1) for side, count in zip(case.size, case.grid, strict=True))
-    modulus = 2.0 * case.shear_modulus * ((hx * hx + hy * hy) / (hx * hy)) ** 2
-    return piecewise_linear([1.0, 2.0], [0.0, modulus])
+def _shear(case: DrapeCase, files: Files) -> SpringLaw | None:
+    """Law of the angle between the threads: of a modulus, or such that the net answers the bias test as measured."""
+    if files.bias is None or case.shear_law is None:
+        return None if case.shear_modulus is None else linear_shear(case.shear_modulus)
+    try:
+        return shear_of_bias(files.bias.law, files.fabric.warp, files.fabric.weft, files.bias.tested)
+    except ValueError as error:
+        raise InputError(
+            str(error), file=case.shear_law, remedy="is it of this fabric, and cut at 45 degrees to the warp?"
+        ) from None
 
 
 def _holder(case: DrapeCase) -> tuple[float, float, float, float]:

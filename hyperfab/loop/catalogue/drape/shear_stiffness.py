@@ -15,7 +15,7 @@ def entry(scene: Scene) -> Effect | None:
         title="the fabric resists shear",
         rides_on=("x0_mm", "y0_mm"),
         shown_by="a bias test, cut at 45 degrees to the warp; or markers on the diagonals",
-        source="springs on the diagonals, G = E/2 (hx hy/d^2)^2",
+        source="energy of the angle between the threads, G gamma^2/2",
         forms=(Form("linear", (modulus,), starts, ((0.03 * scene.shear,),)),),
         smooth=False,
         mimic_share=0.95,
