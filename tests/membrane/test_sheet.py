@@ -8,7 +8,7 @@ import pytest
 from hyperfab.materials import bind
 from hyperfab.membrane.mesh import sheet_mesh
 from hyperfab.membrane.meshing import triangulate, uniform
-from hyperfab.membrane.orthotropic import OrthotropicSheet
+from hyperfab.membrane.orthotropic import orthotropic_sheet
 from hyperfab.membrane.outline import Disc, Square
 from hyperfab.membrane.recovery import recovered_strain
 from hyperfab.membrane.sheet import Sheet
@@ -19,7 +19,7 @@ OGDEN = bind("ogden-1", {"mu1_MPa": 0.4, "alpha1": 2.3})
 LAWS = {
     "invariants": IsotropicSheet(YEOH),
     "stretches": IsotropicSheet(OGDEN),
-    "two directions": OrthotropicSheet(bind("neo-hookean", {"C10_MPa": 0.3}), YEOH),
+    "two directions": orthotropic_sheet(bind("neo-hookean", {"C10_MPa": 0.3}), YEOH),
 }
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hyperfab.materials import bind
-from hyperfab.membrane.orthotropic import OrthotropicSheet
+from hyperfab.membrane.orthotropic import orthotropic_sheet
 from hyperfab.membrane.tension_field import SLACK, TAUT, WRINKLED, IsotropicSheet
 
 SOFT = bind("neo-hookean", {"C10_MPa": 0.1})
@@ -70,7 +70,7 @@ def test_stress_is_the_derivative_of_the_energy_in_every_state():
 
 @pytest.mark.parametrize(("warp", "weft"), [(STIFF, SOFT), (SOFT, STIFF)])
 def test_each_direction_pulled_alone_answers_with_its_own_law(warp, weft):
-    law = OrthotropicSheet(warp, weft)
+    law = orthotropic_sheet(warp, weft)
     for stretch in (1.1, 1.6):
         for axis, own in ((0, warp), (1, weft)):
             natural = stretch**-0.5
@@ -82,7 +82,7 @@ def test_each_direction_pulled_alone_answers_with_its_own_law(warp, weft):
 
 def test_two_equal_directions_are_the_isotropic_sheet_bit_for_bit():
     strain = np.concatenate([_tensor(1.4, 1.1, 0.3), _tensor(1.5, 0.7, 1.0), _tensor(0.9, 0.8)])
-    two, one = OrthotropicSheet(STIFF, STIFF), IsotropicSheet(STIFF)
+    two, one = orthotropic_sheet(STIFF, STIFF), IsotropicSheet(STIFF)
     assert two(strain).stress.tobytes() == one(strain).stress.tobytes()
     assert two(strain).energy.tobytes() == one(strain).energy.tobytes()
     assert two.principal(strain).cauchy.tobytes() == one.principal(strain).cauchy.tobytes()
@@ -118,13 +118,33 @@ def test_cauchy_stress_of_a_wrinkled_foam():
 
 def test_cauchy_stress_of_threads_is_that_of_the_law_along_them():
     """Pulled along the stiff threads, free to contract: the uniaxial stress of that law over the section it leaves."""
-    law = OrthotropicSheet(STIFF, SOFT)
+    law = orthotropic_sheet(STIFF, SOFT)
     found = law.principal(_tensor(1.5, 1.5**-0.5))
     assert found.cauchy[0, 0] == pytest.approx(1.5 * float(STIFF.uniaxial(1.5).P), rel=1e-12)
     assert found.cauchy[0, 1] == pytest.approx(0.0, abs=1e-12)
-    # Both ways: the ground's own, and along the threads what theirs has more, of the same section.
-    ground, both = SOFT.membrane(1.4, 1.2), law.principal(_tensor(1.4, 1.2))
-    more = float(STIFF.uniaxial(1.4).P) - float(SOFT.uniaxial(1.4).P)
-    np.testing.assert_allclose(
-        both.cauchy[0], [1.4 * (float(ground.P1) + more), 1.2 * float(ground.P2)], rtol=1e-12
-    )
+    # Both ways: the ground's, mixed by the other's share of the moduli, and what each law has beyond it in tension.
+    both = law.principal(_tensor(1.4, 1.2))
+    stiff, soft = (float(one.uniaxial(1.0 + 1e-4).A) for one in (STIFF, SOFT))
+    share = soft / (stiff + soft)
+    one, two = STIFF.membrane(1.4, 1.2), SOFT.membrane(1.4, 1.2)
+    excess = [float(STIFF.uniaxial(s).P) - float(SOFT.uniaxial(s).P) for s in (1.4, 1.2)]
+    warp = share * float(one.P1) + (1.0 - share) * float(two.P1) + (1.0 - share) * excess[0]
+    weft = share * float(one.P2) + (1.0 - share) * float(two.P2) - share * excess[1]
+    np.testing.assert_allclose(both.cauchy[0], [1.4 * warp, 1.2 * weft], rtol=1e-12)
+
+
+@pytest.mark.parametrize("direction", ["warp", "weft"])
+def test_a_law_moves_evenly_where_warp_and_weft_cross(direction):
+    """A tenth of a percent in one constant moves stress and energy by little more, also where the stiffer one changes."""
+    stretches = np.concatenate([_tensor(1.6, 1.3, 0.4), _tensor(1.4, 1.4), _tensor(1.7, 0.8, 0.9), _tensor(1.9, 1.2)])
+    other = bind("yeoh-2", {"C10_MPa": 0.05, "C20_MPa": 0.06})
+
+    def answer(constant):
+        own = bind("yeoh-2", {"C10_MPa": constant, "C20_MPa": 0.0})
+        law = orthotropic_sheet(own, other) if direction == "warp" else orthotropic_sheet(other, own)
+        found = law(stretches)
+        return found.energy, found.stress
+
+    before, after = answer(0.05 * 0.9995), answer(0.05 * 1.0005)
+    assert np.abs(after[0] / before[0] - 1.0).max() < 1.5e-3
+    assert np.abs(after[1] - before[1]).max() < 1.5e-3 * np.abs(before[1]).max()

@@ -13,7 +13,7 @@ from hyperfab.errors import InputError
 from hyperfab.materials import Material, bind
 from hyperfab.materials.effects import thermal_softening
 from hyperfab.materials.richer import richer
-from hyperfab.membrane.orthotropic import OrthotropicSheet, ThreadedSheet, Threads
+from hyperfab.membrane.orthotropic import fibre_sheet, orthotropic_sheet
 from hyperfab.membrane.tension_field import IsotropicSheet, SheetLaw
 
 #: Effects of the test, not of the fabric: there is nothing in a sheet to obey them.
@@ -69,18 +69,19 @@ def _of_directions(maker: _Maker) -> Fabric:
     if not warp.law.isotropic:
         weft = maker.material("weft") if two else warp.turned()
         ground = min(_ground(warp), _ground(weft), key=lambda one: one.c[0])
-        law: SheetLaw = ThreadedSheet(ground, (Threads(0, warp), Threads(1, weft)))
+        law: SheetLaw = fibre_sheet(ground, warp, weft)
         words = "orthotropic: the law's ground, and its fibres along warp (x) and weft (y)"
         return Fabric(name, document.model, law, words, thickness, [])
     if not two:
         return Fabric(name, document.model, IsotropicSheet(warp), "isotropic", thickness, [])
-    sheet = OrthotropicSheet(warp, maker.material("weft"))
-    soft, stiff = ("weft", "warp") if sheet.stiff_axis == 0 else ("warp", "weft")
+    sheet = orthotropic_sheet(warp, maker.material("weft"))
     words = (
-        f"orthotropic: the {soft}'s law in the whole sheet, and along the {stiff} what its law has more "
-        "in uniaxial tension; the warp runs along x"
+        "orthotropic: a ground mixed of both directions' laws, and along warp (x) and weft (y) what each law has "
+        "beyond it in uniaxial tension"
     )
-    unknown = "shear and biaxial stiffness of the fabric beyond the softer direction's law: not measured"
+    unknown = (
+        "shear and biaxial stiffness of the fabric, beyond a mixture of both directions' laws: not measured"
+    )
     return Fabric(name, document.model, sheet, words, thickness, [unknown])
 
 

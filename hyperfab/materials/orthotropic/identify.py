@@ -1,0 +1,453 @@
+"""The constants of the orthotropic law from whatever tests of a sheet there are.
+
+Weighted least squares on nominal stresses and measured lateral stretches. The energy is linear in its stresses: for
+given other constants, and the lateral stretches as measured (or those of the ground), the equations of the tests and
+of the free edges are a non-negative linear problem. Its best solutions over a grid of the other constants are the
+starts of a bounded Gauss-Newton iteration on the equations as they are, with the strip's own equilibrium in it.
+
+What the tests cannot tell is not made up: a constant no test speaks of is left absent, and named.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares, nnls
+
+from hyperfab.materials.orthotropic.energy import ABSENT, LINEAR, NAMES, Orthotropic
+from hyperfab.materials.orthotropic.specimen import Frame, held, strip
+
+Array = NDArray[np.float64]
+
+_GRID = {"nu": (0.02, 0.2, 0.35, 0.5), "bias_deg": (20.0, 35.0, 45.0, 55.0, 70.0)}
+#: Upturn of a thread over the data, as k2 times the square of the largest strain I - 1.
+_UPTURN = (0.03, 0.6, 3.0, 8.0)
+_MOST_UPTURN = 40.0
+_STARTS = 6
+_ROWS_TO_START = 160
+
+
+@dataclass(frozen=True)
+class SheetTest:
+    """One curve of a test on a sheet, n rows.
+
+    ``mode``: uniaxial, shear (wide strip), biaxial or biaxial-general; ``angle_deg`` of its first axis from the warp,
+    None where it is not known (alike in all directions); ``stretch`` and nominal ``stress`` [MPa] along that axis with
+    the ``weight`` of its error [1/MPa]. ``stretch2``, ``stress2``: the second axis of a biaxial test, or the measured
+    lateral stretch of a uniaxial one.
+    """
+
+    mode: str
+    angle_deg: float | None
+    stretch: Array
+    stress: Array
+    weight: Array
+    stretch2: Array | None = None
+    stress2: Array | None = None
+    weight2: Array | None = None
+
+    @property
+    def contraction(self) -> bool:
+        """Whether the lateral stretch was measured."""
+        return self.mode == "uniaxial" and self.stretch2 is not None
+
+    def take(self, rows: NDArray[np.int64]) -> SheetTest:
+        """Return some of the rows."""
+
+        def pick(values: Array | None) -> Array | None:
+            return None if values is None else values[rows]
+
+        return replace(
+            self,
+            stretch=self.stretch[rows],
+            stress=self.stress[rows],
+            weight=self.weight[rows],
+            stretch2=pick(self.stretch2),
+            stress2=pick(self.stress2),
+            weight2=pick(self.weight2),
+        )
+
+    @property
+    def across(self) -> Array:
+        """Stretch of the second axis of a test whose edges are held."""
+        if self.mode == "shear":
+            return np.ones_like(self.stretch)
+        return self.stretch if self.stretch2 is None or self.mode == "biaxial" else self.stretch2
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """A constant the tests leave open, the value it has for want of one, and the test that would tell it."""
+
+    name: str
+    value: float
+    test: str
+
+
+@dataclass(frozen=True)
+class Found:
+    """The law, the square sum of weighted errors, the constants that were sought and those left open.
+
+    ``jacobian`` (rows, sought) and ``residual`` (rows,) are the weighted equations at the optimum; ``curve`` is the
+    number of each row's test.
+    """
+
+    law: Orthotropic
+    sse: float
+    sought: tuple[str, ...]
+    unknown: tuple[Unknown, ...]
+    jacobian: Array = field(repr=False)
+    residual: Array = field(repr=False)
+    curve: NDArray[np.int64] = field(repr=False)
+
+
+def sought_by(tests: Sequence[SheetTest]) -> tuple[tuple[str, ...], tuple[Unknown, ...]]:
+    """Return the constants these tests can tell, and those they leave open, each with the test that would tell it.
+
+    >>> lam = np.array([1.1, 1.2]); pull = SheetTest("uniaxial", 0.0, lam, lam - 1, lam)
+    >>> sought_by([pull])[0]
+    ('C10_MPa', 'C20_MPa', 'C30_MPa')
+    """
+    modes = {test.mode.removesuffix("-general") for test in tests}
+    angles = {test.angle_deg for test in tests}
+    uniaxial = {test.angle_deg for test in tests if test.mode == "uniaxial"}
+    both = {0.0, 90.0} <= uniaxial or (None not in angles and any(_both_ways(test) for test in tests))
+    slanted = any(a is not None and min(a % 90.0, 90.0 - a % 90.0) > 1e-6 for a in uniaxial)
+    contraction = any(test.contraction for test in tests)
+    second = contraction or len(modes) > 1 or slanted
+    found, open_ = ["C10_MPa", "C20_MPa", "C30_MPa"], []
+    if len(modes) > 1:
+        found.append("C2_MPa")
+    else:
+        open_.append(("C2_MPa", "a biaxial or planar test beside the uniaxial one"))
+    if contraction or (both and len(modes) > 1):
+        found.append("nu")
+    else:
+        open_.append(("nu", "the lateral stretch of the uniaxial test (column stretch 2)"))
+    if both:
+        found += ["k1_warp_MPa", "k2_warp", "k1_weft_MPa", "k2_weft"]
+    else:
+        open_ += [
+            (name, "uniaxial tests along warp and weft")
+            for name in ("k1_warp_MPa", "k2_warp", "k1_weft_MPa", "k2_weft")
+        ]
+    if both and second:
+        found += ["k1_bias_MPa", "k2_bias", "bias_deg"]
+    else:
+        open_ += [
+            (name, "tests along warp and weft with lateral stretch, or a biaxial one")
+            for name in ("k1_bias_MPa", "k2_bias", "bias_deg")
+        ]
+    if slanted:
+        found.append("G_MPa")
+    else:
+        open_.append(("G_MPa", "a uniaxial test at an angle, as 45 deg"))
+    unknown = tuple(Unknown(name, ABSENT[name], test) for name, test in open_)
+    return tuple(name for name in NAMES if name in found), unknown
+
+
+def identify(tests: Sequence[SheetTest], near: Orthotropic | None = None) -> Found:
+    """Return the best constants for the tests.
+
+    With ``near``, only its stresses are sought, the other constants stay: the same fabric at another temperature.
+
+    >>> lam = np.linspace(1.05, 1.5, 10); own = Orthotropic.of({"C10_MPa": 0.2, "C30_MPa": 0.05})
+    >>> pull = SheetTest("uniaxial", None, lam, strip(own, 0.0, lam).stress, np.ones(10))
+    >>> found = identify([pull]).law.parameters
+    >>> round(found["C10_MPa"], 9), round(found["C30_MPa"], 9)
+    (0.2, 0.05)
+    """
+    names, unknown = sought_by(tests)
+    if near is not None:
+        names = tuple(name for name in names if name in LINEAR)
+        unknown = ()
+    free = _Free(tests, names, near or Orthotropic.of({"C10_MPa": 1.0}))
+    few = _thinned(tests, _ROWS_TO_START)
+    ends = [free.polished(few, start, 40) for start in free.starts(few)]
+    z, free = free.settled(tests, min(ends, key=lambda end: end[1])[0])
+    law = free.law(z)
+    residual, jacobian = free.equations(tests, z)
+    curve = np.repeat(np.arange(len(tests)), [_rows_of(test) for test in tests])
+    return Found(
+        law, float(residual @ residual), names, unknown, free.full(jacobian, z, names), residual, curve
+    )
+
+
+@dataclass(frozen=True)
+class _Free:
+    """The constants that are sought, as a vector z: stresses over their scale, logarithms of upturns, nu, angle/45."""
+
+    tests: Sequence[SheetTest]
+    names: tuple[str, ...]
+    base: Orthotropic
+
+    @property
+    def stress_scale(self) -> float:
+        return max(float(np.abs(test.stress).max()) for test in self.tests)
+
+    @property
+    def reach(self) -> float:
+        """The largest strain I - 1 of the tests."""
+        return max(max(float(test.stretch.max()), float(test.across.max())) for test in self.tests) ** 2 - 1.0
+
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        sides = {"nu": (0.0, 0.5), "bias_deg": (2.0 / 45.0, 88.0 / 45.0)}
+        upturn = (np.log(1e-3), np.log(_MOST_UPTURN))
+        pairs = [sides.get(name, upturn if name.startswith("k2") else (0.0, np.inf)) for name in self.names]
+        low, high = np.array(pairs).reshape(-1, 2).T
+        return low, high
+
+    def value(self, name: str, z: float) -> float:
+        """Return a constant of its coordinate."""
+        if name in LINEAR:
+            return z * self.stress_scale
+        if name.startswith("k2"):
+            return float(np.exp(z)) / self.reach**2
+        return 45.0 * z if name == "bias_deg" else z
+
+    def slope(self, name: str, z: float) -> float:
+        """Return the derivative of a constant by its coordinate."""
+        if name.startswith("k2"):
+            return self.value(name, z)
+        return self.stress_scale if name in LINEAR else 45.0 if name == "bias_deg" else 1.0
+
+    def law(self, z: Array) -> Orthotropic:
+        own = {name: self.value(name, value) for name, value in zip(self.names, z, strict=True)}
+        return Orthotropic({**self.base.parameters, **dict.fromkeys(LINEAR, 0.0), **own})
+
+    def without(self, gone: set[str]) -> _Free:
+        """Return the same without some threads' or the ground's stress, and what belongs to it alone."""
+        belongs = {f"k1_{one}_MPa": {f"k2_{one}"} for one in ("warp", "weft")}
+        belongs["k1_bias_MPa"] = {"k2_bias", "bias_deg"}
+        every = gone.union(*(belongs.get(name, set()) for name in gone))
+        return replace(self, names=tuple(name for name in self.names if name not in every))
+
+    def equations(self, tests: Sequence[SheetTest], z: Array) -> tuple[Array, Array]:
+        """Return weighted errors and their derivatives by z."""
+        law = self.law(z)
+        residual, jacobian = [], []
+        for test in tests:
+            for error, slopes in _errors(law, test, self, z):
+                residual.append(error)
+                jacobian.append(slopes)
+        return np.concatenate(residual), np.concatenate(jacobian)
+
+    def polished(self, tests: Sequence[SheetTest], z: Array, steps: int) -> tuple[Array, float]:
+        """Return the nearest optimum in the box, and half its square sum."""
+        low, high = self.bounds
+        inside = np.clip(z, low + 1e-9, np.where(np.isfinite(high), high - 1e-9, high))
+        last: dict[bytes, tuple[Array, Array]] = {}
+
+        def both(z: Array) -> tuple[Array, Array]:
+            if z.tobytes() not in last:
+                last.clear()
+                last[z.tobytes()] = self.equations(tests, z)
+            return last[z.tobytes()]
+
+        with np.errstate(all="ignore"):
+            found = least_squares(
+                lambda z: np.nan_to_num(both(z)[0], nan=1e6, posinf=1e6, neginf=-1e6),
+                inside,
+                jac=lambda z: np.nan_to_num(both(z)[1]),
+                bounds=(low, high),
+                x_scale="jac",
+                xtol=1e-15,
+                ftol=1e-14,
+                gtol=1e-15,
+                max_nfev=steps,
+            )
+        return found.x, float(found.cost)
+
+    def settled(self, tests: Sequence[SheetTest], z: Array) -> tuple[Array, _Free]:
+        """Return the optimum on all rows, without the stresses that vanish there."""
+        z, cost = self.polished(tests, z, 200)
+        free = self
+        while True:
+            small = {
+                name
+                for name, value in zip(free.names, z, strict=True)
+                if name in LINEAR and value < 1e-5 and name != "C10_MPa"
+            }
+            if not small:
+                return z, free
+            fewer = free.without(small)
+            start = np.array([z[free.names.index(name)] for name in fewer.names])
+            better, less = fewer.polished(tests, start, 200)
+            if less > cost * (1.0 + 1e-6) + 1e-24:
+                return z, free
+            z, cost, free = better, less, fewer
+
+    def full(self, jacobian: Array, z: Array, names: Sequence[str]) -> Array:
+        """Return the derivatives by the constants ``names`` themselves, zero for those that vanished."""
+        found = np.zeros((len(jacobian), len(names)))
+        for column, (name, value) in enumerate(zip(self.names, z, strict=True)):
+            found[:, names.index(name)] = jacobian[:, column] / self.slope(name, value)
+        return found
+
+    def starts(self, tests: Sequence[SheetTest]) -> list[Array]:
+        """Return the best non-negative linear solutions over a grid of the other constants."""
+        p = self.base.parameters
+        k2 = [value / self.reach**2 for value in _UPTURN]
+        options = {
+            name: (_GRID.get(name, k2) if name in self.names else (p[name],))
+            for name in ("nu", "k2_warp", "k2_weft", "k2_bias", "bias_deg")
+        }
+        linear = [name for name in self.names if name in LINEAR]
+        ranked: list[tuple[float, Array]] = []
+        for nu in options["nu"]:
+            rows = [_linear_rows(test, nu) for test in tests]
+
+            def columns(rows: list[_LinearRows] = rows, **other: float) -> dict[str, Array]:
+                law = Orthotropic({**p, **other})
+                terms = np.concatenate([one.of(law) for one in rows])
+                return dict(zip(LINEAR, terms.T, strict=True))
+
+            ground = columns(nu=nu)
+            warp = {k: columns(nu=nu, k2_warp=k)["k1_warp_MPa"] for k in options["k2_warp"]}
+            weft = {k: columns(nu=nu, k2_weft=k)["k1_weft_MPa"] for k in options["k2_weft"]}
+            bias = {
+                pair: columns(nu=nu, k2_bias=pair[0], bias_deg=pair[1])["k1_bias_MPa"]
+                for pair in product(options["k2_bias"], options["bias_deg"])
+            }
+            b = np.concatenate([one.right for one in rows])
+            for kw, kf, kb in product(warp, weft, bias):
+                every = {
+                    **ground, "k1_warp_MPa": warp[kw], "k1_weft_MPa": weft[kf], "k1_bias_MPa": bias[kb]
+                }  # fmt: skip
+                A = np.column_stack([every[name] for name in linear]) * self.stress_scale
+                if not np.isfinite(A).all():
+                    continue
+                c, rest = nnls(A, b)
+                values = dict(zip(linear, c, strict=True))
+                values |= {"nu": nu, "bias_deg": kb[1] / 45.0}
+                values |= {
+                    name: np.log(max(k * self.reach**2, 1e-3))
+                    for name, k in (("k2_warp", kw), ("k2_weft", kf), ("k2_bias", kb[0]))
+                }
+                ranked.append((rest, np.array([values[name] for name in self.names])))
+        ranked.sort(key=lambda one: one[0])
+        return [z for _, z in ranked[: 4 * _STARTS : 4]]
+
+
+def _errors(law: Orthotropic, test: SheetTest, free: _Free, z: Array) -> list[tuple[Array, Array]]:
+    """Return the weighted errors of a test with their derivatives by z: stress along, then across or width."""
+    angle = test.angle_deg or 0.0
+    frame = Frame.at(np.full(len(test.stretch), angle))
+    if test.mode != "uniaxial":
+        C = frame.strain(test.stretch**2, test.across**2, np.zeros_like(test.stretch))
+        change = _stress_slopes(law, C, free, z)
+        one, two = held(law, angle, test.stretch, test.across)
+        along = test.stretch[:, None] * np.einsum("nj,nkj->nk", frame.tt, change)
+        found = [((one - test.stress) * test.weight, along * test.weight[:, None])]
+        if test.stress2 is not None and test.mode != "shear":
+            weight = test.weight if test.weight2 is None else test.weight2
+            across = test.across[:, None] * np.einsum("nj,nkj->nk", frame.nn, change)
+            found.append(((two - test.stress2) * weight, across * weight[:, None]))
+        return found
+    pulled = strip(law, angle, test.stretch)
+    change = _stress_slopes(law, pulled.strain, free, z)
+    edges = np.stack([frame.nn, frame.tn], axis=1)
+    D = pulled.answer.stiffness
+    H = np.einsum("nij,njk,nlk->nil", edges, D, edges)
+    B = np.einsum("nij,njk,nk->ni", edges, D, frame.tt)
+    load = np.einsum("nij,nkj->nik", edges, change)
+    with np.errstate(all="ignore"):
+        moved = np.linalg.solve(np.where(np.isfinite(H), H, np.eye(2)), np.nan_to_num(load))
+    slopes = np.einsum("nj,nkj->nk", frame.tt, change) - np.einsum("ni,nik->nk", B, moved)
+    closed = np.where(pulled.closed, 1.0, np.nan)
+    found = [
+        (
+            (pulled.stress * closed - test.stress) * test.weight,
+            (test.stretch * test.weight)[:, None] * slopes,
+        )
+    ]
+    if test.stretch2 is not None and test.weight2 is not None:
+        width = -moved[:, 0] / pulled.width[:, None]
+        found.append(((pulled.width * closed - test.stretch2) * test.weight2, width * test.weight2[:, None]))
+    return found
+
+
+def _stress_slopes(law: Orthotropic, C: Array, free: _Free, z: Array) -> Array:
+    """Return dS/dz (n, sought, 3) at fixed strain."""
+    terms = law.stress_terms(C)
+    theta, c = law.vector[len(LINEAR) :], law.vector[: len(LINEAR)]
+    found = np.empty((len(C), len(free.names), 3))
+    for k, (name, value) in enumerate(zip(free.names, z, strict=True)):
+        if name in LINEAR:
+            one = terms[:, LINEAR.index(name)]
+        else:
+            # Central differences: their error moves the iteration, not where it ends.
+            step = np.zeros_like(theta)
+            step[NAMES.index(name) - len(LINEAR)] = size = 1e-5 * max(abs(free.value(name, value)), 1e-3)
+            one = np.einsum(
+                "k,nkj->nj", c, law.stress_terms(C, theta + step) - law.stress_terms(C, theta - step)
+            )
+            one /= 2.0 * size
+        found[:, k] = one * free.slope(name, value)
+    return found
+
+
+@dataclass(frozen=True)
+class _LinearRows:
+    """A test at strains taken as known: weighted stress equations, and free edges where the width was measured."""
+
+    C: Array
+    along: Array
+    across: Array | None
+    right: Array
+
+    def of(self, law: Orthotropic) -> Array:
+        terms = law.stress_terms(self.C)
+        rows = [np.einsum("nj,nkj->nk", self.along, terms)]
+        if self.across is not None:
+            rows.append(np.einsum("nj,nkj->nk", self.across, terms))
+        return np.concatenate(rows)
+
+
+def _linear_rows(test: SheetTest, nu: float) -> _LinearRows:
+    frame = Frame.at(np.full(len(test.stretch), test.angle_deg or 0.0))
+    if test.mode == "uniaxial":
+        second = test.stretch**-nu if test.stretch2 is None else test.stretch2
+    else:
+        second = test.across
+    C = frame.strain(test.stretch**2, second**2, np.zeros_like(second))
+    along = (test.weight * test.stretch)[:, None] * frame.tt
+    right = test.weight * test.stress
+    known = test.stress2 if test.mode.startswith("biaxial") else None
+    if test.contraction:
+        known = np.zeros_like(test.stress)
+    if known is None:
+        return _LinearRows(C, along, None, right)
+    weight = test.weight if test.weight2 is None or test.contraction else test.weight2
+    return _LinearRows(
+        C, along, (weight * second)[:, None] * frame.nn, np.concatenate([right, weight * known])
+    )
+
+
+def _both_ways(test: SheetTest) -> bool:
+    return test.mode.startswith("biaxial") and test.stress2 is not None
+
+
+def _rows_of(test: SheetTest) -> int:
+    second = test.stress2 is not None and test.mode.startswith("biaxial")
+    return len(test.stretch) * (1 + int(second or (test.contraction and test.weight2 is not None)))
+
+
+def _thinned(tests: Sequence[SheetTest], rows: int) -> list[SheetTest]:
+    """Return tests of about ``rows`` rows in all, evenly taken."""
+    total = sum(len(test.stretch) for test in tests)
+    if total <= rows:
+        return list(tests)
+    share = rows / total
+    return [
+        test.take(
+            np.unique(np.linspace(0, len(test.stretch) - 1, max(int(len(test.stretch) * share), 8)).round())
+            .astype(np.int64)
+        )
+        for test in tests
+    ]  # fmt: skip

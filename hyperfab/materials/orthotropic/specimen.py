@@ -1,0 +1,161 @@
+"""What test specimens cut at an angle answer: strips free to contract and to shear, held strips, biaxial squares.
+
+A specimen's first axis t lies at an angle from the warp, n across it. Its strain is C = Ctt tt + Cnn nn + Ctn (tn + nt).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from hyperfab.materials.orthotropic.energy import Answer, Orthotropic
+
+Array = NDArray[np.float64]
+
+_STEPS = 60
+#: Residual stress across a strip, over the stress along it, that counts as none.
+_CLOSED = 1e-13
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The specimen's axes in the sheet's: rows (n, 3) that take S = (S11, S22, S12) to S.v(tt), S.v(nn), S.v(tn + nt)."""
+
+    tt: Array
+    nn: Array
+    tn: Array
+
+    @classmethod
+    def at(cls, angle_deg: ArrayLike) -> Frame:
+        """Return the axes of specimens cut at angles (n,) [deg] from the warp."""
+        angle = np.deg2rad(np.asarray(angle_deg, dtype=np.float64))
+        c, s = np.cos(angle), np.sin(angle)
+        # Quarter turns exactly: a specimen along the weft feels no rounding of the warp.
+        c, s = np.where(np.abs(c) < 1e-15, 0.0, c), np.where(np.abs(s) < 1e-15, 0.0, s)
+        return cls(
+            np.stack([c * c, s * s, 2.0 * c * s], axis=-1),
+            np.stack([s * s, c * c, -2.0 * c * s], axis=-1),
+            np.stack([-2.0 * c * s, 2.0 * c * s, 2.0 * (c * c - s * s)], axis=-1),
+        )
+
+    def strain(self, along: Array, across: Array, shear: Array) -> Array:
+        """Return C11, C22, C12 (n, 3) of Ctt, Cnn, Ctn (n,)."""
+        doubled = along[:, None] * self.tt + across[:, None] * self.nn + shear[:, None] * self.tn
+        return doubled * np.array([1.0, 1.0, 0.5])
+
+
+@dataclass(frozen=True)
+class Strip:
+    """A strip pulled along t, stress-free across: ``stretch`` (n,) along, nominal ``stress`` and its slope [MPa].
+
+    ``width`` is the lateral stretch, ``shear`` the sine of the angle by which t and n leave the right one; ``strain``
+    (n, 3) and ``answer`` are the state in the sheet's axes; ``closed`` says where an equilibrium was found.
+    """
+
+    stretch: Array
+    stress: Array
+    slope: Array
+    width: Array
+    shear: Array
+    strain: Array
+    answer: Answer
+    closed: NDArray[np.bool_]
+
+
+def strip(law: Orthotropic, angle_deg: ArrayLike, stretch: ArrayLike, width: Array | None = None) -> Strip:
+    """Return the uniaxial test of strips cut at ``angle_deg`` from the warp, pulled to ``stretch`` (n,).
+
+    The strip is uniform and free to contract and to shear (coupled shear of an off-axis pull); clamped ends are not
+    followed. ``width`` may hold lateral stretches to start from.
+
+    >>> law = Orthotropic.of({"C10_MPa": 0.5})
+    >>> float(strip(law, 30.0, [4.0]).width[0].round(12))
+    0.5
+    """
+    lam = np.atleast_1d(np.asarray(stretch, dtype=np.float64))
+    frame = Frame.at(np.broadcast_to(np.asarray(angle_deg, dtype=np.float64), lam.shape))
+    free = np.stack([frame.nn, frame.tn], axis=1)
+    nu = law.parameters["nu"]
+    y = np.stack([lam ** (-2.0 * nu) if width is None else width**2, np.zeros_like(lam)], axis=1)
+
+    def at(y: Array, rows: NDArray[np.int64]) -> tuple[Array, Answer, Array]:
+        part = Frame(frame.tt[rows], frame.nn[rows], frame.tn[rows])
+        C = part.strain(lam[rows] ** 2, y[:, 0], y[:, 1])
+        found = law.answer(C)
+        return C, found, 0.5 * np.einsum("nij,nj->ni", free[rows], found.stress)
+
+    open_ = np.arange(len(lam))
+    C, found, g = at(y, open_)
+    for _ in range(_STEPS):
+        scale = (
+            np.abs(np.einsum("nj,nj->n", frame.tt[open_], found.stress[open_]))
+            + np.abs(found.stiffness[open_, 0, 0]) * 1e-3
+        )
+        with np.errstate(invalid="ignore"):
+            open_ = open_[~(np.abs(g[open_]).max(axis=1) <= _CLOSED * scale)]
+        if not len(open_):
+            break
+        H = 0.25 * np.einsum("nij,njk,nlk->nil", free[open_], found.stiffness[open_], free[open_])
+        step = _descent(H, g[open_])
+        # The energy falls along a Newton step that is short enough; the width stays positive.
+        length = np.ones(len(open_))
+        start, best = found.energy[open_], y[open_]
+        pending = np.arange(len(open_))
+        for _ in range(30):
+            rows = open_[pending]
+            trial = best[pending] + length[pending, None] * step[pending]
+            with np.errstate(all="ignore"):
+                inside = (trial[:, 0] > 0.0) & (trial[:, 0] * lam[rows] ** 2 > trial[:, 1] ** 2)
+                C_try, found_try, g_try = at(np.where(inside[:, None], trial, best[pending]), rows)
+                fine = inside & (found_try.energy <= start[pending] * (1.0 + 1e-12) + 1e-300)
+            taken = rows[fine]
+            y[taken], C[taken], g[taken] = trial[fine], C_try[fine], g_try[fine]
+            found.energy[taken], found.stress[taken] = found_try.energy[fine], found_try.stress[fine]
+            found.stiffness[taken] = found_try.stiffness[fine]
+            pending = pending[~fine]
+            length[pending] *= 0.5
+            if not len(pending):
+                break
+        if len(pending) == len(step):
+            break
+    along = np.einsum("nj,nj->n", frame.tt, found.stress)
+    with np.errstate(all="ignore"):
+        H = np.einsum("nij,njk,nlk->nil", free, found.stiffness, free)
+        B = np.einsum("nij,njk,nk->ni", free, found.stiffness, frame.tt)
+        own = np.einsum("nj,njk,nk->n", frame.tt, found.stiffness, frame.tt)
+        reduced = own - np.einsum("ni,ni->n", B, _solve(H, B))
+        closed = np.abs(g).max(axis=1) <= 1e-9 * (np.abs(along) + 1e-3 * np.abs(own))
+        shear = y[:, 1] / (lam * np.sqrt(y[:, 0]))
+    return Strip(
+        lam, lam * along, along + lam**2 * reduced, np.sqrt(y[:, 0]), shear, C, found, np.asarray(closed)
+    )
+
+
+def held(law: Orthotropic, angle_deg: ArrayLike, first: Array, second: Array) -> tuple[Array, Array]:
+    """Return both nominal stresses [MPa] (n,) of a square cut at an angle, stretched by ``first`` and ``second``.
+
+    The edges stay at right angles: a wide strip (``second`` 1), an equal or general biaxial test.
+    """
+    frame = Frame.at(np.broadcast_to(np.asarray(angle_deg, dtype=np.float64), first.shape))
+    S = law.answer(frame.strain(first**2, second**2, np.zeros_like(first))).stress
+    return first * np.einsum("nj,nj->n", frame.tt, S), second * np.einsum("nj,nj->n", frame.nn, S)
+
+
+def _descent(H: Array, g: Array) -> Array:
+    """Return Newton steps (n, 2) of 2 x 2 Hessians, made positive definite where they are not."""
+    mean = 0.5 * (H[:, 0, 0] + H[:, 1, 1])
+    radius = np.hypot(0.5 * (H[:, 0, 0] - H[:, 1, 1]), H[:, 0, 1])
+    low = mean - radius
+    add = np.where(low < 1e-8 * (mean + radius), 1e-3 * (np.abs(mean) + radius) - low, 0.0)
+    return np.asarray(-_solve(H + add[:, None, None] * np.eye(2), g))
+
+
+def _solve(H: Array, b: Array) -> Array:
+    """Solve 2 x 2 systems (n, 2, 2), (n, 2)."""
+    det = H[:, 0, 0] * H[:, 1, 1] - H[:, 0, 1] * H[:, 1, 0]
+    det = np.where(det == 0.0, np.inf, det)
+    one = (b[:, 0] * H[:, 1, 1] - H[:, 0, 1] * b[:, 1]) / det
+    two = (H[:, 0, 0] * b[:, 1] - b[:, 0] * H[:, 1, 0]) / det
+    return np.stack([one, two], axis=1)

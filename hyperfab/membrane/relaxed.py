@@ -1,0 +1,253 @@
+"""A sheet of any symmetry that carries no compression: the relaxed energy of its law.
+
+A thin sheet gives up width in fine wrinkles at no cost. With n the direction across the wrinkles in the undeformed
+sheet and a >= 0 what they take up, it stores
+
+    W*(C) = min over a, n of W(C + a n n)
+
+(Pipkin, IMA J. Appl. Math. 36 (1986) 85; Steigmann, Proc. R. Soc. Lond. A 429 (1990) 141). At the minimum the law's
+stress at C + a n n has no part on n. Where no direction is stretched the sheet is slack; where the law's own stress is
+nowhere compression nothing is given up. For an isotropic law n lies along the smaller stretch, in general it turns.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.materials.orthotropic.energy import Answer
+from hyperfab.membrane.tension_field import SLACK, TAUT, WRINKLED, Principal, Response, principal_directions
+
+Array = NDArray[np.float64]
+
+#: Stress on n, over the larger stress of the sheet, that counts as none.
+_CLOSED = 1e-11
+_STEPS = 50
+#: Directions tried first where the one along the smaller stretch leads nowhere.
+_DIRECTIONS = 24
+_PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+
+
+class Unrelaxed(Protocol):
+    """A law of a sheet that bears compression too."""
+
+    def answer(self, strain: Array) -> Answer:
+        """Answer to the right Cauchy-Green tensors (n, 3): C11, C22, C12."""
+        ...
+
+    def thickness_stretch(self, strain: Array) -> Array:
+        """Return the thickness stretch (n,)."""
+        ...
+
+
+@dataclass(frozen=True)
+class RelaxedSheet:
+    """The tension field of a law."""
+
+    law: Unrelaxed
+
+    def __call__(self, strain: Array) -> Response:
+        """Answer to the right Cauchy-Green tensors (n, 3)."""
+        found = self._relaxed(strain)
+        D = found.stiffness
+        return Response(
+            found.energy, found.stress, np.stack([D[:, i, j] for i, j in _PAIRS], axis=1), found.state
+        )
+
+    def principal(self, strain: Array) -> Principal:
+        """Return principal stretches, and the principal Cauchy stresses at the width the sheet takes by itself."""
+        c1, c2, _, _ = principal_directions(strain)
+        found = self._relaxed(strain)
+        C, S = found.natural, found.stress
+        area2 = np.maximum(C[:, 0] * C[:, 1] - C[:, 2] ** 2, 1e-300)
+        thickness = np.where(found.state == SLACK, 1.0, self.law.thickness_stretch(C))
+        # Principal values of F S F'/J are those of S C/J, J the area stretch times the thickness stretch.
+        scale = 1.0 / (thickness * np.sqrt(area2))
+        trace = S[:, 0] * C[:, 0] + S[:, 1] * C[:, 1] + 2.0 * S[:, 2] * C[:, 2]
+        product = (S[:, 0] * S[:, 1] - S[:, 2] ** 2) * area2
+        spread = np.sqrt(np.maximum(0.25 * trace**2 - product, 0.0))
+        cauchy = np.column_stack([0.5 * trace + spread, 0.5 * trace - spread]) * scale[:, None]
+        cauchy[found.state == SLACK] = 0.0
+        cauchy[found.state == WRINKLED, 1] = 0.0
+        return Principal(np.sqrt(np.column_stack([c1, c2])), cauchy, thickness)
+
+    def margin(self, strain: Array) -> Array:
+        """Return the stability margin at the width the sheet takes by itself.
+
+        The least over the largest eigenvalue of the moduli that take the rate of strain to the Jaumann rate of the
+        Kirchhoff stress: positive where more strain in any direction of the plane takes more stress.
+        """
+        found = self._relaxed(strain)
+        C = np.where((found.state == SLACK)[:, None], np.array([1.0, 1.0, 0.0]), found.natural)
+        return least_modulus(self.law.answer(C), C)
+
+    def _relaxed(self, strain: Array) -> _Found:
+        C = np.array(strain, dtype=np.float64)
+        own = self.law.answer(C)
+        found = _Found(own.energy, own.stress, own.stiffness, np.zeros(len(C), np.int8), C.copy())
+        c1, _, cos2, sin2 = principal_directions(C)
+        slack = c1 <= 1.0
+        S = own.stress
+        pressed = (S[:, 0] + S[:, 1] < 0.0) | (S[:, 0] * S[:, 1] < S[:, 2] ** 2)
+        wrinkled = np.flatnonzero(pressed & ~slack)
+        found.state[slack] = SLACK
+        found.energy[slack], found.stress[slack], found.stiffness[slack] = 0.0, 0.0, 0.0
+        found.natural[slack] = np.array([1.0, 1.0, 0.0])
+        if len(wrinkled):
+            self._wrinkle(
+                found, wrinkled, C[wrinkled], 0.5 * np.arctan2(sin2[wrinkled], cos2[wrinkled]) + 0.5 * np.pi
+            )
+        return found
+
+    def _wrinkle(self, found: _Found, rows: NDArray[np.int64], C: Array, angle: Array) -> None:
+        """Give up what the sheet cannot press at ``rows``; ``angle`` is a first guess of n."""
+        a, angle, closed = self._minimum(C, angle)
+        for number in np.flatnonzero(~closed):
+            # Seldom: look all round, and go on from the least energy.
+            tries = np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
+            many = np.repeat(C[number : number + 1], _DIRECTIONS, axis=0)
+            taken, turned, ended = self._minimum(many, tries)
+            energy = np.where(ended, self.law.answer(many + taken[:, None] * _dyad(turned)).energy, np.inf)
+            best = int(np.argmin(energy))
+            a[number], angle[number] = taken[best], turned[best]
+        natural = C + a[:, None] * _dyad(angle)
+        own = self.law.answer(natural)
+        u, w, _ = _axes(angle)
+        gradient_angle = 0.5 * np.einsum("nj,nj->n", w, own.stress)
+        Du, Dw = np.einsum("njk,nk->nj", own.stiffness, u), np.einsum("njk,nk->nj", own.stiffness, w)
+        B = np.stack([0.5 * Du, 0.5 * a[:, None] * Dw], axis=1)
+        H = _hessian(own, a, u, w, gradient_angle, angle)
+        with np.errstate(all="ignore"):
+            back = np.linalg.solve(_regular(H), B)
+        found.energy[rows], found.stress[rows] = own.energy, own.stress
+        found.stiffness[rows] = own.stiffness - np.einsum("nij,nik->njk", B, back)
+        found.natural[rows] = natural
+        found.state[rows] = WRINKLED
+
+    def _minimum(self, C: Array, angle: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+        """Return a, the angle of n, and whether no stress is left on n; Newton's method on the energy."""
+        a, angle = np.zeros(len(C)), angle.copy()
+        own = self.law.answer(C)
+        energy = own.energy.copy()
+        closed = np.zeros(len(C), bool)
+        left = np.arange(len(C))
+        for _ in range(_STEPS):
+            u, w, _ = _axes(angle[left])
+            own = self.law.answer(C[left] + a[left, None] * _dyad(angle[left]))
+            on_n = np.einsum("nj,nj->n", u, own.stress)
+            across = 0.5 * np.einsum("nj,nj->n", w, own.stress)
+            size = np.abs(own.stress[:, 0]) + np.abs(own.stress[:, 1]) + 1e-9 * np.abs(own.stiffness[:, 0, 0])
+            done = (np.abs(on_n) + np.abs(across) <= _CLOSED * size) & (a[left] > 0.0)
+            closed[left[done]] = True
+            keep = ~done
+            if not keep.any():
+                break
+            left, u, w, on_n, across = left[keep], u[keep], w[keep], on_n[keep], across[keep]
+            own = Answer(own.energy[keep], own.stress[keep], own.stiffness[keep])
+            g = np.stack([0.5 * on_n, a[left] * across], axis=1)
+            H = _positive(_hessian(own, a[left], u, w, across, angle[left]))
+            # Without wrinkles yet their direction has no meaning: width first.
+            flat = a[left] == 0.0
+            H[flat, 0, 1] = H[flat, 1, 0] = 0.0
+            H[flat, 1, 1] = 1.0
+            g[flat, 1] = 0.0
+            step = -np.linalg.solve(H, g[:, :, None])[:, :, 0]
+            step[:, 1] = np.clip(step[:, 1], -0.3, 0.3)
+            length = np.ones(len(left))
+            pending = np.arange(len(left))
+            for _ in range(25):
+                rows = left[pending]
+                a_try = np.maximum(a[rows] + length[pending] * step[pending, 0], 0.25 * a[rows])
+                angle_try = angle[rows] + length[pending] * step[pending, 1]
+                with np.errstate(all="ignore"):
+                    lower = self.law.answer(C[rows] + a_try[:, None] * _dyad(angle_try)).energy
+                    fine = lower <= energy[rows] + 1e-14 * np.abs(energy[rows])
+                taken = rows[fine]
+                a[taken], angle[taken], energy[taken] = a_try[fine], angle_try[fine], lower[fine]
+                pending = pending[~fine]
+                length[pending] *= 0.4
+                if not len(pending):
+                    break
+        return a, angle, closed
+
+
+@dataclass
+class _Found:
+    """Relaxed energy, stress, stiffness (n, 3, 3), state, and the strain C + a n n the law was asked at."""
+
+    energy: Array
+    stress: Array
+    stiffness: Array
+    state: NDArray[np.int8]
+    natural: Array
+
+
+def least_modulus(own: Answer, C: Array) -> Array:
+    """Return the least over the largest eigenvalue of the Jaumann moduli of the Kirchhoff stress (n,)."""
+    c1, c2, cos2, sin2 = principal_directions(C)
+    l1, l2 = np.sqrt(c1), np.sqrt(c2)
+    cc, ss, cs = 0.5 * (1.0 + cos2), 0.5 * (1.0 - cos2), 0.5 * sin2
+    one, two = np.stack([cc, ss, 2.0 * cs], axis=1), np.stack([ss, cc, -2.0 * cs], axis=1)
+    both = np.stack([-2.0 * cs, 2.0 * cs, 2.0 * cos2], axis=1)
+    T = np.stack([one * c1[:, None], two * c2[:, None], 0.5 * both * (l1 * l2)[:, None]], axis=1)
+    t = np.einsum("nij,nj->ni", T * np.array([1.0, 1.0, 1.0]), own.stress)
+    M = np.einsum("nij,njk,nlk->nil", T, own.stiffness, T)
+    # The Jaumann rate adds half of delta tau in all its symmetries.
+    M[:, 0, 0] += 2.0 * t[:, 0]
+    M[:, 1, 1] += 2.0 * t[:, 1]
+    M[:, 2, 2] += 0.5 * (t[:, 0] + t[:, 1])
+    M[:, 0, 2] += t[:, 2]
+    M[:, 2, 0] += t[:, 2]
+    M[:, 1, 2] += t[:, 2]
+    M[:, 2, 1] += t[:, 2]
+    finite = np.isfinite(M).all(axis=(1, 2))
+    values = np.linalg.eigvalsh(np.where(finite[:, None, None], M, np.eye(3)))
+    largest = np.abs(values).max(axis=1)
+    return np.where(finite, values[:, 0] / np.where(largest > 0.0, largest, 1.0), np.nan)
+
+
+def _axes(angle: Array) -> tuple[Array, Array, Array]:
+    """Return what takes S to S.nn, S.(nm + mn), S.mm for n at ``angle`` and m = dn/dangle."""
+    c, s = np.cos(angle), np.sin(angle)
+    return (
+        np.stack([c * c, s * s, 2.0 * c * s], axis=1),
+        np.stack([-2.0 * c * s, 2.0 * c * s, 2.0 * (c * c - s * s)], axis=1),
+        np.stack([s * s, c * c, -2.0 * c * s], axis=1),
+    )
+
+
+def _dyad(angle: Array) -> Array:
+    """Return n n (n, 3): components 11, 22, 12."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.stack([c * c, s * s, c * s], axis=1)
+
+
+def _hessian(own: Answer, a: Array, u: Array, w: Array, across: Array, angle: Array) -> Array:
+    """Return the second derivatives (n, 2, 2) of W(C + a n n) by a and the angle of n."""
+    _, _, mm = _axes(angle)
+    Du, Dw = np.einsum("njk,nk->nj", own.stiffness, u), np.einsum("njk,nk->nj", own.stiffness, w)
+    H = np.empty((len(a), 2, 2))
+    H[:, 0, 0] = 0.25 * np.einsum("nj,nj->n", u, Du)
+    H[:, 0, 1] = H[:, 1, 0] = across + 0.25 * a * np.einsum("nj,nj->n", w, Du)
+    H[:, 1, 1] = a * np.einsum("nj,nj->n", mm - u, own.stress) + 0.25 * a**2 * np.einsum("nj,nj->n", w, Dw)
+    return H
+
+
+def _positive(H: Array) -> Array:
+    """Return 2 x 2 Hessians with their eigenvalues made positive."""
+    mean, half = 0.5 * (H[:, 0, 0] + H[:, 1, 1]), 0.5 * (H[:, 0, 0] - H[:, 1, 1])
+    radius = np.hypot(half, H[:, 0, 1])
+    least = mean - radius
+    size = np.abs(mean) + radius
+    add = np.where(least < 1e-9 * size, 1e-3 * size - least, 0.0)
+    return H + (add + 1e-300)[:, None, None] * np.eye(2)
+
+
+def _regular(H: Array) -> Array:
+    """Return Hessians that can be solved: where the angle has no stiffness it has no part either."""
+    det = H[:, 0, 0] * H[:, 1, 1] - H[:, 0, 1] ** 2
+    flat = ~(np.abs(det) > 1e-14 * H[:, 0, 0] ** 2)
+    return np.where(flat[:, None, None], H + np.array([[0.0, 0.0], [0.0, 1.0]]) * H[:, :1, :1], H)

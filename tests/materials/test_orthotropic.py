@@ -1,0 +1,138 @@
+"""The orthotropic law: exact states of its specimens, its symmetries, and its constants from tests."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hyperfab.errors import InputError
+from hyperfab.materials import bind
+from hyperfab.materials.orthotropic import ABSENT, NAMES, Orthotropic
+from hyperfab.materials.orthotropic.identify import SheetTest, identify, sought_by
+from hyperfab.materials.orthotropic.specimen import held, strip
+
+KNIT = {
+    "C10_MPa": 0.1, "C20_MPa": 0.03, "C30_MPa": 0.01, "C2_MPa": 0.02, "k1_warp_MPa": 0.2, "k1_weft_MPa": 0.1,
+    "k1_bias_MPa": 0.15, "G_MPa": 0.3, "nu": 0.3, "k2_warp": 0.5, "k2_weft": 0.2, "k2_bias": 0.7, "bias_deg": 35.0,
+}  # fmt: skip
+LAM = np.linspace(1.03, 1.6, 12)
+
+
+def _pulls(law: Orthotropic, angle: float, width: bool = False) -> SheetTest:
+    found = strip(law, angle, LAM)
+    lateral = (found.width, None, np.full(len(LAM), 5.0)) if width else (None, None, None)
+    return SheetTest("uniaxial", angle, LAM, found.stress, 1.0 / found.stress, *lateral)
+
+
+def _held(law: Orthotropic, mode: str, across: np.ndarray) -> SheetTest:
+    one, two = held(law, 0.0, LAM, across)
+    both = (across, two, 1.0 / two) if mode == "biaxial" else (None, None, None)
+    return SheetTest(mode, 0.0, LAM, one, 1.0 / one, *both)
+
+
+def test_without_threads_it_is_the_isotropic_law():
+    constants = {"C10_MPa": 0.1, "C20_MPa": 0.02, "C30_MPa": 0.004, "C2_MPa": 0.05}
+    isotropic, own = bind("yeoh-3-lni2", constants), Orthotropic.of(constants)
+    for angle in (0.0, 30.0, 90.0):
+        np.testing.assert_allclose(strip(own, angle, LAM).stress, isotropic.uniaxial(LAM).P, rtol=1e-11)
+        np.testing.assert_allclose(strip(own, angle, LAM).width, LAM**-0.5, rtol=1e-11)
+        one, two = held(own, angle, LAM, np.full_like(LAM, 1.2))
+        plane = isotropic.membrane(LAM, 1.2)
+        np.testing.assert_allclose(one, plane.P1, rtol=1e-11)
+        np.testing.assert_allclose(two, plane.P2, rtol=1e-11)
+
+
+def test_a_ground_contracts_by_its_ratio():
+    law = Orthotropic.of({"C10_MPa": 0.1, "C20_MPa": 0.02, "nu": 0.2})
+    np.testing.assert_allclose(strip(law, 15.0, LAM).width, LAM**-0.2, rtol=1e-11)
+
+
+def test_an_equal_biaxial_square_at_45_degrees_carries_the_mean_of_warp_and_weft():
+    law = Orthotropic.of(KNIT)
+    warp, weft = held(law, 0.0, LAM, LAM)
+    one, two = held(law, 45.0, LAM, LAM)
+    np.testing.assert_allclose(one, 0.5 * (warp + weft), rtol=1e-12)
+    np.testing.assert_allclose(two, 0.5 * (warp + weft), rtol=1e-12)
+
+
+def test_a_strip_is_free_at_its_edges_and_shears_where_it_is_cut_at_an_angle():
+    """The strip's energy is least over its width and shear: against a search that knows only the energy."""
+    law = Orthotropic.of(KNIT)
+    found = strip(law, 30.0, [1.4])
+    angle = np.deg2rad(30.0)
+    t, n = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
+
+    def energy(width: float, shear: float) -> float:
+        C = 1.96 * np.outer(t, t) + width * np.outer(n, n) + shear * (np.outer(t, n) + np.outer(n, t))
+        return float(law.answer([[C[0, 0], C[1, 1], C[0, 1]]]).energy[0])
+
+    width, shear = found.width[0] ** 2, found.shear[0] * 1.4 * found.width[0]
+    assert abs(shear) > 0.05
+    least = energy(width, shear)
+    for dw, ds in ((1e-3, 0.0), (-1e-3, 0.0), (0.0, 1e-3), (0.0, -1e-3), (1e-3, 1e-3), (-1e-3, 1e-3)):
+        assert energy(width + dw, shear + ds) > least
+    # dW/dstretch along the path of least energy is the nominal stress.
+    more, less = (strip(law, 30.0, [1.4 + d]).answer.energy[0] for d in (1e-5, -1e-5))
+    assert (more - less) / 2e-5 == pytest.approx(found.stress[0], rel=1e-8)
+
+
+def test_quarter_turn_mirror_and_scale():
+    law = Orthotropic.of(KNIT)
+    turned = law.turned()
+    for angle in (0.0, 20.0, 45.0):
+        own = strip(law, angle, LAM)
+        np.testing.assert_allclose(strip(turned, angle + 90.0, LAM).stress, own.stress, rtol=1e-10)
+        mirrored = strip(law, -angle, LAM)
+        np.testing.assert_allclose(mirrored.stress, own.stress, rtol=1e-10)
+        np.testing.assert_allclose(mirrored.shear, -own.shear, atol=1e-11)
+        np.testing.assert_allclose(strip(law.scaled(10.0), angle, LAM).stress, 10.0 * own.stress, rtol=1e-10)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_law_moves_evenly_with_each_constant(name):
+    moved = Orthotropic.of({**KNIT, name: KNIT[name] * 1.001})
+    law = Orthotropic.of(KNIT)
+    for angle in (0.0, 30.0, 90.0):
+        own = strip(law, angle, LAM).stress
+        assert np.abs(strip(moved, angle, LAM).stress / own - 1.0).max() < 3e-3
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "word"),
+    [
+        ("C10_MPa", -0.1, "below zero"),
+        ("nu", 0.6, "0 to 0.5"),
+        ("bias_deg", 91.0, "0 to 90"),
+        ("k3", 1.0, "no constant"),
+    ],
+)
+def test_constants_without_meaning_are_refused(name, value, word):
+    with pytest.raises(InputError, match=word):
+        Orthotropic.of({**KNIT, name: value})
+
+
+def test_it_finds_its_own_constants():
+    law = Orthotropic.of(KNIT)
+    tests = [
+        _pulls(law, 0.0, width=True),
+        _pulls(law, 90.0, width=True),
+        _pulls(law, 45.0),
+        _pulls(law, 22.5),
+    ]
+    tests += [_held(law, "biaxial", LAM), _held(law, "shear", np.ones_like(LAM))]
+    found = identify(tests)
+    assert not found.unknown
+    for name in NAMES:
+        assert found.law.parameters[name] == pytest.approx(KNIT[name], rel=1e-6)
+
+
+def test_what_the_tests_leave_open_is_named_and_absent():
+    law = Orthotropic.of({"C10_MPa": 0.1, "k1_warp_MPa": 0.2, "k2_warp": 0.5})
+    tests = [_pulls(law, 0.0), _pulls(law, 90.0)]
+    sought, unknown = sought_by(tests)
+    assert {"C10_MPa", "k1_warp_MPa", "k1_weft_MPa"} <= set(sought)
+    assert {one.name for one in unknown} == {"C2_MPa", "nu", "k1_bias_MPa", "k2_bias", "bias_deg", "G_MPa"}
+    found = identify(tests).law.parameters
+    for one in unknown:
+        assert found[one.name] == ABSENT[one.name]
+        assert one.test

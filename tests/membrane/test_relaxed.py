@@ -1,0 +1,75 @@
+"""The relaxed energy of a law of any symmetry: least over all wrinkles, and its derivatives."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hyperfab.materials import bind
+from hyperfab.materials.orthotropic import Orthotropic
+from hyperfab.membrane.relaxed import RelaxedSheet
+from hyperfab.membrane.tension_field import SLACK, TAUT, WRINKLED, IsotropicSheet
+
+KNIT = Orthotropic.of(
+    {
+        "C10_MPa": 0.02, "C20_MPa": 0.003, "k1_warp_MPa": 0.2, "k1_weft_MPa": 0.1, "k1_bias_MPa": 0.15, "G_MPa": 0.03,
+        "nu": 0.3, "k2_warp": 0.5, "k2_weft": 0.2, "k2_bias": 0.7, "bias_deg": 35.0,
+    }
+)  # fmt: skip
+
+
+def _strains(count: int = 150) -> np.ndarray:
+    F = np.eye(2) + np.random.default_rng(1).normal(0.0, 0.3, (count, 2, 2))
+    C = np.einsum("nki,nkj->nij", F, F)
+    C = np.stack([C[:, 0, 0], C[:, 1, 1], C[:, 0, 1]], axis=1)
+    return C[C[:, 0] * C[:, 1] - C[:, 2] ** 2 > 0.05]
+
+
+def test_an_isotropic_law_is_relaxed_as_its_closed_form_says():
+    strain = _strains()
+    closed = IsotropicSheet(bind("yeoh-2", {"C10_MPa": 0.1, "C20_MPa": 0.02}))
+    own = RelaxedSheet(Orthotropic.of({"C10_MPa": 0.1, "C20_MPa": 0.02}))
+    one, two = closed(strain), own(strain)
+    assert set(two.state) == {TAUT, WRINKLED, SLACK}
+    assert (one.state == two.state).all()
+    np.testing.assert_allclose(two.energy, one.energy, atol=1e-13)
+    np.testing.assert_allclose(two.stress, one.stress, atol=1e-11 * np.abs(one.stress).max())
+    np.testing.assert_allclose(two.stiffness, one.stiffness, atol=1e-9 * np.abs(one.stiffness).max())
+    np.testing.assert_allclose(own.principal(strain).cauchy, closed.principal(strain).cauchy, atol=1e-11)
+    assert (np.sign(own.margin(strain)) == np.sign(closed.margin(strain))).all()
+
+
+def test_wrinkles_take_the_least_energy_of_all():
+    """Against every wrinkle of a fine grid of directions and depths."""
+    strain = _strains()
+    found = RelaxedSheet(KNIT)(strain)
+    depth, angle = np.meshgrid(np.linspace(0.0, 1.5, 301), np.pi * np.arange(240) / 240)
+    dyads = np.stack([np.cos(angle) ** 2, np.sin(angle) ** 2, np.cos(angle) * np.sin(angle)], axis=-1)
+    wrinkles = (depth[..., None] * dyads).reshape(-1, 3)
+    for number in np.flatnonzero(found.state == WRINKLED)[:25]:
+        least = KNIT.answer(strain[number] + wrinkles).energy.min()
+        assert found.energy[number] <= least * (1.0 + 1e-9)
+        # The grid misses the least by its spacing squared.
+        assert found.energy[number] == pytest.approx(least, rel=5e-3, abs=1e-5)
+
+
+def test_no_direction_is_pressed_and_stress_and_stiffness_are_derivatives():
+    strain = _strains()
+    law = RelaxedSheet(KNIT)
+    found = law(strain)
+    S = found.stress
+    least = 0.5 * (S[:, 0] + S[:, 1]) - np.hypot(0.5 * (S[:, 0] - S[:, 1]), S[:, 2])
+    assert least.min() > -1e-10 * np.abs(S).max()
+    columns = ((0, 3, 4), (3, 1, 5), (4, 5, 2))
+    # Where threads are stretched so far that a step of 1e-6 is no small one, differences say nothing.
+    mild = np.abs(found.stiffness).max(axis=1) < 1e3
+    for k, twice in enumerate((2.0, 2.0, 1.0)):
+        step = np.zeros(3)
+        step[k] = 1e-6
+        up, down = law(strain + step), law(strain - step)
+        same = mild & (up.state == down.state) & (up.state == found.state)
+        size = np.abs(found.stiffness[same]).max()
+        slope = twice * (up.energy - down.energy)[same] / 2e-6
+        np.testing.assert_allclose(slope, S[same, k], atol=1e-7 * size)
+        bend = twice * (up.stress - down.stress)[same] / 2e-6
+        np.testing.assert_allclose(bend, found.stiffness[same][:, columns[k]], atol=1e-6 * size)
