@@ -19,14 +19,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.materials.orthotropic.energy import Answer
-from hyperfab.membrane.tension_field import SLACK, TAUT, WRINKLED, Principal, Response, principal_directions
+from hyperfab.membrane.tension_field import SLACK, WRINKLED, Principal, Response, principal_directions
 
 Array = NDArray[np.float64]
 
 #: Stress on n, over the larger stress of the sheet, that counts as none.
 _CLOSED = 1e-11
+#: And what is left of it at most where rounding lets no step lower the energy.
+_NEARLY = 1e-7
 _STEPS = 50
-#: Directions tried first where the one along the smaller stretch leads nowhere.
+#: Directions tried where the one the law presses in leads nowhere.
 _DIRECTIONS = 24
 _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
@@ -88,8 +90,7 @@ class RelaxedSheet:
         C = np.array(strain, dtype=np.float64)
         own = self.law.answer(C)
         found = _Found(own.energy, own.stress, own.stiffness, np.zeros(len(C), np.int8), C.copy())
-        c1, _, cos2, sin2 = principal_directions(C)
-        slack = c1 <= 1.0
+        slack = principal_directions(C)[0] <= 1.0
         S = own.stress
         pressed = (S[:, 0] + S[:, 1] < 0.0) | (S[:, 0] * S[:, 1] < S[:, 2] ** 2)
         wrinkled = np.flatnonzero(pressed & ~slack)
@@ -97,22 +98,25 @@ class RelaxedSheet:
         found.energy[slack], found.stress[slack], found.stiffness[slack] = 0.0, 0.0, 0.0
         found.natural[slack] = np.array([1.0, 1.0, 0.0])
         if len(wrinkled):
-            self._wrinkle(
-                found, wrinkled, C[wrinkled], 0.5 * np.arctan2(sin2[wrinkled], cos2[wrinkled]) + 0.5 * np.pi
-            )
+            # At first across the larger stress: there the law presses.
+            along = 0.5 * np.arctan2(2.0 * S[wrinkled, 2], S[wrinkled, 0] - S[wrinkled, 1])
+            self._wrinkle(found, wrinkled, C[wrinkled], along + 0.5 * np.pi)
         return found
 
     def _wrinkle(self, found: _Found, rows: NDArray[np.int64], C: Array, angle: Array) -> None:
         """Give up what the sheet cannot press at ``rows``; ``angle`` is a first guess of n."""
         a, angle, closed = self._minimum(C, angle)
-        for number in np.flatnonzero(~closed):
+        lost = np.flatnonzero(~closed)
+        if len(lost):
             # Seldom: look all round, and go on from the least energy.
-            tries = np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
-            many = np.repeat(C[number : number + 1], _DIRECTIONS, axis=0)
-            taken, turned, ended = self._minimum(many, tries)
-            energy = np.where(ended, self.law.answer(many + taken[:, None] * _dyad(turned)).energy, np.inf)
-            best = int(np.argmin(energy))
-            a[number], angle[number] = taken[best], turned[best]
+            many = np.repeat(C[lost], _DIRECTIONS, axis=0)
+            tries = np.tile(np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS, len(lost))
+            taken, turned, _ = self._minimum(many, tries)
+            energy = self.law.answer(many + taken[:, None] * _dyad(turned)).energy.reshape(len(lost), -1)
+            best = np.argmin(np.where(np.isfinite(energy), energy, np.inf), axis=1) + _DIRECTIONS * np.arange(
+                len(lost)
+            )
+            a[lost], angle[lost] = taken[best], turned[best]
         natural = C + a[:, None] * _dyad(angle)
         own = self.law.answer(natural)
         u, w, _ = _axes(angle)
@@ -146,6 +150,7 @@ class RelaxedSheet:
             if not keep.any():
                 break
             left, u, w, on_n, across = left[keep], u[keep], w[keep], on_n[keep], across[keep]
+            remaining = np.abs(on_n) + np.abs(across)
             own = Answer(own.energy[keep], own.stress[keep], own.stiffness[keep])
             g = np.stack([0.5 * on_n, a[left] * across], axis=1)
             H = _positive(_hessian(own, a[left], u, w, across, angle[left]))
@@ -163,14 +168,23 @@ class RelaxedSheet:
                 a_try = np.maximum(a[rows] + length[pending] * step[pending, 0], 0.25 * a[rows])
                 angle_try = angle[rows] + length[pending] * step[pending, 1]
                 with np.errstate(all="ignore"):
-                    lower = self.law.answer(C[rows] + a_try[:, None] * _dyad(angle_try)).energy
-                    fine = lower <= energy[rows] + 1e-14 * np.abs(energy[rows])
+                    tried = self.law.answer(C[rows] + a_try[:, None] * _dyad(angle_try))
+                    lower = tried.energy
+                    # Near the minimum the energy is flat to rounding: there less stress on n is what counts.
+                    n, nm, _ = _axes(angle_try)
+                    stress = np.abs(np.einsum("nj,nj->n", n, tried.stress))
+                    stress += 0.5 * np.abs(np.einsum("nj,nj->n", nm, tried.stress))
+                    flat_there = np.abs(lower - energy[rows]) <= 1e-9 * np.abs(energy[rows])
+                    fine = (lower < energy[rows]) | (flat_there & (stress < remaining[pending]))
                 taken = rows[fine]
                 a[taken], angle[taken], energy[taken] = a_try[fine], angle_try[fine], lower[fine]
                 pending = pending[~fine]
                 length[pending] *= 0.4
                 if not len(pending):
                     break
+            # Where no step helps, rounding has the last word.
+            closed[left[pending]] = remaining[pending] <= _NEARLY * size[keep][pending]
+            left = np.delete(left, pending)
         return a, angle, closed
 
 
@@ -237,13 +251,15 @@ def _hessian(own: Answer, a: Array, u: Array, w: Array, across: Array, angle: Ar
 
 
 def _positive(H: Array) -> Array:
-    """Return 2 x 2 Hessians with their eigenvalues made positive."""
-    mean, half = 0.5 * (H[:, 0, 0] + H[:, 1, 1]), 0.5 * (H[:, 0, 0] - H[:, 1, 1])
-    radius = np.hypot(half, H[:, 0, 1])
-    least = mean - radius
-    size = np.abs(mean) + radius
-    add = np.where(least < 1e-9 * size, 1e-3 * size - least, 0.0)
-    return H + (add + 1e-300)[:, None, None] * np.eye(2)
+    """Return 2 x 2 Hessians made positive definite, each unknown measured by its own stiffness.
+
+    The angle of shallow wrinkles has little stiffness, and it is none the less a good one.
+    """
+    own = np.maximum(np.abs(np.stack([H[:, 0, 0], H[:, 1, 1]], axis=1)), 1e-300)
+    bad = (H[:, 0, 0] <= 0.0) | (H[:, 1, 1] <= 0.0) | (H[:, 0, 1] ** 2 > (1.0 - 1e-6) * own[:, 0] * own[:, 1])
+    found = H.copy()
+    found[bad] = own[bad, :, None] * np.eye(2)
+    return found
 
 
 def _regular(H: Array) -> Array:

@@ -1,6 +1,6 @@
 """What test specimens cut at an angle answer: strips free to contract and to shear, held strips, biaxial squares.
 
-A specimen's first axis t lies at an angle from the warp, n across it. Its strain is C = Ctt tt + Cnn nn + Ctn (tn + nt).
+A specimen's first axis t lies at an angle from the warp, n across it; C = Ctt tt + Cnn nn + Ctn (tn + nt).
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _CLOSED = 1e-13
 
 @dataclass(frozen=True)
 class Frame:
-    """The specimen's axes in the sheet's: rows (n, 3) that take S = (S11, S22, S12) to S.v(tt), S.v(nn), S.v(tn + nt)."""
+    """The specimen's axes: rows (n, 3) that take S = (S11, S22, S12) to S:tt, S:nn, S:(tn + nt)."""
 
     tt: Array
     nn: Array
