@@ -11,6 +11,7 @@ from hyperfab.membrane.contact import Frictionless
 from hyperfab.membrane.friction import Coulomb, Stick
 from hyperfab.membrane.friction_path import run_with_friction
 from hyperfab.membrane.measures import fields
+from hyperfab.membrane.memory import Memory
 from hyperfab.membrane.path import follow
 from hyperfab.membrane.sphere_test import SphereTest, rough_path
 from hyperfab.membrane.tension_field import IsotropicSheet
@@ -93,3 +94,42 @@ def test_force_with_coulomb_friction_deep_down():
 def test_full_stick_extrapolated_to_short_steps(depth):
     outcome = run_with_friction([_test(Stick())], [depth])[0]
     assert outcome.extrapolated == pytest.approx(STUCK[depth], rel=1e-3)
+
+
+def _rubbing(coefficient, sticking, ways=None):
+    """Nodes on a level punch, the sheet pressed on it with 2 N each, in the middle of a load step."""
+    count = len(sticking)
+    zeros, up = np.zeros((count, 3)), np.tile([0.0, 0.0, 1.0], (count, 1))
+    memory = Memory(
+        0.0, zeros, np.zeros(count), up, np.ones(count, bool), zeros,
+        zeros if ways is None else np.asarray(ways, float), np.asarray(sticking, bool),
+    )  # fmt: skip
+    return Coulomb(coefficient).begin(memory, zeros)
+
+
+def test_a_node_sticks_up_to_the_coefficient_times_the_normal_force_and_no_further():
+    rubbing = _rubbing(0.3, [True] * 4)
+    drag = np.array([[0.599, 0.0, 0.0], [0.0, 0.601, 0.0], [0.48, 0.36, 0.0], [-0.481, 0.361, 0.0]])
+    rubbing._decide(np.arange(4), np.full(4, 2.0), drag, np.zeros((4, 3)))
+    assert rubbing.sticking.tolist() == [True, False, True, False]
+    # It goes the way it is pulled: friction points against that.
+    np.testing.assert_allclose(rubbing.ways[1], [0.0, -1.0, 0.0], atol=1e-12)
+    np.testing.assert_allclose(
+        rubbing.ways[3], np.array([0.481, -0.361, 0.0]) / np.hypot(0.481, 0.361), atol=1e-12
+    )
+    assert not rubbing.settled
+    # Without pressure nothing holds.
+    loose = _rubbing(0.3, [True])
+    loose._decide(np.array([0]), np.array([-1.0]), np.array([[1e-3, 0.0, 0.0]]), np.zeros((1, 3)))
+    assert not loose.sticking[0]
+
+
+def test_a_node_that_slips_back_is_held_and_one_that_goes_on_turns():
+    rubbing = _rubbing(0.3, [False, False], ways=[[1.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    slip = np.array([[-0.1, 0.0, 0.0], [0.1, 0.1, 0.0]])
+    rubbing._decide(np.arange(2), np.full(2, 2.0), np.zeros((2, 3)), slip)
+    assert rubbing.sticking.tolist() == [True, False]
+    np.testing.assert_allclose(rubbing.ways[1], np.array([1.0, 1.0, 0.0]) / np.sqrt(2.0), atol=1e-12)
+    again = _rubbing(0.3, [False], ways=[[1.0, 0.0, 0.0]])
+    again._decide(np.array([0]), np.array([2.0]), np.zeros((1, 3)), np.array([[0.2, 0.0, 0.0]]))
+    assert again.settled
