@@ -108,18 +108,23 @@ def test_curves_of_a_probe_of_any_name_are_read_again(name: str, hf: Run, tmp_pa
 
 
 def test_no_other_place_writes_csv() -> None:
-    """Nothing in the program joins cells by commas into lines, or has a writer of its own."""
+    """No function joins cells by commas and rows by line breaks, or has a writer of its own."""
     folder = Path(hyperfab.__file__).parent
     found = []
     for path in sorted(folder.rglob("*.py")):
         if path == folder / "io/csv_write.py" or "materials/export" in str(path):  # cards are no CSV
             continue
-        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
-            if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Attribute):
+        for function in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if not isinstance(function, ast.FunctionDef):
                 continue
-            value = node.func.value
-            joins = node.func.attr == "join" and isinstance(value, ast.Constant) and value.value in (",", ";")
-            writes = node.func.attr in ("writer", "DictWriter", "to_csv", "savetxt")
-            if joins or (writes and getattr(value, "id", "") in ("csv", "frame", "np")):
-                found.append(f"{path.relative_to(folder)}:{node.lineno}")
+            calls = [node for node in ast.walk(function) if isinstance(node, ast.Call)]
+            methods = [call.func for call in calls if isinstance(call.func, ast.Attribute)]
+            joined = {
+                one.value.value
+                for one in methods
+                if one.attr == "join" and isinstance(one.value, ast.Constant)
+            }
+            owns = any(one.attr in ("writer", "DictWriter", "to_csv", "savetxt") for one in methods)
+            if owns or {",", "\n"} <= joined:
+                found.append(f"{path.relative_to(folder)}: {function.name}")
     assert found == []
