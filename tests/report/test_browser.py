@@ -188,7 +188,7 @@ def test_the_view_shows_the_surface_and_turns(opened: Any) -> None:
     turned = picture(opened, box)
     assert (np.abs(first - turned).sum(axis=2) > 60).mean() > 0.02
     eye = opened.execute_script("return arguments[0].layout.scene.camera.eye", box)
-    assert math.hypot(eye["x"], eye["y"]) == pytest.approx(math.hypot(1.5, 1.8), rel=1e-3)
+    assert math.hypot(eye["x"], eye["y"]) == pytest.approx(math.hypot(1.62, 1.95), rel=1e-3)
 
 
 def test_the_switch_changes_the_field_and_its_values_are_the_documents(opened: Any) -> None:
@@ -223,7 +223,9 @@ def test_filters_of_a_study_hide_rows(opened: Any) -> None:
     def shown(count: int) -> list[str]:
         for _ in range(50):
             rows = opened.find_elements("css selector", "table[data-cases] tbody tr")
-            found = [row.find_element("css selector", "td").text for row in rows if row.is_displayed()]
+            found = [
+                row.find_element("css selector", "td:last-child").text for row in rows if row.is_displayed()
+            ]
             if len(found) == count:
                 break
             time.sleep(0.1)
@@ -233,8 +235,10 @@ def test_filters_of_a_study_hide_rows(opened: Any) -> None:
     assert shown(3) == ["a", "b", "c"]
     Select(opened.find_element("css selector", "select[data-filter]")).select_by_visible_text("2")
     assert shown(2) == ["b", "c"]
-    opened.find_element("css selector", "input[data-filter]").send_keys("3.5")
+    opened.find_element("css selector", "input[data-filter][data-bound=most]").send_keys("3.5")
     assert shown(1) == ["c"]
+    opened.find_element("css selector", "input[data-filter][data-bound=least]").send_keys("3.2")
+    assert shown(0) == []
 
 
 def test_the_page_is_readable_early(opened: Any) -> None:
@@ -257,3 +261,47 @@ def test_the_page_prints_its_pictures_in_place_of_views(opened: Any) -> None:
     shown = opened.execute_script("return getComputedStyle(document.querySelector('.scene')).display")
     opened.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
     assert shown == "none"
+
+
+@pytest.mark.parametrize("width", [680, 700])  # what A4 and Letter leave between their margins
+def test_charts_drawn_for_a_window_are_whole_on_paper(opened: Any, width: int) -> None:
+    box = drawn(opened, "main .plot")
+    opened.execute_cdp_cmd(
+        "Emulation.setDeviceMetricsOverride",
+        {"width": width, "height": 1000, "deviceScaleFactor": 1, "mobile": False},
+    )
+    opened.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+    # As on paper, where nothing draws again: the window's drawing is as it was.
+    right = opened.execute_script(
+        "return Math.max(...[...document.querySelectorAll('.main-svg')].map(s => s.getBoundingClientRect().right))"
+    )
+    boxes = opened.execute_script(
+        "const r = arguments[0].getBoundingClientRect(); return [r.width, r.height]", box
+    )
+    opened.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+    opened.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    assert right <= width
+    assert boxes[0] > 0.8 * width
+    assert boxes[1] > 100
+
+
+def test_titles_of_axes_stand_inside_their_chart(opened: Any) -> None:
+    for box in opened.find_elements("css selector", "main .plot"):
+        drawn(opened, f"#{box.get_attribute('id')}")
+        cut = opened.execute_script(
+            "const b = arguments[0].getBoundingClientRect();"
+            "return [...arguments[0].querySelectorAll('.xtitle, .ytitle')].filter(t => {"
+            "const r = t.getBoundingClientRect();"
+            "return r.bottom > b.bottom || r.right > b.right || r.left < b.left}).map(t => t.textContent)",
+            box,
+        )
+        assert cut == []
+
+
+def test_the_first_screen_holds_a_sentence_figures_and_pictures(opened: Any) -> None:
+    opened.execute_script("scrollTo(0, 0)")
+    bottom = opened.execute_script("return document.querySelector('.fronts').getBoundingClientRect().bottom")
+    assert 0 < bottom <= 900
+    assert opened.find_element("css selector", ".lead").text.startswith("The draped fabric stretches by 10")
+    image = opened.find_element("css selector", ".fronts img")
+    assert opened.execute_script("return arguments[0].naturalWidth", image) > 300

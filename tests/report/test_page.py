@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import io
 import json
 import re
 import zlib
@@ -13,14 +14,24 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from PIL import Image
 
 from hyperfab.errors import InputError
 from hyperfab.io.vtu import unstructured
 from hyperfab.io.vtu_read import read_vtu
-from hyperfab.report.page.parts import Section, Source, number, rounded
+from hyperfab.report.figures_loop import loop_drawing
+from hyperfab.report.labels import AFTER, BEFORE, DATA
+from hyperfab.report.page.front import front
+from hyperfab.report.page.parts import Chart, Section, Source, number, rounded
 from hyperfab.report.page.render import page
 from hyperfab.report.page.scenes import STEPS, Field, scene
 from hyperfab.report.page.sections import build
+from hyperfab.report.page.sections import contact as contact_section
+from hyperfab.report.page.sections import drape as drape_section
+from hyperfab.report.page.sections import press as press_section
+from hyperfab.report.page.still import still
 from hyperfab.report.page.story import in_order, parents
 from hyperfab.report.page.surface import Surface, outside, thinned
 
@@ -194,7 +205,174 @@ def test_packed_values_come_back_within_the_rounding_that_is_stated() -> None:
     found = packed["low"] + whole * packed["step"]
     assert np.abs(found - values).max() <= 0.5001 * np.ptp(values) / STEPS
     assert (view.fields[0]["low"], view.fields[0]["high"]) == (values.min(), values.max())
-    assert "1/65535 of their range" in view.caption
+
+
+def charts(section: Section) -> list[Chart]:
+    return [part for part in section.parts if isinstance(part, Chart)]
+
+
+@given(
+    temperatures=st.lists(st.sampled_from([23.0, 60.0, 105.0, 190.0]), min_size=1, max_size=3, unique=True),
+    replicates=st.integers(1, 3),
+    directions=st.sampled_from([[""], ["warp", "weft"]]),
+)
+def test_each_fitted_line_is_one_test_at_one_temperature(
+    temperatures: list[float], replicates: int, directions: list[str]
+) -> None:
+    """Replicates, cycles and temperatures in one table must not make a line that runs to and fro between them."""
+    rows = [
+        "test,direction,temperature_degC,specimen,stretch,stretch_2,stress_MPa,stress_model_MPa,predicted"
+    ]
+    laws: dict[tuple[str, float], dict[float, float]] = {}
+    for way in directions:
+        for heat in temperatures:
+            law = laws.setdefault((way, heat), {})
+            for specimen in range(replicates):
+                for step in [*range(8), *reversed(range(8))]:
+                    stretch = 1.0 + 0.1 * step
+                    law[stretch] = (stretch - 1.0) * (2.0 if way == "weft" else 1.0) / heat
+                    measured = law[stretch] * (1.0 + 0.1 * specimen)
+                    rows.append(
+                        f"uniaxial,{way},{heat},{specimen},{stretch!r},,{measured!r},{law[stretch]!r},0"
+                    )
+    table = "\n".join(rows).encode()
+    one = source("material", material(files=["a.csv"]), read=lambda name: table)
+    [drawing] = charts(build(one))
+    lines = [trace for trace in drawing.data if trace["mode"] == "lines"]
+    assert len(lines) == len(laws) == len({trace["name"] for trace in lines})
+    assert len({trace["line"]["color"] for trace in lines}) == len(lines)
+    found = sorted((tuple(trace["x"]), tuple(trace["y"])) for trace in lines)
+    assert found == sorted((tuple(sorted(law)), tuple(law[x] for x in sorted(law))) for law in laws.values())
+    points = [trace for trace in drawing.data if trace["mode"] == "markers"]
+    assert sum(len(trace["x"]) for trace in points) == len(rows) - 1
+
+
+def test_predictions_of_two_axes_at_once_are_no_line() -> None:
+    rows = "".join(f"biaxial-general,,,1,{x},{y},{x * y},{x * y},0\n" for x in (1.1, 1.2) for y in (1.0, 1.3))
+    head = (
+        "test,direction,temperature_degC,specimen,stretch,stretch_2,stress_MPa,stress_model_MPa,predicted\n"
+    )
+    one = source("material", material(files=["a.csv"]), read=lambda name: (head + rows).encode())
+    [drawing] = charts(build(one))
+    assert all(trace["mode"] == "markers" for trace in drawing.data)
+
+
+@pytest.mark.parametrize("values", [np.ones(4), np.zeros(4), np.array([0.0, 1.0, 1.0, 0.0])])
+@pytest.mark.parametrize("module", [contact_section, drape_section, press_section])
+def test_contact_has_two_colours_from_none_to_all(module: Any, values: np.ndarray) -> None:
+    points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
+    grid = read_vtu(unstructured(points, {"quad": [[0, 1, 2, 3]]}, {"contact": values}), "a.vtu")
+    field = next(field for field in module._FIELDS if field.array == "contact")
+    view = scene("View.", "View.", grid, [field])
+    assert view is not None
+    [shown] = view.fields
+    assert (shown["low"], shown["high"]) == (0.0, 1.0)
+    assert len({colour for _, colour in shown["colours"]}) == 2
+    assert len(shown["words"]) == 2
+    with Image.open(io.BytesIO(still(view))) as picture:
+        solid = np.asarray(picture.convert("RGBA")).reshape(-1, 4)
+    blue = solid[solid[:, 3] == 255][:, 2].astype(int) - solid[solid[:, 3] == 255][:, 0]
+    # The mark's blue against the grey of what is free, as a share of the picture.
+    assert np.mean(blue > 50) == pytest.approx(values.mean(), abs=0.06)
+
+
+def test_before_and_after_have_the_same_colours_on_the_page_and_in_pictures() -> None:
+    table = (
+        "test,stretch,stress_MPa,before_MPa,after_MPa,noise_sd_MPa\na,1.1,1,2,1.1,0.1\na,1.2,2,3,2.1,0.1\n"
+    )
+    data = loop(files=["a.csv"])
+    first, second = charts(build(source("loop", data, read=lambda name: table.encode())))
+    colours = {trace["name"]: (trace.get("line") or trace["marker"])["color"] for trace in first.data}
+    assert colours == {"measured": DATA, "model before": BEFORE, "model after": AFTER}
+    assert [trace["marker"]["color"] for trace in second.data] == [BEFORE, AFTER]
+    picture = loop_drawing(**drawn(np.linspace(1.0, 2.0, 9), {"stretch": np.linspace(1.0, 2.0, 9)}))
+    drawn_in = {line.get_label(): line.get_color() for line in picture.axes[0].lines}
+    assert drawn_in == {"measured": DATA, "model before": BEFORE, "model after": AFTER}
+    assert first.layout["xaxis"]["title"]["text"] == "stretch"
+    assert first.layout["yaxis"]["title"]["text"] == "stress, MPa"
+
+
+def loop(**more: Any) -> dict[str, Any]:
+    figures = {"rms": 0.1, "relative_rms": 0.2, "chi2_reduced": 1.0}
+    errors = {"unit": "MPa", **dict.fromkeys(("before", "after", "noise"), figures)}
+    return {"verdict": "effect", "error": errors, "candidates": [], **more}
+
+
+def drawn(abscissa: np.ndarray, states: dict[str, np.ndarray]) -> dict[str, Any]:
+    """What the picture of a loop takes."""
+    count = len(abscissa)
+    rng = np.random.default_rng(1)
+    return {
+        "abscissa": abscissa, "label": "x", "unit": "mm", "curves": [slice(0, count)],
+        "measured": rng.normal(size=count), "before": rng.normal(size=count), "after": rng.normal(size=count),
+        "sd": np.ones(count), "states": states, "scores": {"friction": 0.0}, "scores_label": "BIC lowered by",
+        "verdict": "noise", "added": [],
+    }  # fmt: skip
+
+
+def test_readings_scattered_on_a_sheet_are_a_map_and_no_polyline() -> None:
+    rng = np.random.default_rng(2)
+    x, y = rng.uniform(-90, 90, (2, 40))
+    states = {"x0_mm": np.tile(x, 3), "y0_mm": np.tile(y, 3), "axis": np.repeat([0.0, 1.0, 2.0], 40)}
+    given = drawn(rng.normal(size=120), states)
+    figure = loop_drawing(**given)
+    joined = [line for axes in figure.axes for line in axes.lines if line.get_linestyle() not in ("None", "")]
+    assert joined == []
+    maps = [axes for axes in figure.axes if axes.get_title().startswith(("before", "after"))]
+    assert len(maps) == 2
+    for axes, model in zip(maps, (given["before"], given["after"]), strict=True):
+        spots = axes.collections[0]
+        assert np.allclose(spots.get_offsets(), np.stack([x, y], axis=1))
+        rest = (given["measured"] - model).reshape(3, 40)
+        assert np.allclose(spots.get_array(), np.linalg.norm(rest, axis=0))
+    rows = "".join(
+        f"{x[k % 40]},{given['measured'][k]},{given['before'][k]},{given['after'][k]},1,{x[k % 40]},{y[k % 40]},"
+        f"{k // 40},m.csv\n"
+        for k in range(120)
+    )
+    head = "from_the_middle_mm,measured_mm,before_mm,after_mm,noise_sd_mm,x0_mm,y0_mm,axis,file\n"
+    [drawing] = charts(build(source("loop", loop(files=["a.csv"]), read=lambda name: (head + rows).encode())))
+    assert [trace["mode"] for trace in drawing.data] == ["markers", "markers"]
+    assert all(len(trace["x"]) == 40 for trace in drawing.data)
+
+
+def test_residuals_stand_under_the_values_that_were_measured() -> None:
+    states = {
+        "temperature_degC": np.repeat([23.0, 80.0, 105.0], 4),
+        "direction_deg": np.tile([0.0, 90.0], 6),
+        "branch": np.tile([0.0, 0.0, 1.0], 4),
+        "probe": np.repeat([0.0, 1.0], 6),
+        "log rate": np.full(12, -2.4) + 1e-12 * np.arange(12),
+    }
+    figure = loop_drawing(**drawn(np.arange(12.0), states), value_words={"probe": ["top", "cup, left"]})
+    told = {
+        axes.get_xlabel(): [label.get_text() for label in axes.get_xticklabels()]
+        for axes in figure.axes
+        if axes.get_xlabel()
+    }
+    assert told["temperature, °C"] == ["23", "80", "105"]
+    assert told["direction, ° from warp"] == ["0", "90"]
+    assert told["branch"] == ["unloading", "loading"]
+    assert told["probe"] == ["top", "cup, left"]
+    assert not any("rate" in label for label in told)  # all alike: nothing rides on it
+
+
+def test_warnings_are_told_once_a_kind_under_a_heading() -> None:
+    said = [f"lab/strip {n}.csv: the specimen is 2 times as long as wide" for n in range(18)]
+    one = source("material", material(warnings=[*said, "the noise is large"]))
+    text = page("a", [(one, build(one))], None).decode()
+    assert "19 warnings of 2 kinds" in text
+    assert text.count("2 times as long as wide") == 1
+    assert "(and 17 more like it)" in text
+
+
+def test_the_first_screen_is_a_sentence_and_at_most_five_figures() -> None:
+    kinds = [source("material", material(f"law-{n}"), f"{n}.json") for n in range(4)]
+    told = [(one, build(one)) for one in kinds]
+    found = front(told)
+    assert found.sentence == "Law-3 carries the tests to 12\N{NO-BREAK SPACE}%."
+    assert [figure.text for _, figure in found.figures] == ["12 %"]
+    assert {number for number, _ in found.figures} == {3}  # the last of a kind speaks for it
 
 
 def test_the_same_documents_give_the_same_bytes() -> None:

@@ -31,6 +31,8 @@ from hyperfab.loop.problem import Array, Problem
 #: Files the extended model may have beside it.
 MODEL_SUFFIXES = (".model.json", ".model.vtu", ".model.csv", ".model.png")
 _REFITS = 40.0
+#: States that say where a reading was taken; they stand beside it in the table.
+_PLACES = ("x0_mm", "y0_mm", "x_mm", "y_mm", "z_mm", "axis")
 
 
 @dataclass(frozen=True)
@@ -226,13 +228,16 @@ def _files(out: Output, problem: Problem, found: Finding, axis: Axis) -> None:
     rows = []
     place = np.full(len(problem.measured), np.nan)
     place[np.flatnonzero(first)] = axis.values
+    where = [name for name in _PLACES if name in problem.states and name not in head]
+    at = np.full((len(problem.measured), len(where)), np.nan)
+    at[first] = np.array([problem.states[name] for name in where]).T.reshape(-1, len(where))
     for curve in quantities:
         own = units.index(problem.units[curve.channel])
         gaps = [None] * 4 * own, [None] * 4 * (len(units) - own - 1)
         for i in range(curve.start, curve.stop):
             values = (problem.measured[i], before[i], after[i], found.noise.sd[i])
-            rows.append([place[i], *gaps[0], *values, *gaps[1], curve.name])
-    out.add(".csv", csv_bytes([*head, "file"], rows, digits=8))
+            rows.append([place[i], *gaps[0], *values, *gaps[1], *at[i], curve.name])
+    out.add(".csv", csv_bytes([*head, *where, "file"], rows, digits=8))
     out.add(
         ".png",
         loop_figure(
@@ -240,7 +245,6 @@ def _files(out: Output, problem: Problem, found: Finding, axis: Axis) -> None:
             label=axis.label,
             unit=unit,
             curves=[curve.rows for curve in curves],
-            names=[curve.name for curve in curves],
             measured=problem.measured[first],
             before=before[first],
             after=after[first],

@@ -24,6 +24,7 @@ from hyperfab.loop.catalogue.fabric.scene import Scene
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
 from hyperfab.loop.problem import Array
+from hyperfab.materials.effects.path import MODE_NAMES
 from hyperfab.materials.registry import law_of, stiffness_at_rest
 
 #: Work of a usual run, in refits, for the progress line.
@@ -182,7 +183,6 @@ def _files(out: Output, problem: FabricProblem, found: Finding, unit: str) -> No
 
     out.add(".csv", curves_csv(problem, found, unit))
     first = problem.channel == 0
-    names = [curve.name for curve in problem.curves if curve.channel == 0]
     curves = [curve.rows for curve in problem.curves if curve.channel == 0]
     out.add(
         ".png",
@@ -191,7 +191,6 @@ def _files(out: Output, problem: FabricProblem, found: Finding, unit: str) -> No
             label="stretch",
             unit=unit,
             curves=curves,
-            names=names,
             measured=problem.measured[first],
             before=found.before.fit.predicted[first],
             after=found.after.fit.predicted[first],
@@ -201,5 +200,6 @@ def _files(out: Output, problem: FabricProblem, found: Finding, unit: str) -> No
             scores_label="BIC lowered by" if found.tried else "score",
             verdict=found.verdict,
             added=found.after.ids,
+            value_words={"mode": MODE_NAMES},
         ),
     )

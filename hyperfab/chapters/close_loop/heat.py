@@ -317,7 +317,6 @@ def _files(out: Output, problem: HeatProblem, found: Finding, read: Thermocouple
             label="time [s]",
             unit="degC",
             curves=[curve.rows for curve in problem.curves],
-            names=[curve.name for curve in problem.curves],
             measured=problem.measured,
             before=before,
             after=after,
@@ -327,5 +326,6 @@ def _files(out: Output, problem: HeatProblem, found: Finding, read: Thermocouple
             scores_label="BIC lowered by" if found.tried else "score",
             verdict=found.verdict,
             added=found.after.ids,
+            value_words={"probe": read.names},
         ),
     )

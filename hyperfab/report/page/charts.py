@@ -6,12 +6,10 @@ import html
 from collections.abc import Sequence
 from typing import Any
 
+from hyperfab.report.labels import COLOURS
 from hyperfab.report.page.parts import Chart
 
 Values = Sequence[float | None]
-
-#: Colours that are told apart on white and on black, also by most who see few colours (Okabe and Ito).
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6d31")
 
 
 def label(text: object) -> str:
@@ -20,14 +18,65 @@ def label(text: object) -> str:
 
 
 def line(
-    name: str, x: Values, y: Values, colour: int = 0, *, dash: str = "solid", points: bool = False
+    name: str,
+    x: Values,
+    y: Values,
+    colour: int | str = 0,
+    *,
+    dash: str = "solid",
+    points: bool = False,
+    symbol: str = "circle-open",
+    legend: bool = True,
 ) -> dict[str, Any]:
-    """Return a curve, or points where ``points``."""
-    shade = COLOURS[colour % len(COLOURS)]
+    """Return a curve, or points where ``points``: light, so that a line is seen over them."""
+    shade = COLOURS[colour % len(COLOURS)] if isinstance(colour, int) else colour
     trace: dict[str, Any] = {"type": "scatter", "name": label(name), "x": list(x), "y": list(y)}
+    if not legend:
+        trace["showlegend"] = False
     if points:
-        return {**trace, "mode": "markers", "marker": {"color": shade, "size": 7, "symbol": "circle-open"}}
-    return {**trace, "mode": "lines", "line": {"color": shade, "dash": dash, "width": 2}}
+        marker = {"color": shade, "size": 6, "symbol": symbol, "opacity": 0.55}
+        return {**trace, "mode": "markers", "marker": marker}
+    return {**trace, "mode": "lines", "line": {"color": shade, "dash": dash, "width": 2.5}}
+
+
+def dots(
+    name: str,
+    x: Values,
+    y: Values,
+    shades: Values,
+    *,
+    low: float,
+    high: float,
+    unit: str,
+    bar: bool,
+    axes: str = "",
+) -> dict[str, Any]:
+    """Return points coloured by a value on a scale from low to high, on both sides of nothing where low is less;
+
+    ``bar`` shows the scale, ``axes`` is the number of the panel.
+    """
+    marker: dict[str, Any] = {
+        "color": list(shades),
+        "cmin": low,
+        "cmax": high,
+        "colorscale": "RdBu" if low < 0.0 else "Viridis",
+        "reversescale": low < 0.0,
+        "size": 8,
+        "line": {"width": 0.5, "color": "#6b7683"},
+        "showscale": bar,
+    }
+    if bar:
+        marker["colorbar"] = {"title": {"text": label(unit), "side": "right"}, "thickness": 12}
+    return {
+        "type": "scatter",
+        "mode": "markers",
+        "name": label(name),
+        "x": list(x),
+        "y": list(y),
+        "marker": marker,
+        "xaxis": f"x{axes}",
+        "yaxis": f"y{axes}",
+    }
 
 
 def bars(name: str, x: Sequence[Any], y: Values, colour: int = 0) -> dict[str, Any]:
@@ -40,7 +89,7 @@ def bars(name: str, x: Sequence[Any], y: Values, colour: int = 0) -> dict[str, A
 def chart(caption: str, alt: str, x: str, y: str, data: list[dict[str, Any]], **layout: Any) -> Chart:
     """Return a chart with titled axes."""
     axes: dict[str, Any] = {
-        "xaxis": {"title": {"text": label(x)}, "automargin": True, **layout.pop("xaxis", {})},
+        "xaxis": {"title": {"text": label(x), "standoff": 8}, "automargin": True, **layout.pop("xaxis", {})},
         "yaxis": {"title": {"text": label(y)}, "automargin": True, **layout.pop("yaxis", {})},
         "showlegend": len(data) > 1,
     }

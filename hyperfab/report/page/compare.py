@@ -28,7 +28,7 @@ _ROWS: tuple[tuple[str, str, Callable[[Any], Any]], ...] = (
     ("heat supplied", "MJ", lambda data: data["energy"]["supplied_J"] / 1e6),
     ("heat lost", "MJ", lambda data: data["energy"]["lost_J"] / 1e6),
     ("heat stored", "MJ", lambda data: data["energy"]["stored_J"] / 1e6),
-    ("efficiency", "", lambda data: data["efficiency"]),
+    ("efficiency", "%", lambda data: 100.0 * data["efficiency"]),
     ("mass", "kg", lambda data: data["mass_kg"]),
 )
 

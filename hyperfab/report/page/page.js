@@ -26,14 +26,16 @@
     const { ink, lines } = colours();
     const axis = (given) => ({ gridcolor: lines, zerolinecolor: lines, linecolor: lines, ...given });
     return {
-      margin: { l: 60, r: 20, t: 20, b: 50 },
-      legend: { orientation: "h", y: -0.25 },
+      margin: { l: 64, r: 24, t: 24, b: 70 },
+      // Above the curves, where it can lie on no title.
+      legend: { orientation: "h", y: 1.02, yanchor: "bottom", x: 0 },
       ...layout,
       paper_bgcolor: "rgba(0,0,0,0)",
       plot_bgcolor: "rgba(0,0,0,0)",
-      font: { color: ink },
+      font: { color: ink, size: 13 },
       xaxis: axis(layout.xaxis),
       yaxis: axis(layout.yaxis),
+      ...(layout.xaxis2 ? { xaxis2: axis(layout.xaxis2), yaxis2: axis(layout.yaxis2) } : {}),
     };
   };
 
@@ -49,7 +51,7 @@
         aspectmode: "data",
         xaxis: axis("x, mm"),
         yaxis: axis("y, mm"),
-        zaxis: axis("z, mm"),
+        zaxis: { ...axis("z, mm"), nticks: 4 },
         camera: { eye: { x: eye[0], y: eye[1], z: eye[2] } },
       },
     };
@@ -68,12 +70,31 @@
     cmax: field.high,
     colorscale: field.colours,
     reversescale: false,
-    colorbar: bar(field.unit ? `${field.title}, ${field.unit}` : field.title),
+    colorbar: {
+      ...bar(field.unit ? `${field.title}, ${field.unit}` : field.title),
+      ...(field.words ? { tickvals: [field.low + 0.25 * (field.high - field.low), field.low + 0.75 * (field.high - field.low)], ticktext: field.words } : { tickvals: null, ticktext: null }),
+    },
     hovertemplate: `${field.title}: %{intensity:.4g} ${field.unit}<extra></extra>`,
   });
 
+  // So that paper can make the drawing as wide as itself.
+  const scalable = (box) => {
+    for (const svg of box.querySelectorAll(".main-svg")) {
+      const [width, height] = [svg.getAttribute("width"), svg.getAttribute("height")];
+      if (!width || !height) continue;
+      svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
+      box.style.setProperty("--aspect", String(width / height));
+    }
+  };
+
   const drawers = {
-    plot: (box, given) => Plotly.newPlot(box, given.data, themed(given.layout), config),
+    plot: async (box, given) => {
+      const drawing = Plotly.newPlot(box, given.data, themed(given.layout), config);
+      scalable(box);
+      await drawing;
+      box.on("plotly_afterplot", () => scalable(box));
+      scalable(box);
+    },
     scene: async (box, given) => {
       const mesh = { type: "mesh3d", flatshading: false, lighting: { ambient: 0.75, diffuse: 0.5, specular: 0.05 } };
       for (const name of ["x", "y", "z", "i", "j", "k"]) mesh[name] = await unpack(given.mesh[name]);
@@ -145,7 +166,7 @@
           if (filter.value === "") return true;
           const cell = row.cells[Number(filter.dataset.column)].dataset.value;
           if (filter.tagName === "SELECT") return cell === filter.value;
-          return cell !== "" && Number(cell) <= Number(filter.value);
+          return cell !== "" && (filter.dataset.bound === "least" ? Number(cell) >= Number(filter.value) : Number(cell) <= Number(filter.value));
         });
         row.hidden = !fits;
         shown += fits ? 1 : 0;

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from hyperfab.errors import HyperfabError, InputError
+from hyperfab.report.labels import parted
 
 #: Significant digits of a number shown to a person; the full value is a hover away.
 DIGITS = 4
@@ -57,6 +58,8 @@ class Table:
     caption: str
     columns: Sequence[str]
     rows: Sequence[Sequence[Cell]]
+    #: Shown only when asked for: how a figure was computed, not what it is.
+    folded: bool = False
 
 
 @dataclass(frozen=True)
@@ -79,7 +82,7 @@ class Scene:
     fields: list[dict[str, Any]]
     extra: list[dict[str, Any]] = field(default_factory=list)
     #: Where the eye stands at first, and whether lines that are parallel stay so.
-    eye: tuple[float, float, float] = (1.5, -1.8, 1.3)
+    eye: tuple[float, float, float] = (1.62, -1.95, 1.4)
 
 
 @dataclass(frozen=True)
@@ -93,6 +96,14 @@ class Picture:
 
 
 @dataclass(frozen=True)
+class Figure:
+    """A figure for the first screen: a number with its unit, and what it is."""
+
+    text: str
+    label: str
+
+
+@dataclass(frozen=True)
 class Cases:
     """The table of a study, to be filtered in the page."""
 
@@ -102,6 +113,8 @@ class Cases:
     axes: list[str]
     figures: list[str]
     front: list[str]
+    #: Figures of which more is better; of the others it is less.
+    greatest: list[str] = field(default_factory=list)
 
 
 Part = Table | Chart | Scene | Picture | Cases
@@ -109,13 +122,19 @@ Part = Table | Chart | Scene | Picture | Cases
 
 @dataclass
 class Section:
-    """One section: what it says first, and what it shows for it. ``passed`` None: nothing to pass."""
+    """One section: what it says first, and what it shows for it. ``passed`` None: nothing to pass.
+
+    ``claim`` is the section in one clause and ``figures`` are its own in the order of weight, for the first screen.
+    """
 
     title: str
     passed: bool | None
     verdict: str
     parts: list[Part] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+    claim: str = ""
+    figures: list[Figure] = field(default_factory=list)
 
 
 def number(value: float | int | bool | None, unit: str = "", digits: int = DIGITS) -> Cell:
@@ -151,14 +170,54 @@ def rounded(value: float | int, digits: int = DIGITS) -> str:
     return f"{value:.{digits}g}"
 
 
+def percent(share: float | None, digits: int = 3) -> Cell:
+    """Return a share of one as per cent.
+
+    >>> percent(0.16184).text, percent(1.0).text, percent(None).text
+    ('16.2 %', '100 %', 'not computed')
+    """
+    return number(None if share is None else 100.0 * share, "%", digits)
+
+
+def coordinates(places: Sequence[float] | None, digits: int = 1) -> str:
+    """Return a place in mm: what is less than a tenth of one is nothing.
+
+    >>> coordinates([3.0525, 2.77e-14, -0.01])
+    '3.1, 0.0, 0.0'
+    """
+    return ", ".join(f"{round(place, digits) + 0.0:.{digits}f}" for place in places or ())
+
+
 def word(text: object) -> Cell:
     """Return text as a cell."""
     return Cell(str(text))
 
 
-def facts(caption: str, rows: Sequence[tuple[str, Cell | None]]) -> Table:
+def facts(caption: str, rows: Sequence[tuple[str, Cell | None]], folded: bool = False) -> Table:
     """Return a table of two columns; rows without a cell are left out."""
-    return Table(caption, ["", "value"], [[word(name), cell] for name, cell in rows if cell is not None])
+    return Table(caption, ["", ""], [[word(name), cell] for name, cell in rows if cell is not None], folded)
+
+
+def setup(data: Plain) -> Table | None:
+    """Return what was asked for, folded: the document's ``setup``, each figure with its unit."""
+    rows: list[tuple[str, Cell | None]] = []
+
+    def tell(given: Plain, before: str) -> None:
+        for key, value in given.items():
+            name, unit = parted(key)
+            name = f"{before} {name}".strip()
+            if isinstance(value, Mapping):
+                tell(value, name)
+            elif isinstance(value, (int, float)) or value is None:
+                rows.append((name, None if value is None else number(value, unit)))
+            elif isinstance(value, (list, tuple)):
+                texts = [number(v).text if isinstance(v, (int, float)) else str(v) for v in value]
+                rows.append((name, word(f"{', '.join(texts)} {unit}".strip()) if texts else None))
+            else:
+                rows.append((name, word(value) if value != "" else None))
+
+    tell(data.get("setup") or {}, "")
+    return facts("What was asked for", rows, folded=True) if rows else None
 
 
 def columns(data: bytes | None, name: str) -> dict[str, list[str]]:

@@ -14,6 +14,8 @@ from jinja2 import DictLoader, Environment, StrictUndefined
 from plotly.offline import get_plotlyjs
 
 from hyperfab import __version__
+from hyperfab.report.labels import title as words_of
+from hyperfab.report.page.front import Front, front
 from hyperfab.report.page.parts import (
     Cases,
     Cell,
@@ -51,7 +53,11 @@ def page(title: str, told: Sequence[tuple[Source, Section]], comparison: Table |
                 "mark": {True: "pass", False: "fail", None: ""}[section.passed],
                 "badge": {True: "Pass", False: "Does not pass", None: ""}[section.passed],
                 "made_from": made_from,
-                "parts": [_part(part, f"{own}-{index}") for index, part in enumerate(section.parts)],
+                "parts": _grouped(
+                    [_part(part, f"{own}-{index}") for index, part in enumerate(section.parts)]
+                ),
+                "warnings": grouped_warnings(section.warnings),
+                "count": len(section.warnings),
             }
         )
     here = files(__package__)
@@ -70,6 +76,7 @@ def page(title: str, told: Sequence[tuple[Source, Section]], comparison: Table |
     )
     text = environment.get_template("page.html.j2").render(
         title=title,
+        front=_front(front(told), items),
         summary=_summary([section for _, section in told]),
         style_ids=_own_styles(plotly),
         policy=policy(css, script, plotly),
@@ -145,17 +152,18 @@ def _cases(cases: Cases) -> dict[str, Any]:
         values = list(dict.fromkeys(row[column] for row in cases.rows))
         if name in cases.axes and len(values) <= MAX_LEVELS:
             levels = [{"value": _value(value), "text": _cell(value).text} for value in values]
-            filters.append({"name": name, "column": column, "levels": levels})
+            filters.append({"name": words_of(name), "column": column, "levels": levels})
         elif name in cases.axes or name in cases.figures:
-            limits.append({"name": name, "column": column})
+            limits.append({"name": words_of(name), "column": column})
     rows = [
         {
-            "front": row[0] in chosen,
+            "front": any(cell in chosen for cell in row if isinstance(cell, str)),
             "cells": [{"value": _value(value), **vars(_cell(value))} for value in row],
         }
         for row in cases.rows
     ]
-    return {"filters": filters, "limits": limits, "rows": rows}
+    heads = [words_of(name) for name in cases.columns]
+    return {"filters": filters, "limits": limits, "rows": rows, "heads": heads}
 
 
 def _cell(value: Any) -> Cell:
@@ -168,9 +176,63 @@ def _value(value: Any) -> str:
     return "" if value is None else repr(value) if isinstance(value, (int, float)) else str(value)
 
 
+def _front(given: Front, items: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    pictures = [
+        {
+            **vars(picture),
+            "id": items[picture.section]["id"],
+            "heading": items[picture.section]["heading"],
+            "base64": "" if picture.image is None else base64.b64encode(picture.image).decode("ascii"),
+        }
+        for picture in given.pictures
+    ]
+    figures = [
+        {
+            "text": figure.text,
+            "label": figure.label,
+            "id": items[number_]["id"],
+            "name": items[number_]["name"],
+            "mark": items[number_]["mark"],
+        }
+        for number_, figure in given.figures
+    ]
+    return {"sentence": given.sentence, "figures": figures, "pictures": pictures}
+
+
+Shown = dict[str, Any]
+
+
+def _grouped(parts: Sequence[Shown]) -> list[tuple[Shown | None, list[Shown]]]:
+    """Put tables that follow each other side by side, and those that follow a view beside it."""
+    groups: list[tuple[Shown | None, list[Shown]]] = []
+    for part in parts:
+        is_table = part["kind"] == "table" and not part["given"].folded
+        view, tables = groups[-1] if groups else (None, [])
+        if is_table and tables and tables[-1]["kind"] == "table" and not tables[-1]["given"].folded:
+            tables.append(part)
+        elif is_table and view is None and tables and tables[-1]["kind"] == "scene":
+            groups[-1] = (tables[-1], [part])
+        else:
+            groups.append((None, [part]))
+    return groups
+
+
+def grouped_warnings(warnings: Sequence[str]) -> list[tuple[str, int]]:
+    """Return each kind of warning once, as first said, and how often it was said: files and numbers aside.
+
+    >>> grouped_warnings(["a.csv, line 7: 0.1 is too far", "b.csv, line 12: 0.2 is too far", "stop"])
+    [('a.csv, line 7: 0.1 is too far', 2), ('stop', 1)]
+    """
+    kinds: dict[str, list[str]] = {}
+    for text in warnings:
+        rest = re.sub(r"^[^:]*?\.\w{2,5}(, [^:]*)?: ", "", text)
+        kinds.setdefault(re.sub(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?", "0", rest), []).append(text)
+    return [(texts[0], len(texts)) for texts in kinds.values()]
+
+
 def _summary(sections: Sequence[Section]) -> str:
     failed = sum(section.passed is False for section in sections)
-    count = f"{len(sections)} section{'s' if len(sections) != 1 else ''}"
+    count = f"{len(sections)} result{'s' if len(sections) != 1 else ''}"
     if failed:
         return f"{count}; {failed} of them {'does' if failed == 1 else 'do'} not pass."
     return f"{count}; nothing fails."

@@ -21,9 +21,12 @@ STEPS = 65535
 
 #: Colours from the least to the greatest value; each set is told apart in grey too.
 COLOURS: dict[str, list[tuple[float, str]]] = {
+    "Viridis": [(0.0, "#440154"), (0.13, "#482878"), (0.25, "#3e4989"), (0.38, "#31688e"), (0.5, "#26828e"),
+                (0.63, "#35b779"), (0.75, "#6ece58"), (0.88, "#b5de2b"), (1.0, "#fde725")],
+    "Cividis": [(0.0, "#00224e"), (0.25, "#434e6c"), (0.5, "#7d7c78"), (0.75, "#bcae6c"), (1.0, "#fee838")],
     "marks": [(0.0, "#dfe3e8"), (1.0, "#0b3d91")],
     "heat": [(0.0, "#1b0c41"), (0.25, "#781c6d"), (0.5, "#cf4446"), (0.75, "#fb9a06"), (1.0, "#fcffa4")],
-}
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -34,6 +37,9 @@ class Field:
     title: str
     unit: str = ""
     colours: str = "Viridis"
+    #: Ends of the scale where they do not depend on the values, and what they stand for.
+    ends: tuple[float, float] | None = None
+    words: tuple[str, str] | None = None
 
 
 def _load(source: Source) -> Grid | None:
@@ -66,7 +72,7 @@ def scene(caption: str, alt: str, grid: Grid, fields: Sequence[Field]) -> Scene 
         **{axis: _packed(surface.points[:, index]) for index, axis in enumerate("xyz")},
         **{corner: _whole_numbers(surface.triangles[:, index]) for index, corner in enumerate("ijk")},
     }
-    return Scene(f"{caption} {_loss(surface)}", alt, mesh, packed)
+    return Scene(f"{caption}{_loss(surface)}", alt, mesh, packed)
 
 
 def _has(grid: Grid, field: Field) -> bool:
@@ -84,6 +90,8 @@ def _field(grid: Grid, surface: Surface, field: Field) -> dict[str, Any]:
     values = np.asarray(values, dtype=np.float64)
     finite = np.isfinite(values)
     low, high = (float(values[finite].min()), float(values[finite].max())) if finite.any() else (0.0, 1.0)
+    if field.ends is not None:
+        low, high = field.ends
     return {
         "name": field.array,
         "title": field.title,
@@ -92,19 +100,23 @@ def _field(grid: Grid, surface: Surface, field: Field) -> dict[str, Any]:
         "values": _packed(np.where(finite, values, low)),
         "low": low,
         "high": high if high > low else low + 1.0,
-        "colours": COLOURS.get(field.colours, field.colours),
+        "colours": COLOURS[field.colours] if field.words is None else _two(COLOURS[field.colours]),
+        "words": field.words,
     }
 
 
+def _two(stops: Sequence[tuple[float, str]]) -> list[tuple[float, str]]:
+    """Return two colours without any between: what is, is or is not."""
+    low, high = stops[0][1], stops[-1][1]
+    return [(0.0, low), (0.5, low), (0.5, high), (1.0, high)]
+
+
 def _loss(surface: Surface) -> str:
-    step = float(np.ptp(surface.points, axis=0).max()) / STEPS
-    exact = f"Places are rounded to {rounded(step, 1)} mm, values to 1/{STEPS} of their range."
     if surface.moved_mm == 0.0:
-        return f"All {rounded(surface.whole)} triangles are shown. {exact}"
+        return ""
     return (
-        f"Thinned out for the page: {rounded(len(surface.triangles))} of {rounded(surface.whole)} triangles are "
-        f"shown, points moved by up to {rounded(surface.moved_mm, 2)} mm; values at the points kept are the field's. "
-        f"{exact}"
+        f" Thinned out for the page: {rounded(len(surface.triangles))} of {rounded(surface.whole)} triangles are "
+        f"shown, points moved by up to {rounded(surface.moved_mm, 2)} mm; values at the points kept are the field's."
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from hyperfab.report.page.charts import chart, line
-from hyperfab.report.page.parts import Section, Source, facts, number
+from hyperfab.report.page.parts import Figure, Section, Source, Table, facts, number, percent, setup
 from hyperfab.report.page.scenes import Field, views
 
 _FIELDS = (
@@ -13,7 +13,7 @@ _FIELDS = (
     Field("stress_difference_MPa", "difference of B from A", "MPa", "Cividis"),
     Field("stretch_1", "greatest stretch"),
     Field("thickness_mm", "thickness", "mm", "Cividis"),
-    Field("contact", "contact", "", "marks"),
+    Field("contact", "contact", "", "marks", ends=(0.0, 1.0), words=("free", "touches")),
 )
 
 
@@ -33,18 +33,19 @@ def section(source: Source) -> Section:
                 ("greatest stretch", number(data.get("stretch_max"))),
                 ("greatest stress (Cauchy)", number(data.get("stress_max_MPa"), "MPa")),
                 ("energy in the sheet", number(data.get("energy_J"), "J")),
-                ("wrinkled part of the area", number(data.get("wrinkled_area_fraction"))),
+                ("wrinkled part of the area", percent(data.get("wrinkled_area_fraction"))),
                 ("constants stable where used", number(stability.get("stable"))),
                 ("stress of B differs from A by", _number(data, "stress_difference_percent", "%")),
                 ("force of A over force of B", _number(data, "force_ratio", "")),
-                (
-                    "steps of Newton's method",
-                    number(data.get("newton_iterations_total", data["newton_iterations"])),
-                ),
-                ("unknowns", number(data["unknowns"])),
             ],
         )
     )
+    found.figures = [
+        Figure(number(data.get("force_N"), "N", 3).text, f"force on the {_punch(data)}"),
+        Figure(number(data.get("stretch_max"), "", 4).text, "greatest stretch of the sheet"),
+    ]
+    if data["converged"]:
+        found.claim = f"{number(data.get('force_N'), 'N', 3).text} push the {_punch(data)} into the sheet"
     traces = [line("A", *_curve(data["force_depth"]), 0)]
     if other and other.get("force_depth"):
         traces.append(line("B", *_curve(other["force_depth"]), 1, dash="dash"))
@@ -64,11 +65,16 @@ def section(source: Source) -> Section:
         f"The sheet as the {_punch(data)} has deformed it, coloured by a field.",
         _FIELDS,
     )
-    found.notes += [
-        f"The sheet: {_setup(data)}.",
-        *(f"Left out: {text}." for text in data.get("left_out", [])),
-    ]
+    found.parts += [part for part in (setup(data), _computed(data)) if part is not None]
+    found.notes += [f"Left out: {', '.join(data['left_out'])}."] if data.get("left_out") else []
+    found.warnings = [str(text) for text in data.get("warnings") or []]
     return found
+
+
+def _computed(data: Any) -> Table:
+    steps = data.get("newton_iterations_total", data["newton_iterations"])
+    rows = [("steps of Newton's method", number(steps)), ("unknowns", number(data["unknowns"]))]
+    return facts("How it was computed", rows, folded=True)
 
 
 def _verdict(data: Any) -> tuple[bool | None, str]:
@@ -89,11 +95,6 @@ def _punch(data: Any) -> str:
 
 def _number(data: Any, key: str, unit: str) -> Any:
     return number(data[key], unit) if key in data else None
-
-
-def _setup(data: Any) -> str:
-    setup = data.get("setup") or {}
-    return ", ".join(f"{key.removesuffix('_mm').replace('_', ' ')} {value}" for key, value in setup.items())
 
 
 def _curve(pairs: list[Any]) -> tuple[list[float], list[float]]:

@@ -5,15 +5,29 @@ from __future__ import annotations
 from typing import Any
 
 from hyperfab.report.page.charts import chart, line
-from hyperfab.report.page.parts import Section, Source, columns, facts, floats, number
+from hyperfab.report.page.parts import (
+    Cell,
+    Figure,
+    Section,
+    Source,
+    columns,
+    coordinates,
+    facts,
+    floats,
+    number,
+    setup,
+    word,
+)
 from hyperfab.report.page.scenes import Field, views
 
 _FIELDS = (
+    Field("stretch_warp", "stretch along warp"),
+    Field("stretch_weft", "stretch along weft"),
     Field("stress_warp_MPa", "stress along warp", "MPa"),
     Field("stress_weft_MPa", "stress along weft", "MPa"),
     Field("thickness_mm", "thickness", "mm", "Cividis"),
-    Field("slack", "slack", "", "marks"),
-    Field("contact", "contact with the mold", "", "marks"),
+    Field("slack", "slack", "", "marks", ends=(0.0, 1.0), words=("taut", "slack")),
+    Field("contact", "contact with the mold", "", "marks", ends=(0.0, 1.0), words=("free", "touches")),
     Field("shear_deg", "shear angle", "deg"),
 )
 
@@ -29,6 +43,9 @@ def section(source: Source) -> Section:
         facts(
             "Figures of the draped fabric",
             [
+                ("greatest stretch", number(_stretch(data))),
+                ("there, on the flat sheet", _place(data, "flat")),
+                ("there, draped", _place(data, "draped")),
                 ("force of the press", number(data["force_N"], "N")),
                 ("greatest stress along warp", number(data["stress_warp_max_MPa"], "MPa")),
                 ("greatest stress along weft", number(data["stress_weft_max_MPa"], "MPa")),
@@ -40,13 +57,18 @@ def section(source: Source) -> Section:
                     else []
                 ),
                 ("slack springs", number(data["slack_springs"])),
-                ("deepest penetration", number(data["penetration_max_mm"], "mm")),
+                ("deepest inside the mold", number(data["penetration_max_mm"], "mm", 2)),
                 ("energy of the springs", number(data["energy_J"], "J")),
-                ("unbalanced force, relative", number(data["residual_relative"])),
-                ("steps", number(data["iterations"])),
             ],
         )
     )
+    most = number(100.0 * (_stretch(data) - 1.0), "%", 2).text
+    found.figures = [
+        Figure(most, f"greatest stretch, along {_way(data)}"),
+        Figure(number(data["thickness_min_mm"], "mm", 2).text, "thinnest place of the fabric"),
+    ]
+    if data["converged"]:
+        found.claim = f"the draped fabric stretches by {most} at most"
     found.parts += _on_the_way(data)
     table = columns(source.sibling(".csv"), source.name)
     if {"iteration", "energy_J"} <= set(table):
@@ -67,8 +89,27 @@ def section(source: Source) -> Section:
                 traces,
             )
         )
-    found.notes += [f"Left out: {text}." for text in data.get("left_out", [])]
+    rows = [
+        ("unbalanced force, relative", number(data["residual_relative"], "", 2)),
+        ("steps", number(data["iterations"])),
+    ]
+    found.parts += [part for part in (setup(data), facts("How it was computed", rows, folded=True)) if part]
+    found.notes += [f"Left out: {', '.join(data['left_out'])}."] if data.get("left_out") else []
+    found.warnings = [str(text) for text in data.get("warnings") or []]
     return found
+
+
+def _stretch(data: Any) -> float:
+    return float(data.get("stretch_max") or max(data["warp"]["stretch_max"], data["weft"]["stretch_max"]))
+
+
+def _way(data: Any) -> str:
+    return "warp" if data["warp"]["stretch_max"] >= data["weft"]["stretch_max"] else "weft"
+
+
+def _place(data: Any, which: str) -> Cell | None:
+    at = (data.get("stretch_max_at_mm") or {}).get(which)
+    return None if at is None else word(f"{coordinates(at)} mm")
 
 
 def _on_the_way(data: Any) -> list[Any]:
@@ -110,7 +151,8 @@ def _verdict(data: Any) -> tuple[bool | None, str]:
     slack, edges = data["slack_springs"], data.get("contact_edges")
     on_edges = f" and {number(edges).text} springs run over its edges" if edges else ""
     return True, (
-        f"In equilibrium on the mold: {number(data['contact_nodes']).text} nodes touch{on_edges}, "
+        f"In equilibrium on the mold: stretched to {number(_stretch(data), '', 4).text} at most, along {_way(data)}; "
+        f"{number(data['contact_nodes']).text} nodes touch{on_edges}, "
         f"{'no spring is' if slack == 0 else f'{slack} springs are'} slack, "
         f"thinnest place {number(data['thickness_min_mm'], 'mm', 3).text}."
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from hyperfab.report.page.charts import bars, chart, line
-from hyperfab.report.page.parts import Section, Source, columns, facts, floats, number
+from hyperfab.report.page.parts import Figure, Section, Source, columns, facts, floats, number, percent, setup
 from hyperfab.report.page.scenes import Field, views
 
 #: Curves of more rows than this are thinned out for the page; every n-th row is kept.
@@ -21,6 +21,12 @@ def section(source: Source) -> Section:
     energy = data["energy"]
     varied = data.get("variations") or {}
     minutes = data["warmup_time_s"] / 60 if "warmup_time_s" in data else None
+    found.parts += views(
+        source,
+        "Temperature at the end of the run.",
+        "The mold coloured by its temperature.",
+        [Field("temperature_degC", "temperature", "°C", "heat")],
+    )
     found.parts.append(
         facts(
             "Figures of the mold",
@@ -33,25 +39,26 @@ def section(source: Source) -> Section:
                 ("heat supplied", _number(energy, "supplied_J", "MJ", 1e-6)),
                 ("heat lost", _number(energy, "lost_J", "MJ", 1e-6)),
                 ("heat stored", _number(energy, "stored_J", "MJ", 1e-6)),
-                ("efficiency", _number(data, "efficiency", "")),
+                (
+                    "efficiency: stored of supplied",
+                    percent(data["efficiency"]) if data.get("efficiency") is not None else None,
+                ),
                 ("mass", number(data["mass_kg"], "kg")),
-                ("error of the account of heat", number(energy["imbalance_relative"], "", 2)),
-                ("unknowns", number(data["unknowns"])),
                 ("variations on the reduced mold", number(len(varied["runs"])) if varied else None),
                 (
                     "reduced mold, greatest difference from the full run",
                     _number(varied, "difference_max_K", "K"),
                 ),
-                ("time steps", number(data["steps"])),
             ],
         )
     )
-    found.parts += views(
-        source,
-        "Temperature at the end of the run.",
-        "The mold coloured by its temperature.",
-        [Field("temperature_degC", "temperature", "°C", "heat")],
-    )
+    if minutes is not None:
+        found.figures.append(Figure(number(minutes, "min", 3).text, "warm-up of the mold"))
+        target = f" at {number(data['target_degC'], '°C').text}" if "target_degC" in data else " warm"
+        found.claim = f"the mold is{target} after {number(minutes, 'min', 3).text}"
+    spread = warm.get("spread_K", surface.get("spread_K"))
+    if spread is not None:
+        found.figures.append(Figure(f"±{number(spread / 2, 'K', 2).text}", "evenness of the work surface"))
     table = columns(source.sibling(".csv", but=".history.csv"), source.name)
     if "time_s" in table:
         step = -(-len(table["time_s"]) // MAX_ROWS)
@@ -82,7 +89,18 @@ def section(source: Source) -> Section:
                 [bars("heat", list(flows), [value / 1e6 for value in flows.values()])],
             )
         )
+    computed = facts(
+        "How it was computed",
+        [
+            ("unknowns", number(data["unknowns"])),
+            ("time steps", number(data["steps"])),
+            ("error of the account of heat", number(energy["imbalance_relative"], "", 2)),
+        ],
+        folded=True,
+    )
+    found.parts += [part for part in (setup(data), computed) if part is not None]
     found.notes += [str(text) for text in data.get("notes", [])]
+    found.warnings = [str(text) for text in data.get("warnings") or []]
     return found
 
 

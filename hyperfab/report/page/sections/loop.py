@@ -2,10 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
-from hyperfab.report.page.charts import chart, line
-from hyperfab.report.page.parts import Part, Section, Source, Table, columns, floats, number, word
+from hyperfab.report.labels import AFTER, BEFORE, DATA, parted, title
+from hyperfab.report.page.charts import chart, dots, line
+from hyperfab.report.page.parts import (
+    Figure,
+    Part,
+    Section,
+    Source,
+    Table,
+    columns,
+    floats,
+    number,
+    percent,
+    word,
+)
 
 _VERDICTS = {
     "noise": (True, "Nothing lacks: what the model misses is the noise of the data."),
@@ -15,14 +28,30 @@ _VERDICTS = {
 }
 
 
+_MOMENTS = {
+    "delivered": "the model as given",
+    "before": "its constants refitted",
+    "after": "with the effects",
+    "noise": "noise of the data",
+}
+
+
 def section(source: Source) -> Section:
     """Return the section of a loop document."""
     data = source.data
     passed, words = _VERDICTS[data["verdict"]]
     names = ", ".join(effect.get("title", effect["id"]) for effect in data.get("effects", []))
     found = Section("", passed, f"{words}{f' Added: {names}.' if names else ''}")
+    found.parts += _against_measurement(source, data)
     found.parts.append(_errors(data))
-    found.parts += _residuals(source, data)
+    before, after = (data["error"][moment]["relative_rms"] for moment in ("before", "after"))
+    found.figures = [
+        Figure(
+            f"{percent(before, 2).text} → {percent(after, 2).text}",
+            "the model misses measurement by, before and after",
+        )
+    ]
+    found.claim = f"the model meets measurement to {percent(after, 2).text}"
     if data.get("effects"):
         found.parts.append(_effects(data["effects"]))
     if data.get("candidates"):
@@ -30,53 +59,174 @@ def section(source: Source) -> Section:
     found.notes += [str(text) for text in data.get("summary", [])]
     if data.get("next_measurement"):
         found.notes.append(f"Next measurement: {data['next_measurement']['text']}")
-    found.notes += [str(text) for text in data.get("warnings", [])]
+    found.warnings = [str(text) for text in data.get("warnings", [])]
     return found
 
 
 def _errors(data: Any) -> Table:
     rows = []
-    for title, errors in (("data used", data["error"]), ("held-out tests", data.get("held_out"))):
+    for what, errors in (("data used", data["error"]), ("held-out tests", data.get("held_out"))):
         if not errors:
             continue
         unit = errors.get("unit", "")
-        for moment in ("before", "after", "noise"):
-            figures = errors[moment]
+        for moment, words in _MOMENTS.items():
+            figures = errors.get(moment)
+            if not figures:
+                continue
             rows.append(
                 [
-                    word(f"{title}, {moment}"),
+                    word(f"{what}, {words}"),
                     number(figures["rms"], unit),
-                    number(figures["relative_rms"]),
+                    percent(figures["relative_rms"]),
                     number(figures["chi2_reduced"]),
                 ]
             )
     return Table("Misfit of the model", ["", "rms", "relative rms", "chi², reduced"], rows)
 
 
-def _residuals(source: Source, data: Any) -> list[Part]:
+def _against_measurement(source: Source, data: Any) -> list[Part]:
+    """Draw measured against model, and what is left: as a map where readings lie scattered on a sheet or mold."""
     table = columns(source.sibling(".csv"), source.name)
-    # A mold has columns of each probe: the first stands for them.
-    before = next((name for name in table if "before_" in name), None)
-    after = next((name for name in table if "after_" in name), None)
-    names = list(table)
-    if before is None or after is None or names.index(before) < 2:
+    if "time_s" in table:
+        series = _of_probes(table)
+        across, quantity = "time, min", "temperature, °C"
+    else:
+        series, across, quantity = _of_tests(table)
+    if not series:
         return []
-    measured = names[names.index(before) - 1]
-    across = names[1] if names[1] != measured else names[0]
-    x, y = floats(table[across]), floats(table[measured])
-    traces = []
-    for colour, (title, name) in enumerate((("before", before), ("after", after))):
-        model = floats(table[name])
-        rest = [None if a is None or b is None else a - b for a, b in zip(y, model, strict=True)]
-        traces.append(line(title, x, rest, colour, points=True))
+    maps = _maps(table, data)
+    if maps:
+        return maps
+    traces, rests = [], []
+    for kind, colour in (("measured", DATA), ("before", BEFORE), ("after", AFTER)):
+        x, y = _joined(series, kind)
+        words = kind if kind == "measured" else f"model {kind}"
+        traces.append(line(words, x, y, colour, points=kind == "measured"))
+        if kind != "measured":
+            model = [value for one in series for value in one[kind]]
+            read = [value for one in series for value in one["measured"]]
+            rest = [None if a is None or b is None else a - b for a, b in zip(read, model, strict=True)]
+            places = [value for one in series for value in one["x"]]
+            rests.append(line(kind, places, rest, colour, points=True))
+    falls = (
+        f"The rms falls from {number(data['error']['before']['rms']).text} to "
+        f"{number(data['error']['after']['rms']).text} {data['error'].get('unit', '')}."
+    )
+    unit = quantity.rpartition(", ")[2] if ", " in quantity else ""
     return [
         chart(
-            "Residual, measured less model, before and after.",
-            f"The rms falls from {number(data['error']['before']['rms']).text} to "
-            f"{number(data['error']['after']['rms']).text} {data['error'].get('unit', '')}.",
+            f"Measured, and the model before and after ({len(series)} curves).",
+            falls,
             across,
-            f"residual of {measured}",
+            quantity,
             traces,
+        ),
+        chart(
+            "What is left: measured less model, before and after.",
+            falls,
+            across,
+            f"measured - model, {unit}" if unit else "measured - model",
+            rests,
+        ),
+    ]
+
+
+Series = dict[str, list[float | None]]
+
+
+def _of_probes(table: dict[str, list[str]]) -> list[Series]:
+    time = [None if value is None else value / 60 for value in floats(table["time_s"])]
+    found = []
+    for name in table:
+        if name.endswith("_measured_degC"):
+            probe = name.removesuffix("_measured_degC")
+            kinds = {kind: floats(table[f"{probe}_{kind}_degC"]) for kind in ("measured", "before", "after")}
+            found.append({"x": time, **kinds})
+    return found
+
+
+def _of_tests(table: dict[str, list[str]]) -> tuple[list[Series], str, str]:
+    """Return the curves of each test or file, by the first quantity that was measured."""
+    names = list(table)
+    before = next((name for name in names if name.startswith("before_")), None)
+    if before is None:
+        return [], "", ""
+    measured = names[names.index(before) - 1]
+    after = before.replace("before_", "after_", 1)
+    group = "test" if "test" in table else "file"
+    across = next(name for name in names if name != group)
+    values = {
+        "x": floats(table[across]),
+        "measured": floats(table[measured]),
+        "before": floats(table[before]),
+        "after": floats(table[after]),
+    }
+    rows: dict[str, list[int]] = {}
+    for row, name in enumerate(table[group]):
+        if values["measured"][row] is not None:
+            rows.setdefault(name, []).append(row)
+    series = [{kind: [cells[row] for row in own] for kind, cells in values.items()} for own in rows.values()]
+    words, unit = parted(measured)
+    return series, title(across), f"{'reading' if words == 'measured' else words}, {unit}" if unit else words
+
+
+def _joined(series: list[Series], kind: str) -> tuple[list[float | None], list[float | None]]:
+    """Return all curves as one, with a gap after each."""
+    x: list[float | None] = []
+    y: list[float | None] = []
+    for one in series:
+        x += [*one["x"], None]
+        y += [*one[kind], None]
+    return x, y
+
+
+def _maps(table: dict[str, list[str]], data: Any) -> list[Part]:
+    """Return what is left at each place, before and after side by side on one scale."""
+    pair = next((pair for pair in (("x0_mm", "y0_mm"), ("x_mm", "y_mm")) if set(pair) <= set(table)), None)
+    before = next((name for name in table if name.startswith("before_")), None)
+    if pair is None or before is None:
+        return []
+    names = list(table)
+    measured = floats(table[names[names.index(before) - 1]])
+    after = floats(table[before.replace("before_", "after_", 1)])
+    places = list(zip(floats(table[pair[0]]), floats(table[pair[1]]), strict=True))
+    vectors = "axis" in table
+    rests: list[dict[tuple[Any, Any], list[float]]] = [{}, {}]
+    for found, model in zip(rests, (floats(table[before]), after), strict=True):
+        for place, read, said in zip(places, measured, model, strict=True):
+            if None not in (*place, read, said):
+                found.setdefault(place, []).append(read - said)  # type: ignore[operator]
+    sizes = [[math.hypot(*rest) if vectors else rest[0] for rest in found.values()] for found in rests]
+    top = max((abs(size) for both in sizes for size in both), default=0.0) or 1.0
+    unit = parted(before)[1]
+    traces = [
+        dots(
+            words,
+            [place[0] for place in found],
+            [place[1] for place in found],
+            size,
+            low=0.0 if vectors else -top,
+            high=top,
+            unit=f"measured - model, {unit}",
+            bar=number_ == 1,
+            axes="2" if number_ else "",
+        )
+        for number_, (words, found, size) in enumerate(zip(("before", "after"), rests, sizes, strict=True))
+    ]
+    across = {"title": {"text": title(pair[0])}}
+    return [
+        chart(
+            "Where the model misses: what is left at each place, before on the left, after on the right, on one scale.",
+            f"The rms falls from {number(data['error']['before']['rms']).text} to "
+            f"{number(data['error']['after']['rms']).text} {unit}.",
+            title(pair[0]),
+            title(pair[1]),
+            traces,
+            xaxis={"domain": [0.0, 0.46]},
+            xaxis2={"domain": [0.54, 1.0], "anchor": "y2", **across},
+            yaxis={"scaleanchor": "x"},
+            yaxis2={"anchor": "x2", "scaleanchor": "x2"},
+            showlegend=False,
         )
     ]
 
@@ -85,8 +235,8 @@ def _effects(effects: list[Any]) -> Table:
     rows = [
         [
             word(effect["id"]),
-            word(name),
-            number(value),
+            word(parted(name)[0]),
+            number(value, parted(name)[1]),
             number((effect.get("parameters_sd") or {}).get(name), "", 2),
             number(effect["evidence"]["delta_bic"], "", 3),
         ]

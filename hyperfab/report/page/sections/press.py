@@ -6,7 +6,18 @@ from itertools import pairwise
 from typing import Any
 
 from hyperfab.report.page.charts import bars, chart, line
-from hyperfab.report.page.parts import Section, Source, Table, facts, number, word
+from hyperfab.report.page.parts import (
+    Figure,
+    Section,
+    Source,
+    Table,
+    coordinates,
+    facts,
+    number,
+    percent,
+    setup,
+    word,
+)
 from hyperfab.report.page.scenes import Field, views
 
 #: The molds are said to fit where at least this part of the molding surface touches.
@@ -15,7 +26,7 @@ ENOUGH = 0.95
 MAX_REGIONS = 8
 
 _FIELDS = (
-    Field("contact", "blue spots: contact", "", "marks"),
+    Field("contact", "blue spots: contact", "", "marks", ends=(0.0, 1.0), words=("open", "touches")),
     Field("pressure_MPa", "pressure", "MPa"),
     Field("gap_mm", "gap", "mm", "Cividis"),
     Field("compression", "compression of the foam"),
@@ -26,6 +37,15 @@ def section(source: Source) -> Section:
     """Return the section of a press document."""
     data = source.data
     found = Section("", *_verdict(data))
+    hot = ", hot" if _is_hot(data) else ""
+    share = percent(data["contact_fraction"]).text
+    found.figures = [
+        Figure(share, "of the molding surface touches"),
+        Figure(number(data["force_N"], "N", 3).text, "closing force"),
+        Figure(number(1000.0 * data["pressure_max_MPa"], "kPa", 2).text, "greatest pressure"),
+    ]
+    if data["converged"]:
+        found.claim = f"{share} of the molding surface touches under {number(data['force_N'], 'N', 3).text}"
     found.parts += views(
         source, "The male mold, as blue paint would show it.", "The male mold coloured by contact.", _FIELDS
     )
@@ -33,13 +53,13 @@ def section(source: Source) -> Section:
         facts(
             "Figures of the closed press",
             [
-                ("touching part of the molding surface", number(data["contact_fraction"])),
+                ("touching part of the molding surface", percent(data["contact_fraction"])),
                 ("touching area", number(data["contact_area_mm2"], "mm²")),
                 ("closing force", number(data["force_N"], "N")),
-                ("greatest pressure", number(data["pressure_max_MPa"], "MPa")),
-                ("least gap, hot", number(data["gap_min_mm"], "mm")),
-                ("mean gap, hot", number(data["gap_mean_mm"], "mm")),
-                ("greatest gap, hot", number(data["gap_max_mm"], "mm")),
+                ("greatest pressure", number(1000.0 * data["pressure_max_MPa"], "kPa")),
+                (f"least gap{hot}", number(data["gap_min_mm"], "mm")),
+                (f"mean gap{hot}", number(data["gap_mean_mm"], "mm")),
+                (f"greatest gap{hot}", number(data["gap_max_mm"], "mm")),
                 ("stroke from the first touch", number(data["stroke_mm"], "mm")),
                 ("tilt", number(data["tilt_deg"], "°")),
             ],
@@ -73,8 +93,16 @@ def section(source: Source) -> Section:
     found.parts.append(_regions(data["regions"]))
     if data.get("sensitivity"):
         found.parts.append(_changes(data["sensitivity"]))
-    found.notes += [f"Left out: {text}." for text in data.get("left_out", [])]
+    asked = setup(data)
+    found.parts += [asked] if asked is not None else []
+    found.notes += [f"Left out: {', '.join(data['left_out'])}."] if data.get("left_out") else []
+    found.warnings = [str(text) for text in data.get("warnings") or []]
     return found
+
+
+def _is_hot(data: Any) -> bool:
+    """Whether a mold is not at the temperature it was drawn at."""
+    return any((data.get(mold) or {}).get("growth_strain") for mold in ("male", "female"))
 
 
 def _verdict(data: Any) -> tuple[bool | None, str]:
@@ -101,9 +129,9 @@ def _regions(regions: list[Any]) -> Table:
         [
             word("touching" if region["contact"] else "open"),
             number(region["area_mm2"], "mm²"),
-            word(", ".join(number(place, "", 3).text for place in region["centroid_mm"])),
+            word(coordinates(region["centroid_mm"])),
             number(region["gap_mean_mm"], "mm"),
-            number(region["pressure_mean_MPa"], "MPa"),
+            number(1000.0 * region["pressure_mean_MPa"], "kPa", 3),
         ]
         for region in sorted(regions, key=lambda region: -region["area_mm2"])[:MAX_REGIONS]
     ]

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from hyperfab.report.labels import title
 from hyperfab.report.page.charts import chart, line
 from hyperfab.report.page.parts import (
     Cases,
+    Figure,
     Part,
     Picture,
     Section,
@@ -28,6 +30,13 @@ def section(source: Source) -> Section:
     data = source.data
     failed = sum(count for status, count in data["by_status"].items() if status not in ("0", "1"))
     found = Section("", *_verdict(data, failed))
+    found.figures = [Figure(str(data["cases"]), f"cases of {data['name']}")]
+    for name, sense in senses(data).items():
+        row = (data.get("best") or {}).get(name)
+        if row is not None:
+            shown = number(row[name], title(name).rpartition(", ")[2] if ", " in title(name) else "", 3).text
+            found.figures.append(Figure(shown, f"{sense} {title(name).partition(', ')[0]}"))
+    found.claim = f"{data['cases']} cases were computed"
     if data.get("question"):
         found.notes.append(f"The question: {data['question']}")
     if data.get("best"):
@@ -39,7 +48,7 @@ def section(source: Source) -> Section:
         (".effects.png", "Main effects: the mean of each figure at each level of an axis.", "Main effects."),
         (
             ".cases.png",
-            "All cases as lines across axes and figures; the front stands out.",
+            "All cases as lines across axes and figures; red: the cases that none beats.",
             "Parallel coordinates.",
         ),
     ):
@@ -60,20 +69,28 @@ def _verdict(data: Any, failed: int) -> tuple[bool | None, str]:
     return True, f"{text}, all computed."
 
 
+def senses(data: Any) -> dict[str, str]:
+    """Return of which figures the least or the greatest is the best; of all the least where nothing says."""
+    said = data.get("senses")
+    return dict(said) if said else dict.fromkeys(data.get("best") or {}, "least")
+
+
 def _best(data: Any) -> Table:
-    names = list(next(iter(data["best"].values())))
+    wanted = {name: sense for name, sense in senses(data).items() if name in data["best"]}
+    names = [name for name in next(iter(data["best"].values())) if name != "case"]
     rows = [
         [
-            word(figure),
+            word(f"{sense} {title(figure)}"),
             *(
                 number(row[name]) if isinstance(row.get(name), (int, float)) else word(row.get(name, ""))
-                for name in names
+                for name in [*names, "case"]
             ),
         ]
-        for figure, row in data["best"].items()
+        for figure, sense in wanted.items()
+        for row in [data["best"][figure]]
     ]
-    kept = " that keeps to the limits" if data.get("limits") else ""
-    return Table(f"The case with the least of each figure{kept}", ["least", *names], rows)
+    kept = ", of those that keep to the limits" if data.get("limits") else ""
+    return Table(f"The best case by each figure{kept}", ["", *map(title, names), "case"], rows)
 
 
 def _effects(effects: list[Any]) -> Table:
@@ -82,7 +99,7 @@ def _effects(effects: list[Any]) -> Table:
     share = {(effect["axis"], effect["figure"]): effect["variance_share"] for effect in effects}
     rows = [
         [
-            word(figure),
+            word(title(figure)),
             *(
                 number(round(100 * share[axis, figure], 1), "%", 3) if (axis, figure) in share else word("")
                 for axis in axes
@@ -102,7 +119,7 @@ def _cases(source: Source) -> list[Part]:
     if "case" not in table:
         return []
     axes, figures = list(source.data["axes"].values()), list(source.data["figures"])
-    names = ["case", *axes, "status", *figures]
+    names = [*axes, "status", *figures, "case"]
     names += ["within_limits"] if "within_limits" in table else []
     numbers = {name: floats(table[name]) for name in names}
     cells = [
@@ -121,17 +138,33 @@ def _cases(source: Source) -> list[Part]:
             chart(
                 "All cases by the two figures that pull against each other; the line joins those that none beats.",
                 f"{len(front)} of {len(rows)} cases are on the front.",
-                pair[0],
-                pair[1],
+                title(pair[0]),
+                title(pair[1]),
                 [
-                    line("all cases", x, y, 5, points=True),
-                    line("front", [x[row] for row in chosen], [y[row] for row in chosen], 1),
+                    line("all cases", x, y, 0, points=True),
+                    {
+                        **line(
+                            "cases that none beats", [x[row] for row in chosen], [y[row] for row in chosen], 1
+                        ),
+                        "mode": "lines+markers",
+                        "marker": {"size": 9},
+                    },
                 ],
             )
         )
     shown = rows[:: -(-len(rows) // MAX_CASES)] if rows else []
     caption = f"{len(shown)} of {len(rows)} cases" if len(shown) < len(rows) else f"All {len(rows)} cases"
+    numbered = (
+        [[index + 1, *row] for index, row in enumerate(rows)][:: -(-len(rows) // MAX_CASES)] if rows else []
+    )
     parts.append(
-        Cases(f"{caption}. Choose levels of the axes to filter.", names, shown, axes, figures, front)
+        Cases(
+            f"{caption}. Choose levels of the axes and bounds of the figures to filter; bold: none beats it.",
+            ["no.", *names],
+            numbered,
+            axes,
+            figures,
+            front,
+        )
     )
     return parts
