@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -11,6 +12,7 @@ from hyperfab.cases.like import Earlier
 from hyperfab.console import Console
 from hyperfab.documents.base import Document
 from hyperfab.documents.provenance import record
+from hyperfab.errors import UsageError
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.output import Output
 
@@ -55,3 +57,10 @@ class Job:
             for name in self.like.altered(self.inputs):
                 self.console.warn(f"{name} has changed since {self.like.name} was made from it")
         output.finish(data, self.inputs)
+
+
+def refuse_twice(names: Sequence[str], what: str = "rows") -> None:
+    """UsageError where a measured file is given twice: ``what`` it holds would count double."""
+    twice = [name for name, count in Counter(names).items() if count > 1]
+    if twice:
+        raise UsageError(f"{twice[0]} is given twice; its {what} would count double")

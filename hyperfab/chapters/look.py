@@ -1,4 +1,4 @@
-"""What is odd about measured curves, said once: by file and line, with what to do."""
+"""How measured files were read, and what is odd about their curves: said once, by file and line, with what to do."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from hashlib import sha256
 
 import numpy as np
 
+from hyperfab.errors import UsageError
 from hyperfab.io.csv_tests import TestData
+from hyperfab.io.layout import Layout
 from hyperfab.numerics.hygiene import Doubt, look
 
 #: So many places are named one by one; the others are counted.
@@ -68,3 +70,63 @@ def _twins(tests: Sequence[TestData]) -> Iterator[str]:
                 f"{here[0]}, line {here[1]}: the {len(test.stretch)} readings are those of {name}, to the digit; "
                 "leave one of them out, or they count double"
             )
+
+
+def understood(tests: Sequence[TestData]) -> list[str]:
+    """Return how the files were read, files read alike in one line; what was set aside in them in further lines."""
+    alike: dict[str, list[TestData]] = {}
+    notes: dict[str, dict[str, None]] = {}
+    for test in tests:
+        alike.setdefault(test.understood, []).append(test)
+        for note in test.notes:
+            notes.setdefault(note, {})[test.source] = None
+    found = [
+        f"{named([test.source for test in group])}: {how}; {_what(group)}" for how, group in alike.items()
+    ]
+    return found + [f"{named(list(sources))}: {note}" for note, sources in notes.items()]
+
+
+def unused_columns(columns: Layout, tests: Sequence[TestData]) -> None:
+    """UsageError where an entry of ``--columns`` names no column of any file."""
+    for choice in columns.columns:
+        if not any(choice in test.chosen for test in tests):
+            raise UsageError(f"--columns: no file has a column {choice.title}")
+
+
+def named(names: Sequence[str]) -> str:
+    """Return the files' names, or how many they are and the first of them."""
+    names = list(dict.fromkeys(names))
+    if len(names) <= 3:
+        return ", ".join(names)
+    return f"{len(names)} files ({names[0]} to {names[-1]})"
+
+
+def _what(tests: Sequence[TestData]) -> str:
+    """Return kinds, directions, sizes, temperatures, cycles and branches of tests in a few words."""
+    parts = [", ".join(dict.fromkeys(test.test for test in tests))]
+    directions = dict.fromkeys(test.direction_name for test in tests if test.direction_name)
+    parts += [", ".join(directions)] if directions else []
+    specimens = {(test.source, test.specimen) for test in tests}
+    parts += [f"{len(specimens)} specimens"] if len(specimens) > 1 else []
+    for name, sizes in (
+        ("gauge length", {test.gauge_length_mm for test in tests}),
+        ("width", {test.width_mm for test in tests}),
+        ("thickness", {test.thickness_mm for test in tests}),
+    ):
+        known = sorted(size for size in sizes if size is not None)
+        parts += [f"{name} {_span(known[0], known[-1])} mm"] if known else []
+    warm = [one for test in tests if (one := test.temperature_degC) is not None]
+    if warm:
+        parts.append(
+            f"{_span(min(float(one.min()) for one in warm), max(float(one.max()) for one in warm))} degC"
+        )
+    cycles = {int(number) for test in tests if test.cycle is not None for number in np.unique(test.cycle)}
+    if cycles:
+        parts.append(f"cycle{'s' if len(cycles) > 1 else ''} {_span(min(cycles), max(cycles))}")
+    sides = {int(side) for test in tests if test.branch is not None for side in np.unique(test.branch)}
+    parts += [word for word, side in (("loading", 1), ("unloading", -1)) if side in sides]
+    return "; ".join(parts)
+
+
+def _span(low: float, high: float) -> str:
+    return f"{low:.4g}" if f"{low:.4g}" == f"{high:.4g}" else f"{low:.4g} to {high:.4g}"

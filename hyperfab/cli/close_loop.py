@@ -6,6 +6,20 @@ from typing import Annotated
 
 import typer
 
+from hyperfab.cli.reading import (
+    Branch,
+    Columns,
+    Cycle,
+    Diameter,
+    GaugeLength,
+    Preload,
+    Resample,
+    SkipRows,
+    Specimen,
+    Thickness,
+    Width,
+    Zero,
+)
 from hyperfab.cli.shared import Debug, Quiet, Target, run_chapter
 
 SHORT_HELP = "What the model lacks, found in measured data"
@@ -19,9 +33,20 @@ def close_loop(
             metavar="MODEL", help="A material, contact, drape or press document, a mold.toml, or -."
         ),
     ],
+    files: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="[FILE]...", help="Measured data that say themselves what they are (CSV, .xlsx)."
+        ),
+    ] = [],
     measured: Annotated[
         list[str], typer.Option(metavar="CSV", help="Measured data; repeat for more files.")
     ] = [],
+    uniaxial: Annotated[
+        list[str], typer.Option(metavar="CSV", help="Uniaxial test of a fabric that does not say so.")
+    ] = [],
+    shear: Annotated[list[str], typer.Option(metavar="CSV", help="Planar shear test of a fabric.")] = [],
+    biaxial: Annotated[list[str], typer.Option(metavar="CSV", help="Biaxial test of a fabric.")] = [],
     hold_out: Annotated[
         list[str],
         typer.Option(
@@ -43,6 +68,18 @@ def close_loop(
             help="Standard deviation of the model's own constants, as 10%; else they are free.",
         ),
     ] = None,
+    specimen: Specimen = None,
+    gauge_length: GaugeLength = None,
+    width: Width = None,
+    thickness: Thickness = None,
+    diameter: Diameter = None,
+    branch: Branch = "all",
+    cycle: Cycle = "all",
+    zero: Zero = False,
+    preload: Preload = None,
+    resample: Resample = None,
+    columns: Columns = [],
+    skip_rows: SkipRows = None,
     decimal: Annotated[
         str | None, typer.Option(metavar="MARK", help="Decimal mark of the files: . or ,")
     ] = None,
@@ -54,8 +91,7 @@ def close_loop(
 
     \b
     Example:
-      hf close-loop fabric.json --measured specimens/lycra/warp-23C.csv \\
-         --measured specimens/lycra/weft-23C.csv -o loop.json
+      hf close-loop fabric.json specimens/lycra/warp-23C.csv specimens/lycra/weft-23C.csv -o loop.json
     """
     from hyperfab.cli.steps import chapter_words
 

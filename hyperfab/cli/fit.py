@@ -6,6 +6,20 @@ from typing import Annotated
 
 import typer
 
+from hyperfab.cli.reading import (
+    Branch,
+    Columns,
+    Cycle,
+    Diameter,
+    GaugeLength,
+    Preload,
+    Resample,
+    SkipRows,
+    Specimen,
+    Thickness,
+    Width,
+    Zero,
+)
 from hyperfab.cli.shared import Debug, Quiet, Target, run_chapter
 
 SHORT_HELP = "Constants of a law from fabric tests"
@@ -13,6 +27,10 @@ SHORT_HELP = "Constants of a law from fabric tests"
 
 def fit(
     context: typer.Context,
+    files: Annotated[
+        list[str],
+        typer.Argument(metavar="[FILE]...", help="Tests that say themselves what they are (CSV, .xlsx)."),
+    ] = [],
     uniaxial: Annotated[
         list[str], typer.Option(metavar="CSV", help="Uniaxial test; repeat for more files.")
     ] = [],
@@ -38,39 +56,21 @@ def fit(
         bool, typer.Option("--plane", help="Check stability over all pairs of stretches too.")
     ] = False,
     accept: Annotated[float, typer.Option(metavar="R", help="Largest relative rms that is accepted.")] = 0.30,
-    specimen: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Standard specimen, as iso-37-2 or iso-13934-1.")
-    ] = None,
-    gauge_length: Annotated[
-        str | None, typer.Option(metavar="LENGTH", help="Gauge length of force-extension tests.")
-    ] = None,
-    width: Annotated[
-        str | None, typer.Option(metavar="LENGTH", help="Width of force-extension tests.")
-    ] = None,
-    thickness: Annotated[
-        str | None, typer.Option(metavar="LENGTH", help="Thickness of the fabric, as 0.6mm.")
-    ] = None,
-    diameter: Annotated[
-        str | None, typer.Option(metavar="LENGTH", help="Diameter of a biaxial disc.")
-    ] = None,
-    branch: Annotated[
-        str, typer.Option(metavar="BRANCH", help="Rows that take part: load, unload or all.")
-    ] = "all",
-    cycle: Annotated[
-        str, typer.Option(metavar="CYCLE", help="Cycle that takes part: a number, first, last or all.")
-    ] = "all",
-    zero: Annotated[
-        bool, typer.Option("--zero", help="Count stretch and stress from the first row of each test.")
-    ] = False,
-    preload: Annotated[
-        str | None, typer.Option(metavar="STRESS", help="Take out slack: count from where this is reached.")
-    ] = None,
-    resample: Annotated[
-        int | None, typer.Option(metavar="N", help="Mean of N equal steps of stretch on each branch.")
-    ] = None,
+    specimen: Specimen = None,
+    gauge_length: GaugeLength = None,
+    width: Width = None,
+    thickness: Thickness = None,
+    diameter: Diameter = None,
+    branch: Branch = "all",
+    cycle: Cycle = "all",
+    zero: Zero = False,
+    preload: Preload = None,
+    resample: Resample = None,
     noise: Annotated[
         str | None, typer.Option(metavar="STRESS", help="Standard deviation of a reading, as 0.002MPa.")
     ] = None,
+    columns: Columns = [],
+    skip_rows: SkipRows = None,
     decimal: Annotated[
         str | None, typer.Option(metavar="MARK", help="Decimal mark of the files: . or ,")
     ] = None,

@@ -151,4 +151,7 @@ class LoopDocument(Document):
         default=None, description="the command that makes the extended model again, from its folder"
     )
     left_out: dict[str, int] = Field(default_factory=dict, description="rows left out, by reason")
+    preparation: list[str] = Field(
+        default_factory=list, description="how the measured files were read, and what was done to them"
+    )
     warnings: list[str] = Field(default_factory=list)

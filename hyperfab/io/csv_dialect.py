@@ -1,82 +1,104 @@
-"""What a CSV file is written in: encoding, separator, metadata, header, units row. Numbers come later."""
+"""What a table is written in: encoding, separator, metadata, head, units row. Numbers come later."""
 
 from __future__ import annotations
 
-import codecs
-import csv
 import re
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 from hyperfab.errors import InputError
-from hyperfab.io.units import is_unit
+from hyperfab.io.encoding import decode
+from hyperfab.io.headings import Heading, fold, heading, is_closing, meaning, setting, suffixed
+from hyperfab.io.layout import PLAIN, Layout, filled_in
+from hyperfab.io.rows import (
+    MAX_CELLS,
+    MAX_COLUMNS,
+    MAX_ROWS,
+    SEPARATORS,
+    Row,
+    lines_of,
+    split,
+    uniform,
+)
+from hyperfab.io.tables import (
+    Block,
+    Entry,
+    Fits,
+    best,
+    find,
+    headings,
+    is_data,
+    is_number,
+    is_units,
+    readings,
+    settings,
+    understood,
+    with_units,
+)
+from hyperfab.io.xlsx import is_workbook, split_sheet, worksheets
 
-#: Recordings are thinned before they are fitted; these bounds keep any file within a second and 400 MB.
-MAX_BYTES = 32 * 2**20
-MAX_ROWS = 400_000
-MAX_COLUMNS = 256
-MAX_LINE = 32_768
-MAX_CELLS = 4_000_000
+__all__ = ["MAX_ROWS", "Heading", "Sheet", "open_sheet", "open_sheets"]
 
-_BOMS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16"))
-_CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f]")
-_BRACKETED = re.compile(r"(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))", re.DOTALL)
-#: Anything that starts like a number: enough to tell a row of data from a row of words.
-NUMBER_LIKE = re.compile(r"[+-]?[.,]?\d[\d.,eE+-]*", re.ASCII)
-_NAMES = {"\t": "tab", ";": "semicolon", ",": "comma"}
-
-
-@dataclass(frozen=True)
-class Heading:
-    """One column's heading: ``title`` as written, its ``label`` without the unit, ``unit`` or None, its place."""
-
-    title: str
-    label: str
-    unit: str | None
-    index: int
-
-    @property
-    def name(self) -> str:
-        """The label as it is compared."""
-        return fold(self.label)
-
-
-@dataclass(frozen=True)
-class Entry:
-    """A line of metadata: its value and where it stands."""
-
-    value: str
-    line: int
+#: Rows from which the head of a long file is told.
+_WINDOW = 400
 
 
 @dataclass(frozen=True)
 class Sheet:
-    """A CSV file in cells: all rows have the header's number of columns, blank rows are counted and gone.
+    """A table in cells: all rows have the header's number of columns, blank rows are counted and gone.
 
-    ``columns`` holds the cells by column; ``lines`` the source line of each row.
+    ``columns`` holds the cells by column; ``lines`` the source line of each row. ``left_out`` counts rows that are no
+    readings by reason, ``closing`` are the words they begin with. ``mark`` is the decimal mark where it is sure.
     """
 
     name: str
     separator: str
     headings: tuple[Heading, ...]
     header_line: int
-    columns: tuple[tuple[str, ...], ...]
-    lines: tuple[int, ...]
-    metadata: dict[str, list[Entry]] = field(default_factory=dict)
-    blank_rows: int = 0
+    columns: tuple[Sequence[str], ...]
+    lines: Sequence[int]
+    metadata: Mapping[str, list[Entry]] = field(default_factory=dict)
+    left_out: Mapping[str, int] = field(default_factory=dict)
+    closing: tuple[str, ...] = ()
+    layout: Layout = PLAIN
+    mark: str | None = None
+    label: str = ""
 
     def find(self, *names: str) -> Heading | None:
-        """Return the column of one of ``names``, or None; InputError where two columns have it."""
-        found = [heading for heading in self.headings if heading.name in names]
-        found = found or [heading for heading in map(suffixed, self.headings) if heading.name in names]
-        if len(found) > 1:
-            raise InputError(
-                f"two columns are a {names[0]}: {found[0].title} and {found[1].title}",
-                file=self.name,
-                line=self.header_line,
-                remedy="rename or delete one of them",
-            )
-        return found[0] if found else None
+        """Return the column of one of ``names``, or None; InputError where two columns have it.
+
+        A column's own words come first, then its unit behind an underscore, then what the dictionary says it means.
+        """
+        read: tuple[Callable[[Heading], str | None], ...] = (
+            lambda one: one.name,
+            lambda one: suffixed(one).name,
+            lambda one: m.name if (m := meaning(suffixed(one))) is not None and not m.axis else None,
+        )
+        for name_of in read:
+            found = [
+                suffixed(one) if name_of is not read[0] else one
+                for one in self.headings
+                if name_of(one) in names
+            ]
+            if len(found) > 1:
+                raise self.two(found, names[0])
+            if found:
+                return found[0]
+        return None
+
+    def two(self, found: Sequence[Heading], name: str) -> InputError:
+        """Return the error that two columns could be one thing, with the option that settles it."""
+        first, second = found[0], found[1]
+        entries = [(first.title, name if first.unit in (None, "-") else f"{name} [{first.unit}]")]
+        entries += [(one.title, "aside") for one in found[1:]]
+        if first.title == second.title:
+            entries = [(f"#{one.index + 1}", what) for one, (_, what) in zip(found, entries, strict=True)]
+        return InputError(
+            f"two columns are a {name}: {first.title} and {second.title}",
+            file=self.name,
+            line=self.header_line,
+            remedy=f"say which: {filled_in(entries)}",
+        )
 
     def meta(self, *keys: str) -> Entry | None:
         """Return the metadata under one of ``keys``, or None; InputError where the file says two things."""
@@ -91,117 +113,102 @@ class Sheet:
             )
         return entries[0] if entries else None
 
+    def without(self, rows: Sequence[int], reason: str) -> Sheet:
+        """Return the sheet less some rows, counted under ``reason``."""
+        gone = set(rows)
+        keep = [row for row in range(len(self.lines)) if row not in gone]
+        return replace(
+            self,
+            columns=tuple([cells[row] for row in keep] for cells in self.columns),
+            lines=[self.lines[row] for row in keep],
+            left_out={**self.left_out, reason: self.left_out.get(reason, 0) + len(gone)},
+        )
 
-def open_sheet(data: bytes, name: str) -> Sheet:
-    """Split a CSV file into header, metadata and cells.
 
-    Comma, semicolon or tab; UTF-8 with or without byte-order mark, UTF-16, Latin-1; any line ends; ``# key: value``
-    lines; ``name [unit]`` or ``name (unit)`` headings, or their units in a row of their own.
+def open_sheets(data: bytes, name: str, fits: Fits, layout: Layout = PLAIN) -> list[Sheet]:
+    """Split a file into its tables whose headings ``fits``: several where specimens stand one under another.
 
-    Raises InputError naming the line where the rows do not fit the header, the file is no text, or too large.
+    Comma, semicolon, tab, bar or white space; UTF-8, UTF-16, Windows and other code pages, any line ends;
+    ``# key: value`` lines, and whatever machines write above a table; units beside the names or in a row of their own;
+    workbooks (``FILE.xlsx:SHEET``).
 
-    >>> sheet = open_sheet(b"# test: shear\\nstretch;stress [MPa]\\n1,1;0,2\\n", "shear.csv")
+    Raises InputError naming the line where the rows do not fit the header, no table fits, the file is no text, or too
+    large.
+
+    >>> [sheet] = open_sheets(b"# test: shear\\nstretch;stress [MPa]\\n1,1;0,2\\n", "shear.csv", lambda heads: True)
     >>> sheet.separator, sheet.columns, sheet.meta("test").value, sheet.headings[1].unit
-    (';', (('1,1',), ('0,2',)), 'shear', 'MPa')
+    (';', (['1,1'], ['0,2']), 'shear', 'MPa')
     """
-    lines = _lines(decode(data, name), name)
-    metadata, body, separator = _preamble(lines)
+    _, picked = split_sheet(name)
+    if is_workbook(data):
+        return _of_workbook(data, name, picked, fits, layout)
+    lines = lines_of(decode(data, name, layout.titles), name)
+    metadata, body, separator = _comments(lines, layout)
     if not body:
         raise InputError(
             "has no header and no rows", file=name, remedy="a table with a header line is expected"
         )
+    given = separator
     separator = separator or _separator([text for _, text in body[:21]])
-    rows = list(_split(body, separator, name))
-    header_line, header = rows[0]
-    if len(header) > MAX_COLUMNS:
+    first = _first_table(body, separator, name, fits, layout)
+    if first is not None:
+        return [_sheet(block, name, separator, metadata, fits, layout) for block in first]
+    chosen = best(
+        (one, find([(n, split(t, one, name, n)) for n, t in body], fits, layout))
+        for one in ([given] if given else SEPARATORS)
+    )
+    if chosen is None:
+        return [_sheet(_plain(body, separator, name, layout), name, separator, metadata, fits, layout)]
+    separator, blocks = chosen
+    if layout.skip_rows is not None:
+        blocks = blocks[:1]
+    return [_sheet(block, name, separator, metadata, fits, layout) for block in understood(blocks, name)]
+
+
+def open_sheet(data: bytes, name: str, layout: Layout = PLAIN, fits: Fits = lambda heads: True) -> Sheet:
+    """Return the one table of a file; InputError where it has several."""
+    sheets = open_sheets(data, name, fits, layout)
+    if len(sheets) > 1:
         raise InputError(
-            f"has {len(header)} columns", file=name, line=header_line, remedy="export fewer channels"
-        )
-    if all(NUMBER_LIKE.fullmatch(cell) for cell in header if cell):
-        raise InputError(
-            "starts with numbers, there is no header",
+            f"has {len(sheets)} tables, in lines {sheets[0].header_line}, {sheets[1].header_line}, …",
             file=name,
-            line=header_line,
-            remedy='name the columns, as in "stretch,stress [MPa]"',
+            remedy=f"take the last with --skip-rows {sheets[-1].header_line - 1}, or part the file",
         )
-    headings = tuple(_heading(cell, index) for index, cell in enumerate(header))
-    rows, blank = _fitting(rows[1:], header, separator, name)
-    if rows and _is_units_row(rows[0][1]):
-        headings = _with_units(headings, rows[0], name)
-        rows = rows[1:]
-    if not rows:
-        raise InputError(
-            "has a header but no rows", file=name, line=header_line, remedy="export the readings too"
-        )
-    columns = tuple(zip(*(cells for _, cells in rows), strict=True))
-    numbers = tuple(number for number, _ in rows)
-    return Sheet(name, separator, headings, header_line, columns, numbers, metadata, blank)
+    return sheets[0]
 
 
-def decode(data: bytes, name: str) -> str:
-    """Return the text of a file in UTF-8, UTF-16 (with or without byte-order mark) or Latin-1.
-
-    >>> decode("µ;°".encode("latin-1"), "a.csv"), decode("µ".encode("utf-16"), "a.csv")
-    ('µ;°', 'µ')
-    """
-    if len(data) > MAX_BYTES:
+def _of_workbook(data: bytes, name: str, picked: str | None, fits: Fits, layout: Layout) -> list[Sheet]:
+    found: list[Sheet] = []
+    for title, rows in worksheets(data, name, picked):
+        skipped = [row for row in rows if row[0] > (layout.skip_rows or 0) and any(row[1])]
+        blocks = find(skipped, fits, layout)
+        blocks = blocks[:1] if layout.skip_rows is not None else understood(blocks, f"{name}:{title}")
+        full = name if picked else f"{name}:{title}"
+        found += [replace(_sheet(block, full, "cell", {}, fits, layout), label=title) for block in blocks]
+    heads = {tuple(one.title for one in sheet.headings) for sheet in found}
+    if len(heads) > 1 or not found:
+        names = [title for title, _ in worksheets(data, name, picked)]
         raise InputError(
-            f"is larger than {MAX_BYTES // 2**20} MiB", file=name, remedy="thin the recording out"
-        )
-    if not data.strip():
-        raise InputError("is empty", file=name, remedy="a table with a header line is expected")
-    text = _decoded(data, name).removeprefix("\ufeff")
-    found = _CONTROL.search(text)
-    if found:
-        line = text.count("\n", 0, found.start()) + 1
-        raise InputError(
-            f"is no text (character 0x{ord(found[0]):02X})",
+            "has tables of different columns on its sheets"
+            if found
+            else f"no sheet has a table that can be read ({', '.join(names[:6])})",
             file=name,
-            line=line,
-            remedy="export it as CSV text",
+            remedy=f'name one, as in "{name}:{found[0].label}"'
+            if found
+            else 'say what its columns are with --columns "Title=force [N],…"',
         )
-    return text
+    return found
 
 
-def _decoded(data: bytes, name: str) -> str:
-    encoding = next((encoding for bom, encoding in _BOMS if data.startswith(bom)), None)
-    if encoding is None and data[1::2].count(0) > 0.4 * (len(data) // 2) and len(data) >= 4:
-        encoding = "utf-16-le"
-    if encoding is None and data[::2].count(0) > 0.4 * (len(data) // 2) and len(data) >= 4:
-        encoding = "utf-16-be"
-    try:
-        return data.decode(encoding or "utf-8")
-    except UnicodeDecodeError as error:
-        if encoding in (None, "utf-8-sig"):  # some machines put the mark of UTF-8 in front of Latin-1
-            return data.removeprefix(codecs.BOM_UTF8).decode("latin-1")
-        raise InputError(
-            f"is no {encoding.upper()[:6].rstrip('-')} text though it starts like it (byte {error.start})",
-            file=name,
-            remedy="export it again, as UTF-8",
-        ) from None
-
-
-def _lines(text: str, name: str) -> list[str]:
-    text = text.replace("\r\n", "\n").replace("\r", "\n")
-    if text.count("\n") > MAX_ROWS + 1000:
-        raise InputError(f"has more than {MAX_ROWS} rows", file=name, remedy="thin the recording out")
-    lines = text.split("\n")
-    long = next((number for number, line in enumerate(lines, 1) if len(line) > MAX_LINE), None)
-    if long is not None:
-        raise InputError(
-            f"is longer than {MAX_LINE} characters",
-            file=name,
-            line=long,
-            remedy="is this a table with line ends?",
-        )
-    return lines
-
-
-def _preamble(lines: list[str]) -> tuple[dict[str, list[Entry]], list[tuple[int, str]], str | None]:
-    """Take out metadata, comments and empty lines; what is left is header and rows with their line numbers."""
+def _comments(
+    lines: list[str], layout: Layout
+) -> tuple[dict[str, list[Entry]], list[tuple[int, str]], str | None]:
+    """Take out metadata, comments and empty lines; what is left is head and rows with their line numbers."""
     metadata: dict[str, list[Entry]] = {}
     body: list[tuple[int, str]] = []
+    comment: tuple[int, str] | None = None
     separator = None
+    skip = layout.skip_rows or 0
     for number, line in enumerate(lines, 1):
         stripped = line.strip()
         if not stripped:
@@ -209,20 +216,30 @@ def _preamble(lines: list[str]) -> tuple[dict[str, list[Entry]], list[tuple[int,
         if stripped.startswith(("#", '"#')):
             key, colon, value = stripped.strip(";,\t").strip('"').lstrip("#").partition(":")
             if colon and not body:
-                name = _heading(key.strip(), 0)  # also "# width [mm]: 25"
-                stated = f"{value.strip()} {name.unit}" if name.unit else value.strip()
-                metadata.setdefault(name.name, []).append(Entry(stated, number))
-        elif not body and re.fullmatch(r'"?sep=[;,\t]"?', stripped or line):
+                one = heading(key.strip(), 0)  # also "# width [mm]: 25"
+                stated = f"{value.strip()} {one.unit}" if one.unit else value.strip()
+                known = setting(one.label)
+                name = fold(one.label) if known in (None, "quiet") else known
+                sure = name == fold(one.label)
+                metadata.setdefault(name, []).append(Entry(stated, number, sure))
+            elif not body:
+                comment = (number, stripped.lstrip("#"))
+        elif number <= skip:
+            for known, entries in settings([(number, split(line, _separator([line]), "", number))]).items():
+                metadata.setdefault(known, []).extend(entries)
+        elif not body and re.fullmatch(r'"?sep=[;,\t|]"?', stripped or line):
             separator = line.strip(' "\r\n')[4:5]
         else:
             body.append((number, line))
+    if comment is not None and body and is_data(split(body[0][1], _separator([body[0][1]]), "", 0)):
+        body.insert(0, comment)  # a table whose head is a comment, as numpy writes it
     return metadata, body, separator
 
 
 def _separator(sample: list[str]) -> str:
     """Choose the separator of the header that also cuts the first rows into as many cells."""
     header = re.sub(r'"[^"]*"|\[[^\]]*\]|\([^)]*\)', "", sample[0])
-    candidates = [mark for mark in "\t;," if mark in header]
+    candidates = [mark for mark in "\t;|," if mark in header]
     for mark in candidates:
         count = _count(sample[0], mark)
         if all(_count(line, mark) == count for line in sample[1:]):
@@ -234,103 +251,116 @@ def _count(line: str, mark: str) -> int:
     return re.sub(r'"[^"]*"', "", line).count(mark)
 
 
-def _split(body: list[tuple[int, str]], separator: str, name: str) -> Iterable[tuple[int, list[str]]]:
-    if not any('"' in text for _, text in body):
-        for number, text in body:
-            yield number, [cell.strip() for cell in text.split(separator)]
-        return
-    for number, text in body:
-        try:
-            cells = next(csv.reader([text], delimiter=separator, strict=True, skipinitialspace=True))
-        except csv.Error as error:
-            raise InputError(
-                f"a quoted cell is not closed in its line ({error})",
-                file=name,
-                line=number,
-                remedy="mend the quotes",
-            ) from None
-        yield number, [cell.strip() for cell in cells]
-
-
-def _fitting(
-    rows: list[tuple[int, list[str]]], header: list[str], separator: str, name: str
-) -> tuple[list[tuple[int, list[str]]], int]:
-    """Return the rows that hold something, each as wide as the header, and how many were blank."""
-    width = len(header)
-    if len(rows) * width > MAX_CELLS:
+def _first_table(
+    body: list[tuple[int, str]], separator: str, name: str, fits: Fits, layout: Layout
+) -> list[Block] | None:
+    """Return the table whose head is the first line, or None where that is none or other tables follow it."""
+    line, text = body[0]
+    titles = split(text, separator, name, line)
+    if len(titles) > MAX_COLUMNS:
+        raise InputError(f"has {len(titles)} columns", file=name, line=line, remedy="export fewer channels")
+    if all(is_number(cell) for cell in titles if cell):
+        return None
+    heads = headings(titles, layout)
+    start = 1
+    if len(body) > 1 and is_units(cells := split(body[1][1], separator, name, body[1][0])):
+        heads, start = with_units(heads, cells, body[1][0], name), 2
+    if not fits(heads):
+        return None
+    block = Block(line, heads)
+    rest = body[start:]
+    if not rest:
+        raise InputError("has a header but no rows", file=name, line=line, remedy="export the readings too")
+    if len(rest) * len(heads) > MAX_CELLS:
         raise InputError(
             f"has more than {MAX_CELLS} cells", file=name, remedy="thin it out or export fewer channels"
         )
-    kept: list[tuple[int, list[str]]] = []
-    for number, cells in rows:
-        if len(cells) != width and not (len(cells) > width and not any(cells[width:])):
-            if not any(cells):
-                continue
-            raise InputError(
-                f"has {len(cells)} cells, the header has {width}",
-                file=name,
-                line=number,
-                remedy=_ragged_remedy(len(cells), width, separator),
-            )
-        if any(cells):
-            kept.append((number, cells[:width]))
-    return kept, len(rows) - len(kept)
+    if len(rest) > _WINDOW:
+        columns = uniform([one for _, one in rest], separator, len(heads))
+        if columns is not None and all(map(_plain_column, columns)):
+            block.columns = columns
+            block.lines = [number for number, _ in rest]
+            return [block]
+    block.rows = [(number, split(one, separator, name, number)) for number, one in rest]
+    for row, (_, cells) in enumerate(block.rows):
+        # Words in mid-table that are a head of their own: another specimen follows.
+        if row and not is_data(cells) and [c for c in cells if c] and fits(headings(cells, layout)):
+            return None
+    return [block]
 
 
-def _ragged_remedy(count: int, width: int, separator: str) -> str:
-    if separator == "," and width < count <= 2 * width:
-        return "decimal commas between separating commas? export with semicolons as separator"
-    return f"complete the row (the separator is a {_NAMES[separator]})"
+_LETTERS = re.compile(r"[^\d\s.,;:+\-eE%/]")
 
 
-def _heading(title: str, index: int) -> Heading:
-    match = _BRACKETED.fullmatch(title) if len(title) <= 200 else None
-    if match is None:
-        return Heading(title, title, None, index)
-    unit = match[2] if match[2] is not None else match[3]
-    if match[2] is None and not is_unit(unit):  # a remark in parentheses
-        return Heading(title, match[1], None, index)
-    return Heading(title, match[1].strip(), unit.strip() or "-", index)
+def _plain_column(cells: Sequence[str]) -> bool:
+    """Whether a column holds readings, or words that repeat, from end to end: nothing to leave out."""
+    if not _LETTERS.search("\n".join(cells)) and "" not in cells:
+        return True
+    kinds = set(cells)
+    return (
+        len(kinds) <= 64
+        and not any(is_closing(cell) or "#" in cell for cell in kinds)
+        and not any(is_number(cell) for cell in kinds)
+    )
 
 
-def fold(text: str) -> str:
-    """Return a name as it is compared: lower case, single spaces for ``_`` and ``-``.
-
-    >>> fold("Gauge_Length ")
-    'gauge length'
-    """
-    return " ".join(text.casefold().replace("_", " ").replace("-", " ").split())
-
-
-def suffixed(heading: Heading) -> Heading:
-    """Read ``membrane_stress_N_mm``, the way this program names columns, as ``membrane stress [N/mm]``."""
-    parts = heading.title.split("_")
-    for cut in range(1, len(parts)):
-        unit = "/".join(parts[cut:])
-        if heading.unit is None and not unit.isdigit() and is_unit(unit):
-            return Heading(heading.title, "_".join(parts[:cut]), unit, heading.index)
-    return heading
-
-
-def _is_units_row(cells: list[str]) -> bool:
-    bare = [cell.strip("[]() ") for cell in cells]
-    if any(NUMBER_LIKE.fullmatch(cell) for cell in cells) or not any(bare):
-        return False
-    return all(is_unit(cell) for cell in bare)
+def _plain(body: list[tuple[int, str]], separator: str, name: str, layout: Layout) -> Block:
+    """Return what a file most likely is where no head fits: its columns are then named in the message."""
+    rows = [(number, split(text, separator, name, number)) for number, text in body[:_WINDOW]]
+    everything = find(rows, lambda heads: True, layout)
+    for mark in SEPARATORS:
+        other = find(
+            [(n, split(t, mark, name, n)) for n, t in body[:_WINDOW]], lambda heads: len(heads) > 1, layout
+        )
+        if sum(len(one.rows) for one in other) > sum(len(one.rows) for one in everything):
+            everything, separator = other, mark
+    if everything:
+        return max(everything, key=lambda one: len(one.rows))
+    line, cells = rows[0]
+    if is_data(cells):
+        raise _headless(rows, name)
+    return Block(line, headings(cells, layout), rows[1:])
 
 
-def _with_units(headings: tuple[Heading, ...], row: tuple[int, list[str]], name: str) -> tuple[Heading, ...]:
-    number, cells = row
-    found = []
-    for heading, cell in zip(headings, cells, strict=True):
-        unit = cell.strip("[]() ") or None
-        if unit is not None and heading.unit not in (None, unit):
-            raise InputError(
-                f"the unit is {unit} here and {heading.unit} in the header",
-                file=name,
-                line=number,
-                column=heading.title,
-                remedy="keep one of them",
-            )
-        found.append(Heading(heading.title, heading.label, heading.unit or unit, heading.index))
-    return tuple(found)
+def _headless(rows: list[Row], name: str) -> InputError:
+    line, _ = rows[0]
+    return InputError(
+        "starts with numbers, there is no header",
+        file=name,
+        line=line,
+        remedy=f'name the columns, as in "stretch,stress [MPa]", or by number: '
+        f"{filled_in([('1', 'stretch'), ('2', 'stress [MPa]')])}",
+    )
+
+
+def _sheet(
+    block: Block, name: str, separator: str, metadata: Mapping[str, list[Entry]], fits: Fits, layout: Layout
+) -> Sheet:
+    """Return a block as a sheet, its rows judged one by one."""
+    everything: dict[str, list[Entry]] = {key: list(entries) for key, entries in metadata.items()}
+    for key, entries in block.metadata.items():
+        everything.setdefault(key, []).extend(entries)
+    if block.columns is None:
+        [block] = readings(block, fits, name, separator, layout)
+    if block.columns is None and not block.rows:
+        raise InputError(
+            "has a header but no rows", file=name, line=block.head_line, remedy="export the readings too"
+        )
+    columns = (
+        block.columns
+        if block.columns is not None
+        else [list(cells) for cells in zip(*(cells for _, cells in block.rows), strict=True)]
+    )
+    return Sheet(
+        name,
+        separator,
+        block.headings,
+        block.head_line,
+        tuple(columns[: len(block.headings)]),
+        block.lines or [line for line, _ in block.rows],
+        everything,
+        dict(block.left_out),
+        tuple(dict.fromkeys(block.words)),
+        layout,
+        mark="." if separator == "cell" else None,
+    )

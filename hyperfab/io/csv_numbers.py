@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from datetime import date
 from decimal import Decimal
 from fractions import Fraction
 
@@ -11,7 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.errors import InputError, UsageError
-from hyperfab.io.csv_dialect import Heading, Sheet
+from hyperfab.io.csv_dialect import Sheet
+from hyperfab.io.headings import Heading
+from hyperfab.io.layout import filled_in
 from hyperfab.io.unit_table import UnitError
 from hyperfab.io.units import KINDS, column_factor
 
@@ -46,6 +50,8 @@ def settle_decimal(sheet: Sheet, headings: Iterable[Heading], given: str | None 
         if given not in _OTHER:
             raise UsageError(f"--decimal {given}: the decimal mark is . or ,")
         return given
+    if sheet.mark is not None:
+        return sheet.mark
     seen: dict[str, tuple[str, int, Heading]] = {}  # what speaks for a mark, and for a grouping mark
     undecided: dict[str, tuple[str, int, Heading]] = {}
     headings = list(headings)
@@ -62,7 +68,7 @@ def settle_decimal(sheet: Sheet, headings: Iterable[Heading], given: str | None 
         for cell, line in zip(cells, sheet.lines, strict=True):
             if "," not in cell and "." not in cell:
                 continue
-            mark = _speaks_for(cell)
+            mark = _speaks_for(cell.rstrip(" %"))
             if mark in _OTHER:
                 if mark not in seen or (_groups(cell) and not _groups(seen[mark][0])):
                     seen[mark] = (cell, line, heading)
@@ -146,6 +152,9 @@ def numbers(
     """
     cells = sheet.columns[heading.index]
     joined = "\n".join(cells).replace("\N{MINUS SIGN}", "-")
+    if "%" in joined:
+        cells = [cell.removesuffix("%").rstrip() for cell in cells]
+        joined = "\n".join(cells).replace("\N{MINUS SIGN}", "-")
     if decimal == "," and "." not in joined:
         joined = joined.replace(",", ".")
     if shift:
@@ -171,20 +180,23 @@ def numbers(
 
 
 def quantities(
-    sheet: Sheet, heading: Heading, kind: str, decimal: str, gaps: bool = False
+    sheet: Sheet, heading: Heading, kind: str, decimal: str, gaps: bool = False, name: str | None = None
 ) -> NDArray[np.float64]:
     """Return the numbers under ``heading`` in the unit of ``kind`` (see ``hyperfab.io.units.KINDS``), ``gaps`` as nan.
 
     Raises InputError where the heading has no unit though the kind has one, or a unit of another kind.
     """
     wanted = KINDS[kind]
+    if wanted.unit == "1" and heading.unit in (None, "-", "1") and _all_percent(sheet.columns[heading.index]):
+        heading = replace(heading, unit="%")
     if heading.unit is None and wanted.unit != "1":
         raise InputError(
             "has no unit",
             file=sheet.name,
             line=sheet.header_line,
             column=heading.title,
-            remedy=f'write it behind the name, as in "{heading.title} [{wanted.unit}]"',
+            remedy=f'write it behind the name, as in "{heading.title} [{wanted.unit}]", or say '
+            + filled_in([(heading.title, f"{name or heading.name} [{wanted.unit}]")]),
         )
     try:
         factor, offset = column_factor(heading.unit or "-", kind)
@@ -204,6 +216,49 @@ def quantities(
     return values + float(offset) if offset else values
 
 
+def _all_percent(cells: Sequence[str]) -> bool:
+    return bool(cells) and cells[0].endswith("%") and all(cell.endswith("%") for cell in cells if cell)
+
+
+def seconds(sheet: Sheet, heading: Heading) -> NDArray[np.float64]:
+    """Return a column of times of day, durations or moments as seconds from its first row, past midnight too.
+
+    Raises InputError naming the cell that is none.
+    """
+    found: list[float] = []
+    for row, cell in enumerate(sheet.columns[heading.index]):
+        match = _MOMENT.fullmatch(cell)
+        if match is None:
+            raise _bad_cell("is no time", cell, sheet, heading, row)
+        hours, minutes, rest = (float((match[name] or "0").replace(",", ".")) for name in ("h", "m", "s"))
+        if match["half"]:
+            hours = hours % 12 + (12 if match["half"][0] in "pP" else 0)
+        days = _day(match["date"]) if match["date"] else 0
+        found.append(86400.0 * days + 3600.0 * hours + 60.0 * minutes + rest)
+    moments = np.array(found)
+    if not any("-" in cell or "/" in cell for cell in sheet.columns[heading.index][:1]):
+        moments = moments + 86400.0 * np.concatenate([[0.0], np.cumsum(np.diff(moments) < -43200.0)])
+    return np.asarray(moments - moments[0])
+
+
+_MOMENT = re.compile(
+    r"(?P<date>\d{1,4}[-./]\d{1,2}[-./]\d{1,4})?[T "
+    r"]*(?P<h>\d{1,4}):(?P<m>\d{2})(?::(?P<s>\d{2}(?:[.,:]\d+)?))?\s?(?P<half>[AaPp]\.?[Mm]\.?)?Z?"
+)
+
+
+def _day(text: str) -> int:
+    """Return the number of a day; of 3/4/2026 the order of day and month does not matter within a test of a day."""
+    parts = [int(part) for part in re.split(r"[-./]", text)]
+    year, month, day = parts if parts[0] > 31 else (parts[2], parts[1], parts[0])
+    if month > 12:
+        month, day = day, month
+    try:
+        return date(year, month, day).toordinal()
+    except ValueError:
+        return 0
+
+
 def _power_of_ten(factor: Fraction) -> int | None:
     """Return n where ``factor`` is ten to the n: such a unit moves the decimal mark and rounds nothing."""
     for power in range(-12, 13):
@@ -219,6 +274,7 @@ def _is_gap(cell: str) -> bool:
 def _number(cell: str, sheet: Sheet, heading: Heading, row: int, decimal: str, shift: int) -> float:
     """The slow way, for cells with thousands separators or worse."""
     text = _SPACES.sub("", cell.replace("\N{MINUS SIGN}", "-"))
+    text = text[:-1].rstrip() if text.endswith("%") else text
     other = _OTHER[decimal]
     if other in text:
         whole, mark, rest = text.partition(decimal)

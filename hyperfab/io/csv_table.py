@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.errors import InputError
-from hyperfab.io.csv_dialect import Heading, Sheet, open_sheet, suffixed
-from hyperfab.io.csv_numbers import quantities, settle_decimal
+from hyperfab.io.csv_dialect import Sheet, open_sheet
+from hyperfab.io.csv_numbers import quantities, seconds, settle_decimal
+from hyperfab.io.headings import Heading, meaning, suffixed
+from hyperfab.io.layout import Layout
+from hyperfab.io.tables import is_clock
 from hyperfab.io.unit_table import UnitError
 from hyperfab.io.units import KINDS, column_factor
 
@@ -22,7 +25,7 @@ class Table:
     columns: dict[str, NDArray[np.float64]]
     lines: NDArray[np.int64]
     metadata: dict[str, str]
-    blank_rows: int = 0
+    left_out: Mapping[str, int] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         return self.columns[name]
@@ -41,6 +44,7 @@ def read_table(
     rest: str | None = None,
     decimal: str | None = None,
     gaps: bool = False,
+    layout: Layout | None = None,
 ) -> Table:
     """Read the named ``columns`` of a CSV table: name to kind of quantity or unit (see ``hyperfab.io.units.KINDS``).
 
@@ -56,7 +60,16 @@ def read_table(
     >>> table["stress"]
     array([0.    , 0.0125])
     """
-    sheet = open_sheet(data, name)
+
+    def fits(heads: Sequence[Heading]) -> bool:
+        names = {one.name for one in heads} | {suffixed(one).name for one in heads}
+        names |= {
+            m.name for one in heads if (m := meaning(suffixed(one))) is not None and m.name not in names
+        }
+        return set(columns) <= names
+
+    layout = layout or Layout(decimal=decimal)
+    sheet = open_sheet(data, name, layout, fits)
     wanted: dict[str, tuple[Heading, str]] = {}
     for column, asked in {**columns, **(optional or {})}.items():
         kind = _kind(asked)
@@ -76,16 +89,18 @@ def read_table(
                 line=sheet.header_line,
                 remedy=f'name one a probe, as in "T1 [{KINDS[rest].unit}]"',
             )
-    mark = settle_decimal(sheet, [heading for heading, _ in wanted.values()], decimal)
+    mark = settle_decimal(sheet, [heading for heading, _ in wanted.values()], layout.decimal)
     named = {**columns, **(optional or {})}
     values = {
-        column: quantities(sheet, heading, kind, mark, gaps and column not in named)
+        column: seconds(sheet, heading)
+        if kind == "time" and is_clock(sheet.columns[heading.index][0])
+        else quantities(sheet, heading, kind, mark, gaps and column not in named, column)
         for column, (heading, kind) in wanted.items()
     }
     if increasing is not None:
         _check_increasing(sheet, wanted[increasing][0], values[increasing])
     metadata = {key: entries[0].value for key, entries in sheet.metadata.items()}
-    return Table(values, np.array(sheet.lines, dtype=np.int64), metadata, sheet.blank_rows)
+    return Table(values, np.array(sheet.lines, dtype=np.int64), metadata, sheet.left_out)
 
 
 def _kind(asked: str) -> str:

@@ -3,27 +3,37 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import PurePath
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.errors import InputError
-from hyperfab.io.csv_dialect import Heading, Sheet, open_sheet
-from hyperfab.io.csv_numbers import numbers, quantities, settle_decimal, words
+from hyperfab.io.csv_dialect import Sheet, open_sheets
+from hyperfab.io.csv_numbers import numbers, quantities, seconds, settle_decimal, words
+from hyperfab.io.headings import Heading, is_of, kind_named, word_for
+from hyperfab.io.layout import Choice, Layout, filled_in, layout
+from hyperfab.io.roles import STRESSES, STRETCHES, Roles, fits, no_test, roles, specimens, unitless
 from hyperfab.io.specimen import Geometry, Reading, read_geometry, read_loading
-from hyperfab.io.units import quantity
+from hyperfab.io.stated import amount, stated
+from hyperfab.io.tables import NO_READING, is_clock, is_number
+from hyperfab.io.understood import understood
 
 #: The deformation modes a test can be in.
-TESTS = ("uniaxial", "shear", "biaxial", "biaxial-general", "volumetric")
-_TEST_NAMES = {
-    "planar": "shear", "planar tension": "shear", "pure shear": "shear", "planar shear": "shear",
-    "equibiaxial": "biaxial", "equi biaxial": "biaxial", "biaxial general": "biaxial-general",
-    "tension": "uniaxial", "tensile": "uniaxial",
-}  # fmt: skip
-_DIRECTIONS = {"warp": 0.0, "weft": 90.0, "wale": 0.0, "course": 90.0}
-_BRANCHES = {"load": 1, "loading": 1, "unload": -1, "unloading": -1}
+TESTS = (
+    "uniaxial",
+    "confined-compression",
+    "shear",
+    "simple-shear",
+    "biaxial",
+    "biaxial-general",
+    "volumetric",
+)
+_DEGREES = {"warp": 0.0, "weft": 90.0}
+_SIDES = {"load": 1, "unload": -1}
 
 Array = NDArray[np.float64]
 
@@ -39,7 +49,8 @@ class TestData:
 
     Arrays have one entry a row. ``stress`` is nominal [MPa], or force per undeformed width [N/mm] where ``membrane``
     is true (no thickness is known). ``direction`` is in degrees from the warp. ``branch`` is 1 on loading and -1 on
-    unloading. For a volumetric test ``stretch`` is the volume ratio and ``stress`` the mean stress.
+    unloading. For a volumetric test ``stretch`` is the volume ratio and ``stress`` the mean stress, in simple shear
+    they are shear strain and shear stress. ``understood`` says in a line how the file was read.
     What the file does not tell is None.
     """
 
@@ -62,9 +73,24 @@ class TestData:
     direction: float | None = None
     specimen: str | None = None
     thickness_mm: float | None = None
+    width_mm: float | None = None
+    gauge_length_mm: float | None = None
+    understood: str = ""
+    chosen: tuple[Choice, ...] = ()
     left_out: Mapping[str, int] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     metadata: Mapping[str, str] = field(default_factory=dict)
+
+    def take(self, rows: Any) -> TestData:
+        """Return the same test with some of its rows."""
+        columns = (
+            "stretch", "stress", "lines", "stretch2", "stress2", "stress_sd", "time_s", "temperature_degC",
+            "rate_1_s", "cycle", "branch",
+        )  # fmt: skip
+        picked: dict[str, Any] = {
+            name: None if (column := getattr(self, name)) is None else column[rows] for name in columns
+        }
+        return replace(self, **picked)
 
     @property
     def direction_name(self) -> str | None:
@@ -86,12 +112,16 @@ def read_tests(
     test: str | None = None,
     geometry: Geometry | None = None,
     decimal: str | None = None,
+    columns: Layout | None = None,
+    clock: bool = True,
 ) -> list[TestData]:
-    """Read the tests of one CSV file: one TestData a test, direction and specimen, in the order of the file.
+    """Read the tests of one file: one TestData a test, direction and specimen, in the order of the file.
 
     ``test`` is what the command line says the file is; a file that says otherwise is refused. ``geometry`` holds
-    the specimen's sizes given as options, which take precedence over the file's own. Every row with a reading is
-    kept; ``left_out`` counts the others by reason.
+    the specimen's sizes given as options, which take precedence over the file's own, ``columns`` how its table is to be
+    read. Every row with a reading is kept; ``left_out`` counts the others by reason. Without ``clock`` the times
+    are not
+    used, and not judged.
 
     Raises InputError with file, line and column where the file cannot be understood in exactly one way, or tells
     what no test can have shown.
@@ -100,27 +130,64 @@ def read_tests(
     >>> found.test, found.stretch, found.stress
     ('shear', array([1.1, 1.2]), array([0.12, 0.21]))
     """
-    sheet = open_sheet(data, name)
-    given = _declared_test(test, name)
-    tests = _tests_of_rows(sheet, given)
-    numeric = [heading for heading in sheet.headings if heading.name in _NUMERIC]
+    told = columns or layout(decimal=decimal)
+    found: list[TestData] = []
+    sheets = [part for sheet in open_sheets(data, name, fits, told) for part in specimens(sheet)]
+    for number, sheet in enumerate(sheets, 1):
+        label = sheet.label or (str(number) if len(sheets) > 1 else "")
+        found += _read_sheet(sheet, test, geometry or Geometry(), told.decimal, clock, label)
+    if sum(len(part.stretch) for part in found) < 2:
+        raise InputError(
+            "has one row, a curve needs at least two",
+            file=name,
+            line=sheets[0].lines[0] if sheets[0].lines else None,
+            remedy="export the whole test",
+        )
+    return found
+
+
+def _read_sheet(
+    sheet: Sheet, test: str | None, geometry: Geometry, decimal: str | None, clock: bool, label: str
+) -> list[TestData]:
+    columns = roles(sheet)
+    sheet = _with_readings(sheet, columns)
+    if not sheet.lines:
+        raise InputError(
+            "has no row with readings",
+            file=sheet.name,
+            line=sheet.header_line,
+            remedy="export the readings too",
+        )
+    kinds, compression = _tests_of_rows(sheet, columns, test)
+    numeric = [
+        one.heading
+        for one in columns.columns.values()
+        if any(map(is_number, sheet.columns[one.heading.index][:3]))
+    ]
     mark = settle_decimal(sheet, numeric, decimal)
-    sizes = read_geometry(sheet, geometry or Geometry())
-    directions = _directions(sheet)
-    specimens = _words_or_meta(sheet, "specimen")
-    groups = _groups(tests, directions, specimens)
-    kinds = sorted({kind for kind, _, _ in groups})
-    readings = {kind: read_loading(sheet, kind, sizes, mark) for kind in kinds}
-    columns = _columns(sheet, mark)
-    notes = _unused(sheet)
-    left_out = {"blank row": sheet.blank_rows} if sheet.blank_rows else {}
+    notes: list[str] = []
+    sizes = read_geometry(sheet, geometry, mark, notes)
+    directions = _directions(sheet, columns)
+    named = _words_or_stated(sheet, columns, "specimen")
+    numbered = (
+        [label] * len(sheet.lines) if label and len(set(named)) <= 1 and not (named and named[0]) else named
+    )
+    groups = _groups(kinds, directions, numbered)
+    readings = {
+        kind: read_loading(sheet, columns, kind, sizes, mark, geometry, compression)
+        for kind in sorted({one for one, _, _ in groups})
+    }
+    known: dict[str, Any] = _of_each_row(sheet, columns, sizes, mark, clock, notes)
     metadata = {key: entries[0].value for key, entries in sheet.metadata.items()}
     lines = np.array(sheet.lines, dtype=np.int64)
+    aside = [*columns.aside, *_set_aside(columns, readings.values())]
+    if aside:
+        notes.append(f"columns not used: {', '.join(aside[:12])}")
     found = []
     for (kind, direction, specimen), rows in groups.items():
         reading = readings[kind].rows(rows)
         part = TestData(
-            source=name,
+            source=sheet.name,
             test=_refined(kind, reading),
             stretch=reading.stretch,
             stress=reading.stress,
@@ -132,56 +199,117 @@ def read_tests(
             direction=direction,
             specimen=specimen,
             thickness_mm=sizes.thickness,
-            left_out=left_out,
+            width_mm=sizes.width,
+            gauge_length_mm=sizes.gauge_length,
+            left_out=sheet.left_out,
             notes=(*reading.notes, *notes),
             metadata=metadata,
-            **{key: None if column is None else column[rows] for key, column in columns.items()},
         )
-        _check(part, sheet)
+        part = replace(part, **_picked(known, rows))
+        _check(part, sheet, columns, clock)
         found.append(part)
-    if sum(len(part.stretch) for part in found) < 2:
-        raise InputError(
-            "has one row, a curve needs at least two",
-            file=name,
-            line=sheet.lines[0],
-            remedy="export the whole test",
-        )
-    return found
-
-
-_NUMERIC = frozenset(
-    f"{kind}{place}"
-    for kind in (
-        "strain", "stretch", "stress", "nominal stress", "engineering stress", "engineering strain", "true stress",
-        "cauchy stress", "membrane stress", "extension", "force", "displacement", "elongation", "load",
-        "volume ratio", "stress sd", "membrane stress sd", "time", "temperature", "rate", "cycle",
+    rows_of = [
+        one
+        for name, one in columns.columns.items()
+        if name in _OF_A_ROW and known.get(_OF_A_ROW[name]) is not None
+    ]
+    line = understood(sheet, readings.values(), rows_of)
+    chosen = tuple(
+        one for head in sheet.headings if (one := sheet.layout.choice(head, sheet.headings)) is not None
     )
-    for place in ("", " 1", " 2")
-)  # fmt: skip
+    return [replace(part, understood=line, chosen=chosen) for part in found]
+
+
+def _picked(columns: Mapping[str, Any], rows: Any) -> dict[str, Any]:
+    """Return some rows of columns, of those that are there."""
+    return {name: None if column is None else column[rows] for name, column in columns.items()}
+
+
+#: Columns that tell something of a row, by the field they fill.
+_OF_A_ROW = {
+    "time": "time_s",
+    "temperature": "temperature_degC",
+    "chamber": "temperature_degC",
+    "rate": "rate_1_s",
+    "cycle": "cycle",
+    "branch": "branch",
+}
+
+
+def _with_readings(sheet: Sheet, columns: Roles) -> Sheet:
+    """Leave out rows where a machine or a spreadsheet wrote that there is no reading, each counted by reason."""
+    reasons: dict[str, list[int]] = {}
+    seen: set[int] = set()
+    count = len(sheet.lines)
+    for names in (STRETCHES, STRESSES):
+        for place in ("", " 2"):
+            column = columns.first(names, place)
+            if column is None:
+                continue
+            cells = sheet.columns[column.heading.index]
+            if not any(
+                mark in cell
+                for cell in {*cells[:1], *set(cells)}
+                for mark in "#/-*nNvVaAoOlL–—"
+                if NO_READING.fullmatch(cell)
+            ):
+                tail = next((row for row in range(count - 1, -1, -1) if cells[row]), -1)
+                if tail == count - 1:
+                    continue
+            last = max((row for row in range(count) if is_number(cells[row])), default=-1)
+            for row, cell in enumerate(cells):
+                if row in seen or (cell and not NO_READING.fullmatch(cell)):
+                    continue
+                word = cell.casefold().strip("+-")
+                if row > last or (cell and word not in ("nan", "inf", "none", "null")):
+                    seen.add(row)
+                    reasons.setdefault(f"no reading ({cell})" if cell else "no reading (empty)", []).append(
+                        row
+                    )
+    for reason, rows in reasons.items():
+        sheet = replace(sheet, left_out={**sheet.left_out, reason: len(rows)})
+    return sheet if not seen else replace(sheet.without(sorted(seen), "-"), left_out=sheet.left_out)
+
+
+def _set_aside(columns: Roles, readings: Iterable[Reading]) -> list[str]:
+    """Return the titles of columns that are understood and not used: an extension beside a strain, a second force."""
+    used = {column.heading.index for reading in readings for column in reading.used}
+    rows = ("time", "temperature", "chamber", "rate", "cycle", "branch", "direction", "specimen", "test")
+    return [
+        one.heading.title
+        for name, one in columns.columns.items()
+        if one.heading.index not in used and name not in rows
+    ]
 
 
 def _declared_test(test: str | None, name: str) -> str | None:
     if test is None:
         return None
     folded = test.strip().casefold().replace("_", "-")
-    found = folded if folded in TESTS else _TEST_NAMES.get(folded.replace("-", " "))
+    found = folded if folded in TESTS else word_for(folded, "TESTS")
     if found is None:
         raise InputError(
             f"{test[:40]} is no test", file=name, key="test", remedy=f"one of {', '.join(TESTS)}"
         )
-    return found
+    return "uniaxial" if found == "compression" else found
 
 
-def _tests_of_rows(sheet: Sheet, given: str | None) -> list[str]:
-    """Return the test each row belongs to; the command line, the column and the metadata must agree."""
-    column = sheet.find("test")
-    entry = sheet.meta("test")
-    stated = list(words(sheet, column)) if column else [entry.value] if entry else []
+def _tests_of_rows(sheet: Sheet, columns: Roles, given: str | None) -> tuple[list[str], bool]:
+    """Return the test each row belongs to, and whether it is told to be a compression.
+
+    The command line, the column and the metadata must agree; a file that does not say is recognised by its columns, by
+    the words above the table, or by its name.
+    """
+    column = columns.columns.get("test")
+    entry = next((one for one in sheet.metadata.get("test", []) if one.sure), None)
+    texts = list(words(sheet, column.heading)) if column else [entry.value] if entry else []
     where = [*sheet.lines] if column else [entry.line] if entry else []
     known: dict[str, str] = {}
-    for text, line in zip(stated, where, strict=True):
+    compression = False
+    for text, line in zip(texts, where, strict=True):
         if text in known:
             continue
+        compression = compression or word_for(text, "TESTS") == "compression"
         try:
             known[text] = _declared_test(text, sheet.name) or ""
         except InputError as error:
@@ -199,18 +327,36 @@ def _tests_of_rows(sheet: Sheet, given: str | None) -> list[str]:
                 line=line,
                 remedy=f"give it as --{known[text].removesuffix('-general')}, or correct the line",
             )
-    if not stated and given is None:
-        raise InputError(
-            "does not say which test it is",
-            file=sheet.name,
-            remedy=f'add a first line "# test: uniaxial" ({", ".join(TESTS)})',
-        )
-    rows = (
-        [known[text] for text in stated]
-        if column
-        else [known[stated[0]] if stated else given or ""] * len(sheet.lines)
-    )
-    return rows
+    count = len(sheet.lines)
+    if texts:
+        return ([known[text] for text in texts] if column else [known[texts[0]]] * count), compression
+    guess = _recognised(sheet, columns)
+    compression = guess == "compression"
+    if given is not None:
+        return [_declared_test(given, sheet.name) or ""] * count, compression
+    if guess is None:
+        raise no_test(sheet, TESTS)
+    return ["uniaxial" if compression else guess] * count, compression
+
+
+def _recognised(sheet: Sheet, columns: Roles) -> str | None:
+    """Return the test that columns, words above the table or the file's name tell, the surest first."""
+    names = columns.columns
+    if "shear stress" in names or "shear strain" in names:
+        return "simple-shear"
+    if any(name.endswith(" 2") and name[:-2] in STRESSES for name in names):
+        return "biaxial-general"
+    if "volume ratio" in names:
+        return "volumetric"
+    for entry in sheet.metadata.get("test", []):
+        if (found := kind_named(entry.value)) is not None:
+            return found
+    stem = PurePath(sheet.name.partition(".xlsx")[0]).stem
+    if (found := kind_named(stem)) is not None:
+        return found
+    titles = " ".join(one.heading.title for one in names.values())
+    found = kind_named(titles)
+    return found if found in ("uniaxial", "compression") else None
 
 
 def _agree(stated: str, given: str) -> bool:
@@ -224,41 +370,55 @@ def _refined(kind: str, reading: Reading) -> str:
     return kind
 
 
-def _directions(sheet: Sheet) -> list[float | None]:
-    column = sheet.find("direction")
+def _directions(sheet: Sheet, columns: Roles) -> list[float | None]:
+    column = columns.columns.get("direction")
     if column is None:
-        entry = sheet.meta("direction")
-        value = None if entry is None else _direction(entry.value, None, sheet, entry.line)
+        entry = stated(sheet, "direction")
+        value = None
+        if entry is not None:
+            value = _direction(entry.value, None, sheet, entry.line) if entry.sure else _degrees(entry.value)
         return [value] * len(sheet.lines)
+    texts = words(sheet, column.heading)
     known = {}
-    for text, line in zip(words(sheet, column), sheet.lines, strict=True):
+    for text, line in zip(texts, sheet.lines, strict=True):
         if text not in known:
-            known[text] = _direction(text, column, sheet, line)
-    return [known[text] for text in words(sheet, column)]
+            known[text] = _direction(text, column.heading, sheet, line)
+    return [known[text] for text in texts]
+
+
+def _degrees(text: str) -> float | None:
+    """Return the angle from the warp that a word or a number tells, or None."""
+    named = word_for(text, "DIRECTIONS")
+    if named is not None:
+        return _DEGREES[named]
+    match = re.fullmatch(
+        r"([+-]?\d{1,3}(?:\.\d{1,6})?)\s*(?:deg|degrees|°|grad|grados|gradi|degres|graus)?",
+        text.strip().casefold(),
+        re.ASCII,
+    )
+    return float(match[1]) if match and abs(float(match[1])) <= 360.0 else None
 
 
 def _direction(text: str, column: Heading | None, sheet: Sheet, line: int) -> float:
-    folded = text.strip().casefold()
-    if folded in _DIRECTIONS:
-        return _DIRECTIONS[folded]
-    match = re.fullmatch(r"([+-]?\d{1,3}(?:\.\d{1,6})?)\s*(?:deg|degrees|°)?", folded, re.ASCII)
-    if match and abs(float(match[1])) <= 360.0:
-        return float(match[1])
+    found = _degrees(text)
+    if found is not None:
+        return found
     raise InputError(
         f"{text[:40] or 'an empty cell'} is no direction",
         file=sheet.name,
         line=line,
         column=column.title if column else None,
         key=None if column else "direction",
-        remedy="write warp, weft or degrees from the warp",
+        remedy="write warp, weft or degrees from the warp"
+        + (f", or say {filled_in([(column.title, 'aside')])}" if column else ""),
     )
 
 
-def _words_or_meta(sheet: Sheet, name: str) -> list[str | None]:
-    column = sheet.find(name)
+def _words_or_stated(sheet: Sheet, columns: Roles, name: str) -> list[str | None]:
+    column = columns.columns.get(name)
     if column is not None:
-        return [text or None for text in words(sheet, column)]
-    entry = sheet.meta(name)
+        return [text or None for text in words(sheet, column.heading)]
+    entry = stated(sheet, name)
     return [entry.value or None if entry else None] * len(sheet.lines)
 
 
@@ -271,43 +431,93 @@ def _groups(
     return {key: np.array(rows, dtype=np.int64) for key, rows in found.items()}
 
 
-def _columns(sheet: Sheet, decimal: str) -> dict[str, NDArray | None]:
-    """Return what else is known of each row, from a column or from the metadata of the file."""
+def _of_each_row(
+    sheet: Sheet, columns: Roles, sizes: Geometry, decimal: str, clock: bool, notes: list[str]
+) -> dict[str, Any]:
+    """Return what else is known of each row, from a column or from what the file states."""
     return {
-        "time_s": _amount(sheet, "time", "time", decimal, constant=False),
-        "temperature_degC": _amount(sheet, "temperature", "temperature", decimal),
-        "rate_1_s": _amount(sheet, "rate", "rate", decimal),
-        "cycle": _cycles(sheet, decimal),
-        "branch": _branches(sheet),
+        "time_s": _times(sheet, columns, decimal, clock, notes),
+        "temperature_degC": _temperature(sheet, columns, decimal, notes),
+        "rate_1_s": _rate(sheet, columns, sizes, decimal, notes),
+        "cycle": _cycles(sheet, columns, decimal),
+        "branch": _branches(sheet, columns),
     }
 
 
-def _amount(sheet: Sheet, name: str, kind: str, decimal: str, constant: bool = True) -> Array | None:
-    heading = sheet.find(name)
-    if heading is not None:
-        return quantities(sheet, heading, kind, decimal)
-    entry = sheet.meta(name) if constant else None
-    if entry is None:
+def _times(sheet: Sheet, columns: Roles, decimal: str, clock: bool, notes: list[str]) -> Array | None:
+    column = columns.columns.get("time")
+    if column is None:
         return None
-    value = _stated(entry.value, kind, name, sheet, entry.line)
-    return np.full(len(sheet.lines), value)
-
-
-def _stated(text: str, kind: str, name: str, sheet: Sheet, line: int) -> float:
+    head = column.heading
     try:
-        return quantity(text, kind)
+        if is_clock(sheet.columns[head.index][0]):
+            return seconds(sheet, head)
+        return quantities(sheet, head, "time", decimal, name="time")
     except InputError as error:
-        raise InputError(error.message, file=sheet.name, line=line, key=name, remedy=error.remedy) from None
+        if clock:
+            raise
+        notes.append(f"{head.title} is not used: {error.message}")
+        return None
 
 
-def _cycles(sheet: Sheet, decimal: str) -> NDArray[np.int64] | None:
-    heading = sheet.find("cycle")
-    entry = sheet.meta("cycle")
-    if heading is not None:
-        values = numbers(sheet, heading, decimal)
+def _temperature(sheet: Sheet, columns: Roles, decimal: str, notes: list[str]) -> Array | None:
+    column = columns.columns.get("temperature") or columns.columns.get("chamber")
+    if column is None:
+        value = amount(sheet, "temperature", "temperature", decimal, notes)
+        return None if value is None else np.full(len(sheet.lines), value)
+    if column.heading.unit is None:
+        raise InputError(
+            "has no unit",
+            file=sheet.name,
+            line=sheet.header_line,
+            column=column.heading.title,
+            remedy=f'write it behind the name, as in "temperature [degC]", or say '
+            f"{unitless(sheet, [*columns.columns.values()])}",
+        )
+    return quantities(sheet, column.heading, "temperature", decimal, name="temperature")
+
+
+def _rate(sheet: Sheet, columns: Roles, sizes: Geometry, decimal: str, notes: list[str]) -> Array | None:
+    """Return the strain rate of each row: as stated, or the speed of the crosshead over the gauge length."""
+    column = columns.columns.get("rate")
+    length = sizes.gauge_length
+    if column is None:
+        entry = stated(sheet, "rate")
+        if entry is not None and is_of(entry.value.lstrip("+-0123456789.,eE "), "velocity"):
+            speed = amount(sheet, "rate", "velocity", decimal, notes)
+            if length is None or speed is None:
+                notes.append(f"rate, line {entry.line}: a speed without a gauge length is no strain rate")
+                return None
+            notes.append(f"rate, line {entry.line}: {entry.value} over the gauge length")
+            return np.full(len(sheet.lines), speed / length)
+        value = amount(sheet, "rate", "rate", decimal, notes)
+        return None if value is None else np.full(len(sheet.lines), value)
+    head = column.heading
+    if head.unit is not None and is_of(head.unit, "velocity"):
+        if length is None:
+            notes.append(f"{head.title} is not used: a speed without a gauge length is no strain rate")
+            return None
+        return quantities(sheet, head, "velocity", decimal, name="rate") / length
+    if head.unit is None:
+        raise InputError(
+            "has no unit",
+            file=sheet.name,
+            line=sheet.header_line,
+            column=head.title,
+            remedy=f'write it behind the name, as in "rate [1/s]", or say '
+            f"{unitless(sheet, [*columns.columns.values()])}",
+        )
+    return quantities(sheet, head, "rate", decimal, name="rate")
+
+
+def _cycles(sheet: Sheet, columns: Roles, decimal: str) -> NDArray[np.int64] | None:
+    column = columns.columns.get("cycle")
+    entry = stated(sheet, "cycle")
+    if column is not None:
+        values = numbers(sheet, column.heading, decimal)
     elif entry is not None and re.fullmatch(r"\d{1,9}", entry.value, re.ASCII):
         values = np.full(len(sheet.lines), float(entry.value))
-    elif entry is not None:
+    elif entry is not None and entry.sure:
         raise InputError(
             f"{entry.value[:40]} is no cycle number",
             file=sheet.name,
@@ -323,69 +533,81 @@ def _cycles(sheet: Sheet, decimal: str) -> NDArray[np.int64] | None:
             file=sheet.name,
             line=sheet.lines[int(wrong[0])],
             column="cycle",
-            remedy="number the cycles 1, 2, 3",
+            remedy="number the cycles 1, 2, 3"
+            + (f", or say {filled_in([(column.heading.title, 'aside')])}" if column else ""),
         )
     return values.astype(np.int64)
 
 
-def _branches(sheet: Sheet) -> NDArray[np.int64] | None:
-    stated = _words_or_meta(sheet, "branch")
-    if all(text is None for text in stated):
+def _branches(sheet: Sheet, columns: Roles) -> NDArray[np.int64] | None:
+    texts = _words_or_stated(sheet, columns, "branch")
+    if all(text is None for text in texts):
         return None
-    found = []
-    for text, line in zip(stated, sheet.lines, strict=True):
-        branch = _BRANCHES.get((text or "").casefold())
-        if branch is None:
+    known: dict[str | None, int] = {}
+    for text, line in zip(texts, sheet.lines, strict=True):
+        if text in known:
+            continue
+        side = word_for(text or "", "BRANCHES")
+        if side is None:
+            column = columns.columns.get("branch")
             raise InputError(
                 f"{text or 'an empty cell'} is no branch",
                 file=sheet.name,
                 line=line,
                 column="branch",
-                remedy="write load or unload",
+                remedy="write load or unload"
+                + (f", or say {filled_in([(column.heading.title, 'aside')])}" if column else ""),
             )
-        found.append(branch)
-    return np.array(found, dtype=np.int64)
+        known[text] = _SIDES[side]
+    return np.array([known[text] for text in texts], dtype=np.int64)
 
 
-def _unused(sheet: Sheet) -> list[str]:
-    known = _NUMERIC | {"direction", "branch", "specimen", "test", ""}
-    titles = [
-        heading.title for heading in sheet.headings if heading.name not in known and sheet.find(heading.name)
-    ]
-    return [f"columns not used: {', '.join(titles[:8])}"] if titles else []
-
-
-def _check(found: TestData, sheet: Sheet) -> None:
+def _check(found: TestData, sheet: Sheet, columns: Roles, clock: bool) -> None:
     """Refuse what no test can have shown; what is merely odd is the fit's to judge."""
-    if found.test == "volumetric":
+    if found.test in ("volumetric", "simple-shear"):
         return
     stretch, stress = found.stretch, found.stress
 
     def refuse(row: int, message: str, remedy: str) -> InputError:
         return InputError(message, file=sheet.name, line=int(found.lines[row]), remedy=remedy)
 
-    if len(stretch) > 1 and np.ptp(stretch) == 0.0:
+    held = found.stretch2 is not None or found.time_s is not None  # a strip test across, a relaxation
+    if len(stretch) > 1 and np.ptp(stretch) == 0.0 and not held:
         raise refuse(
             0, f"the stretch is {stretch[0]:g} in all {len(stretch)} rows", "export the stretch of every row"
         )
     peak = float(np.abs(stress).max())
     swapped = (
-        np.flatnonzero((stretch < 0.9) & (stress > 0.05 * peak)) if peak > 0.0 else np.array([], dtype=int)
+        np.flatnonzero((stretch < 0.9) & (stress > 0.05 * peak))
+        if peak > 0.0 and found.test != "biaxial-general"
+        else np.array([], dtype=int)
     )
     if swapped.size:
         row = int(swapped[0])
+        column = columns.first(STRESSES)
+        flip = (
+            ""
+            if column is None
+            else filled_in([(column.heading.title, f"-{column.name} [{column.heading.unit or '-'}]")])
+        )
         raise refuse(
             row,
             f"tension ({stress[row]:g} {found.stress_unit}) at a stretch of {stretch[row]:g}, below 1",
-            "are the columns of stretch and stress swapped?",
+            f"are the columns of stretch and stress swapped? where pushing counts as positive, say {flip}",
         )
-    if found.time_s is not None:
+    if clock and found.time_s is not None:
         back = np.flatnonzero(np.diff(found.time_s) < 0.0)
         if back.size and found.cycle is None and found.branch is None and found.rate_1_s is None:
+            column = columns.columns.get("time")
+            drop = (
+                ""
+                if column is None
+                else f"; without the times: {filled_in([(column.heading.title, 'aside')])}"
+            )
             raise refuse(
                 int(back[0]) + 1,
                 f"the time goes back from {found.time_s[back[0]]:g} s to {found.time_s[back[0] + 1]:g} s",
-                "sort the rows, or tell the specimens apart in a column named specimen",
+                f"sort the rows, or tell the specimens apart in a column named specimen{drop}",
             )
     row = int(stretch.argmax())
     if stretch[row] > LARGEST_STRETCH or stretch.min() < 1.0 / LARGEST_STRETCH:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from hyperfab.errors import InputError
+from hyperfab.io.xlsx import split_sheet
 
 #: No input of the toolchain is larger; a device or a runaway pipe must not fill the memory.
 MAX_BYTES = 256 * 2**20
@@ -46,12 +47,13 @@ class Inputs:
         return list(self._files.values())
 
     def read(self, name: str, limit: int = MAX_BYTES) -> bytes:
-        """Return the bytes of file ``name``; ``-`` is standard input.
+        """Return the bytes of file ``name``; ``-`` is standard input, ``FILE.xlsx:SHEET`` the workbook.
 
         Raises InputError where the file is missing, a folder, unreadable, or larger than ``limit`` bytes.
         """
         if name == "-":
             return self._read_stdin(limit)
+        name, _ = split_sheet(name)
         try:
             # O_NONBLOCK: a named pipe nobody writes to must not hang the command while it is opened.
             descriptor = os.open(name, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)

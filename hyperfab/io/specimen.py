@@ -9,29 +9,40 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.errors import InputError
-from hyperfab.io.csv_dialect import Heading, Sheet
+from hyperfab.io.csv_dialect import Sheet
 from hyperfab.io.csv_numbers import quantities
-from hyperfab.io.units import quantity
+from hyperfab.io.layout import filled_in
+from hyperfab.io.roles import STRESSES, STRETCHES, Column, Roles, missing, unitless
+from hyperfab.io.stated import amount, conflicting, stated
 
 Array = NDArray[np.float64]
 
-#: A strain without a unit beyond this is a percentage somebody forgot to mark: no fabric stretches twenty-fold.
-MAX_STRAIN = 20.0
+#: A strain without a unit beyond this is a percentage somebody forgot to mark: no fabric stretches twenty-fold, and
+#: few test machines export a strain of more than three without its per cent.
+MAX_STRAIN, MAX_MACHINE_STRAIN = 20.0, 3.0
 
 
 @dataclass(frozen=True)
 class Geometry:
-    """The undeformed specimen [mm]; what is not known is None. A biaxial disc has a ``diameter`` and no width."""
+    """The undeformed specimen [mm]; what is not known is None.
+
+    A biaxial disc has a ``diameter`` and no width, so has a round specimen that is pulled or compressed; ``area``
+    [mm^2] is its section, where that is stated.
+    """
 
     gauge_length: float | None = None
     width: float | None = None
     thickness: float | None = None
     diameter: float | None = None
+    area: float | None = None
 
 
 @dataclass(frozen=True)
 class Reading:
-    """Stretch and nominal stress of the rows of a file; ``membrane``: the stress is in N/mm."""
+    """Stretch and nominal stress of the rows of a file; ``membrane``: the stress is in N/mm.
+
+    In simple shear the stretch is the shear strain. ``used`` are the columns that were taken.
+    """
 
     stretch: Array
     stress: Array
@@ -40,6 +51,7 @@ class Reading:
     stress2: Array | None
     stress_sd: Array | None
     notes: tuple[str, ...]
+    used: tuple[Column, ...] = ()
 
     def rows(self, chosen: NDArray[np.int64]) -> Reading:
         """Return the reading of some rows."""
@@ -57,28 +69,25 @@ class Reading:
         )
 
 
-def read_geometry(sheet: Sheet, options: Geometry) -> Geometry:
-    """Return the specimen's sizes: those given as options, else those the file's metadata state."""
+def read_geometry(sheet: Sheet, options: Geometry, decimal: str, notes: list[str]) -> Geometry:
+    """Return the specimen's sizes: those given as options, else those the file states in one way.
+
+    What a machine's preamble states without a unit, or twice, is not taken, and ``notes`` says so.
+    """
     found = {}
-    for key in ("gauge_length", "width", "thickness", "diameter"):
+    for key in ("gauge_length", "width", "thickness", "diameter", "area"):
         value = getattr(options, key)
-        entry = sheet.meta(key.replace("_", " "))
-        if value is None and entry is not None:
-            try:
-                value = quantity(entry.value, "length")
-            except InputError as error:
-                raise InputError(
-                    error.message,
-                    file=sheet.name,
-                    line=entry.line,
-                    key=key.replace("_", " "),
-                    remedy=error.remedy,
-                ) from None
-            if value <= 0.0:
+        if value is None:
+            kind = "area" if key == "area" else "length"
+            value = amount(sheet, key.replace("_", " "), kind, decimal, notes)
+            if value is None and key == "gauge_length":
+                value = amount(sheet, "grip distance", kind, decimal, notes)
+            if value is not None and value <= 0.0:
+                entry = stated(sheet, key.replace("_", " "))
                 raise InputError(
                     "is not positive",
                     file=sheet.name,
-                    line=entry.line,
+                    line=entry.line if entry else None,
                     key=key.replace("_", " "),
                     remedy="write the size of the undeformed specimen",
                 )
@@ -86,28 +95,45 @@ def read_geometry(sheet: Sheet, options: Geometry) -> Geometry:
     return Geometry(**found)
 
 
-def read_loading(sheet: Sheet, test: str, sizes: Geometry, decimal: str) -> Reading:
+def read_loading(
+    sheet: Sheet,
+    roles: Roles,
+    test: str,
+    sizes: Geometry,
+    decimal: str,
+    options: Geometry,
+    compression: bool = False,
+) -> Reading:
     """Return stretch and nominal stress of all rows, taken as a test of kind ``test``.
 
-    - stretch: ``stretch``, else ``strain`` + 1, else 1 + ``extension`` / gauge length (the diameter of a disc).
+    - stretch: ``stretch``, else ``strain`` + 1 (true and Green strains after their definitions), else 1 +
+    ``extension`` /
+      gauge length (the diameter of a disc); a machine's position counts from its first row, a gap is a length.
     - nominal stress: ``stress``; else ``true stress`` / stretch, which is the same for uniaxial, planar and
       biaxial tension of an incompressible sheet, since force and area share the direction; else ``membrane stress``
       or ``force`` / width (a disc's radial force: / (pi diameter)), in N/mm, divided by the thickness where it is
-      known.
+      known; else force / area.
+
+    Where ``compression`` is told, or a column counts pushing as positive, signs are those of mechanics in what is
+    returned.
 
     Raises InputError where columns or sizes are missing.
     """
     notes: list[str] = []
-    stretch = _stretch(sheet, "", test, sizes, decimal)
+    used: list[Column] = []
+    stretch = _stretch(sheet, roles, "", test, sizes, decimal, options, notes, used)
     if stretch is None:
-        raise _missing(sheet, "a stretch", '"stretch", "strain [%]" or "extension [mm]"')
-    stretch2 = _stretch(sheet, " 2", test, sizes, decimal)
-    stress, membrane, sd = _stress(sheet, "", test, sizes, decimal, stretch, notes)
+        raise missing(sheet, roles, "a stretch", '"stretch", "strain [%]" or "extension [mm]"')
+    stretch2 = _stretch(sheet, roles, " 2", test, sizes, decimal, options, notes, used)
+    stress, membrane, sd = _stress(sheet, roles, "", test, sizes, decimal, stretch, notes, used)
     if stress is None:
-        raise _missing(
-            sheet, "a stress", '"stress [MPa]", "true stress [MPa]", "membrane stress [N/mm]" or "force [N]"'
+        raise missing(
+            sheet,
+            roles,
+            "a stress",
+            '"stress [MPa]", "true stress [MPa]", "membrane stress [N/mm]" or "force [N]"',
         )
-    stress2, membrane2, _ = _stress(sheet, " 2", test, sizes, decimal, stretch2, notes)
+    stress2, membrane2, _ = _stress(sheet, roles, " 2", test, sizes, decimal, stretch2, notes, used)
     if stress2 is not None and membrane2 != membrane:
         raise InputError(
             "the two directions are in different units (MPa and N/mm)",
@@ -116,42 +142,81 @@ def read_loading(sheet: Sheet, test: str, sizes: Geometry, decimal: str) -> Read
             remedy="give the thickness, so that both are in MPa",
         )
     if test == "biaxial-general" and (stretch2 is None or stress2 is None):
-        raise _missing(
-            sheet, "the second direction of a general biaxial test", '"stretch 2" and "stress 2 [MPa]"'
+        raise missing(
+            sheet, roles, "the second direction of a general biaxial test", '"stretch 2" and "stress 2 [MPa]"'
         )
-    return Reading(stretch, stress, membrane, stretch2, stress2, sd, tuple(notes))
+    if compression and test in ("uniaxial", "confined-compression"):
+        if stretch[int(np.abs(stretch - 1.0).argmax())] > 1.0:
+            stretch = 2.0 - stretch
+            notes.append("a compression test: its strain, counted positive in the file, is taken as negative")
+        if stress[int(np.abs(stress).argmax())] > 0.0:
+            stress = -stress
+            notes.append("a compression test: its stress, counted positive in the file, is taken as negative")
+    return Reading(stretch, stress, membrane, stretch2, stress2, sd, tuple(notes), tuple(used))
 
 
-def _stretch(sheet: Sheet, place: str, test: str, sizes: Geometry, decimal: str) -> Array | None:
-    direct = _find(sheet, place, "stretch", *(("volume ratio",) if test == "volumetric" else ()))
-    strain = _find(sheet, place, "strain", "engineering strain")
-    extension = _find(sheet, place, "extension", "displacement", "elongation")
-    if direct is not None:
-        found, heading = quantities(sheet, direct, "dimensionless", decimal), direct
-    elif strain is not None:
-        values = quantities(sheet, strain, "dimensionless", decimal)
-        if strain.unit is None and np.abs(values).max() > MAX_STRAIN:
+def _signed(values: Array, column: Column, notes: list[str]) -> Array:
+    """Return readings with the signs of mechanics: pulling is positive."""
+    if column.minus:
+        return -values
+    if column.compressive and len(values) and values[int(np.abs(values).argmax())] > 0.0:
+        notes.append(f"{column.heading.title} counts pushing as positive and is taken as negative")
+        return -values
+    return values
+
+
+def _stretch(
+    sheet: Sheet,
+    roles: Roles,
+    place: str,
+    test: str,
+    sizes: Geometry,
+    decimal: str,
+    options: Geometry,
+    notes: list[str],
+    used: list[Column],
+) -> Array | None:
+    names = (
+        ("shear strain",)
+        if test == "simple-shear"
+        else tuple(one for one in STRETCHES if one != "shear strain")
+    )
+    column = roles.first(names, place)
+    if column is None:
+        return None
+    used.append(column)
+    name, head = column.name.removesuffix(" 2"), column.heading
+    if name in ("extension", "length", "position"):
+        found = _from_lengths(sheet, column, name, test, sizes, decimal, options, notes)
+    else:
+        values = quantities(sheet, head, "dimensionless", decimal, name=name)
+        largest = float(np.abs(values).max()) if len(values) else 0.0
+        contract = head.name.rstrip(" 12") in ("strain", "engineering strain")
+        percent = any("%" in cell for cell in sheet.columns[head.index][:1])
+        if (
+            name != "stretch"
+            and head.unit is None
+            and not percent
+            and largest > (MAX_STRAIN if contract else MAX_MACHINE_STRAIN)
+        ):
             row = int(np.abs(values).argmax())
             raise InputError(
                 f"a strain of {values[row]:g} without a unit",
                 file=sheet.name,
                 line=sheet.lines[row],
-                column=strain.title,
-                remedy=f'name the column "{strain.title} [%]" if it is in percent, "{strain.title} [-]" if not',
+                column=head.title,
+                remedy=f'name the column "{head.title} [%]" if it is in percent, "{head.title} [-]" if not, or say '
+                + filled_in([(head.title, f"{name} [%]")]),
             )
-        found, heading = 1.0 + values, strain
-    elif extension is not None:
-        length = sizes.gauge_length or (sizes.diameter if test.startswith("biaxial") else None)
-        if length is None:
-            raise InputError(
-                "needs the gauge length to become a stretch",
-                file=sheet.name,
-                column=extension.title,
-                remedy='give --gauge-length, or add a line "# gauge length: 50 mm" on top',
-            )
-        found, heading = 1.0 + quantities(sheet, extension, "length", decimal) / length, extension
-    else:
-        return None
+        values = _signed(values, column, notes)
+        if name == "shear strain":
+            return values
+        if name == "true strain":
+            found = np.exp(values)
+        elif name == "green strain":
+            found = np.sqrt(np.maximum(1.0 + 2.0 * values, 0.0))
+        else:
+            found = values if name in ("stretch", "volume ratio") else 1.0 + values
     wrong = np.flatnonzero(found <= 0.0)
     if wrong.size:
         row = int(wrong[0])
@@ -159,106 +224,163 @@ def _stretch(sheet: Sheet, place: str, test: str, sizes: Geometry, decimal: str)
             f"a stretch of {found[row]:g} is impossible, it is the length over the first length",
             file=sheet.name,
             line=sheet.lines[row],
-            column=heading.title,
+            column=head.title,
             remedy="correct the cell; is the column a strain, or are columns swapped?",
         )
     return found
 
 
+def _from_lengths(
+    sheet: Sheet,
+    column: Column,
+    name: str,
+    test: str,
+    sizes: Geometry,
+    decimal: str,
+    options: Geometry,
+    notes: list[str],
+) -> Array:
+    head = column.heading
+    if head.unit is None:
+        raise no_unit(sheet, column)
+    if options.gauge_length is None:
+        conflicting(sheet, decimal)
+    length = sizes.gauge_length or (sizes.diameter if test.startswith("biaxial") else None)
+    values = quantities(sheet, head, "length", decimal, name=name)
+    if name == "length":
+        if length is None:
+            length = float(values[0])
+            notes.append(
+                f"{head.title} is the length; its first, {length:g} mm, is taken as the gauge length"
+            )
+        return values / length
+    if length is None:
+        raise InputError(
+            "needs the gauge length to become a stretch",
+            file=sheet.name,
+            column=head.title,
+            remedy='give --gauge-length 50mm, or add a line "# gauge length: 50 mm" on top',
+        )
+    values = _signed(values, column, notes)
+    if name == "position":
+        values = values - values[0]
+        notes.append(f"{head.title} is counted from its first row")
+    return 1.0 + values / length
+
+
+def no_unit(sheet: Sheet, column: Column) -> InputError:
+    """Return the error that a column lacks its unit, with the option that gives it."""
+    return InputError(
+        "has no unit",
+        file=sheet.name,
+        line=sheet.header_line,
+        column=column.heading.title,
+        remedy=f'write it behind the name, as in "{column.heading.title} [mm]", or say {unitless(sheet, [column])}',
+    )
+
+
 def _stress(
     sheet: Sheet,
+    roles: Roles,
     place: str,
     test: str,
     sizes: Geometry,
     decimal: str,
     stretch: Array | None,
     notes: list[str],
+    used: list[Column],
 ) -> tuple[Array | None, bool, Array | None]:
     """Return (nominal stress, whether it is N/mm, its standard deviation)."""
-    nominal = _find(sheet, place, "stress", "nominal stress", "engineering stress")
-    true = _find(sheet, place, "true stress", "cauchy stress")
-    membrane = _find(sheet, place, "membrane stress")
-    force = _find(sheet, place, "force", "load")
-    deviation = _find(sheet, place, "stress sd", "membrane stress sd") if not place else None
-    sd = None
-    if nominal is not None:
-        found, per_width = quantities(sheet, nominal, "stress", decimal), False
-        if deviation is not None:
-            sd = _deviation(sheet, deviation, "stress", decimal)
-    elif true is not None:
-        if stretch is None:
-            raise _missing(sheet, f"the stretch that belongs to {true.title}", f'"stretch{place}"')
-        found, per_width = quantities(sheet, true, "stress", decimal), False
-        if deviation is not None:
-            sd = _deviation(sheet, deviation, "stress", decimal)
-        if test != "volumetric":
-            found = found / stretch
-            sd = None if sd is None else sd / stretch
-            notes.append("true stress taken as nominal stress times the stretch (no change of volume)")
-    elif membrane is not None:
-        found, per_width = quantities(sheet, membrane, "membrane-stress", decimal), True
-        if deviation is not None:
-            sd = _deviation(sheet, deviation, "membrane-stress", decimal)
-    elif force is not None:
-        found, per_width = (
-            quantities(sheet, force, "force", decimal) / _width(sheet, force, test, sizes),
-            True,
+    names = (
+        ("shear stress", "force")
+        if test == "simple-shear"
+        else tuple(one for one in STRESSES if one != "shear stress")
+    )
+    column = roles.first(names, place)
+    if column is None:
+        return None, False, None
+    used.append(column)
+    name, head = column.name.removesuffix(" 2"), column.heading
+    if head.unit is None:
+        raise InputError(
+            "has no unit",
+            file=sheet.name,
+            line=sheet.header_line,
+            column=head.title,
+            remedy=f'write it behind the name, as in "{head.title} [{"N" if name == "force" else "MPa"}]", or say '
+            + unitless(sheet, [*roles.columns.values()]),
         )
-        if deviation is not None:
-            sd = _deviation(sheet, deviation, "stress", decimal)
-            sd = sd if sizes.thickness is None else sd * sizes.thickness
+    deviation = roles.columns.get("stress sd") if not place else None
+    kind, per_width = ("membrane-stress", True) if name == "membrane stress" else ("stress", False)
+    factor: float | Array = 1.0
+    if name == "force":
+        kind = "force"
+        factor, per_width = _over(sheet, column, test, sizes)
+    found = _signed(quantities(sheet, head, kind, decimal, name=name), column, notes) / factor
+    sd = None
+    if deviation is not None:
+        used.append(deviation)
+        found_sd = _deviation(
+            sheet, deviation, kind if name != "force" else "stress", decimal, found, stretch
+        )
+        if name == "force" and per_width:
             if sizes.thickness is None:
                 raise InputError(
                     "needs the thickness",
                     file=sheet.name,
-                    column=deviation.title,
+                    column=deviation.heading.title,
                     remedy='give --thickness, or add a line "# thickness: 0.6 mm" on top',
                 )
-    else:
-        return None, False, None
+            found_sd = found_sd * sizes.thickness
+        sd = found_sd
+    if name == "true stress" and test != "volumetric":
+        if stretch is None:
+            raise missing(sheet, roles, f"the stretch that belongs to {head.title}", f'"stretch{place}"')
+        found = found / stretch
+        sd = None if sd is None else sd / stretch
+        notes.append("true stress taken as nominal stress times the stretch (no change of volume)")
     if per_width and sizes.thickness is not None:
         found, sd, per_width = found / sizes.thickness, None if sd is None else sd / sizes.thickness, False
     return found, per_width, sd
 
 
-def _width(sheet: Sheet, force: Heading, test: str, sizes: Geometry) -> float:
+def _over(sheet: Sheet, column: Column, test: str, sizes: Geometry) -> tuple[float, bool]:
+    """Return what a force is divided by, and whether that is a width [mm] and no area [mm^2]."""
     if test.startswith("biaxial") and sizes.diameter is not None:
-        return math.pi * sizes.diameter
-    if sizes.width is None:
-        disc = " or diameter" if test.startswith("biaxial") else ""
-        raise InputError(
-            f"needs the width{disc} of the specimen to become a stress",
-            file=sheet.name,
-            column=force.title,
-            remedy='give --width, or add a line "# width: 25 mm" on top',
-        )
-    return sizes.width
+        return math.pi * sizes.diameter, True
+    if sizes.width is not None:
+        return sizes.width, True
+    if sizes.area is not None:
+        return sizes.area, False
+    if sizes.diameter is not None:
+        return math.pi * sizes.diameter**2 / 4.0, False
+    disc = " or diameter" if test.startswith("biaxial") else ""
+    raise InputError(
+        f"needs the width{disc} of the specimen to become a stress",
+        file=sheet.name,
+        column=column.heading.title,
+        remedy='give --width 25mm, or add a line "# width: 25 mm" on top',
+    )
 
 
-def _deviation(sheet: Sheet, heading: Heading, kind: str, decimal: str) -> Array:
-    values = quantities(sheet, heading, kind, decimal)
+def _deviation(
+    sheet: Sheet, column: Column, kind: str, decimal: str, stress: Array, stretch: Array | None
+) -> Array:
+    """Return standard deviations; one of zero at rest, where a reading was zeroed, is the smallest of the others."""
+    values = quantities(sheet, column.heading, kind, decimal, name="stress sd")
+    rest = np.abs(stress) <= 1e-9 * float(np.abs(stress).max())
+    if stretch is not None:
+        rest |= np.abs(stretch - 1.0) <= 1e-9
+    known = values[values > 0.0]
+    if len(known):
+        values = np.where((values == 0.0) & rest, known.min(), values)
     wrong = np.flatnonzero(values <= 0.0)
     if wrong.size:
         raise InputError(
             f"a standard deviation of {values[wrong[0]]:g}",
             file=sheet.name,
             line=sheet.lines[int(wrong[0])],
-            column=heading.title,
+            column=column.heading.title,
             remedy="it is positive; leave the column out where it is not known",
         )
     return values
-
-
-def _find(sheet: Sheet, place: str, *names: str) -> Heading | None:
-    places = (place,) if place else ("", " 1")
-    return sheet.find(*(f"{name}{where}" for name in names for where in places))
-
-
-def _missing(sheet: Sheet, what: str, columns: str) -> InputError:
-    titles = ", ".join(heading.title or '""' for heading in sheet.headings[:8])
-    return InputError(
-        f"no column gives {what}; the columns are {titles}",
-        file=sheet.name,
-        line=sheet.header_line,
-        remedy=f"name one {columns}",
-    )

@@ -89,6 +89,8 @@ _PLAIN: dict[str, tuple[Fraction, Dimension]] = {
     "h": (Fraction(3600), _TIME),
     "hr": (Fraction(3600), _TIME), "hour": (Fraction(3600), _TIME), "hours": (Fraction(3600), _TIME),
     "d": (Fraction(86400), _TIME), "day": (Fraction(86400), _TIME),
+    "daN": (Fraction(10), _FORCE), "gF": (_GRAVITY / 1000, _FORCE), "kgF": (_GRAVITY, _FORCE), "lbF": (_LBF, _FORCE),
+    "ozF": (_LBF / 16, _FORCE),
     "gf": (_GRAVITY / 1000, _FORCE), "kgf": (_GRAVITY, _FORCE), "kp": (_GRAVITY, _FORCE), "lbf": (_LBF, _FORCE),
     "ozf": (_LBF / 16, _FORCE), "kip": (1000 * _LBF, _FORCE), "dyn": (Fraction(1, 10**5), _FORCE),
     "dyne": (Fraction(1, 10**5), _FORCE), "poundal": (_POUND * 12 * _INCH, _FORCE),
@@ -125,6 +127,7 @@ _MAX_LENGTH = 40
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 _SUPERSCRIPT_RUN = re.compile("[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+")
 _FACTOR = re.compile(r"""(1|[^\W\d_]+(?:_deg[CF]|_K)?|°[CF]?|[%‰"])(?:(?:\^|\*\*)?\(?(-?\d{1,2})\)?)?""")
+_COUNT = re.compile(r"([1-9]\d{0,3}(?:\.\d{1,3})?) ?(?=[^\W\d_])")
 
 
 @lru_cache(maxsize=256)
@@ -132,7 +135,9 @@ def parse_unit(text: str) -> Unit:
     """Return the unit ``text`` stands for: ``MPa``, ``W/m^2/K``, ``W/(m² K)``, ``lbf/in2``, ``1/s``, ``s^-1``, ``%``.
 
     A product is read from left to right, so ``J/kg K`` is (J/kg) K; parentheses are allowed once. ``/K`` is ``1/K``.
-    ``tex`` and ``den`` are textile's: mass per length of yarn. Units of metre to calorie may be spelled out.
+    ``tex`` and ``den`` are textile's: mass per length of yarn; so is a width in ``N/5cm``. Units of metre to
+    calorie may
+    be spelled out.
 
     Raises UnitError where it is none.
 
@@ -170,6 +175,10 @@ def _product(text: str, whole: str, start: Unit | None, sign: int = 1) -> Unit:
         factor, dimension = start.factor**sign, [sign * exponent for exponent in start.dimension]
     place, operator = (1, -1) if text.startswith("/") else (0, 1)
     while True:
+        count = _COUNT.match(text, place)
+        if operator == -1 and count is not None:  # N/5cm, as ISO 13934 states the force of a strip
+            factor /= Fraction(count[1])
+            place = count.end()
         match = _FACTOR.match(text, place)
         if match is None:
             raise UnitError(f"{whole} is no unit; write it like MPa, W/m^2/K or 1/s")

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from hyperfab.errors import HyperfabError, InputError, UsageError
-from hyperfab.io.unit_table import DIMENSIONLESS, Unit, UnitError, parse_unit
+from hyperfab.io.unit_table import DIMENSIONLESS, Dimension, Unit, UnitError, parse_unit
 
 
 @dataclass(frozen=True)
@@ -59,6 +59,9 @@ KINDS: dict[str, Kind] = {kind.name: kind for kind in _ALL}
 _NUMBER = r"[+-]?(?:\d{1,40}(?:\.\d{0,40})?|\.\d{1,40})(?:[eE][+-]?\d{1,3})?"
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*", re.ASCII | re.DOTALL)
 _TIMES = re.compile(r"\s*[x×]\s*")
+#: Kinds that scales show as weights; standard gravity [m/s^2].
+_WEIGHED = ("force", "stress", "membrane-stress")
+_GRAVITY = Fraction("9.80665")
 _ABSOLUTE_ZERO_C = Fraction("-273.15")
 
 
@@ -105,12 +108,23 @@ def size(
 def column_factor(unit: str, kind: str) -> tuple[Fraction, Fraction]:
     """Return exact (a, b) so that a value in ``unit`` is ``a * value + b`` in the unit of ``kind``.
 
+    A force that a scale shows as a weight, in g, kg or lb, is that weight's force, in kg/cm^2 too.
+
     Raises UnitError where ``unit`` is none of the kind.
 
     >>> column_factor("kPa", "stress"), column_factor("K", "temperature")
     ((Fraction(1, 1000), Fraction(0, 1)), (Fraction(1, 1), Fraction(-5463, 20)))
     """
-    return _linear(parse_unit(unit), KINDS[kind], unit)
+    found, wanted = parse_unit(unit), KINDS[kind]
+    if kind in _WEIGHED and found.dimension == _over_gravity(parse_unit(wanted.unit).dimension):
+        return found.factor * _GRAVITY / parse_unit(wanted.unit).factor, Fraction(0)
+    return _linear(found, wanted, unit)
+
+
+def _over_gravity(dimension: Dimension) -> Dimension:
+    """Return the dimension of a mass where ``dimension`` is that of its weight."""
+    length, mass, time, temperature, angle = dimension
+    return length - 1, mass, time + 2, temperature, angle
 
 
 def is_unit(text: str) -> bool:

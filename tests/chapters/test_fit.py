@@ -240,7 +240,11 @@ def test_cycle_branch_and_slack_are_chosen_and_told(hf: Run, tmp_path: Path) -> 
     first = fit(hf, *options, "--cycle", "first", cwd=tmp_path)
     # Slack ends between two rows: the origin is found on the straight line between them, to 0.2 % of stretch.
     assert first["parameters"]["C10_MPa"] == pytest.approx(0.2, rel=0.03)
-    assert len(first["preparation"]) == 3
+    *done, read = first["preparation"]
+    assert len(done) == 3
+    assert read.startswith(
+        "loop.csv: head in line 1: cycle, stretch [-], stress [MPa], branch; uniaxial; cycles 1 to 2"
+    )
     assert {"not cycle first", "not on the load branch", "slack, before the preload"} <= set(
         first["left_out"]
     )

@@ -14,16 +14,20 @@ from hyperfab.io.unit_table import parse_unit
 SI = {
     # length [m]
     "m": 1, "in": 0.0254, "inch": 0.0254, "inches": 0.0254, '"': 0.0254, "ft": 0.3048, "foot": 0.3048, "feet": 0.3048,
-    "yd": 0.9144, "yard": 0.9144, "mil": 2.54e-5, "thou": 2.54e-5, "micron": 1e-6, "meter": 1, "metre": 1,
-    # mass [kg], mass per area [kg/m^2]
+    "yd": 0.9144, "yard": 0.9144, "mil": 2.54e-5, "thou": 2.54e-5, "micron": 1e-6,
+    "mile": 1609.344, "furlong": 201.168, "fathom": 1.8288, "hand": 0.1016, "angstrom": 1e-10, "Å": 1e-10,
+    # mass [kg], mass per area [kg/m^2], mass per length [kg/m]
     "g": 1e-3, "t": 1e3, "lb": 0.45359237, "lbs": 0.45359237, "lbm": 0.45359237, "oz": 0.028349523125,
-    "slug": 14.593903, "gsm": 1e-3,
+    "slug": 14.593903, "gsm": 1e-3, "pound": 0.45359237, "ounce": 0.028349523125, "grain": 6.479891e-5,
+    "stone": 6.35029318, "tonne": 1e3, "tex": 1e-6, "den": 1.1111111e-7, "denier": 1.1111111e-7,
     # time [s], frequency [1/s] (a turn a minute is told as turns)
     "s": 1, "sec": 1, "min": 60, "h": 3600, "hr": 3600, "hour": 3600, "hours": 3600, "d": 86400, "day": 86400,
+    "minute": 60, "minutes": 60, "days": 86400, "week": 604800,
     "Hz": 1, "rpm": 0.016666667,
     # force [N]
     "N": 1, "p": 9.80665e-3, "gf": 9.80665e-3, "kgf": 9.80665, "kp": 9.80665, "lbf": 4.4482216152605,
-    "ozf": 0.27801385, "kip": 4448.2216152605, "dyn": 1e-5,
+    "ozf": 0.27801385, "kip": 4448.2216152605, "dyn": 1e-5, "dyne": 1e-5, "poundal": 0.138254954376,
+    "daN": 10, "gF": 9.80665e-3, "kgF": 9.80665, "lbF": 4.4482216152605, "ozF": 0.27801385,
     # pressure [Pa]
     "Pa": 1, "bar": 1e5, "psi": 6894.7573, "ksi": 6.8947573e6, "psf": 47.880259, "atm": 101325, "at": 98066.5,
     "torr": 133.32237, "mmHg": 133.322387415, "inHg": 3386.3886,
@@ -31,7 +35,7 @@ SI = {
     "J": 1, "Wh": 3600, "cal": 4.184, "erg": 1e-7, "BTU": 1055.05585262, "Btu": 1055.05585262, "btu": 1055.05585262,
     "eV": 1.602176634e-19, "W": 1, "hp": 745.69987, "PS": 735.49875,
     # volume [m^3], temperature [K]
-    "l": 1e-3, "L": 1e-3, "K": 1, "kelvin": 1, "degR": 0.55555556,
+    "l": 1e-3, "L": 1e-3, "K": 1, "degR": 0.55555556,
     # angle [deg], share
     "deg": 1, "degree": 1, "degrees": 1, "°": 1, "gon": 0.9, "arcmin": 0.016666667, "rad": 57.295780,
     "%": 0.01, "percent": 0.01, "‰": 0.001, "ppm": 1e-6, "1": 1,

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import importlib
+from collections.abc import Sequence
 
-from hyperfab.chapters.close_loop.domain import Given, kind_of
+from hyperfab.chapters.close_loop.domain import Given, How, kind_of
 from hyperfab.chapters.close_loop.recall import Parse
+from hyperfab.chapters.fit.prepare import Steps
+from hyperfab.chapters.fit.specimens import geometry
 from hyperfab.chapters.job import Job
 from hyperfab.errors import InputError, UsageError
+from hyperfab.io.layout import layout
 from hyperfab.io.units import quantity
 
 #: The kinds of model that the loop can be closed on, and the module of each.
@@ -18,21 +22,47 @@ def run(
     job: Job,
     *,
     model: str,
-    measured: list[str],
-    hold_out: list[str],
-    noise: str | None,
-    fix: list[str],
-    prior: str | None,
-    decimal: str | None,
-    output: str,
+    measured: Sequence[str] = (),
+    hold_out: Sequence[str] = ("auto",),
+    noise: str | None = None,
+    fix: Sequence[str] = (),
+    prior: str | None = None,
+    files: Sequence[str] = (),
+    uniaxial: Sequence[str] = (),
+    shear: Sequence[str] = (),
+    biaxial: Sequence[str] = (),
+    specimen: str | None = None,
+    gauge_length: str | None = None,
+    width: str | None = None,
+    thickness: str | None = None,
+    diameter: str | None = None,
+    branch: str = "all",
+    cycle: str = "all",
+    zero: bool = False,
+    preload: str | None = None,
+    resample: int | None = None,
+    columns: Sequence[str] = (),
+    skip_rows: int | None = None,
+    decimal: str | None = None,
+    output: str = "-",
     parse: Parse,
 ) -> int:
     """Close the loop on ``model``: 0, or 1 where the residual stays unexplained.
 
     ``parse`` reads the words of another command's line, for documents that are models by how they were made.
     """
+    kinds = {
+        name: test
+        for test, names in (("uniaxial", uniaxial), ("shear", shear), ("biaxial", biaxial))
+        for name in names
+    }
+    measured = [*files, *measured, *uniaxial, *shear, *biaxial]
     if not measured:
-        raise UsageError("nothing to compare with; give measured data with --measured FILE.csv")
+        raise UsageError("nothing to compare with; give measured data as FILE.csv behind the model")
+    lengths = {"gauge_length": gauge_length, "width": width, "thickness": thickness, "diameter": diameter}
+    steps = Steps(branch, cycle, zero, preload, resample)
+    steps.check()
+    how = How(kinds, geometry(specimen, lengths), steps)
     kind, data = kind_of(job, model)
     if kind not in BUILT:
         raise InputError(
@@ -41,18 +71,21 @@ def run(
             key="format",
             remedy="give a material, contact, drape or press document, or a mold.toml",
         )
+    if kind != "material":
+        how.check(kind)
     chapter = importlib.import_module(f"hyperfab.chapters.close_loop.{BUILT[kind]}")
     given = Given(
         model,
         data,
         measured,
-        hold_out,
+        list(hold_out),
         noise,
-        fix,
+        list(fix),
         None if prior is None else _share(prior),
-        decimal,
+        layout(columns, skip_rows, decimal),
         output,
         parse,
+        how,
     )
     status: int = chapter.run(job, given)
     return status

@@ -27,6 +27,7 @@ from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import InputError, NotConverged
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.json_io import dump_json
+from hyperfab.io.layout import Layout
 from hyperfab.io.units import quantity
 from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_problem, effects_of
 from hyperfab.loop.emulator import Axis as Setting
@@ -55,7 +56,7 @@ def run(job: Job, given: Given) -> int:
     out = job.opened(given.output, (*MODEL_SUFFIXES, FABRIC, ".png", ".csv"))
     level = stated(given.noise, ("force",))
     made = unchanged(earlier(ContactCase, given.data, given.name))
-    files = read_files(given, lambda name: read_force_depth(job, name, given.decimal))
+    files = read_files(given, lambda name: read_force_depth(job, name, given.layout))
     out.refuse_inputs(job.inputs)
     document = parse_document(given.data, given.name, ContactDocument)
     material = read_document(job.inputs, made.case.material, MaterialDocument)
@@ -85,11 +86,11 @@ def run(job: Job, given: Given) -> int:
     )
 
 
-def read_force_depth(job: Job, name: str, decimal: str | None) -> tuple[ForceDepth, Array | None]:
+def read_force_depth(job: Job, name: str, layout: Layout | None) -> tuple[ForceDepth, Array | None]:
     """Read depth and force, with temperature from a column or the metadata; and the force's sd column."""
     optional = {"temperature": "temperature", "force sd": "force"}
     table = read_table(
-        job.inputs.read(name), name, {"depth": "length", "force": "force"}, optional=optional, decimal=decimal
+        job.inputs.read(name), name, {"depth": "length", "force": "force"}, optional=optional, layout=layout
     )
     order = np.argsort(table["depth"], kind="stable")
     temperature = table.columns.get("temperature")

@@ -4,14 +4,33 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from hyperfab.chapters.close_loop.recall import Parse
+from hyperfab.chapters.fit.prepare import Steps
 from hyperfab.chapters.job import Job
-from hyperfab.errors import InputError
+from hyperfab.errors import InputError, UsageError
 from hyperfab.io.json_io import load_json
+from hyperfab.io.layout import Layout
+from hyperfab.io.specimen import Geometry
 from hyperfab.io.toml_io import load_toml
+
+
+@dataclass(frozen=True)
+class How:
+    """How tests of a fabric are to be read: which test each file is where an option says it, sizes, chosen rows."""
+
+    kinds: Mapping[str, str] = field(default_factory=dict)
+    sizes: Geometry = field(default_factory=Geometry)
+    steps: Steps = field(default_factory=Steps)
+
+    def check(self, what: str) -> None:
+        """UsageError where something of it is said of a model that is no fabric."""
+        if self != How():
+            raise UsageError(
+                f"--uniaxial, sizes, --branch and their like are for tests of a fabric, and the model is a {what}"
+            )
 
 
 @dataclass(frozen=True)
@@ -19,7 +38,8 @@ class Given:
     """What the command line gives each domain: ``data`` is the plain document read from the file ``name``.
 
     ``prior`` is the relative standard deviation of the model's own constants, where it is stated. ``parse`` reads the
-    words of another command's line, for documents that are models by how they were made.
+    words of another command's line, for documents that are models by how they were made. ``layout`` and ``how`` say how
+    the files are to be read.
     """
 
     name: str
@@ -29,9 +49,10 @@ class Given:
     noise: str | None
     fix: list[str]
     prior: float | None
-    decimal: str | None
+    layout: Layout
     output: str
     parse: Parse
+    how: How
 
     @property
     def held(self) -> list[str]:

@@ -29,6 +29,7 @@ from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import InputError, NotConverged
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.json_io import dump_json
+from hyperfab.io.layout import Layout
 from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem, settings_of
 from hyperfab.loop.drape_places import places, reached
 from hyperfab.loop.emulator import Axis as Setting
@@ -60,7 +61,7 @@ def run(job: Job, given: Given) -> int:
     )
     level = stated(given.noise, ("length",))
     made = unchanged(earlier(DrapeCase, given.data, given.name))
-    files = read_measured(given, lambda name: read_markers(job, name, given.decimal))
+    files = read_measured(given, lambda name: read_markers(job, name, given.layout))
     out.refuse_inputs(job.inputs)
     material = (
         None
@@ -86,11 +87,11 @@ def run(job: Job, given: Given) -> int:
     )
 
 
-def read_markers(job: Job, name: str, decimal: str | None) -> tuple[Markers, Array | None]:
+def read_markers(job: Job, name: str, layout: Layout | None) -> tuple[Markers, Array | None]:
     """Read markers: their places on the flat sheet and on the draped one, and one sd a marker where stated."""
     columns = dict.fromkeys(("x0", "y0", "x", "y", "z"), "length")
     optional = {"x sd": "length", "position sd": "length"}
-    table = read_table(job.inputs.read(name), name, columns, optional=optional, decimal=decimal)
+    table = read_table(job.inputs.read(name), name, columns, optional=optional, layout=layout)
     sd = spread(table, "position")
     if sd is None:
         sd = spread(table, "x")

@@ -38,9 +38,11 @@ def run(job: Job, given: Given) -> int:
     out = Output(given.output, (".model.json", ".png", ".csv"))
     document = parse_document(given.data, given.name, MaterialDocument)
     made = document.provenance
-    tests = read_measured(job, given.measured, given.decimal, document.thickness_mm, made)
+    tests = read_measured(job, given.measured, given.layout, document.thickness_mm, made, given.how)
     held_out = (
-        read_measured(job, given.held, given.decimal, document.thickness_mm, made) if given.held else None
+        read_measured(job, given.held, given.layout, document.thickness_mm, made, given.how)
+        if given.held
+        else None
     )
     level = None
     if given.noise is not None:
@@ -71,6 +73,7 @@ def run(job: Job, given: Given) -> int:
     model.format = model.format_name()
     _warn_of_softness(job, model, tests)
     result = describe(problem, found, tests.unit, tests.left_out, tests.warnings)
+    result.preparation = tests.preparation
     if held_out is not None:
         result.held_out = _predicted(problem, found, held_out, tests.unit)
     if out.wants_files:

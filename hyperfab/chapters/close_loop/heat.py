@@ -56,7 +56,7 @@ def run(job: Job, given: Given) -> int:
             remedy="give until instead",
         )
     probes = [probe.name for probe in document.probe]
-    read = read_thermocouples(job, given.measured[0], probes, given.decimal)
+    read = read_thermocouples(job, given.measured[0], probes, given.layout)
     if any(heater.control is not None for heater in document.heater) and read.power is None:
         raise InputError(
             "close-loop does not follow a thermostat: its switching and the model's drift out of step",

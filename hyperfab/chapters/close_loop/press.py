@@ -18,6 +18,7 @@ from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact.result import Told
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_table import read_table
+from hyperfab.io.layout import Layout
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.press import PressProblem, press_problem
 from hyperfab.loop.press_reading import Kind, Reading, Setting
@@ -44,7 +45,7 @@ def run(job: Job, given: Given) -> int:
     out = job.opened(given.output, (*MODEL_SUFFIXES, FOAM, ".model.foam.csv", ".png", ".csv"))
     level = stated(given.noise, tuple(_KINDS))
     recalled = recall(job, given.name, given.data, "press", given.parse)
-    files = read_files(given, lambda name: read_press(job, name, given.decimal))
+    files = read_files(given, lambda name: read_press(job, name, given.layout))
     kind = files.plain[0].kind
     if any(one.kind != kind for one in files.apart):
         raise UsageError(f"--hold-out takes readings of the first --measured file's kind here: {kind}")
@@ -79,14 +80,14 @@ def run(job: Job, given: Given) -> int:
     )
 
 
-def read_press(job: Job, name: str, decimal: str | None) -> tuple[Reading, Array | None]:
+def read_press(job: Job, name: str, layout: Layout | None) -> tuple[Reading, Array | None]:
     """Read a file of ``x, y, z`` with one of pressure, contact, thickness, or of ``stroke, force``; and its sd column.
 
     The coordinates are those of the drawing (STL).
     """
     optional = dict.fromkeys("xyz", "length") | dict(_COLUMNS) | {"stroke": "length", "force": "force"}
     optional |= {f"{key} sd": kind for key, kind in {**_COLUMNS, "force": "force"}.items()} | {"time": "time"}
-    table = read_table(job.inputs.read(name), name, {}, optional=optional, decimal=decimal)
+    table = read_table(job.inputs.read(name), name, {}, optional=optional, layout=layout)
     time = table.columns.get("time")
     if "stroke" in table and "force" in table:
         order = np.argsort(table["stroke"], kind="stable")

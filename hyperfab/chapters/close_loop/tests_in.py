@@ -10,11 +10,14 @@ from itertools import pairwise
 
 import numpy as np
 
-from hyperfab.chapters.job import Job
-from hyperfab.chapters.look import remarks
+from hyperfab.chapters.close_loop.domain import How
+from hyperfab.chapters.fit.prepare import Steps, prepare, settled
+from hyperfab.chapters.job import Job, refuse_twice
+from hyperfab.chapters.look import remarks, understood, unused_columns
 from hyperfab.documents.provenance import Provenance
-from hyperfab.errors import InputError, UsageError
+from hyperfab.errors import InputError
 from hyperfab.io.csv_tests import TestData, read_tests
+from hyperfab.io.layout import PLAIN, Layout
 from hyperfab.loop.fabric import FabricTest
 from hyperfab.loop.problem import Array
 from hyperfab.materials.effects.path import BIAXIAL, GENERAL, SHEAR, UNIAXIAL
@@ -33,28 +36,38 @@ class Measured:
     unit: str
     left_out: Counter[str] = field(default_factory=Counter)
     warnings: list[str] = field(default_factory=list)
+    preparation: list[str] = field(default_factory=list)
 
 
 def read_measured(
     job: Job,
     names: Sequence[str],
-    decimal: str | None,
+    layout: Layout | None,
     thickness: float | None,
     fitted: Provenance | None = None,
+    how: How | None = None,
 ) -> Measured:
     """Read test files; stress in N/mm becomes MPa by ``thickness`` [mm], or counts as that of 1 mm without one.
 
-    A file that the model was ``fitted`` to is the test that it was given as then.
+    A file that the model was ``fitted`` to is the test that it was given as then, where ``how`` does not say it. How
+    each was read is said, and kept in ``preparation``.
     """
-    twice = [name for name, count in Counter(names).items() if count > 1]
-    if twice:
-        raise UsageError(f"{twice[0]} is given twice; its rows would count double")
+    refuse_twice(names)
+    how = how or How()
+    layout = layout or PLAIN
     found = Measured([], "MPa")
     given = _given_as(fitted)
-    every = []
+    every: list[TestData] = []
     for name in names:
         data = job.inputs.read(name)
-        every += read_tests(data, name, test=given.get(sha256(data).hexdigest()), decimal=decimal)
+        kind = how.kinds.get(name) or given.get(sha256(data).hexdigest())
+        every += read_tests(data, name, test=kind, geometry=how.sizes, columns=layout)
+    unused_columns(layout, every)
+    found.preparation += understood(every)
+    for line in found.preparation:
+        job.console.note(line)
+    silent = settled(how.steps) | {"unloading", "cycles"}
+    found.warnings += remarks(every, silent)
     widths = [test for test in every if test.membrane]
     if widths and len(widths) < len(every):
         if thickness is None:
@@ -66,17 +79,18 @@ def read_measured(
             )
     elif widths and thickness is None:
         found.unit = "N/mm"
-    for name, counts in {test.source: test.left_out for test in every}.items():
-        for reason, count in counts.items():
-            found.left_out[f"{name}: {reason}"] += count
-    found.warnings += remarks(every, silent=("unloading", "cycles"))
+    for part in {id(test.left_out): test for test in every}.values():
+        for reason, count in part.left_out.items():
+            found.left_out[f"{part.source}: {reason}"] += count
     for test in every:
-        if test.test == "volumetric":
-            found.left_out[f"{test.source}: volumetric test, the sheet's law has no say in it"] += len(
+        if test.test not in _MODES:
+            kind = test.test.replace("-", " ")
+            found.left_out[f"{test.source}: {kind} test, the sheet's law has no say in it"] += len(
                 test.stretch
             )
             continue
-        found.tests += _curves(test, 1.0 / thickness if test.membrane and thickness else 1.0)
+        factor = 1.0 / thickness if test.membrane and thickness else 1.0
+        found.tests += _curves(test, factor, how.steps, found)
     for one in found.tests:
         if len(one.stress) > 1 and not np.any(np.diff(one.stress)):
             raise InputError(
@@ -104,25 +118,36 @@ def _given_as(fitted: Provenance | None) -> dict[str, str]:
     return found
 
 
-def _curves(test: TestData, factor: float) -> list[FabricTest]:
+def _curves(test: TestData, factor: float, steps: Steps, measured: Measured) -> list[FabricTest]:
     """Split a test where a new run begins, and a general biaxial one into its two axes."""
-    found = []
-    for number, rows in enumerate(_runs(test)):
-        part = _curve(test, rows, factor, number)
-        if test.test == "biaxial-general" and not np.isfinite(part.angle_deg):
+    found: list[FabricTest] = []
+    parts = [(number, test.take(rows)) for number, rows in enumerate(_runs(test))]
+    if steps != Steps():
+        prepared: list[tuple[int, TestData]] = []
+        told: list[str] = []
+        for number, part in parts:
+            kept = prepare([part], steps, measured.left_out, told, nothing_left=True)
+            prepared += [(number, one) for one in kept]
+        if not prepared:
+            prepare([test], steps, Counter(), [])  # says why
+        measured.preparation += [one for one in dict.fromkeys(told) if one not in measured.preparation]
+        parts = prepared
+    for number, run in parts:
+        curve = _curve(run, factor, number)
+        if test.test == "biaxial-general" and not np.isfinite(curve.angle_deg):
             # Its two axes are across each other whether or not the file says which is the warp.
-            part = replace(part, angle_deg=0.0)
-        found.append(part)
-        if test.test == "biaxial-general" and test.stress2 is not None and test.stretch2 is not None:
-            angle = part.angle_deg + 90.0
+            curve = replace(curve, angle_deg=0.0)
+        found.append(curve)
+        if run.test == "biaxial-general" and run.stress2 is not None and run.stretch2 is not None:
+            angle = curve.angle_deg + 90.0
             found.append(
                 FabricTest(
                     **{
-                        **vars(part),
-                        "name": f"{part.name}, second axis",
-                        "stretch": test.stretch2[rows],
-                        "transverse": test.stretch[rows],
-                        "stress": factor * test.stress2[rows],
+                        **vars(curve),
+                        "name": f"{curve.name}, second axis",
+                        "stretch": run.stretch2,
+                        "transverse": run.stretch,
+                        "stress": factor * run.stress2,
                         "angle_deg": angle % 180.0,
                     }
                 )
@@ -130,9 +155,9 @@ def _curves(test: TestData, factor: float) -> list[FabricTest]:
     return found
 
 
-def _curve(test: TestData, rows: slice, factor: float, number: int) -> FabricTest:
+def _curve(test: TestData, factor: float, number: int) -> FabricTest:
     def pick(column: Array | None) -> Array | None:
-        return None if column is None else np.asarray(column[rows], dtype=np.float64)
+        return None if column is None else np.asarray(column, dtype=np.float64)
 
     words = [test.source]
     words += [text for text in (test.direction_name, test.specimen and f"specimen {test.specimen}") if text]
@@ -142,8 +167,8 @@ def _curve(test: TestData, rows: slice, factor: float, number: int) -> FabricTes
     return FabricTest(
         name=", ".join(words),
         mode=_MODES[test.test],
-        stretch=test.stretch[rows],
-        stress=factor * test.stress[rows],
+        stretch=test.stretch,
+        stress=factor * test.stress,
         transverse=pick(test.stretch2),
         time_s=pick(test.time_s),
         rate_1_s=pick(test.rate_1_s),

@@ -10,6 +10,7 @@ import numpy as np
 from hyperfab.chapters.job import Job
 from hyperfab.errors import InputError
 from hyperfab.io.csv_table import read_table
+from hyperfab.io.layout import Layout
 from hyperfab.loop.problem import Array
 
 #: Readings a probe needs.
@@ -35,7 +36,7 @@ class Thermocouples:
         return {name: int(count) for name, count in zip(self.names, counts, strict=True) if count}
 
 
-def read_thermocouples(job: Job, name: str, probes: Sequence[str], decimal: str | None) -> Thermocouples:
+def read_thermocouples(job: Job, name: str, probes: Sequence[str], layout: Layout | None) -> Thermocouples:
     """Read a thermocouple file; every column of a temperature must be a probe of the mold."""
     table = read_table(
         job.inputs.read(name),
@@ -44,7 +45,7 @@ def read_thermocouples(job: Job, name: str, probes: Sequence[str], decimal: str 
         optional={"power": "power"},
         increasing="time",
         rest="temperature",
-        decimal=decimal,
+        layout=layout,
         gaps=True,
     )
     known = {probe.casefold(): probe for probe in probes}

@@ -42,7 +42,7 @@ def read_curve(job: Job, option: str, name: str, direction: float, thickness: fl
     ``thickness`` in mm, from the command line, turns force per width into stress.
     """
     geometry = Geometry(thickness=thickness)
-    tests = read_tests(job.inputs.read(name), name, test="uniaxial", geometry=geometry)
+    tests = read_tests(job.inputs.read(name), name, test="uniaxial", geometry=geometry, clock=False)
     _one_direction(tests, option, name, direction)
     dropped: Counter[str] = Counter()
     for test in tests[:1]:

@@ -8,10 +8,18 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from hyperfab.chapters.fit.reading import Array, Reading, Whole
 from hyperfab.errors import InputError, UsageError
+from hyperfab.io.csv_tests import TestData
+from hyperfab.io.units import quantity
 from hyperfab.numerics.hygiene import branches, cycles
+
+Array = NDArray[np.float64]
+Whole = NDArray[np.int64]
+
+#: What a preload may be stated as, and what an error shows.
+_PRELOADS = ("stress", "membrane-stress", "force")
 
 
 @dataclass(frozen=True)
@@ -21,7 +29,7 @@ class Steps:
     branch: str = "all"
     cycle: str = "all"
     zero: bool = False
-    preload: float | None = None
+    preload: str | None = None
     resample: int | None = None
 
     def check(self) -> None:
@@ -32,6 +40,40 @@ class Steps:
             raise UsageError(f"--cycle {self.cycle}: it is a number, first, last or all")
         if self.resample is not None and self.resample < 3:
             raise UsageError(f"--resample {self.resample}: at least 3 points a curve are needed")
+        if self.preload is not None:
+            stated(self.preload)
+
+
+def stated(preload: str) -> tuple[float, str]:
+    """Return a preload and its kind: a stress, a force per width, or a force, as ISO 13934-1 states it.
+
+    >>> stated("0.1N"), stated("0.002 N/mm")
+    ((0.1, 'force'), (0.002, 'membrane-stress'))
+    """
+    for kind in _PRELOADS:
+        try:
+            return quantity(preload, kind, option="--preload"), kind
+        except UsageError:
+            continue
+    raise UsageError(
+        f"--preload {preload}: write a stress, 0.002MPa, a force per width, 0.5 N/mm, or a force, 0.1N"
+    )
+
+
+def _preload_of(curve: TestData, preload: str) -> float:
+    """Return the preload in the unit of a test's stress: MPa, or N/mm where no thickness is known."""
+    value, kind = stated(preload)
+    if kind == "force":
+        if curve.width_mm is None:
+            raise UsageError(
+                f"--preload {preload}: a force needs the width of the specimen, which {curve.source} "
+                f"does not state; give --width 50mm"
+            )
+        value, kind = value / curve.width_mm, "membrane-stress"
+    thickness = curve.thickness_mm or 1.0
+    if kind == "membrane-stress":
+        return value if curve.membrane else value / thickness
+    return value * thickness if curve.membrane else value
 
 
 def settled(steps: Steps) -> set[str]:
@@ -45,30 +87,39 @@ def settled(steps: Steps) -> set[str]:
 
 
 def prepare(
-    curves: Sequence[Reading], steps: Steps, left_out: Counter[str], told: list[str]
-) -> list[Reading]:
-    """Return the curves after the steps, telling each in ``told`` and each row left out in ``left_out``."""
+    curves: Sequence[TestData],
+    steps: Steps,
+    left_out: Counter[str],
+    told: list[str],
+    nothing_left: bool = False,
+) -> list[TestData]:
+    """Return the curves after the steps, telling each in ``told`` and each row left out in ``left_out``.
+
+    InputError where no row is left, unless there may be ``nothing_left``.
+    """
     found = list(curves)
     if steps.cycle != "all":
         there = sorted({int(number) for curve in found for number in _numbered(curve)})
         remedy = f"there are cycles {there[0]} to {there[-1]}" if len(there) > 1 else "there is one cycle"
         reason = f"not cycle {steps.cycle}"
-        found = _select(found, lambda curve: _of_cycle(curve, steps.cycle), left_out, reason, remedy)
+        found = _select(
+            found, lambda curve: _of_cycle(curve, steps.cycle), left_out, reason, remedy, nothing_left
+        )
         told.append(f"cycle {steps.cycle} of each test")
     if steps.branch != "all":
         wanted = 1 if steps.branch == "load" else -1
+        reason = f"not on the {steps.branch} branch"
         found = _select(
-            found, lambda curve: _branch(curve) == wanted, left_out, f"not on the {steps.branch} branch"
+            found, lambda curve: _branch(curve) == wanted, left_out, reason, nothing_left=nothing_left
         )
         told.append(f"the {steps.branch} branch of each test")
     if steps.zero:
         found = [_zeroed(curve) for curve in found]
         told.append("stretch and stress counted from the first row of each test")
     if steps.preload is not None:
-        found = [_after_preload(curve, steps.preload, left_out) for curve in found]
+        found = [_after_preload(curve, _preload_of(curve, steps.preload), left_out) for curve in found]
         told.append(
-            f"slack taken out: rows before the stress reaches {steps.preload:g} MPa left out, "
-            "stretch counted from there"
+            f"slack taken out: rows before the load reaches {steps.preload} left out, stretch counted from there"
         )
     if steps.resample is not None:
         found = [_resampled(curve, steps.resample) for curve in found]
@@ -77,12 +128,13 @@ def prepare(
 
 
 def _select(
-    curves: Sequence[Reading],
-    wanted: Callable[[Reading], Array],
+    curves: Sequence[TestData],
+    wanted: Callable[[TestData], Array],
     left_out: Counter[str],
     reason: str,
     remedy: str = "choose the other branch",
-) -> list[Reading]:
+    nothing_left: bool = False,
+) -> list[TestData]:
     found = []
     for curve in curves:
         rows = np.flatnonzero(wanted(curve))
@@ -90,7 +142,7 @@ def _select(
             left_out[reason] += len(curve.stretch) - len(rows)
         if len(rows):
             found.append(curve.take(rows))
-    if not found:
+    if not found and not nothing_left:
         raise InputError(
             f"no row is left: all are {reason}",
             file=curves[0].source,
@@ -99,23 +151,23 @@ def _select(
     return found
 
 
-def _branch(curve: Reading) -> Whole:
+def _branch(curve: TestData) -> Whole:
     """Return 1 on loading and -1 on unloading: as the file says, else by the turns of the stretch."""
     return branches(curve.stretch) if curve.branch is None else curve.branch
 
 
-def _numbered(curve: Reading) -> Whole:
+def _numbered(curve: TestData) -> Whole:
     """Return the cycle of each row: as the file says, else counted by the turns of the stretch."""
     return cycles(curve.stretch, _branch(curve)) if curve.cycle is None else curve.cycle
 
 
-def _of_cycle(curve: Reading, wanted: str) -> Array:
+def _of_cycle(curve: TestData, wanted: str) -> Array:
     cycle = _numbered(curve)
     number = {"first": int(cycle.min()), "last": int(cycle.max())}.get(wanted)
     return np.asarray(cycle == (int(wanted) if number is None else number))
 
 
-def _zeroed(curve: Reading) -> Reading:
+def _zeroed(curve: TestData) -> TestData:
     first2 = None if curve.stretch2 is None else curve.stretch2 / curve.stretch2[0]
     return replace(
         curve,
@@ -126,14 +178,14 @@ def _zeroed(curve: Reading) -> Reading:
     )
 
 
-def _after_preload(curve: Reading, preload: float, left_out: Counter[str]) -> Reading:
+def _after_preload(curve: TestData, preload: float, left_out: Counter[str]) -> TestData:
     """Count the stretch from where the stress passes the preload for good; lengths of the slack are no strain."""
     peak = int(np.argmax(curve.stretch))
     below = np.flatnonzero(curve.stress[: peak + 1] < preload)
     start = int(below[-1]) + 1 if len(below) else 0
     if start > peak:
         raise InputError(
-            f"never reaches the preload of {preload:g} MPa",
+            f"never reaches the preload of {preload:g} {curve.stress_unit}",
             file=curve.source,
             remedy="give a smaller --preload",
         )
@@ -158,7 +210,7 @@ def _after_preload(curve: Reading, preload: float, left_out: Counter[str]) -> Re
     return replace(kept, stretch=kept.stretch / origin, stretch2=stretch2)
 
 
-def _resampled(curve: Reading, points: int) -> Reading:
+def _resampled(curve: TestData, points: int) -> TestData:
     """Return each branch as means of the readings around ``points`` stretches: every stretch counts the same."""
     branch = _branch(curve)
     parts = [
@@ -174,12 +226,15 @@ def _resampled(curve: Reading, points: int) -> Reading:
         one, two = getattr(first, name), getattr(second, name)
         return None if one is None or two is None else np.concatenate([one, two])
 
-    names = ("stretch", "stress", "stretch2", "stress2", "sd", "lines", "branch", "cycle")
+    names = (
+        "stretch", "stress", "stretch2", "stress2", "stress_sd", "time_s", "temperature_degC", "rate_1_s",
+        "lines", "branch", "cycle",
+    )  # fmt: skip
     columns: dict[str, Any] = {name: joined(name) for name in names}
     return replace(first, **columns)
 
 
-def _means(curve: Reading, points: int) -> Reading:
+def _means(curve: TestData, points: int) -> TestData:
     low, high = float(curve.stretch.min()), float(curve.stretch.max())
     number = np.minimum(((curve.stretch - low) / max(high - low, 1e-300) * points).astype(int), points - 1)
     used = np.unique(number)
@@ -190,17 +245,21 @@ def _means(curve: Reading, points: int) -> Reading:
     def first(column: Whole | None) -> Whole | None:
         return None if column is None else np.array([column[number == k][0] for k in used])
 
-    stretch, stress = mean(curve.stretch), mean(curve.stress)
+    stretch, stress, lines = mean(curve.stretch), mean(curve.stress), first(curve.lines)
     assert stretch is not None
     assert stress is not None
+    assert lines is not None
     return replace(
         curve,
         stretch=stretch,
         stress=stress,
         stretch2=mean(curve.stretch2),
         stress2=mean(curve.stress2),
-        sd=mean(curve.sd),
-        lines=first(curve.lines),
+        stress_sd=mean(curve.stress_sd),
+        time_s=mean(curve.time_s),
+        temperature_degC=mean(curve.temperature_degC),
+        rate_1_s=mean(curve.rate_1_s),
+        lines=lines,
         branch=first(curve.branch),
         cycle=first(curve.cycle),
     )

@@ -12,14 +12,19 @@ from numpy.typing import NDArray
 
 from hyperfab.chapters.fit.prepare import Steps, prepare, settled
 from hyperfab.chapters.fit.reading import Reading
-from hyperfab.chapters.look import remarks
+from hyperfab.chapters.job import refuse_twice
+from hyperfab.chapters.look import remarks, understood, unused_columns
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_tests import TestData, read_tests
+from hyperfab.io.layout import Layout
 from hyperfab.io.specimen import Geometry
+from hyperfab.numerics.hygiene import ZERO
 
 if TYPE_CHECKING:
     from hyperfab.chapters.job import Job
 
+#: The tests that the laws of today carry.
+CARRIED = ("uniaxial", "shear", "biaxial", "biaxial-general")
 #: Tests closer than this in temperature [K] are tests at one temperature.
 SAME_TEMPERATURE = 5.0
 
@@ -52,19 +57,33 @@ class Readings:
 
 
 def read_all(
-    job: Job, files: Mapping[str, Sequence[str]], geometry: Geometry, decimal: str | None
+    job: Job,
+    files: Mapping[str, Sequence[str]],
+    geometry: Geometry,
+    columns: Layout,
+    told: list[str] | None = None,
 ) -> list[TestData]:
-    """Read every file as the test its option says; UsageError where there is none, or one is given twice."""
+    """Read every file as the test its option says, or as what it is itself under no name; say how each was read.
+
+    UsageError where there is none, or one is given twice.
+    """
     names = [name for group in files.values() for name in group]
-    if not any(files[test] for test in ("uniaxial", "shear", "biaxial")):
-        raise UsageError("no test to fit; give one with --uniaxial, --shear or --biaxial")
-    twice = [name for name, count in Counter(names).items() if count > 1]
-    if twice:
-        raise UsageError(f"{twice[0]} is given twice; its rows would count double")
+    if not any(files.get(test) for test in ("", "uniaxial", "shear", "biaxial")):
+        raise UsageError("no test to fit; give one as FILE, or with --uniaxial, --shear or --biaxial")
+    refuse_twice(names)
     found = []
     for test, group in files.items():
         for name in group:
-            found += read_tests(job.inputs.read(name), name, test=test, geometry=geometry, decimal=decimal)
+            data = job.inputs.read(name)
+            found += read_tests(
+                data, name, test=test or None, geometry=geometry, columns=columns, clock=False
+            )
+    unused_columns(columns, found)
+    lines = understood(found)
+    for line in lines:
+        job.console.note(line)
+    if told is not None:
+        told += lines
     return found
 
 
@@ -77,13 +96,27 @@ def gather(tests: Sequence[TestData], steps: Steps, relative: bool) -> Readings:
     volumetric = [test for test in tests if test.test == "volumetric"]
     thickness, nominal = _thickness(sheets)
     found = Readings([], volumetric, thickness, nominal)
-    per_file = {test.source: test.left_out for test in tests}
-    for counts in per_file.values():
+    for counts in {id(test.left_out): test.left_out for test in tests}.values():
         found.left_out.update(counts)
-    clusters = _temperatures(sheets)
+    carried = [test for test in sheets if test.test in CARRIED]
     for test in sheets:
-        for temperature, rows in _by_temperature(test, clusters):
-            curve = Reading(
+        if test.test not in CARRIED:
+            found.left_out[f"{test.test}: no law here carries this test"] += len(test.stretch)
+    if not carried:
+        raise InputError(
+            f"is a test in {sheets[0].test.replace('-', ' ')}, which no law here carries"
+            if sheets
+            else "is a volumetric test alone",
+            file=tests[0].source,
+            remedy="give uniaxial, shear or biaxial tests",
+        )
+    clusters = _temperatures(carried)
+    split = [(mean, test.take(rows)) for test in carried for mean, rows in _by_temperature(test, clusters)]
+    prepared = prepare([test for _, test in split], steps, found.left_out, found.preparation)
+    for test in prepared:
+        [(temperature, _)] = _by_temperature(test, clusters)
+        found.curves.append(
+            Reading(
                 mode=test.test,
                 source=test.source,
                 stretch=test.stretch,
@@ -98,8 +131,7 @@ def gather(tests: Sequence[TestData], steps: Steps, relative: bool) -> Readings:
                 branch=test.branch,
                 cycle=test.cycle,
             )
-            found.curves.append(curve.take(rows))
-    found.curves = prepare(found.curves, steps, found.left_out, found.preparation)
+        )
     if relative:
         found.curves = [_without_zeros(curve, found.left_out) for curve in found.curves]
     found.curves = [curve for curve in found.curves if len(curve.stretch)]
@@ -161,13 +193,13 @@ def _by_temperature(
 
 def _without_zeros(curve: Reading, left_out: Counter[str]) -> Reading:
     """Leave out rows that have no ratio of model to measured stress."""
-    zero = curve.stress == 0.0
+    zero = np.abs(curve.stress) <= ZERO * float(np.abs(curve.stress).max(initial=0.0))
     rest = (curve.stretch == 1.0) & ~zero
     against = ~zero & ~rest & ((curve.stretch - 1.0) * curve.stress < 0.0)
     if curve.mode == "biaxial-general":
         assert curve.stress2 is not None
         assert curve.stretch2 is not None
-        zero |= curve.stress2 == 0.0
+        zero |= np.abs(curve.stress2) <= ZERO * float(np.abs(curve.stress2).max(initial=0.0))
         rest = (curve.stretch == 1.0) & (curve.stretch2 == 1.0) & ~zero
         against = np.zeros_like(zero)
     for reason, rows in (
@@ -187,8 +219,6 @@ def _remarks(tests: Sequence[TestData], found: Readings) -> None:
         found.preparation.append(
             "no thickness is known: 1 mm is taken, and a constant in MPa is force per width in N/mm"
         )
-    for note in dict.fromkeys(f"{test.source}: {note}" for test in tests for note in test.notes):
-        found.preparation.append(note)
     found.preparation += _contractions(found.curves)
 
 

@@ -16,6 +16,7 @@ from hyperfab.console import NEGATIVE_VERDICT
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.documents.provenance import relative_name
 from hyperfab.errors import InputError, UsageError
+from hyperfab.io.layout import layout
 from hyperfab.io.output import Output
 from hyperfab.io.specimen import Geometry
 from hyperfab.io.units import quantity
@@ -26,6 +27,7 @@ from hyperfab.materials.law import Law
 def run(
     job: Job,
     *,
+    files: Sequence[str] = (),
     uniaxial: Sequence[str] = (),
     shear: Sequence[str] = (),
     biaxial: Sequence[str] = (),
@@ -47,6 +49,8 @@ def run(
     preload: str | None = None,
     resample: int | None = None,
     noise: str | None = None,
+    columns: Sequence[str] = (),
+    skip_rows: int | None = None,
     decimal: str | None = None,
     output: str = "-",
 ) -> int:
@@ -57,17 +61,19 @@ def run(
     if not accept > 0.0:
         raise UsageError(f"--accept {accept}: a relative rms above zero is needed, as 0.30")
     candidates = [one for one in laws().values() if one.isotropic] if model == "all" else [law(model)]
-    files = {"uniaxial": uniaxial, "shear": shear, "biaxial": biaxial, "volumetric": volumetric}
+    named = {"": files, "uniaxial": uniaxial, "shear": shear, "biaxial": biaxial, "volumetric": volumetric}
     sizes = geometry(
         specimen,
         {"gauge_length": gauge_length, "width": width, "thickness": thickness, "diameter": diameter},
     )
-    steps = Steps(branch, cycle, zero, _stress(preload, "--preload", sizes), resample)
+    steps = Steps(branch, cycle, zero, preload, resample)
     steps.check()
-    tests = read_all(job, files, sizes, decimal)
+    told: list[str] = []
+    tests = read_all(job, named, sizes, layout(columns, skip_rows, decimal), told)
     out.refuse_inputs(job.inputs)
     readings = gather(tests, steps, relative=objective == "relative")
-    readings.warnings[:0] = aspect_warnings(tests, sizes)
+    readings.preparation += told
+    readings.warnings[:0] = aspect_warnings(tests)
     chosen = _chosen(fit_on, readings)
     floor = _stress(noise, "--noise", sizes)
     if floor is not None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from hyperfab.chapters.look import named
 from hyperfab.errors import UsageError
 from hyperfab.io.csv_tests import TestData
 from hyperfab.io.specimen import Geometry
@@ -49,27 +50,20 @@ def _length(text: str | None, option: str) -> float | None:
     return value
 
 
-def aspect_warnings(tests: Sequence[TestData], options: Geometry) -> list[str]:
-    """Say which specimens are not as slender, or as wide, as their test takes for granted."""
-    found = []
+def aspect_warnings(tests: Sequence[TestData]) -> list[str]:
+    """Say which specimens are not as slender, or as wide, as their test takes for granted: once for all of a shape."""
+    alike: dict[str, list[str]] = {}
     for test in tests:
-        length = options.gauge_length or _stated(test, "gauge length")
-        width = options.width or _stated(test, "width")
-        if length is None or width is None:
+        if test.gauge_length_mm is None or test.width_mm is None:
             continue
-        ratio = length / width
+        ratio = test.gauge_length_mm / test.width_mm
         if test.test == "uniaxial" and ratio < 9.5:
-            found.append(
-                f"{test.source}: the specimen is {ratio:.2g} times as long as wide; below 10 its ends hinder the "
+            text = (
+                f"the specimen is {ratio:.2g} times as long as wide; below 10 its ends hinder the "
                 "contraction and it reads too stiff for uniaxial tension"
             )
+            alike.setdefault(text, []).append(test.source)
         if test.test == "shear" and not 3.9 <= 1.0 / ratio <= 10.1:
-            found.append(
-                f"{test.source}: the specimen is {1 / ratio:.2g} times as wide as long; planar tension takes 4 to 10"
-            )
-    return list(dict.fromkeys(found))
-
-
-def _stated(test: TestData, key: str) -> float | None:
-    text = test.metadata.get(key)
-    return None if text is None else quantity(text, "length")
+            text = f"the specimen is {1 / ratio:.2g} times as wide as long; planar tension takes 4 to 10"
+            alike.setdefault(text, []).append(test.source)
+    return [f"{named(sources)}: {text}" for text, sources in alike.items()]

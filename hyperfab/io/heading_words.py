@@ -1,0 +1,228 @@
+"""What testing machines and offices call their columns and settings, in nine languages.
+
+Words stand as ``hyperfab.io.headings.plain`` leaves them: lower case, without accents, punctuation as spaces.
+Sources: the export headings of Instron Bluehill, ZwickRoell testXpert, MTS TestWorks and TestSuite, Shimadzu Trapezium,
+Mark-10, Textechno, TA and Anton Paar rheometers, GOM, VIC and Istra, as their manuals and users' files show them.
+"""
+
+from __future__ import annotations
+
+#: Words of a column by what it holds. A unit decides where words have two senses.
+COLUMNS: dict[str, str] = {
+    "stretch": """stretch; stretch ratio; extension ratio; elongation ratio; draw ratio; principal stretch; nominal
+        stretch; lambda; lam; l l0; l/l0; streckung; streckverhaltnis; dehnungsverhaltnis; verstreckgrad;
+        alargamiento relativo lambda; taux d elongation; rapporto di estensione; axial stretch""",
+    "strain": """strain; engineering strain; nominal strain; technical strain; eng strain; tensile strain; axial strain;
+        longitudinal strain; strain reading; epsilon; eps; e; major strain; dehnung; standarddehnung;
+        nenndehnung; technische dehnung; nominelle dehnung; zugdehnung; axialdehnung; langsdehnung; langsdehnung
+        technisch; deformacion; deformacion unitaria; deformacion por traccion; deformacion de traccion;
+        deformacion nominal; deformacion ingenieril; deformation; deformation nominale; deformation axiale;
+        deformation en traction; deformation longitudinale; deformation rationnelle; deformazione; deformazione a
+        trazione; deformazione nominale; deformazione ingegneristica; deformacao; deformacao de tracao;
+        deformacao nominal; deformacao de engenharia; deformacao axial; elongation; tensile elongation;
+        elongacion; elongacao; alargamiento; allongement; allungamento; alongamento; gl dehnung; distancia
+        recorrida relativa; ひずみ; 歪み; 歪; 伸び率; 应变; 伸长率; деформация; относительная деформация; относительное
+        удлинение""",
+    "extension": """extension; displacement; ext; disp; tensile extension; tensile displacement;
+        axial displacement; axial
+        extension; crosshead displacement; crosshead extension; crosshead travel; crosshead; stroke; travel;
+        actuator displacement; elongation mm; weg; standardweg; verlangerung; standardverlangerung;
+        langenanderung; traversenweg; kolbenweg; prufweg; maschinenweg; dehnweg; wegaufnehmer; extensometer;
+        video extensometer; delta l; dl; delta length; u; ux; uy; desplazamiento; desplazamiento de la cruceta;
+        recorrido; carrera; deplacement; deplacement de la traverse; course; course traverse; allongement mm;
+        spostamento; spostamento traversa; corsa; estensione; deslocamento; deslocamento do travessao; curso;
+        extensao; 変位; ストローク; 伸び; 位移; 变形; 伸长; перемещение; удлинение; ход""",
+    "position": """position; crosshead position; traverse; traverse absolut; traversenweg absolut; traversenposition;
+        standardtraversenweg; axial position; actuator position; posicion; posicion de la cruceta; position
+        traverse; posizione; posizione traversa; posicao""",
+    "length": """gap; length; current length; lange; aktuelle lange; longitud; longueur; lunghezza; comprimento; spalt;
+        measuring gap; specimen length; grip distance; entrefer""",
+    "force": """force; load; f; tensile force; tensile load; standard force; test force; axial force; axial load; load
+        cell; load reading; force reading; pull force; maximum pull; kraft; standardkraft; prufkraft; zugkraft;
+        last; axialkraft; fuerza; fuerza de traccion; carga; carga de traccion; effort; force de traction; force
+        standard; charge; forza; forza di trazione; forza standard; carico; carico di trazione; forca; forca de
+        tracao; forca padrao; carga de tracao; 試験力; 荷重; 力; 试验力; 载荷; 负荷; нагрузка; усилие; сила""",
+    "stress": """stress; nominal stress; engineering stress; tensile stress; eng stress; technical stress; axial stress;
+        sigma; s; p; pk1; first piola kirchhoff stress; piola stress; nominal stress p; spannung; nennspannung;
+        zugspannung; technische spannung; standardspannung; nominelle spannung; esfuerzo; esfuerzo de traccion;
+        esfuerzo nominal; esfuerzo por traccion; esfuerzo ingenieril; tension; tension nominal; tension de
+        traccion; contrainte; contrainte nominale; contrainte de traction; contrainte en traction; contrainte
+        axiale; sforzo; sforzo nominale; sforzo di trazione; tensione; tensione nominale; sollecitazione; tensao;
+        tensao nominal; tensao de tracao; tensao de engenharia; 応力; 应力; напряжение; gl spannung""",
+    "true stress": """true stress; cauchy stress; cauchy; true tensile stress; wahre spannung; cauchy spannung; esfuerzo
+        verdadero; esfuerzo real; esfuerzo de cauchy; contrainte vraie; contrainte de cauchy; sforzo vero;
+        tensione vera; tensione reale; tensao verdadeira; tensao real; sigma true; true sigma""",
+    "true strain": """true strain; log strain; logarithmic strain; hencky strain; hencky; wahre dehnung; logarithmische
+        dehnung; umformgrad; deformacion verdadera; deformacion logaritmica; deformacion real; deformation vraie;
+        deformation logarithmique; deformazione vera; deformazione logaritmica; deformacao verdadeira; deformacao
+        logaritmica""",
+    "green strain": """green strain; lagrange strain; lagrangian strain; green lagrange strain; green lagrange""",
+    "membrane stress": """membrane stress; force per width; load per width; force per unit width; line load;
+        linienkraft;
+        breitenbezogene kraft; kraft pro breite; fuerza por ancho; fuerza por unidad de ancho; force par largeur;
+        effort lineique; forza per larghezza; forca por largura; unit load""",
+    "volume ratio": "volume ratio; volumenverhaltnis; relative volume; j",
+    "shear strain": """shear strain; gamma; scherung; schubverzerrung; scherdehnung; shear deformation;
+        deformacion angular;
+        deformacion de corte; cisaillement; deformation de cisaillement; deformazione a taglio; scorrimento;
+        deformacao de cisalhamento""",
+    "shear stress": """shear stress; tau; schubspannung; scherspannung; esfuerzo cortante; esfuerzo de corte;
+        contrainte de
+        cisaillement; sforzo di taglio; tensione di taglio; tensao de cisalhamento; tensao cisalhante""",
+    "stress sd": """stress sd; stress std; sd stress; std stress; stress stdev; standard deviation of stress; spannung
+        sd; membrane stress sd""",
+    "time": """time; t; elapsed time; test time; total time; running time; run time; time stamp; timestamp; step time;
+        zeit; prufzeit; testzeit; versuchszeit; laufzeit; messzeit; tiempo; tiempo de ensayo; tiempo
+        transcurrido; temps; temps d essai; temps ecoule; tempo; tempo di prova; tempo trascorso; tempo de
+        ensaio; tempo decorrido; 時間; 経過時間; 时间; 試験時間; время""",
+    "temperature": """temperature; temp; test temperature; specimen temperature; sample temperature; temperatur;
+        pruftemperatur; probentemperatur; temperatura; temperatura de ensayo; temperatura de la probeta;
+        temperature d essai; temperatura di prova; temperatura de ensaio; t sample; 温度; 試験温度; температура; t c""",
+    "chamber": """chamber temperature; oven temperature; chamber temp; ambient temperature; room temperature;
+        kammertemperatur; raumtemperatur; umgebungstemperatur; temperatura ambiente; temperatura de la camara;
+        temperature ambiante; temperature enceinte; temperatura ambiente interna; temperatura da camara; t
+        chamber""",
+    "rate": """rate; strain rate; vel; velocity; speed; test speed; testing speed; crosshead speed; stretch rate; pull
+        speed; rate 1; dehnrate; dehngeschwindigkeit; prufgeschwindigkeit; geschwindigkeit;
+        abzugsgeschwindigkeit; velocidad; velocidad de ensayo; velocidad de deformacion; vitesse; vitesse d
+        essai; vitesse de deformation; velocita; velocita di prova; velocita di deformazione; velocidade;
+        velocidade de ensaio; taxa de deformacao; скорость""",
+    "cycle": """cycle; cycles; cycle no; cycle nr; cycle number; cycle count; cyclecount; total cycles; cycle index;
+        zyklus; zyklen; zyklusnummer; zyklus nr; zykluszahler; zyklenzahler; hysteresenummer; ciclo; ciclos;
+        numero de ciclo; ciclo n; n ciclo; nombre de cycles; numero de cycle; cicli; numero ciclo; numero do
+        ciclo; サイクル; 循环; цикл""",
+    "branch": """branch; loading direction; load branch; ast; be entlastung; belastungsast; rama; branche;
+        ramo; hin ruck""",
+    "direction": """direction; fabric direction; specimen direction; sample direction; test direction;
+        material direction;
+        orientation; cut direction; richtung; probenrichtung; prufrichtung; materialrichtung; entnahmerichtung;
+        direccion; direccion del tejido; sens; sens du tissu; orientacion; direzione; direzione del tessuto;
+        direcao; direcao do tecido""",
+    "specimen": """specimen; sample; specimen no; specimen nr; specimen number; specimen id; specimen name;
+        specimen label;
+        sample no; sample id; sample name; sample number; test piece; replicate; test no; test number; specimen
+        identifier; probe; probe nr; proben nr; probennummer; proben id; probenbezeichnung; probekorper;
+        prufling; prufkorper; probeta; probeta n; probeta no; numero de probeta; muestra; muestra n;
+        identificacion de la probeta; eprouvette; eprouvette n; numero d eprouvette; echantillon; provino;
+        provino n; numero provino; campione; corpo de prova; corpo de prova n; amostra; cp""",
+    "test": "test; test kind; test mode; deformation mode; mode",
+}
+#: The same for compression, where machines count pushing as positive.
+COMPRESSIVE: dict[str, str] = {
+    "strain": """compressive strain; compression strain; compressive strain compression; stauchung; nennstauchung;
+        deformacion por compresion; deformacion de compresion; deformation en compression; deformazione a
+        compressione; deformacao de compressao; ecrasement; taux de compression""",
+    "extension": """compressive extension; compressive displacement; compression; compression displacement; deflection;
+        deflexion; stauchweg; eindruckweg; einfederung; extension por compresion; deplacement de compression;
+        extension de compression; flecha""",
+    "force": """compressive load; compressive force; compression load; compression force; normal force; axial force
+        rheometer; druckkraft; normalkraft; stauchkraft; carga de compresion; fuerza de compresion; fuerza
+        normal; force de compression; charge de compression; force normale; forza di compressione; forza normale;
+        forca de compressao; forca normal; axialforce; fn""",
+    "stress": """compressive stress; compression stress; normal stress; druckspannung; stauchspannung; stauchharte;
+        esfuerzo de compresion; tension de compresion; contrainte de compression; sforzo di compressione;
+        tensione di compressione; tensao de compressao""",
+}
+#: Known, and no reading of the test: their names are told, nothing is asked.
+ASIDE = """date; datum; fecha; data; clock; uhrzeit; heure; hora; ora; time of day; date time; datetime; datum
+        uhrzeit; point; points; point no; data point; index; no; nr; n; row; id; messpunkt; punkt; punto; ponto;
+        lfd nr; line; record; scan; frame; image; bild; photo; image no; comment; comments; kommentar; bemerkung;
+        bemerkungen; remark; remarks; note; notes; comentario; comentarios; observaciones; observacoes;
+        commentaire; remarque; commento; nota; energy; work; arbeit; energia; energie; travail; lavoro; trabalho;
+        tenacity; feinheitsfestigkeit; status; flag; event; marker; step; segment; phase; power; torque; moment;
+        drehmoment; modulus; modul; count; zahler; counter; humidity; luftfeuchte; feuchte; humedad; humidite;
+        umidita; umidade; operator; pruefer; prufer; x; y; z; poisson ratio; querkontraktionszahl; area; flache;
+        width; breite; ancho; largeur; larghezza; largura; thickness; dicke; unnamed; sr; serial; s no"""
+
+#: Settings that stand above a table.
+SETTINGS: dict[str, str] = {
+    "width": """width; specimen width; sample width; strip width; initial width; breite; probenbreite; streifenbreite;
+        anfangsbreite; probenbreite b0; b0; w0; b; w; ancho; anchura; ancho de la probeta; ancho de probeta;
+        ancho inicial; largeur; largeur de l eprouvette; largeur eprouvette; largeur initiale; larghezza;
+        larghezza provino; larghezza del provino; larghezza iniziale; largura; largura do corpo de prova; largura
+        inicial; 幅; 宽度; ширина""",
+    "thickness": """thickness; specimen thickness; sample thickness; initial thickness; fabric thickness;
+        dicke; probendicke;
+        anfangsdicke; warendicke; stoffdicke; probendicke a0; a0; h0; espesor; espesor de la probeta; espesor de
+        probeta; espesor inicial; epaisseur; epaisseur de l eprouvette; epaisseur eprouvette; epaisseur initiale;
+        spessore; spessore provino; spessore del provino; spessore iniziale; espessura; espessura do corpo de
+        prova; espessura inicial; 厚さ; 厚み; 厚度; толщина""",
+    "gauge length": """gauge length; gage length; initial length; original length; original gauge length;
+        nominal gauge length;
+        specimen gauge length; l0; lo; l 0; free length; messlange; anfangsmesslange; anfangslange; bezugslange;
+        ausgangslange; longitud de referencia; longitud inicial; longitud calibrada; longitud util; base de
+        medida; longitud de medida; longueur initiale; longueur de reference; longueur utile; longueur de mesure;
+        base de mesure; lunghezza iniziale; lunghezza utile; lunghezza di riferimento; tratto utile; base di
+        misura; comprimento inicial; comprimento util; comprimento de referencia; comprimento de medida; 標点距離;
+        ゲージ長さ; 标距; база; начальная длина""",
+    "grip distance": """grip distance; grip separation; grip to grip separation;
+        grip to grip separation at the start position;
+        jaw separation; jaw distance; clamp distance; clamping length; clamping distance; initial grip
+        separation; einspannlange; klemmlange; freie einspannlange; einspannlange bei startposition;
+        einspannlange le; le; spannlange; distancia entre mordazas; separacion de mordazas; separacion entre
+        mordazas; longitud entre mordazas; distance entre mors; ecartement des mors; longueur entre mors;
+        longueur de serrage; distanza tra i morsetti; distanza morsetti; distanza tra le pinze; distancia entre
+        garras; distancia entre as garras; つかみ間隔; チャック間距離; 夹距""",
+    "diameter": """diameter; specimen diameter; d0; durchmesser; probendurchmesser; diametro; diametro de la probeta;
+        diametre; diametre de l eprouvette; 直径; диаметр""",
+    "area": """area; cross section; cross sectional area; cross section area; initial area; s0; querschnitt;
+        querschnittsflache; anfangsquerschnitt; probenquerschnitt; seccion; area de la seccion; area inicial;
+        seccion transversal; section; section initiale; aire; sezione; area iniziale; secao; secao transversal;
+        断面積; площадь""",
+    "rate": COLUMNS["rate"],
+    "temperature": COLUMNS["temperature"] + "; " + COLUMNS["chamber"],
+    "direction": COLUMNS["direction"],
+    "specimen": COLUMNS["specimen"],
+    "cycle": "cycle; zyklus; ciclo",
+    "branch": "branch",
+    "stress sd": "stress sd",
+    "test": """test; test kind; test type; test method; method; test name; type of test; kind of test; prufart;
+        prufverfahren; prufvorschrift; prufnorm; versuch; versuchsart; ensayo; tipo de ensayo; metodo; metodo de
+        ensayo; essai; type d essai; methode; methode d essai; prova; tipo di prova; metodo di prova; ensaio;
+        tipo de ensaio; metodo de ensaio; standard; norm; norma; norme""",
+}
+#: Settings that are known and change nothing: not worth a word.
+QUIET = """source; license; licence; material; fabric; operator; prufer; bearbeiter; tester; customer; kunde;
+        company; firma; date; datum; fecha; data; time; comment; comments; remark; note; title; name; file;
+        filename; machine; software; version; author; lot; batch; project; report; description; laboratory; lab"""
+
+#: What a test is called, by its kind: tried on words of names, settings and columns.
+TESTS: dict[str, str] = {
+    "biaxial-general": "biaxial general; general biaxial",
+    "biaxial": """biaxial; equibiaxial; equi biaxial; equal biaxial; equibiaxial tension; aquibiaxial; biaxial gleich;
+        equibiaxiale; equibiaxiale; inflation; bulge""",
+    "simple-shear": """simple shear; einfache scherung; einfacher schub; lap shear; corte simple; cisaillement simple;
+        taglio semplice; cisalhamento simples; quad lap shear""",
+    "shear": """shear; planar; planar tension; pure shear; planar shear; planarzug; reine scherung; corte puro;
+        cisaillement pur; taglio puro; cisalhamento puro; wide strip; strip biaxial""",
+    "confined-compression": "confined compression; oedometer; oedometric; eingespannte stauchung",
+    "volumetric": "volumetric; volumetric compression; hydrostatic; volumetrisch; volumetrico; volumetrique",
+    "compression": """compression; compressive; uniaxial compression; compression test; druckversuch; druck;
+        druckprufung;
+        stauchversuch; stauch; compresion; essai de compression; compressione; compressao""",
+    "uniaxial": """uniaxial; uniaxial tension; tension; tensile; tensile test; tensile testing; strip; strip test; strip
+        method; zugversuch; zug; zugprufung; streifenzugversuch; streifenzug; traccion; ensayo de traccion; essai
+        de traction; traction; trazione; prova di trazione; tracao; ensaio de tracao; strip tensile; iso 13934 1;
+        iso 37; astm d412; iso 527; astm d5035; iso 20932 1; en 14704 1; astm d638; astm d882""",
+}
+DIRECTIONS: dict[str, str] = {
+    "warp": """warp; wale; wales; machine; md; machine direction; length; lengthwise; longitudinal; kette; kettrichtung;
+        in kettrichtung; kett; stabchenrichtung; maschenstabchen; langs; langsrichtung; urdimbre; columna;
+        columnas; chaine; sens chaine; colonne; ordito; urdume; teia""",
+    "weft": """weft; fill; filling; course; courses; cd; xd; cross; crosswise; cross machine; cross direction;
+        transverse; widthwise; schuss; schussrichtung; in schussrichtung; reihenrichtung; maschenreihe; quer;
+        querrichtung; trama; pasada; pasadas; trame; sens trame; rangee; fila""",
+}
+BRANCHES: dict[str, str] = {
+    "load": """load; loading; up; forward; extension; stretch; belastung; belasten; hin; hinweg; carga; charge;
+        aller; carico; andata; subida; +1""",
+    "unload": """unload; unloading; down; back; return; recovery; entlastung; entlasten; ruck; ruckweg; descarga;
+        decharge; retour; scarico; ritorno; descida; -1""",
+}
+#: Words that begin a closing row of a table of readings.
+CLOSING = """mean; average; avg; sd; std; stdev; std dev; stddev; standard deviation; s d; cv; c v; cov; coefficient
+        of variation; variance; median; min; minimum; max; maximum; range; count; n; sum; total; mittelwert;
+        mittel; standardabweichung; stabw; streuung; variationskoeffizient; vk; summe; anzahl; media; promedio;
+        desviacion estandar; desviacion; desv est; coeficiente de variacion; mediana; minimo; maximo; suma;
+        moyenne; ecart type; ecart; coefficient de variation; mediane; somme; deviazione standard; dev std;
+        somma; desvio padrao; desvio; soma; end; ende; end of file; end of data; eof; fin; fine; fim; x quer; xs"""

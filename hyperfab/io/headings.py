@@ -1,0 +1,376 @@
+"""Headings of columns: the label, the unit however it is set beside it, and what a machine means by it."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+
+from hyperfab.io import heading_words
+from hyperfab.io.unit_table import UnitError
+from hyperfab.io.units import column_factor, is_unit
+
+#: Anything that starts like a number: enough to tell a row of data from a row of words.
+NUMBER_LIKE = re.compile(r"[+-]?[.,]?\d[\d.,eE+-]*", re.ASCII)
+_GROUPS = re.compile(r"\[([^\[\]]*)\]|\(([^()]*)\)|\{([^{}]*)\}|<([^<>]*)>")
+_TAIL = re.compile(r"(?:\s*(?:\[[^\[\]]*\]|\([^()]*\)|\{[^{}]*\}|<[^<>]*>))+\s*$")
+_GREEK = str.maketrans(
+    {"ε": "epsilon", "ϵ": "epsilon", "σ": "sigma", "λ": "lambda", "τ": "tau", "γ": "gamma",
+        "Δ": "delta ", "δ": "delta ", "∆": "delta "}
+)  # fmt: skip
+#: Units in words, as offices write them.
+_UNIT_WORDS = {
+    "newton": "N", "newtons": "N", "kilonewton": "kN", "sec": "s", "secs": "s", "second": "s", "seconds": "s",
+    "sek": "s", "sekunden": "s",
+    "sekunde": "s", "seg": "s", "segundos": "s", "segundo": "s", "secondes": "s", "seconde": "s",
+    "secondi": "s", "minute": "min",
+    "minutes": "min", "minuten": "min", "minutos": "min", "minuti": "min", "millimeter": "mm",
+    "millimeters": "mm", "millimetre": "mm",
+    "millimetres": "mm", "milimetros": "mm", "millimetri": "mm", "megapascal": "MPa", "kilopascal": "kPa",
+    "mpa": "MPa", "kpa": "kPa",
+    "kn": "kN", "kgf": "kgf", "lbf": "lbf", "gf": "gf", "ozf": "ozf", "prozent": "%", "percent": "%",
+    "per cent": "%", "pct": "%",
+    "porcentaje": "%", "pourcent": "%", "grad c": "degC", "grad celsius": "degC", "deg c": "degC",
+    "celsius": "degC", "grados c": "degC",
+    "degres c": "degC", "gradi c": "degC", "graus c": "degC", "kelvin": "K", "dimensionless": "-",
+    "none": "-", "inch": "in", "pulg": "in",
+}  # fmt: skip
+#: The kind of quantity each column holds.
+KIND: Mapping[str, str] = {
+    "stretch": "dimensionless", "strain": "dimensionless", "true strain": "dimensionless",
+    "green strain": "dimensionless",
+    "shear strain": "dimensionless", "volume ratio": "dimensionless", "extension": "length",
+    "position": "length", "length": "length",
+    "force": "force", "stress": "stress", "true stress": "stress", "shear stress": "stress", "stress sd": "stress",
+    "membrane stress": "membrane-stress", "time": "time", "temperature": "temperature",
+    "chamber": "temperature", "rate": "rate",
+}  # fmt: skip
+#: What a label means when its unit is of another kind: tension [N] is a force, deformation [mm] an extension.
+_BY_UNIT: Mapping[str, Mapping[str, str]] = {
+    "strain": {"length": "extension"},
+    "extension": {"dimensionless": "strain"},
+    "position": {"dimensionless": "strain"},
+    "force": {"membrane-stress": "membrane stress", "stress": "stress"},
+    "stress": {"membrane-stress": "membrane stress", "force": "force"},
+    "membrane stress": {"stress": "stress", "force": "force"},
+    "time": {"temperature": "temperature"},
+}
+#: Words that machines put beside the name of a channel and that change nothing.
+_FILLERS = frozenset(
+    [
+        "ch",
+        "channel",
+        "sensor",
+        "kanal",
+        "canal",
+        "canale",
+        "raw",
+        "filtered",
+        "measured",
+        "actual",
+        "current",
+        "istwert",
+        "messwert",
+        "wert",
+        "value",
+        "reading",
+        "signal",
+        "data",
+        "average",
+        "avg",
+        "mean",
+        "mittel",
+        "mittlere",
+        "moyenne",
+        "media",
+        "medio",
+        "medie",
+        "total",
+        "de",
+        "del",
+        "der",
+        "die",
+        "das",
+        "the",
+        "of",
+        "en",
+        "le",
+        "la",
+        "specimen",
+        "sample",
+        "probe",
+        "engineering",
+        "nominal",
+        "axial",
+        "1",
+        "01",
+    ]
+)
+_AXES = {"1": "1", "2": "2", "11": "1", "22": "2", "x": "x", "y": "y", "xx": "x", "yy": "y"}
+
+
+@dataclass(frozen=True)
+class Heading:
+    """One column's heading: ``title`` as written, its ``label`` without the unit, ``unit`` or None, its place."""
+
+    title: str
+    label: str
+    unit: str | None
+    index: int
+
+    @property
+    def name(self) -> str:
+        """The label as it is compared."""
+        return fold(self.label)
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What a column holds: a ``name`` of ``heading_words.COLUMNS`` or ``aside``, and along which axis of the sheet.
+
+    ``axis`` is 1, 2, x or y, or nothing where the heading tells none; ``compressive`` columns count pushing as
+    positive.
+    Of two columns of one name that of the lower ``rank`` is the better told.
+    """
+
+    name: str
+    axis: str = ""
+    compressive: bool = False
+    rank: int = 0
+
+
+def fold(text: str) -> str:
+    """Return a name as it is compared: lower case, single spaces for ``_`` and ``-``.
+
+    >>> fold("Gauge_Length ")
+    'gauge length'
+    """
+    return " ".join(text.casefold().replace("_", " ").replace("-", " ").split())
+
+
+@cache
+def plain(text: str) -> str:
+    """Return words as they are looked up: lower case, without accents, punctuation as spaces.
+
+    >>> plain("Längenänderung ΔL"), plain("Déformation_(nominale)")
+    ('langenanderung delta l', 'deformation nominale')
+    """
+    text = unicodedata.normalize("NFKD", text[:120].translate(_GREEK).casefold().translate(_GREEK))
+    kept = (mark for mark in text if not unicodedata.combining(mark))
+    return " ".join("".join(mark if mark.isalnum() else " " for mark in kept).split())
+
+
+def words(text: str) -> frozenset[str]:
+    """Return the phrases of a list that semicolons part, as they are looked up."""
+    return frozenset(plain(one) for one in text.split(";")) - {""}
+
+
+def heading(title: str, index: int) -> Heading:
+    """Read a column's title: ``Kraft [N]``, ``Force (N)``, ``Load / N``, ``Load, N``, ``Weg in mm``, ``Dehnung %``.
+
+    >>> heading("Tensile strain (Displacement) (%)", 0)
+    Heading(title='Tensile strain (Displacement) (%)', label='Tensile strain', unit='%', index=0)
+    """
+    text = title if len(title) <= 200 else ""
+    tail = _TAIL.search(text)
+    groups = list(_GROUPS.finditer(text, tail.start() if tail else len(text)))
+    inner = [next(part for part in group.groups() if part is not None).strip() for group in groups]
+    units = [unit_of(part) for part in inner]
+    chosen = next((k for k in reversed(range(len(groups))) if units[k] is not None), None)
+    if chosen is None:  # a square bracket holds the unit, whatever stands in it
+        chosen = next((k for k in reversed(range(len(groups))) if groups[k][1] is not None), None)
+    if chosen is not None:
+        label = _bare(text[: groups[chosen].start()] + " " + text[groups[chosen].end() :])
+        return Heading(title, label, units[chosen] or inner[chosen] or "-", index)
+    label = _bare(text) if groups else text
+    first, _, last = label.rpartition(" ")
+    if last in ("%", "°C", "°F", "‰") and is_known(first):
+        return Heading(title, first, last, index)
+    for pattern in (r"(.+?)\s*/\s*(.+)", r"(.+),\s*(\S.*)", r"(.+?)\s+in\s+(\S+)"):
+        match = re.fullmatch(pattern, label)
+        if match and (unit := unit_of(match[2])) is not None and not is_known(label):
+            return Heading(title, match[1].strip(), unit, index)
+    first, _, last = label.rpartition(" ")
+    if first and is_known(first) and not is_known(label) and (unit := unit_of(last)) is not None:
+        name = looked_up(plain(first))
+        if last not in ("1", "") and any(is_of(unit, KIND[one.name]) for one in name if one.name in KIND):
+            return Heading(title, first, unit, index)
+    return Heading(title, label or title, None, index)
+
+
+def unit_of(text: str) -> str | None:
+    """Return ``text`` as a unit of ``hyperfab.io.unit_table``, or None where it is none.
+
+    >>> unit_of("Newton"), unit_of(" N/mm² "), unit_of("Mpa"), unit_of("Ch1")
+    ('N', 'N/mm²', 'MPa', None)
+    """
+    text = text.strip().rstrip(".").strip()
+    if not text or len(text) > 40:
+        return None
+    if text == "mPa" or is_unit(text):
+        return text
+    return _UNIT_WORDS.get(plain(text))
+
+
+def meaning(head: Heading) -> Meaning | None:
+    """Return what a column holds by its words and its unit, or None where neither is known.
+
+    >>> meaning(heading("Standardkraft [N]", 0)), meaning(heading("Deformation [mm]", 0)).name
+    (Meaning(name='force', axis='', compressive=False, rank=0), 'extension')
+    """
+    label = plain(_remarks_out(head.label))
+    found = [replace(one, rank=0) for one in looked_up(label)]
+    axis = ""
+    if not found:
+        match = re.fullmatch(r"(.*?) ?(11|22|xx|yy|[12xy])", label)
+        if match and match[1] and (found := list(looked_up(match[1]))):
+            axis = _AXES[match[2]]
+    if not found:
+        first, _, last = label.rpartition(" ")
+        if last in ("nr", "no", "id", "num"):
+            return Meaning("aside")
+        if first and len(last) <= 2 and last not in _AXES:  # a symbol: Kraft F, Zeit t
+            found = [replace(one, rank=1) for one in looked_up(first)]
+    if not found:
+        core = " ".join(word for word in label.split() if word not in _FILLERS)
+        found = [replace(one, rank=2) for one in looked_up(core)] if core != label else []
+    fitting = [one for one in (_fitted(one, head.unit) for one in found) if one is not None]
+    if not fitting:
+        return None
+    best = fitting[0]
+    if len(label) == 1 and best.name in KIND and head.unit is None:
+        return None  # a letter says nothing without its unit
+    return replace(best, axis=axis)
+
+
+def _fitted(found: Meaning, unit: str | None) -> Meaning | None:
+    """Return what words mean beside their unit; None where they cannot mean anything beside it."""
+    kind = KIND.get(found.name)
+    if unit is None or kind is None or is_of(unit, kind):
+        return found
+    if found.name == "rate" and is_of(unit, "velocity"):
+        return found
+    for other, name in _BY_UNIT.get(found.name, {}).items():
+        if is_of(unit, other):
+            return replace(found, name=name)
+    return found  # the reader says which unit is due
+
+
+def is_known(label: str) -> bool:
+    """Whether a label is in the dictionary as it stands."""
+    return bool(looked_up(plain(label)))
+
+
+@cache
+def looked_up(label: str) -> tuple[Meaning, ...]:
+    """Return what the dictionary has for a label that ``plain`` made."""
+    if label in heading_words.COLUMNS:  # the contract's own names need no dictionary
+        return (Meaning(label),)
+    return _dictionary().get(label, ())
+
+
+@cache
+def _dictionary() -> dict[str, tuple[Meaning, ...]]:
+    found: dict[str, list[Meaning]] = {}
+    for name, phrases in heading_words.COLUMNS.items():
+        for phrase in words(phrases):
+            found.setdefault(phrase, []).append(Meaning(name))
+    for name, phrases in heading_words.COMPRESSIVE.items():
+        for phrase in words(phrases):
+            found.setdefault(phrase, []).append(Meaning(name, compressive=True))
+    for phrase in words(heading_words.ASIDE):
+        found.setdefault(phrase, []).append(Meaning("aside"))
+    return {phrase: tuple(ones) for phrase, ones in found.items()}
+
+
+@cache
+def setting(key: str) -> str | None:
+    """Return which setting a line above the table states, ``quiet`` for those that change nothing, None if unknown.
+
+    >>> setting("Probenbreite b0"), setting("Epaisseur"), setting("Operador")
+    ('width', 'thickness', None)
+    """
+    label = plain(_remarks_out(key))
+    for name, phrases in _settings().items():
+        if label in phrases:
+            return name
+    head, _, last = label.rpartition(" ")
+    return setting(head) if head and len(last) <= 2 else None
+
+
+@cache
+def _settings() -> dict[str, frozenset[str]]:
+    found = {name: words(phrases) for name, phrases in heading_words.SETTINGS.items()}
+    return {**found, "quiet": words(heading_words.QUIET)}
+
+
+@cache
+def word_for(text: str, table: str) -> str | None:
+    """Return the entry of ``heading_words.TESTS``, ``DIRECTIONS`` or ``BRANCHES`` that ``text`` is a word for."""
+    label = plain(text) if text.strip() not in ("+1", "-1") else text.strip()
+    entries: Mapping[str, str] = getattr(heading_words, table)
+    for name, phrases in entries.items():
+        if label in words(phrases) or label in (one.strip() for one in phrases.split(";")):
+            return name
+    return None
+
+
+def kind_named(text: str) -> str | None:
+    """Return the test that words tell somewhere, as in a file's name or the name of a method; None if none or several.
+
+    >>> kind_named("warp_uniaxial_3"), kind_named("ISO 13934-1 strip"), kind_named("planar or biaxial")
+    ('uniaxial', 'uniaxial', None)
+    """
+    label = f" {plain(text)} "
+    found: list[str] = []
+    for name, phrases in heading_words.TESTS.items():
+        for phrase in sorted(words(phrases), key=len, reverse=True):
+            if f" {phrase} " in label:
+                label = label.replace(f" {phrase} ", " ")
+                found.append(name)
+    kinds = dict.fromkeys(found)
+    if "compression" in kinds and "uniaxial" in kinds:
+        kinds.pop("uniaxial")
+    return next(iter(kinds)) if len(kinds) == 1 else None
+
+
+def is_closing(text: str) -> bool:
+    """Whether a cell begins a row of means or the like."""
+    label = plain(text)
+    core = " ".join(word for word in label.split() if not word.isdigit())
+    return label in _closing() or core in _closing()
+
+
+@cache
+def _closing() -> frozenset[str]:
+    return words(heading_words.CLOSING)
+
+
+def is_of(unit: str, kind: str) -> bool:
+    """Whether ``unit`` is one of the ``kind`` of quantity."""
+    try:
+        column_factor(unit, kind)
+    except UnitError:
+        return False
+    return True
+
+
+def _remarks_out(label: str) -> str:
+    return _GROUPS.sub(" ", label)
+
+
+def _bare(label: str) -> str:
+    """Return a label without remarks in brackets, colons and underscores at its ends."""
+    return " ".join(_TAIL.sub("", label).split()).strip(" :;,_=") or label.strip()
+
+
+def suffixed(head: Heading) -> Heading:
+    """Read ``membrane_stress_N_mm``, the way this program names columns, as ``membrane stress [N/mm]``."""
+    parts = head.title.split("_")
+    for cut in range(1, len(parts)):
+        unit = "/".join(parts[cut:])
+        if head.unit is None and unit and not unit.isdigit() and is_unit(unit):
+            return Heading(head.title, "_".join(parts[:cut]), unit, head.index)
+    return head

@@ -1,0 +1,128 @@
+"""What the command line says of a table: which column is what, where its head stands, the decimal mark."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from hyperfab.errors import UsageError
+from hyperfab.io.heading_words import COLUMNS
+from hyperfab.io.headings import Heading, fold, heading, looked_up, plain, unit_of
+
+_ASIDE = ("aside", "ignore", "none", "-")
+_ENTRY = re.compile(
+    r"\s*(?:\"(?P<quoted>[^\"]*)\"|(?P<title>.+?))\s*=\s*(?P<sign>-?)(?P<name>[A-Za-z][A-Za-z ]*?(?: ?[12])?|-)"
+    r"\s*(?:\[(?P<unit>[^\]]*)\]|\((?P<round>[^)]*)\))?\s*(?:,|;|$)"
+)
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One entry of ``--columns``: the column called ``title`` holds ``name`` in ``unit``, times -1 where ``minus``."""
+
+    title: str
+    name: str
+    unit: str | None
+    minus: bool = False
+
+    def fits(self, head: Heading, alone: bool) -> bool:
+        """Whether it is meant for a column: by its title or label, else by its number from 1."""
+        title = plain(self.title)
+        if title and title in (plain(head.title), plain(head.label)):
+            return True
+        if self.title.strip() and fold(self.title) in (fold(head.title), fold(head.label)):
+            return True
+        return alone and re.fullmatch(r"#?\s*" + str(head.index + 1), self.title.strip()) is not None
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How tables are to be read where the command line says it: ``--columns``, ``--skip-rows``, ``--decimal``."""
+
+    columns: tuple[Choice, ...] = ()
+    skip_rows: int | None = None
+    decimal: str | None = None
+
+    @property
+    def titles(self) -> tuple[str, ...]:
+        """The titles that a file must have for its encoding to be the right one."""
+        return tuple(one.title for one in self.columns)
+
+    def choice(self, head: Heading, heads: Sequence[Heading]) -> Choice | None:
+        """Return the entry that is meant for a column: titles first, then numbers."""
+        for one in self.columns:
+            if one.fits(head, alone=False):
+                return one
+        titled = {one for one in self.columns for other in heads if one.fits(other, alone=False)}
+        return next((one for one in self.columns if one not in titled and one.fits(head, alone=True)), None)
+
+
+#: Where the command line says nothing.
+PLAIN = Layout()
+
+
+def layout(columns: Sequence[str] = (), skip_rows: int | None = None, decimal: str | None = None) -> Layout:
+    """Read the options as typed; UsageError where one cannot be meant.
+
+    >>> layout(["Standardkraft=force [N],Weg, korr.=-extension [mm]"]).columns[1]
+    Choice(title='Weg, korr.', name='extension', unit='mm', minus=True)
+    """
+    if skip_rows is not None and skip_rows < 0:
+        raise UsageError(f"--skip-rows {skip_rows}: a number of lines, as 12")
+    if decimal is not None and decimal not in (".", ","):
+        raise UsageError(f"--decimal {decimal}: the decimal mark is . or ,")
+    return Layout(tuple(one for text in columns for one in _choices(text)), skip_rows, decimal)
+
+
+def _choices(text: str) -> list[Choice]:
+    found, place = [], 0
+    while place < len(text):
+        match = _ENTRY.match(text, place)
+        name = None if match is None else _name(match["name"])
+        if match is None or name is None:
+            known = ", ".join([*COLUMNS, "aside"])
+            raise UsageError(
+                f'--columns {text}: write it as in --columns "Standardkraft=force [N],Weg=extension '
+                f'[mm]"; names are {known}'
+            )
+        written = match["unit"] if match["unit"] is not None else match["round"]
+        unit = None if written is None else unit_of(written) or "-"
+        if written is not None and written.strip() not in ("", "-") and unit_of(written) is None:
+            raise UsageError(f"--columns {text}: {written} is no unit")
+        found.append(Choice((match["quoted"] or match["title"]).strip(), name, unit, bool(match["sign"])))
+        place = match.end()
+    return found
+
+
+def _name(text: str) -> str | None:
+    """Return the name of a column as the dictionary has it, with the number of its axis where there is one."""
+    text = fold(text) if text not in _ASIDE else "aside"
+    if text in ("aside", "ignore", "none"):
+        return "aside"
+    core, _, axis = text.rpartition(" ") if text[-1:] in "12" else (text, "", "")
+    core = core or text.rstrip("12 ")
+    axis = "" if axis in ("", "1") else f" {axis}"
+    if core in COLUMNS:
+        return core + axis
+    known = looked_up(plain(core))
+    return known[0].name + axis if known and known[0].name != "aside" else None
+
+
+def filled_in(entries: Sequence[tuple[str, str]]) -> str:
+    """Return the option that says what columns hold, ready to be pasted into a shell.
+
+    >>> filled_in([("Kraft", "force [N]"), ('5" gauge', "aside")])
+    '--columns \\'Kraft=force [N],5" gauge=aside\\''
+    """
+    text = ",".join(f"{title}={name}" for title, name in entries)
+    if re.search(r"[\"$`\\!]", text):
+        quoted = text.replace("'", "'\\''")
+        return f"--columns '{quoted}'"
+    return f'--columns "{text}"'
+
+
+def named(choice: Choice, head: Heading) -> Heading:
+    """Return a column as the command line names it; the unit of the file stands where none is typed."""
+    read = heading(head.title, head.index)
+    return Heading(head.title, choice.name, choice.unit or head.unit or read.unit, head.index)

@@ -1,0 +1,324 @@
+"""Which column of a test is what, and which specimen's: from headings to the names the reader works with."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hyperfab.errors import InputError
+from hyperfab.io.csv_dialect import Sheet
+from hyperfab.io.headings import KIND, Heading, Meaning, heading, is_of, meaning, plain, suffixed, unit_of
+from hyperfab.io.layout import filled_in
+from hyperfab.io.tables import is_number
+
+#: What gives a stretch and what a stress, the surest first.
+STRETCHES = (
+    "stretch",
+    "strain",
+    "true strain",
+    "green strain",
+    "volume ratio",
+    "shear strain",
+    "extension",
+    "length",
+    "position",
+)
+STRESSES = ("stress", "true stress", "membrane stress", "shear stress", "force")
+#: Units to propose where a column has none.
+_USUAL = {
+    "strain": "%", "true strain": "-", "green strain": "-", "shear strain": "-", "stretch": "-",
+    "volume ratio": "-", "extension": "mm",
+    "length": "mm", "position": "mm", "stress": "MPa", "true stress": "MPa", "shear stress": "MPa",
+    "stress sd": "MPa", "membrane stress": "N/mm",
+    "force": "N", "time": "s", "temperature": "degC", "chamber": "degC", "rate": "1/s",
+}  # fmt: skip
+_BY_KIND = {"stress": "stress", "force": "force", "membrane-stress": "membrane stress", "length": "extension"}
+_SPECIMEN = re.compile(
+    r"(?:probe|specimen|sample|probeta|muestra|eprouvette|echantillon|provino|campione|corpo de "
+    r"prova|amostra|prufling|probekorper|test piece|versuch|spec|cp)"
+    r"(?: n| no| nr)? ?(\d{1,3})\b[ :]*(.*)"
+)
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column under the name it is read by: ``heading`` with its unit; pushing counts positive where "
+    "``compressive``."""
+
+    name: str
+    heading: Heading
+    compressive: bool = False
+    minus: bool = False
+
+
+@dataclass(frozen=True)
+class Roles:
+    """The columns of one specimen by name (``force``, ``strain 2``), and the titles of those that "
+    "nothing is known of."""
+
+    columns: dict[str, Column]
+    aside: tuple[str, ...] = ()
+
+    def first(self, names: Sequence[str], place: str = "") -> Column | None:
+        """Return the column of the first of ``names`` that is there, along the axis ``place`` (nothing or " 2")."""
+        return next((self.columns[name + place] for name in names if name + place in self.columns), None)
+
+
+def fits(heads: Sequence[Heading]) -> bool:
+    """Whether headings give a stretch and a stress."""
+    names = {one.name for one in (read(head) for head in heads) if one is not None}
+    if any(names & set(STRETCHES)) and any(names & set(STRESSES)):
+        return True
+    return bool(names & set(STRETCHES)) and any(_by_unit(head) for head in heads)
+
+
+def read(head: Heading) -> Meaning | None:
+    """Return what a column holds: by the command line, by its words, or by its words before a unit after ``_``."""
+    found = meaning(head)
+    if found is None or (head.unit is None and found.name in KIND):
+        found = meaning(suffixed(head)) or found
+    return found
+
+
+def _by_unit(head: Heading) -> str | None:
+    """Return what a column that is called after a specimen holds, by its unit."""
+    match = _SPECIMEN.fullmatch(plain(head.label))
+    if match is None or match[2] or head.unit is None:
+        return None
+    return next((name for kind, name in _BY_KIND.items() if is_of(head.unit, kind)), None)
+
+
+def specimens(sheet: Sheet) -> list[Sheet]:
+    """Return the tables of the specimens that stand side by side, each with the columns all share; else the sheet.
+
+    They are told by their titles, equal to the letter and repeated, by ``Probe 1``, ``Specimen 2`` before a
+    title, or by
+    ``.1``, ``.2`` behind it, as pandas writes copies.
+    """
+    if sheet.layout.columns:
+        return [sheet]
+    groups: dict[str, list[Heading]] = {}
+    shared: list[Heading] = []
+    titles = [plain(head.title) for head in sheet.headings]
+    repeated = {title for title in titles if title and titles.count(title) > 1}
+    names = {
+        m.name for head in sheet.headings if plain(head.title) in repeated and (m := read(head)) is not None
+    }
+    both = bool(names & set(STRETCHES)) and bool(names & set(STRESSES))
+    copies = {
+        title.rpartition(".")[0] for head in sheet.headings if re.fullmatch(r".+\.\d", title := head.title)
+    }
+    seen: dict[str, int] = {}
+    for head, title in zip(sheet.headings, titles, strict=True):
+        match = _SPECIMEN.fullmatch(plain(head.label))
+        copy = re.fullmatch(r"(.+)\.(\d)", head.title)
+        if match and (match[2] or _by_unit(head)):
+            label = match[2] or str(_by_unit(head))
+            unit = head.unit
+            made = replace(head, label=label, unit=unit)
+            groups.setdefault(match[1], []).append(made)
+        elif title in repeated and both:
+            seen[title] = seen.get(title, 0) + 1
+            groups.setdefault(str(seen[title]), []).append(head)
+        elif copy and copy[1] in {one.title for one in sheet.headings}:
+            groups.setdefault(str(int(copy[2]) + 1), []).append(
+                replace(heading(copy[1], head.index), title=head.title)
+            )
+        elif head.title in copies:
+            groups.setdefault("1", []).append(head)
+        else:
+            shared.append(head)
+    told = {
+        key: {m.name for one in heads if (m := meaning(one)) is not None} for key, heads in groups.items()
+    }
+    if len(groups) < 2 or not all(names & set(STRESSES) for names in told.values()):
+        return [sheet]
+    if not all(names & set(STRETCHES) for names in told.values()) and not fits(
+        [*shared, *next(iter(groups.values()))]
+    ):
+        return [sheet]
+    found = []
+    for key, heads in groups.items():
+        own = [one.index for one in heads]
+        rows = [row for row in range(len(sheet.lines)) if any(sheet.columns[index][row] for index in own)]
+        columns = tuple([cells[row] for row in rows] for cells in sheet.columns)
+        label = f"{sheet.label} {key}".strip()
+        found.append(
+            replace(
+                sheet,
+                headings=tuple(sorted([*shared, *heads], key=lambda one: one.index)),
+                columns=columns,
+                lines=[sheet.lines[row] for row in rows],
+                label=label,
+            )
+        )
+    return found
+
+
+def roles(sheet: Sheet) -> Roles:
+    """Return which column is what; InputError with the option that settles it where two could be one thing."""
+    found: dict[str, list[tuple[int, Column]]] = {}
+    aside: list[str] = []
+    for head in sheet.headings:
+        choice = sheet.layout.choice(head, sheet.headings) if sheet.layout.columns else None
+        if choice is not None:
+            if choice.name != "aside":
+                found.setdefault(choice.name, []).append((-1, Column(choice.name, head, minus=choice.minus)))
+            continue
+        what = read(head)
+        if what is None or what.name == "aside":
+            if head.title.strip() and any(sheet.columns[head.index]):
+                aside.append(head.title)
+            continue
+        made = head if meaning(head) is what or head.unit is not None else suffixed(head)
+        key = what.name + {"2": " 2", "x": " x", "y": " y"}.get(what.axis, "")
+        found.setdefault(key, []).append((what.rank, Column(key, made, what.compressive)))
+    columns = {name: _one_of(sheet, name, ones) for name, ones in found.items()}
+    return Roles(_axes(sheet, columns), tuple(aside))
+
+
+def _one_of(sheet: Sheet, name: str, found: list[tuple[int, Column]]) -> Column:
+    """Return the best told of columns that are one thing; columns with the same cells are one."""
+    best = min(rank for rank, _ in found)
+    ones = [column for rank, column in found if rank == best]
+    cells = {tuple(sheet.columns[one.heading.index][:50]) for one in ones}
+    if len(ones) > 1 and len(cells) > 1:
+        raise sheet.two([one.heading for one in ones], name)
+    return ones[0]
+
+
+def _axes(sheet: Sheet, columns: dict[str, Column]) -> dict[str, Column]:
+    """Turn the axes x and y of image correlation into first and second: the axis of the one stress comes first."""
+    lettered = {name: name[-1] for name in columns if name.endswith((" x", " y"))}
+    if not lettered:
+        return columns
+    stretches = {axis for name, axis in lettered.items() if name[:-2] in STRETCHES}
+    stresses = {axis for name, axis in lettered.items() if name[:-2] in STRESSES}
+    if len(stresses) == 1:
+        first = next(iter(stresses))
+    elif len(stresses) == 2 or len(stretches) < 2:
+        first = min(stresses or stretches)
+    else:
+        first = _pulled(sheet, columns)
+    found: dict[str, Column] = {}
+    for name, column in columns.items():
+        axis = lettered.get(name)
+        new = name if axis is None else name[:-2] if axis == first else f"{name[:-2]} 2"
+        if new in found:
+            raise sheet.two([found[new].heading, column.heading], new)
+        found[new] = replace(column, name=new)
+    return found
+
+
+def _pulled(sheet: Sheet, columns: dict[str, Column]) -> str:
+    """Refuse to guess which of two strains is the loading direction, with the likelier one filled in."""
+    pair = [
+        (name[-1], column)
+        for name, column in columns.items()
+        if name.endswith((" x", " y")) and name[:-2] in STRETCHES
+    ]
+    sizes = {}
+    for axis, column in pair:
+        cells = [cell.replace(",", ".") for cell in sheet.columns[column.heading.index] if is_number(cell)]
+        values = np.array([float(cell) if re.fullmatch(r"[-+\d.eE]+", cell) else 0.0 for cell in cells])
+        sizes[axis] = float(values[np.argmax(np.abs(values))]) if len(values) else 0.0
+    first = max(sizes, key=lambda axis: sizes[axis])
+    entries = [
+        (column.heading.title, column.name if axis == first else f"{column.name} 2") for axis, column in pair
+    ]
+    raise InputError(
+        f"{pair[0][1].heading.title} or {pair[1][1].heading.title}: which is along the pull?",
+        file=sheet.name,
+        line=sheet.header_line,
+        remedy=f"say {filled_in(entries)}",
+    )
+
+
+def no_test(sheet: Sheet, tests: Sequence[str]) -> InputError:
+    """Return the error that a file does not say which test it is, with the option that does."""
+    return InputError(
+        "does not say which test it is",
+        file=sheet.name,
+        remedy=f"give it as --uniaxial {shlex.quote(sheet.name)} (or --shear, --biaxial), or add a first "
+        f'line "# test: uniaxial" '
+        f"({', '.join(tests)})",
+    )
+
+
+def missing(sheet: Sheet, found: Roles, what: str, names: str) -> InputError:
+    """Return the error that no column gives ``what``, with the option filled in as the units suggest."""
+    titles = ", ".join(one.title or '""' for one in sheet.headings[:8])
+    return InputError(
+        f"no column gives {what}; the columns are {titles}",
+        file=sheet.name,
+        line=sheet.header_line,
+        remedy=f"name one {names}, or say what they are, as in {filled_in(proposed(sheet, found))}",
+    )
+
+
+def proposed(sheet: Sheet, found: Roles) -> list[tuple[str, str]]:
+    """Return what the columns most likely are, for a message: known ones as known, others by unit, then by place."""
+    entries: dict[int, tuple[str, str]] = {}
+    have: set[str] = set()
+    for name, column in found.columns.items():
+        unit = column.heading.unit or _likely_unit(sheet, column)
+        have.add(name)
+        if column.heading.unit is None and name in _USUAL:
+            entries[column.heading.index] = (column.heading.title, f"{name} [{unit}]")
+    numeric = [
+        one for one in sheet.headings
+        if one.index not in entries and one.title and any(map(is_number, sheet.columns[one.index][:5]))
+        and not any(column.heading.index == one.index for column in found.columns.values())
+    ]  # fmt: skip
+    for one in numeric:
+        kind = next((name for kind, name in _BY_KIND.items() if one.unit and is_of(one.unit, kind)), None)
+        if kind is None and one.unit is not None and unit_of(one.unit) and is_of(one.unit, "dimensionless"):
+            kind = "strain"
+        if kind and kind not in have:
+            have.add(kind)
+            entries[one.index] = (one.title, f"{kind} [{one.unit}]")
+    rest = [one for one in numeric if one.index not in entries and one.unit is None]
+    if not have & set(STRETCHES) and rest:
+        one = rest.pop(0)
+        entries[one.index] = (one.title, _shape(sheet, one))
+    if not have & set(STRESSES) and rest:
+        one = rest.pop(0)
+        entries[one.index] = (one.title, "stress [MPa]")
+    if not entries:
+        entries[0] = ("Title", "force [N]")
+    return [entries[index] for index in sorted(entries)]
+
+
+def _shape(sheet: Sheet, head: Heading) -> str:
+    """Return the name that the first readings of a column suggest."""
+    values = [
+        float(cell.replace(",", "."))
+        for cell in sheet.columns[head.index]
+        if re.fullmatch(r"[-+]?\d*[.,]?\d+", cell)
+    ]
+    if values and values[0] >= 0.9 and max(values) < 20.0:
+        return "stretch"
+    return "strain [%]" if values and max(values) > 3.0 else "strain [-]"
+
+
+def unitless(sheet: Sheet, columns: Sequence[Column]) -> str:
+    """Return the option that gives every column of ``columns`` that has no unit its likely one."""
+    entries = [
+        (one.heading.title, f"{one.name} [{_likely_unit(sheet, one)}]")
+        for one in columns
+        if one.heading.unit is None and KIND.get(one.name) not in (None, "dimensionless")
+    ]
+    return filled_in(entries)
+
+
+def _likely_unit(sheet: Sheet, column: Column) -> str:
+    if column.name in ("temperature", "chamber"):
+        cell = next((one for one in sheet.columns[column.heading.index] if is_number(one)), "0").replace(
+            ",", "."
+        )
+        return "K" if re.fullmatch(r"\d+\.?\d*", cell) and float(cell) > 180.0 else "degC"
+    return _USUAL.get(column.name, "-")

@@ -1,0 +1,72 @@
+"""What lines above a table state of the specimen and the test, taken where it can be read one way."""
+
+from __future__ import annotations
+
+import re
+
+from hyperfab.errors import InputError
+from hyperfab.io.csv_dialect import Sheet
+from hyperfab.io.tables import Entry
+from hyperfab.io.units import quantity
+
+
+def stated(sheet: Sheet, key: str) -> Entry | None:
+    """Return what the file says under ``key``: a line ``# key: value`` first, else the only value of a preamble.
+
+    InputError where two lines of the contract's form gainsay each other.
+    """
+    entries = sheet.metadata.get(key, [])
+    sure = [entry for entry in entries if entry.sure]
+    if sure:
+        if len({entry.value for entry in sure}) > 1:
+            return sheet.meta(key)  # raises
+        return sure[0]
+    return entries[0] if len({entry.value for entry in entries}) == 1 else None
+
+
+def amount(sheet: Sheet, key: str, kind: str, decimal: str, notes: list[str]) -> float | None:
+    """Return a stated quantity in the unit of its ``kind``, or None; ``notes`` tells what was not taken and why.
+
+    InputError where a line of the contract's own form, ``# key: value``, cannot be read.
+    """
+    entry = stated(sheet, key)
+    if entry is None:
+        if sheet.metadata.get(key):
+            lines = ", ".join(str(one.line) for one in sheet.metadata[key][:4])
+            notes.append(f"{key}: lines {lines} differ, none is taken")
+        return None
+    try:
+        return quantity(dotted(entry.value, decimal), kind)
+    except InputError as error:
+        if entry.sure:
+            raise InputError(
+                error.message, file=sheet.name, line=entry.line, key=key, remedy=error.remedy
+            ) from None
+        notes.append(
+            f"{key}, line {entry.line}: {entry.value[:40]} is not taken "
+            f"({error.message.partition(': ')[2] or error.message})"
+        )
+        return None
+
+
+def conflicting(sheet: Sheet, decimal: str) -> None:
+    """InputError where a gauge length and another distance of the grips are stated: which one an extension is over?"""
+    gauge, grips = (amount(sheet, key, "length", decimal, []) for key in ("gauge length", "grip distance"))
+    if gauge is None or grips is None or abs(gauge - grips) <= 0.01 * gauge:
+        return
+    one, two = stated(sheet, "gauge length"), stated(sheet, "grip distance")
+    raise InputError(
+        f"states a gauge length of {gauge:g} mm and, in line {two.line if two else 0}, {grips:g} mm between the grips",
+        file=sheet.name,
+        line=one.line if one else None,
+        remedy=f"say which the extension is over: --gauge-length {gauge:g}mm for an extensometer, "
+        f"--gauge-length {grips:g}mm for the crosshead",
+    )
+
+
+def dotted(text: str, decimal: str) -> str:
+    """Return ``12,5 mm`` as ``12.5 mm`` where the comma is a decimal mark for sure, or that of the file."""
+    match = re.match(r"([+-]?\d+),(\d+)(?![\d,.])", text.strip())
+    if match and (decimal == "," or len(match[2]) != 3 or match[1].lstrip("+-") == "0"):
+        return f"{match[1]}.{match[2]}{text.strip()[match.end() :]}"
+    return text

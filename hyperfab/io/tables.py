@@ -1,0 +1,379 @@
+"""Rows of cells to tables: where each head stands, what is above it, which rows below it are readings."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+
+from hyperfab.errors import InputError
+from hyperfab.io.headings import (
+    NUMBER_LIKE,
+    Heading,
+    fold,
+    heading,
+    is_closing,
+    meaning,
+    plain,
+    setting,
+    unit_of,
+)
+from hyperfab.io.layout import Layout, named
+from hyperfab.io.rows import SEPARATORS, Row
+
+#: Says of headings whether they make the table that is looked for.
+Fits = Callable[[Sequence[Heading]], bool]
+
+_NUMBER = re.compile(r"[+-]?(?:\d[\d.,' \u00a0\u202f]*|[.,]\d+)(?:[eE][+-]?\d+)?\s?%?")
+_CLOCK = re.compile(
+    r"(?:\d{1,4}[-./]\d{1,2}[-./]\d{1,4})?[T ]*(?:\d{1,3}:\d{2}(?::\d{2}(?:[.,]\d+)?)?)?\s?(?:[AaPp]\.?[Mm]\.?)?"
+)
+#: What spreadsheets and machines write where there is no reading.
+NO_READING = re.compile(
+    r"#?(?:n/?a|nv|div/0!?|¡?div/0!|value!?|valor!|wert!|valeur!|valore!|ref!|num!|zahl!|null!|name\?|n\.a\.|n\.d\.|nd|k\.a\.)|-{1,4}|\*+|#+|[–—]|ovl|overload|nan|none|null|inf",
+    re.IGNORECASE,
+)
+_BLANK_UNITS = frozenset(("", "-", "--", "#", "count", "counts", "text", "none", "n", "no", "[]", "()", "1"))
+#: Below so many rows a table beside a long one is a summary of it.
+_FEW = 12
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A line of metadata: its value and where it stands; ``sure`` where it is a line of the contract's own form."""
+
+    value: str
+    line: int
+    sure: bool = True
+
+
+@dataclass
+class Block:
+    """One table: the line of its head, its headings, its rows or, where they are plain throughout, its columns."""
+
+    head_line: int
+    headings: tuple[Heading, ...]
+    rows: list[Row] = field(default_factory=list)
+    metadata: dict[str, list[Entry]] = field(default_factory=dict)
+    left_out: Counter[str] = field(default_factory=Counter)
+    words: list[str] = field(default_factory=list)
+    columns: list[list[str]] | None = None
+    lines: list[int] = field(default_factory=list)
+
+
+def is_number(cell: str) -> bool:
+    """Whether a cell looks like a number in any country's writing."""
+    return _NUMBER.fullmatch(cell) is not None
+
+
+def is_clock(cell: str) -> bool:
+    """Whether a cell is a date, a time of day, or both."""
+    return (
+        len(cell) > 3
+        and (":" in cell or cell.count(".") == 2 or cell.count("-") == 2 or cell.count("/") == 2)
+        and (_CLOCK.fullmatch(cell) is not None)
+    )
+
+
+def is_data(cells: Sequence[str]) -> bool:
+    """Whether a row holds readings: two numbers, or one and a time or a gap; no mean."""
+    numbers = sum(map(is_number, cells))
+    if numbers >= 2:
+        return not is_closing(next(cell for cell in cells if cell))
+    if numbers == 1:
+        others = sum(1 for cell in cells if cell and (is_clock(cell) or NO_READING.fullmatch(cell)))
+        return others > 0 and not is_closing(next(cell for cell in cells if cell))
+    return False
+
+
+def find(rows: Sequence[Row], fits: Fits, layout: Layout) -> list[Block]:
+    """Return the tables among ``rows`` whose headings fit, each with what stands above it; empty where none does."""
+    data = [is_data(cells) for _, cells in rows]
+    starts = [k for k in range(len(rows)) if data[k] and (k == 0 or not data[k - 1])]
+    found: list[Block] = []
+    heads: list[tuple[int, int]] = []  # first row of the head, first row of data
+    for start in starts:
+        head = _head(rows, data, start, fits, layout)
+        if head is not None:
+            first, headings = head
+            heads.append((first, start))
+            found.append(Block(_line_of_head(rows, first, start), headings))
+    for number, (block, (first, start)) in enumerate(zip(found, heads, strict=True)):
+        before = heads[number - 1][1] if number else 0
+        above = [row for row, one in zip(rows[before:first], data[before:first], strict=True) if not one]
+        block.metadata = settings(above)
+        end = heads[number + 1][0] if number + 1 < len(heads) else len(rows)
+        block.rows = list(rows[start:end])
+    return found
+
+
+def _line_of_head(rows: Sequence[Row], first: int, start: int) -> int:
+    return rows[first if first < start else start][0]
+
+
+def _head(
+    rows: Sequence[Row], data: Sequence[bool], start: int, fits: Fits, layout: Layout
+) -> tuple[int, tuple[Heading, ...]] | None:
+    """Return where the head above row ``start`` begins and its headings: one row or two, and perhaps one of units."""
+    width = max(len(cells) for _, cells in rows[start : start + 3])
+    above: list[int] = []
+    for k in range(start - 1, max(start - 6, -1), -1):
+        if data[k]:
+            break
+        if any(rows[k][1]):
+            above.append(k)
+    options: list[tuple[tuple[bool, int, int, int], int, tuple[Heading, ...]]] = []
+    for place in range(min(len(above), 3)):
+        for units in (None, *above[:place], *above[place + 1 : place + 2]):
+            if units is not None and not is_units([*rows[units][1]]):
+                continue
+            for upper in (None, *above[place + 1 : place + 2]):
+                if upper is not None and (upper == units or len(rows[upper][1]) < 2):
+                    continue
+                titles = _joined(rows, above[place], upper, width)
+                made = headings(titles, layout)
+                if units is not None:
+                    made = with_units(made, rows[units][1])
+                known = sum(1 for one in made if (m := meaning(one)) is not None and m.name != "aside")
+                units_known = sum(1 for one in made if one.unit is not None)
+                cost = place + 2 * (upper is not None)
+                first = min(k for k in (above[place], units, upper) if k is not None)
+                options.append(((fits(made), known, units_known, -cost), first, made))
+    fitting = [option for option in options if option[0][0]]
+    if not fitting:
+        return None
+    _, first, made = max(fitting, key=lambda option: option[0])
+    return first, made
+
+
+def _joined(rows: Sequence[Row], place: int, upper: int | None, width: int) -> list[str]:
+    """Return the titles of a head, of two rows where one stands over the other (merged cells reach to the next)."""
+    lower = [*rows[place][1], *[""] * width][: max(width, len(rows[place][1]))]
+    if upper is None:
+        return lower
+    over, last = [], ""
+    for cell in [*rows[upper][1], *[""] * len(lower)][: len(lower)]:
+        last = cell or last
+        over.append(last)
+    return [f"{one} {two}".strip() for one, two in zip(over, lower, strict=True)]
+
+
+def headings(titles: Sequence[str], layout: Layout) -> tuple[Heading, ...]:
+    """Return the headings of titles, those that ``--columns`` names under the names it gives."""
+    trimmed = len(titles)
+    while trimmed and not titles[trimmed - 1]:
+        trimmed -= 1
+    cleaned = [
+        re.sub(r"^(?:%|//|!|\*|#)\s*", "", title) if k == 0 else title
+        for k, title in enumerate(titles[:trimmed])
+    ]
+    made = [heading(title, index) for index, title in enumerate(cleaned)]
+    chosen = [layout.choice(one, made) for one in made] if layout.columns else [None] * len(made)
+    return tuple(
+        one if choice is None else named(choice, one) for one, choice in zip(made, chosen, strict=True)
+    )
+
+
+def is_units(cells: Sequence[str]) -> bool:
+    """Whether a row below a head holds units: each cell one or empty, at least one real."""
+    bare = [cell.strip("[](){}<> ") for cell in cells]
+    if any(is_number(cell) for cell in bare) and not any(
+        unit_of(cell) for cell in bare if not is_number(cell)
+    ):
+        return False
+    if any(is_number(cell) and cell != "1" for cell in bare):
+        return False
+    units = [unit_of(cell) for cell in bare]
+    real = sum(
+        1
+        for cell, unit in zip(bare, units, strict=True)
+        if unit is not None and cell.casefold() not in _BLANK_UNITS
+    )
+    odd = [
+        cell for cell, unit, whole in zip(bare, units, cells, strict=True)
+        if unit is None and cell.casefold() not in _BLANK_UNITS and whole[:1] not in "[({<"
+    ]  # fmt: skip
+    return not odd and (
+        real > 0 or (any(cells) and all(cell.strip() in ("-", "[-]", "(-)", "", "[]") for cell in cells))
+    )
+
+
+def with_units(
+    heads: Sequence[Heading], cells: Sequence[str], line: int = 0, name: str = ""
+) -> tuple[Heading, ...]:
+    """Return headings with the units of a row of their own; InputError where it gainsays the head."""
+    found = []
+    for one, cell in zip(heads, [*cells, *[""] * len(heads)][: len(heads)], strict=True):
+        bare = cell.strip("[](){}<> ")
+        unit = unit_of(bare) or (
+            bare if bare.casefold() not in _BLANK_UNITS else "-" if bare in ("-", "--", "1") else None
+        )
+        if name and unit is not None and one.unit not in (None, unit, "-"):
+            raise InputError(
+                f"the unit is {unit} here and {one.unit} in the header",
+                file=name,
+                line=line,
+                column=one.title,
+                remedy="keep one of them",
+            )
+        found.append(Heading(one.title, one.label, one.unit or unit, one.index))
+    return tuple(found)
+
+
+def settings(rows: Sequence[Row]) -> dict[str, list[Entry]]:
+    """Return what lines above a table state: ``Breite;50,0;mm``, ``Width: 50 mm``, ``L0 [mm];50``.
+
+    Words nobody knows stand under their own name, so that they can be told.
+    """
+    found: dict[str, list[Entry]] = {}
+    for line, cells in rows:
+        place = 0
+        while place < len(cells):
+            taken = _stated(cells, place)
+            if taken is None:
+                place += 1
+                continue
+            key, value, unit, place = taken
+            known = setting(key)
+            name = fold(key) if known in (None, "quiet") else known
+            text = (
+                value
+                if unit is None or not value or unit_of(value.lstrip("+-0123456789., "))
+                else f"{value} {unit}"
+            )
+            if name and value:
+                found.setdefault(name, []).append(Entry(text, line, sure=False))
+    return found
+
+
+def _stated(cells: Sequence[str], place: int) -> tuple[str, str, str | None, int] | None:
+    """Return key, value, unit and the next place, where the cell at ``place`` begins a setting."""
+    match = re.fullmatch(r"\s*([^:=]{1,80}?)\s*[:=]\s*(.*)", cells[place])
+    if match and match[2] and not is_clock(cells[place]):
+        key, value, after = match[1], match[2], place + 1
+    elif cells[place] and place + 1 < len(cells) and not is_number(cells[place]):
+        key, value, after = cells[place].rstrip(":= "), cells[place + 1], place + 2
+        if not value or (place > 0 and setting(key) is None):
+            return None
+    else:
+        return None
+    read = heading(key, 0)
+    unit = read.unit
+    if unit is None and after < len(cells) and (one := unit_of(cells[after].strip("[](){} "))) is not None:
+        unit, after = one, after + 1
+    return read.label, value, unit, after
+
+
+def readings(block: Block, fits: Fits, name: str, separator: str, layout: Layout) -> list[Block]:
+    """Return the block with rows that are readings, all of one width, and the tables that follow it in the same rows.
+
+    Rows of means and other words are left out and counted, blank ones too. A row that is neither a reading nor such a
+    word is refused with its line.
+    """
+    width = len(block.headings)
+    kept: list[Row] = []
+    waiting: list[Row] = []
+    last = max((k for k, (_, cells) in enumerate(block.rows) if _reads(cells, block.headings)), default=-1)
+    for place, (line, cells) in enumerate(block.rows):
+        if not any(cells):
+            block.left_out["blank row"] += 1
+        elif _reads(cells, block.headings):
+            waiting = _settled(waiting, block, kept, name)
+            kept.append((line, _fitted(cells, width, block.headings, line, separator, name)))
+        elif place > last or is_closing(next(cell for cell in cells if cell)):
+            block.left_out["closing row, no reading"] += 1
+            block.words.append(next(cell for cell in cells if cell)[:40])
+        else:
+            waiting.append((line, cells))
+    block.rows = kept
+    return [block]
+
+
+def _settled(waiting: list[Row], block: Block, kept: list[Row], name: str) -> list[Row]:
+    """Judge words between readings: nothing may be lost there that nobody understands."""
+    for line, cells in waiting:
+        titles = [one.title for one in block.headings]
+        if [plain(cell) for cell in cells[: len(titles)]] == [plain(title) for title in titles] or is_units(
+            cells
+        ):
+            block.left_out["head repeated"] += 1
+            continue
+        cell = next(cell for cell in cells if cell)
+        raise InputError(
+            f"{cell[:40]} is no number",
+            file=name,
+            line=line,
+            column=block.headings[0].title,
+            remedy="correct the row or delete it",
+        )
+    return []
+
+
+def _reads(cells: Sequence[str], heads: Sequence[Heading]) -> bool:
+    """Whether a row has at least one number under the headings, and is none of means."""
+    if not any(NUMBER_LIKE.match(cell) or NO_READING.fullmatch(cell) for cell in cells[: len(heads)] if cell):
+        return False
+    return not is_closing(next(cell for cell in cells if cell))
+
+
+def _fitted(
+    cells: list[str], width: int, heads: Sequence[Heading], line: int, separator: str, name: str
+) -> list[str]:
+    """Return a row as wide as the head; InputError where cells lack or are too many."""
+    if len(cells) == width:
+        return cells
+    if len(cells) > width and not any(cells[width:]):
+        return cells[:width]
+    if len(cells) < width:
+        needed = [one.index for one in heads if (m := meaning(one)) is not None and m.name != "aside"]
+        if needed and len(cells) > max(needed):
+            return [*cells, *[""] * (width - len(cells))]
+    raise InputError(
+        f"has {len(cells)} cells, the header has {width}",
+        file=name,
+        line=line,
+        remedy=_ragged_remedy(len(cells), width, separator),
+    )
+
+
+def _ragged_remedy(count: int, width: int, separator: str) -> str:
+    if separator == "," and width < count <= 2 * width:
+        return "decimal commas between separating commas? export with semicolons as separator"
+    return f"complete the row (the separator is a {SEPARATORS.get(separator, separator)})"
+
+
+def understood(blocks: Sequence[Block], name: str) -> list[Block]:
+    """Return the tables that belong together: stacked specimens, or the long one beside its summaries.
+
+    Raises InputError where several could be meant.
+    """
+    if len(blocks) < 2:
+        return list(blocks)
+    titles = {tuple(plain(one.title) for one in block.headings) for block in blocks}
+    if len(titles) == 1:
+        return list(blocks)
+    size = max(len(block.rows) for block in blocks)
+    long = [block for block in blocks if len(block.rows) * 5 >= size or len(block.rows) > _FEW]
+    if len({tuple(plain(one.title) for one in block.headings) for block in long}) == 1:
+        return long
+    lines = " and ".join(str(block.head_line) for block in long[:4])
+    raise InputError(
+        f"has tables of different columns, in lines {lines}",
+        file=name,
+        line=long[1].head_line,
+        remedy=f"say which: --skip-rows {long[0].head_line - 1} takes the first of them alone"
+        if len(long) == 1
+        else f"take the last with --skip-rows {long[-1].head_line - 1}, or part the file",
+    )
+
+
+def best(options: Iterator[tuple[str, list[Block]]]) -> tuple[str, list[Block]] | None:
+    """Return the separator whose tables hold the most readings, the first of those that hold as many."""
+    found: tuple[str, list[Block]] | None = None
+    size = 0
+    for separator, blocks in options:
+        count = sum(len(block.rows) for block in blocks)
+        if count > size:
+            found, size = (separator, blocks), count
+    return found

@@ -1,0 +1,40 @@
+"""How a table was read, in a line: where its head stands, and what each column that was taken is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from hyperfab.io.csv_dialect import Sheet
+from hyperfab.io.roles import Column
+from hyperfab.io.specimen import Reading
+
+
+def understood(sheet: Sheet, readings: Iterable[Reading], others: Iterable[Column]) -> str:
+    """Return what was understood of a table, without the file's name: files read alike say the same."""
+    columns = {column.heading.index: column for reading in readings for column in reading.used}
+    columns |= {column.heading.index: column for column in others}
+    told = [
+        one.heading.title
+        if (one.heading.name.removesuffix(" 1") == one.name and one.heading.unit is None)
+        or one.heading.title == _plainly(one)
+        else f"{one.heading.title or f'column {index + 1}'} is {_what(one)}"
+        for index, one in sorted(columns.items())
+    ]
+    return f"head in line {sheet.header_line}: {', '.join(told)}"
+
+
+def _plainly(column: Column) -> str:
+    """Return the title a column of the contract's own form has."""
+    return f"{column.name} [{column.heading.unit}]"
+
+
+def _what(column: Column) -> str:
+    head = column.heading
+    minus = "minus " if column.minus else ""
+    unit = f" [{head.unit}]" if head.unit and head.unit not in head.title else ""
+    nominal = (
+        " (nominal)"
+        if column.name == "stress" and head.name.startswith(("sigma", "\N{GREEK SMALL LETTER SIGMA}"))
+        else ""
+    )
+    return f"{minus}{column.name}{unit}{nominal}"
