@@ -33,7 +33,7 @@ from hyperfab.surface import Surface
 PEERS = Path(__file__).parent / "gap_peers"
 PROGRAMS = (
     "hyperfab",
-    "hyperfab-nearest",
+    "hyperfab-2",
     "libigl",
     "open3d",
     "point-cloud-utils",
