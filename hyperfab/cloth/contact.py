@@ -133,7 +133,7 @@ def move(
                 for k in range(3):
                     u[k] = y[k] - x[i, j, k]
                 t, met = ray_one(
-                    x[i, j], u, mold.corners, mold.bounds, mold.right, mold.start, mold.number, stack
+                    x[i, j], u, near, mold.corners, mold.bounds, mold.right, mold.start, mold.number, stack
                 )
                 if t < 1.0 and t * way > 1e-9 and (not inside or away > 0.1 * way):
                     for k in range(3):

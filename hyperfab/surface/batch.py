@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from hyperfab.numerics.kernels import kernel, part
+from hyperfab.numerics.threads import in_blocks
 
 from .bvh import DEPTH, Floats, Ints, closest_on_triangle
 
@@ -21,45 +22,65 @@ from .bvh import DEPTH, Floats, Ints, closest_on_triangle
 ROUNDING = 1e-14
 
 
-@kernel
-def oriented_boxes(corners: Floats, right: Ints, start: Ints, count: Ints) -> Floats:
+#: Above so many triangles a node's box is upright: no plane is near them all.
+_PATCH = 1024
+
+
+def oriented_boxes(corners: Floats, bounds: Floats, right: Ints, start: Ints, count: Ints) -> Floats:
     """Boxes (k, 15) around the nodes' triangles: their middle, half sizes, and the three axes.
 
     The first axis is the mean normal of the triangles, the second lies along the coordinate axis that the normal
-    leaves most. ``corners`` (m, 3, 3) are in tree order.
+    leaves most. ``corners`` (m, 3, 3) are in tree order, ``bounds`` (k, 6) are the upright boxes.
     """
-    nodes = len(right)
-    normals, ranges = np.zeros((nodes, 3)), np.empty((nodes, 2), np.int64)
-    boxes = np.empty((nodes, 15))
-    room = ROUNDING * np.abs(corners).max()
-    axes, low, high = np.empty((3, 3)), np.empty(3), np.empty(3)
-    for node in range(nodes - 1, -1, -1):
-        if right[node] >= 0:
-            ranges[node, 0], ranges[node, 1] = ranges[node + 1, 0], ranges[right[node], 1]
+    boxes = np.empty((len(right), 15))
+    room = 2.0 * ROUNDING * float(np.abs(bounds[0]).max())
+    in_blocks(
+        lambda first, last: _fit(corners, bounds, start, count, room, boxes, first, last), len(right), 20_000
+    )
+    return boxes
+
+
+@kernel
+def _fit(
+    corners: Floats,
+    bounds: Floats,
+    start: Ints,
+    count: Ints,
+    room: float,
+    boxes: Floats,
+    first: int,
+    last: int,
+) -> None:
+    """Fill ``boxes`` of the nodes ``first:last``."""
+    axes, normal, low, high = np.empty((3, 3)), np.empty(3), np.empty(3), np.empty(3)
+    for node in range(first, last):
+        begin, end = start[node], start[node] + count[node]
+        if count[node] > _PATCH:
             for a in range(3):
-                normals[node, a] = normals[node + 1, a] + normals[right[node], a]
-        else:
-            ranges[node, 0], ranges[node, 1] = start[node], start[node] + count[node]
-            for t in range(start[node], start[node] + count[node]):
-                _add_normal(corners[t], normals[node])
-        _axes(normals[node], axes)
-        first, last = ranges[node]
-        x0, y0, z0 = corners[first, 0, 0], corners[first, 0, 1], corners[first, 0, 2]
+                boxes[node, a] = 0.5 * (bounds[node, a] + bounds[node, 3 + a])
+                boxes[node, 3 + a] = 0.5 * (bounds[node, 3 + a] - bounds[node, a]) + room
+                for b in range(3):
+                    boxes[node, 6 + 3 * a + b] = 1.0 if a == b else 0.0
+            continue
+        normal[:] = 0.0
+        for t in range(begin, end):
+            _add_normal(corners[t], normal)
+        _axes(normal, axes)
+        x0, y0, z0 = corners[begin, 0, 0], corners[begin, 0, 1], corners[begin, 0, 2]
         low[:], high[:] = 0.0, 0.0
-        for t in range(first, last):
+        for t in range(begin, end):
             for v in range(3):
                 x, y, z = corners[t, v, 0] - x0, corners[t, v, 1] - y0, corners[t, v, 2] - z0
                 for a in range(3):
                     along = axes[a, 0] * x + axes[a, 1] * y + axes[a, 2] * z
                     low[a], high[a] = min(low[a], along), max(high[a], along)
         for b in range(3):
-            boxes[node, b] = corners[first, 0, b]
+            boxes[node, b] = corners[begin, 0, b]
             for a in range(3):
                 boxes[node, b] += 0.5 * (low[a] + high[a]) * axes[a, b]
-            boxes[node, 3 + b] = 0.5 * (high[b] - low[b]) + 2.0 * room
+            boxes[node, 3 + b] = 0.5 * (high[b] - low[b]) + room
             for a in range(3):
                 boxes[node, 6 + 3 * b + a] = axes[b, a]
-    return boxes
 
 
 @part

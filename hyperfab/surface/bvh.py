@@ -1,7 +1,7 @@
 """Bounding-volume tree over triangles, compiled: exact nearest point and first hit of a ray.
 
 The tree is stored depth first: the left child of node ``i`` is ``i + 1``, ``right[i]`` is the right child, or
-``-1`` at a leaf, whose triangles are ``start[i] : start[i] + count[i]`` of the reordered list. Triangles are split
+``-1`` at a leaf; its triangles are ``start[i] : start[i] + count[i]`` of the reordered list. Triangles are split
 at the median of their centroids along the longest side, so the depth stays below 64 for any mesh that fits memory.
 """
 
@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hyperfab.numerics.kernels import kernel, part
+from hyperfab.numerics.threads import in_blocks
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
@@ -20,6 +21,8 @@ Ints = npt.NDArray[np.int64]
 
 LEAF = 4
 DEPTH = 64
+#: No fewer triangles are sorted by a thread of its own.
+PART = 10_000
 
 # Where on its triangle the nearest point lies.
 FACE, EDGE_AB, EDGE_BC, EDGE_CA, VERTEX_A, VERTEX_B, VERTEX_C = range(7)
@@ -68,7 +71,7 @@ def _widest(centres: Singles, lo: int, hi: int) -> Any:
     return 1 if dy >= dz else 2
 
 
-@part
+@kernel
 def _boxes(corners: Floats, order: Ints, right: Ints, start: Ints, count: Ints) -> Floats:
     """Bounds (k, 6) of the nodes, from the leaves up."""
     bounds = np.empty((len(right), 6))
@@ -89,15 +92,53 @@ def _boxes(corners: Floats, order: Ints, right: Ints, start: Ints, count: Ints) 
     return bounds
 
 
-@kernel
 def build(corners: Floats) -> tuple[Ints, Floats, Ints, Ints, Ints]:
     """Tree over triangles ``corners`` (m, 3, 3): (order, bounds (k, 6), right, start, count)."""
-    m = corners.shape[0]
-    order = np.arange(m)
-    centres = np.empty((m, 3), np.float32)  # three times the middles, as precise as sorting asks for
-    for f in range(m):
+    m = len(corners)
+    order, centres = np.arange(m), _centres(corners)
+    # The first halves one after the other, then what they leave side by side.
+    parts = _halve(centres, order, 0, m, max(m // 8, PART))
+    in_blocks(lambda i, _: _halve(centres, order, parts[i], parts[i + 1], LEAF), len(parts) - 1, 1)
+    right, start, count = _nodes(m)
+    return order, _boxes(corners, order, right, start, count), right, start, count
+
+
+@kernel
+def _centres(corners: Floats) -> Singles:
+    """Three times the middles (m, 3), as precise as sorting asks for."""
+    centres = np.empty((corners.shape[0], 3), np.float32)
+    for f in range(corners.shape[0]):
         for a in range(3):
             centres[f, a] = corners[f, 0, a] + corners[f, 1, a] + corners[f, 2, a]
+    return centres
+
+
+@kernel
+def _halve(centres: Singles, order: Ints, first: int, last: int, most: int) -> Ints:
+    """Halve ``first:last`` again and again until no part has more than ``most``; where parts begin, and the end."""
+    todo = np.empty((2 * DEPTH, 2), np.int64)
+    parts = np.empty(2 + (last - first) // ((most + 1) // 2), np.int64)
+    todo[0, 0], todo[0, 1] = first, last
+    top, n = 1, 0
+    while top > 0:
+        top -= 1
+        lo, hi = todo[top, 0], todo[top, 1]
+        if hi - lo <= most:
+            parts[n] = lo
+            n += 1
+            continue
+        mid = (lo + hi) // 2
+        _select(centres, order, _widest(centres, lo, hi), lo, hi, mid)
+        todo[top, 0], todo[top, 1] = mid, hi
+        todo[top + 1, 0], todo[top + 1, 1] = lo, mid
+        top += 2
+    parts[n] = last
+    return parts[: n + 1]
+
+
+@kernel
+def _nodes(m: int) -> tuple[Ints, Ints, Ints]:
+    """The nodes of halves upon halves of m triangles, depth first: right children, and the ranges of all nodes."""
     right = np.full(2 * m + 1, -1)
     start = np.zeros(2 * m + 1, np.int64)
     count = np.zeros(2 * m + 1, np.int64)
@@ -111,16 +152,14 @@ def build(corners: Floats) -> tuple[Ints, Floats, Ints, Ints, Ints]:
         nodes += 1
         if parent >= 0:
             right[parent] = node
+        start[node], count[node] = lo, hi - lo
         if hi - lo <= LEAF:
-            start[node], count[node] = lo, hi - lo
             continue
         mid = (lo + hi) // 2
-        _select(centres, order, _widest(centres, lo, hi), lo, hi, mid)
         todo[top, 0], todo[top, 1], todo[top, 2] = mid, hi, node
         todo[top + 1, 0], todo[top + 1, 1], todo[top + 1, 2] = lo, mid, -1
         top += 2
-    right, start, count = right[:nodes].copy(), start[:nodes].copy(), count[:nodes].copy()
-    return order, _boxes(corners, order, right, start, count), right, start, count
+    return right[:nodes].copy(), start[:nodes].copy(), count[:nodes].copy()
 
 
 @part
@@ -290,36 +329,76 @@ def _hit(tri: Floats, o: Floats, d: Floats) -> float:
 
 
 @part
+def _reciprocal(x: float) -> float:
+    return np.inf if x == 0.0 else 1.0 / x  # of -0 too
+
+
+@part
+def _met(
+    bounds: Floats, node: int, x: float, y: float, z: float, u: float, v: float, w: float, best: float
+) -> Any:
+    """Where a ray from (x, y, z) enters a node's box, in its lengths; inf: nowhere, or beyond ``best``.
+
+    (u, v, w) are the reciprocals of its direction, plus infinity for zero: where it runs in one of a box's planes, zero
+    times infinity is no number, every comparison with that is false, and the ray counts as inside.
+    """
+    near, far = 0.0, best
+    one, two = (bounds[node, 0] - x) * u, (bounds[node, 3] - x) * u
+    one, two = (two, one) if one > two else (one, two)
+    near, far = (one if one > near else near), (two if two < far else far)
+    one, two = (bounds[node, 1] - y) * v, (bounds[node, 4] - y) * v
+    one, two = (two, one) if one > two else (one, two)
+    near, far = (one if one > near else near), (two if two < far else far)
+    one, two = (bounds[node, 2] - z) * w, (bounds[node, 5] - z) * w
+    one, two = (two, one) if one > two else (one, two)
+    near, far = (one if one > near else near), (two if two < far else far)
+    return near if near <= far * (1.0 + 1e-14) + 1e-300 else np.inf
+
+
+@part
 def ray_one(
-    o: Floats, d: Floats, corners: Floats, bounds: Floats, right: Ints, start: Ints, count: Ints, stack: Ints
+    o: Floats,
+    d: Floats,
+    hint: int,
+    corners: Floats,
+    bounds: Floats,
+    right: Ints,
+    start: Ints,
+    count: Ints,
+    stack: Ints,
 ) -> tuple[float, int]:
-    """First hit along a ray, either side of a triangle: (distance in lengths of d, slot); inf and -1: none."""
+    """First hit along a ray, either side of a triangle: (distance in lengths of d, slot); inf and -1: none.
+
+    ``hint`` is a slot to try first, or -1. Of triangles hit at the same distance the one of the least slot is told.
+    """
     best, slot = np.inf, -1
+    x, y, z, u, v, w = o[0], o[1], o[2], _reciprocal(d[0]), _reciprocal(d[1]), _reciprocal(d[2])
+    if hint >= 0:
+        along = _hit(corners[hint], o, d)
+        if along >= 0.0:
+            best, slot = along, hint
     stack[0] = 0
     top = 1
     while top > 0:
         top -= 1
         node = stack[top]
-        near, far = 0.0, best
-        for a in range(3):
-            lo, hi = bounds[node, a], bounds[node, 3 + a]
-            if d[a] == 0.0:
-                if o[a] < lo or o[a] > hi:
-                    far = -1.0
-            else:
-                t0, t1 = (lo - o[a]) / d[a], (hi - o[a]) / d[a]
-                if t0 > t1:
-                    t0, t1 = t1, t0
-                near, far = max(near, t0), min(far, t1)
-        if near > far * (1.0 + 1e-14) + 1e-300:
+        if _met(bounds, node, x, y, z, u, v, w, best) == np.inf:
             continue
-        if right[node] >= 0:
-            stack[top], stack[top + 1] = right[node], node + 1
-            top += 2
+        while node >= 0 and right[node] >= 0:
+            a, b = node + 1, right[node]
+            one = _met(bounds, a, x, y, z, u, v, w, best)
+            two = _met(bounds, b, x, y, z, u, v, w, best)
+            if two < one:
+                a, b, one, two = b, a, two, one
+            if two < np.inf:
+                stack[top] = b
+                top += 1
+            node = a if one < np.inf else -1
+        if node < 0:
             continue
         for t in range(start[node], start[node] + count[node]):
             along = _hit(corners[t], o, d)
-            if 0.0 <= along < best:
+            if along >= 0.0 and (along < best or (along == best and t < slot)):
                 best, slot = along, t
     return best, slot
 
@@ -336,7 +415,10 @@ def ray_many(
     hit: Floats,
     slots: Ints,
 ) -> None:
-    """First hit along each ray into ``hit`` and ``slots``; see ``ray_one``."""
-    stack = np.empty(DEPTH, np.int64)
+    """First hit along each ray into ``hit`` and ``slots``; see ``ray_one``. Best in an order of neighbours."""
+    stack, last = np.empty(DEPTH, np.int64), -1
     for i in range(origins.shape[0]):
-        hit[i], slots[i] = ray_one(origins[i], directions[i], corners, bounds, right, start, count, stack)
+        hit[i], slots[i] = ray_one(
+            origins[i], directions[i], last, corners, bounds, right, start, count, stack
+        )
+        last = slots[i]

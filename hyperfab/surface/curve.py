@@ -9,7 +9,7 @@ from hyperfab.numerics.kernels import kernel
 from .bvh import Floats, Ints
 
 #: The curve fills a cube of 2^BITS cells a side.
-BITS = 16
+BITS = 12
 #: Bits sorted at once.
 _DIGIT = 12
 

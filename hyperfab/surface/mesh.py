@@ -149,7 +149,7 @@ class Surface:
 
     @cached_property
     def _oriented(self) -> Floats:
-        return oriented_boxes(self.corners, self.right, self.start, self.count)
+        return oriented_boxes(self.corners, self.bounds, self.right, self.start, self.count)
 
     def nearest(self, points: object, *, hint: Ints | None = None, order: Ints | None = None) -> Nearest:
         """Nearest point of the surface to each of ``points`` (n, 3), proven: no triangle has a nearer one.
