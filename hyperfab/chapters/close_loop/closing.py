@@ -230,7 +230,8 @@ def _files(out: Output, problem: Problem, found: Finding, axis: Axis) -> None:
     place[np.flatnonzero(first)] = axis.values
     where = [name for name in _PLACES if name in problem.states and name not in head]
     at = np.full((len(problem.measured), len(where)), np.nan)
-    at[first] = np.array([problem.states[name] for name in where]).T.reshape(-1, len(where))
+    if where:
+        at[first] = np.stack([problem.states[name] for name in where], axis=1)
     for curve in quantities:
         own = units.index(problem.units[curve.channel])
         gaps = [None] * 4 * own, [None] * 4 * (len(units) - own - 1)
