@@ -7,7 +7,7 @@ import pytest
 
 from hyperfab.materials import laws
 from hyperfab.materials.identification import Curve, Problem, Rows, fit_law
-from hyperfab.materials.identification.quality import certainty, figures
+from hyperfab.materials.identification.quality import _by_parameter, certainty, figures
 from hyperfab.materials.identification.stable import stable_constants
 from hyperfab.materials.stability import stable_over, stable_ranges
 
@@ -102,3 +102,12 @@ def test_stable_constants_of_two_groups_are_those_of_each_alone() -> None:
     from hyperfab.materials import bind
 
     assert stable_over(stable_ranges(bind("mooney-rivlin-2", names)), reach)
+
+
+def test_constants_as_published_move_with_those_of_the_fit(fitted) -> None:
+    """Mooney's constants are the ones that are fitted; of a law of two groups each moves with its own alone."""
+    assert _by_parameter(fitted, 0) == pytest.approx(np.eye(2), abs=1e-7)
+    curve = Curve("uniaxial", STRETCH, STRESS, WEIGHT)
+    two = fit_law(Problem(laws()["mooney-rivlin-2"], Rows.of([curve, curve], [0, 1])))
+    assert two is not None
+    assert _by_parameter(two, 1) == pytest.approx(np.hstack([np.zeros((2, 2)), np.eye(2)]), abs=1e-7)

@@ -15,6 +15,7 @@ import resource
 import shutil
 import signal
 import subprocess
+import sys
 import time
 import tomllib
 from collections import Counter
@@ -132,7 +133,7 @@ def shown(mutant: Mutant, copy: Path, names: list[str], modules: set[str], secon
         limit = int(3.0 * seconds + 60.0)
         process = tree.pytest(
             copy,
-            ["-x", "-q", "--no-header", "--tb=no", *names],
+            ["-x", "-q", "-rfE", "--no-header", "--tb=no", *names],
             {"PYTHONDONTWRITEBYTECODE": "1"},
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
@@ -173,16 +174,19 @@ def main() -> int:
     )
     parser.add_argument("--only", default="", help="files whose path begins so")
     parser.add_argument("--fresh", action="store_true", help="ask anew which test reaches what")
-    parser.add_argument("--as-mapped", action="store_true", help="take what is known of it, and ask nothing")
+    parser.add_argument("--as-mapped", action="store_true", help="take that, and the copy, as they are")
     parser.add_argument("--map-only", action="store_true", help="ask which test reaches what, and stop")
     options = parser.parse_args()
+    # Ended from outside, a draw takes its defect out again.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     work = tree.ROOT / "build" / "mutants"
     copy = work / "tree"
     copy.mkdir(parents=True, exist_ok=True)
     lock = open(work / "lock", "w")  # noqa: SIM115 - held until the end: two at a time would plant in one copy
     if not options.map_only:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        tree.copy(copy)
+        if not options.as_mapped:
+            tree.copy(copy)
     if options.as_mapped:
         known = json.loads((work / "reach.json").read_text(encoding="utf-8"))
         reached = {name: test for name, test in known.items() if not name.endswith("::")}

@@ -1,0 +1,61 @@
+"""The words by which files name tests, directions and branches, each with what it stands for."""
+
+from __future__ import annotations
+
+import pytest
+
+from hyperfab.errors import InputError
+from hyperfab.io.csv_tests import read_tests
+
+ROWS = "stretch [-],stress [MPa]\n1,0\n1.2,0.1\n1.5,0.4\n"
+
+
+def one(text: str, test: str | None = "uniaxial"):
+    [found] = read_tests(text.encode(), "test.csv", test=test)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("word", "degrees"), [("warp", 0.0), ("wale", 0.0), ("weft", 90.0), ("course", 90.0), ("30 deg", 30.0)]
+)
+def test_a_direction_is_so_many_degrees_from_the_warp(word: str, degrees: float) -> None:
+    assert one(f"# direction: {word}\n" + ROWS).direction == degrees
+
+
+@pytest.mark.parametrize(("word", "sign"), [("load", 1), ("loading", 1), ("unload", -1), ("unloading", -1)])
+def test_a_branch_goes_up_or_down(word: str, sign: int) -> None:
+    other = "unloading" if sign > 0 else "loading"
+    text = f"stretch [-],stress [MPa],branch\n1,0,{word}\n1.2,0.1,{word}\n1.5,0.4,{other}\n1.3,0.2,{other}\n"
+    assert one(text).branch.tolist() == [sign, sign, -sign, -sign]
+
+
+@pytest.mark.parametrize(
+    ("word", "kind"),
+    [
+        ("uniaxial", "uniaxial"), ("tension", "uniaxial"), ("tensile", "uniaxial"), ("shear", "shear"),
+        ("planar", "shear"), ("planar tension", "shear"), ("pure shear", "shear"), ("biaxial", "biaxial"),
+        ("equibiaxial", "biaxial"),
+    ],
+)  # fmt: skip
+def test_a_test_has_one_name_inside(word: str, kind: str) -> None:
+    assert one(f"# test: {word}\n" + ROWS, test=None).test == kind
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e-3])
+def test_columns_that_are_exchanged_are_refused_whatever_the_stress(scale: float) -> None:
+    """A stretch below 0.9 with a tension of more than a twentieth of the peak is no test of a fabric."""
+    text = "stretch [-],stress [MPa]\n" + "".join(
+        f"{a},{b * scale}\n" for a, b in ((0.1, 1.1), (0.4, 1.5), (0.8, 2.0))
+    )
+    with pytest.raises(InputError, match="line 2"):
+        one(text)
+    # At rest nothing is exchanged, and compression has compression's sign.
+    assert one("stretch [-],stress [MPa]\n1,0\n0.8,-0.2\n0.7,-0.4\n").stress.tolist() == [0.0, -0.2, -0.4]
+
+
+@pytest.mark.parametrize(
+    ("key", "value"), [("width", "0 mm"), ("thickness", "0 mm"), ("gauge length", "-3 mm")]
+)
+def test_a_size_that_is_not_positive_is_refused_with_its_line(key: str, value: str) -> None:
+    with pytest.raises(InputError, match="is not positive"):
+        one(f"# {key}: {value}\n" + ROWS)
