@@ -38,7 +38,10 @@ class SpringUse(Part):
     tested_stretch_max: float | None = Field(
         default=None, description="largest stretch of the uniaxial tests behind the constants"
     )
-    beyond_tested: int = Field(default=0, description="springs stretched beyond the tests")
+    beyond_tested: int | None = Field(
+        default=None,
+        description="springs stretched beyond the tests; absent where nothing says how far these went",
+    )
     softens_at: float | None = Field(default=None, description="stretch at which the stress stops rising")
     ends_at: float | None = Field(
         default=None, description="stretch at which the law ends (locks), where springs pass it"

@@ -115,6 +115,15 @@ class StablePlane(_Part):
     )
 
 
+class Tested(_Part):
+    """How far the tests of one mode went."""
+
+    stretch: tuple[float, float] = Field(description="smallest and largest stretch, rest among them")
+    temperature_degC: tuple[float, float] | None = Field(
+        default=None, description="lowest and highest temperature; absent where the tests state none"
+    )
+
+
 class AtTemperature(_Part):
     """The constants at one temperature."""
 
@@ -132,6 +141,9 @@ class Direction(_Part):
     stability_plane: StablePlane | None = None
     stable: bool | None = None
     temperatures: list[AtTemperature] | None = None
+    tested: dict[str, Tested] | None = Field(
+        default=None, description="by test: the range of the data behind the constants"
+    )
 
 
 class ModelRow(_Part):
@@ -150,6 +162,15 @@ class ModelRow(_Part):
     stable: bool | None = None
     accepted: bool | None = None
     status: str | None = None
+
+
+#: What is true of the sheet and its tests whatever the constants are; every other key speaks of the constants at hand.
+_OF_THE_SHEET = frozenset(
+    ("model", "parameters", "thickness_mm", "thickness_nominal", "temperature_degC", "directions", "temperatures",
+     "bulk_modulus_MPa", "effects", "tested")
+)  # fmt: skip
+_OF_A_DIRECTION = frozenset(("parameters", "temperatures", "tested"))
+_OF_A_ROW = frozenset(("temperature_degC", "parameters"))
 
 
 class MaterialDocument(Document):
@@ -197,6 +218,54 @@ class MaterialDocument(Document):
     effects: list[dict[str, Any]] | None = Field(
         default=None, description="physical terms beyond the law, as hf close-loop adds them"
     )
+    tested: dict[str, Tested] | None = Field(
+        default=None, description="by test: the range of the data behind the constants"
+    )
+
+    def tested_stretch(
+        self, direction: str | None = None, test: str | None = None
+    ) -> tuple[float, float] | None:
+        """Return the smallest and the largest stretch of the tests behind the constants; None where nothing says.
+
+        Of one ``test`` where there are such, else of all; of a ``direction`` where it has constants of its own.
+
+        >>> tests = {"uniaxial": {"stretch": [1.0, 1.8]}, "biaxial": {"stretch": [1.0, 1.4]}}
+        >>> fabric = MaterialDocument(model="neo-hookean", parameters={"C10_MPa": 0.2}, tested=tests)
+        >>> fabric.tested_stretch(), fabric.tested_stretch(test="biaxial")
+        ((1.0, 1.8), (1.0, 1.4))
+        """
+        own = (self.directions or {}).get(direction or "")
+        part: MaterialDocument | Direction = own or self
+        known = {name: one.stretch for name, one in (part.tested or {}).items()}
+        if not known and part.fit is not None:  # documents of before ``tested``
+            for name, one in part.fit.tests.items():
+                if isinstance(one, TestFigures) and not one.predicted and one.stretch_max is not None:
+                    known[name] = (one.stretch_min or 1.0, one.stretch_max)
+        ranges = [one for name, one in known.items() if name == test] or list(known.values())
+        return (min(low for low, _ in ranges), max(high for _, high in ranges)) if ranges else None
+
+    def refitted(self) -> MaterialDocument:
+        """Return a copy for other constants: without what was said of those it has, the fit's figures above all.
+
+        >>> fabric = MaterialDocument(model="neo-hookean", parameters={"C10_MPa": 0.2}, accepted=True, thickness_mm=0.6)
+        >>> other = fabric.refitted()
+        >>> other.accepted is None, other.thickness_mm
+        (True, 0.6)
+        """
+        result = self.model_copy(deep=True)
+        parts: list[tuple[Any, frozenset[str]]] = [(result, _OF_THE_SHEET)]
+        for direction in (result.directions or {}).values():
+            parts += [
+                (direction, _OF_A_DIRECTION),
+                *((row, _OF_A_ROW) for row in direction.temperatures or []),
+            ]
+        parts += [(row, _OF_A_ROW) for row in result.temperatures or []]
+        for part, kept in parts:
+            for name, field in type(part).model_fields.items():
+                if name not in kept:
+                    setattr(part, name, field.get_default(call_default_factory=True))
+        result.format = result.format_name()
+        return result
 
     def constants(self, direction: str | None = None, temperature_degC: float | None = None) -> Parameters:
         """Return the constants to compute with.

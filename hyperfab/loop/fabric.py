@@ -158,7 +158,7 @@ def _own(
     found = []
     for name, value in zip(law.names, values, strict=True):
         low, high = -np.inf, np.inf
-        scale = max(abs(value), 0.01 * size if name.endswith("_MPa") else 0.1)
+        scale = max(abs(value), 0.01 * size if name in law.stresses else 0.1)
         sd = np.inf if prior is None else max(prior * abs(value), 1e-9 * size)
         if name in law.held or name in fixed or f"{prefix}{name}" in fixed:
             low = high = value

@@ -71,7 +71,7 @@ class Law(ABC):
     source: str
     #: The energy in the field's notation.
     equation: str
-    #: Names of the constants the energy is linear in; those that end in ``_MPa`` are stresses.
+    #: Names of the factors the energy is linear in, constants in MPa as a rule (see ``stresses``).
     linear: tuple[str, ...]
     #: Names of the other constants.
     nonlinear: tuple[str, ...] = ()
@@ -86,6 +86,22 @@ class Law(ABC):
     def names(self) -> tuple[str, ...]:
         """Names of all constants, in the order of the document."""
         return (*self.linear, *self.nonlinear)
+
+    @property
+    def stresses(self) -> tuple[str, ...]:
+        """Names of the constants that are stresses: energy, stress and stiffness go with all of them together."""
+        return tuple(name for name in self.names if name.endswith("_MPa"))
+
+    def scaled(self, parameters: Mapping[str, float], factor: float) -> dict[str, float]:
+        """Return the constants of a sheet ``factor`` times as stiff at every stretch.
+
+        >>> from hyperfab.materials import law
+        >>> law("blatz-ko").scaled({"mu_MPa": 0.4, "f": 0.0, "nu": 0.25}, 0.5)
+        {'mu_MPa': 0.2, 'f': 0.0, 'nu': 0.25}
+        """
+        return {
+            name: value * factor if name in self.stresses else value for name, value in parameters.items()
+        }
 
     @abstractmethod
     def terms(self, sheet: Sheet, theta: Sequence[Value]) -> Sequence[Term]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from hyperfab.materials.effects.elastic_law import FORMS, added_terms
+from hyperfab.materials.effects.elastic_law import FORMS, added_terms, split
 from hyperfab.materials.kinematics import Sheet
 from hyperfab.materials.law import Law
 from hyperfab.materials.material import Material
@@ -22,9 +22,7 @@ def richer(material: Material, form: str, constants: Mapping[str, float]) -> Mat
     True
     """
     law = _Richer(material.law, form)
-    own = {name: float(constants[name]) for name in FORMS[form]}
-    c = [own[name] for name in law.added if name.endswith("_MPa")]
-    shape = [own[name] for name in law.added if not name.endswith("_MPa")]
+    c, shape = split(form, [constants[name] for name in FORMS[form]])
     return Material(law, (*material.c, *c), (*material.theta, *shape))
 
 

@@ -141,3 +141,61 @@ def test_a_joint_is_found_in_a_mold_on_a_bath_of_given_temperature(hf: Run, tmp_
     assert [effect["id"] for effect in found["effects"]] == ["contact-resistance"]
     assert found["effects"][0]["parameters"]["resistance_m2K_W"] == pytest.approx(1.0 / 400.0, rel=0.1)
     assert hf("mold-heat", found["model"], cwd=tmp_path, timeout=300).returncode == 0
+
+
+def test_an_extended_model_says_nothing_of_the_old_constants_and_carries_the_ranges_it_was_closed_on(
+    hf: Run, tmp_path: Path, root: Path
+) -> None:
+    samples = root / "specimens" / "lycra"
+    first = hf(
+        "fit",
+        "--uniaxial",
+        samples / "warp-23C.csv",
+        "--model",
+        "yeoh-3",
+        "--plane",
+        "-o",
+        "warp.json",
+        cwd=tmp_path,
+    )
+    assert first.returncode == 0, first.stderr.decode()
+    files = [
+        word
+        for name in ("warp-23C", "weft-23C", "warp-80C")
+        for word in ("--measured", samples / f"{name}.csv")
+    ]
+    done = hf("close-loop", "warp.json", *files, "-o", "loop.json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr.decode()
+    model = json.loads((tmp_path / "loop.model.json").read_text())
+    stale = {
+        "fit",
+        "stability",
+        "stability_plane",
+        "replicates",
+        "left_out",
+        "accepted",
+        "fit_on",
+        "preparation",
+    }
+    assert not stale & set(model)
+    low, high = model["tested"]["uniaxial"]["temperature_degC"]
+    assert abs(low - 23.0) < 1.0
+    assert abs(high - 80.0) < 1.0
+    reach = json.loads((tmp_path / "warp.json").read_text())["tested"]["uniaxial"]["stretch"]
+    assert model["directions"]["weft"]["tested"]["uniaxial"]["stretch"][1] == pytest.approx(
+        reach[1], rel=0.05
+    )
+    (tmp_path / "cup.stl").write_bytes((root / "molds" / "cup-male.stl").read_bytes())
+    model["directions"]["weft"]["tested"]["uniaxial"]["stretch"] = [1.0, 1.05]
+    (tmp_path / "short.json").write_text(json.dumps(model))
+    draped = hf("drape", "short.json", *DRAPE, "-", cwd=tmp_path)
+    found = json.loads(draped.stdout)
+    assert found["weft"]["beyond_tested"] > 0 == found["warp"]["beyond_tested"]
+
+
+def test_where_no_tested_range_is_known_none_is_stated(hf: Run, tmp_path: Path, root: Path) -> None:
+    (tmp_path / "cup.stl").write_bytes((root / "molds" / "cup-male.stl").read_bytes())
+    (tmp_path / "fabric.json").write_text(json.dumps(fabric(0.5)))
+    found = json.loads(hf("drape", "fabric.json", *DRAPE, "-", cwd=tmp_path).stdout)
+    assert "beyond_tested" not in found["warp"]
+    assert "tested_stretch_max" not in found["warp"]

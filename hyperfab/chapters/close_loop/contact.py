@@ -261,10 +261,9 @@ def pose(
 
 def _known(material: MaterialDocument, temperature: Array, reference: float) -> Array:
     """Return what the material document itself says of the stiffness at temperatures, over that of the run."""
-    key = next((one for one in bind(material.model, material.parameters).law.linear), None)
-    if key is None:
-        return np.ones_like(temperature)
-    at = material.constants(temperature_degC=reference)[key]
+    here = material.constants(temperature_degC=reference)
+    key = max(bind(material.model, here).law.stresses, key=lambda one: abs(here[one]))
+    at = here[key]
     return np.array([material.constants(temperature_degC=float(v))[key] / at for v in temperature])
 
 

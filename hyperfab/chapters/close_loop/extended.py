@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from hyperfab.documents.material import AtTemperature, Direction, MaterialDocument
+from hyperfab.chapters.close_loop.softer import soften
+from hyperfab.chapters.tested import tested_by
+from hyperfab.documents.material import Direction, MaterialDocument
 from hyperfab.errors import InputError
-from hyperfab.loop.fabric import FabricProblem
+from hyperfab.loop.fabric import FabricProblem, FabricTest
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.problem import Array, Constant
 from hyperfab.materials.effects.fabric import Fabric
-from hyperfab.materials.effects.path import uniaxial_pull
+from hyperfab.materials.effects.path import MODE_NAMES, uniaxial_pull
 from hyperfab.materials.identification.design import Problem as LawProblem
 from hyperfab.materials.identification.fit import fit_law
 from hyperfab.materials.identification.rows import Curve, Rows
@@ -23,6 +25,8 @@ from hyperfab.materials.law import Law
 _TOLD_ELSEWHERE = ("anisotropy",)
 #: Effects that have no prediction where the tests state no times.
 _NEEDS_TIMES = ("rate",)
+#: A test cut within this angle [deg] of warp or weft is a test of it.
+_ALONG = 1.0
 
 
 def held_terms(
@@ -72,20 +76,7 @@ def extend(document: MaterialDocument, problem: FabricProblem, fit: Fit, law: La
     weft = (
         dict(zip(names, (float(v) for v in fit.x[count : 2 * count]), strict=True)) if problem.both else None
     )
-    result = document.model_copy(deep=True)
-    for stale in (
-        "fit",
-        "stability",
-        "stable",
-        "accepted",
-        "models",
-        "warnings",
-        "objective",
-        "fit_on",
-        "preparation",
-    ):
-        setattr(result, stale, None)
-    result.files, result.provenance = [], None
+    result = document.refitted()
     terms = fit.terms
     records = _refitted(document, problem, fit)
     for effect_id, (form, values) in terms.items():
@@ -103,7 +94,6 @@ def extend(document: MaterialDocument, problem: FabricProblem, fit: Fit, law: La
         if effect_id == "thermal-softening":
             record["reference_degC"] = problem.fabric.reference_degC
             record["told_by"] = "temperatures"
-            result.temperature_degC = problem.fabric.reference_degC
         if (
             effect_id == "elastic-law"
             and form == "powers"
@@ -117,13 +107,26 @@ def extend(document: MaterialDocument, problem: FabricProblem, fit: Fit, law: La
     result.parameters = warp
     result.temperatures = None
     result.directions = None
+    result.tested = tested_by(_curves(problem.tests))
     if weft is not None:
+        # A test that states no direction is taken as pulled along the warp.
+        across = [test for test in problem.tests if abs(test.angle_deg - 90.0) <= _ALONG]
+        along = [test for test in problem.tests if not abs((test.angle_deg + 90.0) % 180.0 - 90.0) > _ALONG]
         result.directions = {
-            "warp": Direction(parameters=warp), "weft": Direction(parameters=weft)
-        }  # fmt: skip
-    _warm(result, problem, fit)
+            "warp": Direction(parameters=warp, tested=tested_by(_curves(along))),
+            "weft": Direction(parameters=weft, tested=tested_by(_curves(across))),
+        }
+    if "thermal-softening" in terms:
+        known = problem.fabric.path.temperature_degC
+        met = known[np.isfinite(known)]
+        soften(result, list(terms["thermal-softening"][1]), problem.fabric.reference_degC, met)
     result.effects = records or None
     return result
+
+
+def _curves(tests: Sequence[FabricTest]) -> list[tuple[str, Array, Array | None]]:
+    """Return what ``tested_by`` takes; of a general biaxial test each axis is a curve."""
+    return [(MODE_NAMES[test.mode], test.stretch, test.temperature_degC) for test in tests]
 
 
 def _refitted(document: MaterialDocument, problem: FabricProblem, fit: Fit) -> list[dict[str, Any]]:
@@ -144,8 +147,7 @@ def _refitted(document: MaterialDocument, problem: FabricProblem, fit: Fit) -> l
 
 def _weft(law: Law, warp: Mapping[str, float], form: str, values: Array) -> dict[str, float]:
     if form == "ratio":
-        stresses = {key for key in warp if key.endswith("_MPa")}
-        return {name: value * float(values[0]) if name in stresses else value for name, value in warp.items()}
+        return law.scaled(warp, float(values[0]))
     return {name: warp[name] + float(value) for name, value in zip(law.names, values, strict=False)}
 
 
@@ -168,30 +170,3 @@ def _along_and_across(
 
 def _richer(own: Mapping[str, float], added: Mapping[str, float]) -> dict[str, float]:
     return {name: own.get(name, 0.0) + added.get(name, 0.0) for name in ("C10_MPa", "C20_MPa", "C30_MPa")}
-
-
-def _warm(result: MaterialDocument, problem: FabricProblem, fit: Fit) -> None:
-    """Write softening with temperature as constants at each temperature met, which every command interpolates."""
-    if "thermal-softening" not in fit.terms:
-        return
-    _, values = fit.terms["thermal-softening"]
-    known = problem.fabric.path.temperature_degC
-    met = np.unique(np.round(known[np.isfinite(known)] * 2.0) / 2.0)
-
-    def table(parameters: Mapping[str, float]) -> list[AtTemperature]:
-        rows = []
-        for degrees in sorted({float(problem.fabric.reference_degC), *(float(v) for v in met)}):
-            rise = degrees - problem.fabric.reference_degC
-            bend = float(values[1]) if len(values) > 1 else 0.0
-            factor = float(np.exp(-float(values[0]) * rise - bend * rise**2))
-            rows.append(
-                AtTemperature(
-                    temperature_degC=degrees,
-                    parameters={k: v * factor if k.endswith("_MPa") else v for k, v in parameters.items()},
-                )
-            )
-        return rows
-
-    result.temperatures = table(result.parameters)
-    for direction in (result.directions or {}).values():
-        direction.temperatures = table(direction.parameters)

@@ -4,21 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from hyperfab.cases.contact import STICK, ContactCase
 from hyperfab.chapters.close_loop.applied import applied
 from hyperfab.chapters.close_loop.closing import Extension
-from hyperfab.chapters.close_loop.softer import scaled_material
-from hyperfab.documents.material import AtTemperature, MaterialDocument
+from hyperfab.chapters.close_loop.softer import scaled_material, soften
+from hyperfab.documents.material import MaterialDocument
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
 from hyperfab.loop.contact import ContactProblem, effects_of
 from hyperfab.loop.engine import Finding
-from hyperfab.materials.effects.thermal_softening import factor
-from hyperfab.materials.registry import bind
+from hyperfab.loop.problem import Array
 
 #: Where the refitted fabric is written.
 FABRIC = ".model.fabric.json"
@@ -42,7 +40,7 @@ def extend(
     """Return the case of the extended sheet, and the fabric it reads."""
     fit = found.after.fit
     factors = {name: float(v) for name, v in zip(problem.sheet.names, fit.x, strict=False)}
-    fabric = refitted(material, factors)
+    fabric = scaled_material(material, factors)
     notes: list[str] = []
     added = effects_of(fit.terms)
     amounts = dict(zip(PLACES, (float(v) for v in added), strict=False))
@@ -56,47 +54,13 @@ def extend(
     larger = replace(contact_applied(case, amounts), material=str(out.path(FABRIC)), against=None)
     if "thermal-softening" in fit.terms:
         _soften(fabric, problem, [float(v) for v in fit.terms["thermal-softening"][1]])
-        met = np.concatenate([one.temperature for one in problem.files if one.temperature is not None])
-        larger = replace(larger, temperature=float(np.median(met)))
+        larger = replace(larger, temperature=float(np.median(_met(problem))))
     return Extension(larger, {FABRIC: dump_json(fabric.to_json())}, notes)
 
 
-def refitted(material: MaterialDocument, factors: dict[str, float]) -> MaterialDocument:
-    """Return the fabric with other constants, and without the figures of the fit that no longer hold."""
-    fabric = scaled_material(material, factors)
-    for stale in ("fit", "stability", "stability_plane", "stable", "accepted", "models", "warnings", "objective",
-                  "fit_on", "preparation", "left_out", "replicates"):  # fmt: skip
-        setattr(fabric, stale, None)
-    for direction in (fabric.directions or {}).values():
-        direction.fit = direction.stability = direction.stability_plane = direction.stable = None
-    fabric.files, fabric.provenance = [], None
-    return fabric
-
-
 def _soften(fabric: MaterialDocument, problem: ContactProblem, values: list[float]) -> None:
-    """Write the softening as constants at each temperature met, which later commands interpolate."""
-    met = np.concatenate([one.temperature for one in problem.files if one.temperature is not None])
-    degrees = sorted({problem.reference_degC, *(float(v) for v in np.unique(np.round(2.0 * met) / 2.0))})
-    linear = bind(fabric.model, fabric.parameters).law.linear
-    place: Any
-    for place in (fabric, *(fabric.directions or {}).values()):
-        base = place.parameters
-        place.temperatures = [
-            AtTemperature(
-                temperature_degC=one,
-                parameters={
-                    key: value
-                    * (
-                        float(factor(np.array(one), problem.reference_degC, *values))
-                        if key in linear
-                        else 1.0
-                    )
-                    for key, value in base.items()
-                },
-            )
-            for one in degrees
-        ]
-    fabric.temperature_degC = problem.reference_degC
+    """Write the softening at the temperatures met, and the effect that it stands for."""
+    soften(fabric, values, problem.reference_degC, _met(problem))
     form = "curved" if len(values) > 1 else "exponential"
     names = ("softening_1_K", "softening_1_K2")
     fabric.effects = [
@@ -109,3 +73,8 @@ def _soften(fabric: MaterialDocument, problem: ContactProblem, values: list[floa
             "told_by": "temperatures",
         },
     ]
+
+
+def _met(problem: ContactProblem) -> Array:
+    """Return the temperatures at which was measured."""
+    return np.concatenate([one.temperature for one in problem.files if one.temperature is not None])

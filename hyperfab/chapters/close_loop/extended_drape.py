@@ -11,7 +11,8 @@ import numpy as np
 from hyperfab.cases.drape import DrapeCase
 from hyperfab.chapters.close_loop.applied import applied
 from hyperfab.chapters.close_loop.closing import Extension
-from hyperfab.chapters.close_loop.extended_contact import FABRIC, refitted
+from hyperfab.chapters.close_loop.extended_contact import FABRIC
+from hyperfab.chapters.close_loop.softer import scaled_material
 from hyperfab.cloth import Sheet
 from hyperfab.cloth.law import SpringLaw
 from hyperfab.documents.material import MaterialDocument
@@ -61,7 +62,7 @@ def extend(
         warp, weft = (str(out.path(suffix)) for suffix in THREADS)
         larger = replace(larger, warp=warp, weft=weft, thickness=sheet.thickness)
         return Extension(larger, dict(zip(THREADS, laws, strict=True)), notes)
-    fabric = refitted(material, {name: own[name] for name in problem.draped.names})
+    fabric = scaled_material(material, {name: own[name] for name in problem.draped.names})
     return Extension(
         replace(larger, material=str(out.path(FABRIC))), {FABRIC: dump_json(fabric.to_json())}, notes
     )

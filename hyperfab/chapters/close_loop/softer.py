@@ -1,12 +1,15 @@
-"""A material document with other constants: factors on those it has."""
+"""A material document with other constants: factors on those it has, and constants at other temperatures."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from hyperfab.documents.material import MaterialDocument
-from hyperfab.materials.registry import bind
+import numpy as np
+
+from hyperfab.documents.material import AtTemperature, MaterialDocument
+from hyperfab.materials.effects.thermal_softening import factor
+from hyperfab.materials.registry import bind, law_of
 
 
 def linear_of(material: MaterialDocument) -> tuple[tuple[str, ...], tuple[bool, ...]]:
@@ -17,20 +20,21 @@ def linear_of(material: MaterialDocument) -> tuple[tuple[str, ...], tuple[bool, 
     if set(material.directions or {}) >= {"warp", "weft"}:
         return ("warp", "weft"), (True, True)
     law = bind(material.model, material.parameters).law
-    return tuple(law.names), tuple(name in law.linear for name in law.names)
+    return tuple(law.names), tuple(name in law.stresses for name in law.names)
 
 
 def scaled_material(material: MaterialDocument, factors: Mapping[str, float]) -> MaterialDocument:
-    """Return the document with its constants times ``factors``, at every temperature it knows."""
-    result = material.model_copy(deep=True)
-    result.format = result.format_name()
-    linear = bind(material.model, material.parameters).law.linear
+    """Return the document with its constants times ``factors``, at every temperature it knows.
 
-    def scaled(parameters: Mapping[str, float], way: str | None) -> dict[str, float]:
-        return {
-            key: value * factors.get(key, factors.get(way or "", 1.0) if key in linear else 1.0)
-            for key, value in parameters.items()
-        }
+    ``factors`` are keyed by a constant, or by ``warp`` and ``weft``, whose stiffness they multiply. What was said of
+    the constants it had is taken out.
+    """
+    result = material.refitted()
+    law = law_of(material.model, material.parameters, anisotropic=True)
+
+    def scaled(parameters: Mapping[str, float], way: str) -> dict[str, float]:
+        whole = law.scaled(parameters, factors.get(way, 1.0))
+        return {key: value * factors.get(key, 1.0) for key, value in whole.items()}
 
     place: Any
     for place, way in ((result, "warp"), *((one, way) for way, one in (result.directions or {}).items())):
@@ -40,3 +44,27 @@ def scaled_material(material: MaterialDocument, factors: Mapping[str, float]) ->
             for row in place.temperatures or []
         ] or None
     return result
+
+
+def soften(
+    result: MaterialDocument, values: Sequence[float], reference_degC: float, met: Iterable[float]
+) -> None:
+    """Write softening with temperature as constants at each temperature ``met``, which every command interpolates.
+
+    ``values`` are those of the effect ``thermal-softening``; the constants at hand hold at ``reference_degC``.
+    """
+    law = law_of(result.model, result.parameters, anisotropic=True)
+    near = np.unique(np.round(2.0 * np.fromiter(met, dtype=np.float64)) / 2.0)
+    degrees = sorted({float(reference_degC), *(float(v) for v in near)})
+    place: Any
+    for place in (result, *(result.directions or {}).values()):
+        place.temperatures = [
+            AtTemperature(
+                temperature_degC=one,
+                parameters=law.scaled(
+                    place.parameters, float(factor(np.array(one), reference_degC, *map(float, values)))
+                ),
+            )
+            for one in degrees
+        ]
+    result.temperature_degC = reference_degC

@@ -15,7 +15,7 @@ from hyperfab.cloth.fabric import spring_law
 from hyperfab.cloth.law import Floats
 from hyperfab.documents.base import read_document
 from hyperfab.documents.drape import SpringUse
-from hyperfab.documents.material import FitFigures, MaterialDocument
+from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import InputError
 from hyperfab.materials import bind
 
@@ -114,20 +114,10 @@ def _of_document(job: Job, name: str) -> Fabric:
         key = "parameters" if own is None else f"directions.{direction}.parameters"
         parameters = document.constants(direction if own is not None else None)
         laws.append(_law(document.model, parameters, name, key))
-        tested.append(_tested(document.fit if own is None else own.fit))
+        known = document.tested_stretch(direction, "uniaxial")
+        tested.append(None if known is None else known[1])
     thick = np.nan if document.thickness_mm is None else document.thickness_mm
     return Fabric((document.model, document.model), laws[0], laws[1], thick, (tested[0], tested[1]))
-
-
-def _tested(fit: FitFigures | None) -> float | None:
-    """Largest stretch of the uniaxial tests behind the constants, where the document states it."""
-    ranges = [
-        getattr(test, "stretch_max", None)
-        for name, test in (fit.tests if fit else {}).items()
-        if "uniaxial" in name
-    ]
-    known = [float(value) for value in ranges if isinstance(value, (int, float))]
-    return max(known) if known else None
 
 
 def _law(model: str, parameters: Mapping[str, float], name: str, key: str) -> SpringLaw:
@@ -164,7 +154,9 @@ def use_of(fabric: Fabric, stretch_warp: Floats, stretch_weft: Floats) -> tuple[
                 model=model,
                 stretch_max=largest,
                 tested_stretch_max=tested,
-                beyond_tested=0 if tested is None else int(np.count_nonzero(stretch > tested * (1.0 + 1e-9))),
+                beyond_tested=None
+                if tested is None
+                else int(np.count_nonzero(stretch > tested * (1.0 + 1e-9))),
                 softens_at=law.softens if law.softens is not None and largest > law.softens else None,
                 ends_at=_end(model, law, largest),
                 fails_at=fails if fails is not None and largest > fails else None,

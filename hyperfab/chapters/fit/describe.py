@@ -17,6 +17,7 @@ from hyperfab.documents.material import (
     OutlierReading,
     StablePlane,
     StableRange,
+    Tested,
     TestFigures,
     Unpredicted,
 )
@@ -116,7 +117,13 @@ def with_outliers(figures: FitFigures, far: Sequence[Outlier]) -> FitFigures:
     return figures
 
 
-def direction(found: Identified, far: Sequence[Outlier], reach: Reach, with_plane: bool) -> Direction:
+def direction(
+    found: Identified,
+    far: Sequence[Outlier],
+    reach: Reach,
+    with_plane: bool,
+    tested: dict[str, Tested] | None,
+) -> Direction:
     """Return one direction of the fabric."""
     return Direction(
         parameters=found.material.parameters,
@@ -125,6 +132,7 @@ def direction(found: Identified, far: Sequence[Outlier], reach: Reach, with_plan
         stability_plane=plane(found, reach, with_plane),
         stable=found.stable,
         temperatures=temperatures(found),
+        tested=tested,
     )
 
 

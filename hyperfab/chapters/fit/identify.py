@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.chapters.fit.reading import Reading
+from hyperfab.chapters.tested import tested_by
+from hyperfab.documents.material import Tested
 from hyperfab.materials import Material
 from hyperfab.materials.identification import Curve, Fit, Problem, Rows, fit_law
 from hyperfab.materials.identification.quality import Certainty, Figures, certainty, figures
@@ -189,6 +191,17 @@ def reach(curves: Sequence[Reading]) -> dict[str, tuple[float, float]]:
                 max(high, float(curve.stretch.max())),
             )
     return found
+
+
+def tested(curves: Sequence[Reading], setting: Setting) -> dict[str, Tested] | None:
+    """Return the range of the tests that take part in the fit."""
+    used = [curve for curve in curves if curve.mode in setting.fit_on]
+    axes = [(curve, one) for curve in used for one in (curve.stretch, curve.stretch2) if one is not None]
+    return tested_by(
+        (curve.mode, one, curve.temperature)
+        for curve, one in axes
+        if one is curve.stretch or curve.mode == "biaxial-general"
+    )
 
 
 def _misses_directions(used: Sequence[Reading]) -> str | None:

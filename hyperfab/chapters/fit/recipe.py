@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from hyperfab.chapters.fit import describe
 from hyperfab.chapters.fit.doubts import doubts, outliers, replicates, rows_of
-from hyperfab.chapters.fit.identify import Identified, Setting, reach
+from hyperfab.chapters.fit.identify import Identified, Setting, reach, tested
 from hyperfab.chapters.fit.judge import Judged, Sets, judge
 from hyperfab.chapters.fit.prepare import Steps
 from hyperfab.chapters.fit.readings import Readings, gather, read_all
@@ -165,7 +165,11 @@ def _document(
     assert isinstance(whole, Identified)
     directions = {
         name: describe.direction(
-            found, outliers(found, rows_of(found, sets, name), setting), reach(sets[name]), with_plane
+            found,
+            outliers(found, rows_of(found, sets, name), setting),
+            reach(sets[name]),
+            with_plane,
+            tested(sets[name], setting),
         )
         for name, found in best.results.items()
         if name is not None and isinstance(found, Identified)
@@ -207,6 +211,7 @@ def _document(
             for one in ranking
         ],
         effects=[],
+        tested=tested(sets[None], setting),
     )
 
 

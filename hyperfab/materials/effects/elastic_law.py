@@ -28,6 +28,17 @@ _WITH_LOG = {"ogden-log": "ogden", "exponential-log": "exponential"}
 FORMS |= {name: (*FORMS[simple], "C2_MPa") for name, simple in _WITH_LOG.items()}
 
 
+def split(form: str, values: Sequence[float]) -> tuple[list[float], list[float]]:
+    """Return the constants of a form that its terms are linear in, in MPa, and the others.
+
+    >>> split("exponential", [0.3, 2.0])
+    ([0.3], [2.0])
+    """
+    named = list(zip(FORMS[form], values, strict=True))
+    linear = [float(value) for name, value in named if name.endswith("_MPa")]
+    return linear, [float(value) for name, value in named if not name.endswith("_MPa")]
+
+
 def added_terms(form: str, sheet: Sheet, shape: Sequence[float]) -> list[Term]:
     """Return the terms of the linear constants of a form; ``shape`` holds the others (alpha, b).
 

@@ -181,16 +181,7 @@ class Fabric:
             return nowhere, nowhere
         c, theta = self.law.split(given)
         extra_form, extra = terms.get("elastic-law", ("", np.empty(0)))
-        linear = [
-            v
-            for v, n in zip(extra, elastic_law.FORMS.get(extra_form, ()), strict=False)
-            if n.endswith("_MPa")
-        ]
-        shape = [
-            v
-            for v, n in zip(extra, elastic_law.FORMS.get(extra_form, ()), strict=False)
-            if not n.endswith("_MPa")
-        ]
+        linear, shape = elastic_law.split(extra_form, list(extra)) if extra_form else ([], [])
         nu = terms.get("compressibility", ("", np.empty(0)))
         key = (tuple(theta), place, extra_form, tuple(shape), nu[0], tuple(nu[1]), needs_energy)
         if key not in self._bases:
@@ -350,8 +341,7 @@ def _of_set(form: str, values: Array) -> tuple[float, ...]:
 def _absent(name: str, form: str, values: Array) -> bool:
     """Whether a term stands at a null that would leave rounding behind; the law is then to be itself to the bit."""
     if name == "elastic-law":
-        linear = [v for v, key in zip(values, elastic_law.FORMS[form], strict=False) if key.endswith("_MPa")]
-        return not np.any(linear)
+        return not np.any(elastic_law.split(form, list(values))[0])
     if name == "compressibility":
         bent = form.endswith("bent")
         return bool(np.all(values[: len(values) - bent] == 0.5) and not (bent and values[-1]))

@@ -17,7 +17,7 @@ def entry(scene: Scene) -> Effect:
         reason = "the tests state one direction at most"
     law = scene.law
     c = np.array(scene.constants)
-    linear = np.array([name.endswith("_MPa") for name in law.names])
+    linear = np.array([name in law.stresses for name in law.names])
     size = max(float(np.max(np.abs(c[linear]))), 1e-12)
     away = []
     for index, name in enumerate(law.names):
