@@ -89,6 +89,7 @@ def test_every_option_stands_on_its_page() -> None:
                 "output",
                 "quiet",
                 "debug",
+                "strict",
                 "help",
                 "stl_unit",
             ):

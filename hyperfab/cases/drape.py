@@ -139,6 +139,12 @@ class DrapeCase(Case):
         example="0.8mm",
         above=0.0,
     )
+    temperature: float | None = amount(
+        "temperature",
+        "T",
+        "Of the fabric, where the material document knows of it.",
+        example="90degC",
+    )
     clamp: tuple[str, ...] = setting(
         Edges(), "EDGES", "Clamped edges: edges (all four), or some of x-,x+,y-,y+.", "edges"
     )

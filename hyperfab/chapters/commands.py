@@ -28,7 +28,7 @@ def asked(job: Job, cls: type[Case], options: Mapping[str, Any], like: str | Non
 
 
 def run_words(job: Job, words: Sequence[str]) -> int:
-    """Run the job's command on the case of its words; ``--like DOC.json`` stands among them as on the command line."""
+    """Run the job's command on the case of its words; ``--like DOC.json`` and ``--strict`` stand among them."""
     cls = case_class(job.command)
     rest = list(words)
     like = None
@@ -36,6 +36,9 @@ def run_words(job: Job, words: Sequence[str]) -> int:
         at = rest.index("--like")
         like = rest[at + 1]
         del rest[at : at + 2]
+    if "--strict" in rest:
+        rest.remove("--strict")
+        job.strict = True
     return run(job, asked(job, cls, given(cls, rest), like))
 
 
@@ -44,9 +47,9 @@ def run(job: Job, case: Case) -> int:
     if isinstance(case, ContactCase):
         from hyperfab.chapters.fabric_contact import run as fabric_contact
 
-        return fabric_contact(job, case)
+        return job.ended(fabric_contact(job, case))
     if isinstance(case, DrapeCase):
         from hyperfab.chapters.drape import run as drape
 
-        return drape(job, case)
+        return job.ended(drape(job, case))
     raise TypeError(f"no chapter runs {type(case).__name__}")

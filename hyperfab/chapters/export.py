@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from hyperfab import __version__
+from hyperfab.chapters.fabric import FabricDocument, read_fabric_document
 from hyperfab.chapters.job import Job
-from hyperfab.documents.base import read_document
-from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.output import check_place, write_single
 from hyperfab.io.units import quantity
@@ -34,27 +33,30 @@ def run(
         check_place(output)
     if not name.isascii() or not name.replace("_", "").isalnum():
         raise UsageError(f"--name {name}: letters, digits and underscores only, as lycra_warp")
-    degrees = None if temperature is None else quantity(temperature, "temperature", option="--temperature")
     bulk = None if bulk_modulus is None else quantity(bulk_modulus, "stress", option="--bulk-modulus")
     mass = quantity(density, "density", option="--density") * 1e-12
     if (bulk is not None and not bulk > 0.0) or not mass > 0.0:
         raise UsageError("--bulk-modulus and --density: values above zero are needed")
-    source = read_document(job.inputs, document, MaterialDocument)
+    asked = None if temperature is None else quantity(temperature, "temperature", option="--temperature")
+    fabric = read_fabric_document(job, document, asked)
+    source = fabric.document
     if source.directions and direction is None:
         ways = ", ".join(source.directions)
         job.console.warn(f"the material has directions ({ways}); the card has the constants of both together")
     if direction is not None and not source.directions:
         raise UsageError(f"--direction {direction}: {document} has no directions")
-    _warn(job, source, direction)
+    _warn(job, fabric, direction)
+    fabric.used_at(job)
+    job.judge_ranges()
     try:
-        material = bind(source.model, source.constants(direction, degrees))
+        material = bind(source.model, fabric.constants(direction))
     except InputError as error:
         raise InputError(error.message, file=document, key=error.key, remedy=error.remedy) from None
     settings = Settings(
         name=name,
         bulk_modulus=bulk if bulk is not None else source.bulk_modulus_MPa,
         density=mass,
-        comments=_comments(source, direction, degrees),
+        comments=_comments(fabric, direction),
     )
     try:
         card = chosen.card(material, settings)
@@ -64,8 +66,9 @@ def run(
     return 0
 
 
-def _warn(job: Job, source: MaterialDocument, direction: str | None) -> None:
+def _warn(job: Job, fabric: FabricDocument, direction: str | None) -> None:
     """Say what the card cannot say."""
+    source = fabric.document
     stable = (
         source.directions[direction].stable if source.directions and direction in source.directions else None
     )
@@ -75,17 +78,25 @@ def _warn(job: Job, source: MaterialDocument, direction: str | None) -> None:
         job.console.warn(
             "the constants are per width (a thickness of 1 mm was taken): give the sheet 1 mm in the solver"
         )
-    if source.effects:
-        names = ", ".join(str(effect.get("id", "?")) for effect in source.effects)
-        job.console.warn(f"the card has the elastic law alone, without the effects {names}")
+    # What stands in the constants themselves is in the card.
+    told = {"directions": direction is not None, "model": True, "temperatures": True}
+    names = [
+        str(effect.get("id", "?"))
+        for effect in source.effects or []
+        if not (told.get(str(effect.get("told_by")), False) or effect.get("id") == "thermal-softening")
+        or effect.get("diagonal_softness")
+    ]
+    if names:
+        job.console.warn(f"the card has the elastic law alone, without the effects {', '.join(names)}")
 
 
-def _comments(source: MaterialDocument, direction: str | None, degrees: float | None) -> list[str]:
+def _comments(fabric: FabricDocument, direction: str | None) -> list[str]:
     """Return what a reader of the card should know, a line each."""
+    source, shown = fabric.document, fabric.temperature
     lines = [f"hyperfab {__version__}: {source.model}; units N, mm, MPa, t, s"]
-    shown = degrees if degrees is not None else source.temperature_degC
     at = [direction] if direction else []
     at += [f"{shown:g} degC"] if shown is not None else []
+    at += [f"none known there: those of {fabric.held_at:g} degC"] if fabric.held_at is not None else []
     if at:
         lines.append(f"constants of {', '.join(at)}")
     fit = source.fit

@@ -9,9 +9,10 @@ from typing import Any
 
 from hyperfab.cases.case import Case
 from hyperfab.cases.like import Earlier
-from hyperfab.console import Console
+from hyperfab.chapters.validity import Ranges
+from hyperfab.console import NEGATIVE_VERDICT, Console
 from hyperfab.documents.base import Document
-from hyperfab.documents.provenance import record
+from hyperfab.documents.provenance import record, relative_name
 from hyperfab.errors import UsageError
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.output import Output
@@ -24,6 +25,8 @@ class Job:
     arguments  the options as the user gave them, for provenance
     target     where the document goes, ``-`` is standard output
     like       the document that the set-up was taken from
+    ranges     where laws and tables were used, and what is known of them there
+    strict     end with status 1 where they were used beyond that
     """
 
     command: str
@@ -32,6 +35,8 @@ class Job:
     inputs: Inputs = field(default_factory=Inputs)
     target: str = "-"
     like: Earlier[Any] | None = None
+    ranges: Ranges = field(default_factory=Ranges)
+    strict: bool = False
 
     def opened(self, target: str, suffixes: Sequence[str]) -> Output:
         """Return where the command writes: ``target`` and its siblings; a run inside another command keeps them."""
@@ -46,7 +51,12 @@ class Job:
         ``known`` are values of the set-up, by key, that were not asked for but follow from inputs; so are those that
         the document itself has under ``setup``.
         """
+        self.judge_ranges()
         document.format = document.format_name()
+        document.validity = [
+            entry.model_copy(update={"source": relative_name(entry.source, output.target)})
+            for entry in self.ranges.entries
+        ] or None
         document.provenance = record(self.command, self.arguments, self.inputs.files, output.target)
         data: dict[str, Any] = document.to_json()
         if case is not None:
@@ -57,6 +67,15 @@ class Job:
             for name in self.like.altered(self.inputs):
                 self.console.warn(f"{name} has changed since {self.like.name} was made from it")
         output.finish(data, self.inputs)
+
+    def judge_ranges(self) -> None:
+        """Say in one line what was used beyond what is known."""
+        if self.ranges.warning:
+            self.console.warn(self.ranges.warning)
+
+    def ended(self, status: int) -> int:
+        """Return the exit status of a run whose chapter returned ``status``."""
+        return NEGATIVE_VERDICT if self.strict and self.ranges.outside and status == 0 else status
 
 
 def refuse_twice(names: Sequence[str], what: str = "rows") -> None:

@@ -20,7 +20,7 @@ from hyperfab.cli.reading import (
     Width,
     Zero,
 )
-from hyperfab.cli.shared import Debug, Quiet, Target, run_chapter
+from hyperfab.cli.shared import Debug, Quiet, Strict, Target, run_chapter
 
 SHORT_HELP = "What the model lacks, found in measured data"
 
@@ -84,6 +84,7 @@ def close_loop(
         str | None, typer.Option(metavar="MARK", help="Decimal mark of the files: . or ,")
     ] = None,
     output: Target = "-",
+    strict: Strict = False,
     quiet: Quiet = False,
     debug: Debug = False,
 ) -> None:

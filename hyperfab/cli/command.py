@@ -10,7 +10,7 @@ import typer
 
 from hyperfab.cases.case import Case
 from hyperfab.cases.field import Setting
-from hyperfab.cli.shared import Debug, Quiet, Target, run_case
+from hyperfab.cli.shared import Debug, Quiet, Strict, Target, run_case
 
 Like = Annotated[
     str | None,
@@ -32,6 +32,7 @@ def command_of(cls: type[Case]) -> Callable[..., None]:
         parameters.append(_parameter("like", Like, None))
     parameters += [
         _parameter("output", Target, "-"),
+        _parameter("strict", Strict, False),
         _parameter("quiet", Quiet, False),
         _parameter("debug", Debug, False),
     ]

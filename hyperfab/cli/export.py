@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from hyperfab.cli.shared import Debug, Quiet, run_chapter
+from hyperfab.cli.shared import Debug, Quiet, Strict, run_chapter
 
 SHORT_HELP = "Material card for a finite-element program"
 
@@ -32,6 +32,7 @@ def export(
     output: Annotated[
         str, typer.Option("--output", "-o", metavar="FILE", help="Where the card goes; - is standard output.")
     ] = "-",
+    strict: Strict = False,
     quiet: Quiet = False,
     debug: Debug = False,
 ) -> None:

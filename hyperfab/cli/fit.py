@@ -20,7 +20,7 @@ from hyperfab.cli.reading import (
     Width,
     Zero,
 )
-from hyperfab.cli.shared import Debug, Quiet, Target, run_chapter
+from hyperfab.cli.shared import Debug, Quiet, Strict, Target, run_chapter
 
 SHORT_HELP = "Constants of a law from fabric tests"
 
@@ -75,6 +75,7 @@ def fit(
         str | None, typer.Option(metavar="MARK", help="Decimal mark of the files: . or ,")
     ] = None,
     output: Target = "-",
+    strict: Strict = False,
     quiet: Quiet = False,
     debug: Debug = False,
 ) -> None:

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from hyperfab.cli.shared import Debug, Quiet, StlUnit, Target, run_chapter
+from hyperfab.cli.shared import Debug, Quiet, StlUnit, Strict, Target, run_chapter
 
 SHORT_HELP = "Warm-up of a heated mold"
 
@@ -36,6 +36,7 @@ def mold_heat(
     ] = None,
     stl_unit: StlUnit = "mm",
     output: Target = "-",
+    strict: Strict = False,
     quiet: Quiet = False,
     debug: Debug = False,
 ) -> None:

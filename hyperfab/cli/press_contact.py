@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from hyperfab.cli.shared import Debug, Quiet, StlUnit, Target, run_chapter
+from hyperfab.cli.shared import Debug, Quiet, StlUnit, Strict, Target, run_chapter
 
 SHORT_HELP = "Where two hot molds touch"
 
@@ -83,6 +83,7 @@ def press_contact(
     ] = "smooth",
     stl_unit: StlUnit = "mm",
     output: Target = "-",
+    strict: Strict = False,
     quiet: Quiet = False,
     debug: Debug = False,
 ) -> None:

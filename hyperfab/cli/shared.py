@@ -19,13 +19,19 @@ Target = Annotated[
     ),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Only warnings and errors on standard error.")]
+Strict = Annotated[
+    bool,
+    typer.Option(
+        "--strict", help="End with status 1 where a law or table was used beyond what is known of it."
+    ),
+]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of a defect.")]
 StlUnit = Annotated[
     str, typer.Option(metavar="UNIT", help="Unit of the numbers in STL files: mm, cm, m or inch.")
 ]
 
 #: Options about how a run is shown, not about what it computes: no part of provenance.
-_ABOUT_THE_RUN = ("quiet", "debug")
+_ABOUT_THE_RUN = ("quiet", "debug", "strict")
 
 
 def run_chapter(context: typer.Context, **more: object) -> None:
@@ -40,8 +46,8 @@ def run_chapter(context: typer.Context, **more: object) -> None:
 
         chapter = importlib.import_module(f"hyperfab.chapters.{command.replace('-', '_')}")
         job = Job(command, arguments_given(context), Console(bool(context.params.get("quiet"))))
-        status: int = chapter.run(job, **chapter_options(context), **more)
-        return status
+        job.strict = bool(context.params.get("strict"))
+        return job.ended(chapter.run(job, **chapter_options(context), **more))
 
     raise typer.Exit(run_guarded(action, bool(context.params.get("debug"))))
 
@@ -63,6 +69,7 @@ def run_case(context: typer.Context, cls: type[Case]) -> None:
             arguments_given(context),
             Console(bool(context.params.get("quiet"))),
             target=str(context.params["output"]),
+            strict=bool(context.params["strict"]),
         )
         return run(job, asked(job, cls, given, context.params.get("like")))
 

@@ -56,9 +56,9 @@ def run(command: str, words: Sequence[str], output: str) -> Outcome:
             return _outcome(run_words(job, words), listener)
         context = parse(command, [*words, "-o", output])
         chapter = importlib.import_module(f"hyperfab.chapters.{command.replace('-', '_')}")
-        job = Job(command, arguments_given(context), listener)
+        job = Job(command, arguments_given(context), listener, strict=bool(context.params.get("strict")))
         more: dict[str, Any] = {"parse": chapter_words} if command == "close-loop" else {}
-        return _outcome(int(chapter.run(job, **chapter_options(context), **more)), listener)
+        return _outcome(job.ended(chapter.run(job, **chapter_options(context), **more)), listener)
     except HyperfabError as error:
         return Outcome(error.exit_status, str(error), tuple(listener.warnings))
     except UsageError as error:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from hyperfab.documents.provenance import Provenance
+from hyperfab.documents.validity import Validity
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.json_io import load_json
 from hyperfab.io.toml_io import load_toml
@@ -47,6 +48,9 @@ class Document(BaseModel):
     files: list[str] = Field(
         default_factory=list, description="files written beside the document, relative to it"
     )
+    validity: list[Validity] | None = Field(
+        default=None, description="where each law and table was used, beside where it was tested or tabulated"
+    )
     provenance: Provenance | None = Field(default=None, description="how the document came to be")
     setup: Any = Field(default=None, description="the set-up that was run, defaults included")
 
@@ -59,7 +63,9 @@ class Document(BaseModel):
         """Return the document as plain data: what was not computed is absent; ``setup`` and provenance come last."""
         data: dict[str, Any] = self.model_dump(mode="json", exclude_none=True, by_alias=True)
         data["format"] = self.format_name()
-        tail: dict[str, Any] = {key: data.pop(key) for key in ("setup", "files", "provenance") if key in data}
+        tail: dict[str, Any] = {
+            key: data.pop(key) for key in ("setup", "validity", "files", "provenance") if key in data
+        }
         if setup is not None:
             tail = {"setup": setup, **{key: value for key, value in tail.items() if key != "setup"}}
         return {"format": data.pop("format"), **data, **tail}

@@ -35,6 +35,9 @@ class SetupPart(Part):
         default=None, description="slip of the rim in mm for each N/mm of tension; absent where it is held"
     )
     temperature_degC: float | None = Field(default=None, description="of the fabric, where known")
+    constants_degC: float | None = Field(
+        default=None, description="temperature of the constants, where none are known at that of the fabric"
+    )
     effects: list[str] | None = Field(
         default=None, description="effects of the material document that are obeyed"
     )

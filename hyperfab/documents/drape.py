@@ -123,6 +123,10 @@ class DrapeDocument(Document):
     grid: list[int] = Field(description="nodes along warp and weft")
     size_mm: list[float]
     depth_mm: float
+    temperature_degC: float | None = Field(default=None, description="of the fabric's constants, where known")
+    constants_degC: float | None = Field(
+        default=None, description="temperature of the constants, where none are known at that of the fabric"
+    )
     clamp: list[str]
     slide: list[str] = Field(default_factory=list, description="edges held but free along their line")
     blank_holder_N_mm: dict[str, float] | None = Field(

@@ -321,7 +321,7 @@ def test_tests_are_taken_as_laws_as_they_stand(drape, folder):
     (folder / "warp.csv").write_text(f"strain [-],stress [MPa]\n{short}\n")
     status, out, err = drape("--warp", "warp.csv")
     assert status == 0
-    assert "beyond the tests" in err
+    assert "beyond what is known: stretch along the warp" in err
     assert json.loads(out)["warp"]["beyond_tested"] > 0
     assert json.loads(out)["weft"]["model"] == "neo-hookean"
 

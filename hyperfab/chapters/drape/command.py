@@ -6,6 +6,7 @@ import numpy as np
 
 from hyperfab.cases.drape import DrapeCase
 from hyperfab.chapters.drape import files
+from hyperfab.chapters.drape.fabric import note_ranges
 from hyperfab.chapters.drape.model import Model, model_of, read_files
 from hyperfab.chapters.drape.result import document_of, judge, tears
 from hyperfab.chapters.drape.states import State, at_depths
@@ -25,6 +26,7 @@ def run(job: Job, case: DrapeCase) -> int:
     out.refuse_inputs(job.inputs)
     found = _drape(job, model)
     document = document_of(model, found)
+    note_ranges(job, model.files.fabric, found[-1].fields.stretch_warp, found[-1].fields.stretch_weft)
     sound = judge(job, document)
     torn = tears(job, document, model.sheet, found[-1], case.max_stretch)
     if out.wants_files:

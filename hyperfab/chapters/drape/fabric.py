@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from hyperfab.cases.drape import DrapeCase
 from hyperfab.chapters.drape.curves import read_curve
+from hyperfab.chapters.fabric import read_fabric_document
 from hyperfab.chapters.job import Job
 from hyperfab.cloth import SpringLaw
 from hyperfab.cloth.fabric import spring_law
 from hyperfab.cloth.law import Floats
-from hyperfab.documents.base import read_document
 from hyperfab.documents.drape import SpringUse
-from hyperfab.documents.material import MaterialDocument
-from hyperfab.errors import InputError
-from hyperfab.materials import bind
+from hyperfab.errors import InputError, UsageError
+from hyperfab.materials import Material
 
 #: What a law straight from a test is called.
 MEASURED = "measured"
@@ -30,7 +28,8 @@ class Fabric:
     """Laws of the springs along warp and weft, and the sheet's thickness in mm.
 
     By direction: ``models`` says what the law is, ``tested`` how far the tests behind it went, ``fails`` the stretch
-    at which a specimen failed.
+    at which a specimen failed, ``sources`` the files behind it. ``temperature`` [degC] is the
+    laws', where known, ``held_at`` that of the constants where they were not tested there.
     """
 
     models: tuple[str, str]
@@ -39,13 +38,21 @@ class Fabric:
     thickness: float
     tested: tuple[float | None, float | None]
     fails: tuple[float | None, float | None] = (None, None)
+    sources: tuple[str, str] = ("", "")
+    temperature: float | None = None
+    held_at: float | None = None
 
 
 def read_fabric(job: Job, case: DrapeCase) -> Fabric:
     """Read a material document, or the tests ``warp`` and ``weft`` in its place or in place of one direction.
 
-    The thickness that was asked for goes before what the files state.
+    The thickness that was asked for goes before what the files state; the temperature is for the document's laws.
     """
+    if case.temperature is not None and (case.warp is not None or case.weft is not None):
+        raise UsageError(
+            f"--temperature {case.temperature:g}degC: a test with --warp or --weft has its own temperature; fit "
+            "the tests of several temperatures with hf fit"
+        )
     name, warp, weft, given = case.material, case.warp, case.weft, case.thickness
     curves = [
         None if file is None else read_curve(job, option, file, angle, given)
@@ -59,7 +66,7 @@ def read_fabric(job: Job, case: DrapeCase) -> Fabric:
         curves = [curve or next(c for c in curves if c is not None) for curve in curves]
         fabric = None
     else:
-        fabric = _of_document(job, name)
+        fabric = _of_document(job, name, case.temperature)
     known = [curve.thickness for curve in curves if curve is not None and curve.thickness is not None]
     if given is None and known and max(known) > 1.02 * min(known):
         raise InputError(
@@ -95,15 +102,23 @@ def read_fabric(job: Job, case: DrapeCase) -> Fabric:
             laws.append((fabric.warp, fabric.weft)[k])
             tested.append(fabric.tested[k])
             fails.append(None)
+    files = (warp or name or weft or "", weft or name or warp or "")
     return Fabric(
-        (models[0], models[1]), laws[0], laws[1], thick, (tested[0], tested[1]), (fails[0], fails[1])
-    )
+        (models[0], models[1]), laws[0], laws[1], thick, (tested[0], tested[1]), (fails[0], fails[1]), files,
+        None if fabric is None else fabric.temperature, None if fabric is None else fabric.held_at,
+    )  # fmt: skip
 
 
-def _of_document(job: Job, name: str) -> Fabric:
+def _of_document(job: Job, name: str, temperature: float | None) -> Fabric:
     """The fabric of a material document; thickness not a number where it states none."""
-    document = read_document(job.inputs, name, MaterialDocument)
-    untold = [str(effect.get("id", "?")) for effect in document.effects or [] if not effect.get("told_by")]
+    read = read_fabric_document(job, name, temperature)
+    read.used_at(job)
+    document = read.document
+    untold = [
+        str(effect.get("id", "?"))
+        for effect in document.effects or []
+        if not effect.get("told_by") and effect.get("id") not in ("elastic-law", "thermal-softening")
+    ]
     if untold:
         job.console.warn(
             f"{name}: the springs do not act on {', '.join(untold)}: they answer as on a first, slow pull"
@@ -112,19 +127,19 @@ def _of_document(job: Job, name: str) -> Fabric:
     for direction in ("warp", "weft"):
         own = (document.directions or {}).get(direction)
         key = "parameters" if own is None else f"directions.{direction}.parameters"
-        parameters = document.constants(direction if own is not None else None)
-        laws.append(_law(document.model, parameters, name, key))
+        laws.append(_law(read.material(direction if own is not None else None), name, key))
         known = document.tested_stretch(direction, "uniaxial")
         tested.append(None if known is None else known[1])
     thick = np.nan if document.thickness_mm is None else document.thickness_mm
-    return Fabric((document.model, document.model), laws[0], laws[1], thick, (tested[0], tested[1]))
+    return Fabric(
+        (document.model, document.model), laws[0], laws[1], thick, (tested[0], tested[1]),
+        sources=(name, name), temperature=read.temperature, held_at=read.held_at,
+    )  # fmt: skip
 
 
-def _law(model: str, parameters: Mapping[str, float], name: str, key: str) -> SpringLaw:
+def _law(material: Material, name: str, key: str) -> SpringLaw:
     try:
-        return spring_law(bind(model, parameters, anisotropic=True))
-    except InputError as error:
-        raise InputError(error.message, file=name, key=error.key, remedy=error.remedy) from None
+        return spring_law(material)
     except ValueError as error:
         raise InputError(
             str(error), file=name, key=key, remedy="fit the fabric again with --stable"
@@ -163,3 +178,13 @@ def use_of(fabric: Fabric, stretch_warp: Floats, stretch_weft: Floats) -> tuple[
             )
         )
     return uses[0], uses[1]
+
+
+def note_ranges(job: Job, fabric: Fabric, stretch_warp: Floats, stretch_weft: Floats) -> None:
+    """Note where the law of each direction was used; springs below 1 are slack, and ask it nothing."""
+    for way, source, tested, stretch in zip(
+        ("warp", "weft"), fabric.sources, fabric.tested, (stretch_warp, stretch_weft), strict=True
+    ):
+        known = None if tested is None else (1.0, tested)
+        met = np.maximum(stretch, 1.0)
+        job.ranges.used("stretch", met, known=known, source=source, direction=way, then="extrapolated")

@@ -77,6 +77,8 @@ def document_of(model: Model, states: list[State]) -> DrapeDocument:
         grid=[sheet.n, sheet.m],
         size_mm=list(sheet.size),
         depth_mm=depths[-1],
+        temperature_degC=fabric.temperature,
+        constants_degC=fabric.held_at,
         clamp=list(case.clamp),
         slide=case.sliding,
         blank_holder_N_mm=case.holder or None,
@@ -153,11 +155,6 @@ def judge(job: Job, document: DrapeDocument) -> bool:
     if document.status is not None:
         job.console.warn(document.status)
     for name, use in (("warp", document.warp), ("weft", document.weft)):
-        if use.beyond_tested:
-            job.console.warn(
-                f"{use.beyond_tested} {name} springs are stretched up to {use.stretch_max:.3f}, beyond the tests "
-                f"of the fabric (up to {use.tested_stretch_max:.3f}): their stress is extrapolated"
-            )
         if use.softens_at is not None:
             sound = False
             text = (

@@ -41,6 +41,12 @@ def run(job: Job, case: ContactCase) -> int:
         raise NotConverged(
             status_of(outcomes[0], None) or "no equilibrium", remedy="try a larger first --depth"
         )
+    for fabric, outcome in zip(fabrics, outcomes, strict=True):
+        if outcome.solved:
+            last = outcome.solved[-1]
+            # A sheet that hangs slack carries nothing: its law is not asked below 1.
+            met = np.maximum(fields(last.press.sheet, last.state.places).stretch, 1.0)
+            job.ranges.used("stretch", met, known=fabric.tested, source=fabric.name, then="extrapolated")
     _write(job, out, case, fabrics, outcomes, found)
     for number, (fabric, outcome, unstable) in enumerate(zip(fabrics, outcomes, instabilities, strict=True)):
         status = status_of(outcome, unstable)

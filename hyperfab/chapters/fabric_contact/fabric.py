@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
 
+from hyperfab.chapters.fabric import FabricDocument, read_fabric_document
 from hyperfab.chapters.job import Job
-from hyperfab.documents.base import read_document
 from hyperfab.documents.material import MaterialDocument
-from hyperfab.errors import InputError
 from hyperfab.materials import Material, bind
-from hyperfab.materials.effects import thermal_softening
-from hyperfab.materials.richer import richer
 from hyperfab.membrane.orthotropic import fibre_sheet, orthotropic_sheet
 from hyperfab.membrane.tension_field import IsotropicSheet, SheetLaw
 
@@ -36,7 +31,10 @@ _WHY_NOT = {
 
 @dataclass(frozen=True)
 class Fabric:
-    """A sheet's law as read from a material document, in words too."""
+    """A sheet's law as read from a material document, in words too.
+
+    ``tested`` are the smallest and the largest stretch of the tests behind it, along the direction tested less.
+    """
 
     name: str
     model: str
@@ -46,6 +44,8 @@ class Fabric:
     left_out: list[str]
     obeyed: list[str] = field(default_factory=list)
     temperature: float | None = None
+    held_at: float | None = None
+    tested: tuple[float, float] | None = None
 
 
 def read_fabric(job: Job, name: str, degrees: float | None = None) -> Fabric:
@@ -53,28 +53,37 @@ def read_fabric(job: Job, name: str, degrees: float | None = None) -> Fabric:
 
     Raises InputError where the document is wrong, or says nothing of temperature.
     """
-    document = read_document(job.inputs, name, MaterialDocument)
-    maker = _Maker(document, name, degrees)
-    fabric = _of_directions(maker)
-    obeyed, left_out = _judged(document, degrees)
-    shown = degrees if degrees is not None else document.temperature_degC
-    return replace(fabric, obeyed=obeyed, left_out=fabric.left_out + left_out, temperature=shown)
+    read = read_fabric_document(job, name, degrees)
+    read.used_at(job)
+    fabric = _of_directions(read)
+    obeyed, left_out = _judged(read.document, read.asked)
+    ways = ("warp", "weft") if read.two_directions else (None,)
+    known = [read.document.tested_stretch(way) for way in ways]
+    lows, highs = zip(*(one for one in known if one is not None), strict=True) if all(known) else ((), ())
+    return replace(
+        fabric,
+        obeyed=obeyed,
+        left_out=fabric.left_out + left_out,
+        temperature=read.temperature,
+        held_at=read.held_at,
+        tested=(max(lows), min(highs)) if highs else None,
+    )
 
 
-def _of_directions(maker: _Maker) -> Fabric:
-    document, name = maker.document, maker.name
+def _of_directions(read: FabricDocument) -> Fabric:
+    document, name = read.document, read.name
     thickness = document.thickness_mm
-    two = {"warp", "weft"} <= set(document.directions or {})
-    warp = maker.material("warp" if two else None)
+    two = read.two_directions
+    warp = read.material("warp" if two else None)
     if not warp.law.isotropic:
-        weft = maker.material("weft") if two else warp.turned()
+        weft = read.material("weft") if two else warp.turned()
         ground = min(_ground(warp), _ground(weft), key=lambda one: one.c[0])
         law: SheetLaw = fibre_sheet(ground, warp, weft)
         words = "orthotropic: the law's ground, and its fibres along warp (x) and weft (y)"
         return Fabric(name, document.model, law, words, thickness, [])
     if not two:
         return Fabric(name, document.model, IsotropicSheet(warp), "isotropic", thickness, [])
-    sheet = orthotropic_sheet(warp, maker.material("weft"))
+    sheet = orthotropic_sheet(warp, read.material("weft"))
     words = (
         "orthotropic: a ground mixed of both directions' laws, and along warp (x) and weft (y) what each law has "
         "beyond it in uniaxial tension"
@@ -88,77 +97,6 @@ def _of_directions(maker: _Maker) -> Fabric:
 def _ground(fibres: Material) -> Material:
     """Return what is left of a law of fibres without them."""
     return bind("neo-hookean", {"C10_MPa": fibres.parameters["C10_MPa"]})
-
-
-@dataclass(frozen=True)
-class _Maker:
-    """Makes the material of a direction, with the effects that change the law itself."""
-
-    document: MaterialDocument
-    name: str
-    degrees: float | None
-
-    def material(self, direction: str | None) -> Material:
-        softening = self._softening()
-        at = None if softening is not None else self.degrees
-        constants = self.document.constants(direction, at)
-        if at is not None and not self._table(direction):
-            raise InputError(
-                "says nothing of temperature: it has neither constants at several temperatures nor the effect "
-                "thermal-softening",
-                file=self.name,
-                key="temperatures",
-                remedy="fit tests at several temperatures, or leave --temperature out",
-            )
-        key = "parameters" if direction is None else f"directions.{direction}.parameters"
-        material = self._bound(constants, key)
-        for index, effect in enumerate(self.document.effects or []):
-            if effect.get("id") == "elastic-law" and not effect.get("told_by"):
-                material = self._richer(material, effect, f"effects.{index}")
-        if softening is None or self.degrees is None:
-            return material
-        factor = self._factor(softening)
-        return replace(material, c=tuple(factor * value for value in material.c))
-
-    def _table(self, direction: str | None) -> object:
-        of = self.document.directions
-        return self.document.temperatures if of is None or direction is None else of[direction].temperatures
-
-    def _softening(self) -> tuple[str, Mapping[str, Any]] | None:
-        for index, effect in enumerate(self.document.effects or []):
-            if effect.get("id") == "thermal-softening":
-                return f"effects.{index}", effect
-        return None
-
-    def _factor(self, softening: tuple[str, Mapping[str, Any]]) -> float:
-        key, effect = softening
-        values = effect.get("parameters") or {}
-        reference = effect.get("reference_degC", self.document.temperature_degC)
-        try:
-            one, two = float(values["softening_1_K"]), float(values.get("softening_1_K2", 0.0))
-            return float(thermal_softening.factor(self.degrees, float(reference), one, two))  # type: ignore[arg-type]
-        except (KeyError, TypeError, ValueError):
-            raise InputError(
-                "thermal-softening needs softening_1_K and reference_degC", file=self.name, key=key
-            ) from None
-
-    def _bound(self, constants: dict[str, float], key: str) -> Material:
-        try:
-            return bind(self.document.model, constants, anisotropic=True)
-        except InputError as error:
-            place = f"{key}.{error.key}" if error.key in constants else error.key or key
-            raise InputError(error.message, file=self.name, key=place, remedy=error.remedy) from None
-
-    def _richer(self, material: Material, effect: Mapping[str, Any], key: str) -> Material:
-        try:
-            return richer(material, str(effect.get("form")), effect.get("parameters") or {})
-        except (KeyError, TypeError, ValueError) as error:
-            raise InputError(
-                f"elastic-law of form {effect.get('form')!r} is not known or lacks {error}",
-                file=self.name,
-                key=key,
-                remedy="remove it, or see docs/close-loop.md",
-            ) from None
 
 
 def _judged(document: MaterialDocument, degrees: float | None) -> tuple[list[str], list[str]]:

@@ -206,6 +206,7 @@ def _setup(setup: Setup, fabric: Fabric) -> SetupPart:
         prestretch=setup.prestretch,
         rim_slip_mm2_N=setup.rim_slip or None,
         temperature_degC=fabric.temperature,
+        constants_degC=fabric.held_at,
         effects=fabric.obeyed or None,
         friction=_friction(setup.friction),
         mesh_size_mm=setup.mesh_size,

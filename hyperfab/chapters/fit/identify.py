@@ -198,7 +198,7 @@ def tested(curves: Sequence[Reading], setting: Setting) -> dict[str, Tested] | N
     used = [curve for curve in curves if curve.mode in setting.fit_on]
     axes = [(curve, one) for curve in used for one in (curve.stretch, curve.stretch2) if one is not None]
     return tested_by(
-        (curve.mode, one, curve.temperature)
+        (curve.mode, one, curve.warmth)
         for curve, one in axes
         if one is curve.stretch or curve.mode == "biaxial-general"
     )

@@ -14,7 +14,10 @@ Whole = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Reading:
-    """One curve: a test in one direction at one temperature [degC], nominal stress in MPa."""
+    """One curve: a test in one direction at one temperature [degC], nominal stress in MPa.
+
+    ``temperature`` is the mean over tests that count as at one temperature, ``warmth`` the lowest and highest reading.
+    """
 
     mode: str
     source: str
@@ -22,6 +25,7 @@ class Reading:
     stress: Array
     direction: str | None = None
     temperature: float | None = None
+    warmth: tuple[float, float] | None = None
     specimen: str | None = None
     stretch2: Array | None = None
     stress2: Array | None = None

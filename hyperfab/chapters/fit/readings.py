@@ -123,6 +123,7 @@ def gather(tests: Sequence[TestData], steps: Steps, relative: bool) -> Readings:
                 stress=test.stress,
                 direction=test.direction_name,
                 temperature=temperature,
+                warmth=_warmth(test),
                 specimen=test.specimen,
                 stretch2=test.stretch2,
                 stress2=test.stress2,
@@ -189,6 +190,12 @@ def _by_temperature(
     number = np.searchsorted([end for end, _ in clusters], test.temperature_degC)
     split = [(mean, np.flatnonzero(number == k)) for k, (_, mean) in enumerate(clusters)]
     return [(mean, rows) for mean, rows in split if len(rows)]
+
+
+def _warmth(test: TestData) -> tuple[float, float] | None:
+    if test.temperature_degC is None:
+        return None
+    return float(test.temperature_degC.min()), float(test.temperature_degC.max())
 
 
 def _without_zeros(curve: Reading, left_out: Counter[str]) -> Reading:

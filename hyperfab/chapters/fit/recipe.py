@@ -90,6 +90,10 @@ def run(
         )
     document = _document(best, judged if model == "all" else None, readings, sets, setting, plane)
     _tell(job, judged, document, setting)
+    for curve in sets[None]:
+        way = curve.direction if curve.direction in (document.directions or {}) else None
+        known = document.tested_stretch(way)
+        job.ranges.used("stretch", curve.stretch, known=known, source=curve.source, direction=way)
     document = _portable(document, [file.name for file in job.inputs.files], output)
     if out.wants_files:
         from hyperfab.chapters.fit.siblings import curves_csv, picture

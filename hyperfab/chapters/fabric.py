@@ -1,0 +1,165 @@
+"""A material document as the laws of a fabric: its directions, its temperature, the effects that change the law."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from hyperfab.chapters.job import Job
+from hyperfab.documents.base import read_document
+from hyperfab.documents.material import AtTemperature, Direction, MaterialDocument
+from hyperfab.errors import InputError
+from hyperfab.materials import Material, bind
+from hyperfab.materials.effects import thermal_softening
+from hyperfab.materials.richer import richer
+
+#: Beyond these temperatures [degC] no fabric is used: more often a wrong unit than a wish.
+COLDEST, HOTTEST = -60.0, 400.0
+#: A temperature this near [K] to that of the constants is theirs.
+_SAME_K = 0.5
+
+
+@dataclass(frozen=True)
+class FabricDocument:
+    """A material document that was read as ``name``, and the temperature [degC] that was ``asked`` for, if any.
+
+    Every command that computes with a fabric takes its laws from here.
+    """
+
+    document: MaterialDocument
+    name: str
+    asked: float | None = None
+
+    @property
+    def temperature(self) -> float | None:
+        """The temperature [degC] that was asked for, or that the document's own constants hold at; None if unknown."""
+        return self.asked if self.asked is not None else self.document.temperature_degC
+
+    @property
+    def two_directions(self) -> bool:
+        """Whether warp and weft have constants of their own."""
+        return {"warp", "weft"} <= set(self.document.directions or {})
+
+    def constants(self, direction: str | None = None) -> dict[str, float]:
+        """Return the law's constants at the temperature asked for; between those of two tests they go linearly.
+
+        Where the document softens by the effect ``thermal-softening``, by that. Raises InputError where it says nothing
+        of temperature.
+        """
+        softening = self._softening()
+        if softening is not None:
+            own = self.document.constants(direction)
+            return self._bound(own, direction).law.scaled(own, self._factor(*softening))
+        known = self.document.temperature_degC
+        if self.asked is None or self._table(direction):
+            return self.document.constants(direction, self.asked)
+        if known is None or abs(self.asked - known) > _SAME_K:
+            raise InputError(
+                "says nothing of temperature: it has neither constants at several temperatures nor the effect "
+                "thermal-softening",
+                file=self.name,
+                key="temperatures",
+                remedy="fit tests at several temperatures, or leave --temperature out",
+            )
+        return self.document.constants(direction)
+
+    def material(self, direction: str | None = None) -> Material:
+        """Return the law along ``direction`` at the temperature asked for, with the terms of ``elastic-law``."""
+        softening = self._softening()
+        own = self.constants(direction) if softening is None else self.document.constants(direction)
+        material = self._bound(own, direction)
+        for index, effect in enumerate(self.document.effects or []):
+            if effect.get("id") == "elastic-law" and not effect.get("told_by"):
+                material = self._richer(material, effect, f"effects.{index}")
+        if softening is None:
+            return material
+        factor = self._factor(*softening)
+        return replace(material, c=tuple(factor * value for value in material.c))
+
+    def used_at(self, job: Job) -> None:
+        """Note the temperature that is asked of the constants, and what is known of the fabric there."""
+        if self.temperature is None:
+            return
+        known, then = self.known, "extrapolated"
+        if self.held_at is not None:
+            then = f"the constants of {self.held_at:.4g} degC are taken"
+        job.ranges.used(
+            "temperature_degC", self.temperature, known=known or None, source=self.name, then=then
+        )
+
+    @property
+    def held_at(self) -> float | None:
+        """The temperature [degC] whose constants stand in for those asked for, which nobody measured; else None."""
+        known = self.known
+        if self.asked is None or not known or self._softening() is not None:
+            return None
+        nearest = min(max(self.asked, min(known)), max(known))
+        return None if nearest == self.asked else nearest
+
+    @property
+    def known(self) -> list[float]:
+        """The temperatures [degC] that the document speaks of: of its constants, and of the tests behind them."""
+        known = [] if self.document.temperature_degC is None else [self.document.temperature_degC]
+        parts: list[MaterialDocument | Direction] = [
+            self.document,
+            *(self.document.directions or {}).values(),
+        ]
+        for part in parts:
+            known += [row.temperature_degC for row in part.temperatures or ()]
+            known += [t for test in (part.tested or {}).values() for t in test.temperature_degC or ()]
+        return known
+
+    def _table(self, direction: str | None) -> list[AtTemperature] | None:
+        of = self.document.directions
+        return self.document.temperatures if of is None or direction is None else of[direction].temperatures
+
+    def _softening(self) -> tuple[str, Mapping[str, Any]] | None:
+        """Return the effect thermal-softening and its key, where a temperature is asked for."""
+        if self.asked is None:
+            return None
+        for index, effect in enumerate(self.document.effects or []):
+            if effect.get("id") == "thermal-softening":
+                return f"effects.{index}", effect
+        return None
+
+    def _factor(self, key: str, effect: Mapping[str, Any]) -> float:
+        values = effect.get("parameters") or {}
+        reference = effect.get("reference_degC", self.document.temperature_degC)
+        try:
+            one, two = float(values["softening_1_K"]), float(values.get("softening_1_K2", 0.0))
+            return float(thermal_softening.factor(self.asked, float(reference), one, two))  # type: ignore[arg-type]
+        except (KeyError, TypeError, ValueError):
+            raise InputError(
+                "thermal-softening needs softening_1_K and reference_degC", file=self.name, key=key
+            ) from None
+
+    def _bound(self, constants: Mapping[str, float], direction: str | None) -> Material:
+        key = "parameters" if direction is None else f"directions.{direction}.parameters"
+        try:
+            return bind(self.document.model, constants, anisotropic=True)
+        except InputError as error:
+            place = f"{key}.{error.key}" if error.key in constants else error.key or key
+            raise InputError(error.message, file=self.name, key=place, remedy=error.remedy) from None
+
+    def _richer(self, material: Material, effect: Mapping[str, Any], key: str) -> Material:
+        try:
+            return richer(material, str(effect.get("form")), effect.get("parameters") or {})
+        except (KeyError, TypeError, ValueError) as error:
+            raise InputError(
+                f"elastic-law of form {effect.get('form')!r} is not known or lacks {error}",
+                file=self.name,
+                key=key,
+                remedy="remove it, or see docs/close-loop.md",
+            ) from None
+
+
+def read_fabric_document(job: Job, name: str, asked: float | None = None) -> FabricDocument:
+    """Read a material document for use at a temperature [degC], or at that of its own constants."""
+    document = read_document(job.inputs, name, MaterialDocument)
+    if asked is not None and not COLDEST <= asked <= HOTTEST:
+        job.console.warn(
+            f"--temperature: {asked:.4g} degC is no temperature of a fabric ({COLDEST:g} to {HOTTEST:g} "
+            "degC); is the unit right?"
+        )
+    return FabricDocument(document, name, asked)

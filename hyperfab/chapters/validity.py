@@ -1,0 +1,102 @@
+"""What each law and table of a run was used at, gathered while it runs: the document's ``validity``.
+
+A chapter says of every law or table where it was used, and where that is known to hold; once a run and table:
+
+    job.ranges.used("stretch", stretch, known=(1.0, 1.8), source="fabric.json")
+    job.ranges.used("temperature_degC", 200.0, known=(23.0, 105.0), source="fabric.json", then="105 degC is taken")
+    job.ranges.used("film.csv", wall, known=table.x, source="mold.toml", unit="degC")
+
+Values and ``known`` are numbers or arrays, of which the ends count; ``known`` is None where nothing states a range.
+``Job.write`` puts the entries into the document and tells what is outside in one line of warning; with ``--strict``
+the command then ends with status 1. A command that writes no document calls ``job.judge_ranges()`` itself.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hyperfab.documents.validity import Validity
+
+#: Ends closer than this, relative to the larger of them, are the same end: a table used at its last row is inside.
+_SAME = 1e-9
+
+
+@dataclass
+class Ranges:
+    """What was used so far, by law or table and input: the entry, its unit in words, what is done beyond its range."""
+
+    _uses: dict[tuple[str, str, str | None], tuple[Validity, str, str]] = field(default_factory=dict)
+
+    def used(
+        self,
+        of: str,
+        values: ArrayLike,
+        *,
+        known: ArrayLike | None,
+        source: str,
+        direction: str | None = None,
+        unit: str = "",
+        then: str = "",
+    ) -> Validity | None:
+        """Note that a law or table was used at ``values``; ``then`` says what is done beyond what is ``known``.
+
+        Values that are not finite were not used; None is returned, and nothing noted, where none is left. Of the same
+        law or table, in the same ``direction`` of the fabric, the values used are joined.
+
+        >>> from hyperfab.chapters.validity import Ranges
+        >>> ranges = Ranges()
+        >>> ranges.used("stretch", [1.0, 2.03], known=(1.0, 1.8), source="fabric.json").within
+        False
+        >>> ranges.warning
+        'used beyond what is known: stretch 1 to 2.03 (fabric.json: 1 to 1.8)'
+        """
+        met = _ends(values)
+        if met is None:
+            return None
+        key = (of, source, direction)
+        if key in self._uses:
+            before = self._uses[key][0].used
+            met = (min(met[0], before[0]), max(met[1], before[1]))
+        ends = None if known is None else _ends(known)
+        within = None
+        if ends is not None:
+            slack = _SAME * max(abs(ends[0]), abs(ends[1]))
+            within = ends[0] - slack <= met[0] and met[1] <= ends[1] + slack
+        entry = Validity(of=of, direction=direction, used=met, known=ends, within=within, source=source)
+        self._uses[key] = (entry, unit or ("degC" if of.endswith("_degC") else ""), then)
+        return entry
+
+    @property
+    def entries(self) -> list[Validity]:
+        """The entries, in the order in which their laws and tables were first used."""
+        return [entry for entry, _, _ in self._uses.values()]
+
+    @property
+    def outside(self) -> bool:
+        """Whether something was used beyond what is known of it."""
+        return any(entry.within is False for entry in self.entries)
+
+    @property
+    def warning(self) -> str | None:
+        """One line that names all that was used beyond what is known, or None."""
+        words = []
+        for entry, unit, then in self._uses.values():
+            if entry.within is False and entry.known is not None:
+                known = f"{entry.source}: {_shown(entry.known, unit)}" + (f"; {then}" if then else "")
+                along = f" along the {entry.direction}" if entry.direction else ""
+                words.append(f"{entry.of.removesuffix('_degC')}{along} {_shown(entry.used, unit)} ({known})")
+        return f"used beyond what is known: {', '.join(words)}" if words else None
+
+
+def _ends(values: ArrayLike) -> tuple[float, float] | None:
+    found = np.ravel(np.asarray(values, dtype=np.float64))
+    found = found[np.isfinite(found)]
+    return (float(found.min()), float(found.max())) if len(found) else None
+
+
+def _shown(ends: tuple[float, float], unit: str) -> str:
+    low, high = (f"{value:.4g}" for value in ends)
+    return f"{low if low == high else f'{low} to {high}'}{' ' + unit if unit else ''}"

@@ -1,0 +1,167 @@
+"""No law is used in silence where nobody tested it: what is outside is computed, told, and refused by ``--strict``."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import Run
+
+from hyperfab.chapters.validity import Ranges
+
+C10 = {23.0: 0.08, 80.0: 0.05, 105.0: 0.04}
+
+
+def document(**more: object) -> dict[str, object]:
+    rows = [{"temperature_degC": t, "parameters": {"C10_MPa": c}} for t, c in C10.items()]
+    tests = {"uniaxial": {"stretch": [1.0, 1.8], "temperature_degC": [22.4, 105.3]}}
+    return {
+        "format": "hyperfab.material/1", "model": "neo-hookean", "parameters": {"C10_MPa": 0.08}, "thickness_mm": 0.6,
+        "temperature_degC": 23.0, "temperatures": rows, "tested": tests, **more,
+    }  # fmt: skip
+
+
+@pytest.fixture
+def shop(tmp_path: Path, root: Path) -> Path:
+    (tmp_path / "cup.stl").write_bytes((root / "molds" / "cup-male.stl").read_bytes())
+    (tmp_path / "fabric.json").write_text(json.dumps(document()))
+    return tmp_path
+
+
+CONTACT = ("fabric-contact", "fabric.json", "--depth", "30mm", "--steps", "2", "--tolerance", "1e-2")
+DRAPE = ("drape", "fabric.json", "--mold", "cup.stl", "--grid", "15x15", "--depth", "20mm")
+EXPORT = ("export", "fabric.json", "--to", "abaqus")
+
+
+@pytest.mark.parametrize("command", [CONTACT, DRAPE, EXPORT], ids=lambda words: words[0])
+@pytest.mark.parametrize(
+    ("asked", "outside"),
+    [(None, False), ("60degC", False), ("105.3degC", False), ("200degC", True), ("1500degC", True), ("-40degC", True)],
+)  # fmt: skip
+def test_a_temperature_beyond_the_tests_is_computed_told_in_one_line_and_refused_by_strict(
+    hf: Run, shop: Path, command: tuple[str, ...], asked: str | None, outside: bool
+) -> None:
+    words = [*command, *(() if asked is None else ("--temperature", asked))]
+    plain, strict = hf(*words, cwd=shop), hf(*words, "--strict", cwd=shop)
+    assert plain.returncode == 0, plain.stderr.decode()
+    assert strict.returncode == (1 if outside else 0)
+    assert strict.stdout == plain.stdout
+    told = [line for line in plain.stderr.decode().splitlines() if "beyond what is known" in line]
+    assert len(told) == (1 if outside else 0)
+    asks = "is the unit right?" in plain.stderr.decode()
+    assert asks == (asked == "1500degC")
+    if command is EXPORT:
+        return
+    found = json.loads(plain.stdout)
+    entry = next(one for one in found["validity"] if one["of"] == "temperature_degC")
+    assert entry["used"] == [float((asked or "23degC").removesuffix("degC"))] * 2
+    assert entry["known"] == [22.4, 105.3]
+    assert entry["within"] is not outside
+    assert entry["from"] == "fabric.json"
+    at = found["setup"] if command is CONTACT else found
+    assert at["temperature_degC"] == entry["used"][0]
+    assert at.get("constants_degC") == {"200degC": 105.3, "1500degC": 105.3, "-40degC": 22.4}.get(str(asked))
+
+
+@pytest.mark.parametrize("command", [CONTACT, DRAPE], ids=lambda words: words[0])
+@pytest.mark.parametrize("tested", [None, 1.01, 1.8])
+def test_a_stretch_beyond_the_tests_is_told_and_refused_by_strict(
+    hf: Run, shop: Path, command: tuple[str, ...], tested: float | None
+) -> None:
+    tests = None if tested is None else {"uniaxial": {"stretch": [1.0, tested]}}
+    (shop / "fabric.json").write_text(
+        json.dumps({k: v for k, v in document(tested=tests).items() if v is not None})
+    )
+    done = hf(*command, "--strict", cwd=shop)
+    found = json.loads(done.stdout)
+    stretches = [one for one in found["validity"] if one["of"] == "stretch"]
+    assert stretches
+    reached = found.get("stretch_max") or max(found[way]["stretch_max"] for way in ("warp", "weft"))
+    assert max(one["used"][1] for one in stretches) == pytest.approx(reached, rel=1e-12)
+    assert reached > 1.015
+    for one in stretches:
+        assert one.get("known") == (None if tested is None else [1.0, tested])
+        assert one.get("within") == (None if tested is None else tested == 1.8)
+    assert done.returncode == (1 if tested == 1.01 else 0)
+
+
+def test_a_drape_at_a_temperature_is_that_of_its_constants(hf: Run, shop: Path) -> None:
+    """Half-way between two tests the constants are the mean of theirs, and at a test they are its own."""
+    for asked, c in (("80degC", 0.05), ("92.5degC", 0.045)):
+        warm = json.loads(hf(*DRAPE, "--temperature", asked, cwd=shop).stdout)
+        own = document(parameters={"C10_MPa": c}, temperatures=None)
+        (shop / "own.json").write_text(json.dumps({k: v for k, v in own.items() if v is not None}))
+        plain = json.loads(hf("drape", "own.json", *DRAPE[2:], cwd=shop).stdout)
+        assert warm["force_N"] == pytest.approx(plain["force_N"], rel=1e-9)
+
+
+def test_all_readers_of_a_material_document_take_the_same_law_from_it(hf: Run, shop: Path) -> None:
+    """Softening and added terms are obeyed alike in drape and contact: scaled constants give scaled forces."""
+    soft = {
+        "id": "thermal-softening",
+        "form": "exponential",
+        "parameters": {"softening_1_K": 0.005},
+        "reference_degC": 23.0,
+    }
+    rich = {"id": "elastic-law", "form": "high-powers", "parameters": {"C40_MPa": 0.01, "C2_MPa": 0.02}}
+    given = document(temperatures=None, effects=[soft, rich])
+    (shop / "fabric.json").write_text(json.dumps({k: v for k, v in given.items() if v is not None}))
+    factor = np.exp(-0.005 * (83.0 - 23.0))
+    for command in (CONTACT, DRAPE):
+        cold, warm = (
+            json.loads(hf(*command, "--temperature", at, cwd=shop).stdout) for at in ("23degC", "83degC")
+        )
+        assert warm["force_N"] == pytest.approx(factor * cold["force_N"], rel=1e-6)
+    plain = document(temperatures=None, effects=[soft])
+    (shop / "plain.json").write_text(json.dumps({k: v for k, v in plain.items() if v is not None}))
+    poor = json.loads(hf("drape", "plain.json", *DRAPE[2:], cwd=shop).stdout)
+    assert json.loads(hf(*DRAPE, cwd=shop).stdout)["force_N"] > 1.02 * poor["force_N"]
+
+
+def test_export_says_no_effect_is_missing_that_its_constants_have(hf: Run, shop: Path) -> None:
+    soft = {
+        "id": "thermal-softening",
+        "form": "exponential",
+        "parameters": {"softening_1_K": 0.005},
+        "reference_degC": 23.0,
+    }
+    given = document(temperatures=None, effects=[soft, {"id": "rate", "form": "branch"}])
+    (shop / "fabric.json").write_text(json.dumps({k: v for k, v in given.items() if v is not None}))
+    told = hf(*EXPORT, "--temperature", "83degC", cwd=shop).stderr.decode()
+    assert "without the effects rate" in told
+    assert "thermal-softening" not in told
+
+
+def test_a_fit_notes_the_stretches_it_predicts_beyond_those_it_fitted(
+    hf: Run, root: Path, tmp_path: Path
+) -> None:
+    tests = [
+        word
+        for name in ("uniaxial", "biaxial")
+        for word in (f"--{name}", root / f"specimens/treloar-1944/{name}.csv")
+    ]
+    done = hf("fit", *tests, "--model", "gent", "--fit-on", "biaxial", "--strict", "--accept", "10")
+    assert done.returncode == 1
+    entries = {one["from"]: one for one in json.loads(done.stdout)["validity"]}
+    known = [one["known"] for one in entries.values()]
+    assert known[0] == known[1] == [1.0, pytest.approx(4.44, abs=0.1)]
+    assert sorted(one["within"] for one in entries.values()) == [False, True]
+
+
+def test_ranges_join_what_one_law_was_used_at_and_judge_the_ends_to_rounding() -> None:
+    ranges = Ranges()
+    ranges.used(
+        "film.csv", [30.0, 250.0 * (1.0 + 1e-12)], known=[25.0, 250.0], source="mold.toml", unit="degC"
+    )
+    assert not ranges.outside
+    ranges.used("film.csv", [np.nan, 20.0], known=[25.0, 250.0], source="mold.toml", unit="degC", then="held")
+    ranges.used("stretch", 1.2, known=None, source="a.json")
+    ranges.used("stretch", [], known=(1.0, 1.1), source="b.json")
+    assert [one.within for one in ranges.entries] == [False, None]
+    assert ranges.entries[0].used == (20.0, pytest.approx(250.0))
+    assert (
+        ranges.warning
+        == "used beyond what is known: film.csv 20 to 250 degC (mold.toml: 25 to 250 degC; held)"
+    )
