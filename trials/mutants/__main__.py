@@ -130,7 +130,7 @@ def shown(mutant: Mutant, copy: Path, names: list[str], modules: set[str], secon
     try:
         file.write_bytes(mutant.planted(source))
         os.utime(file, (tree.EPOCH + 1 + int(mutant.name[:6], 16),) * 2)
-        limit = int(3.0 * seconds + 60.0)
+        limit = int(3.0 * seconds + 30.0)
         process = tree.pytest(
             copy,
             ["-x", "-q", "-rfE", "--no-header", "--tb=no", *names],
