@@ -23,16 +23,16 @@ def left(nodes, *circles):
     return beyond <= 0.0, np.maximum(beyond, 0.0) ** 2
 
 
+@pytest.mark.parametrize("length", [5.0, 2.5])
 @pytest.mark.parametrize("radius", [11.3, 23.7, 31.9])
-def test_a_circle_is_found_between_the_nodes(radius):
-    """The root of the gap is the way from the edge: its zero is the edge, to a twelfth of an element."""
-    mesh = meshed(5.0)
+def test_a_circle_is_found_between_the_nodes_to_a_twelfth_of_an_element(radius, length):
+    """The root of the gap is the way from the edge: its zero is the edge, but for the chords of the elements."""
+    mesh = meshed(length)
     front = contact_front(mesh, mesh.nodes, *left(mesh.nodes, (0.0, 0.0, radius)))
-    assert front.mean == pytest.approx(radius, abs=0.4)
+    assert front.mean == pytest.approx(radius, abs=length / 12.0)
+    assert front.area == pytest.approx(np.pi * front.mean**2, rel=1e-12)
     away = np.hypot(*front.crossings.T) - radius
-    assert np.abs(away).mean() < 0.5  # a tenth of an edge
-    assert np.abs(away).max() < 2.5  # half of one
-    assert front.area == pytest.approx(np.pi * radius**2, rel=0.02)
+    assert np.abs(away).max() < length / 2.0
 
 
 def test_elements_of_one_order_place_it_half_way():
