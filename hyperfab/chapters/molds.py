@@ -27,10 +27,14 @@ class PlacedMold:
     shift: tuple[float, float, float]
     depth: float
 
+    def standing(self, depth: float) -> tuple[float, float, float]:
+        """The shift at which its highest point is ``depth`` mm above the sheet's plane."""
+        return self.shift[0] + 0.0, self.shift[1] + 0.0, self.shift[2] - self.depth + depth
+
     @property
     def touching(self) -> tuple[float, float, float]:
         """The shift at which its highest point touches the sheet's plane from below."""
-        return self.shift[0], self.shift[1], self.shift[2] - self.depth
+        return self.standing(0.0)
 
 
 def read_molds(job: Job, names: list[str], stl_unit: str, depth: float) -> PlacedMold:

@@ -48,6 +48,19 @@ class Answers:
     cut: Cut  # how deep the net is in the mold
 
     @property
+    def most_stretched(self) -> tuple[int, int, int]:
+        """The spring stretched most: its node (i, j) and direction, 0 warp or 1 weft."""
+        direction = 0 if self.stretch_warp.max() >= self.stretch_weft.max() else 1
+        stretch = self.stretch_weft if direction else self.stretch_warp
+        i, j = np.unravel_index(int(stretch.argmax()), stretch.shape)
+        return int(i), int(j), direction
+
+    @property
+    def stretch_max(self) -> float:
+        """Largest stretch of a spring."""
+        return float(max(self.stretch_warp.max(), self.stretch_weft.max()))
+
+    @property
     def node_penetration(self) -> float:
         """Depth in mm of the deepest node in the mold."""
         return self.cut.node

@@ -110,6 +110,10 @@ class DrapeDocument(Document):
     penetration_edges_at_mm: list[float] | None = Field(
         default=None, description="place on the flat sheet of the spring that cuts deepest"
     )
+    stretch_max: float | None = Field(
+        default=None, description="largest stretch of a spring, of warp and weft"
+    )
+    stretch_max_at_mm: Place | None = Field(default=None, description="the middle of that spring")
     stands_through_mm: float | None = Field(
         default=None,
         description="how far a corner or tip of the mold stands out through the net, between its nodes",

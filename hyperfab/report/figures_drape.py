@@ -1,92 +1,107 @@
-"""Picture of a draped sheet: the net in space with its stress, and the flat sheet with stress, thickness, contact."""
+"""Picture of a draped sheet: the net on its mold, and on the flat sheet stretch, stress, thickness, shear, contact."""
 
 from __future__ import annotations
 
 import io
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Literal
 
+import matplotlib
 import numpy as np
 import numpy.typing as npt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
+from matplotlib.colors import LightSource, ListedColormap, Normalize
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 Floats = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.bool_]
 
 MOST_LINES = 60  # of the net in the picture, a side
+MOST_FACETS = 4000  # of the mold in the picture; one of more is drawn from corners put together
+COLOURS = "viridis"
 
 
-def drape_figure(
-    points: Floats,
-    flat: Floats,
-    stress_warp: Floats,
-    stress_weft: Floats,
-    thickness: Floats,
-    contact: npt.NDArray[np.bool_],
-    slack: npt.NDArray[np.bool_],
-    force_depth: Sequence[tuple[float, float]] | None = None,
-) -> bytes:
-    """PNG of a draped sheet, and where given the force in N of the press against the depth in mm.
+@dataclass(frozen=True)
+class Draped:
+    """What a picture shows of a sheet of n by m nodes.
 
-    ``points`` and ``flat`` (n, m, 3) mm; stresses (n, m) MPa; ``thickness`` (n - 1, m - 1) mm; ``contact`` (n, m);
-    ``slack`` (n - 1, m - 1).
+    ``points`` and ``flat`` (n, m, 3) mm; by cell (n - 1, m - 1) stretches, thickness in mm, shear in degrees and
+    ``slack``; by node (n, m) stresses in MPa and ``contact``. ``peak``: the largest stretch of a spring, with its place
+    on the flat sheet and as draped. ``mold``: corners (k, 3) mm and facets (f, 3) in the frame of ``points``.
     """
-    figure = Figure(figsize=(12.0, 7.2), layout="constrained")
+
+    points: Floats
+    flat: Floats
+    stretch_warp: Floats
+    stretch_weft: Floats
+    stress_warp: Floats
+    stress_weft: Floats
+    thickness: Floats
+    shear: Floats
+    contact: Flags
+    slack: Flags
+    peak: tuple[float, Sequence[float], Sequence[float]]
+    mold: tuple[Floats, npt.NDArray[np.int64]]
+
+
+def drape_figure(draped: Draped, force_depth: Sequence[tuple[float, float]] | None = None) -> bytes:
+    """PNG of a draped sheet, and where given the force in N of the press against the depth in mm."""
+    figure = Figure(figsize=(18.0, 7.4), layout="constrained")
     FigureCanvasAgg(figure)
-    heights = (1.0, 1.0) if force_depth is None else (1.7, 1.0)
-    grid = figure.add_gridspec(2, 3, width_ratios=(1.7, 1.0, 1.0))
-    left = grid[:, 0].subgridspec(2, 1, height_ratios=heights, hspace=0.05)
+    grid = figure.add_gridspec(2, 5, width_ratios=(2.0, 1.0, 1.0, 1.0, 1.0))
+    left = grid[:, 0].subgridspec(2, 1, height_ratios=(2.2, 1.0))
+    larger = np.maximum(draped.stretch_warp, draped.stretch_weft)
+    low = float(min(1.0, draped.stretch_warp.min(), draped.stretch_weft.min()))
+    stretches = Normalize(low, max(draped.peak[0], low + 1e-6))
+    stresses = Normalize(0.0, float(max(draped.stress_warp.max(), draped.stress_weft.max(), 1e-12)))
     scene = figure.add_subplot(left[:] if force_depth is None else left[0], projection="3d")
+    _scene(scene, draped, larger, stretches)
+    bar = ScalarMappable(stretches, COLOURS)
+    figure.colorbar(bar, ax=scene, label="larger stretch", orientation="horizontal", shrink=0.6, pad=0.01)
     if force_depth is not None:
-        axes = figure.add_subplot(left[1])
-        axes.plot(*zip(*force_depth, strict=True), marker="o", color="tab:blue")
-        axes.set_title("Force of the press", fontsize=10)
-        axes.set_xlabel("depth [mm]", fontsize=8)
-        axes.set_ylabel("force [N]", fontsize=8)
-        axes.grid(alpha=0.3)
-        axes.tick_params(labelsize=7)
-    top = float(max(stress_warp.max(), stress_weft.max(), 1e-12))
-    scale = Normalize(0.0, top)
-    _net(scene, points, np.maximum(stress_warp, stress_weft), scale)
-    figure.colorbar(
-        ScalarMappable(scale, "viridis"),
-        ax=scene,
-        label="larger nominal stress [MPa]",
-        orientation="horizontal",
-        shrink=0.6,
-        pad=0.04,
-    )
-    x, y = flat[:, :, 0], flat[:, :, 1]
+        _curve(figure.add_subplot(left[1]), force_depth)
+    turn = max(float(np.abs(draped.shear).max()), 1e-6)
     panels = (
-        ("Stress along warp [MPa]", stress_warp, "viridis", scale),
-        ("Stress along weft [MPa]", stress_weft, "viridis", scale),
-        ("Thickness [mm]", thickness, "cividis", None),
+        ("Stretch along warp", draped.stretch_warp, COLOURS, stretches),
+        ("Stretch along weft", draped.stretch_weft, COLOURS, stretches),
+        (f"Larger stretch: {draped.peak[0]:.3f} at the cross", larger, COLOURS, stretches),
+        (f"Thickness [mm], least {draped.thickness.min():.3g}", draped.thickness, COLOURS + "_r", None),
+        ("Stress along warp [MPa]", draped.stress_warp, COLOURS, stresses),
+        ("Stress along weft [MPa]", draped.stress_weft, COLOURS, stresses),
+        ("Shear angle [deg]", draped.shear, "RdBu_r", Normalize(-turn, turn)),
     )
+    x, y = draped.flat[:, :, 0], draped.flat[:, :, 1]
     for index, (title, field, colours, norm) in enumerate(panels):
-        axes = figure.add_subplot(grid[index // 2, 1 + index % 2])
-        image = axes.pcolormesh(
-            x,
-            y,
-            field,
-            cmap=colours,
-            norm=norm,
-            shading="gouraud" if field.shape == x.shape else "flat",
-            rasterized=True,
-        )
-        figure.colorbar(image, ax=axes, shrink=0.8).ax.tick_params(labelsize=7)
+        axes = figure.add_subplot(grid[index // 4, 1 + index % 4])
+        shading: Literal["gouraud", "flat"] = "gouraud" if field.shape == x.shape else "flat"
+        image = axes.pcolormesh(x, y, field, cmap=colours, norm=norm, shading=shading, rasterized=True)
+        figure.colorbar(image, ax=axes, fraction=0.046, pad=0.03).ax.tick_params(labelsize=7)
         _label(axes, title)
-    axes = figure.add_subplot(grid[1, 2])
-    axes.pcolormesh(x, y, contact.astype(float), cmap="Greys", vmin=0.0, vmax=2.0, shading="gouraud")
-    if slack.any():
-        centres = 0.25 * (flat[1:, 1:] + flat[:-1, 1:] + flat[1:, :-1] + flat[:-1, :-1])[slack]
-        axes.scatter(centres[:, 0], centres[:, 1], s=1.0, c="tab:red", linewidths=0.0)
-    _label(axes, "On the mold (grey), slack (red)")
+        if index == 2:
+            axes.plot(*draped.peak[1][:2], marker="x", color="tab:red", markersize=9, markeredgewidth=2)
+    axes = figure.add_subplot(grid[1, 4])
+    # 0 free, 1 on the mold, 2 slack, by cell: slack is what one looks for first.
+    corner = draped.contact
+    touching = corner[1:, 1:] | corner[:-1, 1:] | corner[1:, :-1] | corner[:-1, :-1]
+    state = np.where(draped.slack, 2, np.where(touching, 1, 0))
+    three = ListedColormap(["#f2f2f2", "#7a9cc6", "#d62728"])
+    axes.pcolormesh(x, y, state, cmap=three, vmin=-0.5, vmax=2.5, shading="flat", rasterized=True)
+    _label(axes, "On the mold (blue), slack (red)")
     out = io.BytesIO()
-    figure.savefig(out, format="png", dpi=110, metadata={"Software": None})
+    figure.savefig(out, format="png", dpi=100, metadata={"Software": None})
     return out.getvalue()
+
+
+def _curve(axes: Any, force_depth: Sequence[tuple[float, float]]) -> None:
+    axes.plot(*zip(*force_depth, strict=True), marker="o", color="tab:blue")
+    axes.set_title("Force of the press", fontsize=10)
+    axes.set_xlabel("depth [mm]", fontsize=8)
+    axes.set_ylabel("force [N]", fontsize=8)
+    axes.grid(alpha=0.3)
+    axes.tick_params(labelsize=7)
 
 
 def _label(axes: Any, title: str) -> None:
@@ -97,26 +112,61 @@ def _label(axes: Any, title: str) -> None:
     axes.tick_params(labelsize=7)
 
 
-def _net(scene: Any, points: Floats, field: Floats, scale: Normalize) -> None:
-    import matplotlib
-
-    pick = [np.unique(np.linspace(0, k - 1, min(k, MOST_LINES)).round().astype(int)) for k in field.shape]
-    p, v = points[np.ix_(*pick)], field[np.ix_(*pick)]
+def _scene(scene: Any, draped: Draped, field: Floats, scale: Normalize) -> None:
+    """The net, see-through, on the mold."""
+    points = draped.points
+    pick = [
+        np.unique(np.linspace(0, k - 1, min(k, MOST_LINES)).round().astype(int)) for k in points.shape[:2]
+    ]
+    p = points[np.ix_(*pick)]
+    v = field[np.ix_(*(np.minimum(one[:-1], k - 1) for one, k in zip(pick, field.shape, strict=True)))]
     quads = np.stack([p[:-1, :-1], p[1:, :-1], p[1:, 1:], p[:-1, 1:]], 2).reshape(-1, 4, 3)
-    value = 0.25 * (v[:-1, :-1] + v[1:, :-1] + v[1:, 1:] + v[:-1, 1:]).ravel()
-    colours = matplotlib.colormaps["viridis"](scale(value))
+    colours = matplotlib.colormaps[COLOURS](scale(v.ravel()))
+    colours[:, 3] = 0.62
+    facets = _facets(*draped.mold, float(points[..., 2].min()))
+    normal = np.cross(facets[:, 1] - facets[:, 0], facets[:, 2] - facets[:, 0])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
+    light = 0.55 + 0.4 * np.clip(normal @ LightSource(azdeg=300, altdeg=50).direction, 0.0, 1.0)
+    grey = np.column_stack([light, light, light, np.ones(len(light))])
+    # One collection: matplotlib sorts by depth within a collection alone.
     scene.add_collection3d(
-        Poly3DCollection(quads, facecolors=colours, edgecolors="#00000030", linewidths=0.2)
+        Poly3DCollection(
+            [*facets, *quads],
+            facecolors=np.vstack([grey, colours]),
+            edgecolors=["#00000000"] * len(facets) + ["#00000028"] * len(quads),
+            linewidths=0.2,
+        )
+    )
+    at = draped.peak[2]
+    scene.plot(
+        [at[0]], [at[1]], [at[2]], marker="x", color="tab:red", markersize=9, markeredgewidth=2, zorder=99
     )
     low, high = points.reshape(-1, 3).min(0), points.reshape(-1, 3).max(0)
     span = np.maximum(high - low, 1e-9)
     scene.set_xlim(low[0], high[0])
     scene.set_ylim(low[1], high[1])
     scene.set_zlim(low[2], max(high[2], low[2] + 1e-9))
-    scene.set_box_aspect((span[0], span[1], max(span[2], 0.05 * span[0])), zoom=0.95)
+    scene.set_box_aspect((span[0], span[1], max(span[2], 0.05 * span[0])), zoom=1.1)
+    scene.set_title("On the mold, and where the stretch is largest", fontsize=10)
     scene.set_xlabel("x [mm]", fontsize=8)
     scene.set_ylabel("y [mm]", fontsize=8)
-    scene.set_zlabel("z [mm]", fontsize=8)
     scene.locator_params(axis="z", nbins=3)
     scene.tick_params(labelsize=7, pad=0)
-    scene.view_init(32.0, -58.0)
+    scene.view_init(30.0, -58.0)
+
+
+def _facets(corners: Floats, faces: npt.NDArray[np.int64], lowest: float) -> Floats:
+    """(f, 3, 3) facets that reach above ``lowest``, of corners put together where they are too many to draw."""
+    faces = faces[corners[faces][..., 2].max(1) > lowest + 1e-9]
+    cells = 60
+    while len(faces) > MOST_FACETS and cells > 4:
+        size = float(np.ptp(corners, axis=0).max()) / cells
+        key = np.round((corners - corners.min(0)) / size).astype(np.int64)
+        _, first, put = np.unique(key, axis=0, return_index=True, return_inverse=True)
+        fewer = put.ravel()[faces]
+        fewer = fewer[(np.diff(np.sort(fewer, axis=1), axis=1) > 0).all(1)]
+        corners, faces, cells = corners[first], np.unique(fewer, axis=0) if len(fewer) else fewer, cells // 2
+    found = corners[faces]
+    # What is below the clamped sheet is cut off by the axes, not by matplotlib.
+    found[..., 2] = np.maximum(found[..., 2], lowest)
+    return np.asarray(found)

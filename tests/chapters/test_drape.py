@@ -13,6 +13,7 @@ from cloth_molds import saddle
 
 from hyperfab.cli import main
 from hyperfab.io.stl_write import stl_bytes
+from hyperfab.surface import Surface
 
 FABRIC = {
     "format": "hyperfab.material/1",
@@ -64,7 +65,7 @@ def test_the_document_has_what_the_contract_promises(drape, folder):
     assert document["penetration_nodes_mm"] <= 1e-9
     assert 0.3 < document["thickness_min_mm"] < 0.8
     assert document["mold"]["shift_mm"][2] == pytest.approx(-10.0)
-    assert set(document["files"]) == {"drape.vtu", "drape.csv", "drape.png"}
+    assert set(document["files"]) == {"drape.vtu", "drape.csv", "drape.png", "drape.mold.stl"}
     head, *rows = (folder / "drape.csv").read_text().splitlines()
     assert head.split(",")[3:5] == ["energy_J", "residual_relative"]
     assert float(rows[-1].split(",")[3]) == document["energy_J"]
@@ -84,8 +85,71 @@ def test_the_field_has_nodes_cells_and_named_arrays(drape, folder):
     assert np.allclose(corner[0], [-100, -90, 0])
 
 
+def test_the_largest_stretch_is_told_with_its_place_on_the_sheet_and_in_space(drape, folder):
+    import meshio
+
+    _, _, err = drape("-o", "drape.json")
+    document = json.loads((folder / "drape.json").read_text())
+    field = meshio.read(folder / "drape.vtu")
+    net = field.points.reshape(31, 21, 3)
+    warp = np.linalg.norm(np.diff(net, axis=0), axis=2) / (200.0 / 30)
+    weft = np.linalg.norm(np.diff(net, axis=1), axis=2) / (180.0 / 20)
+    assert document["stretch_max"] == pytest.approx(max(warp.max(), weft.max()), rel=1e-12)
+    along, stretch = (0, warp) if warp.max() >= weft.max() else (1, weft)
+    i, j = np.unravel_index(stretch.argmax(), stretch.shape)
+    k, l = (i + 1, j) if along == 0 else (i, j + 1)
+    flat = field.point_data["flat_mm"].reshape(31, 21, 3)
+    place = document["stretch_max_at_mm"]
+    assert place["flat"] == pytest.approx(0.5 * (flat[i, j] + flat[k, l])[:2], abs=1e-9)
+    assert place["draped"] == pytest.approx(0.5 * (net[i, j] + net[k, l]), abs=1e-9)
+    cells = {
+        name: field.cell_data[name][0].reshape(30, 20)
+        for name in ("stretch_warp", "stretch_weft", "stretch_larger")
+    }
+    assert cells["stretch_warp"] == pytest.approx(0.5 * (warp[:, 1:] + warp[:, :-1]), rel=1e-12)
+    assert cells["stretch_weft"] == pytest.approx(0.5 * (weft[1:] + weft[:-1]), rel=1e-12)
+    assert (cells["stretch_larger"] == np.maximum(cells["stretch_warp"], cells["stretch_weft"])).all()
+    said = [row for row in err.splitlines() if row.startswith("force")]
+    assert len(said) == 1
+    for figure in (
+        f"{document['force_N']:.4g} N",
+        f"{document['stretch_max']:.3f}",
+        f"{document['contact_nodes']} nodes",
+    ):
+        assert figure in said[0]
+    assert "force" not in drape("-o", "drape.json", "--quiet")[2]
+
+
+def test_the_mold_is_written_where_it_stands_under_the_draped_sheet(drape, folder):
+    import meshio
+
+    mesh = trimesh.creation.icosphere(subdivisions=3, radius=60.0)
+    (folder / "ball.stl").write_bytes(stl_bytes(mesh.vertices + np.array([300.0, -40.0, 7.0]), mesh.faces))
+    drape("-o", "drape.json", "--depths", "20mm,50mm")
+    document = json.loads((folder / "drape.json").read_text())
+    assert document["mold"]["shift_mm"] == pytest.approx([-300.0, 40.0, -17.0], abs=1e-4)
+    mold = trimesh.load(folder / "drape.mold.stl")
+    assert mold.bounds[1, 2] == pytest.approx(50.0, abs=1e-4)
+    field = meshio.read(folder / "drape.vtu")
+    on_it = field.points[field.point_data["contact"].astype(bool)]
+    assert len(on_it) == document["contact_nodes"]
+    near = Surface(mold.vertices, mold.faces).nearest(on_it)
+    assert np.abs(near.distance).max() < 1e-4
+    at_origin = stl_bytes(mesh.vertices, mesh.faces)
+    (folder / "ball.stl").write_bytes(at_origin)
+    zero = json.loads(drape("--depth", "60mm")[1])["mold"]["shift_mm"]
+    assert [str(v) for v in zero] == ["0.0", "0.0", "0.0"]
+
+
+def test_springs_are_not_counted_against_a_range_that_nobody_knows(drape):
+    document = json.loads(drape()[1])  # constants without tests
+    for direction in ("warp", "weft"):
+        assert "beyond_tested" not in document[direction]
+        assert "tested_stretch_max" not in document[direction]
+
+
 def test_the_same_inputs_give_the_same_bytes(drape, folder):
-    names = ("json", "vtu", "csv", "png")
+    names = ("json", "vtu", "csv", "png", "mold.stl")
     drape("-o", "drape.json")
     first = [(folder / f"drape.{name}").read_bytes() for name in names]
     drape("-o", "drape.json")

@@ -8,7 +8,7 @@ from hyperfab.cases.drape import DrapeCase
 from hyperfab.chapters.drape import files
 from hyperfab.chapters.drape.fabric import note_ranges
 from hyperfab.chapters.drape.model import Model, model_of, read_files
-from hyperfab.chapters.drape.result import document_of, judge, tears
+from hyperfab.chapters.drape.result import document_of, judge, say, tears
 from hyperfab.chapters.drape.states import State, at_depths
 from hyperfab.chapters.job import Job
 from hyperfab.cloth import HeldNodeInside, Step
@@ -21,7 +21,7 @@ def run(job: Job, case: DrapeCase) -> int:
 
     1 where the fabric would tear, 4 where no equilibrium was found or the constants are unstable.
     """
-    out = job.opened(job.target, (".vtu", ".[0-9]*.vtu", ".csv", ".png", ".pvd"))
+    out = job.opened(job.target, (".vtu", ".[0-9]*.vtu", ".csv", ".png", ".pvd", ".mold.stl"))
     model = model_of(case, read_files(job, case))
     out.refuse_inputs(job.inputs)
     found = _drape(job, model)
@@ -30,8 +30,10 @@ def run(job: Job, case: DrapeCase) -> int:
     sound = judge(job, document)
     torn = tears(job, document, model.sheet, found[-1], case.max_stretch)
     if out.wants_files:
-        files.write(out, model.sheet, found, case.max_stretch)
+        files.write(out, model, found)
     job.write(out, document, case, thickness_mm=model.sheet.thickness)
+    if document.converged:
+        say(job, document)
     return 4 if not sound else 1 if torn else 0
 
 

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from hyperfab.chapters.drape.model import Model
+from hyperfab.chapters.drape.result import peak
 from hyperfab.chapters.drape.states import State
 from hyperfab.cloth import Sheet
 from hyperfab.cloth.friction import SLIDES, STARTS, STICKS
+from hyperfab.cloth.law import Floats
+from hyperfab.cloth.mold import Ints
 from hyperfab.io import vtu
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
+from hyperfab.io.stl_write import stl_bytes
 
 HISTORY = (
     "nodes_x",
@@ -25,9 +30,11 @@ HISTORY = (
 )
 
 
-def write(out: Output, sheet: Sheet, states: list[State], max_stretch: float | None) -> None:
-    """Queue the files: of the last state, and where several were asked for a field of each."""
-    last = states[-1]
+def write(out: Output, model: Model, states: list[State]) -> None:
+    """Queue the files: of the last state, and where several were asked for a field of each; the mold as it stands."""
+    sheet, max_stretch, last = model.sheet, model.case.max_stretch, states[-1]
+    surface = model.files.placed.surface
+    corners = surface.vertices + np.array(model.files.placed.standing(last.depth))
     out.add(".vtu", field(sheet, last, max_stretch))
     if len(states) > 1:
         names = []
@@ -37,7 +44,8 @@ def write(out: Output, sheet: Sheet, states: list[State], max_stretch: float | N
             names.append(out.path(suffix).name)
         out.add(".pvd", vtu.collection([state.depth for state in states], names))
     out.add(".csv", history(states))
-    out.add(".png", picture(sheet, states))
+    out.add(".mold.stl", stl_bytes(corners, surface.faces))
+    out.add(".png", picture(sheet, states, (corners, surface.faces)))
 
 
 def field(sheet: Sheet, state: State, max_stretch: float | None) -> bytes:
@@ -63,6 +71,7 @@ def field(sheet: Sheet, state: State, max_stretch: float | None) -> bytes:
         "thickness_mm": fields.cell_thickness.ravel(),
         "stretch_warp": fields.cell_stretch_warp.ravel(),
         "stretch_weft": fields.cell_stretch_weft.ravel(),
+        "stretch_larger": np.maximum(fields.cell_stretch_warp, fields.cell_stretch_weft).ravel(),
         "shear_deg": fields.cell_shear.ravel(),
         "slack": fields.cell_slack.ravel(),
         "on_edge": fields.cell_on_edge.ravel(),
@@ -94,18 +103,29 @@ def history(states: list[State]) -> bytes:
     return csv_bytes(HISTORY, rows)
 
 
-def picture(sheet: Sheet, states: list[State]) -> bytes:
-    """The draped sheet, and on the flat sheet its stresses, thickness, contact and slack."""
-    from hyperfab.report.figures_drape import drape_figure  # matplotlib takes a fifth of the command's start
+def picture(sheet: Sheet, states: list[State], mold: tuple[Floats, Ints]) -> bytes:
+    """The sheet draped on the mold (corners, facets), and on the flat sheet its stretch and what follows from it."""
+    from hyperfab.report.figures_drape import (
+        Draped,
+        drape_figure,
+    )  # matplotlib takes a fifth of the command's start
 
     found, fields = states[-1].found, states[-1].fields
+    place = peak(sheet, states[-1])
     return drape_figure(
-        found.state.x,
-        sheet.flat(),
-        fields.stress_warp,
-        fields.stress_weft,
-        fields.cell_thickness,
-        fields.touching,
-        fields.cell_slack,
+        Draped(
+            found.state.x,
+            sheet.flat(),
+            fields.cell_stretch_warp,
+            fields.cell_stretch_weft,
+            fields.stress_warp,
+            fields.stress_weft,
+            fields.cell_thickness,
+            fields.cell_shear,
+            fields.touching,
+            fields.cell_slack,
+            (fields.stretch_max, place.flat, place.draped),
+            mold,
+        ),
         [(0.0, 0.0), *((s.depth, s.fields.press_force) for s in states)] if len(states) > 1 else None,
     )

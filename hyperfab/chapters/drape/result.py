@@ -26,6 +26,15 @@ def draw_in(sheet: Sheet, state: State, edges: list[str]) -> dict[str, float] | 
     return {name: float(inward[name].max()) + 0.0 for name in edges} or None
 
 
+def peak(sheet: Sheet, state: State) -> Place:
+    """The middle of the spring that is stretched most."""
+    i, j, direction = state.fields.most_stretched
+    k, l = (i, j + 1) if direction else (i + 1, j)
+    flat, x = sheet.flat(), state.found.state.x
+    middle, draped = 0.5 * (flat[i, j] + flat[k, l]), 0.5 * (x[i, j] + x[k, l])
+    return Place(flat=[float(v) + 0.0 for v in middle[:2]], draped=[float(v) + 0.0 for v in draped])
+
+
 def document_of(model: Model, states: list[State]) -> DrapeDocument:
     """The document of the last state."""
     case, sheet, placed, fabric = model.case, model.sheet, model.files.placed, model.files.fabric
@@ -46,8 +55,7 @@ def document_of(model: Model, states: list[State]) -> DrapeDocument:
     left_out = model.absent
     if case.friction > 0.0 and len(state.mold.creases.corners) > 0:
         left_out.append("friction of the threads between nodes where they run over sharp edges")
-    x_mm, y_mm, z_mm = placed.shift
-    shift = np.array([x_mm, y_mm, z_mm + state.depth - depths[-1]])
+    shift = np.array(placed.standing(state.depth))
     through, top, below = stands_out(found.state.x, sheet, placed.surface, shift)
     where = Place(flat=below[:2].tolist(), draped=top.tolist())
     document = DrapeDocument(
@@ -67,6 +75,8 @@ def document_of(model: Model, states: list[State]) -> DrapeDocument:
         penetration_nodes_mm=fields.node_penetration,
         penetration_edges_mm=fields.edge_penetration,
         penetration_edges_at_mm=list(fields.cut.flat) if fields.edge_penetration > 0.0 else None,
+        stretch_max=fields.stretch_max,
+        stretch_max_at_mm=peak(sheet, state),
         stands_through_mm=through,
         stands_through_at_mm=where if through > 0.0 else None,
         slack_springs=fields.slack_springs,
@@ -212,14 +222,22 @@ def tears(job: Job, document: DrapeDocument, sheet: Sheet, state: State, largest
     )
     document.max_stretch, document.over_max_stretch = largest, over
     if over:
-        along_warp = fields.stretch_warp.max() >= fields.stretch_weft.max()
-        stretch = fields.stretch_warp if along_warp else fields.stretch_weft
-        i, j = np.unravel_index(int(stretch.argmax()), stretch.shape)
-        k, l = (i + 1, j) if along_warp else (i, j + 1)
-        x, y, _ = (float(v) for v in 0.5 * (sheet.flat()[i, j] + sheet.flat()[k, l]))
+        x, y = peak(sheet, state).flat
         document.over_max_stretch_at_mm = [x, y]
         job.console.warn(
-            f"{over} springs are stretched beyond {largest:g}, up to {float(stretch.max()):.3f} at ({x:.4g}, {y:.4g}) "
+            f"{over} springs are stretched beyond {largest:g}, up to {fields.stretch_max:.3f} at ({x:.4g}, {y:.4g}) "
             "mm of the flat sheet: the fabric would tear"
         )
     return torn or over > 0
+
+
+def say(job: Job, document: DrapeDocument) -> None:
+    """One line for the terminal: what a person asks first."""
+    place = document.stretch_max_at_mm
+    at = f" at ({place.flat[0]:.4g}, {place.flat[1]:.4g}) mm of the flat sheet" if place else ""
+    edges = f", {document.contact_edges} springs over edges" if document.contact_edges else ""
+    job.console.note(
+        f"force {document.force_N:.4g} N, stretch up to {document.stretch_max:.3f}{at}, thinnest "
+        f"{document.thickness_min_mm:.3g} mm, {document.slack_springs} slack springs, "
+        f"{document.contact_nodes} nodes on the mold{edges}"
+    )

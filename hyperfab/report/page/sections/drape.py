@@ -21,6 +21,7 @@ from hyperfab.report.page.parts import (
 from hyperfab.report.page.scenes import Field, views
 
 _FIELDS = (
+    Field("stretch_larger", "larger stretch"),
     Field("stretch_warp", "stretch along warp"),
     Field("stretch_weft", "stretch along weft"),
     Field("stress_warp_MPa", "stress along warp", "MPa"),
