@@ -208,3 +208,22 @@ def test_one_name_twice_is_a_mistake_of_the_caller(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="stands twice"):
         write_files([(tmp_path / "a.json", b"1"), (tmp_path / "a.json", b"2")])
     assert everything(tmp_path) == {}
+
+
+@pytest.mark.parametrize(
+    ("code", "remedy"),
+    [
+        (errno.ENOSPC, "free some space"),
+        (errno.EDQUOT, "free some of your quota"),
+        (errno.EFBIG, "raise the file size limit"),
+        (errno.EROFS, "choose a folder that can be written"),
+        (errno.EACCES, "choose a folder you may write to"),
+        (errno.EPERM, "choose a folder you may write to"),
+        (errno.ENOENT, "make the folder first"),
+        (errno.ENAMETOOLONG, "choose a shorter name"),
+        (errno.EIO, "check the disk"),
+    ],
+)
+def test_each_refusal_of_the_system_has_its_remedy(code: int, remedy: str) -> None:
+    with pytest.raises(OutputError, match=f"out.csv: .*; {remedy}"), atomic._told(Path("out.csv")):
+        raise OSError(code, os.strerror(code))
