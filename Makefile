@@ -9,7 +9,7 @@ BUILD  := build
 SOURCES := $(shell find hyperfab -name '*.py' -o -name '*.toml' -o -name '*.csv')
 
 .DELETE_ON_ERROR:
-.PHONY: run study test test-slow lint types bench blind mutants gaps fuzz samples pictures clean distclean help
+.PHONY: run study test test-slow lint types bench blind hunt mutants gaps fuzz samples pictures clean distclean help
 
 help:
 	@echo "make run     the whole chain on the sample specimens and molds, with a summary and pictures in $(BUILD)/"
@@ -18,6 +18,7 @@ help:
 	@echo "make lint    format, lint and import arrows;  make types: the type checker"
 	@echo "make bench   timings beside other programs;   make fuzz: readers against random bytes"
 	@echo "make blind   undeclared effects drawn at random: how often close-loop names them"
+	@echo "make hunt    inputs chosen to break the commands, each judged by an invariance or a known truth"
 	@echo "make mutants small defects planted in the program, one at a time: whether a test notices"
 	@echo "make clean   remove $(BUILD)/;                 make distclean: remove $(VENV)/ too"
 
@@ -135,6 +136,9 @@ blind: $(VENV)/dev
 	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind_press 1 film --next
 	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind_contact 2 poor --next
 	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind_drape 2 poor --next
+
+hunt: $(VENV)/dev
+	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m trials.hunt_loop
 
 # Some two hundred defects, half an hour of one core for them and as long before it to see which test reaches what; both
 # are kept in $(BUILD)/mutants, and only what changed is done again.

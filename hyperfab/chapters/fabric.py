@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from hyperfab.chapters.job import Job
 from hyperfab.documents.base import read_document
 from hyperfab.documents.material import AtTemperature, Direction, MaterialDocument
@@ -127,8 +129,9 @@ class FabricDocument:
         values = effect.get("parameters") or {}
         reference = effect.get("reference_degC", self.document.temperature_degC)
         try:
-            one, two = float(values["softening_1_K"]), float(values.get("softening_1_K2", 0.0))
-            return float(thermal_softening.factor(self.asked, float(reference), one, two))  # type: ignore[arg-type]
+            law = thermal_softening.LAWS[effect.get("form", "curved")]
+            rest = [float(value) for name, value in values.items() if name != "softening_1_K"]
+            return float(law(np.array(self.asked), float(reference), float(values["softening_1_K"]), *rest))
         except (KeyError, TypeError, ValueError):
             raise InputError(
                 "thermal-softening needs softening_1_K and reference_degC", file=self.name, key=key

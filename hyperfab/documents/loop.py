@@ -32,6 +32,9 @@ class Errors(_Part):
     before: Misfit
     after: Misfit
     noise: Misfit
+    delivered: Misfit | None = Field(
+        default=None, description="of the model as it was given, before any constant was refitted"
+    )
     tests: int | None = Field(default=None, description="tests that were predicted without taking part")
     source: str | None = Field(default=None, description="how the tests that took no part were chosen")
 
@@ -49,6 +52,10 @@ class NoiseFigures(_Part):
         default=None, description="relative standard deviation of the stiffness between specimens"
     )
     correlation: float | None = Field(default=None, description="between neighbouring readings")
+    assumed_scatter: float | None = Field(
+        default=None,
+        description="scatter of specimens that was taken for what is left, though no two were alike",
+    )
 
 
 class Evidence(_Part):
@@ -88,6 +95,10 @@ class Candidate(_Part):
     score: float = Field(description="how far the residual points at it, in standard deviations")
     delta_bic: float = Field(
         description="what it lowers BIC by: alone, or, where it was added, beside the other added ones"
+    )
+    strength: Literal["decisive", "strong", "weak", "none"] = Field(
+        default="none",
+        description="delta_bic in a word: 10 and more, 6 to 10, 2 to 6, less (Kass and Raftery 1995)",
     )
     refitted: bool = Field(
         description="whether delta_bic is of a fit of all constants; else it follows from the score (0: not visible)"

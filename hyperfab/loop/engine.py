@@ -11,10 +11,10 @@ from hyperfab.errors import NotConverged
 from hyperfab.loop.bic import common_bic
 from hyperfab.loop.dependence import dependence, suggestion
 from hyperfab.loop.design import NextMeasurement, next_measurement
-from hyperfab.loop.fitting import fit, least_misfits
+from hyperfab.loop.fitting import Fit, fit, least_misfits
 from hyperfab.loop.judge import SMALL
 from hyperfab.loop.mimic import Rival, indistinguishable, rivals
-from hyperfab.loop.noise import Noise, estimate_noise
+from hyperfab.loop.noise import Noise, estimate_noise, replicates
 from hyperfab.loop.problem import Array, Problem
 from hyperfab.loop.search import MARGIN, Evidence, Search, State
 
@@ -27,10 +27,14 @@ _HOPELESS = 9.0
 EXPLAINED, ENOUGH = 0.95, 0.66
 #: A term has to lower minus twice the logarithm of the likelihood by this though specimens may scatter as they like.
 DOUBTFUL = 8.0
-#: Scatters of specimens that are tried, in units of what the replicates show; where all of them together show this many
-#: times more than these, the loop is closed again with that.
-_SCATTERS = 2.0 ** (np.arange(-4, 13) / 2.0)
-_SCATTERED = 1.4
+#: Scatters of specimens that are tried. Where all of them together show this many times more than replicates do, the
+#: loop is closed again with that; where none were tested alike, specimens of one cloth scatter by the last at most.
+_SCATTERS = tuple(float(one) for one in 0.002 * 2.0 ** (np.arange(0, 17) / 2.0))
+_SCATTERED, _OF_ONE_CLOTH = 1.4, 0.05
+
+
+#: How far a fitted model misses readings that take no part.
+Apart = Callable[[Fit], float]
 
 
 @dataclass(frozen=True)
@@ -40,6 +44,8 @@ class Finding:
     ``verdict`` is noise, effect, ambiguous or unexplained; ``added`` the evidence of each effect of
     ``after``, in order; ``tried`` the evidence of the entries refitted on the model as it was; ``scores`` how far its
     residual points at each entry that these data could show, ``worth`` what each would lower BIC by, to first order.
+    ``doubted`` were not added because specimens may scatter as much, ``worse`` because with them some readings are
+    missed by more. ``assumed`` is the scatter of specimens that was taken for what is left, though none was measured.
     """
 
     verdict: str
@@ -56,6 +62,8 @@ class Finding:
     rides_on: dict[str, float] = field(default_factory=dict)
     suggestion: tuple[str, float] | None = None
     doubted: tuple[str, ...] = ()
+    worse: tuple[str, ...] = ()
+    assumed: float = 0.0
 
 
 def close(
@@ -66,9 +74,11 @@ def close(
     refit: int = 6,
     design: bool = True,
     again: bool = True,
+    apart: Apart | None = None,
 ) -> Finding:
     """Close the loop on a problem; ``noise`` is the standard deviation of a reading or all that is known of the noise,
-    else it is estimated. Once more (``again``) where all specimens scatter more than the replicates show."""
+    else it is estimated. Once more (``again``) where all specimens scatter more than the replicates show. ``apart``
+    returns how far a model misses readings that take no part: no effect is kept that makes that more."""
     level = noise if isinstance(noise, Noise) else estimate_noise(problem, noise)
     search = Search(problem, level, tick, max(refit, problem.rich))
     before = search.base()
@@ -100,20 +110,22 @@ def close(
     best = _pruned(search, best)
     if best is not before and not explains(before, best):
         best = search.enriched(best)
+    helpful = _no_worse(search, before, best, apart)
+    worse = tuple(name for name in best.ids if name not in helpful.ids)
+    best = helpful
     scatter = min(_surprise(search, best)[1], level.gain_doubt) if level.gain_doubt else 0.0
     if again and scatter > _SCATTERED * level.gain_sd:
         wider = replace(level, gain_sd=scatter)
-        return close(problem, noise=wider, tick=tick, refit=refit, design=design, again=False)
-    if best is before:
-        return finding("noise" if before.judgement.is_small else "unexplained", before, {}, tried)
+        return close(problem, noise=wider, tick=tick, refit=refit, design=design, again=False, apart=apart)
     sure = _undoubted(search, best)
     doubted = tuple(name for name in best.ids if name not in sure.ids)
-    if sure is before or not sure.ids:
-        return replace(finding(_without_names(search, before), before, {}, tried), doubted=doubted)
+    if not sure.ids:
+        verdict, assumed = _without_names(search, before, bool(doubted))
+        return replace(finding(verdict, before, {}, tried), doubted=doubted, worse=worse, assumed=assumed)
     best = _ordered(search, before, sure)
     added = _worth_of_each(search, best)
     found = finding("effect" if explains(before, best) else "unexplained", best, added, tried)
-    found = replace(found, doubted=doubted)
+    found = replace(found, doubted=doubted, worse=worse)
     tick("rivals")
     others = rivals(search, best)
     sets = indistinguishable(problem, others, best)
@@ -127,7 +139,7 @@ def close(
             if rival.state is not None
             and any(rival.effect in one and rival.instead_of == one[0] for one in sets)
         ]
-        measurements = next_measurement(problem, level, [best.fit, *same])
+        measurements = next_measurement(problem, level, [best.fit, *same]) if same else []
     return replace(found, verdict=verdict, rivals=others, indistinguishable=sets, measurements=measurements)
 
 
@@ -213,10 +225,9 @@ def _surprise(search: Search, state: State, best: State | None = None) -> tuple[
 
     What ``best`` (the model itself by default) leaves though every specimen has a stiffness of its own counts as noise.
     """
-    scatters = [float(one) for one in search.noise.gain_sd * _SCATTERS]
 
     def misfits(one: State) -> tuple[Array, Array]:
-        metrics = [search.noise.among(one.fit.predicted, scatter) for scatter in scatters]
+        metrics = [search.noise.among(one.fit.predicted, scatter) for scatter in _SCATTERS]
         entropy = np.array([metric.entropy for metric in metrics])
         return least_misfits(search.problem, metrics, one.fit), entropy
 
@@ -224,30 +235,63 @@ def _surprise(search: Search, state: State, best: State | None = None) -> tuple[
     least = misfit if best is None else misfits(best)[0]
     surprise = misfit / max(float(least[-1]) / len(state.fit.residual), 1.0) + entropy
     likeliest = int(np.argmin(surprise))
-    return float(surprise[likeliest]), float(scatters[likeliest])
+    return float(surprise[likeliest]), _SCATTERS[likeliest]
 
 
-def _without_names(search: Search, before: State) -> str:
-    """Return the verdict where nothing is named: noise if a larger scatter of specimens could be all there is."""
+def _without_names(search: Search, before: State, doubted: bool) -> tuple[str, float]:
+    """Return the verdict where nothing is named, and the scatter of specimens it rests on.
+
+    It is noise if specimens that scatter more than was seen could be all there is: where effects were ``doubted`` for
+    that, or where no two were tested alike and they scatter no more than those of one cloth do.
+    """
+    if before.judgement.is_small:
+        return "noise", 0.0
     noise = search.noise
-    likeliest = _surprise(search, before)[1] if noise.gain_sd else 0.0
-    metric = noise.among(before.fit.predicted, max(noise.gain_doubt, likeliest))
-    rows = len(before.fit.residual)
-    left = float(least_misfits(search.problem, [metric], before.fit)[0]) / max(rows - len(before.fit.x), 1)
-    small = np.sqrt(max(left - 1.0, 0.0)) <= SMALL
-    return "noise" if before.judgement.is_small or small else "unexplained"
+    if not noise.groups or (replicates(search.problem.curves) and not doubted):
+        return "unexplained", 0.0
+    likeliest = _surprise(search, before)[1]
+    if not noise.gain_sd and likeliest > _OF_ONE_CLOTH:
+        return "unexplained", 0.0
+    assumed = max(noise.gain_doubt, likeliest)
+    left = float(least_misfits(search.problem, [noise.among(before.fit.predicted, assumed)], before.fit)[0])
+    rows = len(before.fit.residual) - len(before.fit.x)
+    small = np.sqrt(max(left / max(rows, 1) - 1.0, 0.0)) <= SMALL
+    return ("noise", assumed) if small else ("unexplained", 0.0)
 
 
 def _pruned(search: Search, best: State) -> State:
-    """Take out every term that no longer pays now that the others are there."""
-    while len(best.ids) > 1:
+    """Take out every term that no longer pays now that the others are there, the last one too."""
+    while best.ids:
         worth = {name: search.without(best, name) for name in best.ids}
         evidence = {name: search.evidence(smaller, best) for name, smaller in worth.items()}
-        weak = [name for name in best.ids if not evidence[name].accepted(first=False)]
+        weak = [name for name in best.ids if not evidence[name].pays(first=len(best.ids) == 1)]
         if not weak:
             break
         best = worth[min(weak, key=lambda name: evidence[name].delta_bic)]
     return best
+
+
+def _no_worse(search: Search, base: State, best: State, apart: Apart | None) -> State:
+    """Take out terms until the model misses no more than without any: the data, each test left out, those set apart.
+
+    What is left then has to pay anew.
+    """
+    while best.ids and not is_no_worse(base, best, apart):
+        fewer = [search.without(best, name) for name in best.ids]
+        good = [state for state in fewer if is_no_worse(base, state, apart)]
+        best = _pruned(search, min(good or fewer, key=lambda state: state.fit.cost))
+    return best
+
+
+def is_no_worse(base: State, state: State, apart: Apart | None = None) -> bool:
+    """Whether a model misses no more than another, plainly and everywhere."""
+    pairs = [(base.fit.predicted, state.fit.predicted), (base.forecast.predicted, state.forecast.predicted)]
+    first, measured = state.problem.channel == 0, state.problem.measured
+    for old, new in pairs:
+        told = first & np.isfinite(old) & np.isfinite(new)
+        if np.sum((measured - new)[told] ** 2) > np.sum((measured - old)[told] ** 2):
+            return False
+    return apart is None or apart(state.fit) <= apart(base.fit)
 
 
 def _ordered(search: Search, base: State, best: State) -> State:

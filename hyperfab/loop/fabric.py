@@ -4,19 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hyperfab.loop.catalogue import catalogue
 from hyperfab.loop.catalogue.fabric.scene import Scene
 from hyperfab.loop.fabric_start import best_by_law
 from hyperfab.loop.problem import HAS_IT, Array, Constant, Curve, Extra, Problem
 from hyperfab.materials.effects.fabric import Fabric
-from hyperfab.materials.effects.path import MODE_NAMES, UNIAXIAL, Path
+from hyperfab.materials.effects.path import GENERAL, MODE_NAMES, UNIAXIAL, Path, held, moving, uniaxial_pull
 from hyperfab.materials.law import Law
 
 _SMOOTH_DEGREE = 5
+#: Effects that have a say in the stiffness at rest, the strain it is told at, and the least of it, as a share of the
+#: stiffness that the tests end with: no sheet lengthens without a force.
+_ELASTIC, _STEP, _LEAST = ("anisotropy", "elastic-law"), 1e-4, 1e-3
+#: Replicates turn at places that differ by less than this share of the strain: specimens slip and stretch a little.
+_SAME_WAY = 0.2
 
 
 @dataclass(frozen=True)
@@ -24,7 +30,7 @@ class FabricTest:
     """One measured curve: what was done and what was read; nan where unknown.
 
     ``transverse`` is the measured second stretch: of a general biaxial test what the sheet was given, of a uniaxial
-    one what it did.
+    one what it did. ``others`` are numbers known of the test that no law has a use for, by name.
     """
 
     name: str
@@ -40,6 +46,7 @@ class FabricTest:
     cycle: Array | None = None
     specimen: str = ""
     stress_sd: Array | None = None
+    others: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass
@@ -49,6 +56,8 @@ class FabricProblem(Problem):
     Rows of channel 0 are stresses; those of channel 1 transverse stretches of uniaxial tests (``transverse_rows``).
     """
 
+    #: Half a class of a testing machine (ISO 7500-1, class 1).
+    least_noise: ClassVar[float] = 0.005
     fabric: Fabric = field(kw_only=True)
     tests: Sequence[FabricTest] = field(kw_only=True)
     law: Law = field(kw_only=True)
@@ -73,6 +82,45 @@ class FabricProblem(Problem):
             return stress
         return np.concatenate([stress, self.fabric.across(given)[self.transverse_rows]])
 
+    @property
+    def look_alikes(self) -> Sequence[frozenset[str]]:
+        """Effects that only second pulls, or several rates and holds, tell apart: all of them make one loop."""
+        scene = Scene(self.law, (), self.fabric.path, self.measured)
+        if not scene.unloads or scene.pulls_again:
+            return ()
+        same = {"hysteresis", "mullins", "permanent-set"}
+        return (frozenset(same if scene.several_rates else {*same, "rate"}),)
+
+    def forbidden(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Mapping[str, float]:
+        """Return by how much the modulus at rest along each direction tested falls short of what a sheet has.
+
+        In units of the stiffness these tests show at their ends.
+        """
+        elastic = {name: term for name, term in terms.items() if name in _ELASTIC}
+        stress = self._at_rest.stress(own, None, elastic) if not self.both else None
+        if stress is None:
+            count = len(self.law.names)
+            stress = self._at_rest.stress(own[:count], own[count : 2 * count], elastic)
+        modulus = stress / _STEP / self._secant
+        return {
+            f"Young's modulus at rest{_along(angle)}": max(_LEAST - float(value), 0.0)
+            for angle, value in zip(self._at_rest.path.angle_deg, modulus, strict=True)
+        }
+
+    @cached_property
+    def _at_rest(self) -> Fabric:
+        known = np.unique(self.fabric.path.angle_deg[np.isfinite(self.fabric.path.angle_deg)])
+        angles = known if len(known) else np.array([np.nan])
+        pull = uniaxial_pull(np.full(len(angles), 1.0 + _STEP))
+        return Fabric(self.law, replace(pull, angle_deg=angles), self.fabric.reference_degC)
+
+    @cached_property
+    def _secant(self) -> float:
+        path = self.fabric.path
+        far = np.abs(path.stretch - 1.0)
+        first = self.measured[: len(far)]
+        return float(np.max(np.abs(first)) / max(float(np.max(far)), 1e-9)) or 1.0
+
     def extras(self) -> Sequence[Extra]:
         """Return tests that could be done next, each with the problem it would make."""
         from hyperfab.loop.fabric_extras import menu
@@ -85,6 +133,12 @@ class FabricProblem(Problem):
             ):
                 found.append(Extra(text, details, problem))
         return found
+
+
+def _along(angle: float) -> str:
+    if not np.isfinite(angle):
+        return ""
+    return {0.0: " along the warp", 90.0: " along the weft"}.get(float(angle), f" at {angle:g} degrees")
 
 
 def fabric_problem(
@@ -192,7 +246,7 @@ def _path(tests: Sequence[FabricTest]) -> tuple[Path, Array]:
     for rows in path.curves:
         if np.all(np.isfinite(speed[rows])) or not np.all(np.isfinite(time[rows])):
             continue
-        part, span = np.abs(np.diff(path.stretch[rows])), np.diff(time[rows])
+        part, span = np.abs(np.diff(path.moved(rows))), np.diff(time[rows])
         speed[rows] = float(np.sum(part)) / max(float(np.sum(span[part > 1e-9])), 1e-12)
     return path, speed
 
@@ -203,22 +257,26 @@ def _clock(test: FabricTest) -> Array:
         return np.asarray(test.time_s - test.time_s[0], dtype=np.float64)
     if test.rate_1_s is None or not np.all(np.asarray(test.rate_1_s) > 0.0):
         return np.full(len(test.stretch), np.nan)
-    step = np.abs(np.diff(test.stretch)) / np.asarray(test.rate_1_s)[1:]
+    stretch = test.stretch
+    if test.mode == GENERAL and test.transverse is not None:
+        stretch = moving(stretch, test.transverse)
+    step = np.abs(np.diff(stretch)) / np.asarray(test.rate_1_s)[1:]
     return np.concatenate([[0.0], np.cumsum(step)])
 
 
 def _curves(path: Path, tests: Sequence[FabricTest], stress: Array) -> tuple[tuple[Curve, ...], Array, Array]:
     curves, rows, extra = [], [], []
     at = len(stress)
-    for test, place in zip(tests, path.curves, strict=True):
+    setups = _setups(path, tests)
+    for test, place, setup in zip(tests, path.curves, setups, strict=True):
         up = path.up[place]
-        cuts = tuple(int(i) for i in place.start + 1 + np.flatnonzero(np.diff(up) != 0))
+        corners = (np.diff(up) != 0) | (np.diff(held(path.moved(place)).astype(np.int64)) != 0)
+        cuts = tuple(int(i) for i in place.start + 1 + np.flatnonzero(corners))
         time = path.time_s[place]
         rising = bool(np.all(np.isfinite(time)) and np.all(np.diff(time) > 0.0))
-        abscissa = time if rising else path.stretch[place]
-        setup = _setup(test, up)
         specimen = test.specimen or test.name
-        lam = path.stretch[place]
+        lam = path.moved(place)
+        abscissa = time if rising else lam
         curves.append(Curve(test.name, place.start, place.stop, abscissa, cuts, setup, specimen, place=lam))
         if test.mode == UNIAXIAL and test.transverse is not None and np.all(np.isfinite(test.transverse)):
             count = place.stop - place.start
@@ -235,18 +293,42 @@ def _curves(path: Path, tests: Sequence[FabricTest], stress: Array) -> tuple[tup
     return tuple(order), np.concatenate(rows), np.concatenate([stress, *extra])
 
 
-def _setup(test: FabricTest, up: NDArray[np.int64]) -> str:
-    """Return what replicates share: mode, direction, temperature, rate, turns and reach, rounded."""
+def _setups(path: Path, tests: Sequence[FabricTest]) -> list[str]:
+    """Return what each test shares with its replicates: the whole way it was led, in both stretches."""
+    found: list[tuple[str, Array, str]] = []
+    for test, rows in zip(tests, path.curves, strict=True):
+        how, way = _pace(test, path.moved(rows)), _way(path, rows)
+        like = (name for same, other, name in found if same == how and _is_same_way(way, other))
+        found.append((how, way, next(like, f"{how} {len(found)}")))
+    return [name for _, _, name in found]
+
+
+def _pace(test: FabricTest, stretch: Array) -> str:
+    """Return mode, direction, temperature and rate of a test, rounded."""
     temperature = "-" if test.temperature_degC is None else f"{float(np.mean(test.temperature_degC)):.0f}"
     speed = "-" if test.rate_1_s is None else f"{float(np.median(test.rate_1_s)):.2g}"
     if speed == "-" and test.time_s is not None:
-        moved = float(np.sum(np.abs(np.diff(test.stretch))))
+        moved = float(np.sum(np.abs(np.diff(stretch))))
         span = float(test.time_s[-1] - test.time_s[0])
         # Hand-driven machines: within a factor of about two the pace counts as one.
         speed = f"2^{round(np.log2(max(moved / span, 1e-12)) / 2.0):.0f}" if span > 0.0 else "-"
-    turns = int(np.count_nonzero(np.diff(up)))
-    most = round(float(np.log(np.max(test.stretch))) / 0.1)
-    return f"{MODE_NAMES[test.mode]} {test.angle_deg:.0f} {temperature} {speed} {turns} {most}"
+    return f"{MODE_NAMES[test.mode]} {test.angle_deg:.0f} {temperature} {speed}"
+
+
+def _way(path: Path, rows: slice) -> Array:
+    """Return the strains (turns, 2) at which a test turned and ended, along the pull and across where that is given."""
+    up = path.up[rows]
+    ends = rows.start + np.concatenate([np.flatnonzero(np.diff(up) != 0), [len(up) - 1]])
+    across = np.where(path.mode[ends] == GENERAL, path.across[ends], 1.0)
+    return np.log(np.stack([path.stretch[ends], across], axis=1))
+
+
+def _is_same_way(one: Array, other: Array) -> bool:
+    """Whether two tests turned at the same places, but for a share of how far they went."""
+    if one.shape != other.shape:
+        return False
+    far = max(float(np.max(np.abs(one))), float(np.max(np.abs(other))))
+    return float(np.max(np.abs(one - other))) <= _SAME_WAY * far
 
 
 def _states(path: Path, tests: Sequence[FabricTest], speed: Array) -> dict[str, Array]:
@@ -257,6 +339,8 @@ def _states(path: Path, tests: Sequence[FabricTest], speed: Array) -> dict[str, 
         else:
             up = path.up[rows]
             cycle[rows] = 1.0 + np.concatenate([[0], np.cumsum((up[1:] > 0) & (up[:-1] < 0))])
+    others = dict.fromkeys(name for test in tests for name in test.others)
+    count = [len(test.stretch) for test in tests]
     return {
         "stretch": path.stretch,
         "branch": path.up.astype(np.float64),
@@ -266,6 +350,7 @@ def _states(path: Path, tests: Sequence[FabricTest], speed: Array) -> dict[str, 
         "temperature_degC": path.temperature_degC,
         "direction_deg": path.angle_deg,
         "mode": path.mode.astype(np.float64),
+        **{name: np.repeat([test.others.get(name, np.nan) for test in tests], count) for name in others},
     }
 
 
@@ -277,6 +362,9 @@ def _nuisance(path: Path, rows: int) -> Array:
         reach = max(float(np.max(path.stretch[there])) - 1.0, 1e-9)
         strain = np.where(there, (path.stretch - 1.0) / reach, 0.0)
         columns += [strain**power for power in range(1, _SMOOTH_DEGREE + 1)]
+        if mode == GENERAL:
+            other = np.where(there, path.across - 1.0, 0.0) / max(float(np.ptp(path.across[there])), 1e-9)
+            columns += [strain**m * other**n for m in range(3) for n in range(1, 3)]
     found = np.zeros((rows, len(columns)))
     found[: len(path.stretch)] = np.stack(columns, axis=1)
     return found

@@ -14,6 +14,8 @@ from hyperfab.loop.problem import Array, Constant, Form, Problem, split
 #: A step is accepted as the last one where it lowers chi-squared by less than this share, or this much; coarser where
 #: fits are only compared: the gain is then below a tenth of what one constant has to earn.
 _SHARE, _AMOUNT, _COARSE = 1e-5, 2e-3, 0.3
+#: How steep the wall is before constants that no material has, in units of what the model misses by.
+_WALL = 1e4
 
 
 @dataclass(frozen=True)
@@ -85,10 +87,10 @@ def fit(
 ) -> Fit:
     """Fit all constants to ``data`` (the measured values by default) from ``start``, Levenberg-Marquardt.
 
-    Priors pull towards the constants' values; bounds hold by projection. The fit weighs rows by their standard
-    deviations alone: in a metric that forgives each specimen its stiffness, a wrong model would drift off the
-    data. What is left is then given in the full metric of the noise. ``coarse`` stops where what can still be gained
-    no longer matters in a comparison.
+    Priors pull towards the constants' values; bounds hold by projection, what is forbidden by a wall. The fit weighs
+    rows by their standard deviations alone: in a metric that forgives each specimen its stiffness, a wrong model would
+    drift off the data. What is left is then given in the full metric of the noise. ``coarse`` stops where what can
+    still be gained no longer matters in a comparison.
     """
     constants = [*problem.own, *(constant for form in forms.values() for constant in form.constants)]
     low, high = _column(constants, "low"), _column(constants, "high")
@@ -111,6 +113,17 @@ def fit(
             left = noise.whiten(target - value)
             return value, left, float(left @ left)
 
+    def beyond(x: Array) -> Array:
+        return np.array(list(problem.forbidden(x[:own], split(x[own:], forms)).values()))
+
+    def slopes(x: Array, outside: Array) -> Array:
+        """Return how what is forbidden (k,) changes with each constant, (k, constants)."""
+        if not np.any(outside > 0.0):
+            return np.zeros((len(outside), len(x)))
+        step = 1e-5 * np.maximum(np.abs(x), scale)
+        moved = np.stack([beyond(x + step[i] * np.eye(len(x))[i]) - outside for i in range(len(x))], axis=1)
+        return np.asarray(moved / step) * (outside > 0.0)[:, None]
+
     def holds(left: Array) -> Array:
         # While the model is wrong its misfit counts as noise: else a wrong model would break what is known before.
         return weight * max(float(left @ left) / len(left), 1.0)
@@ -126,19 +139,27 @@ def fit(
     jacobian = _jacobian(problem, forms, x, value, scale, low, high, noise)
     damping = 1e-4
     prior = holds(left)
+    outside = beyond(x)
     for _ in range(iterations):
         prior = holds(left)
-        cost = misfit + float(prior @ (x - centre) ** 2)
+        wall = _WALL**2 * max(misfit / len(left), 1.0)
+        cost = misfit + float(prior @ (x - centre) ** 2) + wall * float(outside @ outside)
         gradient = jacobian.T @ left - prior * (x - centre)
-        held = ((x <= low) & (gradient < 0.0)) | ((x >= high) & (gradient > 0.0))
         normal = jacobian.T @ jacobian + np.diag(prior)
+        if np.any(outside > 0.0):
+            slope = slopes(x, outside)
+            gradient = gradient - wall * slope.T @ outside
+            normal = normal + wall * slope.T @ slope
+        held = ((x <= low) & (gradient < 0.0)) | ((x >= high) & (gradient > 0.0))
         size = np.diag(normal) + 1e-12 / scale**2
         moved = False
         for _ in range(8):
             step = _step(normal, size, gradient, damping, x, low, high, ~held)
             trial = np.clip(x + step, low, high)
             new_value, new_left, new_misfit = state(trial)
+            new_outside = beyond(trial)
             new_cost = new_misfit + float(prior @ (trial - centre) ** 2)
+            new_cost += wall * float(new_outside @ new_outside)
             if new_cost < cost:
                 moved = True
                 break
@@ -150,7 +171,7 @@ def fit(
         small = small or (coarse and cost - new_cost < _COARSE * max(new_misfit / len(left), 1.0))
         # A step that a bound cuts short is not the end: the next one goes along the bound.
         cut = bool(np.any(trial != x + step)) and not np.array_equal(trial, x)
-        x, value, left, misfit = trial, new_value, new_left, new_misfit
+        x, value, left, misfit, outside = trial, new_value, new_left, new_misfit, new_outside
         jacobian = _jacobian(problem, forms, x, value, scale, low, high, noise)
         damping = max(damping / 10.0, 1e-9)
         if small and not cut:

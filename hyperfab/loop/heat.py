@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.loop.catalogue import catalogue
+from hyperfab.loop.catalogue.heat.ambient_drift import FARTHEST_K, FASTEST_K_S
 from hyperfab.loop.catalogue.heat.scene import Scene
 from hyperfab.loop.problem import Array, Constant, Curve, Extra, Form, Problem, split
 from hyperfab.thermal.reduced import ReducedMold
@@ -114,6 +115,18 @@ class HeatProblem(Problem):
     def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return the temperatures [degC] of every probe at every time, probe after probe."""
         return self._run(own[None, :], [terms])[0]
+
+    def forbidden(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Mapping[str, float]:
+        """Return by how much the air would drift farther or faster than that of a room."""
+        if "ambient-drift" not in terms:
+            return {}
+        drift = np.polynomial.Polynomial([0.0, *terms["ambient-drift"][1]])
+        clock = np.linspace(0.0, float(self.runs[0].times[-1]), 33)
+        far, fast = np.max(np.abs(drift(clock))), np.max(np.abs(drift.deriv()(clock)))
+        return {
+            "how far the air drifts": max(float(far) / FARTHEST_K - 1.0, 0.0),
+            "how fast the air drifts": max(float(fast) / FASTEST_K_S - 1.0, 0.0),
+        }
 
     def predict_many(self, own: Array, forms: Mapping[str, Form], values: Array) -> Array:
         """Return many predictions in one pass through time."""

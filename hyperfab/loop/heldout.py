@@ -1,14 +1,18 @@
-"""Prediction of whole tests that took no part: by leaving each out, at the cost of one fit."""
+"""Prediction of whole tests that took no part: to first order at the cost of one fit, or by fits without each."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from hyperfab.loop.fitting import Fit
-from hyperfab.loop.problem import Array, Curve
+from hyperfab.loop.fitting import Fit, fit
+from hyperfab.loop.noise import Noise
+from hyperfab.loop.problem import Array, Curve, Problem
+
+Rows = slice | NDArray[np.int64]
 
 #: A test is counted only where the others determine its prediction to this many standard deviations of the noise (rms).
 _DETERMINED = 1.0
@@ -48,23 +52,59 @@ def leave_curves_out(fit: Fit, curves: Sequence[Curve], tolerance: float = _DETE
     left = np.full(len(fit.residual), np.nan)
     counted, rms = [], np.full(len(curves), np.nan)
     for index, curve in enumerate(curves):
-        part = fit.jacobian[curve.rows]
-        others = fit.precision - part.T @ part
-        scale = 1.0 / np.sqrt(np.maximum(np.diag(fit.precision), 1e-300))
-        scaled = others * np.outer(scale, scale)
-        values, vectors = np.linalg.eigh(scaled)
-        sure = values > 1e-9
-        reach = (part * scale) @ vectors
-        if np.any(np.abs(reach[:, ~sure]) > 1e-3):
+        without = _without(fit, curve.rows, tolerance)
+        if without is None:
             continue
-        spread = float(np.sqrt(np.mean(np.sum(reach[:, sure] ** 2 / values[sure], axis=1))))
-        if spread > tolerance:
-            continue
-        r = fit.residual[curve.rows]
-        left[curve.rows] = r + (reach[:, sure] / values[sure]) @ (reach[:, sure].T @ r)
+        left[curve.rows] = without
         counted.append(index)
-        rms[index] = np.sqrt(np.mean(left[curve.rows] ** 2))
+        rms[index] = np.sqrt(np.mean(without**2))
     return HeldOut(left, tuple(counted), rms, tuple(curve.rows for curve in curves))
+
+
+def _without(fit: Fit, rows: Rows, tolerance: float = _DETERMINED) -> Array | None:
+    """Return the whitened residual of rows that had no say in the fit, to first order; None if the rest cannot tell."""
+    part = fit.jacobian[rows]
+    others = fit.precision - part.T @ part
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(fit.precision), 1e-300))
+    values, vectors = np.linalg.eigh(others * np.outer(scale, scale))
+    sure = values > 1e-9
+    reach = (part * scale) @ vectors
+    if np.any(np.abs(reach[:, ~sure]) > 1e-3):
+        return None
+    if float(np.sqrt(np.mean(np.sum(reach[:, sure] ** 2 / values[sure], axis=1)))) > tolerance:
+        return None
+    r = fit.residual[rows]
+    return np.asarray(r + (reach[:, sure] / values[sure]) @ (reach[:, sure].T @ r))
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """What a model says of each test, fitted anew to all the others; nan where they cannot tell. ``tests`` are told."""
+
+    predicted: Array
+    tests: tuple[str, ...]
+
+
+def forecast(problem: Problem, noise: Noise, found: Fit) -> Forecast:
+    """Predict each test from a fit to all others: a test is all that was read of one specimen, or one probe."""
+    tests: dict[str, list[NDArray[np.int64]]] = {}
+    for number, curve in enumerate(problem.curves):
+        if not curve.beforehand:
+            name = curve.specimen or f"{number} {curve.name}"
+            tests.setdefault(name, []).append(np.arange(curve.start, curve.stop))
+    predicted, told = np.full(len(problem.measured), np.nan), []
+    for name, parts in tests.items():
+        rows: NDArray[np.int64] = np.concatenate(parts)
+        if len(tests) == 1 or _without(found, rows) is None:
+            continue
+        # A reading with no end of noise has no say.
+        silent = noise.plain.sd.copy()
+        silent[rows] = np.inf
+        again = fit(problem, replace(noise.plain, sd=silent), found.forms, found.x)
+        if np.all(np.isfinite(again.predicted[rows])):
+            predicted[rows] = again.predicted[rows]
+            told.append(name)
+    return Forecast(predicted, tuple(told))
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,8 @@ _FEWEST = 8
 class Judgement:
     """What is left after a fit, against the noise.
 
-    ``structured`` is the rms of what is not noise, in standard deviations of the noise.
+    ``structured`` is the rms of what is not noise, in standard deviations of the noise, of the kind of reading that is
+    missed most.
     """
 
     chi2_reduced: float
@@ -49,17 +50,34 @@ class Judgement:
 def judge(problem: Problem, noise: Noise, fit: Fit, found: list[Signature]) -> Judgement:
     """Judge the residual of a fit; ``found`` are the signatures of the entries not in the model."""
     free = _degrees(fit)
-    # A stiffness per specimen is estimated along with the rest.
     ratio = fit.chi2 / free
+    beyond = [ratio - 1.0, *_beyond_of_each(fit, problem)]
     return Judgement(
         chi2_reduced=ratio,
-        structured=float(np.sqrt(max(ratio - 1.0, 0.0))),
+        structured=float(np.sqrt(max(*beyond, 0.0))),
         p_lack_of_fit=min(
             _by_chance(ratio, free, noise.dof), _worst_by_chance(fit, noise.dof, problem.curves)
         ),
         p_autocorrelation=autocorrelation(fit.residual, problem.curves),
         p_greatest_score=greatest_by_chance(found, noise.dof),
     )
+
+
+def _beyond_of_each(fit: Fit, problem: Problem) -> list[float]:
+    """Return what each kind of reading is missed by beyond noise, as mean square, less what chance does to so few.
+
+    Many readings of one kind that are met must not hide another that is missed.
+    """
+    read = np.ones(len(fit.residual), dtype=bool)
+    for curve in problem.curves:
+        read[curve.rows] = not curve.beforehand
+    channel = problem.channel[read]
+    share = len(fit.residual) / _degrees(fit)
+    found = []
+    for which in np.unique(channel):
+        left = fit.residual[read][channel == which]
+        found.append(float(np.mean(left**2)) * share - 1.0 - 2.0 * float(np.sqrt(2.0 / len(left))))
+    return found
 
 
 def _by_chance(ratio: float, free: float, dof: float) -> float:

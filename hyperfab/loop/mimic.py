@@ -123,6 +123,10 @@ def indistinguishable(problem: Problem, found: Sequence[Rival], best: State) -> 
     most = _SHARE_WHERE_STRAINED if strained else 1.0
     for name in best.ids:
         effect = problem.effect(name)
+        # Of the sets the plan cannot tell apart, those that are in the model already are no alternatives.
+        alike = [
+            other for group in problem.look_alikes if name in group for other in sorted(group - {*best.ids})
+        ]
         same = [
             rival.effect
             for rival in found
@@ -130,6 +134,7 @@ def indistinguishable(problem: Problem, found: Sequence[Rival], best: State) -> 
             and rival.passes(min(effect.mimic_share, most), effect.mimic_left)
             and (strained or not _is_impossible(problem, rival))
         ]
+        same += [other for other in alike if other not in same and not problem.effect(other).not_sought]
         if same:
             sets.append([name, *same])
     return sets

@@ -17,6 +17,9 @@ _MAD = 1.4826
 _WORTH = 0.3
 #: Differences needed for a level of a curve's own, and the chance of telling levels apart that are alike.
 _ENOUGH, _BY_CHANCE = 12, 1e-4
+#: Noise of readings too few to tell, as a share of the largest: of a testing machine of the coarsest class, twice.
+ASSUMED = 0.02
+_ASSUMED_SOURCE = f"assumed: {100.0 * ASSUMED:g} % of the largest reading, for too few in a row to tell"
 #: A constant of the noise more has to lower minus twice the logarithm of the likelihood of the differences by this.
 _EARNS = 6.0
 #: Ratios tried of the noise in proportion, at the largest reading, to that at zero; misfits that are hardly apart.
@@ -26,6 +29,8 @@ _HARDLY = 2.0
 #: Student's distribution for so few degrees of freedom. Only what readings cannot explain to two of their standard
 #: deviations counts.
 _FEW, _BEYOND = 1.5, 4.0
+#: Passes in which readings far off are drawn in: each is nearer to the fit without them.
+_ROBUST = 3
 #: Lower by this, chi-squared says that replicates differ by an offset or by slack rather than in stiffness.
 _CLEARLY = 25.0
 
@@ -131,21 +136,46 @@ def estimate_noise(problem: Problem, stated: float | None = None) -> Noise:
     white noise, noise alike in neighbouring rows, and stiffness that differs from specimen to specimen.
     """
     y = problem.measured
-    sd, dof, source = np.empty(len(y)), np.inf, "local differences"
+    sd, dof, source = np.empty(len(y)), np.inf, ""
     for channel in sorted({curve.channel for curve in problem.curves}):
         curves = [curve for curve in problem.curves if curve.channel == channel]
         rows = np.concatenate([np.arange(curve.start, curve.stop) for curve in curves])
         if stated is not None and channel == 0:
-            sd[rows], source = stated, "stated"
+            sd[rows], how = stated, "stated"
         elif problem.stated_sd is not None and np.all(np.isfinite(problem.stated_sd[rows])):
-            sd[rows], source = problem.stated_sd[rows], "standard deviations in the data"
+            sd[rows], how = problem.stated_sd[rows], "standard deviations in the data"
         else:
-            sd[rows], known = _from_differences(y, curves, rows)
+            sd[rows], known, how = _from_differences(y, curves, rows)
             dof = min(dof, known)
+            if channel == 0 and not replicates(curves):
+                least = problem.least_noise * _peaks(y, curves)
+                how = (
+                    f"{how}, {100.0 * problem.least_noise:g} % of each peak at least"
+                    if np.any(least > sd[rows])
+                    else how
+                )
+                sd[rows] = np.maximum(sd[rows], least)
+        source = source or how
     free = stated is None and problem.stated_sd is None
     for channel in sorted({curve.channel for curve in problem.curves} - {0}):
         sd = sd * _louder(problem, sd, channel)
-    return _with_replicates(problem, Noise(sd, dof, source), free)
+    keys = dict.fromkeys(curve.specimen for curve in problem.curves if curve.channel == 0 and curve.specimen)
+    groups = tuple(
+        np.concatenate(
+            [np.arange(c.start, c.stop) for c in problem.curves if c.specimen == key and c.channel == 0]
+        )
+        for key in keys
+    )
+    starts = tuple(curve.start for curve in problem.curves)
+    plain = Noise(sd, dof, source, starts=starts, groups=groups, pattern=y.copy(), measured=y.copy())
+    return _with_replicates(problem, plain, free)
+
+
+def _peaks(y: Array, curves: Sequence[Curve]) -> Array:
+    """Return, row by row, the largest reading of its curve."""
+    return np.concatenate(
+        [np.full(c.stop - c.start, float(np.max(np.abs(y[c.rows]), initial=0.0))) for c in curves]
+    )
 
 
 def with_misfit(noise: Noise, left: Array, curves: Sequence[Curve]) -> Noise:
@@ -168,7 +198,7 @@ def third_differences(y: Array, curve: Curve) -> tuple[Array, Array]:
     They vanish on quadratics for any spacing and have the variance of the noise.
     """
     found, level = [], []
-    for piece in curve.pieces():
+    for piece in _moving(curve):
         values, place = y[piece], curve.abscissa[piece.start - curve.start : piece.stop - curve.start]
         keep = np.concatenate([[True], np.abs(np.diff(place)) > 1e-12])
         values, place = values[keep], place[keep]
@@ -190,15 +220,18 @@ def third_differences(y: Array, curve: Curve) -> tuple[Array, Array]:
     return np.concatenate(found), np.concatenate(level)
 
 
-def _from_differences(y: Array, curves: Sequence[Curve], rows: Array) -> tuple[Array, float]:
-    """Return sd = sqrt(a^2 + (b y)^2) of each row, b only where the data ask for it, and its degrees of freedom."""
+def _from_differences(y: Array, curves: Sequence[Curve], rows: Array) -> tuple[Array, float, str]:
+    """Return sd = sqrt(a^2 + (b y)^2) of each row, b only where the data ask for it, its degrees of freedom and source.
+
+    Of too few readings in a row to tell, a usual one is taken, and said to be.
+    """
     parts = [third_differences(y, curve) for curve in curves]
     found = np.concatenate([part[0] for part in parts])
     level = np.concatenate([part[1] for part in parts])
     size = float(np.max(np.abs(y[rows]), initial=0.0)) or 1.0
     floor = max(_resolution(y[rows]) / np.sqrt(12.0), 1e-9 * size)
     if len(found) < 4:
-        return np.full(len(rows), max(0.02 * size, floor)), 2.0
+        return np.full(len(rows), max(ASSUMED * size, floor)), 2.0, _ASSUMED_SOURCE
     edges = np.cumsum([len(part[0]) for part in parts])[:-1]
     tried = []
     for ratio in _RATIOS:
@@ -218,7 +251,7 @@ def _from_differences(y: Array, curves: Sequence[Curve], rows: Array) -> tuple[A
     a, b, louder = next(one[1:] for one in tried if one[0] <= least + _HARDLY)
     sd = np.sqrt(a**2 + (b * y[rows]) ** 2)
     sd *= np.concatenate([np.full(c.stop - c.start, one) for c, one in zip(curves, louder, strict=True)])
-    return np.maximum(sd, floor), max(_WORTH * len(found), 2.0)
+    return np.maximum(sd, floor), max(_WORTH * len(found), 2.0), "local differences"
 
 
 def _of_each(scaled: Sequence[Array]) -> Array:
@@ -259,16 +292,22 @@ def _with_replicates(problem: Problem, noise: Noise, free: bool) -> Noise:
     """Compare replicates: scatter of stiffness between specimens, correlated noise, and a white level if ``free``."""
     y = problem.measured
     gains, sure, rests, lags, count = [], [], [], [], 0
-    for first, second in _pairs(problem.curves):
+    for first, second in replicates(problem.curves):
         apart, level, slope, sd = _difference(y, noise.sd, first, second)
         if len(apart) < 8:
             continue
-        coefficients, variance, left = _told_apart(apart / sd, level / sd, (1.0 / sd, slope / sd))
+        apart, shapes = apart / sd, (level / sd, (1.0 / sd, slope / sd))
+        values = apart
+        for _ in range(_ROBUST):
+            coefficients, variance, left = _told_apart(values, *shapes)
+            # A spike in one of them is neither its stiffness nor noise of all.
+            values = values - left + _winsorised(apart - values + left)
         gain = float(coefficients[0])
         gains.append(gain**2 / 2.0 - variance)
         sure.append(gain**2 / 2.0 - _BEYOND * variance)
-        rests.append(float(left @ left) / (2.0 * (len(left) - len(coefficients))))
-        lags.append(float(left[1:] @ left[:-1]) / float(left @ left))
+        quiet = _winsorised(left)
+        rests.append(float(quiet @ quiet) / (2.0 * (len(left) - len(coefficients))))
+        lags.append(float(quiet[1:] @ quiet[:-1]) / max(float(quiet @ quiet), 1e-300))
         count += len(left)
     if not gains:
         return noise
@@ -283,25 +322,21 @@ def _with_replicates(problem: Problem, noise: Noise, free: bool) -> Noise:
         dof = min(dof, max(count * (1.0 - rho) / (1.0 + rho), 2.0)) if rho else dof
     if gain_sd < 2e-3 and not rho and sd is noise.sd:
         return noise
-    keys = dict.fromkeys(curve.specimen for curve in problem.curves if curve.channel == 0)
-    groups = tuple(
-        np.concatenate(
-            [np.arange(c.start, c.stop) for c in problem.curves if c.specimen == key and c.channel == 0]
-        )
-        for key in keys
-    )
-    return Noise(
+    return replace(
+        noise,
         sd=sd,
         dof=dof,
         source=noise.source if not free else "replicates and local differences",
         gain_sd=gain_sd if gain_sd >= 2e-3 else 0.0,
         gain_doubt=doubt if gain_sd >= 2e-3 else 0.0,
         correlation=min(rho, 0.98),
-        starts=tuple(curve.start for curve in problem.curves),
-        groups=groups,
-        pattern=y.copy(),
-        measured=y.copy(),
     )
+
+
+def _winsorised(left: Array) -> Array:
+    """Return differences, those beyond three median deviations taken as three."""
+    most = 3.0 * _MAD * float(np.median(np.abs(left)))
+    return np.clip(left, -most, most)
 
 
 def _louder(problem: Problem, sd: Array, channel: int) -> Array:
@@ -309,7 +344,7 @@ def _louder(problem: Problem, sd: Array, channel: int) -> Array:
     factor = np.ones(len(sd))
     squares = [
         np.mean((apart / spread) ** 2) / 2.0
-        for first, second in _pairs(problem.curves, channel)
+        for first, second in replicates(problem.curves, channel)
         for apart, _, _, spread in [_difference(problem.measured, sd, first, second)]
         if len(apart) >= 8
     ]
@@ -318,7 +353,8 @@ def _louder(problem: Problem, sd: Array, channel: int) -> Array:
     return factor
 
 
-def _pairs(curves: Sequence[Curve], channel: int = 0) -> list[tuple[Curve, Curve]]:
+def replicates(curves: Sequence[Curve], channel: int = 0) -> list[tuple[Curve, Curve]]:
+    """Return pairs of curves that were led the same way."""
     setups: dict[tuple[str, int], list[Curve]] = {}
     for curve in curves:
         if curve.setup:
@@ -355,7 +391,7 @@ def _told_apart(apart: Array, level: Array, others: Sequence[Array]) -> tuple[Ar
 def _difference(y: Array, sd: Array, first: Curve, second: Curve) -> tuple[Array, Array, Array, Array]:
     """Return the second replicate minus the first at the second's places, and their level, slope and mean sd there."""
     found: list[tuple[Array, Array, Array, Array]] = []
-    for one, other in zip(first.pieces(), second.pieces(), strict=False):
+    for one, other in zip(_moving(first), _moving(second), strict=False):
         x1 = _places(first)[one.start - first.start : one.stop - first.start]
         x2 = _places(second)[other.start - second.start : other.stop - second.start]
         order = np.argsort(x1, kind="stable")
@@ -369,6 +405,22 @@ def _difference(y: Array, sd: Array, first: Curve, second: Curve) -> tuple[Array
         return np.empty(0), np.empty(0), np.empty(0), np.empty(0)
     apart, level, slope, deviation = (np.concatenate([one[k] for one in found]) for k in range(4))
     return apart, level, slope, deviation
+
+
+def _moving(curve: Curve) -> list[slice]:
+    """Return the smooth pieces of a curve without those in which its place stands still, unless all do.
+
+    What relaxes while a stretch is held is steep at first: differences of such readings are no noise.
+    """
+    places = _places(curve)
+    least = 1e-3 * float(np.ptp(places)) if len(places) else 0.0
+    pieces = curve.pieces()
+    going = [
+        one
+        for one in pieces
+        if float(np.ptp(places[one.start - curve.start : one.stop - curve.start])) > least
+    ]
+    return going or pieces
 
 
 def _slope(place: Array, value: Array) -> Array:

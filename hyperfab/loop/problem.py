@@ -170,10 +170,25 @@ class Problem(ABC):
     #: physics. Among many that only describe, some pair would pass for anything.
     hiding: ClassVar[bool] = False
     starts: tuple[Array, ...] = ()
+    #: Noise that curves without replicates have at least, as a share of their largest reading: published curves are
+    #: drawn smooth, and readings that repeat each other are no more sure than the specimen.
+    least_noise: ClassVar[float] = 0.0
 
     @abstractmethod
     def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return the prediction at every row, for own constants and ``terms``: effect id -> (form, constants)."""
+
+    @property
+    def look_alikes(self) -> Sequence[frozenset[str]]:
+        """Sets of effects that measurements of this plan cannot tell apart, whatever fits them best."""
+        return ()
+
+    def forbidden(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Mapping[str, float]:
+        """Return by how much constants, together, are those of no material: what is asked for -> how far off, 0 if met.
+
+        Bounds of single constants hold by themselves; ``fit`` keeps these as well.
+        """
+        return {}
 
     def predict_many(self, own: Array, forms: Mapping[str, Form], values: Array) -> Array:
         """Return the predictions (b, rows) for b sets of own constants (b, p) and of the terms' constants (b, q)."""

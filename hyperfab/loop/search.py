@@ -10,7 +10,7 @@ import numpy as np
 
 from hyperfab.loop.bic import prior_misfit, scaled_chi2
 from hyperfab.loop.fitting import Fit, fit, inverse
-from hyperfab.loop.heldout import HeldOut, Help, help_of, leave_curves_out
+from hyperfab.loop.heldout import Forecast, HeldOut, Help, forecast, help_of, leave_curves_out
 from hyperfab.loop.judge import Judgement, correlation_time, judge
 from hyperfab.loop.noise import Noise, with_misfit
 from hyperfab.loop.problem import Array, Effect, Form, Problem
@@ -39,6 +39,8 @@ class State:
     problem: Problem
     noise: Noise
     fit: Fit
+    #: The noise it was fitted under, where that is another.
+    under: Noise | None = None
 
     @cached_property
     def found(self) -> list[Signature]:
@@ -59,6 +61,11 @@ class State:
     def held_out(self) -> HeldOut:
         """Each test predicted from the others."""
         return leave_curves_out(self.fit, self.problem.curves)
+
+    @cached_property
+    def forecast(self) -> Forecast:
+        """Each test predicted by a fit to the others."""
+        return forecast(self.problem, self.under or self.noise, self.fit)
 
     @property
     def excess(self) -> float:
@@ -86,13 +93,17 @@ class Evidence:
     restores: bool = False
 
     def accepted(self, first: bool) -> bool:
-        """Whether the term pays."""
+        """Whether the term pays, and helps most of the tests that can tell."""
+        if self.help is None or self.restores:
+            return self.pays(first)
+        many = HELPED if self.help.tests > 3 else HELPED_OF_THREE
+        return self.pays(first) and self.help.helped >= many
+
+    def pays(self, first: bool) -> bool:
+        """Whether the term is worth its constants: in likelihood, in size, and on tests left out."""
         needed = FIRST_SHARE if first else NEXT_SHARE
         pays = self.delta_bic >= MARGIN and self.variance_share >= needed and self.certain
-        if self.help is None or not pays or self.restores:
-            return pays
-        many = HELPED if self.help.tests > 3 else HELPED_OF_THREE
-        return self.help.taken >= TAKEN and self.help.helped >= many
+        return pays and (self.help is None or self.restores or self.help.taken >= TAKEN)
 
 
 @dataclass
@@ -105,18 +116,26 @@ class Search:
     refit: int = 6
     _fits: dict[tuple[tuple[str, str], ...], Fit] = field(default_factory=dict)
     _states: dict[tuple[tuple[str, str], ...], State] = field(default_factory=dict)
+    _own_optimum: State | None = None
 
     def base(self) -> State:
         """Return the model as it is, with its own constants refitted."""
         given = np.array([constant.value for constant in self.problem.own])
         fits = [fit(self.problem, self.noise, {}, start) for start in (given, *self.problem.starts)]
         best = min(fits, key=lambda one: one.cost)
-        if np.isfinite(best.chi2) and best.chi2 > _WRONG * len(best.residual):
-            # What the model misses counts as noise: the quietest test must not be all that it is fitted to.
-            wrong = with_misfit(self.noise, self.problem.measured - best.predicted, self.problem.curves)
-            near = fit(self.problem, wrong, {}, best.x)
-            best = fit(self.problem, self.noise, {}, near.x, iterations=0)
-        return self.state(best)
+        if not np.isfinite(best.chi2) or best.chi2 <= _WRONG * len(best.residual):
+            return self.state(best)
+        # What the model misses counts as noise: the quietest test must not be all that it is fitted to. What a term is
+        # worth is told from the model's own optimum under the noise, as that of every larger one is.
+        wrong = with_misfit(self.noise, self.problem.measured - best.predicted, self.problem.curves)
+        near = fit(self.problem, wrong, {}, best.x)
+        own = min(best, fit(self.problem, self.noise, {}, near.x), key=lambda one: one.cost)
+        self._own_optimum = State(self.problem, self.noise, own)
+        state = State(
+            self.problem, self.noise, fit(self.problem, self.noise, {}, near.x, iterations=0), wrong
+        )
+        self._states[()] = state
+        return state
 
     def state(self, fitted: Fit) -> State:
         """Judge a fit."""
@@ -300,7 +319,9 @@ class Search:
         return best
 
     def evidence(self, smaller: State, larger: State) -> Evidence:
-        """Return what the terms of ``larger`` that ``smaller`` lacks are worth."""
+        """Return what the terms of ``larger`` that ``smaller`` lacks are worth, both at their own optimum."""
+        if not smaller.ids and self._own_optimum is not None:
+            smaller = self._own_optimum
         old, new = smaller.fit, larger.fit
         channel = self.problem.channel
         time = correlation_time(new.residual, self.problem.curves)

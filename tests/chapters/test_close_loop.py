@@ -121,16 +121,18 @@ def test_extended_model_leaves_nothing_to_find(hf: Run, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("C10", [0.1, -0.1])
 def test_model_without_stiffness_at_rest_is_refitted(hf: Run, tmp_path: Path, C10: float) -> None:
-    """One noisy test may give such constants; the loop begins there, and says so where it must end there too."""
+    """One noisy test may give such constants; the loop begins there, and ends where a material can be."""
     steps = [1.0 + 0.015 * i for i in range(41)]
     rows = "".join(f"{x:.6g},{2 * C10 * (x - x**-2):.6g}\n" for x in steps)
     (tmp_path / "t.csv").write_text("# test: uniaxial\nstretch,stress [MPa]\n" + rows)
     model = {**MODEL, "model": "mooney-rivlin-2", "parameters": {"C10_MPa": 0.3, "C01_MPa": -0.5}}
     (tmp_path / "soft.json").write_text(json.dumps(model))
     done = hf("close-loop", "soft.json", "--measured", "t.csv", "-o", "loop.json", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr.decode()
-    assert (b"no stiffness at rest" in done.stderr) == (C10 < 0.0)
-    assert (tmp_path / "loop.model.json").exists()
+    # What pulls back when it is pushed is no material: nothing carries such data.
+    assert done.returncode == (1 if C10 < 0.0 else 0), done.stderr.decode()
+    assert b"no stiffness at rest" not in done.stderr
+    extended = json.loads((tmp_path / "loop.model.json").read_text())
+    assert sum(extended["parameters"].values()) > 0.0
 
 
 def test_same_inputs_give_the_same_bytes(hf: Run, tmp_path: Path) -> None:

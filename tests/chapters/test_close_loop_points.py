@@ -53,10 +53,13 @@ def press(tmp_path_factory: pytest.TempPathFactory, hf: Run) -> Path:
     return folder
 
 
-def film(folder: Path, effects: tuple[str, ...]) -> None:
-    """Write pressures read in a press with effects nobody declares."""
+def film(folder: Path, effects: tuple[str, ...], again: int | None = None) -> None:
+    """Write pressures read in a press with effects nobody declares; ``again`` is the seed of another film in it."""
     random = np.random.default_rng(5)
-    read = caps.measure(caps.draw(random, effects), random, 1.0, "film")[0]
+    truth = caps.draw(random, effects)
+    if again is not None:
+        random = np.random.default_rng(again)
+    read = caps.measure(truth, random, 1.0, "film")[0]
     assert read.places is not None
     csv(folder / "film.csv", "x [mm],y [mm],z [mm],pressure [MPa]", read.places, read.values)
 
@@ -129,7 +132,9 @@ def test_noise_of_another_kind_is_a_usage_error(press: Path, hf: Run) -> None:
 
 def test_readings_held_out_are_predicted(press: Path, hf: Run) -> None:
     film(press, ())
-    words = ["--measured", "film.csv", "--hold-out", "film.csv", "--fix", "foam.compression", "-o", "-"]
+    (press / "film.csv").rename(press / "apart.csv")
+    film(press, (), again=6)
+    words = ["--measured", "film.csv", "--hold-out", "apart.csv", "--fix", "foam.compression", "-o", "-"]
     done = hf("close-loop", "press.json", *words, cwd=press)
     assert done.returncode == 0, done.stderr.decode()
     document = json.loads(done.stdout)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Sequence
+from hashlib import sha256
 
 from hyperfab.chapters.close_loop.domain import Given, How, kind_of
 from hyperfab.chapters.close_loop.recall import Parse
@@ -74,6 +75,7 @@ def run(
     if kind != "material":
         how.check(kind)
     chapter = importlib.import_module(f"hyperfab.chapters.close_loop.{BUILT[kind]}")
+    _refuse_doubles(job, measured, [name for name in hold_out if name != "auto"])
     given = Given(
         model,
         data,
@@ -89,6 +91,24 @@ def run(
     )
     status: int = chapter.run(job, given)
     return status
+
+
+def _refuse_doubles(job: Job, measured: list[str], held: list[str]) -> None:
+    """Refuse readings that would count twice, or take part and be predicted: whatever their files are called."""
+    seen: dict[str, str] = {}
+    for name, role in [
+        *((name, "--measured") for name in measured),
+        *((name, "--hold-out") for name in held),
+    ]:
+        other = seen.setdefault(sha256(job.inputs.read(name)).hexdigest(), name)
+        if role == "--hold-out" and other in measured:
+            what = "is" if other == name else f"holds the readings of {other}, which is"
+            raise UsageError(
+                f"--hold-out {name}: {what} also --measured; what the model is fitted to is no prediction"
+            )
+        if other is not name:
+            what = "is given twice" if other == name else f"holds the very readings of {other}"
+            raise UsageError(f"{name} {what}; its readings would count double")
 
 
 def _share(prior: str) -> float:

@@ -24,7 +24,8 @@ from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
 from hyperfab.io.units import quantity
-from hyperfab.loop.engine import Finding, close
+from hyperfab.loop.engine import Apart, Finding, close
+from hyperfab.loop.fitting import Fit
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Array, Problem
 
@@ -104,7 +105,9 @@ def finish(
             count += 1
             advance(0.3 + 0.7 * (1.0 - float(np.exp(-count / _REFITS))), text)
 
-        problem, found = close_rounds(problem, noise, rounds, tick)
+        problem, found = close_rounds(
+            problem, noise, rounds, tick, misses=None if apart is None else _misses(apart)
+        )
         result = describe(problem, found, problem.units[0], left_out or {}, told, domain=domain)
         if apart is not None:
             result.held_out = _predicted(apart(problem), found, problem.units[0])
@@ -112,9 +115,24 @@ def finish(
             tick("the extended model")
             _model(job, out, extend(found), result, recalled, parse)
             _files(out, problem, found, axis(problem))
-    say(job.console, result)
+    say(job.console, problem, found, result)
     job.write(out, result)
     return NEGATIVE_VERDICT if found.verdict == "unexplained" else 0
+
+
+def _misses(apart: Callable[[Problem], tuple[Problem, Array]]) -> Callable[[Problem], Apart]:
+    """Return what tells, for a problem, by how much a model misses readings that take no part (rms)."""
+
+    def of(problem: Problem) -> Apart:
+        wider, values = apart(problem)
+
+        def missed(fit: Fit) -> float:
+            predicted = wider.predict(fit.x[: fit.own], fit.terms)[-len(values) :]
+            return float(np.sqrt(np.mean((values - predicted) ** 2)))
+
+        return missed
+
+    return of
 
 
 def _predicted(wider: tuple[Problem, Array], found: Finding, unit: str) -> Errors:
@@ -135,15 +153,16 @@ def close_rounds(
     rounds: Callable[[Problem, Finding], Problem | None] = lambda problem, found: None,
     tick: Callable[[str], None] = lambda text: None,
     design: bool = True,
+    misses: Callable[[Problem], Apart] | None = None,
 ) -> tuple[Problem, Finding]:
     """Close the loop, and again on the problem posed anew around what was found, until that no longer changes it."""
-    found = close_anew(problem, noise, tick, design)
+    found = close_anew(problem, noise, tick, design, misses)
     for _ in range(2):
         again = rounds(problem, found)
         if again is None:
             break
         problem = again
-        found = close_anew(problem, noise, tick, design)
+        found = close_anew(problem, noise, tick, design, misses)
     return problem, found
 
 
@@ -152,16 +171,18 @@ def close_anew(
     noise: Callable[[Problem, Array | None], Noise],
     tick: Callable[[str], None] = lambda text: None,
     design: bool = True,
+    misses: Callable[[Problem], Apart] | None = None,
 ) -> Finding:
     """Close the loop; once more where what the model leaves between neighbours shows the noise to be less.
 
     Where a field is steep, neighbours differ by more than the noise until the model tells why.
     """
     level = noise(problem, None)
-    found = close(problem, noise=level, tick=tick, design=design)
+    apart = None if misses is None else misses(problem)
+    found = close(problem, noise=level, tick=tick, design=design, apart=apart)
     less = noise(problem, found.after.fit.predicted)
     if np.any(less.sd < 0.85 * level.sd):
-        found = close(problem, noise=less, tick=tick, design=design)
+        found = close(problem, noise=less, tick=tick, design=design, apart=apart)
     return found
 
 

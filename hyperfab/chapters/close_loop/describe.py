@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.chapters.close_loop.words import doubts, strength, summary
 from hyperfab.console import Console
 from hyperfab.documents.loop import (
     AddedEffect,
@@ -23,7 +24,7 @@ from hyperfab.documents.loop import (
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.fabric import FabricProblem
-from hyperfab.loop.problem import HAS_IT, Array, Problem
+from hyperfab.loop.problem import Array, Problem
 
 
 def describe(
@@ -57,6 +58,7 @@ def describe(
             degrees_of_freedom=found.noise.dof if math.isfinite(found.noise.dof) else None,
             specimen_scatter=found.noise.gain_sd or None,
             correlation=found.noise.correlation or None,
+            assumed_scatter=found.assumed or None,
         ),
         error=errors_of(
             problem.measured[first],
@@ -67,6 +69,7 @@ def describe(
             spread=spread[first],
             whitened=(before.residual[first], after.residual[first]),
             curves=_of_first(problem),
+            delivered=_delivered(problem)[first],
         ),
         held_out=_held_out(problem, found, unit),
         residual=Residual(
@@ -85,7 +88,6 @@ def describe(
         left_out=dict(left_out),
         warnings=list(warnings),
     )
-    document.summary = [*summary(problem, document), *_doubts(found)]
     return document
 
 
@@ -100,11 +102,13 @@ def errors_of(
     whitened: tuple[Array, Array] | None = None,
     spread: Array | None = None,
     curves: Sequence[NDArray[np.int64]] = (),
+    delivered: Array | None = None,
 ) -> Errors:
     """Return the residual's size before and after, beside that of the noise.
 
     ``spread`` is the noise with what the readings of a specimen have in common, where that is more than ``sd``;
-    ``curves`` are the rows of each test, where more than one is compared.
+    ``curves`` are the rows of each test, where more than one is compared; ``delivered`` is what the model predicts as
+    it was given, absent where that is not finite.
     """
     old, new = whitened if whitened is not None else ((measured - before) / sd, (measured - after) / sd)
 
@@ -124,9 +128,16 @@ def errors_of(
         before=misfit(measured - before, float(np.mean(old**2))),
         after=misfit(measured - after, float(np.mean(new**2))),
         noise=misfit(sd if spread is None else spread, 1.0),
+        delivered=None
+        if delivered is None or not np.all(np.isfinite(delivered))
+        else misfit(measured - delivered, float(np.mean(((measured - delivered) / sd) ** 2))),
         tests=tests,
         source=source,
     )
+
+
+def _delivered(problem: Problem) -> Array:
+    return problem.predict(np.array([constant.value for constant in problem.own]), {})
 
 
 def _of_first(problem: Problem) -> list[NDArray[np.int64]]:
@@ -140,23 +151,20 @@ def _rms(values: Array) -> float:
 
 
 def _held_out(problem: Problem, found: Finding, unit: str) -> Errors | None:
-    """Return the errors of leaving each test out, over the tests that both models can predict."""
+    """Return the plain errors of each test predicted by a fit to the others, over those that both models can tell."""
     first = problem.channel == 0
-    old, new = found.before.held_out, found.after.held_out
-    known = first & np.isfinite(old.residual) & np.isfinite(new.residual)
+    old, new = found.before.forecast, found.after.forecast
+    known = first & np.isfinite(old.predicted) & np.isfinite(new.predicted)
     if not np.any(known):
         return None
-    sd = found.noise.sd[known]
-    counted = {i for i in set(old.counted) & set(new.counted) if problem.curves[i].channel == 0}
-    measured = problem.measured[known]
-    # Residuals of left-out tests are known in units of the noise, what their specimens have in common taken out.
+    spread = found.noise.spread(found.after.fit.predicted)[known]
     return errors_of(
-        measured,
-        measured - old.residual[known] * sd,
-        measured - new.residual[known] * sd,
-        sd,
+        problem.measured[known],
+        old.predicted[known],
+        new.predicted[known],
+        spread,
         unit,
-        len(counted),
+        len(set(old.tests) & set(new.tests)),
         "each test predicted from all others",
     )
 
@@ -198,6 +206,7 @@ def _candidates(problem: Problem, found: Finding) -> list[Candidate]:
                 not_sought=effect.not_sought or None,
                 score=float(found.scores.get(effect.id, 0.0)),
                 delta_bic=gains.get(effect.id, float(found.worth.get(effect.id, 0.0))),
+                strength=strength(gains.get(effect.id, float(found.worth.get(effect.id, 0.0)))),
                 refitted=effect.id in gains,
                 confounded_with=confounded,
                 shown_by=effect.shown_by,
@@ -219,88 +228,30 @@ def _next(found: Finding) -> NextMeasurement | None:
     )
 
 
-def _shares(noise: NoiseFigures) -> str:
-    if noise.specimen_scatter is None:
-        return ""
-    return f" ({noise.sd:.2g} within a specimen, {100.0 * noise.specimen_scatter:.2g} % in stiffness between specimens)"
-
-
 def lowered(found: Finding) -> dict[str, float]:
     """Return what each effect that was tried lowers BIC by: beside the other added ones, or else alone."""
     return {name: float(one.delta_bic) for name, one in (found.tried | found.added).items()}
 
 
-def _doubts(found: Finding) -> list[str]:
-    """Return what the scatter of specimens may hide, and what would show it."""
-    share = 100.0 * found.noise.gain_sd
-    more = "two or three specimens of each kind of test would tell."
-    if found.doubted:
-        return [
-            f"Not added: {', '.join(found.doubted)}. Specimens that scatter a little more than the {share:.2g} % in "
-            f"stiffness seen here would explain as much: {more}"
-        ]
-    if found.verdict == "noise" and share:
-        return [
-            f"Tests that differ in stiffness by the {share:.2g} % that specimens scatter by count as noise. Should "
-            f"temperature, rate or direction do less than that, {more}"
-        ]
-    return []
-
-
-def summary(problem: Problem, document: LoopDocument) -> list[str]:
-    """Return the finding in sentences an engineer can act on."""
-    unit, error = document.error.unit, document.error
-    lines = [
-        f"With its own constants refitted the model misses by {error.before.rms:.3g} {unit} (rms), "
-        f"the noise of the data is {error.noise.rms:.3g} {unit}{_shares(document.noise)}."
-    ]
-    if document.verdict == "noise":
-        lines.append("What is left is noise: these data show nothing that the model lacks.")
-    for effect in document.effects:
-        values = ", ".join(f"{key} {value:.4g}" for key, value in effect.parameters.items())
-        lines.append(f"{effect.id}: {effect.title} ({effect.form}: {values}).")
-    if document.effects:
-        lines.append(f"With that it misses by {error.after.rms:.3g} {unit}.")
-    if document.verdict == "effect":
-        lines.append("What is left is noise, and no other entry of the catalogue could stand in its place.")
-    if document.verdict == "ambiguous":
-        sets = "; ".join(" or ".join(one) for one in document.indistinguishable)
-        lines.append(f"These data cannot tell apart: {sets}.")
-    if document.verdict == "unexplained":
-        riding = [
-            f"{key} ({share:.0%})" for key, share in document.residual.rides_on.items() if share > 0.02
-        ][:3]
-        lines.append(
-            "Something is lacking that no entry of the catalogue explains"
-            + (f"; what is left rides on {', '.join(riding)}." if riding else ".")
-        )
-        if document.residual.suggestion:
-            lines.append(f"A hint, not a law: residual [{unit}] ~ {document.residual.suggestion}")
-    if document.next_measurement is not None:
-        sure = "" if document.next_measurement.decisive else " (it may not settle the matter at this noise)"
-        lines.append(f"Measure next: {document.next_measurement.text}{sure}.")
-    hidden: dict[str, list[str]] = {}
-    for row in document.candidates:
-        if not row.visible and row.not_sought != HAS_IT:
-            hidden.setdefault(row.not_sought or "", []).append(row.id)
-    if hidden:
-        told = (", ".join(names) + (f" ({reason})" if reason else "") for reason, names in hidden.items())
-        lines.append(f"These data cannot show: {'; '.join(told)}.")
-    return lines
-
-
-def say(console: Console, document: LoopDocument) -> None:
-    """Tell a person what came out."""
+def say(console: Console, problem: Problem, found: Finding, document: LoopDocument) -> None:
+    """Put the finding into words, in the document and to the person."""
+    told = doubts(problem, found, document)
+    document.warnings += told
+    document.summary = summary(problem, found, document)
+    for text in told:
+        console.warn(text)
     console.note(f"verdict: {document.verdict}")
     for line in document.summary:
         console.note(line)
     rows = [
-        [row.id, f"{row.score:.1f}", f"{row.delta_bic:.0f}" if row.refitted else f"~{row.delta_bic:.0f}",
+        [row.id, row.strength, f"{row.delta_bic:.0f}" if row.refitted else f"~{row.delta_bic:.0f}",
          ", ".join(row.confounded_with)]
         for row in document.candidates
         if row.visible
     ]  # fmt: skip
-    console.table("What the model might lack", ["effect", "score", "BIC lowered by", "not told from"], rows)
+    console.table(
+        "What the model might lack", ["effect", "evidence", "BIC lowered by", "not told from"], rows
+    )
 
 
 def column(name: str, unit: str) -> str:

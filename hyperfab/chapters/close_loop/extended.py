@@ -119,7 +119,8 @@ def extend(document: MaterialDocument, problem: FabricProblem, fit: Fit, law: La
     if "thermal-softening" in terms:
         known = problem.fabric.path.temperature_degC
         met = known[np.isfinite(known)]
-        soften(result, list(terms["thermal-softening"][1]), problem.fabric.reference_degC, met)
+        form, softening = terms["thermal-softening"]
+        soften(result, list(softening), problem.fabric.reference_degC, met, form)
     result.effects = records or None
     return result
 

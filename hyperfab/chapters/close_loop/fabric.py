@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
-from hyperfab.chapters.close_loop.describe import describe, lowered, say
+from hyperfab.chapters.close_loop.describe import describe, errors_of, lowered, say
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended import extend, held_terms
 from hyperfab.chapters.close_loop.tests_in import Measured, read_measured
 from hyperfab.chapters.job import Job
 from hyperfab.console import NEGATIVE_VERDICT
 from hyperfab.documents.base import parse_document
+from hyperfab.documents.loop import Errors
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.json_io import dump_json
@@ -23,6 +23,7 @@ from hyperfab.loop.catalogue import catalogue
 from hyperfab.loop.catalogue.fabric.scene import Scene
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
+from hyperfab.loop.fitting import Fit
 from hyperfab.loop.problem import Array
 from hyperfab.materials.effects.path import MODE_NAMES
 from hyperfab.materials.registry import law_of, stiffness_at_rest
@@ -38,11 +39,11 @@ def run(job: Job, given: Given) -> int:
     out = Output(given.output, (".model.json", ".png", ".csv"))
     document = parse_document(given.data, given.name, MaterialDocument)
     made = document.provenance
-    tests = read_measured(job, given.measured, given.layout, document.thickness_mm, made, given.how)
+    # A thickness that was only taken for the sake of a number makes no stress of a force per width.
+    thickness = None if document.thickness_nominal else document.thickness_mm
+    tests = read_measured(job, given.measured, given.layout, thickness, made, given.how)
     held_out = (
-        read_measured(job, given.held, given.layout, document.thickness_mm, made, given.how)
-        if given.held
-        else None
+        read_measured(job, given.held, given.layout, thickness, made, given.how) if given.held else None
     )
     level = None
     if given.noise is not None:
@@ -60,6 +61,7 @@ def run(job: Job, given: Given) -> int:
             remedy=f"give {free + _SPARE} or more",
         )
     _warn(job, document, tests)
+    apart = None if held_out is None else Apart(problem, held_out)
     with job.console.progress("Closing the loop") as advance:
         count = 0
 
@@ -68,19 +70,19 @@ def run(job: Job, given: Given) -> int:
             count += 1
             advance(1.0 - float(np.exp(-count / _REFITS)), text)
 
-        found = close(problem, noise=level, tick=tick)
+        found = close(problem, noise=level, tick=tick, apart=None if apart is None else apart.misses)
     model = extend(document, problem, found.after.fit, problem.law)
     model.format = model.format_name()
     _warn_of_softness(job, model, tests)
     result = describe(problem, found, tests.unit, tests.left_out, tests.warnings)
     result.preparation = tests.preparation
-    if held_out is not None:
-        result.held_out = _predicted(problem, found, held_out, tests.unit)
+    if apart is not None:
+        result.held_out = apart.errors(found, tests.unit)
     if out.wants_files:
         out.add(".model.json", dump_json(model.to_json()))
         result.model = out.path(".model.json").name
         _files(out, problem, found, tests.unit)
-    say(job.console, result)
+    say(job.console, problem, found, result)
     job.write(out, result)
     return NEGATIVE_VERDICT if found.verdict == "unexplained" else 0
 
@@ -160,24 +162,34 @@ def _warn_of_softness(job: Job, model: MaterialDocument, tests: Measured) -> Non
             job.console.warn(text)
 
 
-def _predicted(problem: FabricProblem, found: Finding, apart: Measured, unit: str) -> Any:
-    """Return the error on tests that were set apart, before and after."""
-    from hyperfab.chapters.close_loop.describe import errors_of
+class Apart:
+    """Tests that take no part, and what a model fitted to the others says of them."""
 
-    both = problem.remake([*problem.tests, *apart.tests])  # type: ignore[operator]
-    count = sum(len(test.stretch) for test in problem.tests)
-    total = count + sum(len(test.stretch) for test in apart.tests)
-    rows = slice(count, total)
-    values = [
-        both.predict(state.fit.x[: state.fit.own], state.fit.terms)[rows]
-        for state in (found.before, found.after)
-    ]
-    sd = np.full(total - count, float(np.sqrt(np.mean(found.noise.sd[:count] ** 2))))
-    measured: Array = np.concatenate([test.stress for test in apart.tests])
-    # The specimens set apart scatter as the others do.
-    spread = np.hypot(sd, found.noise.gain_sd * np.sqrt(np.maximum(values[1] * measured, 0.0)))
-    source = "the files of --hold-out"
-    return errors_of(measured, values[0], values[1], sd, unit, len(apart.tests), source, spread=spread)
+    def __init__(self, problem: FabricProblem, tests: Measured) -> None:
+        """Set ``tests`` apart from those of ``problem``."""
+        self._wider: FabricProblem = problem.remake([*problem.tests, *tests.tests])  # type: ignore[operator]
+        self._rows = slice(sum(len(test.stretch) for test in problem.tests), None)
+        self._count = len(tests.tests)
+        self._measured: Array = np.concatenate([test.stress for test in tests.tests])
+
+    def predicted(self, fit: Fit) -> Array:
+        """Return the stress of each row [MPa]."""
+        stop = self._rows.start + len(self._measured)
+        return self._wider.predict(fit.x[: fit.own], fit.terms)[self._rows.start : stop]
+
+    def misses(self, fit: Fit) -> float:
+        """Return by how much a model misses them, rms [MPa]."""
+        missed = float(np.sqrt(np.mean((self._measured - self.predicted(fit)) ** 2)))
+        return missed if np.isfinite(missed) else np.inf
+
+    def errors(self, found: Finding, unit: str) -> Errors:
+        """Return the error on them, before and after."""
+        before, after = (self.predicted(state.fit) for state in (found.before, found.after))
+        sd = np.sqrt(np.mean(found.noise.sd[: self._rows.start] ** 2))
+        # The specimens set apart scatter as the others do.
+        spread = np.hypot(sd, found.noise.gain_sd * np.sqrt(np.maximum(after * self._measured, 0.0)))
+        source = "the files of --hold-out"
+        return errors_of(self._measured, before, after, spread, unit, self._count, source)
 
 
 def _files(out: Output, problem: FabricProblem, found: Finding, unit: str) -> None:

@@ -100,7 +100,7 @@ def run(job: Job, given: Given) -> int:
             out.add(suffix, content)
         result.model = out.path(".model.toml").name
         _files(out, problem, found, read)
-    say(job.console, result)
+    say(job.console, problem, found, result)
     job.write(out, result)
     return NEGATIVE_VERDICT if found.verdict == "unexplained" else 0
 

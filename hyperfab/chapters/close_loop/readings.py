@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, Protocol, TypeVar
@@ -54,9 +53,6 @@ class Files(Generic[R]):
 
 def read_files(given: Given, read: Callable[[str], tuple[R, Array | None]]) -> Files[R]:
     """Read every file; InputError where there are too few readings."""
-    twice = [name for name, count in Counter(given.measured).items() if count > 1]
-    if twice:
-        raise UsageError(f"{twice[0]} is given twice; its readings would count double")
     measured = [read(name) for name in given.measured]
     if sum(len(one.values) for one, _ in measured) < LEAST:
         raise InputError(

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from hyperfab.documents.material import AtTemperature, MaterialDocument
-from hyperfab.materials.effects.thermal_softening import factor
+from hyperfab.materials.effects.thermal_softening import LAWS
 from hyperfab.materials.registry import bind, law_of
 
 
@@ -47,11 +47,16 @@ def scaled_material(material: MaterialDocument, factors: Mapping[str, float]) ->
 
 
 def soften(
-    result: MaterialDocument, values: Sequence[float], reference_degC: float, met: Iterable[float]
+    result: MaterialDocument,
+    values: Sequence[float],
+    reference_degC: float,
+    met: Iterable[float],
+    form: str = "curved",
 ) -> None:
     """Write softening with temperature as constants at each temperature ``met``, which every command interpolates.
 
-    ``values`` are those of the effect ``thermal-softening``; the constants at hand hold at ``reference_degC``.
+    ``values`` are those of the effect ``thermal-softening`` in its ``form``; the constants at hand hold at
+    ``reference_degC``.
     """
     law = law_of(result.model, result.parameters, anisotropic=True)
     near = np.unique(np.round(2.0 * np.fromiter(met, dtype=np.float64)) / 2.0)
@@ -62,7 +67,7 @@ def soften(
             AtTemperature(
                 temperature_degC=one,
                 parameters=law.scaled(
-                    place.parameters, float(factor(np.array(one), reference_degC, *map(float, values)))
+                    place.parameters, float(LAWS[form](np.array(one), reference_degC, *map(float, values)))
                 ),
             )
             for one in degrees

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from hyperfab.chapters.close_loop.domain import How
 from hyperfab.chapters.fit.prepare import Steps, prepare, settled
-from hyperfab.chapters.job import Job, refuse_twice
+from hyperfab.chapters.job import Job
 from hyperfab.chapters.look import remarks, understood, unused_columns
 from hyperfab.documents.provenance import Provenance
 from hyperfab.errors import InputError
@@ -20,10 +22,27 @@ from hyperfab.io.csv_tests import TestData, read_tests
 from hyperfab.io.layout import PLAIN, Layout
 from hyperfab.loop.fabric import FabricTest
 from hyperfab.loop.problem import Array
-from hyperfab.materials.effects.path import BIAXIAL, GENERAL, SHEAR, UNIAXIAL
+from hyperfab.materials.effects.path import BIAXIAL, GENERAL, SHEAR, UNIAXIAL, moving
+from hyperfab.numerics.hygiene import look
 
 #: Options of ``hf fit`` that say which test a file is.
 _OPTIONS = ("--uniaxial", "--shear", "--biaxial")
+
+#: Readings that no specimen gave, by the kind of what is odd, and how they are counted.
+_UNSOUND = {
+    "step-back": "after the stretch stepped back in mid-pull",
+    "spike": "off its neighbours",
+    "saturation": "at the end of the range",
+    "doubled": "stands twice",
+}
+#: Readings below which two tests may be alike by chance.
+_TWIN = 6
+#: What a file says of itself and the laws, or nobody, has a use for.
+_KNOWN = {
+    "test", "direction", "temperature", "rate", "cycle", "branch", "specimen", "thickness", "width", "gauge length",
+    "gauge", "diameter", "source", "date", "time", "operator", "machine", "note", "comment", "material", "standard",
+    "preload", "sample", "title", "name", "license", "doi", "year",
+}  # fmt: skip
 
 _MODES = {"uniaxial": UNIAXIAL, "shear": SHEAR, "biaxial": BIAXIAL, "biaxial-general": GENERAL}
 
@@ -52,7 +71,6 @@ def read_measured(
     A file that the model was ``fitted`` to is the test that it was given as then, where ``how`` does not say it. How
     each was read is said, and kept in ``preparation``.
     """
-    refuse_twice(names)
     how = how or How()
     layout = layout or PLAIN
     found = Measured([], "MPa")
@@ -83,6 +101,20 @@ def read_measured(
         for reason, count in part.left_out.items():
             found.left_out[f"{part.source}: {reason}"] += count
     for test in every:
+        if len(test.stress) > 1 and not np.any(np.diff(test.stress)):
+            raise InputError(
+                f"the stress is {test.stress[0]:g} in all {len(test.stress)} rows",
+                file=test.source,
+                column="stress",
+                remedy="export the reading of the load cell",
+            )
+    every = _sound(every, found)
+    told = {f"{test.source}: {key}" for test in every for key in _others(test)}
+    if told:
+        found.warnings.append(
+            f"no law knows {', '.join(sorted(told))}: taken as states that what is left may ride on"
+        )
+    for test in every:
         if test.test not in _MODES:
             kind = test.test.replace("-", " ")
             found.left_out[f"{test.source}: {kind} test, the sheet's law has no say in it"] += len(
@@ -91,18 +123,59 @@ def read_measured(
             continue
         factor = 1.0 / thickness if test.membrane and thickness else 1.0
         found.tests += _curves(test, factor, how.steps, found)
-    for one in found.tests:
-        if len(one.stress) > 1 and not np.any(np.diff(one.stress)):
-            raise InputError(
-                f"the stress is {one.stress[0]:g} in all {len(one.stress)} rows",
-                file=one.name.split(", ")[0],
-                column="stress",
-                remedy="export the reading of the load cell",
-            )
     if not found.tests:
         raise InputError(
             "has no test of a sheet", file=names[0], remedy="give uniaxial, shear or biaxial tests"
         )
+    return found
+
+
+def _sound(tests: Sequence[TestData], found: Measured) -> list[TestData]:
+    """Return the tests without readings that no specimen can have given, each counted in ``found``.
+
+    Those after an extensometer slipped, single readings off the curve, a reading that stands at the end of its range,
+    rows and tests that stand twice.
+    """
+    kept, seen = [], set()
+    for test in tests:
+        print_of = sha256(test.stretch.tobytes() + test.stress.tobytes()).digest()
+        if print_of in seen and len(test.stretch) >= _TWIN:
+            found.left_out[f"{test.source}: the readings of another test once more"] += len(test.stretch)
+            continue
+        seen.add(print_of)
+        sound = np.ones(len(test.stretch), dtype=bool)
+        across = test.stretch2 if test.test == "biaxial-general" else None
+        for doubt in look(
+            test.stretch, test.stress, stretch2=across, time=test.time_s, branch=test.branch, cycle=test.cycle
+        ):
+            if doubt.kind not in _UNSOUND or test.test == "volumetric":
+                continue
+            rows = np.array(doubt.rows)
+            gone = np.zeros(len(sound), dtype=bool)
+            gone[rows[0] if doubt.kind == "step-back" else rows] = True
+            gone = np.maximum.accumulate(gone) if doubt.kind == "step-back" else gone
+            found.left_out[f"{test.source}: {_UNSOUND[doubt.kind]}"] += int(np.count_nonzero(gone & sound))
+            sound &= ~gone
+        if sound.all():
+            kept.append(test)
+        elif np.count_nonzero(sound) > 1:
+            columns: dict[str, Any] = {
+                key: value[sound] for key, value in vars(test).items() if isinstance(value, np.ndarray)
+            }
+            kept.append(replace(test, **columns))
+    if found.left_out:
+        parts = "; ".join(f"{count} rows of {what}" for what, count in found.left_out.items())
+        found.warnings.append(f"left out: {parts}")
+    return kept
+
+
+def _others(test: TestData) -> dict[str, float]:
+    """Return what a file says of itself in numbers that no law knows: humidity, a batch, an age."""
+    found = {}
+    for key, text in test.metadata.items():
+        number = re.match(r"\s*[-+]?[0-9]+(?:[.,][0-9]+)?", text)
+        if number and key.casefold() not in _KNOWN:
+            found[key] = float(number[0].replace(",", "."))
     return found
 
 
@@ -178,6 +251,7 @@ def _curve(test: TestData, factor: float, number: int) -> FabricTest:
         cycle=pick(test.cycle),  # type: ignore[arg-type]
         specimen=f"{test.source} {test.specimen or number} {test.direction_name}",
         stress_sd=None if sd is None else factor * sd,
+        others=_others(test),
     )
 
 
@@ -193,8 +267,10 @@ def _runs(test: TestData) -> list[slice]:
                 cut[1:] |= np.abs(np.diff(column)) > size
         if test.branch is None and test.cycle is None:
             # A file of several pulls one after another: back to the start in one row.
-            reach = float(np.ptp(test.stretch))
-            cut[1:] |= np.diff(test.stretch) < -0.5 * reach
+            stretch = test.stretch
+            if test.test == "biaxial-general" and test.stretch2 is not None:
+                stretch = moving(stretch, test.stretch2)
+            cut[1:] |= np.diff(stretch) < -0.5 * float(np.ptp(stretch))
     if test.cycle is not None and test.time_s is None:
         cut[1:] |= np.diff(test.cycle) < 0
     edges = [0, *(int(i) for i in np.flatnonzero(cut)), count]

@@ -60,12 +60,9 @@ class Fabric:
                 second, _ = self._elastic(warp, weft, terms, stretch / peak, (*place, "second"))
                 stress = permanent_set.second_network(stress, second, peak, *terms["permanent-set"][1])
             if "thermal-softening" in terms:
-                _, values = terms["thermal-softening"]
-                curvature = values[1] if len(values) > 1 else 0.0
-                factor = thermal_softening.factor(
-                    path.temperature_degC, self.reference_degC, values[0], curvature
-                )
-                stress = stress * factor
+                form, values = terms["thermal-softening"]
+                law = thermal_softening.LAWS[form]
+                stress = stress * law(path.temperature_degC, self.reference_degC, *values)
             if "mullins" in terms:
                 stress = stress * self._mullins(terms["mullins"], stretch, energy)
             if "hysteresis" in terms:

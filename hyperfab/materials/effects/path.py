@@ -16,6 +16,8 @@ MODE_NAMES = ("uniaxial", "shear", "biaxial", "biaxial-general")
 
 #: A reversal smaller than this share of a curve's range of stretch is a reading's noise, not a turn.
 _TURN = 0.02
+#: Rows of one stretch that are a hold.
+_HOLD = 8
 
 
 @dataclass(frozen=True)
@@ -47,8 +49,18 @@ class Path:
         found = np.ones(len(self.stretch), dtype=np.int64)
         for rows in self.curves:
             stated = self.branch[rows]
-            found[rows] = stated if np.all(stated != 0) else _branches(self.stretch[rows])
+            found[rows] = stated if np.all(stated != 0) else _branches(self.moved(rows))
         return found
+
+    def moved(self, rows: slice) -> Array:
+        """Return the stretch of a curve that its test moves: of a general biaxial one that which moves most.
+
+        A strip is held at a stretch in one direction while it is pulled in the other: what the held one reads is the
+        machine's own wobble.
+        """
+        if np.any(self.mode[rows] != GENERAL):
+            return self.stretch[rows]
+        return moving(self.stretch[rows], self.across[rows])
 
     @cached_property
     def peak(self) -> Array:
@@ -126,6 +138,25 @@ class Path:
     def knows_time(self) -> bool:
         """Whether every row has a time."""
         return bool(np.all(np.isfinite(self.time_s)))
+
+
+def moving(stretch: Array, across: Array) -> Array:
+    """Return the one of two stretches that moves most, the first where they move alike.
+
+    >>> moving(np.array([1.0, 1.0]), np.array([1.0, 1.2]))
+    array([1. , 1.2])
+    """
+    return across if float(np.ptp(across)) > float(np.ptp(stretch)) else stretch
+
+
+def held(stretch: Array) -> NDArray[np.bool_]:
+    """Return which rows stand in a hold: the same stretch for several rows, more than digits would repeat."""
+    still = np.concatenate([[False], np.abs(np.diff(stretch)) <= 1e-9])
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], still.astype(np.int64), [0]])))
+    for start, stop in zip(edges[0::2], edges[1::2], strict=True):
+        if stop - start < _HOLD:
+            still[start:stop] = False
+    return still
 
 
 def uniaxial_pull(stretch: Array, angle_deg: float = 0.0) -> Path:

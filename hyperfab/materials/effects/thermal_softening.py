@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+
 import numpy as np
 
 from hyperfab.materials.kinematics import Array
@@ -11,11 +13,40 @@ def factor(temperature: Array, reference: float, softening: float, curvature: fl
     """Return ``exp(-softening dT - curvature dT^2)``, dT [K] above ``reference``: a first-order softening
     of all moduli.
 
+    Where the curvature would turn the law round it stays as it is there: what softens does not stiffen again.
     ``softening`` [1/K] may be negative (entropic elasticity stiffens with temperature). Ferry (1980), Viscoelastic
     Properties of Polymers, ch. 11 (vertical shift).
 
     >>> factor(np.array([20.0]), 20.0, 0.01)
     array([1.])
+    >>> factor(np.array([50.0, 90.0]), 0.0, 0.02, -0.0002)
+    array([0.60653066, 0.60653066])
     """
     rise = temperature - reference
+    if curvature:
+        turn = -0.5 * softening / curvature
+        rise = np.minimum(rise, turn) if turn > 0.0 else np.maximum(rise, turn)
     return np.asarray(np.exp(-softening * rise - curvature * rise**2))
+
+
+def towards_glass(
+    temperature: Array, reference: float, softening: float, step: float, at: float, width: float
+) -> Array:
+    """Return ``factor`` of a polymer that stiffens in the cold by ``exp(step)`` some ``width`` [K] about ``at`` [degC].
+
+    A logistic step of the logarithm of the stiffness, 1 at the ``reference``: Mahieux & Reifsnider (2001), Polymer 42,
+    3281, doi:10.1016/S0032-3861(00)00614-5, for one transition.
+
+    >>> towards_glass(np.array([-200.0, 20.0]), 20.0, 0.0, np.log(100.0), -30.0, 1.0).round(6)
+    array([100.,   1.])
+    """
+
+    def frozen(degrees: Array) -> Array:
+        return np.asarray(0.5 * (1.0 - np.tanh(0.5 * (degrees - at) / width)))
+
+    moved = frozen(np.asarray(temperature)) - frozen(np.array(reference))
+    return np.asarray(np.exp(step * moved - softening * (temperature - reference)))
+
+
+#: The law of each form: of the temperature, the reference and the form's constants.
+LAWS: Mapping[str, Callable[..., Array]] = {"exponential": factor, "curved": factor, "glass": towards_glass}

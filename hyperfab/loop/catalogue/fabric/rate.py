@@ -25,10 +25,13 @@ def entry(scene: Scene) -> Effect:
     level = Constant("flow_MPa", 0.1 * peak, 0.1 * peak, 0.1 * peak, 0.1 * peak)
     bend = Constant("bend", 0.0, -8.0, 8.0, 1.0)
     one, two = branch(1, times[1]), branch(2, times[2])
+    reason = "" if scene.shows_rate else "the tests have one rate, no hold and no way back"
+    if not scene.path.knows_time:
+        reason = "not every test states its times or its rate"
     return Effect(
         id="rate",
         title="stress depends on the rate",
-        not_sought="" if scene.path.knows_time else "not every test states its times or its rate",
+        not_sought=reason,
         rides_on=("rate", "time"),
         shown_by="the same cycle at two rates a factor of 16 apart, and a hold of the stretch",
         source="Fung (1981), Biomechanics, ch. 7; Taylor, Pister & Goudreau (1970), doi:10.1002/nme.1620020106; "

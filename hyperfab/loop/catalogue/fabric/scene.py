@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hyperfab.materials.effects.path import Path
+from hyperfab.materials.effects.path import Path, held
 from hyperfab.materials.kinematics import Array
 from hyperfab.materials.law import Law
 
@@ -41,6 +41,26 @@ class Scene:
     def unloads(self) -> bool:
         """Whether any specimen was let go again."""
         return bool(np.any(self.path.up < 0))
+
+    @property
+    def pulls_again(self) -> bool:
+        """Whether any specimen was pulled once more after it was let go."""
+        return any(np.any(np.diff(self.path.up[rows]) > 0) for rows in self.path.curves)
+
+    @property
+    def shows_rate(self) -> bool:
+        """Whether specimens went at more than one rate, the way back and a hold included."""
+        return self.unloads or self.several_rates
+
+    @property
+    def several_rates(self) -> bool:
+        """Whether specimens were pulled at rates a factor of two apart, or held."""
+        speed = np.abs(self.path.speed)
+        going = [speed[rows][speed[rows] > 0.0] for rows in self.path.curves]
+        pace = [float(np.median(one)) for one in going if len(one)]
+        if pace and max(pace) > 2.0 * min(pace):
+            return True
+        return any(held(self.path.moved(rows)).any() for rows in self.path.curves)
 
     @property
     def angles(self) -> Array:

@@ -9,7 +9,7 @@ from hyperfab.loop.problem import Constant, Effect, Form
 
 
 def entry(scene: Scene) -> Effect:
-    """Return the effect: exponential in temperature; with three temperatures also its curvature."""
+    """Return the effect: exponential in temperature; with three also its curvature, with four a step towards glass."""
     several = len(scene.temperatures) > 1
     span = float(np.ptp(scene.temperatures)) if several else 30.0
     linear = Constant("softening_1_K", 0.0, -5.0 / span, 5.0 / span, 0.1 / span)
@@ -17,6 +17,16 @@ def entry(scene: Scene) -> Effect:
     if len(scene.temperatures) > 2:
         bend = Constant("softening_1_K2", 0.0, -5.0 / span**2, 5.0 / span**2, 0.1 / span**2)
         forms.append(Form("curved", (linear, bend), ((0.2 / span, 0.05 / span**2),), refines="exponential"))
+    if len(scene.temperatures) > 3:
+        low, high = float(np.min(scene.temperatures)), float(np.max(scene.temperatures))
+        glass = (
+            linear,
+            Constant("step", 0.0, 0.0, 8.0, 0.2),
+            Constant("at_degC", low + 0.3 * span, low - 0.5 * span, high, 0.1 * span),
+            Constant("width_K", 0.1 * span, 0.02 * span, 0.5 * span, 0.05 * span),
+        )
+        colder = (0.05 / span, 1.0, low + 0.3 * span, 0.1 * span), (0.05 / span, 3.0, low, 0.15 * span)
+        forms.append(Form("glass", glass, colder, colder[:1], refines=("exponential", "curved")))
     return Effect(
         id="thermal-softening",
         title="stiffness changes with temperature",

@@ -5,13 +5,17 @@ from __future__ import annotations
 from hyperfab.loop.catalogue.heat.scene import Scene
 from hyperfab.loop.problem import Constant, Effect, Form
 
+#: What the air of a room does: so far over a shift, with its doors, and so fast when it is heated or aired.
+FARTHEST_K, FASTEST_K_S = 20.0, 0.01
+
 
 def entry(scene: Scene) -> Effect:
     """Return the effect: ambient linear in time, quadratic, cubic."""
     whole = scene.duration_s
-    slope = Constant("drift_K_s", 0.0, -80.0 / whole, 80.0 / whole, 2.0 / whole)
-    bend = Constant("drift_K_s2", 0.0, -80.0 / whole**2, 80.0 / whole**2, 2.0 / whole**2)
-    twist = Constant("drift_K_s3", 0.0, -160.0 / whole**3, 160.0 / whole**3, 2.0 / whole**3)
+    most = min(FARTHEST_K / whole, FASTEST_K_S)
+    slope = Constant("drift_K_s", 0.0, -4.0 * most, 4.0 * most, 2.0 / whole)
+    bend = Constant("drift_K_s2", 0.0, -4.0 * most / whole, 4.0 * most / whole, 2.0 / whole**2)
+    twist = Constant("drift_K_s3", 0.0, -8.0 * most / whole**2, 8.0 * most / whole**2, 2.0 / whole**3)
     return Effect(
         id="ambient-drift",
         title="the ambient changes with time",

@@ -21,7 +21,7 @@ def entry(scene: Scene) -> Effect:
     )
     # Metals resist 0.004 more a kelvin, nickel 0.006, heater alloys less: CRC Handbook of Chemistry and Physics.
     rise = scene.rise_K
-    wire = Constant("resistance_per_K", 0.0, -0.4 / rise, 4.0 / rise, 0.05 / rise, 0.004)
+    wire = Constant("resistance_per_K", 0.0, 0.0, 4.0 / rise, 0.05 / rise, 0.004)
     return Effect(
         id="power-loss",
         title="part of the power does not reach the mold",

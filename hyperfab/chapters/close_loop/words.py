@@ -1,0 +1,219 @@
+"""A finding in sentences an engineer can act on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from hyperfab.documents.loop import Errors, LoopDocument, Misfit, NoiseFigures
+from hyperfab.loop.engine import Finding
+from hyperfab.loop.problem import HAS_IT, Problem
+
+#: Differences of BIC from which evidence is called so: Kass & Raftery (1995), doi:10.1080/01621459.1995.10476572.
+_STRENGTHS = ((10.0, "decisive"), (6.0, "strong"), (2.0, "weak"))
+
+
+def strength(lowered: float) -> str:
+    """Return in a word how much a difference of BIC says.
+
+    >>> strength(300.0), strength(7.0), strength(3.0), strength(-5.0)
+    ('decisive', 'strong', 'weak', 'none')
+    """
+    return next((word for least, word in _STRENGTHS if lowered >= least), "none")
+
+
+def summary(problem: Problem, found: Finding, document: LoopDocument) -> list[str]:
+    """Return what came out: how far off, what lacks, how sure, what is left, what to measure next."""
+    lines = [_how_far(document)]
+    if document.verdict == "noise":
+        lines.append(_noise(found, document))
+    for effect in document.effects:
+        values = ", ".join(f"{key} {value:.4g}" for key, value in effect.parameters.items())
+        sure = strength(effect.evidence.delta_bic)
+        lines.append(f"{effect.id}: {effect.title} ({effect.form}: {values}); the evidence is {sure}.")
+    if document.effects:
+        lines.append(f"With that it misses by {_size(document.error.after, document.error.unit)}.")
+    if document.held_out is not None:
+        lines.append(_held_out(document.held_out))
+    if document.verdict == "effect":
+        lines.append(f"{_left(document)}, and no other entry of the catalogue could stand in its place.")
+    if document.verdict == "ambiguous":
+        lines.append(f"{_left(document)}.")
+    if document.indistinguishable:
+        sets = "; ".join(" or ".join(one) for one in document.indistinguishable)
+        lines.append(f"These data cannot tell apart: {sets}.")
+    if document.verdict == "unexplained":
+        lines += _unexplained(problem, found, document)
+    if document.next_measurement is not None:
+        sure = "" if document.next_measurement.decisive else " (it may not settle the matter at this noise)"
+        lines.append(f"Measure next: {document.next_measurement.text}{sure}.")
+    if document.indistinguishable:
+        by = {row.id: row.shown_by for row in document.candidates}
+        told = "; ".join(f"{name}: {by[name]}" for name in document.indistinguishable[0])
+        lines.append(f"What shows each of them: {told}.")
+    hidden: dict[str, list[str]] = {}
+    for row in document.candidates:
+        if not row.visible and row.not_sought != HAS_IT:
+            hidden.setdefault(row.not_sought or "", []).append(row.id)
+    if hidden:
+        parts = (", ".join(names) + (f" ({reason})" if reason else "") for reason, names in hidden.items())
+        lines.append(f"These data cannot show: {'; '.join(parts)}.")
+    return [*lines, *_doubts(found)]
+
+
+def doubts(problem: Problem, found: Finding, document: LoopDocument) -> list[str]:
+    """Return what is to be warned of: a guess for the noise, constants at their bounds, predictions that got worse."""
+    told = []
+    if found.noise.source.startswith("assumed"):
+        told.append(
+            f"the noise is {found.noise.source}: the verdict rests on it; state it with --noise, or read more rows"
+        )
+    if found.worse:
+        told.append(
+            f"not added: {', '.join(found.worse)}; with it these data, or tests left out, are missed by more"
+        )
+    told += [f"{one}: the data ask for more than it may be" for one in _at_bounds(problem, found)]
+    told += [
+        f"{what} is held at what nature allows: these data ask for more than that"
+        for what in _walls(problem, found)
+    ]
+    held = document.held_out
+    if held is not None and held.after.rms > held.before.rms:
+        told.append(
+            f"tests left out are missed by {_size(held.after, held.unit)} with what was added, by "
+            f"{_size(held.before, held.unit)} without: do not carry it over to tests like these"
+        )
+    return told
+
+
+def _how_far(document: LoopDocument) -> str:
+    error = document.error
+    unit = error.unit
+    noise = f"the noise of the data is {error.noise.rms:.3g} {unit}{_shares(document.noise)}"
+    if "at least" in document.noise.source:
+        noise += f" ({document.noise.source})"
+    given = (
+        ""
+        if error.delivered is None
+        else f"As delivered the model misses by {_size(error.delivered, unit)}. "
+    )
+    refitted = (
+        f"With its own constants refitted the model misses by {_size(error.before, unit)} (rms), {noise}."
+    )
+    return given + refitted
+
+
+def _size(misfit: Misfit, unit: str) -> str:
+    return f"{misfit.rms:.3g} {unit} ({100.0 * misfit.relative_rms:.2g} %)"
+
+
+def _shares(noise: NoiseFigures) -> str:
+    if noise.specimen_scatter is None:
+        return ""
+    return f" ({noise.sd:.2g} within a specimen, {100.0 * noise.specimen_scatter:.2g} % in stiffness between specimens)"
+
+
+def _least(document: LoopDocument) -> tuple[str, float]:
+    """Return the test of noise that says no most clearly, and its probability."""
+    left = document.residual
+    tests = {
+        "lack of fit": left.p_lack_of_fit,
+        "neighbouring readings miss alike": left.p_autocorrelation,
+        "it points at an entry": left.p_greatest_score,
+    }
+    what = min(tests, key=lambda name: tests[name])
+    return what, tests[what]
+
+
+def _left(document: LoopDocument) -> str:
+    if document.residual.is_noise:
+        return "What is left is noise"
+    what, chance = _least(document)
+    return (
+        f"What is left, {document.residual.structured:.2g} of a standard deviation of the noise, is small beside it, "
+        f"though not noise to the tests ({what}: p = {chance:.1g})"
+    )
+
+
+def _noise(found: Finding, document: LoopDocument) -> str:
+    if found.assumed and not document.residual.is_noise:
+        return (
+            f"What is left is a stiffness of each specimen, {100.0 * found.assumed:.2g} % (rms), as specimens of one "
+            "cloth scatter: these data show nothing else that the model lacks. Test replicates to be sure."
+        )
+    if document.residual.is_noise:
+        return "What is left is noise: these data show nothing that the model lacks."
+    return f"{_left(document)}: too little to name anything for."
+
+
+def _held_out(held: Errors) -> str:
+    count = "" if held.tests is None else f"{held.tests} "
+    how = ", each predicted from the others" if held.source != "the files of --hold-out" else ""
+    before, after = _size(held.before, held.unit), _size(held.after, held.unit)
+    if held.before.rms == held.after.rms:
+        return f"On {count}tests left out{how} it misses by {before}."
+    return f"On {count}tests left out{how} it misses by {before} without, by {after} with what was added."
+
+
+def _unexplained(problem: Problem, found: Finding, document: LoopDocument) -> list[str]:
+    shares: Mapping[str, float] = document.residual.rides_on
+    riding = [f"{key} ({share:.0%})" for key, share in shares.items() if share > 0.02][:3]
+    what, chance = _least(document)
+    lines = [
+        "Something is lacking that no entry of the catalogue explains "
+        f"({document.residual.structured:.2g} standard deviations of the noise beyond it; {what}: p = {chance:.1g})"
+        + (f"; what is left rides on {', '.join(riding)}." if riding else ".")
+    ]
+    lines.append(_where(problem, found))
+    if document.residual.suggestion:
+        lines.append(f"A hint, not a law: residual [{document.error.unit}] ~ {document.residual.suggestion}")
+    return lines
+
+
+def _where(problem: Problem, found: Finding) -> str:
+    """Return which test is missed most, and where in it."""
+    square = found.after.fit.residual**2
+    curves = [curve for curve in problem.curves if not curve.beforehand]
+    worst = max(curves, key=lambda curve: float(np.sum(square[curve.rows])))
+    share = float(np.sum(square[worst.rows])) / max(float(np.sum(square)), 1e-300)
+    at = int(np.argmax(square[worst.rows]))
+    places = worst.abscissa if worst.place is None else worst.place
+    return f"Most of it ({share:.0%}) is in {worst.name}, there most in row {at + 1} of {len(places)}."
+
+
+def _at_bounds(problem: Problem, found: Finding) -> list[str]:
+    """Return the constants of added effects that stand at a bound which is not their null."""
+    told, fit = [], found.after.fit
+    for name, form in fit.forms.items():
+        for constant, value in zip(form.constants, fit.x[fit.place(name)], strict=True):
+            away = [
+                abs(value - one) <= 1e-9 * max(abs(one), constant.scale)
+                for one in (constant.low, constant.high)
+            ]
+            if any(away) and value != constant.value and constant.low < constant.high:
+                told.append(f"{constant.name} of {name} is at its bound {float(value):.4g}")
+    return told
+
+
+def _walls(problem: Problem, found: Finding) -> list[str]:
+    fit = found.after.fit
+    asked = problem.forbidden(fit.x[: fit.own], fit.terms)
+    return [what for what, off in asked.items() if off > 0.0]
+
+
+def _doubts(found: Finding) -> list[str]:
+    """Return what the scatter of specimens may hide, and what would show it."""
+    share = 100.0 * found.noise.gain_sd
+    more = "two or three specimens of each kind of test would tell."
+    if found.doubted:
+        return [
+            f"Not added: {', '.join(found.doubted)}. Specimens that scatter a little more than the {share:.2g} % in "
+            f"stiffness seen here would explain as much: {more}"
+        ]
+    if found.verdict == "noise" and share:
+        return [
+            f"Tests that differ in stiffness by the {share:.2g} % that specimens scatter by count as noise. Should "
+            f"temperature, rate or direction do less than that, {more}"
+        ]
+    return []

@@ -1,0 +1,209 @@
+"""What ``hf close-loop`` says: that it is true, and that nothing is passed over in silence."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import numpy as np
+import pytest
+from conftest import Run
+
+from hyperfab.documents.base import schema
+
+MODEL = {
+    "format": "hyperfab.material/1",
+    "model": "yeoh-3",
+    "parameters": {"C10_MPa": 0.2, "C20_MPa": 0.02, "C30_MPa": 0.01},
+}
+
+
+def stress(stretch: np.ndarray) -> np.ndarray:
+    """A rubber's nominal stress [MPa]."""
+    i = stretch**2 + 2.0 / stretch - 3.0
+    return np.asarray(2.0 * (stretch - stretch**-2) * (0.1 + 0.04 * i + 0.02 * i**2))
+
+
+def write(
+    folder: Path, name: str, *, gain: float = 1.0, noise: float = 0.001, seed: int = 0, head: str = "",
+    rows: int = 60, slip: float = 0.0, spike: float = 0.0, most: float = np.inf, unit: str = "MPa",
+    column: str | None = None,
+) -> str:  # fmt: skip
+    """Write one pull; return the name of the file."""
+    rng = np.random.default_rng(seed)
+    stretch = np.linspace(1.0, 1.5, rows)
+    read = np.minimum(gain * stress(stretch) + noise * rng.standard_normal(rows), most)
+    told = stretch - slip * (np.arange(rows) >= 40)
+    read[rows // 2] += spike * read.max()
+    time = np.linspace(0.0, 50.0, rows)
+    label = "membrane stress [N/mm]" if unit == "N/mm" else f"stress [{unit}]"
+    more = "" if column is None else f",{column}"
+    lines = ["# test: uniaxial", *head.splitlines(), f"time [s],stretch [-],{label}{more}"]
+    tail = "" if column is None else ",25"
+    lines += [f"{t:.6g},{x:.8g},{p:.8g}{tail}" for t, x, p in zip(time, told, read, strict=True)]
+    (folder / name).write_text("\n".join(lines) + "\n")
+    return name
+
+
+@pytest.fixture
+def model(tmp_path: Path) -> Path:
+    (tmp_path / "m.json").write_text(json.dumps(MODEL))
+    return tmp_path
+
+
+def closed(
+    hf: Run, folder: Path, files: list[str], *more: str, status: int | None = None
+) -> tuple[dict[str, Any], str]:
+    words = [word for name in files for word in ("--measured", name)]
+    done = hf("close-loop", "m.json", *words, *more, cwd=folder)
+    assert done.returncode == status if status is not None else done.returncode in (0, 1), (
+        done.stderr.decode()
+    )
+    document = json.loads(done.stdout) if done.returncode in (0, 1) else {}
+    if document:
+        jsonschema.validate(document, schema("loop"))
+    return document, done.stderr.decode()
+
+
+def test_the_model_as_delivered_is_told_beside_the_refitted_one(hf: Run, model: Path) -> None:
+    found, told = closed(hf, model, [write(model, "a.csv")])
+    given = found["error"]["delivered"]
+    lam = np.linspace(1.0, 1.5, 60)
+    i = lam**2 + 2.0 / lam - 3.0
+    off = 2.0 * (lam - lam**-2) * (0.2 + 0.04 * i + 0.03 * i**2) - stress(lam)
+    assert given["rms"] == pytest.approx(float(np.sqrt(np.mean(off**2))), rel=0.02)
+    assert f"{given['rms']:.3g} MPa ({100 * given['relative_rms']:.2g} %)" in told
+
+
+@pytest.mark.parametrize("role", ["--hold-out", "--measured"])
+@pytest.mark.parametrize("other", ["a.csv", "./a.csv", "copy.csv"])
+def test_no_reading_takes_part_twice(hf: Run, model: Path, role: str, other: str) -> None:
+    files = [write(model, "a.csv"), write(model, "b.csv", seed=1)]
+    shutil.copy(model / "a.csv", model / "copy.csv")
+    _, told = closed(hf, model, files, role, other, status=2)
+    assert other in told
+    assert ("no prediction" if role == "--hold-out" else "count double") in told
+
+
+def test_the_same_readings_in_a_file_of_another_look_count_once(hf: Run, model: Path) -> None:
+    files = [write(model, "a.csv"), write(model, "b.csv", seed=1)]
+    once, _ = closed(hf, model, files)
+    (model / "copy.csv").write_text("# note: again\n" + (model / "a.csv").read_text())
+    twice, told = closed(hf, model, [*files, "copy.csv"])
+    assert "copy.csv" in told
+    assert sum(twice["left_out"].values()) == 60
+    assert twice["constants"] == once["constants"]
+
+
+def test_what_no_law_knows_is_named(hf: Run, model: Path) -> None:
+    files = [
+        write(model, "a.csv", column="Wetness [arb]"),
+        write(model, "b.csv", seed=1, head="# humidity: 65 %"),
+    ]
+    found, told = closed(hf, model, files)
+    assert "Wetness" in told or "wetness" in told
+    assert "humidity" in told
+    assert any("humidity" in one for one in found["warnings"])
+
+
+def test_a_state_that_no_law_knows_is_what_the_rest_rides_on(hf: Run, model: Path) -> None:
+    wet = [(35, 1.25), (45, 1.1), (55, 0.9), (65, 0.75)]
+    files = [
+        write(
+            model,
+            f"{h}-{k}.csv",
+            gain=g,
+            seed=h + k,
+            head=f"# humidity: {h} %\n# specimen: {h}-{k}\n# temperature: {20 + 20 * k} degC",
+        )
+        for h, g in wet
+        for k in range(2)
+    ]
+    found, _ = closed(hf, model, files, "--noise", "0.001MPa")
+    if found["verdict"] == "unexplained":
+        assert found["residual"]["rides_on"].get("humidity", 0.0) > 0.3
+
+
+def test_a_slip_of_the_extensometer_is_told_and_no_effect(hf: Run, model: Path) -> None:
+    files = [write(model, f"{k}.csv", slip=0.03, seed=k, rows=80) for k in range(3)]
+    found, told = closed(hf, model, files)
+    assert "0.csv, line 43" in told
+    assert "steps back" in told
+    assert found["effects"] == []
+    assert found["verdict"] == "noise"
+    assert sum(found["left_out"].values()) == 3 * 40
+
+
+def test_readings_at_the_end_of_the_range_and_spikes_are_told_and_left_out(hf: Run, model: Path) -> None:
+    top = float(stress(np.array([1.4]))[0])
+    files = [write(model, f"{k}.csv", most=top, seed=k, noise=2e-4) for k in range(2)]
+    files.append(write(model, "spike.csv", spike=0.3, seed=9, noise=2e-4))
+    found, told = closed(hf, model, files)
+    assert "same largest stress" in told
+    assert "spike.csv, line 33" in told
+    assert found["effects"] == []
+    assert found["verdict"] == "noise"
+
+
+def test_a_prediction_that_got_worse_is_not_passed_over(hf: Run, model: Path) -> None:
+    """The files set apart disagree with those that take part: no effect may make that more."""
+    files = [
+        write(model, f"{t}{k}.csv", gain=g, seed=t + k, head=f"# temperature: {t} degC")
+        for t, g in ((20, 1.0), (60, 0.7))
+        for k in range(2)
+    ]
+    write(model, "apart.csv", gain=1.3, seed=7, head="# temperature: 90 degC")
+    found, told = closed(hf, model, files, "--hold-out", "apart.csv")
+    held = found["held_out"]
+    assert held["after"]["rms"] <= held["before"]["rms"]
+    assert "not added: thermal-softening" in told
+    assert found["verdict"] == "unexplained"
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_noise_is_only_called_so_where_the_tests_say_so(hf: Run, model: Path, seed: int) -> None:
+    files = [
+        write(model, f"{t}.csv", gain=1.0 - 0.004 * (t - 20), seed=t + seed, head=f"# temperature: {t} degC")
+        for t in (20, 40, 60)
+    ]
+    found, told = closed(hf, model, files)
+    assert ("What is left is noise" in told) == (
+        found["residual"]["is_noise"] and found["verdict"] != "unexplained"
+    )
+
+
+def test_noise_that_is_a_guess_is_warned_of(hf: Run, model: Path) -> None:
+    files = [write(model, f"{k}.csv", rows=41, seed=k) for k in range(4)]
+    for name in files:
+        lines = (model / name).read_text().splitlines()
+        (model / name).write_text("\n".join([*lines[:2], *lines[2::12]]) + "\n")
+    found, told = closed(hf, model, files)
+    assert found["noise"]["source"].startswith("assumed")
+    assert "--noise" in told
+
+
+def test_a_force_per_width_keeps_its_unit_where_the_thickness_is_none(hf: Run, model: Path) -> None:
+    (model / "m.json").write_text(json.dumps({**MODEL, "thickness_mm": 1.0, "thickness_nominal": True}))
+    found, told = closed(hf, model, [write(model, "a.csv", unit="N/mm")])
+    assert found["error"]["unit"] == "N/mm"
+    assert "MPa (" not in told
+
+
+def test_a_modulus_that_no_material_has_is_not_given(hf: Run, model: Path) -> None:
+    """Curves flat at rest, one a direction: unbounded constants would begin with a negative modulus."""
+    rng, files = np.random.default_rng(0), []
+    for way, size in (("warp", 0.6), ("weft", 0.3)):
+        lam = np.linspace(1.0, 1.6, 60)
+        read = size * (lam - 1.0) ** 3.5 + 2e-4 * rng.standard_normal(60)
+        rows = "".join(f"{x:.6g},{p:.6g}\n" for x, p in zip(lam, read, strict=True))
+        (model / f"{way}.csv").write_text(
+            f"# test: uniaxial\n# direction: {way}\nstretch,stress [MPa]\n{rows}"
+        )
+        files.append(f"{way}.csv")
+    found, told = closed(hf, model, files)
+    assert "no stiffness at rest" not in told
+    if any("nature allows" in one for one in found["warnings"]):
+        assert "Young's modulus" in told
