@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -18,9 +19,11 @@ from hyperfab.io.rows import (
     Row,
     lines_of,
     split,
+    titles_by_gaps,
     uniform,
 )
 from hyperfab.io.tables import (
+    NO_READING,
     Block,
     Entry,
     Fits,
@@ -32,6 +35,8 @@ from hyperfab.io.tables import (
     is_units,
     readings,
     settings,
+    shape,
+    transposed,
     understood,
     with_units,
 )
@@ -153,10 +158,17 @@ def open_sheets(data: bytes, name: str, fits: Fits, layout: Layout = PLAIN) -> l
     first = _first_table(body, separator, name, fits, layout)
     if first is not None:
         return [_sheet(block, name, separator, metadata, fits, layout) for block in first]
-    chosen = best(
-        (one, find([(n, split(t, one, name, n)) for n, t in body], fits, layout))
-        for one in ([given] if given else SEPARATORS)
-    )
+    marks = [given] if given else list(SEPARATORS)
+    if len(body) > 2 * _WINDOW:
+        told = best((mark, find(_rows(body[:_WINDOW], mark, name), fits, layout)) for mark in marks)
+        if told is not None:
+            marks, long = [told[0]], _long(body, *told, name)
+            if long is not None:
+                return [_sheet(long, name, told[0], metadata, fits, layout)]
+    chosen = best((mark, find(_rows(body, mark, name), fits, layout)) for mark in marks)
+    if chosen is None:
+        # Rows for columns: a quantity a line.
+        chosen = best((mark, find(transposed(_rows(body, mark, name)), fits, layout)) for mark in SEPARATORS)
     if chosen is None:
         return [_sheet(_plain(body, separator, name, layout), name, separator, metadata, fits, layout)]
     separator, blocks = chosen
@@ -213,7 +225,7 @@ def _comments(
         stripped = line.strip()
         if not stripped:
             continue
-        if stripped.startswith(("#", '"#')):
+        if stripped.startswith(("#", '"#')) and not (body and _no_reading(stripped)):
             key, colon, value = stripped.strip(";,\t").strip('"').lstrip("#").partition(":")
             if colon and not body:
                 one = heading(key.strip(), 0)  # also "# width [mm]: 25"
@@ -231,9 +243,14 @@ def _comments(
             separator = line.strip(' "\r\n')[4:5]
         else:
             body.append((number, line))
-    if comment is not None and body and is_data(split(body[0][1], _separator([body[0][1]]), "", 0)):
+    if comment is not None and body and any(is_data(split(body[0][1], mark, "", 0)) for mark in SEPARATORS):
         body.insert(0, comment)  # a table whose head is a comment, as numpy writes it
     return metadata, body, separator
+
+
+def _no_reading(line: str) -> bool:
+    """Whether a row that begins with # is one of errors of a spreadsheet (#DIV/0!) and no comment."""
+    return NO_READING.fullmatch(re.split(r"[;,\t|]", line)[0].strip(' "')) is not None
 
 
 def _separator(sample: list[str]) -> str:
@@ -249,6 +266,39 @@ def _separator(sample: list[str]) -> str:
 
 def _count(line: str, mark: str) -> int:
     return re.sub(r'"[^"]*"', "", line).count(mark)
+
+
+def _rows(body: list[tuple[int, str]], separator: str, name: str) -> list[Row]:
+    """Return the rows of all lines; where white space parts them, titles are parted into as many as "
+    "there are columns."""
+    rows = [(number, split(text, separator, name, number)) for number, text in body]
+    if separator != " ":
+        return rows
+    widths = Counter(len(cells) for _, cells in rows if is_data(cells))
+    if not widths:
+        return rows
+    count = widths.most_common(1)[0][0]
+    return [
+        row if is_data(row[1]) else (number, titles_by_gaps(text, count) or [text.strip()])
+        for row, (number, text) in zip(rows, body, strict=True)
+    ]
+
+
+def _long(body: list[tuple[int, str]], separator: str, blocks: list[Block], name: str) -> Block | None:
+    """Return the table that a long file is below its head, where it is plain from there to its end; else None."""
+    if len(blocks) != 1:
+        return None
+    block, first = blocks[0], blocks[0].rows[0][0]
+    rest = [(number, text) for number, text in body if number >= first]
+    if len(rest) * len(block.headings) > MAX_CELLS:
+        raise InputError(
+            f"has more than {MAX_CELLS} cells", file=name, remedy="thin it out or export fewer channels"
+        )
+    columns = uniform([text for _, text in rest], separator, len(block.headings))
+    if columns is None or not all(map(_plain_column, columns)):
+        return None
+    block.columns, block.lines = columns, [number for number, _ in rest]
+    return block
 
 
 def _first_table(
@@ -306,30 +356,28 @@ def _plain_column(cells: Sequence[str]) -> bool:
 
 def _plain(body: list[tuple[int, str]], separator: str, name: str, layout: Layout) -> Block:
     """Return what a file most likely is where no head fits: its columns are then named in the message."""
-    rows = [(number, split(text, separator, name, number)) for number, text in body[:_WINDOW]]
-    everything = find(rows, lambda heads: True, layout)
-    for mark in SEPARATORS:
-        other = find(
-            [(n, split(t, mark, name, n)) for n, t in body[:_WINDOW]], lambda heads: len(heads) > 1, layout
-        )
-        if sum(len(one.rows) for one in other) > sum(len(one.rows) for one in everything):
-            everything, separator = other, mark
-    if everything:
-        return max(everything, key=lambda one: len(one.rows))
-    line, cells = rows[0]
-    if is_data(cells):
+    window = body[:_WINDOW]
+    options = [(mark, _rows(window, mark, name)) for mark in SEPARATORS]
+    chosen = best((mark, find(rows, lambda heads: len(heads) > 1, layout)) for mark, rows in options)
+    if chosen is not None:
+        return max(chosen[1], key=lambda one: len(one.rows))
+    _, rows = max(options, key=lambda option: sum(is_data(cells) for _, cells in option[1]))
+    if is_data(rows[0][1]):
         raise _headless(rows, name)
-    return Block(line, headings(cells, layout), rows[1:])
+    rows = _rows(window, separator, name)
+    return Block(rows[0][0], headings(rows[0][1], layout), rows[1:])
 
 
 def _headless(rows: list[Row], name: str) -> InputError:
-    line, _ = rows[0]
+    """Return the error that no line names the columns, with what their first readings suggest."""
+    columns = list(zip(*(cells for _, cells in rows if len(cells) == len(rows[0][1])), strict=True))
+    first = shape(columns[0])
+    filled = filled_in([("1", first), ("2", "stress [MPa]")])
     return InputError(
         "starts with numbers, there is no header",
         file=name,
-        line=line,
-        remedy=f'name the columns, as in "stretch,stress [MPa]", or by number: '
-        f"{filled_in([('1', 'stretch'), ('2', 'stress [MPa]')])}",
+        line=rows[0][0],
+        remedy=f'name the columns, as in "stretch,stress [MPa]", or say what they are by number: {filled}',
     )
 
 

@@ -236,6 +236,10 @@ _OF_A_ROW = {
 }
 
 
+#: A cell that is empty or holds more than a number.
+_ODD = re.compile(r"^$|[^\d\s.,+\-eE%']|^[^\d]*$", re.MULTILINE)
+
+
 def _with_readings(sheet: Sheet, columns: Roles) -> Sheet:
     """Leave out rows where a machine or a spreadsheet wrote that there is no reading, each counted by reason."""
     reasons: dict[str, list[int]] = {}
@@ -247,15 +251,8 @@ def _with_readings(sheet: Sheet, columns: Roles) -> Sheet:
             if column is None:
                 continue
             cells = sheet.columns[column.heading.index]
-            if not any(
-                mark in cell
-                for cell in {*cells[:1], *set(cells)}
-                for mark in "#/-*nNvVaAoOlL–—"
-                if NO_READING.fullmatch(cell)
-            ):
-                tail = next((row for row in range(count - 1, -1, -1) if cells[row]), -1)
-                if tail == count - 1:
-                    continue
+            if not _ODD.search("\n".join(cells)):
+                continue
             last = max((row for row in range(count) if is_number(cells[row])), default=-1)
             for row, cell in enumerate(cells):
                 if row in seen or (cell and not NO_READING.fullmatch(cell)):

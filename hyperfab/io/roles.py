@@ -13,7 +13,7 @@ from hyperfab.errors import InputError
 from hyperfab.io.csv_dialect import Sheet
 from hyperfab.io.headings import KIND, Heading, Meaning, heading, is_of, meaning, plain, suffixed, unit_of
 from hyperfab.io.layout import filled_in
-from hyperfab.io.tables import is_number
+from hyperfab.io.tables import is_number, shape
 
 #: What gives a stretch and what a stress, the surest first.
 STRETCHES = (
@@ -228,7 +228,8 @@ def _pulled(sheet: Sheet, columns: dict[str, Column]) -> str:
         sizes[axis] = float(values[np.argmax(np.abs(values))]) if len(values) else 0.0
     first = max(sizes, key=lambda axis: sizes[axis])
     entries = [
-        (column.heading.title, column.name if axis == first else f"{column.name} 2") for axis, column in pair
+        (column.heading.title, column.name[:-2] if axis == first else f"{column.name[:-2]} 2")
+        for axis, column in pair
     ]
     raise InputError(
         f"{pair[0][1].heading.title} or {pair[1][1].heading.title}: which is along the pull?",
@@ -284,25 +285,13 @@ def proposed(sheet: Sheet, found: Roles) -> list[tuple[str, str]]:
     rest = [one for one in numeric if one.index not in entries and one.unit is None]
     if not have & set(STRETCHES) and rest:
         one = rest.pop(0)
-        entries[one.index] = (one.title, _shape(sheet, one))
+        entries[one.index] = (one.title, shape(sheet.columns[one.index]))
     if not have & set(STRESSES) and rest:
         one = rest.pop(0)
         entries[one.index] = (one.title, "stress [MPa]")
     if not entries:
         entries[0] = ("Title", "force [N]")
     return [entries[index] for index in sorted(entries)]
-
-
-def _shape(sheet: Sheet, head: Heading) -> str:
-    """Return the name that the first readings of a column suggest."""
-    values = [
-        float(cell.replace(",", "."))
-        for cell in sheet.columns[head.index]
-        if re.fullmatch(r"[-+]?\d*[.,]?\d+", cell)
-    ]
-    if values and values[0] >= 0.9 and max(values) < 20.0:
-        return "stretch"
-    return "strain [%]" if values and max(values) > 3.0 else "strain [-]"
 
 
 def unitless(sheet: Sheet, columns: Sequence[Column]) -> str:

@@ -91,8 +91,15 @@ def uniform(lines: Sequence[str], separator: str, width: int) -> list[list[str]]
     The long way round, line by line, takes a second for a table of 300 000 rows; this one a tenth.
     """
     text = "\n".join(lines)
-    if '"' in text or separator == " " or not text:
+    if '"' in text or not text:
         return None
+    if separator == " ":
+        rows = [line.split() for line in lines]
+        return (
+            [list(cells) for cells in zip(*rows, strict=True)]
+            if {len(row) for row in rows} == {width}
+            else None
+        )
     if text.count(separator) != (width - 1) * len(lines):
         return None
     if width > 1 and any(line.count(separator) != width - 1 for line in lines):

@@ -133,6 +133,12 @@ def read_loading(
             "a stress",
             '"stress [MPa]", "true stress [MPa]", "membrane stress [N/mm]" or "force [N]"',
         )
+    second = roles.first(STRESSES, " 2")
+    if second is not None and stretch2 is None and not test.startswith("biaxial"):
+        first = roles.first(STRESSES)
+        raise sheet.two(
+            [one.heading for one in (first, second) if one is not None], second.name.removesuffix(" 2")
+        )
     stress2, membrane2, _ = _stress(sheet, roles, " 2", test, sizes, decimal, stretch2, notes, used)
     if stress2 is not None and membrane2 != membrane:
         raise InputError(
@@ -187,7 +193,7 @@ def _stretch(
     used.append(column)
     name, head = column.name.removesuffix(" 2"), column.heading
     if name in ("extension", "length", "position"):
-        found = _from_lengths(sheet, column, name, test, sizes, decimal, options, notes)
+        found = _from_lengths(sheet, roles, column, name, test, sizes, decimal, options, notes)
     else:
         values = quantities(sheet, head, "dimensionless", decimal, name=name)
         largest = float(np.abs(values).max()) if len(values) else 0.0
@@ -232,6 +238,7 @@ def _stretch(
 
 def _from_lengths(
     sheet: Sheet,
+    roles: Roles,
     column: Column,
     name: str,
     test: str,
@@ -242,7 +249,7 @@ def _from_lengths(
 ) -> Array:
     head = column.heading
     if head.unit is None:
-        raise no_unit(sheet, column)
+        raise no_unit(sheet, column, roles)
     if options.gauge_length is None:
         conflicting(sheet, decimal)
     length = sizes.gauge_length or (sizes.diameter if test.startswith("biaxial") else None)
@@ -268,14 +275,15 @@ def _from_lengths(
     return 1.0 + values / length
 
 
-def no_unit(sheet: Sheet, column: Column) -> InputError:
+def no_unit(sheet: Sheet, column: Column, roles: Roles) -> InputError:
     """Return the error that a column lacks its unit, with the option that gives it."""
     return InputError(
         "has no unit",
         file=sheet.name,
         line=sheet.header_line,
         column=column.heading.title,
-        remedy=f'write it behind the name, as in "{column.heading.title} [mm]", or say {unitless(sheet, [column])}',
+        remedy=f'write it behind the name, as in "{column.heading.title} [mm]", or say '
+        f"{unitless(sheet, [*roles.columns.values()])}",
     )
 
 

@@ -104,6 +104,12 @@ def find(rows: Sequence[Row], fits: Fits, layout: Layout) -> list[Block]:
         above = [row for row, one in zip(rows[before:first], data[before:first], strict=True) if not one]
         block.metadata = settings(above)
         end = heads[number + 1][0] if number + 1 < len(heads) else len(rows)
+        while (
+            number + 1 < len(heads)
+            and not data[end - 1]
+            and not is_closing(next(filter(None, rows[end - 1][1]), ""))
+        ):
+            end -= 1  # what stands above the next head belongs to it
         block.rows = list(rows[start:end])
     return found
 
@@ -141,10 +147,42 @@ def _head(
                 first = min(k for k in (above[place], units, upper) if k is not None)
                 options.append(((fits(made), known, units_known, -cost), first, made))
     fitting = [option for option in options if option[0][0]]
+    if not fitting and layout.columns:  # by number, where no line names the columns
+        blank = [Heading("", "", None, index) for index in range(width)]
+        chosen = [layout.choice(one, blank) for one in blank]
+        made = tuple(one if c is None else named(c, one) for one, c in zip(blank, chosen, strict=True))
+        return (start, made) if fits(made) else None
     if not fitting:
         return None
     _, first, made = max(fitting, key=lambda option: option[0])
     return first, made
+
+
+def transposed(rows: Sequence[Row]) -> list[Row]:
+    """Return rows as columns, where each begins with a title, perhaps a unit, and numbers follow; else nothing."""
+    taken = []
+    for line, cells in rows:
+        numbers = [cell for cell in cells[1:] if is_number(cell)]
+        if len(numbers) >= 3 and cells[0] and not is_number(cells[0]):
+            unit = unit_of(cells[1].strip("[](){} ")) if not is_number(cells[1]) else None
+            taken.append((line, f"{cells[0]} [{unit}]" if unit else cells[0], cells[2 if unit else 1 :]))
+    if len(taken) < 2:
+        return []
+    width = max(len(cells) for _, _, cells in taken)
+    line = taken[0][0]
+    columns = [[*cells, *[""] * (width - len(cells))] for _, _, cells in taken]
+    return [
+        (line, [title for _, title, _ in taken]),
+        *((line, list(cells)) for cells in zip(*columns, strict=True)),
+    ]
+
+
+def shape(cells: Sequence[str]) -> str:
+    """Return the name that the first readings of a column of stretches suggest."""
+    values = [float(cell.replace(",", ".")) for cell in cells if re.fullmatch(r"[-+]?\d*[.,]?\d+", cell)]
+    if values and values[0] >= 0.9 and max(values) < 20.0:
+        return "stretch"
+    return "strain [%]" if values and max(values) > 3.0 else "strain [-]"
 
 
 def _joined(rows: Sequence[Row], place: int, upper: int | None, width: int) -> list[str]:
@@ -256,6 +294,9 @@ def _stated(cells: Sequence[str], place: int) -> tuple[str, str, str | None, int
         key, value, after = cells[place].rstrip(":= "), cells[place + 1], place + 2
         if not value or (place > 0 and setting(key) is None):
             return None
+        beyond = cells[after + (after < len(cells) and unit_of(cells[after].strip("[](){} ")) is not None) :]
+        if any(beyond) and setting(next(filter(None, beyond)).rstrip(":= ")) is None:
+            return None  # a table's row, no setting
     else:
         return None
     read = heading(key, 0)
