@@ -146,6 +146,14 @@ class Direction(_Part):
     )
 
 
+class Undetermined(_Part):
+    """A constant that no test at hand speaks of."""
+
+    constant: str
+    value: float = Field(description="what it is taken as: where it has no effect, or the usual")
+    test: str = Field(description="the test that would tell it")
+
+
 class ModelRow(_Part):
     """One law in the table of all: a row without constants says in ``status`` why there are none."""
 
@@ -215,6 +223,9 @@ class MaterialDocument(Document):
     bulk_modulus_MPa: float | None = Field(default=None, description="from the volumetric test")
     warnings: list[str] | None = None
     models: list[ModelRow] | None = Field(default=None, description="all laws, best first (--model all)")
+    undetermined: list[Undetermined] | None = Field(
+        default=None, description="constants that the tests leave open (orthotropic)"
+    )
     effects: list[dict[str, Any]] | None = Field(
         default=None, description="physical terms beyond the law, as hf close-loop adds them"
     )

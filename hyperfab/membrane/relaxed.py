@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.materials.orthotropic.energy import Answer
+from hyperfab.materials.orthotropic.stability import least_modulus
 from hyperfab.membrane.tension_field import SLACK, WRINKLED, Principal, Response, principal_directions
 
 Array = NDArray[np.float64]
@@ -197,30 +198,6 @@ class _Found:
     stiffness: Array
     state: NDArray[np.int8]
     natural: Array
-
-
-def least_modulus(own: Answer, C: Array) -> Array:
-    """Return the least over the largest eigenvalue of the Jaumann moduli of the Kirchhoff stress (n,)."""
-    c1, c2, cos2, sin2 = principal_directions(C)
-    l1, l2 = np.sqrt(c1), np.sqrt(c2)
-    cc, ss, cs = 0.5 * (1.0 + cos2), 0.5 * (1.0 - cos2), 0.5 * sin2
-    one, two = np.stack([cc, ss, 2.0 * cs], axis=1), np.stack([ss, cc, -2.0 * cs], axis=1)
-    both = np.stack([-2.0 * cs, 2.0 * cs, 2.0 * cos2], axis=1)
-    T = np.stack([one * c1[:, None], two * c2[:, None], 0.5 * both * (l1 * l2)[:, None]], axis=1)
-    t = np.einsum("nij,nj->ni", T * np.array([1.0, 1.0, 1.0]), own.stress)
-    M = np.einsum("nij,njk,nlk->nil", T, own.stiffness, T)
-    # The Jaumann rate adds half of delta tau in all its symmetries.
-    M[:, 0, 0] += 2.0 * t[:, 0]
-    M[:, 1, 1] += 2.0 * t[:, 1]
-    M[:, 2, 2] += 0.5 * (t[:, 0] + t[:, 1])
-    M[:, 0, 2] += t[:, 2]
-    M[:, 2, 0] += t[:, 2]
-    M[:, 1, 2] += t[:, 2]
-    M[:, 2, 1] += t[:, 2]
-    finite = np.isfinite(M).all(axis=(1, 2))
-    values = np.linalg.eigvalsh(np.where(finite[:, None, None], M, np.eye(3)))
-    largest = np.abs(values).max(axis=1)
-    return np.where(finite, values[:, 0] / np.where(largest > 0.0, largest, 1.0), np.nan)
 
 
 def _axes(angle: Array) -> tuple[Array, Array, Array]:

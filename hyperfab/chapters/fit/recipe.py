@@ -13,7 +13,7 @@ from hyperfab.chapters.fit.readings import Readings, gather, read_all
 from hyperfab.chapters.fit.specimens import aspect_warnings, geometry
 from hyperfab.chapters.job import Job
 from hyperfab.console import NEGATIVE_VERDICT
-from hyperfab.documents.material import MaterialDocument
+from hyperfab.documents.material import MaterialDocument, TestFigures
 from hyperfab.documents.provenance import relative_name
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.layout import layout
@@ -60,7 +60,9 @@ def run(
         raise UsageError(f"--objective {objective}: it is relative or absolute")
     if not accept > 0.0:
         raise UsageError(f"--accept {accept}: a relative rms above zero is needed, as 0.30")
-    candidates = [one for one in laws().values() if one.isotropic] if model == "all" else [law(model)]
+    candidates = [one for one in laws().values() if one.isotropic] if model == "all" else []
+    if model not in ("all", "orthotropic"):
+        candidates = [law(model)]
     named = {"": files, "uniaxial": uniaxial, "shear": shear, "biaxial": biaxial, "volumetric": volumetric}
     sizes = geometry(
         specimen,
@@ -79,6 +81,8 @@ def run(
     if floor is not None:
         readings.preparation.append(f"noise of {floor:g} MPa taken into account in the weights")
     setting = Setting(chosen, objective == "relative", stable, accept, floor)
+    if model == "orthotropic":
+        return _fit_sheet(job, out, readings, setting, output)
     sets = _sets(readings)
     judged = _judge_all(job, candidates, sets, setting)
     best = judged[0]
@@ -102,6 +106,60 @@ def run(
         out.add(".png", picture(best, sets, setting))
     job.write(out, document)
     return 0 if best.accepted else NEGATIVE_VERDICT
+
+
+def _fit_sheet(job: Job, out: Output, readings: Readings, setting: Setting, output: str) -> int:
+    """Identify the orthotropic law of the whole sheet and write it."""
+    from hyperfab.chapters.fit.orthotropic import fit_sheet
+
+    with job.console.progress("Identifying") as advance:
+        advance(0.0, "orthotropic")
+        fit = fit_sheet(readings.curves, setting)
+    document = MaterialDocument(
+        model="orthotropic",
+        parameters=dict(fit.law.parameters),
+        thickness_mm=readings.thickness,
+        thickness_nominal=readings.nominal or None,
+        temperature_degC=fit.temperatures[fit.reference],
+        directions={name: fit.direction(name) for name in fit.directions} or None,
+        temperatures=fit.at_temperatures,
+        fit=fit.figures,
+        stability=fit.stability,
+        stable=fit.stable,
+        accepted=fit.accepted,
+        objective="relative" if setting.relative else "absolute",
+        fit_on=list(setting.fit_on),
+        left_out=dict(sorted(readings.left_out.items())) or None,
+        preparation=readings.preparation or None,
+        replicates=replicates(readings.curves) or None,
+        bulk_modulus_MPa=readings.bulk_modulus,
+        undetermined=fit.undetermined or None,
+        warnings=readings.warnings or None,
+        effects=[],
+    )
+    for text in readings.warnings:
+        job.console.warn(text)
+    for reason, count in (document.left_out or {}).items():
+        job.console.note(f"{count} rows left out: {reason}")
+    rows = [
+        [name, test, f"{one.relative_rms:.4g}", f"{one.nrmse:.4g}", str(one.points)]
+        for name, figures in (
+            {n: d.fit for n, d in (document.directions or {}).items()} or {"-": fit.figures}
+        ).items()
+        for test, one in (figures.tests if figures else {}).items()
+        if isinstance(one, TestFigures)
+    ]
+    job.console.note(describe.table(["direction", "test", "rel. rms", "NRMSE", "rows"], rows))
+    for unknown in fit.undetermined:
+        job.console.note(
+            f"{unknown.constant}: not told by these tests, {unknown.value:g} taken; {unknown.test} tells it"
+        )
+    document = _portable(document, [file.name for file in job.inputs.files], output)
+    if out.wants_files:
+        out.add(".csv", fit.curves_csv())
+        out.add(".png", fit.picture())
+    job.write(out, document)
+    return 0 if fit.accepted else NEGATIVE_VERDICT
 
 
 def _stress(text: str | None, option: str, sizes: Geometry) -> float | None:

@@ -10,7 +10,7 @@ What the tests cannot tell is not made up: a constant no test speaks of is left 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 
@@ -170,11 +170,71 @@ def identify(tests: Sequence[SheetTest], near: Orthotropic | None = None) -> Fou
     ends = [free.polished(few, start, 40) for start in free.starts(few)]
     z, free = free.settled(tests, min(ends, key=lambda end: end[1])[0])
     law = free.law(z)
-    residual, jacobian = free.equations(tests, z)
-    curve = np.repeat(np.arange(len(tests)), [_rows_of(test) for test in tests])
-    return Found(
-        law, float(residual @ residual), names, unknown, free.full(jacobian, z, names), residual, curve
-    )
+    rows = _Gathered.of(tests)
+    residual, jacobian = free.equations(rows, z)
+    full = free.full(jacobian, z, names)
+    return Found(law, float(residual @ residual), names, unknown, full, residual, rows.curve)
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """The rows of several tests of one kind; ``second`` says where a second measured value is."""
+
+    curve: NDArray[np.int64]
+    angle: Array
+    stretch: Array
+    stress: Array
+    weight: Array
+    stretch2: Array
+    stress2: Array
+    weight2: Array
+    second: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, tests: Sequence[tuple[int, SheetTest]]) -> _Rows:
+        def joined(pick: Callable[[SheetTest], Array | None]) -> Array:
+            parts = [(pick(test), len(test.stretch)) for _, test in tests]
+            return np.concatenate([np.zeros(0), *(np.zeros(n) if one is None else one for one, n in parts)])
+
+        def told(test: SheetTest) -> bool:
+            if test.mode == "uniaxial":
+                return test.contraction and test.weight2 is not None
+            return test.stress2 is not None and test.mode.startswith("biaxial")
+
+        counts = [len(test.stretch) for _, test in tests]
+        return cls(
+            curve=np.repeat([number for number, _ in tests], counts).astype(np.int64),
+            angle=np.repeat([test.angle_deg or 0.0 for _, test in tests], counts),
+            stretch=joined(lambda test: test.stretch),
+            stress=joined(lambda test: test.stress),
+            weight=joined(lambda test: test.weight),
+            stretch2=joined(lambda test: test.stretch2 if test.mode == "uniaxial" else test.across),
+            stress2=joined(lambda test: test.stress2),
+            weight2=joined(lambda test: test.weight if test.weight2 is None else test.weight2),
+            second=np.repeat([told(test) for _, test in tests], counts).astype(bool),
+        )
+
+
+@dataclass(frozen=True)
+class _Gathered:
+    """All rows, those of strips and those of tests with held edges."""
+
+    strips: _Rows
+    held: _Rows
+
+    @classmethod
+    def of(cls, tests: Sequence[SheetTest]) -> _Gathered:
+        numbered = list(enumerate(tests))
+        return cls(
+            _Rows.of([one for one in numbered if one[1].mode == "uniaxial"]),
+            _Rows.of([one for one in numbered if one[1].mode != "uniaxial"]),
+        )
+
+    @property
+    def curve(self) -> NDArray[np.int64]:
+        """The number of each equation's test."""
+        parts = [(rows.curve, rows.curve[rows.second]) for rows in (self.strips, self.held)]
+        return np.concatenate([part for pair in parts for part in pair])
 
 
 @dataclass(frozen=True)
@@ -227,26 +287,28 @@ class _Free:
         every = gone.union(*(belongs.get(name, set()) for name in gone))
         return replace(self, names=tuple(name for name in self.names if name not in every))
 
-    def equations(self, tests: Sequence[SheetTest], z: Array) -> tuple[Array, Array]:
+    def equations(self, rows: _Gathered, z: Array) -> tuple[Array, Array]:
         """Return weighted errors and their derivatives by z."""
         law = self.law(z)
-        residual, jacobian = [], []
-        for test in tests:
-            for error, slopes in _errors(law, test, self, z):
-                residual.append(error)
-                jacobian.append(slopes)
+        parts = []
+        if len(rows.strips.stretch):
+            parts.append(_strip_errors(rows.strips, law, self, z))
+        if len(rows.held.stretch):
+            parts.append(_held_errors(rows.held, law, self, z))
+        residual, jacobian = zip(*parts, strict=True)
         return np.concatenate(residual), np.concatenate(jacobian)
 
     def polished(self, tests: Sequence[SheetTest], z: Array, steps: int) -> tuple[Array, float]:
         """Return the nearest optimum in the box, and half its square sum."""
         low, high = self.bounds
         inside = np.clip(z, low + 1e-9, np.where(np.isfinite(high), high - 1e-9, high))
+        rows = _Gathered.of(tests)
         last: dict[bytes, tuple[Array, Array]] = {}
 
         def both(z: Array) -> tuple[Array, Array]:
             if z.tobytes() not in last:
                 last.clear()
-                last[z.tobytes()] = self.equations(tests, z)
+                last[z.tobytes()] = self.equations(rows, z)
             return last[z.tobytes()]
 
         with np.errstate(all="ignore"):
@@ -334,42 +396,45 @@ class _Free:
         return [z for _, z in ranked[: 4 * _STARTS : 4]]
 
 
-def _errors(law: Orthotropic, test: SheetTest, free: _Free, z: Array) -> list[tuple[Array, Array]]:
-    """Return the weighted errors of a test with their derivatives by z: stress along, then across or width."""
-    angle = test.angle_deg or 0.0
-    frame = Frame.at(np.full(len(test.stretch), angle))
-    if test.mode != "uniaxial":
-        C = frame.strain(test.stretch**2, test.across**2, np.zeros_like(test.stretch))
-        change = _stress_slopes(law, C, free, z)
-        one, two = held(law, angle, test.stretch, test.across)
-        along = test.stretch[:, None] * np.einsum("nj,nkj->nk", frame.tt, change)
-        found = [((one - test.stress) * test.weight, along * test.weight[:, None])]
-        if test.stress2 is not None and test.mode != "shear":
-            weight = test.weight if test.weight2 is None else test.weight2
-            across = test.across[:, None] * np.einsum("nj,nkj->nk", frame.nn, change)
-            found.append(((two - test.stress2) * weight, across * weight[:, None]))
-        return found
-    pulled = strip(law, angle, test.stretch)
+def _strip_errors(rows: _Rows, law: Orthotropic, free: _Free, z: Array) -> tuple[Array, Array]:
+    """Return the weighted errors of strips, of stress and then of width where measured, and their derivatives by z."""
+    frame = Frame.at(rows.angle)
+    pulled = strip(law, rows.angle, rows.stretch)
     change = _stress_slopes(law, pulled.strain, free, z)
     edges = np.stack([frame.nn, frame.tn], axis=1)
     D = pulled.answer.stiffness
     H = np.einsum("nij,njk,nlk->nil", edges, D, edges)
     B = np.einsum("nij,njk,nk->ni", edges, D, frame.tt)
     load = np.einsum("nij,nkj->nik", edges, change)
-    with np.errstate(all="ignore"):
-        moved = np.linalg.solve(np.where(np.isfinite(H), H, np.eye(2)), np.nan_to_num(load))
+    moved = np.linalg.solve(np.where(np.isfinite(H), H, np.eye(2)), np.nan_to_num(load))
     slopes = np.einsum("nj,nkj->nk", frame.tt, change) - np.einsum("ni,nik->nk", B, moved)
     closed = np.where(pulled.closed, 1.0, np.nan)
-    found = [
-        (
-            (pulled.stress * closed - test.stress) * test.weight,
-            (test.stretch * test.weight)[:, None] * slopes,
-        )
-    ]
-    if test.stretch2 is not None and test.weight2 is not None:
-        width = -moved[:, 0] / pulled.width[:, None]
-        found.append(((pulled.width * closed - test.stretch2) * test.weight2, width * test.weight2[:, None]))
-    return found
+    told = rows.second
+    width = -moved[told, 0] / pulled.width[told, None]
+    return (
+        np.concatenate(
+            [
+                (pulled.stress * closed - rows.stress) * rows.weight,
+                ((pulled.width * closed)[told] - rows.stretch2[told]) * rows.weight2[told],
+            ]
+        ),
+        np.concatenate([(rows.stretch * rows.weight)[:, None] * slopes, width * rows.weight2[told, None]]),
+    )
+
+
+def _held_errors(rows: _Rows, law: Orthotropic, free: _Free, z: Array) -> tuple[Array, Array]:
+    """Return the weighted errors of tests with held edges, along and then across where measured, and derivatives."""
+    frame = Frame.at(rows.angle)
+    C = frame.strain(rows.stretch**2, rows.stretch2**2, np.zeros_like(rows.stretch))
+    change = _stress_slopes(law, C, free, z)
+    one, two = held(law, rows.angle, rows.stretch, rows.stretch2)
+    along = (rows.stretch * rows.weight)[:, None] * np.einsum("nj,nkj->nk", frame.tt, change)
+    across = (rows.stretch2 * rows.weight2)[:, None] * np.einsum("nj,nkj->nk", frame.nn, change)
+    told = rows.second
+    return (
+        np.concatenate([(one - rows.stress) * rows.weight, ((two - rows.stress2) * rows.weight2)[told]]),
+        np.concatenate([along, across[told]]),
+    )
 
 
 def _stress_slopes(law: Orthotropic, C: Array, free: _Free, z: Array) -> Array:
@@ -431,11 +496,6 @@ def _linear_rows(test: SheetTest, nu: float) -> _LinearRows:
 
 def _both_ways(test: SheetTest) -> bool:
     return test.mode.startswith("biaxial") and test.stress2 is not None
-
-
-def _rows_of(test: SheetTest) -> int:
-    second = test.stress2 is not None and test.mode.startswith("biaxial")
-    return len(test.stretch) * (1 + int(second or (test.contraction and test.weight2 is not None)))
 
 
 def _thinned(tests: Sequence[SheetTest], rows: int) -> list[SheetTest]:

@@ -6,17 +6,19 @@ A specimen's first axis t lies at an angle from the warp, n across it; C = Ctt t
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hyperfab.materials.orthotropic.energy import Answer, Orthotropic
+from hyperfab.materials.orthotropic.stability import least_modulus
 
 Array = NDArray[np.float64]
 
 _STEPS = 60
 #: Residual stress across a strip, over the stress along it, that counts as none.
-_CLOSED = 1e-13
+_CLOSED = 1e-12
 
 
 @dataclass(frozen=True)
@@ -101,7 +103,7 @@ def strip(law: Orthotropic, angle_deg: ArrayLike, stretch: ArrayLike, width: Arr
         step = _descent(H, g[open_])
         # The energy falls along a Newton step that is short enough; the width stays positive.
         length = np.ones(len(open_))
-        start, best = found.energy[open_], y[open_]
+        start, best, residual = found.energy[open_], y[open_], np.abs(g[open_]).max(axis=1)
         pending = np.arange(len(open_))
         for _ in range(30):
             rows = open_[pending]
@@ -109,7 +111,10 @@ def strip(law: Orthotropic, angle_deg: ArrayLike, stretch: ArrayLike, width: Arr
             with np.errstate(all="ignore"):
                 inside = (trial[:, 0] > 0.0) & (trial[:, 0] * lam[rows] ** 2 > trial[:, 1] ** 2)
                 C_try, found_try, g_try = at(np.where(inside[:, None], trial, best[pending]), rows)
-                fine = inside & (found_try.energy <= start[pending] * (1.0 + 1e-12) + 1e-300)
+                # Near the minimum the energy is flat to rounding: there less stress at the edges is what counts.
+                flat = np.abs(found_try.energy - start[pending]) <= 1e-9 * np.abs(start[pending])
+                less = np.abs(g_try).max(axis=1) < residual[pending]
+                fine = inside & ((found_try.energy < start[pending]) | (flat & less))
             taken = rows[fine]
             y[taken], C[taken], g[taken] = trial[fine], C_try[fine], g_try[fine]
             found.energy[taken], found.stress[taken] = found_try.energy[fine], found_try.stress[fine]
@@ -118,8 +123,8 @@ def strip(law: Orthotropic, angle_deg: ArrayLike, stretch: ArrayLike, width: Arr
             length[pending] *= 0.5
             if not len(pending):
                 break
-        if len(pending) == len(step):
-            break
+        # Where no step helps, rounding has the last word.
+        open_ = np.delete(open_, pending)
     along = np.einsum("nj,nj->n", frame.tt, found.stress)
     with np.errstate(all="ignore"):
         H = np.einsum("nij,njk,nlk->nil", free, found.stiffness, free)
@@ -159,3 +164,44 @@ def _solve(H: Array, b: Array) -> Array:
     one = (b[:, 0] * H[:, 1, 1] - H[:, 0, 1] * b[:, 1]) / det
     two = (H[:, 0, 0] * b[:, 1] - b[:, 0] * H[:, 1, 0]) / det
     return np.stack([one, two], axis=1)
+
+
+def stress(
+    law: Orthotropic, mode: str, angle_deg: float, stretch: Array, stretch2: Array | None = None
+) -> tuple[Array, Array | None, Array | None]:
+    """Return the nominal stresses [MPa] along and across a test, and the lateral stretch where it is free.
+
+    ``mode`` is uniaxial, shear (a wide strip), biaxial or biaxial-general, where ``stretch2`` is the second axis's.
+    No number where the specimen has no equilibrium.
+    """
+    if mode == "uniaxial":
+        pulled = strip(law, angle_deg, stretch)
+        return (
+            np.where(pulled.closed, pulled.stress, np.nan),
+            None,
+            np.where(pulled.closed, pulled.width, np.nan),
+        )
+    if mode == "shear":
+        return held(law, angle_deg, stretch, np.ones_like(stretch))[0], None, None
+    across = stretch if mode == "biaxial" or stretch2 is None else stretch2
+    return (*held(law, angle_deg, stretch, across), None)
+
+
+def stable_range(
+    law: Orthotropic, mode: str, angle_deg: float, highest: float
+) -> tuple[float, float, Literal["instability", "scan"]]:
+    """Return the stretches from 1, at most ``highest``, over which a test is Drucker-stable, and what ends them.
+
+    >>> stable_range(Orthotropic.of({"C10_MPa": 0.2}), "biaxial", 0.0, 3.0)
+    (1.0, 3.0, 'scan')
+    """
+    lam = np.linspace(1.0, max(highest, 1.01), 200)
+    if mode == "uniaxial":
+        strain = strip(law, angle_deg, lam).strain
+    else:
+        across = np.ones_like(lam) if mode == "shear" else lam
+        strain = Frame.at(np.full(len(lam), angle_deg)).strain(lam**2, across**2, np.zeros_like(lam))
+    bad = ~(least_modulus(law.answer(strain), strain) > 0.0)
+    if not bad.any():
+        return 1.0, float(lam[-1]), "scan"
+    return 1.0, float(lam[max(int(np.argmax(bad)) - 1, 0)]), "instability"
