@@ -14,8 +14,11 @@ from hyperfab.documents.material import AtTemperature, Direction, MaterialDocume
 from hyperfab.errors import InputError
 from hyperfab.materials import Material, bind
 from hyperfab.materials.effects import thermal_softening
+from hyperfab.materials.orthotropic import Orthotropic
 from hyperfab.materials.richer import richer
 
+#: The law that is the whole sheet's, not one direction's.
+ORTHOTROPIC = "orthotropic"
 #: Beyond these temperatures [degC] no fabric is used: more often a wrong unit than a wish.
 COLDEST, HOTTEST = -60.0, 400.0
 #: A temperature this near [K] to that of the constants is theirs.
@@ -52,7 +55,10 @@ class FabricDocument:
         softening = self._softening()
         if softening is not None:
             own = self.document.constants(direction)
-            return self._bound(own, direction).law.scaled(own, self._factor(*softening))
+            factor = self._factor(*softening)
+            if self.document.model == ORTHOTROPIC:
+                return dict(self._orthotropic(own).scaled(factor).parameters)
+            return self._bound(own, direction).law.scaled(own, factor)
         known = self.document.temperature_degC
         if self.asked is None or self._table(direction):
             return self.document.constants(direction, self.asked)
@@ -78,6 +84,17 @@ class FabricDocument:
             return material
         factor = self._factor(*softening)
         return replace(material, c=tuple(factor * value for value in material.c))
+
+    def sheet(self) -> Orthotropic | None:
+        """Return the law of the whole sheet at the temperature asked for; None where the law is of one direction."""
+        return self._orthotropic(self.constants()) if self.document.model == ORTHOTROPIC else None
+
+    def _orthotropic(self, constants: Mapping[str, float]) -> Orthotropic:
+        try:
+            return Orthotropic.of(constants)
+        except InputError as error:
+            key = f"parameters.{error.key}" if error.key else "parameters"
+            raise InputError(error.message, file=self.name, key=key, remedy=error.remedy) from None
 
     def used_at(self, job: Job) -> None:
         """Note the temperature that is asked of the constants, and what is known of the fabric there."""

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from hyperfab.materials import Material
+from hyperfab.materials.material import Uniaxial
 
 from .law import Floats, SpringLaw, tabulate
 
@@ -16,7 +18,15 @@ LARGEST = 5.0
 LOCKED = 1e3
 
 
-def spring_law(material: Material) -> SpringLaw:
+class Pulled(Protocol):
+    """What a strip of fabric answers to tension along one direction, free to contract."""
+
+    def uniaxial(self, stretch: ArrayLike) -> Uniaxial:
+        """Return energy, nominal stress and its slope [MPa]."""
+        ...
+
+
+def spring_law(material: Pulled) -> SpringLaw:
     """Table of the nominal stress of a fabric strip in uniaxial tension, free to contract.
 
     Where the stress stops rising the table ends, and the curve goes on level: a falling stress would let the net

@@ -35,7 +35,7 @@ def law(name: str) -> Law:
     ('C10_MPa', 'C20_MPa')
     """
     if name not in laws():
-        raise UsageError(f"no model {name!r}; the models are {', '.join(laws())}")
+        raise UsageError(f"no model {name!r}; the models are {', '.join([*laws(), 'orthotropic'])}")
     return laws()[name]
 
 
@@ -70,6 +70,12 @@ def law_of(name: str, parameters: Mapping[str, float], anisotropic: bool = False
     >>> law_of("yeoh-2", {"C10_MPa": -0.1, "C20_MPa": 0.3}).names
     ('C10_MPa', 'C20_MPa')
     """
+    if name == "orthotropic":
+        raise InputError(
+            "orthotropic is a law of the whole sheet, one of a single direction is needed here",
+            key="model",
+            remedy="fit warp and weft with a law as yeoh-3",
+        )
     if name not in laws():
         raise InputError(f"there is no law {name!r}", key="model", remedy=f"the laws are {', '.join(laws())}")
     found = law(name)

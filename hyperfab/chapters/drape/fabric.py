@@ -11,11 +11,11 @@ from hyperfab.chapters.drape.curves import read_curve
 from hyperfab.chapters.fabric import read_fabric_document
 from hyperfab.chapters.job import Job
 from hyperfab.cloth import SpringLaw
-from hyperfab.cloth.fabric import spring_law
+from hyperfab.cloth.fabric import Pulled, spring_law
 from hyperfab.cloth.law import Floats
 from hyperfab.documents.drape import SpringUse
 from hyperfab.errors import InputError, UsageError
-from hyperfab.materials import Material
+from hyperfab.materials.orthotropic.specimen import Along
 
 #: What a law straight from a test is called.
 MEASURED = "measured"
@@ -127,7 +127,12 @@ def _of_document(job: Job, name: str, temperature: float | None) -> Fabric:
     for direction in ("warp", "weft"):
         own = (document.directions or {}).get(direction)
         key = "parameters" if own is None else f"directions.{direction}.parameters"
-        laws.append(_law(read.material(direction if own is not None else None), name, key))
+        whole = read.sheet()
+        if whole is not None:
+            law: Pulled = Along(whole, 0.0 if direction == "warp" else 90.0)
+        else:
+            law = read.material(direction if own is not None else None)
+        laws.append(_law(law, name, key))
         known = document.tested_stretch(direction, "uniaxial")
         tested.append(None if known is None else known[1])
     thick = np.nan if document.thickness_mm is None else document.thickness_mm
@@ -137,7 +142,7 @@ def _of_document(job: Job, name: str, temperature: float | None) -> Fabric:
     )  # fmt: skip
 
 
-def _law(material: Material, name: str, key: str) -> SpringLaw:
+def _law(material: Pulled, name: str, key: str) -> SpringLaw:
     try:
         return spring_law(material)
     except ValueError as error:

@@ -9,6 +9,7 @@ from hyperfab.chapters.job import Job
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.materials import Material, bind
 from hyperfab.membrane.orthotropic import fibre_sheet, orthotropic_sheet
+from hyperfab.membrane.relaxed import RelaxedSheet
 from hyperfab.membrane.tension_field import IsotropicSheet, SheetLaw
 
 #: Effects of the test, not of the fabric: there is nothing in a sheet to obey them.
@@ -73,6 +74,14 @@ def read_fabric(job: Job, name: str, degrees: float | None = None) -> Fabric:
 def _of_directions(read: FabricDocument) -> Fabric:
     document, name = read.document, read.name
     thickness = document.thickness_mm
+    whole = read.sheet()
+    if whole is not None:
+        words = "orthotropic: one energy for the sheet; the warp runs along x"
+        left_out = [
+            f"{one.constant}: not told by the tests behind the law ({one.test} tells it)"
+            for one in document.undetermined or []
+        ]
+        return Fabric(name, document.model, RelaxedSheet(whole), words, thickness, left_out)
     two = read.two_directions
     warp = read.material("warp" if two else None)
     if not warp.law.isotropic:

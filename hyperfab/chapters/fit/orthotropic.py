@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hyperfab.chapters.fit.identify import NOISY, ROOM, Setting
+from hyperfab.chapters.fit.identify import NOISY, ROOM, Setting, tested
 from hyperfab.chapters.fit.reading import Reading
 from hyperfab.documents.material import (
     AtTemperature,
@@ -102,6 +102,7 @@ class SheetFit:
             parameters=self._seen(self.law, name),
             fit=self._figures(own),
             stability=self._stability(name, own),
+            tested=tested(own, self.setting),
             temperatures=self._temperatures(lambda law: self._seen(law, name)),
         )
 

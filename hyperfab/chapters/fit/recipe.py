@@ -134,6 +134,7 @@ def _fit_sheet(job: Job, out: Output, readings: Readings, setting: Setting, outp
         replicates=replicates(readings.curves) or None,
         bulk_modulus_MPa=readings.bulk_modulus,
         undetermined=fit.undetermined or None,
+        tested=tested(readings.curves, setting),
         warnings=readings.warnings or None,
         effects=[],
     )
@@ -154,6 +155,9 @@ def _fit_sheet(job: Job, out: Output, readings: Readings, setting: Setting, outp
         job.console.note(
             f"{unknown.constant}: not told by these tests, {unknown.value:g} taken; {unknown.test} tells it"
         )
+    for curve in readings.curves:
+        known = document.tested_stretch()
+        job.ranges.used("stretch", curve.stretch, known=known, source=curve.source, direction=curve.direction)
     document = _portable(document, [file.name for file in job.inputs.files], output)
     if out.wants_files:
         out.add(".csv", fit.curves_csv())

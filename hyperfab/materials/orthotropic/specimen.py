@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hyperfab.materials.material import Uniaxial
 from hyperfab.materials.orthotropic.energy import Answer, Orthotropic
 from hyperfab.materials.orthotropic.stability import least_modulus
 
@@ -136,6 +137,21 @@ def strip(law: Orthotropic, angle_deg: ArrayLike, stretch: ArrayLike, width: Arr
     return Strip(
         lam, lam * along, along + lam**2 * reduced, np.sqrt(y[:, 0]), shear, C, found, np.asarray(closed)
     )
+
+
+@dataclass(frozen=True)
+class Along:
+    """The law seen by strips cut at one angle [deg] from the warp."""
+
+    law: Orthotropic
+    angle_deg: float
+
+    def uniaxial(self, stretch: ArrayLike) -> Uniaxial:
+        """Return energy, nominal stress and its slope [MPa] of strips pulled to ``stretch``; nan where none is."""
+        with np.errstate(all="ignore"):
+            found = strip(self.law, self.angle_deg, stretch)
+        there = np.where(found.closed, 1.0, np.nan)
+        return Uniaxial(found.answer.energy * there, found.stress * there, found.slope * there)
 
 
 def held(law: Orthotropic, angle_deg: ArrayLike, first: Array, second: Array) -> tuple[Array, Array]:
