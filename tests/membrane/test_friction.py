@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from hyperfab.materials import bind
-from hyperfab.membrane import outline
+from hyperfab.membrane import friction_path, outline
 from hyperfab.membrane.contact import Frictionless
 from hyperfab.membrane.friction import Coulomb, Stick
 from hyperfab.membrane.friction_path import run_with_friction
 from hyperfab.membrane.measures import fields
 from hyperfab.membrane.memory import Memory
 from hyperfab.membrane.path import follow
-from hyperfab.membrane.sphere_test import SphereTest, rough_path
+from hyperfab.membrane.sphere_test import Outcome, Solved, SphereTest, rough_path
 from hyperfab.membrane.tension_field import IsotropicSheet
 from hyperfab.membrane.verdict import work
 from tests.membrane.references import DISC, NEO_HOOKEAN
@@ -133,3 +135,30 @@ def test_a_node_that_slips_back_is_held_and_one_that_goes_on_turns():
     again = _rubbing(0.3, [False], ways=[[1.0, 0.0, 0.0]])
     again._decide(np.array([0]), np.array([2.0]), np.zeros((1, 3)), np.array([[0.2, 0.0, 0.0]]))
     assert again.settled
+
+
+@pytest.mark.parametrize("holds", [False, True])
+def test_the_last_force_is_judged_by_a_rough_mesh_and_by_shorter_steps(monkeypatch, holds):
+    """103 N on the fine mesh, 100 N on the rough one, 98 N there in steps of half the length.
+
+    The mesh's error is a third of what it changed; steps of length zero would change as much again as half of them:
+    103 + 2 (98 - 100) = 99 N, and that way counts as doubt too.
+    """
+    state = lambda depth, force: SimpleNamespace(depth=depth, force=force)  # noqa: E731
+    rough = SimpleNamespace(states=[state(20.0, 40.0), state(40.0, 100.0)])
+    shorter = SimpleNamespace(states=[state(20.0, 41.0), state(30.0, 70.0), state(40.0, 98.0)])
+    monkeypatch.setattr(friction_path, "rough_path", lambda *_: (None, shorter))
+    outcome = Outcome(None, None, [Solved(None, state(40.0, 103.0))])
+    test = SimpleNamespace(friction=SimpleNamespace(holds=holds))
+    friction_path._judge(test, outcome, rough, [10.0, 20.0, 30.0, 40.0], lambda _: None)
+    mesh = 3.0 / 103.0 / 3.0
+    if holds:
+        assert outcome.extrapolated == pytest.approx(99.0, rel=1e-12)
+        assert outcome.solved[-1].error == pytest.approx(mesh + 4.0 / 103.0, rel=1e-12)
+    else:
+        assert outcome.extrapolated is None
+        assert outcome.solved[-1].error == pytest.approx(mesh, rel=1e-12)
+
+
+def test_load_steps_divide_the_way_between_the_depths_evenly():
+    assert friction_path._divided([20.0, 30.0], 2) == pytest.approx([10.0, 20.0, 25.0, 30.0], rel=1e-12)
