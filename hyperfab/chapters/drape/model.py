@@ -18,6 +18,15 @@ from hyperfab.errors import InputError
 BIAS = 45.0
 
 
+#: What a net of springs is without, whatever the case.
+NET = (
+    "biaxial coupling: warp and weft each carry their uniaxial curve, so that forces and stresses are below those of a "
+    "membrane stretched both ways (by a third to a half for an isotropic fabric)",
+    "lateral contraction: a cell's thickness is t0/(l1 l2), and a strip with free edges does not narrow, so it is told "
+    "thinner than it is",
+)
+
+
 @dataclass(frozen=True)
 class Files:
     """What the files of a case hold: the fabric, the test at 45 degrees where one is given, the mold."""
@@ -49,7 +58,10 @@ class Model:
             ("gravity", self.case.mass > 0.0),
             ("shear stiffness", self.sheet.shear is not None),
         )
-        return [*(name for name, there in names if not there), "bending stiffness"]
+        missing = [name for name, there in names if not there]
+        if self.files.fabric.temperature is None:
+            missing.append("temperature: the laws are taken as they stand, at the temperature of their tests")
+        return [*missing, "bending stiffness", *NET]
 
 
 def read_files(job: Job, case: DrapeCase) -> Files:
