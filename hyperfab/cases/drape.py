@@ -109,7 +109,7 @@ class DrapeCase(Case):
         "MOLD.stl", "Surface of the mold; repeated for several in one frame.", required=True
     )
     grid: tuple[int, int] = series(
-        Whole("100", least=3), "x", (2,), "NxM", "Nodes along x (warp) and y (weft).", "100x100"
+        Whole("100", least=3), "x", (2,), "NxM", "Nodes along x (warp) and y (weft).", "101x101"
     )
     size: tuple[float, float] = series(
         Amount("length", "220mm", above=0.0),
@@ -204,6 +204,9 @@ class DrapeCase(Case):
         most=1e-2,
     )
     stl_unit: str = stl_unit()
+    axis: str = choice(
+        "AXIS", "Axis of the STL that points up, into the sheet: x, y or z.", ("x", "y", "z"), "z"
+    )
 
     def check(self) -> None:
         """Refuse what means nothing together."""

@@ -15,6 +15,10 @@ from hyperfab.surface import Soundness, Surface, consistently_wound
 Ints = npt.NDArray[np.int64]
 
 
+#: Which coordinates of a file become x, y and z where an axis of its own points up: turned, not mirrored.
+TURNED = {"x": [1, 2, 0], "y": [2, 0, 1], "z": [0, 1, 2]}
+
+
 @dataclass(frozen=True)
 class PlacedMold:
     """A sound surface and where it stands: its own coordinates plus ``shift`` mm, the sheet's plane at z = 0 and its
@@ -37,13 +41,14 @@ class PlacedMold:
         return self.standing(0.0)
 
 
-def read_molds(job: Job, names: list[str], stl_unit: str, depth: float) -> PlacedMold:
+def read_molds(job: Job, names: list[str], stl_unit: str, depth: float, axis: str = "z") -> PlacedMold:
     """Read the STL files, which share one frame, and centre them under the sheet.
 
-    The highest point of all is put ``depth`` above the sheet's plane. Facets wound the wrong way round are turned, with
-    a warning. Raises InputError where a surface has holes the sheet could fall through.
+    The highest point of all is put ``depth`` above the sheet's plane. ``axis`` of the files points up: their x, y, z
+    are turned to y, z, x for x, to z, x, y for y. Facets wound the wrong way round are turned, with a warning. Raises
+    InputError where a surface has holes the sheet could fall through.
     """
-    bodies = [_read(job, name, stl_unit) for name in names]
+    bodies = [_read(job, name, stl_unit, axis) for name in names]
     low = np.min([body.surface.bounds[0, :3] for body in bodies], axis=0)
     high = np.max([body.surface.bounds[0, 3:] for body in bodies], axis=0)
     for body in bodies:
@@ -69,11 +74,11 @@ class _Body:
     facet: Ints
 
 
-def _read(job: Job, name: str, stl_unit: str) -> _Body:
+def _read(job: Job, name: str, stl_unit: str, axis: str) -> _Body:
     mesh = read_stl(job.inputs.read(name), name, stl_unit)
     for question in mesh.questions:
         job.console.warn(question)
-    vertices, faces, facet = mesh.vertices, mesh.faces, mesh.facet_of_face
+    vertices, faces, facet = mesh.vertices[:, TURNED[axis]], mesh.faces, mesh.facet_of_face
     found = Surface(vertices, faces).soundness()
     if len(found.degenerate_facets) or len(found.duplicate_facets):
         drop = np.union1d(found.degenerate_facets, found.duplicate_facets)
@@ -122,7 +127,8 @@ def _refuse_holes(body: _Body, plane: float) -> None:
                 f"{len(above) - 1} more such facets",
                 file=body.name,
                 facet=int(body.facet[above[0]]) + 1,
-                remedy="close the surface in the program it comes from; below the sheet's plane it may be open",
+                remedy="if this is the border of a patch of surface, extrude the border down, below the sheet's plane "
+                "(there it may be open); if it is a hole, close it in the program it comes from",
             )
 
 

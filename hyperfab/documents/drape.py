@@ -27,7 +27,12 @@ class DrapeMold(Part):
 
     facets: int
     closed: bool
-    shift_mm: list[float] = Field(description="[x, y, z] added to the STL's coordinates")
+    shift_mm: list[float] = Field(
+        description="[x, y, z] added to the STL's coordinates, turned where axis is not z"
+    )
+    axis: str = Field(
+        default="z", description="of the STL, points up: its x, y, z are turned to y, z, x (x) or z, x, y (y)"
+    )
 
 
 class SpringUse(Part):

@@ -30,6 +30,16 @@ _SOLID = re.compile(rb"\s*solid(?=\s)[^\n]*\n", re.IGNORECASE)
 _ENDSOLID = re.compile(rb"\s*endsolid(?:[ \t][^\n]*)?(?:\n|\Z)", re.IGNORECASE)
 
 
+#: How other surfaces begin, and what they are.
+_OTHERS = (
+    (re.compile(rb"(?:\s|#[^\n]*\n|(?:mtllib|usemtl|o|g|s)\s[^\n]*\n)*v\s+[-+.\d]"), "OBJ (Wavefront)"),
+    (re.compile(rb"ply\s"), "PLY"),
+    (re.compile(rb"OFF\s"), "OFF"),
+    (re.compile(rb"\s*ISO-10303"), "STEP"),
+    (re.compile(rb"PK\x03\x04"), "3MF or another ZIP archive"),
+)
+
+
 @dataclass(frozen=True)
 class SurfaceMesh:
     """A triangle surface: ``vertices`` (n, 3) [mm], each place once, and ``faces`` (m, 3), corners in file order.
@@ -96,6 +106,9 @@ def _corners(data: bytes, name: str) -> tuple[NDArray, list[str]]:
     looks_ascii = data[:512].lstrip()[:5].lower() == b"solid" and b"\x00" not in data[:2048]
     if claimed >= 0 and len(data) == size:
         return _binary(data, claimed, name), []
+    for start, what in _OTHERS:
+        if start.match(data[:65536]):
+            raise InputError(f"is {what}, no STL", file=name, remedy="export the surface as STL")
     if looks_ascii:
         return _ascii(data, name), []
     if claimed < 0:

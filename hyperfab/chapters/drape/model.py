@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from hyperfab.cases.drape import SIDES, DrapeCase
 from hyperfab.chapters.drape.curves import Curve, read_curve
 from hyperfab.chapters.drape.fabric import Fabric, read_fabric
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.molds import PlacedMold, read_molds
+from hyperfab.chapters.molds import TURNED, PlacedMold, read_molds
 from hyperfab.cloth import Mold, Sheet, SpringLaw, mold_of
 from hyperfab.cloth.net import FIXED, X, Y, Z
 from hyperfab.cloth.shear import linear_shear, shear_of_bias
 from hyperfab.errors import InputError
+from hyperfab.io.stl import SIZE_RANGE
 
 #: Direction of the bias test in degrees from the warp.
 BIAS = 45.0
@@ -68,7 +71,49 @@ def read_files(job: Job, case: DrapeCase) -> Files:
     """Read what the case names; InputError where a file is not sound."""
     fabric = read_fabric(job, case)
     bias = None if case.shear_law is None else read_curve(job, "--shear-law", case.shear_law, BIAS, None)
-    return Files(fabric, bias, read_molds(job, list(case.mold), case.stl_unit, case.wanted[-1]))
+    placed = read_molds(job, list(case.mold), case.stl_unit, case.wanted[-1], case.axis)
+    question(job, case, placed)
+    return Files(fabric, bias, placed)
+
+
+def question(job: Job, case: DrapeCase, placed: PlacedMold) -> None:
+    """Ask what a mold's shape makes doubtful: its unit (InputError), which way is up, and a depth beyond its height."""
+    low, high = placed.surface.bounds[0, :3], placed.surface.bounds[0, 3:]
+    sides = high - low
+    if not SIZE_RANGE[0] <= sides.max() <= SIZE_RANGE[1]:
+        shown = " x ".join(f"{side:.3g}" for side in sides)
+        raise InputError(
+            f"measures {shown} mm when read in {case.stl_unit}",
+            file=placed.name,
+            remedy="state its unit: --stl-unit m, cm, mm or inch",
+        )
+    if case.wanted[-1] > sides[2] * (1.0 + 1e-9):
+        above = case.wanted[-1] - sides[2]
+        job.console.note(
+            f"{placed.name}: is {sides[2]:.4g} mm high and pushed up by {case.wanted[-1]:.4g} mm: its underside ends "
+            f"{above:.3g} mm above the sheet's plane"
+        )
+    # Flat faces on the sides of the bounding box: the largest is where a mold stands.
+    corners, normals, areas = (
+        placed.surface.vertices[placed.surface.faces],
+        placed.surface.normals,
+        placed.surface.areas,
+    )
+    flat = {}
+    for k, name in enumerate("xyz"):
+        for sign, plane in (("-", low[k]), ("+", high[k])):
+            on = (np.abs(corners[:, :, k] - plane).max(1) < 1e-6 * sides.max()) & (
+                np.abs(normals[:, k]) > 0.999
+            )
+            flat[name + sign] = float(areas[on].sum())
+    best = max(flat, key=lambda side: flat[side])
+    if best[0] != "z" and flat[best] > 1.5 * max(flat["z-"], flat["z+"]):
+        of_file = "xyz"[TURNED[case.axis]["xyz".index(best[0])]]
+        way = f"--axis {of_file} turns it up" if best[1] == "-" else "turn it in the program it comes from"
+        job.console.warn(
+            f"{placed.name}: its largest flat side, {flat[best]:.4g} mm^2, faces {of_file}{best[1]}: if it stands "
+            f"on that one, it lies on its side here, and {way}"
+        )
 
 
 def model_of(case: DrapeCase, files: Files) -> Model:

@@ -104,6 +104,7 @@ def document_of(model: Model, states: list[State]) -> DrapeDocument:
         mold=DrapeMold(
             facets=len(placed.surface.faces),
             closed=placed.closed,
+            axis=case.axis,
             shift_mm=[float(v) + 0.0 for v in shift],
         ),
         draw_in_mm=draw_in(sheet, state, loose),

@@ -1,0 +1,125 @@
+"""Molds as they come to ``hf drape``: on their side, in another unit, another format, open."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from cloth_molds import height_block
+
+from hyperfab.cli import main
+from hyperfab.io.stl_write import stl_bytes
+
+FABRIC = {
+    "format": "hyperfab.material/1",
+    "model": "neo-hookean",
+    "parameters": {"C10_MPa": 0.2},
+    "thickness_mm": 0.8,
+}
+
+
+@pytest.fixture
+def drape(tmp_path: Path, monkeypatch, capfd) -> Callable[..., tuple[int, str, str]]:
+    (tmp_path / "fabric.json").write_text(json.dumps(FABRIC))
+    monkeypatch.chdir(tmp_path)
+
+    def run(mold, *arguments: str) -> tuple[int, str, str]:
+        if isinstance(mold, tuple):
+            Path("mold.stl").write_bytes(stl_bytes(*mold))
+        words = ["hf", "drape", "fabric.json", "--mold", "mold.stl"]
+        for name, value in (("--grid", "31x31"), ("--size", "200mm"), ("--depth", "40mm")):
+            if name not in arguments:
+                words += [name, value]
+        monkeypatch.setattr("sys.argv", [*words, *arguments])
+        with pytest.raises(SystemExit) as end:
+            main()
+        out, err = capfd.readouterr()
+        return int(end.value.code or 0), out, err
+
+    return run
+
+
+def cup() -> tuple[np.ndarray, np.ndarray]:
+    """A cup of 120 by 100 mm, 50 high, its flat base at z = 0, no two sides alike."""
+    block = height_block(
+        lambda u, v: (
+            2.0 + 48.0 * np.maximum(1.0 - (u / 60.0) ** 2 - ((v + 0.1 * u) / 50.0) ** 2, 0.0) ** 0.75
+        ),
+        (60.0, 50.0),
+        (60, 50),
+        0.0,
+    )
+    return block.vertices, block.faces
+
+
+@pytest.mark.parametrize(("axis", "order"), [("x", [2, 0, 1]), ("y", [1, 2, 0])])
+def test_a_mold_that_lies_on_its_side_is_asked_about_and_axis_turns_it_up(drape, axis, order):
+    vertices, faces = cup()
+    status, out, err = drape((vertices, faces))
+    upright = json.loads(out)
+    assert status == 0
+    assert "on its side" not in err
+    lying = vertices[:, order]  # its apex now points along the axis
+    assert np.ptp(lying, axis=0)["xyz".index(axis)] == pytest.approx(50.0)
+    _, _, err = drape((lying, faces))
+    assert "on its side" in err
+    assert f"--axis {axis} turns it up" in err
+    status, out, err = drape((lying, faces), "--axis", axis)
+    turned = json.loads(out)
+    assert status == 0
+    assert "on its side" not in err
+    assert turned["mold"]["axis"] == axis
+    assert turned["setup"]["axis"] == axis
+    for key in ("energy_J", "force_N", "stretch_max", "contact_nodes"):
+        assert turned[key] == pytest.approx(upright[key], rel=1e-9), key
+
+
+def test_a_mold_in_another_unit_stops_at_the_question(drape):
+    vertices, faces = cup()
+    status, out, err = drape((0.001 * vertices, faces))
+    assert status == 3
+    assert out == ""
+    assert "0.12 x 0.1 x 0.05 mm" in err
+    assert "--stl-unit m" in err
+    status, out, _ = drape((0.001 * vertices, faces), "--stl-unit", "m")
+    assert status == 0
+    assert json.loads(out)["force_N"] == pytest.approx(
+        json.loads(drape((vertices, faces))[1])["force_N"], rel=1e-6
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "is_a"),
+    [
+        (
+            b"# made by a program\nmtllib a.mtl\no cup\nv 1.0 2.0 3.0\nv 0 0 0\nv 1 0 0\nf 1 2 3\n"
+            + b"#" * 100,
+            "OBJ",
+        ),
+        (b"ply\nformat ascii 1.0\nelement vertex 3\n" + b" " * 100, "PLY"),
+        (b"ISO-10303-21;\nHEADER;\n" + b" " * 100, "STEP"),
+    ],
+)
+def test_another_format_is_named(drape, text, is_a):
+    Path("mold.stl").write_bytes(text)
+    status, _, err = drape(None)
+    assert status == 3
+    assert f"is {is_a}" in err
+    assert "STL" in err
+
+
+def test_the_border_of_a_patch_is_told_from_a_hole(drape):
+    vertices, faces = cup()
+    top = faces[(vertices[faces][..., 2] > 1.0).all(1)]
+    status, _, err = drape((vertices, top), "--depth", "49mm")
+    assert status == 3
+    assert "extrude the border down" in err
+
+
+def test_a_depth_beyond_the_molds_height_is_noted(drape):
+    _, _, err = drape(cup(), "--depth", "55mm")
+    assert "5 mm above the sheet's plane" in err
+    assert "above the sheet" not in drape(cup(), "--depth", "50mm")[2]
