@@ -9,7 +9,7 @@ BUILD  := build
 SOURCES := $(shell find hyperfab -name '*.py' -o -name '*.toml' -o -name '*.csv')
 
 .DELETE_ON_ERROR:
-.PHONY: run study test test-slow lint types bench blind hunt mutants gaps fuzz samples pictures clean distclean help
+.PHONY: run study test test-slow lint types bench blind hunt coverage mutants gaps fuzz samples pictures clean distclean help
 
 help:
 	@echo "make run     the whole chain on the sample specimens and molds, with a summary and pictures in $(BUILD)/"
@@ -139,6 +139,10 @@ blind: $(VENV)/dev
 
 hunt: $(VENV)/dev
 	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m trials.hunt_loop
+
+# How often 95 % intervals of hf fit hold the truth: about two minutes.
+coverage: $(VENV)/dev
+	PYTHONPATH=. $(BIN)/python -m trials.coverage 100
 
 # Some two hundred defects, half an hour of one core for them and as long before it to see which test reaches what; both
 # are kept in $(BUILD)/mutants, and only what changed is done again.

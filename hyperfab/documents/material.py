@@ -57,6 +57,27 @@ class Replicates(_Part):
     )
 
 
+class FitUncertainty(_Part):
+    """How sure the constants are: covariance, and where it comes from."""
+
+    order: list[str] = Field(description="names of the constants, in the order of the covariance")
+    covariance: list[list[float]] | None = Field(
+        default=None, description="of the constants; absent where nothing shows how specimens scatter"
+    )
+    specimens: int = Field(description="specimens fitted")
+    degrees_of_freedom: float = Field(
+        description="of Student's t for an interval; 0 where there are no replicates"
+    )
+    source: Literal["specimens", "readings", "stated"] = Field(
+        description="specimens: from how they scatter; readings: how they scatter is unknown"
+    )
+    law: float | None = Field(
+        default=None,
+        description="how far the stress of other accepted laws is from this one's, relative, over all modes up to "
+        "the tests' I1 (--model all)",
+    )
+
+
 class FitFigures(_Part):
     """How well the constants carry the tests, and how sure they are. The totals are over the rows fitted."""
 
@@ -65,8 +86,11 @@ class FitFigures(_Part):
     nrmse: float
     points: int
     parameters_sd: Parameters | None = Field(
-        default=None, description="standard deviation of each constant, in its unit"
+        default=None,
+        description="standard deviation of each constant, in its unit: by how specimens scatter where there are "
+        "replicates, else of the readings alone",
     )
+    uncertainty: FitUncertainty | None = None
     condition_number: float | None = Field(
         default=None,
         description="of the Jacobian with columns of length one: 1 where constants are independent",

@@ -13,6 +13,7 @@ from hyperfab.documents.material import (
     AtTemperature,
     Direction,
     FitFigures,
+    FitUncertainty,
     ModelRow,
     OutlierReading,
     StablePlane,
@@ -21,7 +22,7 @@ from hyperfab.documents.material import (
     TestFigures,
     Unpredicted,
 )
-from hyperfab.materials.identification.quality import Figures
+from hyperfab.materials.identification.quality import Certainty, Figures
 from hyperfab.materials.stability import stable_plane
 
 Reach = Mapping[str, tuple[float, float]]
@@ -30,7 +31,6 @@ Reach = Mapping[str, tuple[float, float]]
 def fit_figures(found: Identified, reach: Reach) -> FitFigures:
     """Return the figures of a fit, test by test."""
     sure = found.certainty
-    sd = {name: float(value) for name, value in zip(sure.names, sure.sd, strict=True) if math.isfinite(value)}
     tests: dict[str, TestFigures | Unpredicted] = {}
     for mode, (figures, points, predicted) in found.tests.items():
         flag = True if predicted else None
@@ -44,9 +44,22 @@ def fit_figures(found: Identified, reach: Reach) -> FitFigures:
     return FitFigures(
         **vars(found.total),
         correlation=correlation,
-        parameters_sd=sd or None,
+        parameters_sd=_deviations(sure),
+        uncertainty=uncertainty(sure, found),
         condition_number=sure.condition_number if math.isfinite(sure.condition_number) else None,
         tests=tests,
+    )
+
+
+def uncertainty(sure: Certainty, found: Identified) -> FitUncertainty:
+    """Return how sure the constants are, and what that is known from."""
+    one = sure.scatter
+    return FitUncertainty(
+        order=list(sure.names),
+        covariance=None if one is None else one.covariance.tolist(),
+        specimens=found.specimens if one is None else one.specimens,
+        degrees_of_freedom=0 if one is None else one.freedom,
+        source="readings" if one is None else "specimens",
     )
 
 
@@ -91,13 +104,24 @@ def temperatures(found: Identified) -> list[AtTemperature] | None:
         AtTemperature(
             temperature_degC=temperature,
             parameters=material.parameters,
-            fit=None if figures is None else FitFigures(**vars(figures)),
+            fit=None if figures is None else _at_temperature(figures, sure, found),
         )
-        for temperature, material, figures in zip(
-            found.temperatures, found.materials, found.per_temperature, strict=True
+        for temperature, material, figures, sure in zip(
+            found.temperatures, found.materials, found.per_temperature, found.certainties, strict=True
         )
         if temperature is not None
     ]
+
+
+def _at_temperature(total: Figures, sure: Certainty, found: Identified) -> FitFigures:
+    return FitFigures(
+        **vars(total), parameters_sd=_deviations(sure), uncertainty=uncertainty(sure, found)
+    )  # fmt: skip
+
+
+def _deviations(sure: Certainty) -> dict[str, float] | None:
+    known = zip(sure.names, sure.sd, strict=True)
+    return {name: float(value) for name, value in known if math.isfinite(value)} or None
 
 
 def with_outliers(figures: FitFigures, far: Sequence[Outlier]) -> FitFigures:

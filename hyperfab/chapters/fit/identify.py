@@ -55,10 +55,16 @@ class Identified:
     total: Figures
     per_temperature: tuple[Figures | None, ...]
     tests: dict[str, tuple[Figures | None, int, bool]]
-    certainty: Certainty
+    certainties: tuple[Certainty, ...]
     ranges: dict[str, Range]
     stable: bool
     along: str | None = None
+    specimens: int = 0
+
+    @property
+    def certainty(self) -> Certainty:
+        """How sure the constants at the reference temperature are."""
+        return self.certainties[self.reference]
 
     @property
     def material(self) -> Material:
@@ -99,6 +105,8 @@ def identify(law: Law, curves: Sequence[Reading], setting: Setting) -> Identifie
     if setting.stable and not stable_over(ranges, reach(curves)):
         return "no constants in its box could be shown to be stable over the data"
     per_temperature = [figures(measured[rows.group == g], model[rows.group == g]) for g in range(rows.groups)]
+    sure = [certainty(fit, g, [_specimen(one) for one in used], [_kind(one) for one in used])
+            for g in range(rows.groups)]  # fmt: skip
     found = Identified(
         law=law,
         fit=fit,
@@ -108,9 +116,10 @@ def identify(law: Law, curves: Sequence[Reading], setting: Setting) -> Identifie
         total=total,
         per_temperature=tuple(per_temperature),
         tests={},
-        certainty=certainty(fit, reference),
+        certainties=tuple(sure),
         ranges=ranges,
         stable=stable_over(ranges, reach(curves)),
+        specimens=len({_specimen(one) for one in used}),
     )
     found.tests.update({mode: _test(found, mode, curves, setting) for mode in _modes(curves)})
     return found
@@ -118,16 +127,16 @@ def identify(law: Law, curves: Sequence[Reading], setting: Setting) -> Identifie
 
 def along_direction(found: Identified, name: str, curves: Sequence[Reading], setting: Setting) -> Identified:
     """Return an anisotropic law as seen along one direction of the fabric, with the figures of its tests alone."""
-    sure, materials = found.certainty, found.materials
+    sure, materials = found.certainties, found.materials
     if name == "weft":
         materials = tuple(material.turned() for material in materials)
-        order = [int(k) for k in found.law.turned(list(range(len(sure.names))))]
-        sure = replace(sure, sd=sure.sd[order], correlation=sure.correlation[np.ix_(order, order)])
+        order = [int(k) for k in found.law.turned(list(range(len(found.law.names))))]
+        sure = tuple(one.reordered(order) for one in sure)
     ranges = stable_ranges(materials[found.reference])
     part = replace(
         found,
         materials=materials,
-        certainty=sure,
+        certainties=sure,
         ranges=ranges,
         stable=stable_over(ranges, reach(curves)),
         along=name,
@@ -202,6 +211,15 @@ def tested(curves: Sequence[Reading], setting: Setting) -> dict[str, Tested] | N
         for curve, one in axes
         if one is curve.stretch or curve.mode == "biaxial-general"
     )
+
+
+def _specimen(curve: Reading) -> tuple[str, str | None]:
+    return curve.source, curve.specimen
+
+
+def _kind(curve: Reading) -> tuple[str, str | None, float | None]:
+    """Specimens of one test, direction and temperature are replicates."""
+    return curve.mode, curve.direction, curve.temperature
 
 
 def _misses_directions(used: Sequence[Reading]) -> str | None:

@@ -6,6 +6,8 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from hyperfab.chapters.fit.identify import (
     Identified,
     Setting,
@@ -15,9 +17,12 @@ from hyperfab.chapters.fit.identify import (
 )
 from hyperfab.chapters.fit.reading import Reading
 from hyperfab.materials.identification.quality import Figures
-from hyperfab.materials.identification.transfer import transfer_risk
+from hyperfab.materials.identification.transfer import stretch_at, transfer_risk
 from hyperfab.materials.law import Law
+from hyperfab.materials.modes import MODES, nominal_stress
 
+#: Levels of I1 at which laws are compared.
+_LEVELS = 24
 #: Curves of each direction of the fabric; None is the fabric as a whole.
 Sets = Mapping[str | None, Sequence[Reading]]
 
@@ -106,3 +111,24 @@ def _pooled(parts: Iterable[Figures | None]) -> float:
         total += figures.E2
         points += figures.points
     return math.sqrt(total / points)
+
+
+def law_spread(ranking: Sequence[Judged], name: str | None) -> float | None:
+    """Return how far the stress of accepted and stable laws is from that of the best, relative, up to the I1 tested.
+
+    The median over the laws of the root mean square, over all modes, of ln(stress / stress of the best): one law that
+    runs away in a mode nobody tested is no measure of the others. None where fewer than two laws are accepted.
+    """
+    parts = [one.results[name] for one in ranking if one.accepted and one.stable]
+    good = [part for part in parts if isinstance(part, Identified)]
+    if len(good) < 2:
+        return None
+    levels = np.linspace(0.02, 1.0, _LEVELS) * good[0].fit.problem.rows.extent.x
+    stretch = {mode: stretch_at(mode, levels) for mode in MODES}
+    with np.errstate(all="ignore"):
+        found = np.log(
+            [[nominal_stress(part.material, mode, lam) for mode, lam in stretch.items()] for part in good]
+        )
+        away = np.sqrt(np.mean((found[1:] - found[0]) ** 2, axis=(1, 2)))
+    known = away[np.isfinite(away)]
+    return float(np.median(known)) if len(known) else None

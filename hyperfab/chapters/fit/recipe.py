@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from hyperfab.chapters.fit import describe
 from hyperfab.chapters.fit.doubts import doubts, outliers, replicates, rows_of
 from hyperfab.chapters.fit.identify import Identified, Setting, reach, tested
-from hyperfab.chapters.fit.judge import Judged, Sets, judge
+from hyperfab.chapters.fit.judge import Judged, Sets, judge, law_spread
 from hyperfab.chapters.fit.prepare import Steps
 from hyperfab.chapters.fit.readings import Readings, gather, read_all
 from hyperfab.chapters.fit.specimens import aspect_warnings, geometry
 from hyperfab.chapters.job import Job
 from hyperfab.console import NEGATIVE_VERDICT
-from hyperfab.documents.material import MaterialDocument, TestFigures
+from hyperfab.documents.material import FitFigures, MaterialDocument, TestFigures
 from hyperfab.documents.provenance import relative_name
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.layout import layout
@@ -240,8 +240,11 @@ def _document(
         for name, found in best.results.items()
         if name is not None and isinstance(found, Identified)
     }
+    if ranking is not None:
+        for name, part in directions.items():
+            _of_law(part.fit, law_spread(ranking, name))
     data_reach = reach(sets[None])
-    return MaterialDocument(
+    document = MaterialDocument(
         model=best.law.name,
         parameters=whole.material.parameters,
         thickness_mm=readings.thickness,
@@ -279,6 +282,15 @@ def _document(
         effects=[],
         tested=tested(sets[None], setting),
     )
+    if ranking is not None:
+        _of_law(document.fit, law_spread(ranking, None))
+    return document
+
+
+def _of_law(figures: FitFigures | None, spread: float | None) -> None:
+    """Note what the choice of the law adds."""
+    if figures is not None and figures.uncertainty is not None:
+        figures.uncertainty.law = spread
 
 
 def _portable(document: MaterialDocument, names: Sequence[str], output: str) -> MaterialDocument:

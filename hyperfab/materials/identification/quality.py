@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from hyperfab.materials.identification.fit import Fit
+from hyperfab.materials.identification.scatter import Scatter, by_specimen
 from hyperfab.materials.kinematics import Array
 
 
@@ -46,8 +48,9 @@ class Certainty:
     """Standard deviations and correlations of the constants, in the order of ``names``, and the condition number.
 
     The condition number is that of the Jacobian with columns of length one: 1 where the constants do not disturb
-    each other. ``leverage`` is each row's share in its own prediction, ``studentised`` its residual over the
-    residual's own standard deviation with the row left out.
+    each other. ``scatter`` is where the standard deviations come from, None where from the readings alone. ``leverage``
+    is each row's share in its own prediction, ``studentised`` its residual over the residual's own standard deviation
+    with the row left out.
     """
 
     names: tuple[str, ...]
@@ -56,10 +59,28 @@ class Certainty:
     condition_number: float
     leverage: Array
     studentised: Array
+    scatter: Scatter | None = None
+
+    def reordered(self, order: Sequence[int]) -> Certainty:
+        """Return the certainty with the constants, under the same names, in another order."""
+        square = np.ix_(order, order)
+        scatter = self.scatter
+        if scatter is not None:
+            scatter = replace(scatter, covariance=scatter.covariance[square])
+        return replace(self, sd=self.sd[order], correlation=self.correlation[square], scatter=scatter)
 
 
-def certainty(fit: Fit, group: int = 0) -> Certainty:
-    """Return how sure the constants of one group of rows are, from the curvature at the optimum."""
+def certainty(
+    fit: Fit,
+    group: int = 0,
+    specimens: Sequence[Hashable] | None = None,
+    kinds: Sequence[Hashable] | None = None,
+) -> Certainty:
+    """Return how sure the constants of one group of rows are: by how specimens scatter, where there are replicates.
+
+    ``specimens`` and ``kinds`` are those of ``scatter.by_specimen``. Without replicates the standard deviations are
+    from the curvature at the optimum, as if each reading erred by itself: how specimens scatter is not in them.
+    """
     J = fit.jacobian
     rows, count = J.shape
     length = np.sqrt((J * J).sum(axis=0))
@@ -74,6 +95,9 @@ def certainty(fit: Fit, group: int = 0) -> Certainty:
     change = _by_parameter(fit, group)
     spread = change @ root
     covariance = spread @ spread.T * variance
+    scatter = by_specimen(fit, change, specimens, kinds) if specimens and kinds else None
+    if scatter is not None:
+        covariance = scatter.covariance
     sd = np.sqrt(np.diag(covariance))
     with np.errstate(all="ignore"):
         correlation = covariance / np.outer(sd, sd)
@@ -84,6 +108,7 @@ def certainty(fit: Fit, group: int = 0) -> Certainty:
         condition_number=float(s[0] / s[-1]) if len(s) and s[-1] > 0.0 else np.inf,
         leverage=leverage,
         studentised=_studentised(fit.residual, leverage, fit.sse, freedom),
+        scatter=scatter,
     )
 
 

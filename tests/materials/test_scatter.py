@@ -1,0 +1,101 @@
+"""Standard deviations are those of specimens: exact where the answer is known, and their intervals cover."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import Run
+from scipy.stats import t as student
+
+from hyperfab.chapters.fit.identify import Identified, Setting, identify
+from hyperfab.chapters.fit.reading import Reading
+from hyperfab.materials.registry import law
+from trials.coverage import trial
+
+GAINS = np.array([0.97, 1.01, 1.04, 0.995])
+
+
+def neo_hookean(gains: np.ndarray, rows: int = 20, temperature: float | None = None) -> list[Reading]:
+    lam = np.linspace(1.05, 1.8, rows)
+    return [
+        Reading(
+            mode="uniaxial", source="a.csv", specimen=f"{number} {temperature}", stretch=lam,
+            stress=0.2 * gain * (lam - lam**-2), temperature=temperature,
+        )
+        for number, gain in enumerate(gains)
+    ]  # fmt: skip
+
+
+def fitted(curves: list[Reading], relative: bool = False) -> Identified:
+    found = identify(law("neo-hookean"), curves, Setting(("uniaxial",), relative, False, 1.0))
+    assert isinstance(found, Identified)
+    return found
+
+
+@pytest.mark.parametrize("rows", [5, 20, 400])
+def test_without_noise_the_variance_is_that_of_the_mean_of_specimens(rows: int) -> None:
+    """However densely a specimen is read, it is one."""
+    scatter = fitted(neo_hookean(GAINS, rows)).certainty.scatter
+    assert scatter is not None
+    assert (scatter.specimens, scatter.freedom) == (4, 3)
+    assert scatter.covariance[0, 0] == pytest.approx(np.var(0.1 * GAINS, ddof=1) / 4, rel=1e-9)
+
+
+def test_each_temperature_has_the_scatter_of_its_own_specimens() -> None:
+    found = fitted([*neo_hookean(GAINS, temperature=23.0), *neo_hookean(GAINS[:3] ** 4, temperature=80.0)])
+    for sure, gains in zip(found.certainties, (GAINS, GAINS[:3] ** 4), strict=True):
+        assert sure.scatter is not None
+        assert sure.scatter.specimens == len(gains)
+        assert sure.scatter.covariance[0, 0] == pytest.approx(
+            np.var(0.1 * gains, ddof=1) / len(gains), rel=1e-9
+        )
+
+
+def test_what_the_law_misses_in_all_specimens_is_no_scatter() -> None:
+    """The same wrong law on the same curve three times: nothing scatters."""
+    lam = np.linspace(1.05, 1.8, 20)
+    same = [
+        Reading(mode="uniaxial", source="a.csv", specimen=str(k), stretch=lam, stress=0.1 * (lam - 1.0) ** 2)
+        for k in range(3)
+    ]
+    scatter = fitted(same).certainty.scatter
+    assert scatter is not None
+    assert scatter.covariance[0, 0] == pytest.approx(0.0, abs=1e-20)
+
+
+@pytest.mark.parametrize(("name", "tests"), [("yeoh-3", 1), ("mooney-rivlin-2", 3), ("gent", 2)])
+def test_intervals_cover(name: str, tests: int) -> None:
+    """Each share within five standard deviations of a binomial 95 % (the table of 100 labs: trials/coverage.py)."""
+    labs = 60
+    share = trial(name, ("uniaxial", "shear", "biaxial")[:tests], 4, 0.015, labs)
+    assert np.all(share > 0.95 - 5.0 * np.sqrt(0.95 * 0.05 / labs))
+    assert 0.92 < float(np.mean(share)) <= 1.0
+
+
+def test_the_document_says_what_its_deviations_are_known_from(hf: Run, root: Path) -> None:
+    files = [
+        word for way in ("warp", "weft") for word in ("--uniaxial", root / f"specimens/lycra/{way}-23C.csv")
+    ]
+    found = json.loads(hf("fit", *files, "--model", "yeoh-3").stdout)
+    for way in ("warp", "weft"):
+        figures = found["directions"][way]["fit"]
+        sure = figures["uncertainty"]
+        assert (sure["source"], sure["specimens"], sure["degrees_of_freedom"]) == ("specimens", 3, 2)
+        assert sure["order"] == list(found["directions"][way]["parameters"])
+        sd = np.array(list(figures["parameters_sd"].values()))
+        np.testing.assert_allclose(np.sqrt(np.diag(sure["covariance"])), sd, rtol=1e-12)
+    # The constant that the sample was drawn with lies in its interval.
+    own = found["directions"]["warp"]
+    away = abs(own["parameters"]["C10_MPa"] - 0.060951)
+    assert away < student.ppf(0.975, 2) * own["fit"]["parameters_sd"]["C10_MPa"]
+
+
+def test_one_specimen_shows_no_scatter_and_none_is_made_up(hf: Run, root: Path) -> None:
+    done = hf("fit", "--uniaxial", root / "specimens/treloar-1944/uniaxial.csv")
+    sure = json.loads(done.stdout)["fit"]["uncertainty"]
+    assert (sure["source"], sure["specimens"], sure["degrees_of_freedom"]) == ("readings", 1, 0)
+    assert "covariance" not in sure
+    assert 0.0 < sure["law"] < 2.0
