@@ -1,1 +1,1 @@
-"""Truths that owe nothing to the forward code: other functional forms, other integrators, other discretisations."""
+"""Truths written apart from the forward code: other integrators, other discretisations, partly other laws."""

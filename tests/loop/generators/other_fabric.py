@@ -1,8 +1,9 @@
 """A second, independent set of fabrics with an effect nobody declares: other laws and other protocols than ``fabric``.
 
-Each effect comes in several kinds that share no formula with the catalogue: hysteresis as Bouc-Wen, as a Masing loop or
-as play operators (Prandtl-Ishlinskii); rate as a power law, a springpot or a Norton dashpot; damage that runs on with
-cycles; a set exponential in the largest strain; a toe as tanh; and so on. Units: MPa, s, degC, degrees from the warp.
+Each effect comes in several kinds, of which some are forms of the catalogue too (test_generators counts them):
+hysteresis as Bouc-Wen, as a Masing loop or as play operators (Prandtl-Ishlinskii); rate as a power law, a springpot or
+a Norton dashpot; damage that runs on with cycles; a set exponential in the largest strain; a toe as tanh.
+Units: MPa, s, degC, degrees from the warp.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 """A second heated mold with an effect nobody declares: other sizes, metals, programs and laws than ``heat``.
 
 Finite volumes on a quarter of the mold, dense matrices, two Richardson-extrapolated backward Euler steps. Each effect
-comes in kinds that are not the catalogue's: a lag in two stages, an emissivity that rises, a bench that warms up,
-surroundings that swing, a joint that is good in the middle alone. Units: m, W, K, s; temperatures in degC.
+comes in kinds, several of which the catalogue has as well: a lag in two stages, an emissivity that rises, a bench
+that warms up, surroundings that swing, a joint that is good in the middle alone.
+Units: m, W, K, s; temperatures in degC.
 """
 
 from __future__ import annotations
