@@ -465,6 +465,87 @@ def others() -> dict[str, bytes]:
                 *[f"{x},{f}" for x, f in force],
             ]
         ).encode(),
+        "lambda_P": joined(["lambda,P_MPa", *[f"{1 + float(e):g},{s}" for e, s in pull]]).encode(),
+        "trapezium_stacked_heads": joined(
+            [
+                "Results",
+                "",
+                "",
+                "1 _ 1",
+                "Time,Force,Stroke",
+                "sec,N,mm",
+                *[f"{k},{f},{x}" for k, (x, f) in enumerate(force)],
+            ]
+        ).encode(),
+        "whitespace_head_words": joined(
+            [
+                "Time [s]  Tensile strain [%]  Tensile stress [MPa]",
+                *[f"{k}  {shifted(e, 2)}  {s}" for k, (e, s) in enumerate(pull)],
+            ]
+        ).encode(),
+        "decimal_comma_ws": joined(
+            ["Dehnung[%] Spannung[MPa]", *[f"{comma(shifted(e, 2))} {comma(s)}" for e, s in pull]]
+        ).encode(),
+        "units_in_angles": joined(
+            [
+                "Strain;Force;Time",
+                "<%>;<N>;<s>",
+                *[
+                    f"{shifted(e, 2)};{f};{k}"
+                    for k, ((e, _), (_, f)) in enumerate(zip(pull, force, strict=True))
+                ],
+            ]
+        ).encode(),
+        "excel_text_numbers": workbook(
+            {"S": [["Dehnung [%]", "Spannung [MPa]"], *[[comma(shifted(e, 2)), comma(s)] for e, s in pull]]}
+        ),
+        "istra": joined(
+            [
+                "sep=;",
+                "Step;Time [s];Engineering strain y [%];Analog force [N]",
+                *[
+                    f"{k};{k};{comma(shifted(e, 2))};{comma(f)}"
+                    for k, ((e, _), (_, f)) in enumerate(zip(pull, force, strict=True))
+                ],
+            ]
+        ).encode(),
+        "vic": joined(
+            [
+                '"Index","Count","e1","eyy [-]","Stress [MPa]"',
+                *[f"{k},{k},0,{e},{s}" for k, (e, s) in enumerate(pull)],
+            ]
+        ).encode(),
+        "rows_with_units_in_cells": joined(
+            ["Strain;Stress", *[f"{shifted(e, 2)} %;{s} MPa" for e, s in pull]]
+        ).encode(),
+        "pipe": joined(
+            ["| Strain (%) | Stress (MPa) |", "|---|---|", *[f"| {shifted(e, 2)} | {s} |" for e, s in pull]]
+        ).encode(),
+        "line_no_first": joined(
+            ["No.;Ext. mm;Load N", *[f"{k};{comma(x)};{comma(f)}" for k, (x, f) in enumerate(force)]]
+        ).encode(),
+        "unit_after_slash": joined(
+            ["s / mm;F / N;t / s", *[f"{comma(x)};{comma(f)};{k}" for k, (x, f) in enumerate(force)]]
+        ).encode(),
+        "date_time_col": joined(
+            [
+                "Date Time;Strain (%);Stress (MPa)",
+                *[f"2026-11-22 10:00:{k:02d};{shifted(e, 2)};{s}" for k, (e, s) in enumerate(pull)],
+            ]
+        ).encode(),
+        "long_preamble_odd_clock": joined(
+            [f"Parameter {k};{k * 1.5:g}".replace(".", ",") for k in range(9)]
+            + [
+                "Testname;strip",
+                "Datum;22.11.2026",
+                "Geschwindigkeit;100;mm/min",
+                "Probe;A7",
+                "",
+                "Zeit;Weg;Kraft",
+                "s;mm;N",
+                *[f"{k // 10},{k % 10};{comma(x)};{comma(f)}" for k, (x, f) in enumerate(force, 5)],
+            ]
+        ).encode("cp1252"),
     }
 
 

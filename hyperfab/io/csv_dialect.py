@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 
 from hyperfab.errors import InputError
 from hyperfab.io.encoding import decode
-from hyperfab.io.headings import Heading, fold, heading, is_closing, meaning, setting, suffixed
+from hyperfab.io.headings import Heading, fold, heading, is_closing, meaning, setting, suffixed, unit_of
 from hyperfab.io.layout import PLAIN, Layout, filled_in
 from hyperfab.io.rows import (
     MAX_CELLS,
@@ -399,10 +399,16 @@ def _sheet(
         if block.columns is not None
         else [list(cells) for cells in zip(*(cells for _, cells in block.rows), strict=True)]
     )
+    heads = list(block.headings)
+    for index, cells in enumerate(columns[: len(heads)]):
+        unit = _unit_in(cells)
+        if unit is not None and heads[index].unit in (None, unit):
+            heads[index] = replace(heads[index], unit=unit)
+            columns[index] = [cell.removesuffix(unit).rstrip() for cell in cells]
     return Sheet(
         name,
         separator,
-        block.headings,
+        tuple(heads),
         block.head_line,
         tuple(columns[: len(block.headings)]),
         block.lines or [line for line, _ in block.rows],
@@ -410,5 +416,18 @@ def _sheet(
         dict(block.left_out),
         tuple(dict.fromkeys(block.words)),
         layout,
-        mark="." if separator == "cell" else None,
+        mark="." if separator == "cell" and not any(map(_has_comma, columns)) else None,
     )
+
+
+def _has_comma(cells: Sequence[str]) -> bool:
+    """Whether a column of a workbook holds numbers as text, with a comma."""
+    return any("," in cell and is_number(cell) for cell in cells[:50])
+
+
+def _unit_in(cells: Sequence[str]) -> str | None:
+    """Return the unit that stands behind every number of a column, as in 0.5 MPa; per cent is read with the number."""
+    match = re.fullmatch(r"[+-]?[\d.,]+(?:[eE][+-]?\d+)?\s*([^\d\s.,%].*)", cells[0]) if cells else None
+    if match is None or unit_of(match[1]) is None:
+        return None
+    return match[1] if all(cell.endswith(match[1]) for cell in cells) else None

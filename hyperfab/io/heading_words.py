@@ -23,7 +23,7 @@ COLUMNS: dict[str, str] = {
         elongacion; elongacao; alargamiento; allongement; allungamento; alongamento; gl dehnung; distancia
         recorrida relativa; ひずみ; 歪み; 歪; 伸び率; 应变; 伸长率; деформация; относительная деформация; относительное
         удлинение""",
-    "extension": """extension; displacement; ext; disp; tensile extension; tensile displacement;
+    "extension": """extension; s; displacement; ext; disp; tensile extension; tensile displacement;
         axial displacement; axial
         extension; crosshead displacement; crosshead extension; crosshead travel; crosshead; stroke; travel;
         actuator displacement; elongation mm; weg; standardweg; verlangerung; standardverlangerung;
@@ -220,7 +220,8 @@ BRANCHES: dict[str, str] = {
         decharge; retour; scarico; ritorno; descida; -1""",
 }
 #: Words that begin a closing row of a table of readings.
-CLOSING = """mean; average; avg; sd; std; stdev; std dev; stddev; standard deviation; s d; cv; c v; cov; coefficient
+CLOSING = """mean; mw; vk; s; xbar; average; avg; sd; std; stdev; std dev; stddev; standard deviation; s d; cv;
+    c v; cov; coefficient
         of variation; variance; median; min; minimum; max; maximum; range; count; n; sum; total; mittelwert;
         mittel; standardabweichung; stabw; streuung; variationskoeffizient; vk; summe; anzahl; media; promedio;
         desviacion estandar; desviacion; desv est; coeficiente de variacion; mediana; minimo; maximo; suma;

@@ -60,6 +60,9 @@ _BY_UNIT: Mapping[str, Mapping[str, str]] = {
 #: Words that machines put beside the name of a channel and that change nothing.
 _FILLERS = frozenset(
     [
+        "analog",
+        "analogue",
+        "digital",
         "ch",
         "channel",
         "sensor",
@@ -237,11 +240,16 @@ def meaning(head: Heading) -> Meaning | None:
         core = " ".join(word for word in label.split() if word not in _FILLERS)
         found = [replace(one, rank=2) for one in looked_up(core)] if core != label else []
     fitting = [one for one in (_fitted(one, head.unit) for one in found) if one is not None]
+    exact = [
+        one
+        for one in fitting
+        if head.unit is None or one.name not in KIND or is_of(head.unit, KIND[one.name])
+    ]
     if not fitting:
         return None
-    best = fitting[0]
-    if len(label) == 1 and best.name in KIND and head.unit is None:
+    if len(label) == 1 and fitting[0].name in KIND and (head.unit is None or not exact):
         return None  # a letter says nothing without its unit
+    best = (exact or fitting)[0]
     return replace(best, axis=axis)
 
 

@@ -177,8 +177,27 @@ def roles(sheet: Sheet) -> Roles:
         made = head if meaning(head) is what or head.unit is not None else suffixed(head)
         key = what.name + {"2": " 2", "x": " x", "y": " y"}.get(what.axis, "")
         found.setdefault(key, []).append((what.rank, Column(key, made, what.compressive)))
+    _still_out(sheet, found, aside)
     columns = {name: _one_of(sheet, name, ones) for name, ones in found.items()}
     return Roles(_axes(sheet, columns), tuple(aside))
+
+
+def _still_out(sheet: Sheet, found: dict[str, list[tuple[int, Column]]], aside: list[str]) -> None:
+    """Set columns of a strain aside that stand still in every row while another column of that name moves."""
+    names = [name for name in found if name.split(" ")[0] in ("strain", "stretch", "extension")]
+    for base in ("strain", "stretch", "extension"):
+        same = [
+            (name, one) for name in names if name in (base, f"{base} x", f"{base} y") for one in found[name]
+        ]
+        moving = [one for _, one in same if len(set(sheet.columns[one[1].heading.index])) > 1]
+        if not moving or len(moving) == len(same):
+            continue
+        for name, one in same:
+            if one not in moving and one[0] >= 0 and name == base:
+                found[name].remove(one)
+                aside.append(one[1].heading.title)
+    for name in [name for name, ones in found.items() if not ones]:
+        del found[name]
 
 
 def _one_of(sheet: Sheet, name: str, found: list[tuple[int, Column]]) -> Column:

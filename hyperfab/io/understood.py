@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from hyperfab.io.csv_dialect import Sheet
+from hyperfab.io.headings import heading
 from hyperfab.io.roles import Column
 from hyperfab.io.specimen import Reading
 
@@ -31,7 +32,7 @@ def _plainly(column: Column) -> str:
 def _what(column: Column) -> str:
     head = column.heading
     minus = "minus " if column.minus else ""
-    unit = f" [{head.unit}]" if head.unit and head.unit not in head.title else ""
+    unit = f" [{head.unit}]" if head.unit and heading(head.title, 0).unit is None else ""
     nominal = (
         " (nominal)"
         if column.name == "stress" and head.name.startswith(("sigma", "\N{GREEK SMALL LETTER SIGMA}"))
