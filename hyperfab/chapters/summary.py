@@ -110,7 +110,11 @@ def _press(data: Plain) -> Iterator[str]:
         f"the molds touch on {100 * data['contact_fraction']:.1f} % ({data['contact_area_mm2']:.0f} mm2), "
         f"force {data['force_N']:.4g} N, pressure up to {data['pressure_max_MPa']:.3g} MPa"
     )
-    yield f"hot gap {data['gap_min_mm']:.2f} to {data['gap_max_mm']:.2f} mm, mean {data['gap_mean_mm']:.2f} mm"
+    hot = any(
+        data[mold]["temperature_degC"] != data["reference_temperature_degC"] for mold in ("male", "female")
+    )
+    least, mean, most = (data[f"gap_{which}_mm"] for which in ("min", "mean", "max"))
+    yield f"{'hot gap' if hot else 'gap'} {least:.2f} to {most:.2f} mm, mean {mean:.2f} mm"
 
 
 def _loop(data: Plain) -> Iterator[str]:

@@ -157,7 +157,7 @@ class Shrinkage(Section):
     """What heat takes from the foam's thickness, and what it gives back when the press opens.
 
     The foam shrinks by ``amount`` in the end, by ``amount (1 - exp(-dwell / time))`` where a time is given. Of the
-    compression under the mold it springs back by ``recovery``.
+    compression under the mold it springs back by ``recovery``; where that is not given, nothing says what stays.
     """
 
     amount: Annotated[
@@ -175,7 +175,7 @@ class Shrinkage(Section):
     ] = 0.0
     time: Time | None = None
     dwell: Time | None = None
-    recovery: Annotated[float, Field(ge=0.0, le=1.0)] = 1.0
+    recovery: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
 
     @model_validator(mode="after")
     def _makes_sense(self) -> Shrinkage:

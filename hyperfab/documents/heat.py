@@ -137,9 +137,13 @@ class HeatDocument(Document):
     energy: Energy
     efficiency: float | None = Field(
         default=None,
-        description="stored over supplied heat, at the warm-up where it was reached, else at the end",
+        description="heat stored in all parts over heat given by the heaters, from the start to the warm-up where it "
+        "was reached, else to the end; what is missing to 1 was lost on the way",
     )
-    power_supplied_W: float | None = Field(default=None, description="power of the heaters at the end")
+    power_supplied_W: float | None = Field(
+        default=None,
+        description="power at the end of the heaters; in a steady state also of held temperatures that give heat",
+    )
     power_lost_W: dict[str, float] = Field(
         default_factory=dict, description="heat leaving through each condition at the end"
     )

@@ -44,7 +44,12 @@ class RegionPart(Part):
     centroid_mm: Place
     gap_mean_mm: float
     pressure_mean_MPa: float
-    force_N: float
+    force_N: float = Field(description="pressure times area, whatever its direction: see normal_force_N")
+    normal_force_N: float | None = Field(
+        default=None,
+        description="integral of the pressure over the region, across the surface; on slopes more than its share of "
+        "the closing force, the document's force_N",
+    )
 
 
 class MoldPart(Part):
@@ -110,9 +115,9 @@ class PressDocument(Document):
     contact_fraction: float = Field(description="of the molding area")
     molding_area_mm2: float = Field(description="male surface that faces the female, without the flat flange")
     flange_area_mm2: float
-    force_N: float = Field(description="closing force")
+    force_N: float = Field(description="closing force: the part of all pressure along the axis")
     pressure_max_MPa: float
-    pressure_mean_MPa: float = Field(description="over the touching area")
+    pressure_mean_MPa: float = Field(description="over the touching area, of the pressure that acts on it")
     stroke_mm: float = Field(
         description="travel from the first touch of the sandwich; negative: not yet touched"
     )
@@ -149,7 +154,10 @@ class PressDocument(Document):
         default=0.0, description="share of the foam's stress lost by the end of the dwell"
     )
     frame_stiffness_N_mm: float | None = Field(default=None, description="of the press; absent: rigid")
-    final_thickness: ThicknessRange = Field(description="of the sandwich when the press has opened")
+    final_thickness: ThicknessRange | None = Field(
+        default=None,
+        description="of the sandwich when the press has opened; absent where no recovery of the foam is given",
+    )
     chord_error_mm: float = Field(
         description="how far the facets stand off the smooth molds (95 % of the area)"
     )

@@ -278,5 +278,5 @@ def _scalar(value: object, path: str) -> str:
     if isinstance(value, float):
         if not math.isfinite(value):
             raise ValueError(f"{path or 'document'} is {value}: JSON has no such number, leave the key out")
-        return float.__repr__(value)
+        return float.__repr__(value + 0.0)  # no -0
     raise ValueError(f"{path or 'document'}: a {type(value).__name__} cannot be written to JSON")

@@ -51,9 +51,17 @@ def closing_frame(male: Surface, female: Surface, axis: str) -> PressFrame:
             f"the molds do not close along {axis}",
             remedy=f"they would along {' or '.join(others)}: use --axis {others[0]}",
         )
-    parted = _closing_when_parted(male, female, axis)
-    if parted is not None:
-        return parted
+    # Drawn into each other they close too, as soon as the female is taken out.
+    parted = {name: _closing_when_parted(male, female, name) for name in axis + "xyz".replace(axis, "")}
+    mine = parted[axis]
+    if mine is not None:
+        return mine
+    others = [name for name, frame in parted.items() if frame is not None]
+    if others:
+        raise InputError(
+            f"the molds do not close along {axis}",
+            remedy=f"they would along {' or '.join(others)}: use --axis {others[0]}",
+        )
     raise InputError(
         f"the molds do not face each other along {axis}, nor along another axis",
         remedy="check that both STL files are in the coordinates of the closed tool and in the same unit",

@@ -191,6 +191,18 @@ def test_a_heater_that_is_turned_off(tmp_path):
     assert found["power_supplied_W"] == 0.0
 
 
+def test_a_held_temperature_supplies_what_a_steady_mold_loses(tmp_path):
+    """A bar held at 100 degC at its foot loses h A (T - 25) through a film at its end: P L / (k A) lower there."""
+    text = LUMP.replace('target = "75 degC"\n', "").replace('until = "60 s"\n', "steady = true\n")
+    head, _, tail = text.partition("[[heater]]")
+    text = head + '[[temperature]]\non = "lump.z-"\nvalue = "100 degC"\n' + tail[tail.index("[[") :]
+    _, found, _ = heat(tmp_path, text)
+    lost = found["power_lost_W"]
+    assert list(lost) == ["convection lump.z+"]
+    assert found["power_supplied_W"] == pytest.approx(lost["convection lump.z+"], rel=1e-9)
+    assert found["power_supplied_W"] > 0.0
+
+
 def test_power_is_found_for_a_wanted_warm_up(tmp_path):
     text = LUMP.replace('until = "60 s"\n', "")
     _, found, _ = heat(tmp_path, text, warmup_in="30 s")

@@ -66,6 +66,15 @@ def test_a_wrong_axis_is_refused_and_the_right_one_named(fine, axis):
         closing_frame(*fine, axis)
 
 
+@pytest.mark.parametrize("depth", [3.5, 20.0])
+def test_of_molds_drawn_into_each_other_the_right_axis_is_named_too(depth):
+    male, female = surfaces((30, 30), (31, 29))
+    low = Surface(female.vertices - np.array([0.0, 0.0, depth]), female.faces)
+    assert closing_frame(male, low, "z").axis == "z"
+    with pytest.raises(InputError, match="use --axis z"):
+        closing_frame(male, low, "x")
+
+
 @pytest.mark.parametrize("axis", ["x", "y", "z"])
 def test_the_answer_does_not_depend_on_how_the_tool_lies_in_space(axis):
     male, female = surfaces((40, 41), (42, 39))

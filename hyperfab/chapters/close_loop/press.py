@@ -181,7 +181,7 @@ def setting_of(told: Told) -> Setting:
         force=case.force,
         compliance=compliance,
         zero_rate=rate,
-        recovery=back if back < 1.0 else None,
+        recovery=None if back == 1.0 else back,
         floating=case.floating,
     )
 

@@ -73,6 +73,10 @@ def steady_document(problem: Problem, history: History) -> HeatDocument:
     converged = bool(np.isfinite(imbalance) and imbalance <= IMBALANCE_ALLOWED)
     result = _common(problem, history, energy, converged)
     result.steady = True
+    # A temperature is held by whatever gives the heat for it: where nothing else changes, that is a supply.
+    held = {condition.name for condition in problem.model.prescribed if powers[condition.name] > 0.0}
+    result.power_supplied_W = (result.power_supplied_W or 0.0) + sum(powers[name] for name in sorted(held))
+    result.power_lost_W = {name: lost for name, lost in result.power_lost_W.items() if name not in held}
     if not converged:
         result.status = f"heat in and out differ by {imbalance:.2g}"
     result.probes = {

@@ -77,17 +77,11 @@ def run(
     fabric = read.fabric_thickness(job.inputs, foam, document)
     expansions = read.expansions(job.inputs, foam, document)
     heat = read_heat(job.inputs, temperature, (male_heat, female_heat), document.expansion.reference)
-    lost = read.shrinkage(job.inputs, foam, document, 0.5 * (heat[0].temperature + heat[1].temperature))
     one, two, way = read.read_molds(job, male, female, axis, stl_unit)
     uneven = read.variation(foam, document, axis, one.vertices)
     turned = read.tilt(foam, document, axis) if turned is None else turned
     if floating and turned.any():
         raise UsageError("a floating mold finds its tilt by itself: leave out --float, or the tilt")
-    sandwich = Sandwich(document.thickness * (1.0 - lost) * uneven, fabric, law)
-    if drape is not None:
-        sandwich = sandwich.thinned(read.thinning(job, drape, male, one.vertices))
-    out.refuse_inputs(job.inputs)
-
     with job.console.progress("Closing the press") as advance:
         molds = in_frame(one, way, 1, facets == "smooth"), in_frame(two, way, -1, facets == "smooth")
         check_roles(*molds)
@@ -97,6 +91,13 @@ def run(
                 molds, heat, expansions, (document.poisson.male, document.poisson.female), strict=True
             )
         ]
+        lost = read.shrinkage(
+            job.inputs, foam, document, 0.5 * (growth[0].temperature + growth[1].temperature)
+        )
+        sandwich = Sandwich(document.thickness * (1.0 - lost) * uneven, fabric, law)
+        if drape is not None:
+            sandwich = sandwich.thinned(read.thinning(job, drape, male, one.vertices))
+        out.refuse_inputs(job.inputs)
         advance(0.3, "closing")
         case = Case(
             molds[0],

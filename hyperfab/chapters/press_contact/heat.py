@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import re
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hyperfab.chapters.job import Job
 from hyperfab.documents.base import read_document
@@ -18,18 +20,24 @@ from hyperfab.pressing.mold import Mold, PressFrame
 from hyperfab.pressing.tetra import TetraMesh, at_boundary, boundary, merged, samples
 from hyperfab.pressing.thermoelastic import deform, mounting
 
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
 #: A heat model is of this mold where it covers its surface this well: the share of the mold's size, and [mm].
 _COVERS = (0.002, 0.5)
 
 
 @dataclass(frozen=True)
 class HeatInput:
-    """What is known of a mold's heat: its mean ``temperature`` [degC], and the ``grid`` of heat document ``name``."""
+    """What is known of a mold's heat: its mean ``temperature`` [degC], and the ``grid`` of heat document ``name``;
+    which ``part`` of it was named, and the ``parts`` it has."""
 
     temperature: float
     known_from: str
     grid: Grid | None = None
     name: str = ""
+    part: str = ""
+    parts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -69,36 +77,98 @@ def grow(
 ) -> Grown:
     """Return how ``mold`` has grown; sideways both molds grow from the middle of the ``male``.
 
-    With a field of temperature the mold is deformed by finite elements, provided the field is that of this mold;
-    where it is not, the mold grows evenly by the field's mean temperature, and that is said.
+    With a field of temperature the mold is deformed by finite elements, provided a part of the heat model, or all of
+    it, is this mold. Where none is, a model of one part counts by its mean temperature, and that is said; of several
+    one must be named, or InputError is raised.
     """
     line = guide_line(male)
     if heat.grid is None:
         strain = float(expansion.strain(heat.temperature))
         return Grown(even_growth(mold, strain, line), heat.temperature, strain, heat.known_from, True)
-    mesh, number = merged(frame.inward(heat.grid.points), heat.grid.cells["tetra10"])
-    celsius = np.zeros(len(mesh.points))
-    celsius[number] = heat.grid.point_data["temperature_degC"]
-    mean, strain = heat.temperature, float(expansion.strain(heat.temperature))
-    faces = boundary(mesh)
-    _, distance = at_boundary(mesh, faces, celsius, mold.vertices)
-    size = float(np.ptp(mold.vertices, axis=0).max())
-    off = float(np.quantile(distance, 0.95))
-    if off > max(_COVERS[0] * size, _COVERS[1]):
+    found = _of_mold(heat, frame, mold)
+    mean, strain = _mean(found.grid), float(expansion.strain(_mean(found.grid)))
+    named = f"part {found.part} of " if found.part else ""
+    if found.off > found.allowed:
+        if not (found.part or len(heat.parts) <= 1):
+            raise InputError(
+                f"none of its parts is this mold: {', '.join(f'{part} lies {off:.1f}' for part, off in found.others)} "
+                "mm off the STL",
+                file=heat.name,
+                remedy=f"name the part whose temperature the mold has, as {heat.name}:{found.others[0][0]}, or give "
+                "a heat document in which the mold stands where its STL has it",
+            )
         job.console.warn(
-            f"{heat.name}: its mold is another one (it lies {off:.1f} mm off the STL); the STL's mold grows evenly "
-            f"with the mean temperature of {mean:.1f} degC"
+            f"{heat.name}: {'that part' if found.part else 'its mold'} is another one (it lies {found.off:.1f} mm off "
+            f"the STL); the STL's mold grows evenly with the mean temperature of {mean:.1f} degC"
         )
-        known = "mean of the field of another mold's heat document"
+        known = f"mean of the field of {named}another mold's heat document"
         return Grown(even_growth(mold, strain, line), mean, strain, known, True)
     moved = deform(
-        mesh, np.asarray(expansion.strain(celsius)), mounting(mesh, mold.side, flat, line), poisson
+        found.mesh,
+        np.asarray(expansion.strain(found.celsius)),
+        mounting(found.mesh, mold.side, flat, line),
+        poisson,
     )
-    known = "field of the heat document, thermoelastic"
-    return Grown(FieldGrowth(mesh, faces, moved), mean, strain, known, False)
+    known = f"field of {named}the heat document, thermoelastic"
+    return Grown(FieldGrowth(found.mesh, found.faces, moved), mean, strain, known, False)
 
 
-def _read(inputs: Inputs, name: str) -> HeatInput:
+@dataclass(frozen=True)
+class _Found:
+    """The part of a heat model that is a mold, or is taken for it: its ``grid``, its ``mesh`` in the press frame with
+    outer ``faces`` and nodal ``celsius``, how far ``off`` the STL it lies and what is ``allowed`` [mm]; the name of the
+    ``part``, empty for all of the model; how far each of the ``others`` lies off."""
+
+    grid: Grid
+    mesh: TetraMesh
+    faces: Ints
+    celsius: Array
+    off: float
+    allowed: float
+    part: str
+    others: list[tuple[str, float]]
+
+
+def _of_mold(heat: HeatInput, frame: PressFrame, mold: Mold) -> _Found:
+    """Return the part that was named, or else the one that lies on the mold's surface, or else all parts together."""
+    whole = heat.grid
+    assert whole is not None
+    size = float(np.ptp(mold.vertices, axis=0).max())
+    allowed = max(_COVERS[0] * size, _COVERS[1])
+
+    def tried(part: str) -> _Found:
+        grid = _part(whole, heat.parts.index(part)) if part else whole
+        mesh, number = merged(frame.inward(grid.points), grid.cells["tetra10"])
+        celsius = np.zeros(len(mesh.points))
+        celsius[number] = grid.point_data["temperature_degC"]
+        faces = boundary(mesh)
+        _, distance = at_boundary(mesh, faces, celsius, mold.vertices)
+        return _Found(grid, mesh, faces, celsius, float(np.quantile(distance, 0.95)), allowed, part, [])
+
+    if heat.part:
+        return tried(heat.part)
+    parts = [tried(part) for part in heat.parts] if len(heat.parts) > 1 else []
+    parts.sort(key=lambda found: found.off)
+    if parts and parts[0].off <= allowed:
+        return parts[0]
+    return replace(tried(""), others=[(found.part, found.off) for found in parts])
+
+
+def _part(grid: Grid, index: int) -> Grid:
+    """Return the elements of one part, and their nodes."""
+    elements = grid.cells["tetra10"][grid.cell_data["part"] == index]
+    used, small = np.unique(elements, return_inverse=True)
+    return Grid(
+        grid.points[used],
+        {"tetra10": small.reshape(elements.shape)},
+        {"temperature_degC": grid.point_data["temperature_degC"][used]},
+        {},
+    )
+
+
+def _read(inputs: Inputs, given: str) -> HeatInput:
+    named = re.fullmatch(r"(.+\.json):([^/\\:]+)", given)
+    name, part = (given, "") if named is None else (named[1], named[2])
     heat = read_document(inputs, name, HeatDocument)
     fields = [file for file in heat.files if file.endswith(".vtu")]
     if name == "-" or not fields:
@@ -117,7 +187,13 @@ def _read(inputs: Inputs, name: str) -> HeatInput:
         raise InputError(
             "holds no temperatures on tetrahedra", file=path, remedy="make it again with hf mold-heat"
         )
-    return HeatInput(_mean(grid), "field", grid, name)
+    parts = tuple(heat.mass_by_part_kg)
+    if "part" not in grid.cell_data or len(np.unique(grid.cell_data["part"])) != len(parts):
+        parts = parts[:1]  # no telling them apart
+    if part and part not in parts:
+        raise InputError(f"has no part {part}", file=name, remedy=f"its parts are {', '.join(parts)}")
+    whole = _part(grid, parts.index(part)) if part and len(parts) > 1 else grid
+    return HeatInput(_mean(whole), "field", grid, name, part if len(parts) > 1 else "", parts)
 
 
 def _mean(grid: Grid) -> float:

@@ -41,11 +41,11 @@ _SIGNS = {1: "+", -1: "-"}
 @dataclass(frozen=True)
 class Foam:
     """The shares of its thickness and of its stress that the foam has lost by the end of the dwell, how much of its
-    compression it gives back, and whether the sandwich is not equally thick everywhere."""
+    compression it gives back (None: not known), and whether the sandwich is not equally thick everywhere."""
 
     lost: float
     relaxed: float
-    recovery: float
+    recovery: float | None
     uneven: bool
 
 
@@ -76,6 +76,8 @@ def document_of(told: Told) -> PressDocument:
     states = closed.press.sandwich.state(contact.gap)
     found = regions(front, closed.touch, contact, closed.press.sandwich)
     shift = closed.cold - front.vertices
+    final = _final_thickness(told)
+    on_touching = sum(region.load for region in found if region.contact)
     male_part, female_part = (
         _mold_part(mold, told, index) for index, mold in enumerate((closed.case.male, closed.case.female))
     )
@@ -93,7 +95,7 @@ def document_of(told: Told) -> PressDocument:
         flange_area_mm2=float(front.areas[~molding].sum()),
         force_N=contact.closing_force,
         pressure_max_MPa=float(contact.pressure.max()),
-        pressure_mean_MPa=contact.load / touching if touching > 0.0 else 0.0,
+        pressure_mean_MPa=on_touching / touching if touching > 0.0 else 0.0,
         stroke_mm=closed.stroke,
         tilt_deg=float(np.degrees(closed.pose.angle)),
         tilt_vector_deg=_tilt_vector(told),
@@ -108,6 +110,7 @@ def document_of(told: Told) -> PressDocument:
                 gap_mean_mm=region.gap,
                 pressure_mean_MPa=region.pressure,
                 force_N=region.load,
+                normal_force_N=region.load,
             )
             for region in found
         ],
@@ -128,7 +131,7 @@ def document_of(told: Told) -> PressDocument:
         foam_shrinkage=told.foam.lost,
         foam_relaxation=told.foam.relaxed,
         frame_stiffness_N_mm=closed.case.frame,
-        final_thickness=_range(_final_thickness(told), area),
+        final_thickness=None if final is None else _range(final, area),
         chord_error_mm=_chord_error(closed.case.male) + _chord_error(closed.case.female),
         search="exact tree: every distance is proven the least",
         border_area_fraction=float(area[closed.at_border].sum() / area.sum()),
@@ -145,6 +148,7 @@ def grid_of(told: Told) -> bytes:
     """Return the male's front, where its drawing has it, with the gap and what the sandwich does, as .vtu."""
     closed = told.closed
     front, contact, sandwich = closed.front, closed.contact, closed.press.sandwich
+    final = _final_thickness(told)
     return vtu.unstructured(
         told.frame.outward(closed.cold),
         {"triangle": front.faces},
@@ -155,7 +159,7 @@ def grid_of(told: Told) -> bytes:
             "sandwich_mm": np.broadcast_to(np.asarray(sandwich.thickness), contact.gap.shape),
             "compression": sandwich.strain(contact.gap),
             "pressure_MPa": contact.pressure,
-            "final_thickness_mm": _final_thickness(told),
+            **({} if final is None else {"final_thickness_mm": final}),
             "contact": (closed.touch < sandwich.thickness).astype(np.uint8),
             "at_border": closed.at_border.astype(np.uint8),
             "oblique": closed.oblique.astype(np.uint8),
@@ -301,8 +305,10 @@ def _range(values: Array, area: Array) -> ThicknessRange:
     )
 
 
-def _final_thickness(told: Told) -> Array:
-    """Thickness (n,) [mm] of the sandwich when the press has opened: foam springs back by its recovery."""
+def _final_thickness(told: Told) -> Array | None:
+    """Thickness (n,) [mm] of the sandwich when the press has opened: foam springs back by its recovery, if known."""
+    if told.foam.recovery is None:
+        return None
     sandwich, gap = told.closed.press.sandwich, told.closed.contact.gap
     foam = np.broadcast_to(np.asarray(sandwich.foam), gap.shape)
     pressed = np.clip(gap - sandwich.fabric, 0.0, foam)
