@@ -181,3 +181,12 @@ def test_merging_changes_no_coordinate_and_leaves_no_place_twice(corners: list[t
         return
     assert np.array_equal(mesh.vertices[mesh.faces], given_corners[mesh.facet_of_face])
     assert len({tuple(vertex) for vertex in mesh.vertices.tolist()}) == len(mesh.vertices)
+
+
+def test_a_facet_is_left_out_whichever_two_of_its_corners_are_one() -> None:
+    a, b, c = (0.0, 0.0, 0.0), (50.0, 0.0, 0.0), (0.0, 50.0, 0.0)
+    data = binary(4, facet(*a, *b, *c), facet(*a, *a, *b), facet(*a, *b, *b), facet(*a, *b, *a))
+    found = read_stl(data, "four.stl", "mm")
+    assert found.faces.shape == (1, 3)
+    assert any("3 of 4 facets have two corners in one place" in line for line in found.questions)
+    assert found.facet_of_face.tolist() == [0]
