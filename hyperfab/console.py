@@ -54,11 +54,17 @@ class Console:
 
     def __init__(self, quiet: bool = False) -> None:
         self.quiet = quiet
-        self._live = False
+        self.warned = 0
 
     def warn(self, text: str) -> None:
         """Say what the user should know before trusting the result."""
+        self.warned += 1
         self._line(f"hf: warning: {text}")
+
+    def count(self) -> None:
+        """Say at the end how many warnings there were: the first may have scrolled away."""
+        if self.warned > 1:
+            self.note(f"{self.warned} warnings")
 
     def note(self, text: str) -> None:
         """Say what a person at the terminal may like to know."""

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
+
 
 class HyperfabError(Exception):
     """Base of all errors that are told to the user in one message, without a traceback."""
@@ -72,3 +75,16 @@ class OutputError(HyperfabError):
     """The output could not be written: exit status 5. What was there before is still there."""
 
     exit_status = 5
+
+
+def near(word: str, known: Iterable[str]) -> str:
+    """Return ``did you mean X?`` for a misspelt ``word``, or nothing.
+
+    >>> near("yeoh3", ["gent", "yeoh-2", "yeoh-3"]), near("mooney", ["gent", "mooney-rivlin-2"]), near("x", ["gent"])
+    ('did you mean yeoh-3?', 'did you mean mooney-rivlin-2?', '')
+    """
+    names = {name.casefold().replace("-", "").replace("_", ""): name for name in reversed(list(known))}
+    plain = word.casefold().replace("-", "").replace("_", "")
+    begun = [name for name in names if len(plain) > 2 and name.startswith(plain)][-1:]
+    found = difflib.get_close_matches(plain, names, 1, 0.7) or begun
+    return f"did you mean {names[found[0]]}?" if found else ""

@@ -15,7 +15,7 @@ from hyperfab.documents.base import Document
 from hyperfab.documents.provenance import record, relative_name
 from hyperfab.errors import UsageError
 from hyperfab.io.inputs import Inputs
-from hyperfab.io.output import Output
+from hyperfab.io.output import Output, write_stdout
 
 
 @dataclass
@@ -27,6 +27,7 @@ class Job:
     like       the document that the set-up was taken from
     ranges     where laws and tables were used, and what is known of them there
     strict     end with status 1 where they were used beyond that
+    sums_up    whether a summary goes to standard output in place of the document
     """
 
     command: str
@@ -37,6 +38,7 @@ class Job:
     like: Earlier[Any] | None = None
     ranges: Ranges = field(default_factory=Ranges)
     strict: bool = False
+    sums_up: bool = False
 
     def opened(self, target: str, suffixes: Sequence[str]) -> Output:
         """Return where the command writes: ``target`` and its siblings; a run inside another command keeps them."""
@@ -66,7 +68,20 @@ class Job:
         if self.like is not None:
             for name in self.like.altered(self.inputs):
                 self.console.warn(f"{name} has changed since {self.like.name} was made from it")
+        if output.target == "-" and self.sums_up:
+            self._sum_up(data)
+            return
         output.finish(data, self.inputs)
+        if output.wants_files:
+            beside = f" and {len(output.names)} files beside it" if output.names else ""
+            self.console.note(f"written: {output.target}{beside}")
+
+    def _sum_up(self, data: dict[str, Any]) -> None:
+        from hyperfab.chapters.summary import paragraph
+
+        write_stdout(("\n".join(paragraph(data)) + "\n").encode())
+        name = str(data["format"]).removeprefix("hyperfab.").split("/")[0]
+        self.console.note(f"-o {name}.json keeps it, -o - prints the document")
 
     def judge_ranges(self) -> None:
         """Say in one line what was used beyond what is known."""

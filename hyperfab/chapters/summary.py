@@ -29,6 +29,11 @@ def run(job: Job, *, documents: Sequence[str]) -> int:
     return 0
 
 
+def paragraph(data: Plain) -> list[str]:
+    """Return what the document ``data`` says, a few lines."""
+    return list(_PARAGRAPHS[_kind(data, "-")](data))
+
+
 def _kind(loaded: object, name: str) -> str:
     found = loaded.get("format") if isinstance(loaded, Mapping) else None
     kind = str(found).removeprefix("hyperfab.").split("/")[0]
@@ -77,6 +82,11 @@ def _contact(data: Plain) -> Iterator[str]:
 def _drape(data: Plain) -> Iterator[str]:
     state = "equilibrium" if data["converged"] else "no equilibrium"
     edges = f" and {data['contact_edges']} springs on its edges" if data.get("contact_edges") else ""
+    along = max(("warp", "weft"), key=lambda way: data[way]["stretch_max"])
+    most = data[along]["stretch_max"]
+    at = (data.get("stretch_max_at_mm") or {}).get("flat")
+    where = f" at ({at[0]:.0f}, {at[1]:.0f}) mm of the flat sheet" if at else ""
+    yield f"stretched to {most:.3f} at most, along {along}{where}"
     yield (
         f"{state}: {data['contact_nodes']} nodes on the mold{edges}, press force {data['force_N']:.4g} N, "
         f"thinnest {data['thickness_min_mm']:.3f} mm, {data['slack_springs']} slack springs"
@@ -108,13 +118,16 @@ def _heat(data: Plain) -> Iterator[str]:
 def _press(data: Plain) -> Iterator[str]:
     yield (
         f"the molds touch on {100 * data['contact_fraction']:.1f} % ({data['contact_area_mm2']:.0f} mm2), "
-        f"force {data['force_N']:.4g} N, pressure up to {data['pressure_max_MPa']:.3g} MPa"
+        f"force {data['force_N']:.4g} N, pressure up to {1e3 * data['pressure_max_MPa']:.3g} kPa"
     )
     hot = any(
         data[mold]["temperature_degC"] != data["reference_temperature_degC"] for mold in ("male", "female")
     )
     least, mean, most = (data[f"gap_{which}_mm"] for which in ("min", "mean", "max"))
     yield f"{'hot gap' if hot else 'gap'} {least:.2f} to {most:.2f} mm, mean {mean:.2f} mm"
+    for change in (data.get("sensitivity") or [])[:3]:
+        step = f"{change['typical_step']:g} {change.get('unit', '')}".strip()
+        yield f"{change['change']} by {step} moves the gap by {change['gap_rms_at_step_mm']:.2g} mm"
 
 
 def _loop(data: Plain) -> Iterator[str]:
@@ -129,12 +142,16 @@ def _sweep(data: Plain) -> Iterator[str]:
     yield f"{data['name']}: {data['cases']} cases, {failed} failed; table {data['table']}"
     if "within_limits" in data:
         yield f"{data['within_limits']} cases keep to the limits"
-    for figure, row in data.get("best", {}).items():
+    best = data.get("best", {})
+    for figure, sense in (data.get("senses") or dict.fromkeys(best, "least")).items():
+        if figure not in best:
+            continue
+        row = best[figure]
         shown = ", ".join(
             f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}"
             for key, value in row.items()
         )
-        yield f"least {figure}: {shown}"
+        yield f"{sense} {figure}: {shown}"
 
 
 _PARAGRAPHS: dict[str, Callable[[Plain], Iterator[str]]] = {

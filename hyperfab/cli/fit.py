@@ -22,6 +22,13 @@ from hyperfab.cli.reading import (
 )
 from hyperfab.cli.shared import Debug, Quiet, Strict, Target, run_chapter
 
+#: The laws by name; the registry holds them, and its numbers take too long to load for a help page.
+LAWS = (
+    "alexander, arruda-boyce, arruda-boyce-langevin, arruda-boyce-lni2, blatz-ko, blatz-ko-general, carroll, "
+    "extended-tube, fabric-fibres, gent, gent-gent, mooney-rivlin-2, mooney-rivlin-3, mooney-rivlin-5, "
+    "mooney-rivlin-9, neo-hookean, ogden-1, ogden-2, ogden-3, yeoh-1, yeoh-2, yeoh-3, yeoh-3-lni2, orthotropic."
+)
+
 SHORT_HELP = "Constants of a law from fabric tests"
 
 
@@ -39,7 +46,7 @@ def fit(
         list[str], typer.Option(metavar="CSV", help="Equibiaxial or general biaxial test.")
     ] = [],
     volumetric: Annotated[list[str], typer.Option(metavar="CSV", help="Volumetric test.")] = [],
-    model: Annotated[str, typer.Option(metavar="NAME", help="A strain-energy law, or all.")] = "all",
+    model: Annotated[str, typer.Option(metavar="NAME", help="A strain-energy law, or all. " + LAWS)] = "all",
     fit_on: Annotated[
         str | None,
         typer.Option(

@@ -14,7 +14,10 @@ SHORT_HELP = "JSON Schema of a document kind"
 def schema(
     context: typer.Context,
     kind: Annotated[
-        str, typer.Argument(metavar="KIND", help="material, contact, drape, mold, heat, foam or press.")
+        str,
+        typer.Argument(
+            metavar="KIND", help="material, contact, drape, mold, heat, foam, press, loop, study or sweep."
+        ),
     ],
     debug: Debug = False,
 ) -> None:

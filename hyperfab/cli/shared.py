@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import importlib
+import os
+import sys
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -30,6 +33,8 @@ StlUnit = Annotated[
     str, typer.Option(metavar="UNIT", help="Unit of the numbers in STL files: mm, cm, m or inch.")
 ]
 
+#: Commands that run compiled kernels, and the package that holds them.
+COMPILED = {"drape": "cloth", "press-contact": "surface"}
 #: Options about how a run is shown, not about what it computes: no part of provenance.
 _ABOUT_THE_RUN = ("quiet", "debug", "strict")
 
@@ -45,9 +50,17 @@ def run_chapter(context: typer.Context, **more: object) -> None:
         from hyperfab.chapters.job import Job
 
         chapter = importlib.import_module(f"hyperfab.chapters.{command.replace('-', '_')}")
-        job = Job(command, arguments_given(context), Console(bool(context.params.get("quiet"))))
-        job.strict = bool(context.params.get("strict"))
-        return job.ended(chapter.run(job, **chapter_options(context), **more))
+        job = Job(
+            command,
+            arguments_given(context),
+            Console(bool(context.params.get("quiet"))),
+            sums_up=_sums_up(context),
+            strict=bool(context.params.get("strict")),
+        )
+        announce_compilation(job.console, command)
+        status = job.ended(chapter.run(job, **chapter_options(context), **more))
+        job.console.count()
+        return status
 
     raise typer.Exit(run_guarded(action, bool(context.params.get("debug"))))
 
@@ -70,10 +83,30 @@ def run_case(context: typer.Context, cls: type[Case]) -> None:
             Console(bool(context.params.get("quiet"))),
             target=str(context.params["output"]),
             strict=bool(context.params["strict"]),
+            sums_up=_sums_up(context),
         )
-        return run(job, asked(job, cls, given, context.params.get("like")))
+        announce_compilation(job.console, cls.COMMAND)
+        status = run(job, asked(job, cls, given, context.params.get("like")))
+        job.console.count()
+        return status
 
     raise typer.Exit(run_guarded(action, bool(context.params.get("debug"))))
+
+
+def _sums_up(context: typer.Context) -> bool:
+    """Whether a person sits at standard output who did not ask for the document there: a summary serves them."""
+    source = context.get_parameter_source("output")
+    return sys.stdout.isatty() and (source is None or source.name != "COMMANDLINE")
+
+
+def announce_compilation(console: Console, command: str) -> None:
+    """Say before a first run that it compiles: half a minute without a word looks like a fault."""
+    package = COMPILED.get(command)
+    if package is None or os.environ.get("NUMBA_CACHE_DIR"):
+        return
+    folder = Path(__file__).resolve().parent.parent / package / "__pycache__"
+    if not any(folder.glob("*.nbi")):
+        console.note("first run: compiling once, about half a minute")
 
 
 def chapter_options(context: typer.Context) -> dict[str, Any]:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import importlib
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from hyperfab.documents.provenance import Provenance
 from hyperfab.documents.validity import Validity
-from hyperfab.errors import InputError, UsageError
+from hyperfab.errors import InputError, UsageError, near
 from hyperfab.io.json_io import load_json
 from hyperfab.io.toml_io import load_toml
 
@@ -120,7 +120,7 @@ def parse_document(loaded: object, name: str, cls: type[DocumentT]) -> DocumentT
     try:
         return cls.model_validate(loaded)
     except ValidationError as error:
-        raise first_error(error, name) from None
+        raise first_error(error, name, cls) from None
 
 
 def check_format(found: object, name: str, cls: type[Document]) -> None:
@@ -151,7 +151,7 @@ def check_format(found: object, name: str, cls: type[Document]) -> None:
         )
 
 
-def first_error(error: ValidationError, name: str) -> InputError:
+def first_error(error: ValidationError, name: str, cls: type[BaseModel] | None = None) -> InputError:
     """Return the first finding of pydantic as an InputError that names the key."""
     found = error.errors(include_url=False)
     # A misspelt key is also a missing one: the spelling is what helps.
@@ -162,14 +162,25 @@ def first_error(error: ValidationError, name: str) -> InputError:
     if kind == "missing":
         return InputError(f"is missing{more}", file=name, key=key, remedy="add the key")
     if kind == "extra_forbidden":
-        return InputError(
-            f"is not a key of this document{more}", file=name, key=key, remedy="check the spelling"
-        )
+        known = _keys(cls.model_json_schema()) if cls is not None else ()
+        hint = near(str(first["loc"][-1]), known) or "check the spelling"
+        return InputError(f"is not a key of this document{more}", file=name, key=key, remedy=hint)
     text = first["msg"].removeprefix("Value error, ")
     shown = "" if isinstance(value, (dict, list)) else f", not {_short(value)}"
     return InputError(
         f"{text[:1].lower()}{text[1:]}{shown if kind != 'value_error' else ''}{more}", file=name, key=key
     )
+
+
+def _keys(schema: Any) -> Iterator[str]:
+    """Return the names of all keys that a document may have, at whatever depth."""
+    if isinstance(schema, dict):
+        yield from schema.get("properties", {}) if isinstance(schema.get("properties"), dict) else ()
+        for value in schema.values():
+            yield from _keys(value)
+    elif isinstance(schema, list):
+        for value in schema:
+            yield from _keys(value)
 
 
 def _maker(kind: str) -> str:

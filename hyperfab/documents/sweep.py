@@ -60,6 +60,10 @@ class SweepDocument(Document):
     front: Front | None = None
     best: dict[str, dict[str, Any]] = Field(
         default_factory=dict,
-        description="the case with the least of each figure, within the limits where there are any",
+        description="the case with the least of each figure, or the greatest where senses says so, within the limits",
+    )
+    senses: dict[str, str] = Field(
+        default_factory=dict,
+        description="least or greatest: what the goals and limits of the study want of a figure",
     )
     table: str = Field(description="the table, relative to this document")

@@ -54,6 +54,11 @@ class Output:
         """Whether siblings are written: not where the document goes to standard output or nowhere."""
         return self.target not in ("-", os.devnull)
 
+    @property
+    def names(self) -> list[str]:
+        """Names of the siblings queued so far."""
+        return [self.path(suffix).name for suffix in self._siblings]
+
     def path(self, suffix: str) -> Path:
         """Return the path of the sibling with ``suffix``: ``out/drape.json`` and ``.vtu`` give ``out/drape.vtu``."""
         target = Path(self.target)

@@ -8,7 +8,7 @@ import pkgutil
 from collections.abc import Mapping
 from functools import cache
 
-from hyperfab.errors import InputError, UsageError
+from hyperfab.errors import InputError, UsageError, near
 from hyperfab.materials import laws as _folder
 from hyperfab.materials.law import Law
 from hyperfab.materials.material import Material
@@ -35,7 +35,10 @@ def law(name: str) -> Law:
     ('C10_MPa', 'C20_MPa')
     """
     if name not in laws():
-        raise UsageError(f"no model {name!r}; the models are {', '.join([*laws(), 'orthotropic'])}")
+        known = [*laws(), "orthotropic"]
+        hint = near(name, known)
+        said = f"no model {name!r}; {hint} the models are {', '.join(known)}"
+        raise UsageError(said.replace(";  ", "; "))
     return laws()[name]
 
 
@@ -77,7 +80,12 @@ def law_of(name: str, parameters: Mapping[str, float], anisotropic: bool = False
             remedy="fit warp and weft with a law as yeoh-3",
         )
     if name not in laws():
-        raise InputError(f"there is no law {name!r}", key="model", remedy=f"the laws are {', '.join(laws())}")
+        hint = near(name, laws())
+        raise InputError(
+            f"there is no law {name!r}",
+            key="model",
+            remedy=f"{hint} the laws are {', '.join(laws())}".strip(),
+        )
     found = law(name)
     if not found.isotropic and not anisotropic:
         raise InputError(

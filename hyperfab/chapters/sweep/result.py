@@ -24,6 +24,7 @@ def write_result(
     """Write the table and the document; return how many cases failed, and how many have a negative verdict."""
     table = collect(plan, store, accidents)
     effects = main_effects(table, plan.axes)
+    senses = _senses(plan, table)
     document = SweepDocument(
         name=plan.study.name,
         question=plan.study.question,
@@ -35,7 +36,8 @@ def write_result(
         limits={name: limit.model_dump(exclude_none=True) for name, limit in plan.study.limit.items()},
         effects=[Effect(**vars(effect)) for effect in effects],
         front=_front(plan, table),
-        best=_best(table),
+        best=_best(table, senses),
+        senses=senses,
         table=output.path(".csv").name,
     )
     if plan.study.limit:
@@ -98,8 +100,20 @@ def _front(plan: Plan, table: Table) -> Front | None:
     )
 
 
-def _best(table: Table) -> dict[str, dict[str, Any]]:
-    """Return, for each figure, the row with its least value, within the limits where there are any."""
+def _senses(plan: Plan, table: Table) -> dict[str, str]:
+    """Return what is wanted of a figure, where the study says it: by a goal, or by a limit on one side alone."""
+    wish, found = plan.study.pareto, {}
+    for name in table.figures:
+        limit = plan.study.limit.get(name)
+        if wish is not None and name in (*wish.minimize, *wish.maximize):
+            found[name] = "greatest" if name in wish.maximize else "least"
+        elif limit is not None and (limit.least is None) != (limit.most is None):
+            found[name] = "greatest" if limit.most is None else "least"
+    return found
+
+
+def _best(table: Table, senses: Mapping[str, str]) -> dict[str, dict[str, Any]]:
+    """Return, for each figure, the row with its best value within the limits: the least, or the greatest if wanted."""
     found: dict[str, dict[str, Any]] = {}
     shown = ["case", *table.axes.values(), *table.figures]
     for name in table.figures:
@@ -108,6 +122,7 @@ def _best(table: Table) -> dict[str, dict[str, Any]]:
             continue
         values = np.where(_eligible(table), values, np.nan)
         if np.isfinite(values).any():
-            row = table.row(int(np.nanargmin(values)))
+            place = np.nanargmax(values) if senses.get(name) == "greatest" else np.nanargmin(values)
+            row = table.row(int(place))
             found[name] = {key: row[key] for key in shown if key in row}
     return found
