@@ -348,6 +348,18 @@ def test_a_mistyped_reading_is_named_with_its_line(hf: Run, root: Path, tmp_path
     assert str(tmp_path) not in json.dumps({key: value for key, value in found.items() if key != "stderr"})
 
 
+def test_noise_of_the_load_cell_near_zero_load_is_no_mistake(hf: Run, tmp_path: Path) -> None:
+    """A dense pull with an even, absolute noise: its first readings are off by many times their own size."""
+    rng = np.random.default_rng(1)
+    lam = np.linspace(1.002, 1.5, 160)
+    stress = 0.2 * (lam - lam**-2) + 5e-4 * rng.standard_normal(160)
+    rows = "".join(f"{a:.5f},{b:.7f}\n" for a, b in zip(lam, stress, strict=True))
+    (tmp_path / "t.csv").write_text(f"stretch,stress [MPa]\n{rows}")
+    found = fit(hf, "--uniaxial", "t.csv", "--model", "neo-hookean", "--accept", "9", cwd=tmp_path)
+    assert "outliers" not in found["fit"]
+    assert "does not belong" not in found["stderr"]
+
+
 def test_clean_readings_are_not_called_outliers(hf: Run) -> None:
     assert "outliers" not in fit(hf, *ALL, "--model", "yeoh-3")["fit"]
 

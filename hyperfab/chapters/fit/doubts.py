@@ -11,6 +11,7 @@ from hyperfab.chapters.fit.identify import Identified, Setting
 from hyperfab.chapters.fit.judge import Judged, Sets
 from hyperfab.chapters.fit.reading import Array, Reading
 from hyperfab.documents.material import Replicates
+from hyperfab.numerics.hygiene import scatter
 
 #: A reading so many standard deviations off is no chance; laws that fit poorly leave up to 5 at the ends of a curve.
 FAR = 6.5
@@ -18,6 +19,8 @@ FAR = 6.5
 SMALL = 0.05
 #: Readings beyond the constants that it takes to judge one of them by the others.
 ENOUGH = 8
+#: From so many rows on a curve shows its own noise.
+DENSE = 40
 #: So many readings are named in warnings; the document has all.
 SHOWN = 5
 
@@ -101,7 +104,11 @@ def outliers(part: Identified, curves: Sequence[Reading], setting: Setting) -> l
     for k in np.flatnonzero((np.abs(sure.studentised) > FAR) & large):
         number = int(rows.curve[k])
         place = int(k) - int(np.flatnonzero((rows.curve == number) & (rows.along == rows.along[k]))[0])
-        found.append(Outlier(used[number], place, float(sure.studentised[k]), float(sure.leverage[k])))
+        curve = used[number]
+        dense = setting.relative and len(curve.stress) >= DENSE and curve.mode != "biaxial-general"
+        if dense and abs(residual[k] * curve.stress[place]) < FAR * scatter(curve.stress):
+            continue  # near zero load the noise of the load cell is many times the reading, and no mistake
+        found.append(Outlier(curve, place, float(sure.studentised[k]), float(sure.leverage[k])))
     return sorted(found, key=lambda one: -abs(one.studentised))
 
 
