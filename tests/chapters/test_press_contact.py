@@ -365,6 +365,56 @@ def test_the_field_of_another_mold_counts_by_its_mean_and_that_is_said(shop, mon
     assert any("uneven temperature" in line for line in document["left_out"])
 
 
+def test_a_foam_test_as_the_machine_wrote_it(shop, monkeypatch):
+    """Down and up again with jitter of 0.3 %: the force is that of the clean way down."""
+    down = np.linspace(0.0, 0.8, 161)
+    law = 0.02 * down + 0.05 * down**3
+    jitter = np.random.default_rng(3).normal(0.0, 0.003 * 0.0416 / 3.0, 161)
+    up = down[::-1] - 1e-4
+    for name, strain, stress in (
+        ("clean", down, law),
+        ("raw", np.concatenate([down, up]), np.concatenate([law + jitter, 0.6 * law[::-1]])),
+    ):
+        rows = "".join(f"{e!r},{s!r}\n" for e, s in zip(strain.tolist(), stress.tolist(), strict=True))
+        (shop / f"{name}.csv").write_text(f"strain [-],stress [MPa]\n{rows}")
+        (shop / f"{name}.toml").write_text(
+            FOAM.replace('{ law = "linear", modulus = "0.05 MPa" }', f'{{ table = "{name}.csv" }}')
+        )
+    told = []
+    monkeypatch.setattr(Console, "note", lambda _, text: told.append(text))
+    _, clean = press(shop, monkeypatch, gap="3mm", foam="clean.toml")
+    assert not any("left out" in text for text in told)
+    _, raw = press(shop, monkeypatch, gap="3mm", foam="raw.toml")
+    assert any("161 rows of the loading" in text and "161 of the way back" in text for text in told)
+    assert raw["force_N"] == pytest.approx(clean["force_N"], rel=0.01)
+    assert raw["validity"][0]["known"] == pytest.approx([0.0, 0.8])
+    lines = (shop / "raw.csv").read_text().splitlines()
+    (shop / "raw.csv").write_text("\n".join([*lines[:100], *lines[20:40], *lines[100:]]))
+    with pytest.raises(InputError, match=r"line 101.*goes back"):
+        press(shop, monkeypatch, gap="3mm", foam="raw.toml")
+
+
+def test_a_table_used_beyond_its_rows_is_told(shop, monkeypatch, capsys):
+    (shop / "short.csv").write_text("strain [-],stress [MPa]\n0,0\n0.1,0.005\n")
+    (shop / "grow.csv").write_text("temperature [degC],expansion [1/K]\n50,23e-6\n100,24e-6\n")
+    text = FOAM.replace('{ law = "linear", modulus = "0.05 MPa" }', '{ table = "short.csv" }')
+    (shop / "short.toml").write_text(
+        text.replace('{ male = "23.6e-6 1/K"', '{ male = { table = "grow.csv" }')
+    )
+    _, document = press(shop, monkeypatch, gap="3mm", foam="short.toml", temperature="200degC")
+    strain, expansion = document["validity"]
+    assert (strain["of"], strain["known"], strain["within"]) == ("strain", [0.0, 0.1], False)
+    assert strain["used"][1] == pytest.approx((4.5 - document["gap_min_mm"]) / 4.5)
+    assert expansion == {
+        "of": "expansion.male",
+        "used": [200.0, 200.0],
+        "known": [50.0, 100.0],
+        "within": False,
+        "from": "short.toml",
+    }
+    assert "used beyond what is known: strain 0 to" in capsys.readouterr().err
+
+
 def mold_on_boards(folder, low=-40.0):
     """A heat document of a block at 200 degC on a board of 60 degC and under one of 20 degC; and the block's STL."""
     points, tets, celsius, part = [], [], [], []

@@ -8,7 +8,7 @@ import numpy as np
 
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact import inputs as read
-from hyperfab.chapters.press_contact.heat import grow, read_heat
+from hyperfab.chapters.press_contact.heat import Grown, grow, read_heat
 from hyperfab.chapters.press_contact.result import (
     Foam,
     Told,
@@ -19,14 +19,18 @@ from hyperfab.chapters.press_contact.result import (
     picture_of,
 )
 from hyperfab.console import NEGATIVE_VERDICT
+from hyperfab.documents.foam import FoamDocument, TableFile, TableLaw
 from hyperfab.documents.press import PressDocument
 from hyperfab.documents.press_terms import MOST_TILT_DEG
 from hyperfab.errors import UsageError
 from hyperfab.io.units import quantity
 from hyperfab.pressing.closing import Case, Closed, close_press
+from hyperfab.pressing.growth import Expansion
 from hyperfab.pressing.mold import PressFrame
 from hyperfab.pressing.placement import check_roles, in_frame
 from hyperfab.pressing.sandwich import Sandwich
+
+Expansions = tuple[Expansion, Expansion]
 
 
 def run(
@@ -73,7 +77,7 @@ def run(
         raise UsageError("--design-gap writes an STL beside the document: name it with -o press.json")
 
     document = read.read_foam(job.inputs, foam)
-    law, relaxed = read.compression_law(job.inputs, foam, document)
+    law, relaxed = read.compression_law(job, foam, document)
     fabric = read.fabric_thickness(job.inputs, foam, document)
     expansions = read.expansions(job.inputs, foam, document)
     heat = read_heat(job.inputs, temperature, (male_heat, female_heat), document.expansion.reference)
@@ -114,6 +118,7 @@ def run(
             tilt=read.in_plan(way, turned),
         )
         closed = close_press(case)
+        _note_ranges(job, foam, document, closed, expansions, growth)
         _tell_overlap(job, closed, way)
         advance(0.6, "force over stroke")
         curve = _curve(closed, strokes)
@@ -139,6 +144,24 @@ def run(
             out.add(".design.stl", design[0])
     job.write(out, result)
     return _judge(job, result, closed, min_spotted)
+
+
+def _note_ranges(
+    job: Job, foam: str, document: FoamDocument, case: Closed, expansions: Expansions, growth: list[Grown]
+) -> None:
+    """Note where the tables of foam.toml were used, beside the rows they have."""
+    sandwich = case.press.sandwich
+    if isinstance(document.compression, TableLaw):
+        strain = sandwich.strain(case.contact.gap)
+        job.ranges.used(
+            "strain", strain, known=(0.0, sandwich.law.limit), source=foam, then="it counts as bottomed there"
+        )
+    tables = (document.expansion.male, document.expansion.female)
+    for side, given, rows, grown in zip(("male", "female"), tables, expansions, growth, strict=True):
+        if isinstance(given, TableFile):
+            job.ranges.used(
+                f"expansion.{side}", grown.temperature, known=rows.temperatures, source=foam, unit="degC"
+            )
 
 
 def _curve(closed: Closed, strokes: int) -> np.ndarray:

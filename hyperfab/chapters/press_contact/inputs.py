@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hyperfab.chapters.job import Job
+from hyperfab.console import Console
 from hyperfab.documents.base import document_class, read_document
 from hyperfab.documents.drape import DrapeDocument
 from hyperfab.documents.foam import (
@@ -35,6 +36,8 @@ from hyperfab.surface import Surface, consistently_wound
 ALUMINIUM = ((100.0, 300.0), (23.6e-6, 25.2e-6))
 #: A surface of which more than this share of the edges is open is a heap of facets.
 _TORN = 0.8
+#: Strain and stress of a foam test that go back by less than this share of their largest value only jitter.
+_JITTER = 0.02
 _REFERENCE_RANGE = (-50.0, 60.0)
 
 
@@ -73,13 +76,13 @@ def read_foam(inputs: Inputs, name: str) -> FoamDocument:
     return read_document(inputs, name, FoamDocument)
 
 
-def compression_law(inputs: Inputs, name: str, document: FoamDocument) -> tuple[FoamLaw, float]:
+def compression_law(job: Job, name: str, document: FoamDocument) -> tuple[FoamLaw, float]:
     """Return the law at the end of the dwell, and the share of its stress that is relaxed by then."""
     left = 1.0
     dwell = document.relaxation.dwell or document.shrinkage.dwell
     if dwell is not None:
         left = foam_law.relaxed(document.relaxation.share, document.relaxation.time, dwell)
-    return _law(inputs, name, document).scaled(left), 1.0 - left
+    return _law(job.inputs, name, document, job.console).scaled(left), 1.0 - left
 
 
 def variation(name: str, document: FoamDocument, axis: str, vertices: np.ndarray) -> np.ndarray | float:
@@ -116,7 +119,7 @@ def in_plan(frame: PressFrame, degrees: np.ndarray) -> tuple[float, float]:
     return float(first), float(second)
 
 
-def _law(inputs: Inputs, name: str, document: FoamDocument) -> FoamLaw:
+def _law(inputs: Inputs, name: str, document: FoamDocument, console: Console) -> FoamLaw:
     given = document.compression
     if isinstance(given, LinearLaw):
         return foam_law.linear(given.modulus)
@@ -124,7 +127,7 @@ def _law(inputs: Inputs, name: str, document: FoamDocument) -> FoamLaw:
         return foam_law.plateau(given.plateau, given.modulus, given.densification, given.power)
     if isinstance(given, HyperfoamLaw):
         return foam_law.hyperfoam(given.mu, given.alpha, given.nu)
-    return _table_law(inputs, Inputs.beside(name, given.table), given)
+    return _table_law(inputs, Inputs.beside(name, given.table), given, console)
 
 
 def fabric_thickness(inputs: Inputs, name: str, document: FoamDocument) -> float:
@@ -235,14 +238,47 @@ def _read_mold(job: Job, name: str, stl_unit: str) -> _MoldFile:
     return _MoldFile(vertices, np.ascontiguousarray(faces), not found.closed)
 
 
-def _table_law(inputs: Inputs, path: str, given: TableLaw) -> FoamLaw:
-    table = read_table(
-        inputs.read(path), path, {"strain": "dimensionless", "stress": "stress"}, increasing="strain"
-    )
+def _without_jitter(stress: np.ndarray) -> np.ndarray:
+    """Return the never falling stress (n,) nearest to one that falls by no more than jitter; another one as it is."""
+    if (np.maximum.accumulate(stress) - stress).max() > _JITTER * stress.max():
+        return stress
+    from scipy.optimize import isotonic_regression
+
+    return np.asarray(isotonic_regression(stress).x)
+
+
+def _table_law(inputs: Inputs, path: str, given: TableLaw, console: Console) -> FoamLaw:
+    table = read_table(inputs.read(path), path, {"strain": "dimensionless", "stress": "stress"})
     strain, stress = table["strain"], table["stress"]
+    # A test as the machine wrote it: the way down to the largest strain is the law, rows that only jitter are left out.
+    down = slice(0, int(np.argmax(strain)) + 1)
+    highest = np.maximum.accumulate(strain[down])
+    back = highest - strain[down]
+    if (back > _JITTER * highest[-1]).any():
+        row = int(np.argmax(back > _JITTER * highest[-1]))
+        raise InputError(
+            f"the strain goes back from {highest[row]:g} to {strain[row]:g} before its largest value, {highest[-1]:g}",
+            file=path,
+            line=int(table.lines[row]),
+            column="strain",
+            remedy="keep one loading of one specimen, in the order in which it was measured",
+        )
+    rising = np.flatnonzero(np.diff(highest, prepend=-np.inf) > 0.0)
+    # Before the plates touch the foam, strain and stress jitter about zero.
+    rising = rising[
+        strain[rising] >= (0.0 if strain[0] < 0.0 and strain[0] > -_JITTER * highest[-1] else -np.inf)
+    ]
+    lines = table.lines[rising]
+    strain, stress = strain[rising], _without_jitter(stress[rising])
+    stress = np.where((stress < 0.0) & (stress > -_JITTER * stress.max()), 0.0, stress)
+    if len(rising) < len(table["strain"]):
+        console.note(
+            f"{path}: {len(rising)} rows of the loading are the law; {len(table['strain']) - down.stop} of the way "
+            f"back and {down.stop - len(rising)} in which the strain does not rise are left out"
+        )
 
     def refuse(row: int, message: str, remedy: str, column: str = "strain") -> None:
-        raise InputError(message, file=path, line=int(table.lines[row]), column=column, remedy=remedy)
+        raise InputError(message, file=path, line=int(lines[row]), column=column, remedy=remedy)
 
     if len(strain) < 2:
         refuse(0, "one row is no curve", "give at least two rows")
