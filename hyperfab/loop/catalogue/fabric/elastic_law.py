@@ -20,7 +20,7 @@ def entry(scene: Scene) -> Effect:
     ]
     square, cube, log, fourth = free
     toe = (
-        Constant("D_MPa", 0.0, scale=0.1 * size),
+        Constant("D_MPa", 0.0, 0.0, scale=0.1 * size),
         Constant("at", 0.3 * far, 0.12 * far, 1.5 * far, 0.2 * far),
         Constant("width", 0.1 * far, 0.04 * far, far, 0.1 * far),
     )
@@ -47,7 +47,7 @@ def entry(scene: Scene) -> Effect:
         Form(
             "exponential",
             (
-                Constant("D_MPa", 0.0, scale=0.1 * size),
+                Constant("D_MPa", 0.0, 0.0, scale=0.1 * size),
                 Constant("b", 1.0 / far, 0.05 / far, 30.0 / far, 1.0 / far),
             ),
             ((0.01 * size, 1.0 / far), (0.001 * size, 6.0 / far)),
