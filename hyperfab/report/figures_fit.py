@@ -35,14 +35,23 @@ def fit_figure(panels: Sequence[tuple[str, Sequence[Line]]]) -> bytes:
     """Return the PNG of ``panels``, each a title and its tests."""
     figure = Figure(figsize=(6.2 * len(panels), 4.6), dpi=120, layout="constrained")
     FigureCanvasAgg(figure)
+    # One scale for all directions: side by side they are compared.
+    ends = _ends([line.stress for _, lines in panels for line in lines])
     for number, (title, lines) in enumerate(panels, start=1):
-        _panel(figure.add_subplot(1, len(panels), number), title, lines)
+        _panel(figure.add_subplot(1, len(panels), number), title, lines, ends)
     stream = io.BytesIO()
     figure.savefig(stream, format="png", metadata={"Software": None})
     return stream.getvalue()
 
 
-def _panel(axes: Axes, title: str, lines: Sequence[Line]) -> None:
+def _ends(measured: Sequence[NDArray[np.float64]]) -> tuple[float, float]:
+    """Return the ends of the stress axis: a wild prediction must not squeeze the readings flat."""
+    stress = np.concatenate(measured) if measured else np.zeros(1)
+    low, high = min(0.0, float(stress.min())), float(stress.max())
+    return 1.1 * low - 0.02 * (high - low), 1.25 * high + 1e-12
+
+
+def _panel(axes: Axes, title: str, lines: Sequence[Line], ends: tuple[float, float]) -> None:
     for number, line in enumerate(lines):
         colour = _COLOURS[number % len(_COLOURS)]
         axes.plot(
@@ -50,19 +59,23 @@ def _panel(axes: Axes, title: str, lines: Sequence[Line]) -> None:
             line.stress,
             _MARKS[number % len(_MARKS)],
             color=colour,
-            markersize=4,
+            markersize=3.5,
             markerfacecolor="none",
+            alpha=0.45,
         )
         label = f"{line.label} (predicted)" if line.predicted else line.label
         axes.plot(
-            line.grid, line.model, "--" if line.predicted else "-", color=colour, linewidth=1.6, label=label
+            line.grid,
+            line.model,
+            "--" if line.predicted else "-",
+            color=colour,
+            linewidth=1.8,
+            zorder=3,
+            label=label,
         )
         if line.unstable_from is not None and line.unstable_from < line.grid[-1]:
             axes.axvspan(line.unstable_from, line.grid[-1], color=colour, alpha=0.08, linewidth=0)
-    measured = np.concatenate([line.stress for line in lines]) if lines else np.zeros(1)
-    low, high = min(0.0, float(measured.min())), float(measured.max())
-    # A wild prediction must not squeeze the readings flat.
-    axes.set_ylim(1.1 * low - 0.02 * (high - low), 1.25 * high + 1e-12)
+    axes.set_ylim(*ends)
     axes.set_xlabel("stretch")
     axes.set_ylabel("nominal stress [MPa]")
     axes.set_title(title, fontsize=10)

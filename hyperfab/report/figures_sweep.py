@@ -29,8 +29,9 @@ def effects_png(effects: Sequence[MainEffect]) -> bytes:
         numbers = all(isinstance(level, (int, float)) for level in effect.levels)
         places = effect.levels if numbers else range(len(effect.levels))
         panel.plot(places, effect.means, "o-", color="#1f5fa8")
-        if not numbers:
-            panel.set_xticks(list(places), [str(level) for level in effect.levels], fontsize=7)
+        if not numbers or len(effect.levels) <= 6:
+            words = [f"{level:g}" if numbers else str(level) for level in effect.levels]
+            panel.set_xticks(list(places), words, fontsize=7)
         panel.set_title(f"{100 * effect.variance_share:.0f} % of the variance", fontsize=8)
         panel.tick_params(labelsize=7)
         panel.grid(alpha=0.3)
@@ -72,6 +73,8 @@ def cases_png(table: Table, front: Collection[str] | None) -> bytes:
     panel.set_xticks(places, [f"{name}\n{low}" for name, low, _ in labels], fontsize=7)
     top = panel.secondary_xaxis("top")
     top.set_xticks(places, [high for _, _, high in labels], fontsize=7)
+    told = f"{len(table)} cases" + ("; red: those that none beats" if chosen else "")
+    figure.suptitle(told, fontsize=9)
     panel.set_yticks([])
     panel.set_xlim(-0.2, len(names) - 0.8)
     for place in range(len(names)):
