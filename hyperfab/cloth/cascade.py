@@ -23,14 +23,22 @@ NEARLY, SWINGS, ROUNDS = 0.05, 200, 3
 def grid_sizes(n: int, m: int) -> list[tuple[int, int]]:
     """Grids from the coarsest to n by m nodes, each with about half the spacing of the one before.
 
-    >>> grid_sizes(100, 50)
-    [(25, 13), (50, 25), (100, 50)]
+    Sides of an odd number of nodes stay odd, even ones even: a tip in the middle meets a node on all grids or on none.
+
+    >>> grid_sizes(101, 50)
+    [(27, 14), (51, 26), (101, 50)]
     """
     sizes = [(n, m)]
-    while max(n, m) > COARSEST + 1:
-        n, m = (max((k + 1) // 2, min(k, 3)) for k in (n, m))
+    while max(n, m) > COARSEST + 3:
+        n, m = (_halved(k) for k in (n, m))
         sizes.append((n, m))
     return sizes[::-1]
+
+
+def _halved(nodes: int) -> int:
+    """Nodes of a side with about twice the spacing, odd or even as before."""
+    half = max((nodes + 1) // 2, min(nodes, 3))
+    return half + (half - nodes) % 2 if half < nodes else nodes
 
 
 def drape(

@@ -22,6 +22,8 @@ from .pinning import pinned
 
 #: Share of the mold's size beyond which a step may lead through it, or along a tangent to nowhere.
 LONG = 1e-3
+#: Facets that may meet at a tip.
+MOST_FACETS = 1024
 
 
 @kernel
@@ -214,7 +216,7 @@ def settle(
     go, and how many were put onto a valley's line or off a sharp edge, so that the forces are no longer theirs.
     """
     n, m = x.shape[0], x.shape[1]
-    slots = np.empty(64, np.int64)
+    slots = np.empty(MOST_FACETS, np.int64)
     t, u = np.empty(3), np.empty(3)
     normals = np.empty((2, 3))
     worst, where, contacts, changed, moved = 0.0, 0, 0, 0, 0

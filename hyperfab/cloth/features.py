@@ -13,6 +13,8 @@ from .mold import FREE, ON_FACE, SHARP, Ints, Mold
 
 #: How far in mm a node that lands on a sharp edge or corner is put beside it, onto one of the facets.
 BESIDE = 1e-6
+#: Sweeps for the cone of normals: a flat cone of 64 facets takes 1300.
+SWEEPS = 5000
 #: A step that ends within this many mm of a sharp edge ends on it.
 ON_EDGE = 3e-7
 
@@ -58,11 +60,11 @@ def edge_reached(mold: Mold, slot: int, x: Floats, y: Floats, u: Floats) -> tupl
 @part
 def _in_cone(mold: Mold, slots: Ints, count: int, r: Floats, rest: Floats) -> bool:
     """Does -r lie in the cone of the facets' normals? ``rest``: r + sum of the nearest combination of normals."""
-    weights = np.empty(64)
+    weights = np.empty(count)
     for c in range(count):
         weights[c] = 0.0
     copy(r, rest)
-    for _ in range(200):
+    for _ in range(SWEEPS):
         change = 0.0
         for c in range(count):
             n = mold.normals[slots[c], 0]

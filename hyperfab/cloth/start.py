@@ -15,6 +15,9 @@ from .mold import FREE, ON_FACE, Ints, Mold, States
 from .net import FIXED, Sheet
 from .state import State
 
+#: A node lifted onto the mold is on it within so many mm.
+ON_TOP = 1e-9
+
 
 @kernel
 def place(
@@ -132,8 +135,10 @@ def lowered(sheet: Sheet, mold: Mold) -> State:
         )
     top = np.where(np.isfinite(t), above - t, -np.inf).reshape(sheet.n, sheet.m)
     free = (sheet.fixed & 4) == 0
-    x[:, :, 2] = np.where(free & (top > 0.0), top, 0.0)
-    return settled(x, mold, sheet)
+    lifted = free & (top > 0.0)
+    x[:, :, 2] = np.where(lifted, top, 0.0)
+    # What was lifted lies on the mold: a node on a tip is held there by its cone of normals.
+    return settled(x, mold, sheet, np.where(lifted, ON_TOP, 0.0))
 
 
 def refined(coarse: State, sheet: Sheet, mold: Mold) -> State:

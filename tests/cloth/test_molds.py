@@ -66,3 +66,18 @@ def test_a_mold_of_300_000_triangles_is_no_harder():
     coarse, _ = at_rest(Sheet(51, 51, (200.0, 200.0), 1.0, SOFT, SOFT), ball(5), (0.0, 0.0, 20.0))
     fine, _ = at_rest(Sheet(51, 51, (200.0, 200.0), 1.0, SOFT, SOFT), ball(7), (0.0, 0.0, 20.0))
     assert fine.energy == pytest.approx(coarse.energy, rel=1e-3)
+
+
+@pytest.mark.parametrize("sections", [12, 64, 180])
+def test_a_node_that_meets_the_tip_of_a_cone_rests_on_it(sections):
+    cone = trimesh.creation.cone(radius=50.0, height=60.0, sections=sections)
+    surface = Surface(cone.vertices, cone.faces)
+    sheet = Sheet(61, 61, (200.0, 200.0), 1.0, SOFT, SOFT)
+    mold = mold_of(surface, (0.0, 0.0, -20.0))
+    found = drape(sheet, mold)
+    assert found.converged, found.status
+    assert found.state.x[30, 30] == pytest.approx([0.0, 0.0, 40.0], abs=1e-9)
+    # But for the facets on which its neighbours lie, one beside the other, the net is its own mirror image.
+    x = found.state.x
+    for mirrored, sign in ((x[::-1], [-1.0, 1.0, 1.0]), (x[:, ::-1], [1.0, -1.0, 1.0])):
+        assert np.abs(mirrored * sign - x).max() < 0.5
