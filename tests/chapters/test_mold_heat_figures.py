@@ -200,6 +200,14 @@ def test_a_held_temperature_supplies_what_a_steady_mold_loses(tmp_path):
     assert found["power_supplied_W"] > 0.0
 
 
+def test_a_film_table_used_beyond_its_rows_is_told(tmp_path):
+    (tmp_path / "film.csv").write_text("temperature [degC],h [W/m^2/K]\n30,500\n40,500\n")
+    _, found, _ = heat(tmp_path, LUMP.replace('h = "500 W/m^2/K"', 'h = { table = "film.csv" }'))
+    (entry,) = found["validity"]
+    assert (entry["of"], entry["known"], entry["within"]) == ("film.csv", [30.0, 40.0], False)
+    assert entry["used"] == pytest.approx([25.0, 25.0 + warmed(60.0)], abs=0.1)
+
+
 def test_power_is_found_for_a_wanted_warm_up(tmp_path):
     text = LUMP.replace('until = "60 s"\n', "")
     _, found, _ = heat(tmp_path, text, warmup_in="30 s")

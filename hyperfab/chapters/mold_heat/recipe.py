@@ -76,11 +76,25 @@ def run(
             write_fields(out, problem, history, document.run.target)
     for text in problem.notes:
         job.console.note(f"{mold}: {text}")
+    _note_ranges(job, mold, builder, problem, history)
     result.design = chosen
     result.notes = builder.doubts + problem.notes
     _say(job, result)
     job.write(out, result)
     return 0 if result.converged else NotConverged.exit_status
+
+
+def _note_ranges(job: Job, name: str, builder: MoldBuilder, problem: Problem, history: History) -> None:
+    """Note between which temperatures the tables were used: films on the outer faces, the rest anywhere."""
+    outer = np.unique(problem.mesh.facet_nodes(problem.mesh.facets.outer))
+    for (kind, table), known in builder.tables.tabulated.items():
+        where = outer if kind == "film-coefficient" else slice(None)
+        met = [
+            end
+            for state in history.states
+            for end in (state.temperature[where].min(), state.temperature[where].max())
+        ]
+        job.ranges.used(table, met, known=known, source=name, unit="degC", then="its end rows hold there")
 
 
 def _transient(

@@ -27,6 +27,8 @@ class Tables:
     def __init__(self, inputs: Inputs, document: str) -> None:
         self._inputs = inputs
         self._document = document
+        #: Tables against temperature by kind and the name that the document gives them: their ends [degC].
+        self.tabulated: dict[tuple[str, str], tuple[float, float]] = {}
 
     def function(self, value: float | TableFile, kind: str, against: str = "temperature") -> Table:
         """Return a constant, or the table of a file: ``kind`` against ``temperature`` or ``time``."""
@@ -49,6 +51,8 @@ class Tables:
         values = table[found]
         if kind != "temperature":
             self._refuse_negative(name, found, table.lines, values, kind)
+        if against == "temperature":
+            self.tabulated[kind, relative] = float(table[against][0]), float(table[against][-1])
         return Table(table[against], values)
 
     @staticmethod
