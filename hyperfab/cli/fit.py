@@ -62,7 +62,10 @@ def fit(
     plane: Annotated[
         bool, typer.Option("--plane", help="Check stability over all pairs of stretches too.")
     ] = False,
-    accept: Annotated[float, typer.Option(metavar="R", help="Largest relative rms that is accepted.")] = 0.30,
+    accept: Annotated[
+        str,
+        typer.Option(metavar="R", help="Largest relative rms (absolute fit: NRMSE) accepted, as 0.05 or 5%."),
+    ] = "0.30",
     specimen: Specimen = None,
     gauge_length: GaugeLength = None,
     width: Width = None,

@@ -146,9 +146,9 @@ def test_rows_without_a_ratio_are_counted_by_reason(hf: Run, tmp_path: Path) -> 
     found = fit(hf, "--uniaxial", "t.csv", "--model", "neo-hookean", cwd=tmp_path)
     assert sum(found["left_out"].values()) == 3
     assert found["fit"]["points"] == 3
-    whole = fit(
-        hf, "--uniaxial", "t.csv", "--model", "neo-hookean", "--objective", "absolute", cwd=tmp_path, status=1
-    )
+    # Judged by the figure that was minimised: the error over the largest stress.
+    whole = fit(hf, "--uniaxial", "t.csv", "--model", "neo-hookean", "--objective", "absolute", cwd=tmp_path)
+    assert whole["fit"]["nrmse"] < 0.30 < whole["fit"]["relative_rms"]
     assert "left_out" not in whole
     assert whole["fit"]["points"] == 6
 

@@ -119,8 +119,8 @@ def _single_readings(part: Identified, curves: Sequence[Reading], setting: Setti
         line = f", line {curve.lines[one.row]}" if curve.lines is not None else ""
         found.append(
             f"{curve.source}{line}: {curve.stress[one.row]:.4g} MPa at stretch {curve.stretch[one.row]:.4g} does not "
-            f"belong to the other readings ({abs(one.studentised):.0f} of its standard deviations away, "
-            f"{100 * one.leverage:.0f} % of its own prediction); check the reading"
+            f"belong to the other readings ({abs(one.studentised):.0f} of its standard deviations away); check the "
+            "reading"
         )
     return found
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from hyperfab.chapters.fit import describe
@@ -21,6 +22,7 @@ from hyperfab.io.output import Output
 from hyperfab.io.specimen import Geometry
 from hyperfab.io.units import quantity
 from hyperfab.materials import law, laws
+from hyperfab.materials.identification.quality import Figures
 from hyperfab.materials.law import Law
 
 
@@ -37,7 +39,7 @@ def run(
     objective: str = "relative",
     stable: bool = False,
     plane: bool = False,
-    accept: float = 0.30,
+    accept: str = "0.30",
     specimen: str | None = None,
     gauge_length: str | None = None,
     width: str | None = None,
@@ -58,7 +60,8 @@ def run(
     out = Output(output, (".csv", ".png"))
     if objective not in ("relative", "absolute"):
         raise UsageError(f"--objective {objective}: it is relative or absolute")
-    if not accept > 0.0:
+    limit = quantity(accept, "dimensionless", option="--accept")
+    if not limit > 0.0:
         raise UsageError(f"--accept {accept}: a relative rms above zero is needed, as 0.30")
     candidates = [one for one in laws().values() if one.isotropic] if model == "all" else []
     if model not in ("all", "orthotropic"):
@@ -80,7 +83,7 @@ def run(
     floor = _stress(noise, "--noise", sizes)
     if floor is not None:
         readings.preparation.append(f"noise of {floor:g} MPa taken into account in the weights")
-    setting = Setting(chosen, objective == "relative", stable, accept, floor)
+    setting = Setting(chosen, objective == "relative", stable, limit, floor)
     if model == "orthotropic":
         return _fit_sheet(job, out, readings, setting, output)
     sets = _sets(readings)
@@ -319,14 +322,28 @@ def _tell(job: Job, judged: Sequence[Judged], document: MaterialDocument, settin
     columns = ["model", "E2", "rel. rms", "NRMSE", "unseen", "stable", "accepted"]
     rows = []
     for one in judged:
-        found = one.results[None]
-        cells = describe.figures_cells(found.total if isinstance(found, Identified) else None)
+        cells = describe.figures_cells(_written(one))
         unseen = f"{one.carry_over:.4g}" if one.carry_over < 1e300 else "-"
         flags = (
             ["-", "-"] if one.failure else ["yes" if one.stable else "no", "yes" if one.accepted else "no"]
         )
         rows.append([one.law.name, *cells, unseen, *flags])
     job.console.note(describe.table(columns, rows))
+    degrees = sorted({t for part in judged[0].results.values() if isinstance(part, Identified)
+                      for t in part.temperatures if t is not None})  # fmt: skip
+    if len(degrees) > 1:
+        job.console.note(f"constants at {', '.join(f'{t:g}' for t in degrees)} degC; those shown hold at "
+                         f"{document.temperature_degC:g} degC")  # fmt: skip
     for name, part in judged[0].results.items():
         if isinstance(part, Identified) and (name is not None or len(judged[0].results) == 1):
             job.console.note(f"{name + ': ' if name else ''}{describe.parameters_line(part, setting)}")
+
+
+def _written(one: Judged) -> Figures | None:
+    """Return the figures of what is written: of both directions together, where each has constants of its own."""
+    named = [part for name, part in one.results.items() if name is not None]
+    parts = [part.total for part in named or one.results.values() if isinstance(part, Identified)]
+    if not parts or one.failure is not None:
+        return None
+    E2, points = sum(part.E2 for part in parts), sum(part.points for part in parts)
+    return Figures(E2, math.sqrt(E2 / max(points, 1)), max(part.nrmse for part in parts), points)

@@ -11,7 +11,7 @@ from hyperfab.materials.identification.design import Problem
 from hyperfab.materials.identification.linear import least_norm
 from hyperfab.materials.identification.polish import polish
 from hyperfab.materials.identification.search import starts, thinned
-from hyperfab.materials.identification.stable import stable_optimum
+from hyperfab.materials.identification.stable import SLACKS, stable_optimum
 from hyperfab.materials.kinematics import Array
 from hyperfab.materials.material import Material
 from hyperfab.materials.stability import stable_over as stable
@@ -68,8 +68,14 @@ def fit_law(
     found = _free_optimum(problem, near)
     if found is None or stable_over is None or _is_stable(found, stable_over):
         return found
-    optimum = stable_optimum(problem, stable_over)
-    return None if optimum is None else _fit(problem, *optimum)
+    for share in SLACKS:
+        optimum = stable_optimum(problem, stable_over, share)
+        if optimum is None:
+            return None
+        found = _fit(problem, *optimum)
+        if _is_stable(found, stable_over):
+            break
+    return found
 
 
 def _is_stable(found: Fit, reach: Reach) -> bool:

@@ -21,8 +21,9 @@ from hyperfab.materials.modes import second_stretch
 
 #: Stretches looked at in each mode: far finer than any test.
 _POINTS = 400
-#: The smaller eigenvalue is kept above this share of the largest stress: rounding must not decide.
-_SLACK = 1e-7
+#: The smaller eigenvalue is kept above this share of the largest stress: rounding must not decide. Where a finer check
+#: finds that it did, more is taken.
+SLACKS = (1e-7, 1e-5, 1e-4)
 #: The stretches are followed this share beyond the data, so that the end itself is inside.
 _BEYOND = 1e-5
 _ROUNDS = 60
@@ -59,7 +60,7 @@ def states(problem: Problem, theta: list[float], reach: Mapping[str, tuple[float
 
 
 def stable_constants(
-    problem: Problem, u: Array, reach: Mapping[str, tuple[float, float]]
+    problem: Problem, u: Array, reach: Mapping[str, tuple[float, float]], share: float = SLACKS[0]
 ) -> tuple[Array, float] | None:
     """Return the best stable linear constants at ``u`` and their square sum; None where there are none.
 
@@ -73,7 +74,7 @@ def stable_constants(
         return None
     groups, width = problem.rows.groups, len(problem.free)
     cuts: list[Array] = []
-    slack = _SLACK * float(np.abs(problem.rows.stress).max())
+    slack = share * float(np.abs(problem.rows.stress).max())
     c = least_norm(A, problem.b)
     for _ in range(_ROUNDS):
         fresh = []
@@ -138,14 +139,16 @@ def constrained(A: Array, b: Array, G: Array, least: float = 0.0) -> Array | Non
     return np.asarray(np.linalg.solve(R, z + q) / length)
 
 
-def stable_optimum(problem: Problem, reach: Mapping[str, tuple[float, float]]) -> tuple[Array, Array] | None:
+def stable_optimum(
+    problem: Problem, reach: Mapping[str, tuple[float, float]], share: float = SLACKS[0]
+) -> tuple[Array, Array] | None:
     """Return ``u`` and the linear constants of the best stable fit, or None where no constants are stable.
 
     Linear laws need one convex problem. For the others the box is scanned and the best points improved by a
     pattern of shrinking steps: the stable optimum often sits on a kink, where slopes do not help.
     """
     if not problem.axes:
-        found = stable_constants(problem, np.zeros(0), reach)
+        found = stable_constants(problem, np.zeros(0), reach, share)
         return None if found is None else (np.zeros(0), found[0])
     points = box_points(problem.axes, _SCAN[min(len(problem.axes), 2)])
     # Without stability the fit is no worse: points that lose even so need no convex problem.
@@ -154,13 +157,13 @@ def stable_optimum(problem: Problem, reach: Mapping[str, tuple[float, float]]) -
     for k in np.argsort(bound, kind="stable"):
         if not bound[k] < value:
             break
-        found = stable_constants(problem, points[k], reach)
+        found = stable_constants(problem, points[k], reach, share)
         if found is not None and found[1] < value:
             value, best = found[1], points[k]
     if best is None:
         return None
     best = _pattern(problem, best, reach)
-    found = stable_constants(problem, best, reach)
+    found = stable_constants(problem, best, reach, share)
     return None if found is None else (best, found[0])
 
 

@@ -1,0 +1,83 @@
+"""Verdicts are of what is written, by the figure that was minimised, and no noise at rest is called a mistake."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import Run
+
+LAM = np.linspace(1.02, 1.6, 40)
+
+
+def yeoh(c10: float, c20: float, lam: np.ndarray = LAM) -> np.ndarray:
+    return 2.0 * (lam - lam**-2) * (c10 + 2.0 * c20 * (lam**2 + 2.0 / lam - 3.0))
+
+
+def write(folder: Path, name: str, lam: np.ndarray, stress: np.ndarray, *head: str) -> str:
+    rows = [f"{a!r},{b!r}" for a, b in zip(lam.tolist(), stress.tolist(), strict=True)]
+    (folder / name).write_text("\n".join([*head, "stretch [-],stress [MPa]", *rows]) + "\n")
+    return name
+
+
+def test_the_table_scores_what_is_written(hf: Run, tmp_path: Path) -> None:
+    """Two directions, one three times as stiff: each is carried to the digit; one law for both is not written."""
+    for way, c in (("warp", 0.3), ("weft", 0.1)):
+        write(tmp_path, f"{way}.csv", LAM, yeoh(c, 0.0), f"# direction: {way}")
+    files = ("--uniaxial", "warp.csv", "--uniaxial", "weft.csv")
+    done = hf("fit", *files, "--model", "yeoh-2", "--accept", "5%", cwd=tmp_path)
+    assert done.returncode == 0
+    row = next(line for line in done.stderr.decode().splitlines() if line.startswith("yeoh-2")).split()
+    assert float(row[2]) < 1e-10
+    assert row[-1] == "yes"
+
+
+@pytest.mark.parametrize("accept", ["5%", "0.05", "5 %"])
+def test_an_absolute_fit_is_judged_by_the_absolute_figure(hf: Run, tmp_path: Path, accept: str) -> None:
+    noise = 0.012 * np.random.default_rng(1).standard_normal(len(LAM))
+    write(tmp_path, "a.csv", LAM, yeoh(0.2, 0.0) + noise)
+    words = ("fit", "--uniaxial", "a.csv", "--model", "neo-hookean", "--accept", accept)
+    assert hf(*words, "--objective", "relative", cwd=tmp_path).returncode == 1
+    done = hf(*words, "--objective", "absolute", cwd=tmp_path)
+    figures = json.loads(done.stdout)["fit"]
+    assert figures["nrmse"] < 0.05 < figures["relative_rms"]
+    assert done.returncode == 0
+
+
+@pytest.mark.parametrize("start", [-0.02, -0.005, -0.001])
+@pytest.mark.parametrize("model", ["yeoh-2", "yeoh-3"])
+def test_a_stable_fit_is_found_where_the_best_lies_on_the_edge_of_stability(
+    hf: Run, tmp_path: Path, start: float, model: str
+) -> None:
+    """Cloth that is slack at first: neo-Hookean, a special case, is stable, so stable constants there are."""
+    write(tmp_path, "a.csv", LAM[8:], yeoh(start, 0.1, LAM[8:]))
+    words = ("fit", "--uniaxial", "a.csv", "--model", model, "--objective", "absolute", "--accept", "1")
+    assert json.loads(hf(*words, cwd=tmp_path).stdout)["stable"] is False
+    done = hf(*words, "--stable", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr.decode()
+    assert json.loads(done.stdout)["stable"] is True
+
+
+def test_constants_that_give_way_at_rest_are_not_accepted(hf: Run, tmp_path: Path) -> None:
+    write(tmp_path, "a.csv", LAM[8:], yeoh(-0.01, 0.1, LAM[8:]))
+    done = hf("fit", "--uniaxial", "a.csv", "--model", "yeoh-2", cwd=tmp_path)
+    assert done.returncode == 1
+    assert json.loads(done.stdout)["accepted"] is False
+
+
+def test_noise_of_the_load_cell_at_rest_is_no_mistyped_reading(hf: Run, tmp_path: Path) -> None:
+    lam = np.concatenate([np.linspace(1.0, 1.5, 60), np.linspace(1.5, 1.0, 60)])
+    stress = yeoh(0.2, 0.01, lam) * (1.0 + 0.003 * np.random.default_rng(0).standard_normal(len(lam)))
+    stress[-1], stress[0] = 2e-5, 0.0
+    lam[-1] = 1.0002
+    write(tmp_path, "a.csv", lam, stress)
+    told = hf("fit", "--uniaxial", "a.csv", "--model", "yeoh-2", cwd=tmp_path).stderr.decode()
+    assert "does not belong" not in told
+
+
+def test_what_one_mode_promises_of_the_others_is_never_better_than_any_law_kept(hf: Run, root: Path) -> None:
+    done = hf("fit", "--biaxial", root / "specimens/treloar-1944/biaxial.csv")
+    found = json.loads(done.stdout)
+    assert min(row["carry_over"] for row in found["models"] if "carry_over" in row) >= 0.15
