@@ -207,7 +207,8 @@ def main() -> int:
     counts: Counter[str] = Counter()
     whole = drawn(copy, options.scale)
     draw = [mutant for mutant in whole if mutant.path.startswith(options.only)]
-    for mutant in draw:
+    # Those in kernels last: each costs a compilation.
+    for mutant in sorted(draw, key=lambda mutant: bool(program.compiled_from(mutant))):
         names, total = [], 0.0
         for name in selection.tests(mutant):
             total += selection.seconds[name]
