@@ -245,6 +245,8 @@ def _with_readings(sheet: Sheet, columns: Roles) -> Sheet:
     reasons: dict[str, list[int]] = {}
     seen: set[int] = set()
     count = len(sheet.lines)
+    pairs = [(names, place) for names in (STRETCHES, STRESSES) for place in ("", " 2")]
+    needed = [one.heading.index for names, place in pairs if (one := columns.first(names, place)) is not None]
     for names in (STRETCHES, STRESSES):
         for place in ("", " 2"):
             column = columns.first(names, place)
@@ -258,6 +260,8 @@ def _with_readings(sheet: Sheet, columns: Roles) -> Sheet:
                 if row in seen or (cell and not NO_READING.fullmatch(cell)):
                     continue
                 word = cell.casefold().strip("+-")
+                if not cell and any(sheet.columns[index][row] for index in needed):
+                    continue  # a file cut in a cell is no whole test
                 if row > last or (cell and word not in ("nan", "inf", "none", "null")):
                     seen.add(row)
                     reasons.setdefault(f"no reading ({cell})" if cell else "no reading (empty)", []).append(
