@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -12,7 +13,7 @@ from hyperfab.cases.like import Earlier
 from hyperfab.chapters.validity import Ranges
 from hyperfab.console import NEGATIVE_VERDICT, Console
 from hyperfab.documents.base import Document
-from hyperfab.documents.provenance import record, relative_name
+from hyperfab.documents.provenance import record
 from hyperfab.errors import UsageError
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.output import Output, write_stdout
@@ -56,7 +57,8 @@ class Job:
         self.judge_ranges()
         document.format = document.format_name()
         document.validity = [
-            entry.model_copy(update={"source": relative_name(entry.source, output.target)})
+            # The file's own name: the same set-up gives the same document wherever it is written.
+            entry.model_copy(update={"source": os.path.basename(entry.source)})
             for entry in self.ranges.entries
         ] or None
         document.provenance = record(self.command, self.arguments, self.inputs.files, output.target)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from hyperfab import __version__
 from hyperfab.documents.provenance import record, relative_name
 from hyperfab.io.inputs import Inputs
@@ -23,8 +25,10 @@ def test_the_hash_is_that_of_the_bytes_that_were_read(tmp_path: Path) -> None:
     assert found.inputs[0].sha256 == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
 
 
-def test_no_absolute_path_enters(tmp_path: Path) -> None:
+def test_no_absolute_path_enters(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     outside = tmp_path / "data" / "a.csv"
+    (tmp_path / "some" / "where" / "else").mkdir(parents=True)
+    monkeypatch.chdir(tmp_path / "some" / "where" / "else")
     assert relative_name(str(outside), "fit.json") == "a.csv"
     assert relative_name(str(outside), str(tmp_path / "out" / "fit.json")) == "../data/a.csv"
     assert relative_name("-", "fit.json") == "-"

@@ -19,7 +19,8 @@ FULL = {
     "objective": "relative", "fit_on": ["uniaxial"], "left_out": {"zero": 1}, "preparation": ["zeroed"],
     "replicates": [{"test": "uniaxial", "specimens": 3, "scatter": 0.01}], "bulk_modulus_MPa": 5.0,
     "warnings": ["weak"], "models": [{"model": "gent"}], "effects": [{"id": "rate"}],
-    "tested": {"uniaxial": {"stretch": [1.0, 1.8]}}, "files": ["a.csv"], "undetermined": [],
+    "tested": {"uniaxial": {"stretch": [1.0, 1.8]}}, "files": ["a.csv"],
+    "undetermined": [{"constant": "G_MPa", "value": 0.0, "test": "a slanted one"}],
 }  # fmt: skip
 #: Keys that other constants leave true.
 KEPT = {
