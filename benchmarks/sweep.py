@@ -66,19 +66,14 @@ def run(command: str, words: Sequence[str], output: str):  # type: ignore[no-unt
 
 def drive(study: str, out: str, jobs: str) -> int:
     """Run a study of trivial commands in this process, and tell its memory."""
+    from hyperfab.cases.sweep import SweepCase
     from hyperfab.chapters import sweep
     from hyperfab.chapters.job import Job
     from hyperfab.console import Console
 
     status = sweep.run(
         Job("sweep", [study], Console(quiet=True)),
-        study=study,
-        out=out,
-        jobs=int(jobs),
-        scheduler=None,
-        retry_failed=False,
-        parquet=False,
-        yes=False,
+        SweepCase(study=study, out=out, jobs=int(jobs)),
         runner="sweep",
     )
     print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024)

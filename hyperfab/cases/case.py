@@ -22,9 +22,11 @@ class Case:
     A case is always sound: what a single field forbids its kind refuses, what fields say together ``check`` does.
     """
 
-    #: The command, its line on the list of commands, and the kind of document it writes (None: no document).
+    #: The command, and the kind of document it writes (None: no document).
     COMMAND: ClassVar[str]
     KIND: ClassVar[str | None] = None
+    #: The form and help of ``--output``; None where there is no such option.
+    OUTPUT: ClassVar[tuple[str, str] | None] = ("NAME.json", "Where the document goes; - is standard output.")
     _SETTINGS: ClassVar[Mapping[str, Setting]]
 
     def __post_init__(self) -> None:
@@ -34,6 +36,11 @@ class Case:
         """Raise UsageError where fields contradict each other."""
         if self.inputs.count("-") > 1:
             raise UsageError("only one of the inputs can come from standard input")
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """The values by field."""
+        return {name: getattr(self, name) for name in self.settings()}
 
     @property
     def inputs(self) -> list[str]:
@@ -48,14 +55,14 @@ class Case:
         return cls._SETTINGS
 
     @classmethod
-    def of(cls, given: Mapping[str, Any], like: Self | None = None) -> Self:
-        """Return the case of options ``given`` by field name as people write them; ``like`` says the others.
+    def of(cls, given: Mapping[str, Any], like: Mapping[str, Any] = {}) -> Self:
+        """Return the case of options ``given`` by field name as people write them; ``like`` are values of others.
 
         An empty text takes a field back to its default. Raises UsageError where an option cannot be meant, or is
         missing.
         """
         settings = cls.settings()
-        values = {} if like is None else {name: getattr(like, name) for name in settings}
+        values = dict(like)
         for name in given:
             for other in settings[name].over:
                 values.pop(other, None)
@@ -66,7 +73,7 @@ class Case:
             else:
                 values[name] = one.kind.read(text, one.spoken)
         for one in settings.values():
-            if one.required and one.name not in values:
+            if one.required and not values.get(one.name):
                 raise UsageError(
                     f"{one.spoken}{'' if one.argument else ' ' + one.metavar} is missing: {one.help}"
                 )
@@ -83,6 +90,8 @@ class Case:
         held: dict[str, Any] = {}
         for one in self.settings().values():
             value = getattr(self, one.name)
+            if not one.kept:
+                continue
             if value is None:
                 if known is not None and known.get(one.key) is not None:
                     found[one.key] = known[one.key]
@@ -92,12 +101,13 @@ class Case:
             names = one.files(value)
             if names and all(name in hashes for name in names):
                 found[one.key] = _bare(value)
-                held[one.key] = hashes[value] if isinstance(value, str) else [hashes[name] for name in value]
+                digests = [hashes[name] for name in names]
+                held[one.key] = digests[0] if isinstance(value, str) else digests
         return found | ({DERIVED: derived} if derived else {}) | {HASHES: held}
 
     @classmethod
-    def load(cls, setup: Mapping[str, Any], name: str) -> Self:
-        """Return the case that the document ``name`` keeps; InputError names a key that is not sound."""
+    def load(cls, setup: Mapping[str, Any], name: str) -> dict[str, Any]:
+        """Return the values that the document ``name`` keeps, by field; InputError names a key that is not sound."""
         values = {}
         for one in cls.settings().values():
             if one.key not in setup or one.key in setup.get(DERIVED, ()):
@@ -106,19 +116,15 @@ class Case:
                 values[one.name] = one.kind.load(setup[one.key])
             except ValueError as error:
                 raise InputError(str(error), file=name, key=f"setup.{one.key}") from None
-        try:
-            return cls(**values)
-        except TypeError:
-            missing = next(one for one in cls.settings().values() if one.required and one.name not in values)
-            raise InputError("is missing", file=name, key=f"setup.{missing.key}") from None
-        except UsageError as error:
-            raise InputError(str(error), file=name, key="setup") from None
+        return values
 
     @classmethod
     def schema(cls) -> dict[str, Any]:
         """Return the JSON Schema of ``setup``."""
         properties = {
-            one.key: {**one.kind.schema(), "description": one.help} for one in cls.settings().values()
+            one.key: {**one.kind.schema(), "description": one.help}
+            for one in cls.settings().values()
+            if one.kept
         }
         return {
             "type": "object",

@@ -18,7 +18,7 @@ class Setting:
 
     ``argument``: stands without an option's name. ``over``: fields of an earlier set-up that make way when this one is
     given. ``shown`` is the default as people write it, None where there is none; ``called`` is the key where it is not
-    the name with the unit.
+    the name with the unit. Not ``kept`` in a document is what the result does not hang on.
     """
 
     kind: Kind
@@ -29,6 +29,7 @@ class Setting:
     argument: bool = False
     over: tuple[str, ...] = ()
     called: str | None = None
+    kept: bool = True
     name: str = ""
     option: str = ""
 
@@ -56,7 +57,8 @@ class Setting:
         kind = self.kind.item if isinstance(self.kind, Many) else self.kind
         if not isinstance(kind, File) or value is None:
             return []
-        return [name for name in ([value] if isinstance(value, str) else value) if name not in kind.besides]
+        names = [value] if isinstance(value, str) else value
+        return [kind.parted(name)[0] for name in names if name not in kind.besides]
 
     @property
     def spoken(self) -> str:
@@ -85,9 +87,10 @@ def setting(
     over: tuple[str, ...] = (),
     key: str | None = None,
     option: str = "",
+    kept: bool = True,
 ) -> Any:
     """Return a field of a case; ``default`` as people write it, None where nothing stands for it."""
-    own = Setting(kind, metavar, help, default, required, argument, over, key, option=option)
+    own = Setting(kind, metavar, help, default, required, argument, over, key, kept, option=option)
     if required:
         return dataclasses.field(metadata={_SETTING: own})
     if kind.repeated:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -177,6 +178,16 @@ class File(Text):
 
     besides: tuple[str, ...] = ()
 
+    @staticmethod
+    def parted(name: str) -> tuple[str, str]:
+        """Return the file of a name, and what of it is meant: ``heat.json:plate``, ``tests.xlsx:warp``.
+
+        >>> File.parted("a/heat.json:plate"), File.parted("fabric.json")
+        (('a/heat.json', ':plate'), ('fabric.json', ''))
+        """
+        found = re.fullmatch(r"(.+\.(?:json|xlsx))(:[^/\\:]+)", name)
+        return (name, "") if found is None else (found[1], found[2])
+
 
 @dataclass(frozen=True)
 class Flag(Kind):
@@ -339,4 +350,4 @@ def _range(least: float | None, most: float | None, unit: str) -> str:
         return f"{least:g}{unit} or more"
     if least is None:
         return f"{most:g}{unit} or less"
-    return f"from {least:g}{unit} to {most:g}{unit}"
+    return f"between {least:g}{unit} and {most:g}{unit}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import hashlib
 import os
 from collections.abc import Collection, Mapping, Sequence
@@ -12,6 +11,7 @@ from typing import Any, Generic, TypeVar
 
 from hyperfab.cases import options
 from hyperfab.cases.case import HASHES, Case
+from hyperfab.cases.kinds import File
 from hyperfab.documents.base import document_class, parse_document
 from hyperfab.documents.provenance import Provenance
 from hyperfab.errors import InputError, UsageError
@@ -22,13 +22,28 @@ CaseT = TypeVar("CaseT", bound=Case)
 
 @dataclass(frozen=True)
 class Earlier(Generic[CaseT]):
-    """How the document ``name`` was made: its ``case`` with the files where they are now, the SHA-256 of all that was
-    ``read`` then by the name it has from here, and the ``changed`` inputs among those the case names."""
+    """How a document was made.
+
+    name     the document
+    cls      the class of its case
+    values   those of the case, with the files where they are now; settings that no document keeps are not among them
+    read     the SHA-256 of all that was read then, by the name it has from here
+    changed  inputs that the case names and that have changed since
+    """
 
     name: str
-    case: CaseT
+    cls: type[CaseT]
+    values: Mapping[str, Any]
     read: Mapping[str, str]
     changed: Sequence[str]
+
+    @property
+    def case(self) -> CaseT:
+        """The case; InputError where the document lacks what one needs."""
+        try:
+            return self.cls.of({}, self.values)
+        except UsageError as error:
+            raise InputError(str(error), file=self.name, key="setup") from None
 
     def altered(self, inputs: Inputs) -> list[str]:
         """Return files read now that lie where the earlier run read others, besides those the case names."""
@@ -63,15 +78,14 @@ def earlier(
     hashes: Mapping[str, Any] = {}
     # The set-up of older documents says what was pressed, and not all that was asked.
     if isinstance(setup, Mapping) and HASHES in setup:
-        case = cls.load(setup, name)
+        values = cls.load(setup, name)
         hashes = setup[HASHES]
     else:
-        case = _of_words(cls, provenance, name)
+        values = _of_words(cls, provenance, name)
     search = _Search(name, cls.COMMAND, provenance)
-    values: dict[str, Any] = {}
     for one in cls.settings().values():
-        value = getattr(case, one.name)
-        if not one.files(value) or one.name in replaced:
+        value = values.get(one.name)
+        if value is None or not one.files(value) or one.name in replaced:
             continue
         known = hashes.get(one.key)
         if isinstance(value, str):
@@ -80,13 +94,13 @@ def earlier(
             each = known if isinstance(known, list) and len(known) == len(value) else [None] * len(value)
             values[one.name] = tuple(search.found(*pair) for pair in zip(value, each, strict=True))
     read = {search.beside(one.name): one.sha256 for one in provenance.inputs}
-    return Earlier(name, dataclasses.replace(case, **values), read, search.changed)
+    return Earlier(name, cls, values, read, search.changed)
 
 
-def _of_words(cls: type[CaseT], provenance: Provenance, name: str) -> CaseT:
-    """Return the case of a document without ``setup``, from the words it was made with."""
+def _of_words(cls: type[CaseT], provenance: Provenance, name: str) -> dict[str, Any]:
+    """Return the values of a document without ``setup``, from the words it was made with."""
     try:
-        return options.read(cls, provenance.arguments)
+        return options.read(cls, provenance.arguments).values
     except UsageError as error:
         raise InputError(
             f"has arguments that hf {cls.COMMAND} does not take: {error}",
@@ -109,6 +123,10 @@ class _Search:
 
     def found(self, shown: str, known: str | None) -> str:
         """Return where the input ``shown`` lies now; ``known`` is its hash where the set-up says it."""
+        shown, part = File.parted(shown)
+        return self._found(shown, known) + part
+
+    def _found(self, shown: str, known: str | None) -> str:
         inputs = self.provenance.inputs
         relative = next(
             (one.name for one in inputs if one.sha256 == known and _base(one.name) == _base(shown)), shown

@@ -3,11 +3,23 @@
 from __future__ import annotations
 
 import importlib
+from typing import TYPE_CHECKING
 
-from hyperfab.cases.case import Case
+if TYPE_CHECKING:
+    from hyperfab.cases.case import Case
 
 #: The module of ``hyperfab.cases`` and the class in it, by command.
-CASES = {"fabric-contact": "contact:ContactCase", "drape": "drape:DrapeCase"}
+CASES = {
+    "fabric-contact": "contact:ContactCase",
+    "drape": "drape:DrapeCase",
+    "mold-heat": "mold:MoldCase",
+    "press-contact": "press:PressCase",
+    "report": "about:ReportCase",
+    "sweep": "sweep:SweepCase",
+    "summary": "about:SummaryCase",
+    "sample": "about:SampleCase",
+    "schema": "about:SchemaCase",
+}
 #: The command that makes each kind of document.
 MADE_BY = {
     "material": "fit",

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from hyperfab.cases.case import Case
-from hyperfab.cases.contact import ContactCase
-from hyperfab.cases.drape import DrapeCase
 from hyperfab.cases.like import earlier
 from hyperfab.cases.options import given
 from hyperfab.cases.registry import case_class
@@ -24,7 +22,7 @@ def asked(job: Job, cls: type[Case], options: Mapping[str, Any], like: str | Non
     job.like = earlier(cls, data if isinstance(data, Mapping) else {}, like, replaced)
     for name in job.like.changed:
         job.console.warn(f"{name} has changed since {like} was made from it")
-    return cls.of(options, job.like.case)
+    return cls.of(options, job.like.values)
 
 
 def run_words(job: Job, words: Sequence[str]) -> int:
@@ -44,12 +42,45 @@ def run_words(job: Job, words: Sequence[str]) -> int:
 
 def run(job: Job, case: Case) -> int:
     """Run the chapter of the case's command; return its exit status."""
-    if isinstance(case, ContactCase):
+    return job.ended(chapter_of(case.COMMAND)(job, case))
+
+
+def chapter_of(command: str) -> Callable[[Job, Any], int]:
+    """Return what runs a command; each takes the case that the registry has for it."""
+    if command == "fabric-contact":
         from hyperfab.chapters.fabric_contact import run as fabric_contact
 
-        return job.ended(fabric_contact(job, case))
-    if isinstance(case, DrapeCase):
+        return fabric_contact
+    if command == "drape":
         from hyperfab.chapters.drape import run as drape
 
-        return job.ended(drape(job, case))
-    raise TypeError(f"no chapter runs {type(case).__name__}")
+        return drape
+    if command == "mold-heat":
+        from hyperfab.chapters.mold_heat import run as mold_heat
+
+        return mold_heat
+    if command == "press-contact":
+        from hyperfab.chapters.press_contact import run as press_contact
+
+        return press_contact
+    if command == "report":
+        from hyperfab.chapters.report import run as report
+
+        return report
+    if command == "sweep":
+        from hyperfab.chapters.sweep import run as sweep
+
+        return sweep
+    if command == "summary":
+        from hyperfab.chapters.summary import run as summary
+
+        return summary
+    if command == "sample":
+        from hyperfab.chapters.sample import run as sample
+
+        return sample
+    if command == "schema":
+        from hyperfab.chapters.schema import run as schema
+
+        return schema
+    raise KeyError(command)

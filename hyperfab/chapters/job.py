@@ -45,9 +45,6 @@ class Job:
         """Return where the command writes: ``target`` and its siblings; a run inside another command keeps them."""
         return Output(target, suffixes)
 
-    def keep(self, told: object) -> None:
-        """Offer what was computed to a command that runs this one inside itself; nobody takes it otherwise."""
-
     def write(self, output: Output, document: Document, case: Case | None = None, **known: Any) -> None:
         """Write the document with its set-up and provenance, and the siblings queued in ``output``.
 

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from hyperfab.cases.about import SampleCase
 from hyperfab.chapters.job import Job
 from hyperfab.errors import OutputError, UsageError
 from hyperfab.io.atomic import write_files
 from hyperfab.samples import sample_files
 
 
-def run(job: Job, *, folder: str, force: bool) -> int:
-    """Write every sample below ``folder``.
+def run(job: Job, case: SampleCase) -> int:
+    """Write every sample below the folder.
 
     A file that is there with the same bytes is left alone. One that differs is somebody's work: it is
-    overwritten only with ``force``, and otherwise nothing at all is written.
+    overwritten only with ``--force``, and otherwise nothing at all is written.
     """
+    folder, force = case.folder, case.force
     root = Path(folder)
     if root.exists() and not root.is_dir():
         raise UsageError(f"{folder} is a file; name the folder that should take the samples")

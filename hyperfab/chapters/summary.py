@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
+from hyperfab.cases.about import SummaryCase
 from hyperfab.chapters.job import Job
 from hyperfab.documents.base import document_class, parse_document
 from hyperfab.errors import InputError
@@ -14,10 +15,10 @@ from hyperfab.io.output import write_stdout
 Plain = Mapping[str, Any]
 
 
-def run(job: Job, *, documents: Sequence[str]) -> int:
+def run(job: Job, case: SummaryCase) -> int:
     """Print a paragraph for each document; InputError where one is not a document of a known kind."""
     lines: list[str] = []
-    for name in documents:
+    for name in case.documents:
         loaded = load_json(job.inputs.read(name), name)
         kind = _kind(loaded, name)
         data = parse_document(loaded, name, document_class(kind)).to_json()

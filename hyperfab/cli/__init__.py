@@ -5,30 +5,41 @@ from __future__ import annotations
 import os
 import re
 import sys
+from collections.abc import Callable
 from typing import Annotated, Any
 
 import typer
+import typer.main
 from typer.core import TyperCommand, TyperGroup
 
 from hyperfab import __version__
 from hyperfab.cases.registry import case_class
-from hyperfab.cli import (
-    close_loop,
-    export,
-    fit,
-    mold_heat,
-    press_contact,
-    report,
-    sample,
-    schema,
-    summary,
-    sweep,
-)
+from hyperfab.cli import close_loop, export, fit
 from hyperfab.cli.command import command_of
 from hyperfab.errors import OutputError
 
 #: What the parser says of a type behind the name of an argument; the help says it in words.
 _TYPES = re.compile(r" <(?:str|int|float|list\[)[^>]*>")
+#: In the order of the production line.
+COMMANDS = {
+    "fit": "Constants of a law from fabric tests",
+    "fabric-contact": "A sphere, or any punch (STL), pushed into a clamped sheet",
+    "drape": "Fabric relaxed onto a mold (STL)",
+    "mold-heat": "Warm-up of a heated mold",
+    "press-contact": "Where two hot molds touch",
+    "close-loop": "What the model lacks, found in measured data",
+    "report": "One page to look at, from any documents",
+    "sweep": "Many runs over materials, molds and settings",
+    "export": "Material card for a finite-element program",
+    "summary": "One screen about a set of documents",
+    "sample": "The sample specimens and molds",
+    "schema": "JSON Schema of a document kind",
+}
+_OLD: dict[str, Callable[..., None]] = {
+    "fit": fit.fit,
+    "close-loop": close_loop.close_loop,
+    "export": export.export,
+}
 
 
 class Command(TyperCommand):
@@ -40,7 +51,28 @@ class Command(TyperCommand):
 
 
 class Group(TyperGroup):
-    """All commands; ``hf help COMMAND`` is ``hf COMMAND --help``."""
+    """All commands, each made when it is asked for: the list of them needs none of their options.
+
+    ``hf help COMMAND`` is ``hf COMMAND --help``.
+    """
+
+    def __init__(self, **attributes: Any) -> None:
+        super().__init__(**attributes)
+        self.commands = dict.fromkeys(COMMANDS, None)  # type: ignore[assignment]
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Return the command of a name, None where there is none."""
+        if cmd_name not in COMMANDS:
+            return None
+        alone = typer.Typer(rich_markup_mode=None, pretty_exceptions_enable=False, add_completion=False)
+        made = _OLD[cmd_name] if cmd_name in _OLD else command_of(case_class(cmd_name))
+        alone.command(cmd_name, cls=Command, short_help=COMMANDS[cmd_name])(made)
+        return typer.main.get_command(alone)
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write the list of commands."""
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return the command that is meant."""
@@ -66,24 +98,6 @@ app = typer.Typer(
     add_completion=True,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-
-# In the order of the production line.
-app.command("fit", cls=Command, short_help=fit.SHORT_HELP)(fit.fit)
-app.command(
-    "fabric-contact", cls=Command, short_help="A sphere, or any punch (STL), pushed into a clamped sheet"
-)(command_of(case_class("fabric-contact")))
-app.command("drape", cls=Command, short_help="Fabric relaxed onto a mold (STL)")(
-    command_of(case_class("drape"))
-)
-app.command("mold-heat", cls=Command, short_help=mold_heat.SHORT_HELP)(mold_heat.mold_heat)
-app.command("press-contact", cls=Command, short_help=press_contact.SHORT_HELP)(press_contact.press_contact)
-app.command("close-loop", cls=Command, short_help=close_loop.SHORT_HELP)(close_loop.close_loop)
-app.command("report", cls=Command, short_help=report.SHORT_HELP)(report.report)
-app.command("sweep", cls=Command, short_help=sweep.SHORT_HELP)(sweep.sweep)
-app.command("export", cls=Command, short_help=export.SHORT_HELP)(export.export)
-app.command("summary", cls=Command, short_help=summary.SHORT_HELP)(summary.summary)
-app.command("sample", cls=Command, short_help=sample.SHORT_HELP)(sample.sample)
-app.command("schema", cls=Command, short_help=schema.SHORT_HELP)(schema.schema)
 
 
 @app.callback(invoke_without_command=True)

@@ -94,6 +94,4 @@ def close_loop(
     Example:
       hf close-loop fabric.json specimens/lycra/warp-23C.csv specimens/lycra/weft-23C.csv -o loop.json
     """
-    from hyperfab.cli.steps import chapter_words
-
-    run_chapter(context, parse=chapter_words)
+    run_chapter(context)

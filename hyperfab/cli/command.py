@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hyperfab.cases.case import Case
-from hyperfab.cases.field import Setting
-from hyperfab.cli.shared import Debug, Quiet, Strict, Target, run_case
+from hyperfab.cli.shared import Debug, Quiet, Strict, run_case
+
+if TYPE_CHECKING:
+    from hyperfab.cases.case import Case
+    from hyperfab.cases.field import Setting
 
 Like = Annotated[
     str | None,
@@ -30,8 +32,11 @@ def command_of(cls: type[Case]) -> Callable[..., None]:
     parameters += [_of_setting(one) for one in cls.settings().values()]
     if cls.KIND is not None:
         parameters.append(_parameter("like", Like, None))
+    if cls.OUTPUT is not None:
+        form, said = cls.OUTPUT
+        target = Annotated[str, typer.Option("--output", "-o", metavar=form, help=said)]
+        parameters.append(_parameter("output", target, "-"))
     parameters += [
-        _parameter("output", Target, "-"),
         _parameter("strict", Strict, False),
         _parameter("quiet", Quiet, False),
         _parameter("debug", Debug, False),

@@ -15,7 +15,8 @@ def manual(group: Any, context: Any) -> str:
         "hf \\- stretch fabrics, from test to press",
     ]
     lines += [".SH DESCRIPTION", *_literal(group.get_help(context))]
-    for name, command in group.commands.items():
+    for name in group.list_commands(context):
+        command = group.get_command(context, name)
         own = command.context_class(command, info_name=name, parent=context)
         lines += [f'.SH "HF {name.upper()}"', *_literal(command.get_help(own))]
     return "\n".join(lines) + "\n"

@@ -81,7 +81,7 @@ def run_case(context: typer.Context, cls: type[Case]) -> None:
             cls.COMMAND,
             arguments_given(context),
             Console(bool(context.params.get("quiet"))),
-            target=str(context.params["output"]),
+            target=str(context.params.get("output", "-")),
             strict=bool(context.params["strict"]),
             sums_up=_sums_up(context),
         )

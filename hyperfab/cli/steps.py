@@ -57,8 +57,7 @@ def run(command: str, words: Sequence[str], output: str) -> Outcome:
         context = parse(command, [*words, "-o", output])
         chapter = importlib.import_module(f"hyperfab.chapters.{command.replace('-', '_')}")
         job = Job(command, arguments_given(context), listener, strict=bool(context.params.get("strict")))
-        more: dict[str, Any] = {"parse": chapter_words} if command == "close-loop" else {}
-        return _outcome(job.ended(chapter.run(job, **chapter_options(context), **more)), listener)
+        return _outcome(job.ended(chapter.run(job, **chapter_options(context))), listener)
     except HyperfabError as error:
         return Outcome(error.exit_status, str(error), tuple(listener.warnings))
     except UsageError as error:
@@ -78,8 +77,8 @@ def _outcome(status: int, listener: _Listener) -> Outcome:
 
 def check(command: str, words: Sequence[str]) -> str | None:
     """Return what is wrong with a step's arguments, or None; nothing is run."""
-    if command not in COMMANDS or command not in _commands().commands:
-        known = ", ".join(name for name in COMMANDS if name in _commands().commands)
+    if command not in COMMANDS:
+        known = ", ".join(COMMANDS)
         return f"no command {command!r} makes documents; there is {known}"
     try:
         if command in CASES:
@@ -101,17 +100,9 @@ def warm(commands: Sequence[str]) -> None:
 
 def parse(command: str, words: Sequence[str]) -> typer.Context:
     """Read a command's arguments as the command line does; UsageError where they are wrong."""
-    found: Any = _commands().commands[command]
+    found: Any = _commands().get_command(None, command)
     context: typer.Context = found.make_context(command, list(words), resilient_parsing=False)
     return context
-
-
-def chapter_words(command: str, words: Sequence[str]) -> dict[str, Any]:
-    """Return the options that the chapter of ``command`` takes, from the words of a command line."""
-    try:
-        return chapter_options(parse(command, words))
-    except UsageError as error:
-        raise errors.UsageError(error.format_message()) from None
 
 
 def _commands() -> Any:

@@ -14,7 +14,7 @@ from loop.generators import fabric as truths
 
 from hyperfab.cases.options import read
 from hyperfab.cases.registry import case_class
-from hyperfab.chapters.close_loop.rerun import rerun_case
+from hyperfab.chapters.close_loop.rerun import rerun
 from hyperfab.io.stl_write import stl_bytes
 from hyperfab.loop.fabric import FabricTest, fabric_problem
 from hyperfab.materials.registry import law
@@ -71,7 +71,7 @@ def computed(tmp_path_factory) -> Callable[[tuple[str, ...], list[dict[str, Any]
         document = {**MODEL, "effects": effects} if effects else MODEL
         (folder / "fabric.json").write_text(json.dumps(document))
         target = str(folder / "out.json")
-        made = rerun_case(read(case_class(command), [name, *rest]), target)
+        made = rerun(read(case_class(command), [name, *rest]), target)
         # What the document says of effects differs; nothing computed may.
         for part in (made.document, made.document.get("setup", {})):
             for key in ("effects", "left_out", "provenance", "sha256"):

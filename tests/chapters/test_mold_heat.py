@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from hyperfab.cases.mold import MoldCase
 from hyperfab.chapters import mold_heat
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
@@ -71,9 +72,8 @@ def heat(folder: Path, text: str, name: str = "heat", **options):
     (folder / "mold.toml").write_text(text)
     console = Quiet()
     target = str(folder / f"{name}.json")
-    status = mold_heat.run(
-        Job("mold-heat", [], console), mold=str(folder / "mold.toml"), output=target, **options
-    )
+    case = MoldCase.of({"mold": str(folder / "mold.toml"), **options})
+    status = mold_heat.run(Job("mold-heat", [], console, target=target), case)
     return status, json.loads(Path(target).read_text()), console.said
 
 

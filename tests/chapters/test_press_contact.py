@@ -6,6 +6,7 @@ import jsonschema
 import numpy as np
 import pytest
 
+from hyperfab.cases.press import PressCase
 from hyperfab.chapters import press_contact
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
@@ -51,35 +52,9 @@ def shop(tmp_path_factory):
 
 def press(folder, monkeypatch, output="press.json", **options):
     monkeypatch.chdir(folder)
-    given = {
-        "male": "male.stl",
-        "female": "female.stl",
-        "foam": "foam.toml",
-        "axis": "z",
-        "zero": "cold",
-        "mounted": "flat",
-        "floating": False,
-        "strokes": 5,
-        "facets": "smooth",
-        "stl_unit": "mm",
-        **dict.fromkeys(
-            [
-                "gap",
-                "force",
-                "temperature",
-                "male_heat",
-                "female_heat",
-                "drape",
-                "force_at",
-                "frame_stiffness",
-                "tilt",
-                "min_spotted",
-                "design_gap",
-            ]
-        ),
-        **options,
-    }
-    status = press_contact.run(Job("press-contact", [], Console(quiet=True)), output=output, **given)
+    given = {"male": "male.stl", "female": "female.stl", "foam": "foam.toml", "strokes": 5, **options}
+    case = PressCase.of({name: text for name, text in given.items() if text is not None})
+    status = press_contact.run(Job("press-contact", [], Console(quiet=True), target=output), case)
     return status, json.loads((folder / output).read_text())
 
 
@@ -243,8 +218,8 @@ def test_shrunk_foam_touches_less_and_stays_thinner(shop, monkeypatch):
         ({}, "give --gap or --force"),
         ({"gap": "3mm", "force": "5N"}, "only one of"),
         ({"gap": "3"}, "write 3mm"),
-        ({"gap": "-1mm"}, "0 mm or more"),
-        ({"force": "0N"}, "greater than zero"),
+        ({"gap": "-1mm"}, "0mm or more"),
+        ({"force": "0N"}, "more than 0N"),
         ({"gap": "3mm", "axis": "w"}, "x, y or z"),
         ({"gap": "3mm", "zero": "warm"}, "cold or hot"),
         ({"gap": "3mm", "facets": "round"}, "smooth or flat"),

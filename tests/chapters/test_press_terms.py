@@ -42,7 +42,7 @@ def test_terms_of_zero_change_no_bit(shop, monkeypatch):
     _, plain = press(shop, monkeypatch, gap="3mm", temperature="200degC")
     picture = (shop / "press.vtu").read_bytes()
     zeros = with_foam(shop, monkeypatch, NOTHING, temperature="200degC")
-    assert {**zeros, "provenance": None} == {**plain, "provenance": None}
+    assert {**zeros, "provenance": None, "setup": None} == {**plain, "provenance": None, "setup": None}
     assert (shop / "press.vtu").read_bytes() == picture
 
 
@@ -68,20 +68,20 @@ def test_molds_that_do_not_grow_and_foam_that_does_not_shrink_change_no_bit(shop
 def test_a_tilt_in_the_document_is_the_tilt_of_the_option(shop, monkeypatch):
     written = with_foam(shop, monkeypatch, 'press = { tilt = { x = "0.1 deg", y = "-0.05 deg" } }\n')
     _, asked = press(shop, monkeypatch, gap="3mm", tilt="0.1deg,-0.05deg")
-    assert {**written, "provenance": None} == {**asked, "provenance": None}
+    assert {**written, "provenance": None, "setup": None} == {**asked, "provenance": None, "setup": None}
     assert written["tilt_vector_deg"] == pytest.approx([0.1, -0.05, 0.0])
     assert written["tilt_deg"] == pytest.approx(np.hypot(0.1, 0.05))
     _, plain = press(shop, monkeypatch, gap="3mm")
     # Turned about x the half at positive y comes closer: the pressure moves there by the press frame's right hand.
     assert written["centre_of_pressure_mm"][1] != pytest.approx(plain["centre_of_pressure_mm"][1], abs=0.1)
     _, option_wins = press(shop, monkeypatch, gap="3mm", foam="other.toml", tilt="0deg,0deg")
-    assert {**option_wins, "provenance": None} == {**plain, "provenance": None}
+    assert {**option_wins, "provenance": None, "setup": None} == {**plain, "provenance": None, "setup": None}
 
 
 def test_the_frame_in_the_document_yields_as_the_option_does(shop, monkeypatch):
     written = with_foam(shop, monkeypatch, 'press = { stiffness = "1 kN/mm" }\n')
     _, asked = press(shop, monkeypatch, gap="3mm", frame_stiffness="1kN/mm")
-    assert {**written, "provenance": None} == {**asked, "provenance": None}
+    assert {**written, "provenance": None, "setup": None} == {**asked, "provenance": None, "setup": None}
     assert written["frame_stiffness_N_mm"] == 1000.0
 
 

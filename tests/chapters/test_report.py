@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from conftest import ROOT, Run
 
+from hyperfab.cases.about import ReportCase
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.report import run
 from hyperfab.console import Console
@@ -19,7 +20,10 @@ FABRIC = {"format": "hyperfab.material/1", "model": "neo-hookean", "parameters":
 def report(*documents: Path, output: Path | str) -> int:
     """Write a page in this process."""
     names = [str(path) for path in documents]
-    return run(Job("report", names, Console(quiet=True)), documents=names, title="Test", output=str(output))
+    return run(
+        Job("report", names, Console(quiet=True), target=str(output)),
+        ReportCase(documents=tuple(names), title="Test"),
+    )
 
 
 @pytest.fixture

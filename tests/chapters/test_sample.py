@@ -2,6 +2,7 @@
 
 import pytest
 
+from hyperfab.cases.about import SampleCase
 from hyperfab.chapters import sample
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
@@ -10,7 +11,7 @@ from hyperfab.samples import sample_files
 
 
 def write(folder, force=False):
-    return sample.run(Job("sample", [], Console(quiet=True)), folder=str(folder), force=force)
+    return sample.run(Job("sample", [], Console(quiet=True)), SampleCase(folder=str(folder), force=force))
 
 
 def test_writes_every_sample(tmp_path):

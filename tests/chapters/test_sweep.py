@@ -11,6 +11,7 @@ import jsonschema
 import pytest
 from conftest import ROOT, Run
 
+from hyperfab.cases.sweep import SweepCase
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.sweep import run
 from hyperfab.console import Console
@@ -73,14 +74,7 @@ def test_what_cannot_work_is_refused_by_name_before_anything_runs(
     with pytest.raises(HyperfabError) as found:
         run(
             Job("sweep", [], Console()),
-            study=str(tmp_path / "study.toml"),
-            out=str(tmp_path / "out"),
-            jobs=1,
-            scheduler=None,
-            retry_failed=False,
-            parquet=False,
-            yes=False,
-            runner="hyperfab.cli.steps",
+            SweepCase(study=str(tmp_path / "study.toml"), out=str(tmp_path / "out"), jobs=1),
         )
     assert found.value.exit_status == status
     assert words in str(found.value)

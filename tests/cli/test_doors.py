@@ -45,10 +45,26 @@ def test_help_loads_neither_numpy_nor_rich_nor_pydantic() -> None:
         "from hyperfab import cli\n"
         "try:\n    cli.main()\n"
         "except SystemExit as end:\n    assert end.code == 0\n"
-        "print(sorted({'numpy', 'rich', 'pydantic', 'scipy'} & set(sys.modules)), file=sys.stderr)\n"
+        "heavy = {'numpy', 'rich', 'pydantic', 'scipy', 'hyperfab.cases.drape'}\n"
+        "print(sorted(heavy & set(sys.modules)), file=sys.stderr)\n"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
     assert done.stderr.decode().strip() == "[]"
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_page_of_a_command_loads_neither_numpy_nor_rich(command: str) -> None:
+    code = (
+        f"import sys\nsys.argv = ['hf', {command!r}, '--help']\nfrom hyperfab import cli\n"
+        "try:\n    cli.main()\nexcept SystemExit as end:\n    assert end.code == 0\n"
+        "print(sorted({'numpy', 'rich', 'scipy'} & set(sys.modules)), file=sys.stderr)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
+    assert done.stderr.decode().strip() == "[]"
+
+
+def test_a_misspelt_command_is_told_the_right_one(hf: Run) -> None:
+    assert b"drape" in hf("drap").stderr
 
 
 def test_version_is_the_package_version(hf: Run) -> None:

@@ -32,7 +32,44 @@ RUNS: dict[str, tuple[list[str], tuple[str, str], str]] = {
         ("--friction", "0.2"),
         "friction_coefficient",
     ),
+    "mold-heat": (
+        ["mold.toml", "--warmup-in", "50s"],
+        ("--warmup-in", "60s"),
+        "warmup_in_s",
+    ),
+    "press-contact": (
+        ["--male", "male.stl", "--female", "female.stl", "--foam", "foam.toml", "--gap", "1mm", "--tilt",
+         "0.05deg,0deg", "--strokes", "3"],
+        ("--strokes", "4"),
+        "strokes",
+    ),
 }  # fmt: skip
+MOLD = """
+format = "hyperfab.mold/1"
+[material.aluminium]
+density = "2702 kg/m^3"
+conductivity = "237 W/m/K"
+specific_heat = "903 J/kg/K"
+[[part]]
+name = "plate"
+material = "aluminium"
+box = { origin = ["0 mm", "0 mm", "0 mm"], size = ["40 mm", "30 mm", "10 mm"] }
+[[heater]]
+on = "plate.z-"
+power = "100 W"
+[work_surface]
+on = "plate.z+"
+[run]
+start = "25 degC"
+target = "60 degC"
+until = "200 s"
+mesh_size = "10 mm"
+"""
+FOAM = """
+format = "hyperfab.foam/1"
+thickness = "3 mm"
+compression = { law = "linear", modulus = "0.1 MPa" }
+"""
 
 
 def without(document: dict[str, Any]) -> dict[str, Any]:
@@ -52,6 +89,11 @@ def made(
     mesh = trimesh.creation.icosphere(subdivisions=2, radius=60.0)
     (folder / "ball.stl").write_bytes(stl_bytes(mesh.vertices, mesh.faces))
     (folder / "fabric.json").write_text(json.dumps(FABRIC))
+    (folder / "mold.toml").write_text(MOLD)
+    (folder / "foam.toml").write_text(FOAM)
+    for name, low in (("male", 0.0), ("female", 10.0)):
+        box = trimesh.creation.box((40.0, 30.0, 10.0)).apply_translation((0.0, 0.0, low))
+        (folder / f"{name}.stl").write_bytes(stl_bytes(box.vertices, box.faces))
     done = hf(request.param, *RUNS[request.param][0], "-o", "a.json", cwd=folder)
     assert done.returncode in (0, 1), done.stderr.decode()
     return request.param, folder

@@ -18,7 +18,7 @@ from hyperfab.cases.contact import ContactCase
 from hyperfab.cases.like import earlier
 from hyperfab.cases.options import read
 from hyperfab.chapters.close_loop.contact import Forward, noise_of, pose, pose_sheet
-from hyperfab.chapters.close_loop.rerun import rerun_case
+from hyperfab.chapters.close_loop.rerun import rerun
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.documents.base import parse_document, read_document
@@ -50,7 +50,7 @@ def model() -> tuple[MaterialDocument, Sheet, Forward]:
         "6",
     ]
     name = f"{folder}/contact.json"
-    data = rerun_case(read(ContactCase, words), name).document
+    data = rerun(read(ContactCase, words), name).document
     Path(name).write_text(json.dumps(data))
     asked = earlier(ContactCase, data, name).case
     job = Job("close-loop", [], Console(True))

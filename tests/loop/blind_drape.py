@@ -16,7 +16,7 @@ from hyperfab.cases.drape import DrapeCase
 from hyperfab.cases.like import earlier
 from hyperfab.cases.options import read
 from hyperfab.chapters.close_loop.drape import Forward, noise_of, pose, pose_sheet
-from hyperfab.chapters.close_loop.rerun import rerun_case
+from hyperfab.chapters.close_loop.rerun import rerun
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.io.json_io import dump_json
@@ -34,7 +34,7 @@ def document(folder: Path) -> str:
     words += ["--grid", f"{n}x{n}", "--size", f"{side}mmx{side}mm", "--depth", f"{truths.DEPTH}mm"]
     words += ["--thickness", f"{truths.THICK}mm"]
     name = str(folder / "drape.json")
-    made = rerun_case(read(DrapeCase, words), name)
+    made = rerun(read(DrapeCase, words), name)
     Path(name).write_bytes(dump_json(made.document))
     return name
 

@@ -13,10 +13,12 @@ import numpy as np
 from loop.generators import press as truths
 from loop.trials import Case, Trials, main
 
-from hyperfab.chapters.close_loop.press import noise_of, pose
-from hyperfab.chapters.close_loop.rerun import rerun
+from hyperfab.cases.options import read
+from hyperfab.cases.press import PressCase
+from hyperfab.chapters.close_loop.press import closed_press, noise_of, pose
+from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact.result import Told
-from hyperfab.cli.steps import chapter_words
+from hyperfab.console import Console
 from hyperfab.loop.design import NextMeasurement
 from hyperfab.loop.press_reading import Reading
 
@@ -37,10 +39,7 @@ def told(more: str = "", options: tuple[str, ...] = ()) -> Told:
         f"{folder}/foam.toml",
     ]
     words += options or ("--gap", f"{truths.GAP}mm")
-    made = rerun("press-contact", words, chapter_words("press-contact", [*words, "-o", "-"]))
-    found = made.kept[-1]
-    assert isinstance(found, Told)
-    return found
+    return closed_press(Job("press-contact", [], Console(True)), read(PressCase, words))[0]
 
 
 def as_readings(read: Sequence[truths.Read]) -> list[Reading]:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from hyperfab.cases.about import ReportCase
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.report import run
 from hyperfab.console import Console
@@ -102,10 +103,8 @@ def shop(tmp_path_factory: pytest.TempPathFactory) -> Path:
     names = [str(folder / f"{name}.json") for name in ("sweep", "drape", "fabric")]
     assert (
         run(
-            Job("report", names, Console(quiet=True)),
-            documents=names,
-            title="Page",
-            output=str(folder / "page.html"),
+            Job("report", names, Console(quiet=True), target=str(folder / "page.html")),
+            ReportCase(documents=tuple(names), title="Page"),
         )
         == 0
     )

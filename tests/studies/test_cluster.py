@@ -34,14 +34,16 @@ sum = "one.sum"
 
 DRIVER = """
 import sys
+from hyperfab.cases.sweep import SweepCase
 from hyperfab.chapters import sweep
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console, run_guarded
 if __name__ == "__main__":
     address = sys.argv[1] if len(sys.argv) > 1 else None
     sys.exit(run_guarded(lambda: sweep.run(
-        Job("sweep", ["study.toml"], Console()), study="study.toml", out="out", jobs=None if address else 2,
-        scheduler=address, retry_failed=False, parquet=False, yes=False, runner="studies.trivial"), False))
+        Job("sweep", ["study.toml"], Console()),
+        SweepCase(study="study.toml", out="out", jobs=None if address else 2, scheduler=address),
+        runner="studies.trivial"), False))
 """
 
 ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests")])}

@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 from conftest import ROOT
 
+from hyperfab.cases.sweep import SweepCase
 from hyperfab.chapters import sweep
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
@@ -43,6 +44,7 @@ sum = "second.sum"
 DRIVER = """
 import sys
 sys.path[:0] = [{root!r}, {root!r} + "/tests"]
+from hyperfab.cases.sweep import SweepCase
 from hyperfab.chapters import sweep
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console, run_guarded
@@ -51,8 +53,8 @@ plan.program = lambda: "the same"  # also in a tree that is being worked on
 if __name__ == "__main__":
     study, out, jobs, retry = sys.argv[1], sys.argv[2], int(sys.argv[3]), sys.argv[4] == "retry"
     sys.exit(run_guarded(lambda: sweep.run(
-        Job("sweep", [study], Console()), study=study, out=out, jobs=jobs, scheduler=None, retry_failed=retry,
-        parquet=False, yes=False, runner="studies.trivial"), True))
+        Job("sweep", [study], Console()), SweepCase(study=study, out=out, jobs=jobs, retry_failed=retry),
+        runner="studies.trivial"), True))
 """
 
 
@@ -126,13 +128,7 @@ class Shop:
             )
             status = sweep.run(
                 Job("sweep", ["study.toml"], said),
-                study="study.toml",
-                out=out,
-                jobs=1,
-                scheduler=None,
-                retry_failed=retry,
-                parquet=False,
-                yes=False,
+                SweepCase(study="study.toml", out=out, jobs=1, retry_failed=retry),
                 runner="studies.trivial",
             )
         return status, said.text

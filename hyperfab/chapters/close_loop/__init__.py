@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from hashlib import sha256
 
 from hyperfab.chapters.close_loop.domain import Given, How, kind_of
-from hyperfab.chapters.close_loop.recall import Parse
 from hyperfab.chapters.fit.prepare import Steps
 from hyperfab.chapters.fit.specimens import geometry
 from hyperfab.chapters.job import Job
@@ -46,12 +45,8 @@ def run(
     skip_rows: int | None = None,
     decimal: str | None = None,
     output: str = "-",
-    parse: Parse,
 ) -> int:
-    """Close the loop on ``model``: 0, or 1 where the residual stays unexplained.
-
-    ``parse`` reads the words of another command's line, for documents that are models by how they were made.
-    """
+    """Close the loop on ``model``: 0, or 1 where the residual stays unexplained."""
     kinds = {
         name: test
         for test, names in (("uniaxial", uniaxial), ("shear", shear), ("biaxial", biaxial))
@@ -86,7 +81,6 @@ def run(
         None if prior is None else _share(prior),
         layout(columns, skip_rows, decimal),
         output,
-        parse,
         how,
     )
     status: int = chapter.run(job, given)

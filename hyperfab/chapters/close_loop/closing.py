@@ -13,8 +13,7 @@ import numpy as np
 from hyperfab.cases.case import Case
 from hyperfab.cases.options import words
 from hyperfab.chapters.close_loop.describe import column, describe, errors_of, lowered, say
-from hyperfab.chapters.close_loop.recall import Parse, Recalled
-from hyperfab.chapters.close_loop.rerun import rerun, rerun_case
+from hyperfab.chapters.close_loop.rerun import rerun
 from hyperfab.chapters.job import Job
 from hyperfab.console import NEGATIVE_VERDICT
 from hyperfab.documents.loop import Errors, LoopDocument
@@ -38,10 +37,9 @@ _PLACES = ("x0_mm", "y0_mm", "x_mm", "y_mm", "z_mm", "axis")
 
 @dataclass(frozen=True)
 class Extension:
-    """The case of the extended model, or the words of the command that makes it; and files it reads that are not
-    written yet (by suffix)."""
+    """The case of the extended model, and files it reads that are not written yet (by suffix)."""
 
-    asked: Case | list[str]
+    case: Case
     files: Mapping[str, bytes] = field(default_factory=dict)
     notes: Sequence[str] = ()
 
@@ -80,8 +78,6 @@ def finish(
     domain: str,
     axis: Callable[[Problem], Axis],
     extend: Callable[[Finding], Extension],
-    recalled: Recalled | None = None,
-    parse: Parse | None = None,
     rounds: Callable[[Problem, Finding], Problem | None] = lambda problem, found: None,
     apart: Callable[[Problem], tuple[Problem, Array]] | None = None,
     left_out: Mapping[str, int] | None = None,
@@ -113,7 +109,7 @@ def finish(
             result.held_out = _predicted(apart(problem), found, problem.units[0])
         if out.wants_files:
             tick("the extended model")
-            _model(job, out, extend(found), result, recalled, parse)
+            _model(job, out, extend(found), result)
             _files(out, problem, found, axis(problem))
     say(job.console, problem, found, result)
     job.write(out, result)
@@ -186,31 +182,16 @@ def close_anew(
     return found
 
 
-def _model(
-    job: Job,
-    out: Output,
-    extension: Extension,
-    result: LoopDocument,
-    recalled: Recalled | None,
-    parse: Parse | None,
-) -> None:
+def _model(job: Job, out: Output, extension: Extension, result: LoopDocument) -> None:
     """Run the model's own command with the found terms, and queue what it writes as the extended model."""
     target = str(out.path(".model.json"))
     given = {str(out.path(suffix)): data for suffix, data in extension.files.items()}
     notes = list(extension.notes)
     for suffix, data in extension.files.items():
         out.add(suffix, data)
-    if isinstance(extension.asked, Case):
-        command, asked = extension.asked.COMMAND, words(extension.asked)
-    else:
-        assert recalled is not None
-        command, asked = recalled.command, extension.asked
+    command, asked = extension.case.COMMAND, words(extension.case)
     try:
-        if isinstance(extension.asked, Case):
-            made = rerun_case(extension.asked, target, given)
-        else:
-            assert parse is not None
-            made = rerun(command, asked, parse(command, [*asked, "-o", target, "--quiet"]), given)
+        made = rerun(extension.case, target, given)
     except HyperfabError as error:
         notes.append(f"hf {command} does not run with what was found: {error}")
         result.warnings += notes

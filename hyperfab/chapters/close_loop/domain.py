@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from hyperfab.chapters.close_loop.recall import Parse
 from hyperfab.chapters.fit.prepare import Steps
 from hyperfab.chapters.job import Job
 from hyperfab.errors import InputError, UsageError
@@ -37,9 +36,8 @@ class How:
 class Given:
     """What the command line gives each domain: ``data`` is the plain document read from the file ``name``.
 
-    ``prior`` is the relative standard deviation of the model's own constants, where it is stated. ``parse`` reads the
-    words of another command's line, for documents that are models by how they were made. ``layout`` and ``how`` say how
-    the files are to be read.
+    ``prior`` is the relative standard deviation of the model's own constants, where it is stated. ``layout`` and
+    ``how`` say how the files are to be read.
     """
 
     name: str
@@ -51,7 +49,6 @@ class Given:
     prior: float | None
     layout: Layout
     output: str
-    parse: Parse
     how: How
 
     @property

@@ -5,14 +5,15 @@ from __future__ import annotations
 import copy
 import os
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import tomli_w
 
+from hyperfab.cases.press import PressCase
 from hyperfab.chapters.close_loop.closing import Extension
-from hyperfab.chapters.close_loop.recall import Recalled, reworded
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact.inputs import ALUMINIUM
 from hyperfab.chapters.press_contact.result import Told
@@ -32,10 +33,10 @@ _TABLE = ".model.foam.csv"
 
 
 def extend(
-    job: Job, out: Output, recalled: Recalled, told: Told, problem: PressProblem, found: Finding
+    job: Job, out: Output, case: PressCase, told: Told, problem: PressProblem, found: Finding
 ) -> Extension:
-    """Return the command of the extended press, and the files it reads."""
-    name = str(recalled.options["foam"])
+    """Return the case of the extended press, and the files it reads."""
+    name = case.foam
     foam = copy.deepcopy(dict(load_toml(job.inputs.read(name), name)))
     fit = found.after.fit
     own = {one.name: float(v) for one, v in zip(problem.own, fit.x, strict=False)}
@@ -45,17 +46,19 @@ def extend(
     _stiffen(foam, job, name, own["foam.compression"], files, out)
     thickness = quantity(foam["thickness"], "length") * own["foam.thickness"]
     foam["thickness"] = f"{thickness!r} mm"
-    words: Mapping[str, str | None] = _set(recalled, told, own)
+    if case.gap is not None:
+        case = replace(case, gap=max(case.gap + own.get("gap", 0.0), 0.0))
+    if case.force is not None:
+        case = replace(case, force=case.force * own.get("force", 1.0))
     notes: list[str] = []
     for key, values in terms.items():
         if key == "tilt":
             turned = told.frame.outward(np.array([*values, 0.0]))
             before = foam.setdefault("press", {}).get("tilt", {})
-            if recalled.options.get("tilt"):
-                first, second = (quantity(part, "angle") for part in str(recalled.options["tilt"]).split(","))
-                axes = [axis for axis in "xyz" if axis != told.frame.axis]
-                before = {axes[0]: f"{first!r} deg", axes[1]: f"{second!r} deg"}
-                words = {**words, "--tilt": None}
+            if case.tilt is not None:
+                across = (axis for axis in "xyz" if axis != case.axis)
+                before = {axis: f"{angle!r} deg" for axis, angle in zip(across, case.tilt, strict=True)}
+                case = replace(case, tilt=None)
             foam["press"]["tilt"] = {
                 axis: f"{quantity(before.get(axis, '0 deg'), 'angle') + float(angle)!r} deg"
                 for axis, angle in zip("xyz", turned, strict=True)
@@ -78,23 +81,12 @@ def extend(
                 section[term] = float(section.get(term, 0.0)) + coefficient
             foam["variation"] = section
         elif key == "thermal-expansion":
-            words = {**words, **_hot(foam, told, values, notes)}
+            case = _hot(case, foam, told, values, notes)
         elif key == "frame-compliance":
             total = problem.setting.compliance + 1e-3 * values[0]
-            words = {**words, "--frame-stiffness": f"{1.0 / total!r}N/mm"}
+            case = replace(case, frame_stiffness=1.0 / total)
     files[FOAM] = tomli_w.dumps(foam).encode()
-    words = {**words, "--foam": str(out.path(FOAM)), "--design-gap": None}
-    return Extension(reworded(recalled.words, words), files, notes)
-
-
-def _set(recalled: Recalled, told: Told, own: Mapping[str, float]) -> dict[str, str | None]:
-    """Return the press as it was really set: its gap or its force."""
-    case = told.closed.case
-    if "gap" in own and case.gap is not None and own["gap"]:
-        return {"--gap": f"{max(case.gap + own['gap'], 0.0)!r}mm"}
-    if "force" in own and case.force is not None and own["force"] != 1.0:
-        return {"--force": f"{case.force * own['force']!r}N"}
-    return {}
+    return Extension(replace(case, foam=str(out.path(FOAM)), design_gap=None), files, notes)
 
 
 def _stiffen(
@@ -144,11 +136,12 @@ def _relaxation(
     return {"share": [*shares, left], "time": [*times, f"{seconds / 40.0!r} s"], "dwell": dwell}
 
 
-def _hot(foam: dict[str, Any], told: Told, values: list[float], notes: list[str]) -> dict[str, str | None]:
+def _hot(
+    case: PressCase, foam: dict[str, Any], told: Told, values: list[float], notes: list[str]
+) -> PressCase:
     """Let both molds have the strain that was found, by their coefficients at the temperature they have."""
     more = (values[0], values[0] + (values[1] if len(values) > 1 else 0.0))
     section = dict(foam.get("expansion", {}))
-    words: dict[str, str | None] = {}
     if not all(grown.even for grown in told.grown):
         notes.append(
             "thermal-expansion: the fields of temperature give way to even growth by their means and what was found"
@@ -157,13 +150,14 @@ def _hot(foam: dict[str, Any], told: Told, values: list[float], notes: list[str]
     if abs(warm - told.reference) < 1.0 or abs(warm - told.grown[1].temperature) > 1e-6 or notes:
         coefficient = float(np.interp(told.reference, *ALUMINIUM))
         warm = told.reference + (told.grown[0].strain + more[0]) / coefficient
-        words = {"--temperature": f"{warm!r}degC", "--male-heat": None, "--female-heat": None}
+        case = replace(case, temperature=warm, male_heat=None, female_heat=None)
     for side, grown, extra in zip(("male", "female"), told.grown, more, strict=True):
         value = (grown.strain + extra) / (warm - told.reference)
         if value < 0.0:
             notes.append(f"thermal-expansion: the {side} mold would shrink; its coefficient is taken as 0")
         section[side] = f"{max(value, 0.0)!r} 1/K"
-    return foam.update(expansion=section) or words
+    foam["expansion"] = section
+    return case
 
 
 def _relocate(node: Any, old: str, new: str) -> None:

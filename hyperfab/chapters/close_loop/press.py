@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from hyperfab.cases.like import earlier
+from hyperfab.cases.press import PressCase
 from hyperfab.chapters.close_loop.closing import MODEL_SUFFIXES, Axis, finish, stated
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_press import FOAM, extend
-from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, read_files, spread, widened
-from hyperfab.chapters.close_loop.recall import check_unchanged, recall
-from hyperfab.chapters.close_loop.rerun import rerun
+from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, spread, widened
+from hyperfab.chapters.close_loop.readings import read_files as read_measured
+from hyperfab.chapters.close_loop.recall import check_unchanged, unchanged
+from hyperfab.chapters.close_loop.rerun import Listener
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.press_contact.command import solve
+from hyperfab.chapters.press_contact.model import model_of, read_files
 from hyperfab.chapters.press_contact.result import Told
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_table import read_table
@@ -44,8 +50,8 @@ def run(job: Job, given: Given) -> int:
     """Close the loop on a press document."""
     out = job.opened(given.output, (*MODEL_SUFFIXES, FOAM, ".model.foam.csv", ".png", ".csv"))
     level = stated(given.noise, tuple(_KINDS))
-    recalled = recall(job, given.name, given.data, "press", given.parse)
-    files = read_files(given, lambda name: read_press(job, name, given.layout))
+    made = unchanged(earlier(PressCase, given.data, given.name))
+    files = read_measured(given, lambda name: read_press(job, name, given.layout))
     kind = files.plain[0].kind
     if any(one.kind != kind for one in files.apart):
         raise UsageError(f"--hold-out takes readings of the first --measured file's kind here: {kind}")
@@ -53,14 +59,8 @@ def run(job: Job, given: Given) -> int:
     out.refuse_inputs(job.inputs)
     with job.console.progress("Closing the loop") as advance:
         advance(0.05, "the model")
-        made = rerun(
-            recalled.command, recalled.words, {**recalled.options, "output": "-", "design_gap": None}
-        )
-        for file in made.read.files:
-            job.inputs.read(file.name)
-        check_unchanged(job, recalled, [*given.measured, *given.held])
-        told = made.kept[-1]
-        assert isinstance(told, Told)
+        told, warnings = closed_press(job, made.case)
+        check_unchanged(job, made, [*given.measured, *given.held])
         advance(0.15, "gaps over the stroke")
         problem, others = pose_with(
             told, files.measured, PRIOR if given.prior is None else given.prior, given.fix, files.apart
@@ -71,13 +71,18 @@ def run(job: Job, given: Given) -> int:
         problem,
         noise_level,
         domain="press",
-        recalled=recalled,
-        parse=given.parse,
         axis=_axis,
-        extend=lambda found: extend(job, out, recalled, told, problem, found),
+        extend=lambda found: extend(job, out, made.case, told, problem, found),
         apart=(lambda p: widened(p, others)) if others else None,
-        warnings=made.warnings,
+        warnings=warnings,
     )
+
+
+def closed_press(job: Job, case: PressCase) -> tuple[Told, list[str]]:
+    """Return the press of a case, closed, and what its files are warned of."""
+    listener = Listener()
+    quiet = replace(job, console=listener)
+    return solve(model_of(quiet, case, read_files(quiet, case))), listener.warnings
 
 
 def read_press(job: Job, name: str, layout: Layout | None) -> tuple[Reading, Array | None]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import importlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -64,68 +62,27 @@ class Rerun(Job):
     """A run whose output is kept."""
 
     outputs: list[Kept] = field(default_factory=list)
-    kept: list[object] = field(default_factory=list)
 
     def opened(self, target: str, suffixes: Sequence[str]) -> Output:
         """Return an output that is kept."""
         self.outputs.append(Kept(target, suffixes))
         return self.outputs[-1]
 
-    def keep(self, told: object) -> None:
-        """Keep what was computed."""
-        self.kept.append(told)
-
-
-class _EnoughError(Exception):
-    """What was asked for is known: the rest of the command need not run."""
-
-
-@dataclass
-class _Preview(Rerun):
-    def keep(self, told: object) -> None:
-        super().keep(told)
-        raise _EnoughError
-
 
 @dataclass(frozen=True)
 class Made:
-    """What a command would have written: the document, its siblings by suffix; status, warnings, and what it kept."""
+    """What a command would have written: the document, its siblings by suffix; status and warnings."""
 
     document: dict[str, Any]
     siblings: dict[str, bytes]
     status: int
     warnings: list[str]
-    kept: list[object]
-    read: Inputs
 
 
-def rerun(
-    command: str, words: Sequence[str], options: Mapping[str, Any], given: Mapping[str, bytes] = {}
-) -> Made:
-    """Run ``command`` with the ``options`` its chapter takes; errors are those of the command."""
-    listener = Listener()
-    job = Rerun(command, list(words), listener, Overlay(given))
-    chapter = importlib.import_module(f"hyperfab.chapters.{command.replace('-', '_')}")
-    status = int(chapter.run(job, **options))
-    kept = job.outputs[-1]
-    return Made(kept.document, kept.siblings, status, listener.warnings, job.kept, job.inputs)
-
-
-def preview(
-    command: str, words: Sequence[str], options: Mapping[str, Any], given: Mapping[str, bytes] = {}
-) -> tuple[Any, Inputs]:
-    """Run ``command`` until it has read and checked everything; return what it kept there, and its inputs."""
-    job = _Preview(command, list(words), Listener(), Overlay(given))
-    chapter = importlib.import_module(f"hyperfab.chapters.{command.replace('-', '_')}")
-    with contextlib.suppress(_EnoughError):
-        chapter.run(job, **options)
-    return job.kept[-1], job.inputs
-
-
-def rerun_case(case: Case, target: str, given: Mapping[str, bytes] = {}) -> Made:
+def rerun(case: Case, target: str, given: Mapping[str, bytes] = {}) -> Made:
     """Run the command of a case, with files ``given`` by name that are not written yet; errors are the command's."""
     listener = Listener()
     job = Rerun(case.COMMAND, words(case), listener, Overlay(given), target)
     status = run(job, case)
     kept = job.outputs[-1]
-    return Made(kept.document, kept.siblings, status, listener.warnings, job.kept, job.inputs)
+    return Made(kept.document, kept.siblings, status, listener.warnings)

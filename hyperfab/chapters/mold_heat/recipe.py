@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.cases.mold import MoldCase
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.mold_heat.design import Wishes, design
+from hyperfab.chapters.mold_heat.design import check, design
 from hyperfab.chapters.mold_heat.files import write_fields
 from hyperfab.chapters.mold_heat.problem import MoldBuilder, Problem
 from hyperfab.chapters.mold_heat.result import IMBALANCE_ALLOWED, steady_document, transient_document
@@ -16,7 +17,6 @@ from hyperfab.documents.base import read_document
 from hyperfab.documents.heat import HeatDocument
 from hyperfab.documents.mold import MoldDocument
 from hyperfab.errors import InputError, NotConverged
-from hyperfab.io.output import Output
 from hyperfab.numerics.vectors import dot
 from hyperfab.thermal.ledger import Ledger
 from hyperfab.thermal.routes import without_route
@@ -30,24 +30,16 @@ Array = NDArray[np.float64]
 MESHING = 0.1
 
 
-def run(
-    job: Job,
-    *,
-    mold: str,
-    warmup_in: str | None = None,
-    share_power: bool = False,
-    heater_max: str | None = None,
-    variations: str | None = None,
-    stl_unit: str = "mm",
-    output: str = "-",
-) -> int:
-    """Heat the mold of the document ``mold``; 0, or 4 where the account of heat does not close."""
-    wishes = Wishes(warmup_in, share_power, heater_max)
-    out = Output(output, (".vtu", ".[0-9]*.vtu", ".csv", ".history.csv", ".variations.csv", ".png", ".pvd"))
+def run(job: Job, case: MoldCase) -> int:
+    """Heat the mold of the case; 0, or 4 where the account of heat does not close."""
+    mold = case.mold
+    out = job.opened(
+        job.target, (".vtu", ".[0-9]*.vtu", ".csv", ".history.csv", ".variations.csv", ".png", ".pvd")
+    )
     document = read_document(job.inputs, mold, MoldDocument)
-    wishes.check(document, mold)
-    asked = None if variations is None else read_variations(job.inputs, variations, document, mold)
-    builder = MoldBuilder(document, mold, job.inputs, stl_unit)
+    check(case, document)
+    asked = None if case.variations is None else read_variations(job.inputs, case.variations, document, mold)
+    builder = MoldBuilder(document, mold, job.inputs, case.stl_unit)
     out.refuse_inputs(job.inputs)
     for text in builder.doubts:
         job.console.warn(text)
@@ -59,7 +51,7 @@ def run(
         def warmup() -> float | None:
             return _transient(document, problem, start, advance).reached_time
 
-        chosen = design(wishes, document, mold, problem, start, warmup)
+        chosen = design(case, document, problem, start, warmup)
         if document.run.steady:
             history = _steady(document, mold, problem, start)
             result = steady_document(problem, history)
@@ -80,7 +72,7 @@ def run(
     result.design = chosen
     result.notes = builder.doubts + problem.notes
     _say(job, result)
-    job.write(out, result)
+    job.write(out, result, case)
     return 0 if result.converged else NotConverged.exit_status
 
 

@@ -6,11 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from hyperfab.cases.press import PressCase
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.press_contact import inputs as read
-from hyperfab.chapters.press_contact.heat import Grown, grow, read_heat
+from hyperfab.chapters.press_contact.model import Model, model_of, read_files
 from hyperfab.chapters.press_contact.result import (
-    Foam,
     Told,
     curve_csv,
     design_of,
@@ -19,145 +18,69 @@ from hyperfab.chapters.press_contact.result import (
     picture_of,
 )
 from hyperfab.console import NEGATIVE_VERDICT
-from hyperfab.documents.foam import FoamDocument, TableFile, TableLaw
+from hyperfab.documents.foam import TableFile, TableLaw
 from hyperfab.documents.press import PressDocument
-from hyperfab.documents.press_terms import MOST_TILT_DEG
 from hyperfab.errors import UsageError
-from hyperfab.io.units import quantity
-from hyperfab.pressing.closing import Case, Closed, close_press
-from hyperfab.pressing.growth import Expansion
+from hyperfab.pressing.closing import Closed, close_press
 from hyperfab.pressing.mold import PressFrame
-from hyperfab.pressing.placement import check_roles, in_frame
-from hyperfab.pressing.sandwich import Sandwich
-
-Expansions = tuple[Expansion, Expansion]
 
 
-def run(
-    job: Job,
-    *,
-    male: str,
-    female: str,
-    foam: str,
-    axis: str,
-    gap: str | None,
-    force: str | None,
-    temperature: str | None,
-    male_heat: str | None,
-    female_heat: str | None,
-    drape: str | None,
-    mounted: str,
-    zero: str,
-    floating: bool,
-    force_at: str | None,
-    frame_stiffness: str | None,
-    tilt: str | None,
-    strokes: int,
-    min_spotted: float | None,
-    design_gap: str | None,
-    facets: str,
-    stl_unit: str,
-    output: str,
-) -> int:
+def run(job: Job, case: PressCase) -> int:
     """Read, place, heat, close, judge, write. Returns 1 where the molds collide or too little is spotted."""
-    out = job.opened(output, (".vtu", ".csv", ".png", ".design.stl"))
-    wanted_gap, wanted_force = _setting(gap, force)
-    _check(mounted, zero, facets, min_spotted, strokes)
-    stiffness = (
-        None if frame_stiffness is None else _positive(frame_stiffness, "stiffness", "--frame-stiffness")
-    )
-    turned = None if tilt is None else _across(tilt, axis, "angle", "--tilt", "0.05deg,0deg")
-    if turned is not None and np.linalg.norm(turned) > MOST_TILT_DEG:
-        raise UsageError(f"--tilt {tilt}: a press does not tilt by more than {MOST_TILT_DEG:g} deg")
-    design_mm = None if design_gap is None else _positive(design_gap, "length", "--design-gap")
-    place = None if force_at is None else _across(force_at, axis, "length", "--force-at", "10mm,5mm")
-    if place is not None and not floating:
-        raise UsageError("--force-at says where a floating mold is pushed: add --float")
-    if design_mm is not None and not out.wants_files:
+    out = job.opened(job.target, (".vtu", ".csv", ".png", ".design.stl"))
+    if case.design_gap is not None and not out.wants_files:
         raise UsageError("--design-gap writes an STL beside the document: name it with -o press.json")
-
-    document = read.read_foam(job.inputs, foam)
-    law, relaxed = read.compression_law(job, foam, document)
-    fabric = read.fabric_thickness(job.inputs, foam, document)
-    expansions = read.expansions(job.inputs, foam, document)
-    heat = read_heat(job.inputs, temperature, (male_heat, female_heat), document.expansion.reference)
-    one, two, way = read.read_molds(job, male, female, axis, stl_unit)
-    uneven = read.variation(foam, document, axis, one.vertices)
-    turned = read.tilt(foam, document, axis) if turned is None else turned
-    if floating and turned.any():
-        raise UsageError("a floating mold finds its tilt by itself: leave out --float, or the tilt")
+    files = read_files(job, case)
     with job.console.progress("Closing the press") as advance:
-        molds = in_frame(one, way, 1, facets == "smooth"), in_frame(two, way, -1, facets == "smooth")
-        check_roles(*molds)
-        growth = [
-            grow(job, mold, molds[0], known, expansion, poisson, way, mounted == "flat")
-            for mold, known, expansion, poisson in zip(
-                molds, heat, expansions, (document.poisson.male, document.poisson.female), strict=True
-            )
-        ]
-        lost = read.shrinkage(
-            job.inputs, foam, document, 0.5 * (growth[0].temperature + growth[1].temperature)
-        )
-        sandwich = Sandwich(document.thickness * (1.0 - lost) * uneven, fabric, law)
-        if drape is not None:
-            sandwich = sandwich.thinned(read.thinning(job, drape, male, one.vertices))
+        model = model_of(job, case, files)
         out.refuse_inputs(job.inputs)
         advance(0.3, "closing")
-        case = Case(
-            molds[0],
-            molds[1],
-            sandwich,
-            growth[0].growth.at(molds[0].vertices),
-            growth[1].growth.at(molds[1].vertices),
-            gap=wanted_gap,
-            force=wanted_force,
-            zero_hot=zero == "hot",
-            frame=document.press.stiffness if stiffness is None else stiffness,
-            floating=floating,
-            force_at=None if place is None else way.inward(place)[:2],
-            tilt=read.in_plan(way, turned),
-        )
-        closed = close_press(case)
-        _note_ranges(job, foam, document, closed, expansions, growth)
-        _tell_overlap(job, closed, way)
-        advance(0.6, "force over stroke")
-        curve = _curve(closed, strokes)
-        design = None if design_mm is None else design_of(closed, way, design_mm, growth[0].growth)
-        told = Told(
-            closed,
-            way,
-            curve,
-            document.expansion.reference,
-            expansions,
-            (growth[0], growth[1]),
-            Foam(lost, relaxed, document.shrinkage.recovery, sandwich.uneven),
-            None if design is None else design[1],
-        )
-        job.keep(told)
+        told = solve(model)
+        _note_ranges(job, model, told.closed)
+        _tell_overlap(job, told.closed, told.frame)
+        advance(0.6, "design")
+        stl = b""
+        if case.design_gap is not None:
+            stl, design = design_of(told.closed, told.frame, case.design_gap, model.grown[0].growth)
+            told = replace(told, design=design)
         result = document_of(told)
         advance(0.8, "pictures")
         if out.wants_files:
             out.add(".vtu", grid_of(told))
-            out.add(".csv", curve_csv(curve))
+            out.add(".csv", curve_csv(told.curve))
             out.add(".png", picture_of(told, result))
-        if design is not None:
-            out.add(".design.stl", design[0])
-    job.write(out, result)
-    return _judge(job, result, closed, min_spotted)
+        if stl:
+            out.add(".design.stl", stl)
+    job.write(out, result, case)
+    return _judge(job, result, told.closed, case.min_spotted)
 
 
-def _note_ranges(
-    job: Job, foam: str, document: FoamDocument, case: Closed, expansions: Expansions, growth: list[Grown]
-) -> None:
+def solve(model: Model) -> Told:
+    """Close the press, and follow it from the first touch."""
+    files = model.files
+    closed = close_press(model.closing)
+    return Told(
+        closed,
+        files.frame,
+        _curve(closed, model.case.strokes),
+        files.document.expansion.reference,
+        files.expansions,
+        model.grown,
+        model.foam,
+    )
+
+
+def _note_ranges(job: Job, model: Model, closed: Closed) -> None:
     """Note where the tables of foam.toml were used, beside the rows they have."""
-    sandwich = case.press.sandwich
+    document, sandwich, foam = model.files.document, closed.press.sandwich, model.case.foam
     if isinstance(document.compression, TableLaw):
-        strain = sandwich.strain(case.contact.gap)
+        strain = sandwich.strain(closed.contact.gap)
         job.ranges.used(
             "strain", strain, known=(0.0, sandwich.law.limit), source=foam, then="it counts as bottomed there"
         )
     tables = (document.expansion.male, document.expansion.female)
-    for side, given, rows, grown in zip(("male", "female"), tables, expansions, growth, strict=True):
+    sides = zip(("male", "female"), tables, model.files.expansions, model.grown, strict=True)
+    for side, given, rows, grown in sides:
         if isinstance(given, TableFile):
             job.ranges.used(
                 f"expansion.{side}", grown.temperature, known=rows.temperatures, source=foam, unit="degC"
@@ -211,45 +134,3 @@ def _judge(job: Job, result: PressDocument, closed: Closed, min_spotted: float |
         job.console.warn(f"{percent:.1f} % of the molding surface touches, {min_spotted:g} % are asked for")
         status = NEGATIVE_VERDICT
     return status
-
-
-def _setting(gap: str | None, force: str | None) -> tuple[float | None, float | None]:
-    if (gap is None) == (force is None):
-        raise UsageError("give --gap or --force" if gap is None else "give only one of --gap and --force")
-    if gap is not None:
-        value = quantity(gap, "length", option="--gap")
-        if value < 0.0:
-            raise UsageError(f"--gap {gap}: the molds would overlap at the datum; give 0 mm or more")
-        return value, None
-    return None, _positive(str(force), "force", "--force")
-
-
-def _positive(text: str, kind: str, option: str) -> float:
-    value = quantity(text, kind, option=option)
-    if value <= 0.0:
-        raise UsageError(f"{option} {text}: must be greater than zero")
-    return value
-
-
-def _check(mounted: str, zero: str, facets: str, min_spotted: float | None, strokes: int) -> None:
-    if mounted not in ("flat", "free"):
-        raise UsageError(f"--mounted {mounted}: a mounting face is held flat or free to warp")
-    if zero not in ("cold", "hot"):
-        raise UsageError(f"--zero {zero}: the clearance is set cold or hot")
-    if facets not in ("smooth", "flat"):
-        raise UsageError(f"--facets {facets}: facets are taken as smooth or flat")
-    if min_spotted is not None and not 0.0 <= min_spotted <= 100.0:
-        raise UsageError(f"--min-spotted {min_spotted:g}: a share in percent is between 0 and 100")
-    if not 2 <= strokes <= 1001:
-        raise UsageError(f"--strokes {strokes}: the curve has between 2 and 1001 points")
-
-
-def _across(text: str, axis: str, kind: str, option: str, example: str) -> np.ndarray:
-    """Read ``--force-at 10mm,5mm``: two components across the closing axis, in the order x, y, z."""
-    parts = text.split(",")
-    if len(parts) != 2:
-        raise UsageError(f"{option} {text}: give the two components across the axis, as {example}")
-    values = [quantity(part, kind, option=option) for part in parts]
-    found = np.zeros(3)
-    found[[index for index, name in enumerate("xyz") if name != axis]] = values
-    return found

@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.cases.press import PressCase
 from hyperfab.chapters.job import Job
 from hyperfab.documents.base import read_document
 from hyperfab.documents.heat import HeatDocument
-from hyperfab.errors import InputError, UsageError
+from hyperfab.errors import InputError
 from hyperfab.io.inputs import Inputs
-from hyperfab.io.units import quantity
 from hyperfab.io.vtu_read import Grid, read_vtu
 from hyperfab.pressing.growth import Expansion, FieldGrowth, Growth, even_growth, guide_line
 from hyperfab.pressing.mold import Mold, PressFrame
@@ -51,17 +51,15 @@ class Grown:
     even: bool
 
 
-def read_heat(
-    inputs: Inputs, temperature: str | None, documents: tuple[str | None, str | None], reference: float
-) -> tuple[HeatInput, HeatInput]:
-    """Read ``--temperature`` or the heat documents of male and female; a mold without either is cold."""
-    if temperature is not None and any(documents):
-        raise UsageError("--temperature and heat documents exclude each other; give one of them")
-    if temperature is not None:
-        given = HeatInput(quantity(temperature, "temperature", option="--temperature"), "uniform, as given")
+def read_heat(inputs: Inputs, case: PressCase, reference: float) -> tuple[HeatInput, HeatInput]:
+    """Return how hot male and female are: as given, or by their heat documents; a mold without either is cold."""
+    if case.temperature is not None:
+        given = HeatInput(case.temperature, "uniform, as given")
         return given, given
     cold = HeatInput(reference, "cold: the reference temperature")
-    male, female = (cold if name is None else _read(inputs, name) for name in documents)
+    male, female = (
+        cold if name is None else _read(inputs, name) for name in (case.male_heat, case.female_heat)
+    )
     return male, female
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hyperfab.cases.press import PressCase
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.documents.base import document_class, read_document
@@ -18,7 +19,7 @@ from hyperfab.documents.foam import (
     TableFile,
     TableLaw,
 )
-from hyperfab.errors import InputError, UsageError
+from hyperfab.errors import InputError
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.stl import read_stl
@@ -41,26 +42,20 @@ _JITTER = 0.02
 _REFERENCE_RANGE = (-50.0, 60.0)
 
 
-def read_molds(
-    job: Job, male: str, female: str, axis: str, stl_unit: str
-) -> tuple[Surface, Surface, PressFrame]:
+def read_molds(job: Job, case: PressCase) -> tuple[Surface, Surface, PressFrame]:
     """Read both molds and find how they close. Winding is mended and said; what cannot be mended is refused."""
-    if axis not in ("x", "y", "z"):
-        raise UsageError(f"--axis {axis}: the closing axis is x, y or z")
-    if male == female and male != "-":
-        raise UsageError(f"--male and --female name the same file, {male}")
-    one, two = (_read_mold(job, name, stl_unit) for name in (male, female))
+    one, two = (_read_mold(job, name, case.stl_unit) for name in (case.male, case.female))
     failure: InputError | None = None
     # Open surfaces do not tell their outside: try as they are, then turned.
     for turn_one in (False, True) if one.open else (False,):
         for turn_two in (False, True) if two.open else (False,):
             surfaces = one.turned(turn_one), two.turned(turn_two)
             try:
-                frame = closing_frame(*surfaces, axis)
+                frame = closing_frame(*surfaces, case.axis)
             except InputError as error:
                 failure = failure or error
                 continue
-            for name, turned in ((male, turn_one), (female, turn_two)):
+            for name, turned in ((case.male, turn_one), (case.female, turn_two)):
                 if turned:
                     job.console.warn(
                         f"{name}: all facets face away from the other mold; they were turned over"

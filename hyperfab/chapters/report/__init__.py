@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from hyperfab.cases.about import ReportCase
 from hyperfab.chapters.job import Job
 from hyperfab.documents.base import document_class, parse_document
 from hyperfab.errors import InputError, UsageError
@@ -24,12 +25,12 @@ from hyperfab.report.page.story import in_order
 LARGE = 8 * 2**20
 
 
-def run(job: Job, *, documents: Sequence[str], title: str, output: str) -> int:
+def run(job: Job, case: ReportCase) -> int:
     """Write the page. A document that cannot be read costs its section; none at all is an InputError."""
-    output = _target(output)
+    output = _target(job.target)
     sources: dict[str, Source] = {}
     broken: list[tuple[Source, Section]] = []
-    for name in documents:
+    for name in case.documents:
         source, error = _read(job, name)
         if source.sha256 in sources:
             continue
@@ -48,7 +49,7 @@ def run(job: Job, *, documents: Sequence[str], title: str, output: str) -> int:
             section = build(source)
             _add_pictures(source, section)
             told.append((source, section))
-        data = page(title, [*told, *broken], molds(ordered))
+        data = page(case.title, [*told, *broken], molds(ordered))
     if len(data) > LARGE:
         job.console.warn(f"the page has {len(data) / 2**20:.1f} MB; name fewer documents for a phone")
     write_single(output, data, job.inputs)

@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from hyperfab.cases.sweep import SweepCase
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.sweep.checks import check_study
 from hyperfab.chapters.sweep.result import write_result
@@ -27,25 +28,13 @@ MANY = 1_000_000
 LINE_S = 60.0
 
 
-def run(
-    job: Job,
-    *,
-    study: str,
-    out: str,
-    jobs: int | None,
-    scheduler: str | None,
-    retry_failed: bool,
-    parquet: bool,
-    yes: bool,
-    runner: str,
-) -> int:
+def run(job: Job, case: SweepCase, runner: str = "hyperfab.cli.steps") -> int:
     """Run the study; ``runner`` is the module that runs, checks and warms up single commands."""
-    if jobs is not None and scheduler is not None:
-        raise UsageError("--jobs and --scheduler exclude each other: a cluster brings its own workers")
-    if parquet:
+    study = case.study
+    if case.parquet:
         _need_pyarrow()
     document = read_document(job.inputs, study, StudyDocument)
-    if document.cases > MANY and not yes:
+    if document.cases > MANY and not case.yes:
         factors = " x ".join(str(axis.count) for axis in document.axis.values() if not axis.drawn)
         drawn = f", {document.sampling.count} samples" if document.sampling is not None else ""
         raise UsageError(
@@ -54,15 +43,15 @@ def run(
     commands: Any = importlib.import_module(runner)
     plan = Plan(document, study, job.inputs)
     check_study(plan, commands)
-    store = Store(out)
+    store = Store(case.out)
     with store.held():
         output = Output(str(store.folder / "sweep.json"), (".csv", ".parquet", ".effects.png", ".cases.png"))
         output.refuse_inputs(job.inputs)
-        engine = _run_cases(job, plan, store, commands, runner, jobs, scheduler, retry_failed)
+        engine = _run_cases(job, plan, store, commands, runner, case)
         if isinstance(engine, int):
             return engine
         job.console.note(_account(plan, engine.progress))
-        failed, negative = write_result(job, plan, store, engine.accidents, output, parquet)
+        failed, negative = write_result(job, plan, store, engine.accidents, output, case)
     if failed:
         job.console.warn(f"{failed} of {len(plan)} cases failed; the table {output.path('.csv')} says why")
     if negative:
@@ -76,17 +65,15 @@ def _run_cases(
     store: Store,
     commands: Any,
     runner: str,
-    jobs: int | None,
-    scheduler: str | None,
-    retry_failed: bool,
+    case: SweepCase,
 ) -> Engine | int:
     """Run what is not finished; return the engine, or the exit status where the user stopped it."""
-    needed = _is_anything_open(plan, store, retry_failed)
+    needed = _is_anything_open(plan, store, case.retry_failed)
     try:
         with job.console.progress(f"{plan.study.name}") as advance:
             tell = _teller(job, len(plan), len(plan.study.step), advance)
             engine = Engine(
-                None, store, f"{runner}:run", tell, lambda found: retry_failed and found.status > 1
+                None, store, f"{runner}:run", tell, lambda found: case.retry_failed and found.status > 1
             )
             if not needed:
                 engine.run(plan)
@@ -95,11 +82,11 @@ def _run_cases(
             from hyperfab.studies.warmth import Warmth
 
             used = [step.command for step in plan.study.step]
-            warmth = Warmth(f"{runner}:warm", used, local=scheduler is None)
+            warmth = Warmth(f"{runner}:warm", used, local=case.scheduler is None)
             workers = (
-                cluster.remote(scheduler, store.folder, warmth)
-                if scheduler
-                else cluster.local(jobs or cores(), warmth)
+                cluster.remote(case.scheduler, store.folder, warmth)
+                if case.scheduler
+                else cluster.local(case.jobs or cores(), warmth)
             )
             with workers as client:
                 engine.client = client

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from hyperfab.cases.sweep import SweepCase
 from hyperfab.chapters.job import Job
 from hyperfab.documents.sweep import Effect, FigureRange, Front, SweepDocument
 from hyperfab.io.output import Output
@@ -19,7 +20,7 @@ from hyperfab.studies.table import Table, collect, to_csv, to_parquet
 
 
 def write_result(
-    job: Job, plan: Plan, store: Store, accidents: Mapping[str, Outcome], output: Output, parquet: bool
+    job: Job, plan: Plan, store: Store, accidents: Mapping[str, Outcome], output: Output, case: SweepCase
 ) -> tuple[int, int]:
     """Write the table and the document; return how many cases failed, and how many have a negative verdict."""
     table = collect(plan, store, accidents)
@@ -43,12 +44,12 @@ def write_result(
     if plan.study.limit:
         document.within_limits = sum(cell is True for cell in table.columns["within_limits"])
     output.add(".csv", to_csv(table))
-    if parquet:
+    if case.parquet:
         output.add(".parquet", to_parquet(table))
     if effects:
         output.add(".effects.png", effects_png(effects))
         output.add(".cases.png", cases_png(table, None if document.front is None else document.front.cases))
-    job.write(output, document)
+    job.write(output, document, case)
     statuses = table.columns["status"]
     return sum(status not in (0, 1) for status in statuses), sum(status == 1 for status in statuses)
 

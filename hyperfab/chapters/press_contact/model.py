@@ -1,0 +1,118 @@
+"""The model of ``hf press-contact``: two hot molds and the sandwich between them, from a case and its files."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hyperfab.cases.press import PressCase
+from hyperfab.chapters.job import Job
+from hyperfab.chapters.press_contact import inputs as read
+from hyperfab.chapters.press_contact.heat import Grown, HeatInput, grow, read_heat
+from hyperfab.chapters.press_contact.result import Foam
+from hyperfab.documents.foam import FoamDocument
+from hyperfab.errors import UsageError
+from hyperfab.pressing.closing import Case as Closing
+from hyperfab.pressing.foam_law import FoamLaw
+from hyperfab.pressing.growth import Expansion
+from hyperfab.pressing.mold import PressFrame
+from hyperfab.pressing.placement import check_roles, in_frame
+from hyperfab.pressing.sandwich import Sandwich
+from hyperfab.surface import Surface
+
+
+@dataclass(frozen=True)
+class Files:
+    """What the files of a case hold.
+
+    law         of the foam at the end of the dwell, and the share of its stress that is ``relaxed`` by then
+    fabric      thickness of the layers [mm]
+    uneven      the foam's thickness at the male's vertices over its nominal one
+    thinned     how much thinner a draped sheet is there, None where none is given
+    expansions  of the male and the female
+    heat        how hot the male and the female are
+    surfaces    of the male and the female, as drawn
+    frame       how they close
+    tilt        of ``press.tilt`` (3,) [deg]
+    """
+
+    document: FoamDocument
+    law: FoamLaw
+    relaxed: float
+    fabric: float
+    uneven: np.ndarray | float
+    thinned: np.ndarray | None
+    expansions: tuple[Expansion, Expansion]
+    heat: tuple[HeatInput, HeatInput]
+    surfaces: tuple[Surface, Surface]
+    frame: PressFrame
+    tilt: np.ndarray
+
+
+@dataclass(frozen=True)
+class Model:
+    """What is computed on: the press ready to be closed, how its molds have grown, and what of the foam is lost and
+    given back."""
+
+    case: PressCase
+    files: Files
+    closing: Closing
+    grown: tuple[Grown, Grown]
+    foam: Foam
+
+
+def read_files(job: Job, case: PressCase) -> Files:
+    """Read what the case names; InputError where a file is not sound, UsageError where it and an option disagree."""
+    document = read.read_foam(job.inputs, case.foam)
+    law, relaxed = read.compression_law(job, case.foam, document)
+    fabric = read.fabric_thickness(job.inputs, case.foam, document)
+    expansions = read.expansions(job.inputs, case.foam, document)
+    heat = read_heat(job.inputs, case, document.expansion.reference)
+    one, two, frame = read.read_molds(job, case)
+    uneven = read.variation(case.foam, document, case.axis, one.vertices)
+    tilt = read.tilt(case.foam, document, case.axis)
+    if case.floating and tilt.any():
+        raise UsageError("a floating mold finds its tilt by itself: leave out --float, or the tilt")
+    thinned = None if case.drape is None else read.thinning(job, case.drape, case.male, one.vertices)
+    return Files(document, law, relaxed, fabric, uneven, thinned, expansions, heat, (one, two), frame, tilt)
+
+
+def model_of(job: Job, case: PressCase, files: Files) -> Model:
+    """Return the hot press that a case describes, with what its files hold."""
+    frame, document, smooth = files.frame, files.document, case.facets == "smooth"
+    molds = in_frame(files.surfaces[0], frame, 1, smooth), in_frame(files.surfaces[1], frame, -1, smooth)
+    check_roles(*molds)
+    male, female = (
+        grow(job, mold, molds[0], known, expansion, poisson, frame, case.mounted == "flat")
+        for mold, known, expansion, poisson in zip(
+            molds, files.heat, files.expansions, (document.poisson.male, document.poisson.female), strict=True
+        )
+    )
+    lost = read.shrinkage(job.inputs, case.foam, document, 0.5 * (male.temperature + female.temperature))
+    sandwich = Sandwich(document.thickness * (1.0 - lost) * files.uneven, files.fabric, files.law)
+    if files.thinned is not None:
+        sandwich = sandwich.thinned(files.thinned)
+    closing = Closing(
+        molds[0],
+        molds[1],
+        sandwich,
+        male.growth.at(molds[0].vertices),
+        female.growth.at(molds[1].vertices),
+        gap=case.gap,
+        force=case.force,
+        zero_hot=case.zero == "hot",
+        frame=case.frame_stiffness or document.press.stiffness,
+        floating=case.floating,
+        force_at=None if case.force_at is None else frame.inward(_across(case.force_at, case.axis))[:2],
+        tilt=read.in_plan(frame, files.tilt if case.tilt is None else _across(case.tilt, case.axis)),
+    )
+    foam = Foam(lost, files.relaxed, document.shrinkage.recovery, sandwich.uneven)
+    return Model(case, files, closing, (male, female), foam)
+
+
+def _across(values: tuple[float, float], axis: str) -> np.ndarray:
+    """Return two components across the closing axis, in the order x, y, z, as three."""
+    found = np.zeros(3)
+    found[[index for index, name in enumerate("xyz") if name != axis]] = values
+    return found
