@@ -27,6 +27,7 @@ compression = { table = "foam.csv" }
 fabric = { above = "0.5 mm", below = "0.5 mm" }
 """
 CURVE = b"strain [-],stress [MPa]\n0,0\n0.2,0.01\n0.5,0.02\n0.8,0.1\n"
+TANGLED = b"0.1,0.2\n0.9,0.3\n0.2,0.4\n0.95,0.5\n"
 FABRIC = {
     "format": "hyperfab.material/1",
     "model": "yeoh-3",
@@ -170,7 +171,7 @@ CASES = [
     foam("bare number", '"3.5 mm"', '"3.5"', "thickness", "mm"),
     foam("unknown key", "thickness", "thicknes", "thicknes"),
     foam("missing table", "foam.csv", "none.csv", "none.csv"),
-    Bad("foam curve goes back", (*PRESS, "--gap", "3mm"), 3, ("foam.csv", "line"), {"foam.csv": CURVE + b"0.1,0.2\n"}),
+    Bad("foam curve goes back", (*PRESS, "--gap", "3mm"), 3, ("foam.csv", "line"), {"foam.csv": CURVE + TANGLED}),
     usage("unknown command", "fitt", said=("fitt",)),
     usage("unknown option", *FIT, "a.csv", "--modle", "gent", said=("--modle",)),
     usage("unknown law", "fit", "--uniaxial", "a.csv", "--model", "yeoh-9", said=("yeoh-9", "yeoh-3")),
@@ -180,7 +181,7 @@ CASES = [
     usage("no sphere", *CONTACT, "--sphere-radius", "0mm", said=("--sphere-radius",)),
     usage("unknown shape", *CONTACT, "--shape", "star", said=("--shape", "disc")),
     usage("one node", *DRAPE, "--grid", "1x1", said=("--grid",)),
-    usage("no grid", *DRAPE, "--grid", "many", said=("--grid", "100x100")),
+    usage("no grid", *DRAPE, "--grid", "many", said=("--grid", "101x101")),
     usage("ten billion nodes", *DRAPE, "--grid", "100000x100000", said=("--grid",)),
     usage("bare size", *DRAPE, "--size", "220x220", said=("--size", "mm")),
     usage("STL unit", *DRAPE, "--stl-unit", "spoon", said=("--stl-unit",)),

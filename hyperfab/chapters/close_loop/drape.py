@@ -57,7 +57,17 @@ _SAG, _MASSES = 0.025, (200.0, 5000.0)
 def run(job: Job, given: Given) -> int:
     """Close the loop on a drape document."""
     out = job.opened(
-        given.output, (*MODEL_SUFFIXES, ".model.[0-9]*.vtu", ".model.pvd", FABRIC, *THREADS, ".png", ".csv")
+        given.output,
+        (
+            *MODEL_SUFFIXES,
+            ".model.[0-9]*.vtu",
+            ".model.pvd",
+            ".model.mold.stl",
+            FABRIC,
+            *THREADS,
+            ".png",
+            ".csv",
+        ),
     )
     level = stated(given.noise, ("length",))
     made = unchanged(earlier(DrapeCase, given.data, given.name))
