@@ -338,6 +338,9 @@ STATED: list[tuple[str, str, tuple[float, ...], Callable[[Row], float]]] = [
     ("thermal-softening", "exponential", (0.004,), lambda r: P(r.l) * math.exp(-0.004 * (r.temperature - REFERENCE))),
     ("thermal-softening", "curved", (0.004, 5e-5),
      lambda r: P(r.l) * math.exp(-0.004 * (r.temperature - REFERENCE) - 5e-5 * (r.temperature - REFERENCE) ** 2)),
+    ("thermal-softening", "glass", (0.004, 1.5, 10.0, 8.0),
+     lambda r: P(r.l) * math.exp(1.5 * (1.0 / (1.0 + math.exp((r.temperature - 10.0) / 8.0))
+     - 1.0 / (1.0 + math.exp((REFERENCE - 10.0) / 8.0))) - 0.004 * (r.temperature - REFERENCE))),
     ("grip-slack", "play", (0.06,), lambda r: P(max(r.l - 0.06, 1.0))),
     ("grip-slack", "play", (-0.06,), lambda r: P(r.l + 0.06)),
     ("grip-slack", "toe", (0.06, 0.04), lambda r: P(1.0 + 0.5 * (r.e - 0.06 + math.hypot(r.e - 0.06, 0.04)))),
