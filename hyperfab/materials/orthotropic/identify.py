@@ -265,10 +265,10 @@ class _Free:
     def value(self, name: str, z: float) -> float:
         """Return a constant of its coordinate."""
         if name in LINEAR:
-            return z * self.stress_scale
+            return float(z * self.stress_scale)
         if name.startswith("k2"):
             return float(np.exp(z)) / self.reach**2
-        return 45.0 * z if name == "bias_deg" else z
+        return float(45.0 * z if name == "bias_deg" else z)
 
     def slope(self, name: str, z: float) -> float:
         """Return the derivative of a constant by its coordinate."""
