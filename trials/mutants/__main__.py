@@ -104,6 +104,13 @@ def mapped(root: Path, copy: Path, work: Path, fresh: bool) -> dict[str, dict[st
     return {name: test for name, test in tests.items() if not name.endswith("::")}
 
 
+def collected(copy: Path) -> set[str]:
+    """The tests there are in the copy: one that is gone would count as one that fails."""
+    asked = ["--collect-only", "-p", "no:warnings"]
+    process = tree.pytest(copy, asked, {"PYTHONDONTWRITEBYTECODE": "1"}, stdout=subprocess.PIPE)
+    return {line for line in process.communicate()[0].decode().splitlines() if "::" in line}
+
+
 def _stamp(path: Path) -> str:
     import hashlib
 
@@ -174,7 +181,9 @@ def main() -> int:
     )
     parser.add_argument("--only", default="", help="files whose path begins so")
     parser.add_argument("--fresh", action="store_true", help="ask anew which test reaches what")
-    parser.add_argument("--as-mapped", action="store_true", help="take that, and the copy, as they are")
+    parser.add_argument(
+        "--as-mapped", action="store_true", help="take what is known of that, and the copy, as they are"
+    )
     parser.add_argument("--map-only", action="store_true", help="ask which test reaches what, and stop")
     options = parser.parse_args()
     # Ended from outside, a draw takes its defect out again.
@@ -189,7 +198,8 @@ def main() -> int:
             tree.copy(copy)
     if options.as_mapped:
         known = json.loads((work / "reach.json").read_text(encoding="utf-8"))
-        reached = {name: test for name, test in known.items() if not name.endswith("::")}
+        there = collected(copy)
+        reached = {name: test for name, test in known.items() if name in there}
     else:
         beside = work / "reached"
         beside.mkdir(exist_ok=True)
