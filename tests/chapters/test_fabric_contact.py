@@ -99,6 +99,14 @@ def test_two_materials_are_compared_at_the_same_points(press):
     assert status == 0
     assert found["stress_difference_percent"] == pytest.approx(25.0, rel=1e-6)
     assert found["force_ratio"] == pytest.approx(0.8, rel=1e-8)
+    other = found["against"]
+    assert other["force_N"] == pytest.approx(found["force_N"] / 0.8, rel=1e-8)
+    assert other["stress_max_MPa"] == pytest.approx(1.25 * found["stress_max_MPa"], rel=1e-6)
+    assert other["stretch_max"] == pytest.approx(found["stretch_max"], rel=1e-8)
+    assert other["force_depth"][-1] == [40.0, other["force_N"]]
+    balance = found["balance"]
+    off = (balance["reaction_N"] - found["force_N"]) / found["force_N"]
+    assert balance["force_imbalance_relative"] == pytest.approx(off, rel=1e-9, abs=0.0)
     assert found["compared_at_depth_mm"] == 40.0
 
 
