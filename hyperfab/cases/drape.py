@@ -109,7 +109,13 @@ class DrapeCase(Case):
         "MOLD.stl", "Surface of the mold; repeated for several in one frame.", required=True
     )
     grid: tuple[int, int] = series(
-        Whole("100", least=3), "x", (2,), "NxM", "Nodes along x (warp) and y (weft).", "101x101"
+        Whole("100", least=3),
+        "x",
+        (2,),
+        "NxM",
+        "Nodes along x (warp) and y (weft).",
+        "101x101",
+        example="100x100",
     )
     size: tuple[float, float] = series(
         Amount("length", "220mm", above=0.0),

@@ -150,6 +150,11 @@ def text(metavar: str, help: str, default: str | None = None, **more: Any) -> An
     return setting(Text(), metavar, help, default, **more)
 
 
+def texts(metavar: str, help: str, **more: Any) -> Any:
+    """Return a field for words, one an option."""
+    return setting(Many(Text()), metavar, help, **more)
+
+
 def flag(help: str, **more: Any) -> Any:
     """Return a field that is off until it is given."""
     return setting(Flag(), "", help, False, **more)

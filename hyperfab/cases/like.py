@@ -91,8 +91,13 @@ def earlier(
         if isinstance(value, str):
             values[one.name] = search.found(value, known if isinstance(known, str) else None)
         else:
-            each = known if isinstance(known, list) and len(known) == len(value) else [None] * len(value)
-            values[one.name] = tuple(search.found(*pair) for pair in zip(value, each, strict=True))
+            named = one.files(value)
+            each = iter(
+                known if isinstance(known, list) and len(known) == len(named) else [None] * len(named)
+            )
+            values[one.name] = tuple(
+                search.found(name, next(each)) if one.files([name]) else name for name in value
+            )
     read = {search.beside(one.name): one.sha256 for one in provenance.inputs}
     return Earlier(name, cls, values, read, search.changed)
 

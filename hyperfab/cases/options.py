@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
 from typing import Any, TypeVar
 
 from hyperfab.cases.case import Case
@@ -40,7 +41,9 @@ def given(cls: type[Case], words: Sequence[str]) -> dict[str, Any]:
         elif option.startswith("--no-") and f"--{option[5:]}" in named:
             found[named[f"--{option[5:]}"].name] = False
         elif option not in named:
-            raise UsageError(f"hf {cls.COMMAND} has no option {option}; hf {cls.COMMAND} --help shows them")
+            near = get_close_matches(option, named, 1)
+            meant = f"; {near[0]} may be meant" if near else ""
+            raise UsageError(f"hf {cls.COMMAND} has no option {option}{meant}")
         elif not named[option].metavar:
             found[named[option].name] = True
         else:
@@ -48,6 +51,21 @@ def given(cls: type[Case], words: Sequence[str]) -> dict[str, Any]:
                 raise UsageError(f"{option} needs a value: {option} {named[option].metavar}")
             put(named[option].name, value if mark else rest.pop(0), named[option].kind.repeated)
     return found
+
+
+def shown(cls: type[Case], found: Mapping[str, Any]) -> list[str]:
+    """Return options that are given as words again, in the order of the help page."""
+    words: list[str] = []
+    for one in cls.settings().values():
+        if one.name not in found:
+            continue
+        value = found[one.name]
+        for item in value if isinstance(value, list) else [value]:
+            if isinstance(item, bool):
+                words.append(one.option if item else f"--no-{one.option[2:]}")
+            else:
+                words += [item] if one.argument else [one.option, item]
+    return words
 
 
 def read(cls: type[CaseT], words: Sequence[str]) -> CaseT:

@@ -10,12 +10,15 @@ if TYPE_CHECKING:
 
 #: The module of ``hyperfab.cases`` and the class in it, by command.
 CASES = {
+    "fit": "fit:FitCase",
     "fabric-contact": "contact:ContactCase",
     "drape": "drape:DrapeCase",
     "mold-heat": "mold:MoldCase",
     "press-contact": "press:PressCase",
+    "close-loop": "loop:LoopCase",
     "report": "about:ReportCase",
     "sweep": "sweep:SweepCase",
+    "export": "export:ExportCase",
     "summary": "about:SummaryCase",
     "sample": "about:SampleCase",
     "schema": "about:SchemaCase",

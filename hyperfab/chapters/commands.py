@@ -7,7 +7,7 @@ from typing import Any
 
 from hyperfab.cases.case import Case
 from hyperfab.cases.like import earlier
-from hyperfab.cases.options import given
+from hyperfab.cases.options import given, shown
 from hyperfab.cases.registry import case_class
 from hyperfab.chapters.job import Job
 from hyperfab.io.json_io import load_json
@@ -25,19 +25,29 @@ def asked(job: Job, cls: type[Case], options: Mapping[str, Any], like: str | Non
     return cls.of(options, job.like.values)
 
 
+def without_run(words: Sequence[str]) -> tuple[list[str], str | None, bool]:
+    """Return a command's words without those about the run: its own, the document of ``--like``, ``--strict``."""
+    own, like, strict = [], None, False
+    rest = iter(words)
+    for word in rest:
+        if word == "--strict":
+            strict = True
+        elif word == "--like":
+            like = next(rest, None)
+        elif word.startswith("--like="):
+            like = word.removeprefix("--like=")
+        elif word not in ("--quiet", "-q", "--debug"):
+            own.append(word)
+    return own, like, strict
+
+
 def run_words(job: Job, words: Sequence[str]) -> int:
-    """Run the job's command on the case of its words; ``--like DOC.json`` and ``--strict`` stand among them."""
+    """Run the job's command on the case of its words, as the command line would."""
     cls = case_class(job.command)
-    rest = list(words)
-    like = None
-    if "--like" in rest[:-1]:
-        at = rest.index("--like")
-        like = rest[at + 1]
-        del rest[at : at + 2]
-    if "--strict" in rest:
-        rest.remove("--strict")
-        job.strict = True
-    return run(job, asked(job, cls, given(cls, rest), like))
+    own, like, job.strict = without_run(words)
+    found = given(cls, own)
+    job.arguments = [*shown(cls, found), *(["--like", like] if like is not None else [])]
+    return run(job, asked(job, cls, found, like))
 
 
 def run(job: Job, case: Case) -> int:
@@ -47,6 +57,18 @@ def run(job: Job, case: Case) -> int:
 
 def chapter_of(command: str) -> Callable[[Job, Any], int]:
     """Return what runs a command; each takes the case that the registry has for it."""
+    if command == "fit":
+        from hyperfab.chapters.fit import run as fit
+
+        return fit
+    if command == "close-loop":
+        from hyperfab.chapters.close_loop import run as close_loop
+
+        return close_loop
+    if command == "export":
+        from hyperfab.chapters.export import run as export
+
+        return export
     if command == "fabric-contact":
         from hyperfab.chapters.fabric_contact import run as fabric_contact
 

@@ -3,66 +3,46 @@
 from __future__ import annotations
 
 from hyperfab import __version__
+from hyperfab.cases.export import ExportCase
 from hyperfab.chapters.fabric import FabricDocument, read_fabric_document
 from hyperfab.chapters.job import Job
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.output import check_place, write_single
-from hyperfab.io.units import quantity
 from hyperfab.materials import bind
 from hyperfab.materials.export import NoCard, Settings, format_called
 
-#: Name of the material in the card where none is given; solvers take letters, digits and underscores.
-_NAME = "fabric"
 
-
-def run(
-    job: Job,
-    *,
-    document: str,
-    to: str,
-    direction: str | None = None,
-    temperature: str | None = None,
-    bulk_modulus: str | None = None,
-    density: str = "1000 kg/m^3",
-    name: str = _NAME,
-    output: str = "-",
-) -> int:
+def run(job: Job, case: ExportCase) -> int:
     """Write the card; UsageError where the solver has no such law, with the laws it has."""
-    chosen = format_called(to)
-    if output != "-":
-        check_place(output)
-    if not name.isascii() or not name.replace("_", "").isalnum():
-        raise UsageError(f"--name {name}: letters, digits and underscores only, as lycra_warp")
-    bulk = None if bulk_modulus is None else quantity(bulk_modulus, "stress", option="--bulk-modulus")
-    mass = quantity(density, "density", option="--density") * 1e-12
-    if (bulk is not None and not bulk > 0.0) or not mass > 0.0:
-        raise UsageError("--bulk-modulus and --density: values above zero are needed")
-    asked = None if temperature is None else quantity(temperature, "temperature", option="--temperature")
-    fabric = read_fabric_document(job, document, asked)
+    chosen = format_called(case.to)
+    if job.target != "-":
+        check_place(job.target)
+    direction = case.direction
+    fabric = read_fabric_document(job, case.document, case.temperature)
     source = fabric.document
     if source.directions and direction is None:
         ways = ", ".join(source.directions)
         job.console.warn(f"the material has directions ({ways}); the card has the constants of both together")
     if direction is not None and not source.directions:
-        raise UsageError(f"--direction {direction}: {document} has no directions")
+        raise UsageError(f"--direction {direction}: {case.document} has no directions")
     _warn(job, fabric, direction)
     fabric.used_at(job)
     job.judge_ranges()
     try:
         material = bind(source.model, fabric.constants(direction))
     except InputError as error:
-        raise InputError(error.message, file=document, key=error.key, remedy=error.remedy) from None
+        raise InputError(error.message, file=case.document, key=error.key, remedy=error.remedy) from None
     settings = Settings(
-        name=name,
-        bulk_modulus=bulk if bulk is not None else source.bulk_modulus_MPa,
-        density=mass,
+        name=case.name,
+        bulk_modulus=case.bulk_modulus if case.bulk_modulus is not None else source.bulk_modulus_MPa,
+        density=case.density * 1e-12,
         comments=_comments(fabric, direction),
     )
     try:
         card = chosen.card(material, settings)
     except NoCard as error:
-        raise UsageError(f"--to {to}: {error}; fit one of these") from None
-    write_single(output, card.encode(), job.inputs)
+        raise UsageError(f"--to {case.to}: {error}; fit one of these") from None
+    write_single(job.target, card.encode(), job.inputs)
     return 0
 
 

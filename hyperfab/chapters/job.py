@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
+import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -13,7 +14,7 @@ from hyperfab.cases.like import Earlier
 from hyperfab.chapters.validity import Ranges
 from hyperfab.console import NEGATIVE_VERDICT, Console
 from hyperfab.documents.base import Document
-from hyperfab.documents.provenance import record
+from hyperfab.documents.provenance import record, relative_name
 from hyperfab.errors import UsageError
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.output import Output, write_stdout
@@ -64,6 +65,9 @@ class Job:
             own = data.get("setup", {})
             hashes = {file.name: file.sha256 for file in self.inputs.files}
             data = document.to_json(case.setup(hashes, known | own) | own)
+        seen = _Seen({file.name: relative_name(file.name, output.target) for file in self.inputs.files})
+        apart = ("setup", "files", "provenance")
+        data = {key: value if key in apart else seen.named(value) for key, value in data.items()}
         if self.like is not None:
             for name in self.like.altered(self.inputs):
                 self.console.warn(f"{name} has changed since {self.like.name} was made from it")
@@ -90,6 +94,25 @@ class Job:
     def ended(self, status: int) -> int:
         """Return the exit status of a run whose chapter returned ``status``."""
         return NEGATIVE_VERDICT if self.strict and self.ranges.outside and status == 0 else status
+
+
+class _Seen:
+    """Names inputs in a document as they are seen from it: no folder of this machine stands in it."""
+
+    def __init__(self, names: Mapping[str, str]) -> None:
+        self.names = {name: shown for name, shown in names.items() if name not in (shown, "-")}
+        longest = sorted(self.names, key=len, reverse=True)
+        self.pattern = re.compile(rf"(?<![\w./-])(?:{'|'.join(map(re.escape, longest))})(?![\w/-])")
+
+    def named(self, data: Any) -> Any:
+        """Return plain data with the names in its texts replaced."""
+        if not self.names:
+            return data
+        if isinstance(data, str):
+            return self.pattern.sub(lambda found: self.names[found[0]], data)
+        if isinstance(data, dict):
+            return {key: self.named(value) for key, value in data.items()}
+        return [self.named(value) for value in data] if isinstance(data, list) else data
 
 
 def refuse_twice(names: Sequence[str], what: str = "rows") -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import re
 import sys
-from collections.abc import Callable
 from typing import Annotated, Any
 
 import typer
@@ -14,7 +13,6 @@ from typer.core import TyperCommand, TyperGroup
 
 from hyperfab import __version__
 from hyperfab.cases.registry import case_class
-from hyperfab.cli import close_loop, export, fit
 from hyperfab.cli.command import command_of
 from hyperfab.errors import OutputError
 
@@ -34,11 +32,6 @@ COMMANDS = {
     "summary": "One screen about a set of documents",
     "sample": "The sample specimens and molds",
     "schema": "JSON Schema of a document kind",
-}
-_OLD: dict[str, Callable[..., None]] = {
-    "fit": fit.fit,
-    "close-loop": close_loop.close_loop,
-    "export": export.export,
 }
 
 
@@ -65,8 +58,8 @@ class Group(TyperGroup):
         if cmd_name not in COMMANDS:
             return None
         alone = typer.Typer(rich_markup_mode=None, pretty_exceptions_enable=False, add_completion=False)
-        made = _OLD[cmd_name] if cmd_name in _OLD else command_of(case_class(cmd_name))
-        alone.command(cmd_name, cls=Command, short_help=COMMANDS[cmd_name])(made)
+        made = alone.command(cmd_name, cls=Command, short_help=COMMANDS[cmd_name])
+        made(command_of(case_class(cmd_name)))
         return typer.main.get_command(alone)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import importlib
 import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -15,12 +14,6 @@ from hyperfab.console import Console, run_guarded
 if TYPE_CHECKING:
     from hyperfab.cases.case import Case
 
-Target = Annotated[
-    str,
-    typer.Option(
-        "--output", "-o", metavar="NAME.json", help="Where the document goes; - is standard output."
-    ),
-]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Only warnings and errors on standard error.")]
 Strict = Annotated[
     bool,
@@ -29,40 +22,10 @@ Strict = Annotated[
     ),
 ]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of a defect.")]
-StlUnit = Annotated[
-    str, typer.Option(metavar="UNIT", help="Unit of the numbers in STL files: mm, cm, m or inch.")
-]
-
 #: Commands that run compiled kernels, and the package that holds them.
 COMPILED = {"drape": "cloth", "press-contact": "surface"}
 #: Options about how a run is shown, not about what it computes: no part of provenance.
 _ABOUT_THE_RUN = ("quiet", "debug", "strict")
-
-
-def run_chapter(context: typer.Context, **more: object) -> None:
-    """Run the chapter that has the command's name with the command's options, and end with its exit status.
-
-    ``more`` are keyword arguments that the chapter takes beside the options.
-    """
-    command = context.command.name or ""
-
-    def action() -> int:
-        from hyperfab.chapters.job import Job
-
-        chapter = importlib.import_module(f"hyperfab.chapters.{command.replace('-', '_')}")
-        job = Job(
-            command,
-            arguments_given(context),
-            Console(bool(context.params.get("quiet"))),
-            sums_up=_sums_up(context),
-            strict=bool(context.params.get("strict")),
-        )
-        announce_compilation(job.console, command)
-        status = job.ended(chapter.run(job, **chapter_options(context), **more))
-        job.console.count()
-        return status
-
-    raise typer.Exit(run_guarded(action, bool(context.params.get("debug"))))
 
 
 def run_case(context: typer.Context, cls: type[Case]) -> None:
@@ -107,11 +70,6 @@ def announce_compilation(console: Console, command: str) -> None:
     folder = Path(__file__).resolve().parent.parent / package / "__pycache__"
     if not any(folder.glob("*.nbi")):
         console.note("first run: compiling once, about half a minute")
-
-
-def chapter_options(context: typer.Context) -> dict[str, Any]:
-    """Return the options that the chapter takes: all but those about how the run is shown."""
-    return {name: value for name, value in context.params.items() if name not in _ABOUT_THE_RUN}
 
 
 def arguments_given(context: typer.Context) -> list[str]:

@@ -40,6 +40,22 @@ FULL: dict[str, list[str]] = {
         "--force-at", "1cm,-2mm", "--frame-stiffness", "50kN/mm", "--strokes", "7", "--min-spotted", "80",
         "--design-gap", "2mm", "--facets", "flat", "--stl-unit", "m",
     ],
+    "fit": [
+        "a.csv", "b.xlsx:warp", "--uniaxial", "u.csv", "--shear", "s.csv", "--biaxial", "b.csv", "--volumetric",
+        "v.csv", "--model", "yeoh-3", "--fit-on", "uniaxial", "--objective", "absolute", "--stable", "--plane",
+        "--accept", "5%", "--specimen", "iso-37-2", "--gauge-length", "2cm", "--width", "5cm", "--thickness", "0.5mm",
+        "--diameter", "9cm",
+        "--branch", "load", "--cycle", "2", "--zero", "--preload", "0.1N", "--resample", "40", "--noise", "2kPa",
+        "--columns", "Kraft=force [N]", "--skip-rows", "3", "--decimal", ",",
+    ],
+    "close-loop": [
+        "fabric.json", "a.csv", "--measured", "m.csv", "--uniaxial", "u.csv", "--shear", "s.csv", "--biaxial", "b.csv",
+        "--hold-out", "h.csv", "--noise", "2kPa", "--fix", "C10_MPa", "--prior", "10%", "--branch", "unload",
+    ],
+    "export": [
+        "fabric.json", "--to", "abaqus", "--direction", "warp", "--temperature", "80degC", "--bulk-modulus", "1GPa",
+        "--density", "1.1 g/cm^3", "--name", "lycra",
+    ],
     "report": ["a.json", "b.json", "--title", "Two"],
     "sweep": ["study.toml", "--out", "out", "--jobs", "3", "--retry-failed", "--parquet", "--yes"],
     "summary": ["a.json", "b.json"],
@@ -52,6 +68,9 @@ LEAST: dict[str, list[str]] = {
     "fabric-contact": ["fabric.json"],
     "mold-heat": ["mold.toml"],
     "press-contact": ["--male", "m.stl", "--female", "f.stl", "--foam", "foam.toml", "--gap", "3mm"],
+    "fit": ["a.csv"],
+    "close-loop": ["fabric.json", "a.csv"],
+    "export": ["fabric.json", "--to", "abaqus"],
     "report": ["a.json"],
     "sweep": ["study.toml", "--out", "out"],
     "summary": ["a.json"],
@@ -76,6 +95,12 @@ def test_words_and_documents_give_the_case_back(case: Case) -> None:
     found = cls.load(setup, "a.json")
     assert cls.of({}, case.values | found) == case
     assert set(found) == {name for name, value in kept.items() if value is not None}
+
+
+@pytest.mark.parametrize("case", cases(), ids=lambda case: case.COMMAND)
+def test_words_given_are_shown_in_the_order_of_the_help_page(case: Case) -> None:
+    words = options.words(case)
+    assert options.shown(type(case), options.given(type(case), words)) == words
 
 
 @pytest.mark.parametrize("case", cases(), ids=lambda case: case.COMMAND)

@@ -42,7 +42,7 @@ def test_card_comes_on_standard_output_and_from_standard_input(hf: Run, fabric: 
         (["--to", "abaqus", "--direction", "bias"], "warp"),
         (["--to", "abaqus", "--name", "my fabric"], "lycra_warp"),
         (["--to", "abaqus", "--density", "3"], "kg/m"),
-        (["--to", "abaqus", "--bulk-modulus", "0 MPa"], "above zero"),
+        (["--to", "abaqus", "--bulk-modulus", "0 MPa"], "more than 0MPa"),
     ],
 )
 def test_what_cannot_be_meant_is_refused(hf: Run, fabric: Path, arguments: list[str], words: str) -> None:

@@ -47,7 +47,7 @@ def sweep(hf: Run, folder: Path, study: str, *options: str) -> tuple[int, str]:
         ("fit.fit.relative_rms", "fit.fit.relative_rsm", 3, "hf fit writes no fit.relative_rsm"),
         ("fit.fit.relative_rms", "fat.fit.relative_rms", 3, "begins with no step"),
         ('command = "fit"', 'command = "fitt"', 3, "no command 'fitt'"),
-        ('"--model"', '"--modle"', 3, "No such option: --modle"),
+        ('"--model"', '"--modle"', 3, "hf fit has no option --modle; --model may be meant"),
         ("{model}", "{modell}", 3, "{modell} is no axis, document or earlier step"),
         ('"{model}"]', '"yeoh-3"]', 3, "axis.model: changes no step"),
         (

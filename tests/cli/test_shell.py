@@ -14,8 +14,8 @@ from pathlib import Path
 
 import pytest
 
+from hyperfab.cases.fit import LAWS
 from hyperfab.cli import app
-from hyperfab.cli.fit import LAWS
 from hyperfab.documents.base import KINDS
 from hyperfab.materials.registry import laws
 

@@ -2,63 +2,28 @@
 
 from __future__ import annotations
 
-import importlib
-from collections.abc import Sequence
+from collections.abc import Callable
 from hashlib import sha256
 
+from hyperfab.cases.loop import LoopCase
 from hyperfab.chapters.close_loop.domain import Given, How, kind_of
-from hyperfab.chapters.fit.prepare import Steps
+from hyperfab.chapters.fit.prepare import steps_of
 from hyperfab.chapters.fit.specimens import geometry
 from hyperfab.chapters.job import Job
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.layout import layout
-from hyperfab.io.units import quantity
 
-#: The kinds of model that the loop can be closed on, and the module of each.
-BUILT = {"material": "fabric", "mold": "heat", "press": "press", "contact": "contact", "drape": "drape"}
+#: The kinds of model that the loop can be closed on.
+BUILT = ("material", "mold", "press", "contact", "drape")
 
 
-def run(
-    job: Job,
-    *,
-    model: str,
-    measured: Sequence[str] = (),
-    hold_out: Sequence[str] = ("auto",),
-    noise: str | None = None,
-    fix: Sequence[str] = (),
-    prior: str | None = None,
-    files: Sequence[str] = (),
-    uniaxial: Sequence[str] = (),
-    shear: Sequence[str] = (),
-    biaxial: Sequence[str] = (),
-    specimen: str | None = None,
-    gauge_length: str | None = None,
-    width: str | None = None,
-    thickness: str | None = None,
-    diameter: str | None = None,
-    branch: str = "all",
-    cycle: str = "all",
-    zero: bool = False,
-    preload: str | None = None,
-    resample: int | None = None,
-    columns: Sequence[str] = (),
-    skip_rows: int | None = None,
-    decimal: str | None = None,
-    output: str = "-",
-) -> int:
-    """Close the loop on ``model``: 0, or 1 where the residual stays unexplained."""
-    kinds = {
-        name: test
-        for test, names in (("uniaxial", uniaxial), ("shear", shear), ("biaxial", biaxial))
-        for name in names
-    }
-    measured = [*files, *measured, *uniaxial, *shear, *biaxial]
+def run(job: Job, case: LoopCase) -> int:
+    """Close the loop on the model of the case: 0, or 1 where the residual stays unexplained."""
+    model, measured = case.model, case.readings
+    kinds = {name: test for test in ("uniaxial", "shear", "biaxial") for name in getattr(case, test)}
     if not measured:
         raise UsageError("nothing to compare with; give measured data as FILE.csv behind the model")
-    lengths = {"gauge_length": gauge_length, "width": width, "thickness": thickness, "diameter": diameter}
-    steps = Steps(branch, cycle, zero, preload, resample)
-    steps.check()
-    how = How(kinds, geometry(specimen, lengths), steps)
+    how = How(kinds, geometry(case), steps_of(case))
     kind, data = kind_of(job, model)
     if kind not in BUILT:
         raise InputError(
@@ -69,22 +34,32 @@ def run(
         )
     if kind != "material":
         how.check(kind)
-    chapter = importlib.import_module(f"hyperfab.chapters.close_loop.{BUILT[kind]}")
-    _refuse_doubles(job, measured, [name for name in hold_out if name != "auto"])
-    given = Given(
-        model,
-        data,
-        measured,
-        list(hold_out),
-        noise,
-        list(fix),
-        None if prior is None else _share(prior),
-        layout(columns, skip_rows, decimal),
-        output,
-        how,
-    )
-    status: int = chapter.run(job, given)
-    return status
+    _refuse_doubles(job, measured, case.held)
+    given = Given(model, data, measured, case, layout(case.columns, case.skip_rows, case.decimal), how)
+    return domain_of(kind)(job, given)
+
+
+def domain_of(kind: str) -> Callable[[Job, Given], int]:
+    """Return what closes the loop on a kind of model; imported only when it is asked for."""
+    if kind == "material":
+        from hyperfab.chapters.close_loop.fabric import run as fabric
+
+        return fabric
+    if kind == "mold":
+        from hyperfab.chapters.close_loop.heat import run as heat
+
+        return heat
+    if kind == "press":
+        from hyperfab.chapters.close_loop.press import run as press
+
+        return press
+    if kind == "contact":
+        from hyperfab.chapters.close_loop.contact import run as contact
+
+        return contact
+    from hyperfab.chapters.close_loop.drape import run as drape
+
+    return drape
 
 
 def _refuse_doubles(job: Job, measured: list[str], held: list[str]) -> None:
@@ -103,13 +78,3 @@ def _refuse_doubles(job: Job, measured: list[str], held: list[str]) -> None:
         if other is not name:
             what = "is given twice" if other == name else f"holds the very readings of {other}"
             raise UsageError(f"{name} {what}; its readings would count double")
-
-
-def _share(prior: str) -> float:
-    """Return the relative standard deviation of the model's own constants."""
-    share = quantity(prior, "dimensionless", option="--prior")
-    if not 0.0 < share <= 1.0:
-        raise UsageError(
-            f"--prior {prior}: is {share:.4g} of the value; give more than 0 and at most 100%, as 10%"
-        )
-    return share

@@ -76,6 +76,7 @@ def finish(
     noise: Callable[[Problem, Array | None], Noise],
     *,
     domain: str,
+    case: Case,
     axis: Callable[[Problem], Axis],
     extend: Callable[[Finding], Extension],
     rounds: Callable[[Problem, Finding], Problem | None] = lambda problem, found: None,
@@ -112,7 +113,7 @@ def finish(
             _model(job, out, extend(found), result)
             _files(out, problem, found, axis(problem))
     say(job.console, problem, found, result)
-    job.write(out, result)
+    job.write(out, result, case)
     return NEGATIVE_VERDICT if found.verdict == "unexplained" else 0
 
 

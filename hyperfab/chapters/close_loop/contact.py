@@ -53,7 +53,7 @@ _ROOM_TEMPERATURE = 23.0
 
 def run(job: Job, given: Given) -> int:
     """Close the loop on a contact document."""
-    out = job.opened(given.output, (*MODEL_SUFFIXES, FABRIC, ".png", ".csv"))
+    out = job.opened(job.target, (*MODEL_SUFFIXES, FABRIC, ".png", ".csv"))
     level = stated(given.noise, ("force",))
     made = unchanged(earlier(ContactCase, given.data, given.name))
     files = read_files(given, lambda name: read_force_depth(job, name, given.layout))
@@ -79,6 +79,7 @@ def run(job: Job, given: Given) -> int:
         problem,
         noise_of(files.measured, None if level is None else level[1]),
         domain="contact",
+        case=given.case,
         axis=lambda p: Axis(p.states["depth_mm"], "depth [mm]"),
         extend=lambda found: extend(out, made.case, material, problem, found),
         rounds=forward.corrected,

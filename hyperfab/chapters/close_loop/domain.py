@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from hyperfab.cases.loop import LoopCase
 from hyperfab.chapters.fit.prepare import Steps
 from hyperfab.chapters.job import Job
 from hyperfab.errors import InputError, UsageError
@@ -34,27 +35,40 @@ class How:
 
 @dataclass(frozen=True)
 class Given:
-    """What the command line gives each domain: ``data`` is the plain document read from the file ``name``.
+    """What each domain is given.
 
-    ``prior`` is the relative standard deviation of the model's own constants, where it is stated. ``layout`` and
-    ``how`` say how the files are to be read.
+    name      the model's file, and ``data`` the plain document read from it
+    measured  the files that take part
+    case      the rest of what is asked
+    layout    how tables are to be read, and ``how`` tests of a fabric
     """
 
     name: str
     data: Mapping[str, Any]
     measured: list[str]
-    hold_out: list[str]
-    noise: str | None
-    fix: list[str]
-    prior: float | None
+    case: LoopCase
     layout: Layout
-    output: str
     how: How
+
+    @property
+    def noise(self) -> str | None:
+        """The standard deviation of a reading, as typed."""
+        return self.case.noise
+
+    @property
+    def prior(self) -> float | None:
+        """The relative standard deviation of the model's own constants, where it is stated."""
+        return self.case.prior
+
+    @property
+    def fix(self) -> list[str]:
+        """The constants that are held."""
+        return list(self.case.fix)
 
     @property
     def held(self) -> list[str]:
         """The files of ``--hold-out``; ``auto`` is none."""
-        return [file for file in self.hold_out if file != "auto"]
+        return self.case.held
 
 
 def kind_of(job: Job, name: str) -> tuple[str, Mapping[str, Any]]:

@@ -57,7 +57,7 @@ _SAG, _MASSES = 0.025, (200.0, 5000.0)
 def run(job: Job, given: Given) -> int:
     """Close the loop on a drape document."""
     out = job.opened(
-        given.output,
+        job.target,
         (
             *MODEL_SUFFIXES,
             ".model.[0-9]*.vtu",
@@ -90,6 +90,7 @@ def run(job: Job, given: Given) -> int:
         problem,
         noise_of(files.measured, None if level is None else level[1]),
         domain="drape",
+        case=given.case,
         axis=lambda p: Axis(p.states["from the middle_mm"], "from the middle [mm]"),
         extend=lambda found: extend(out, made.case, material, forward.sheet, problem, found),
         rounds=forward.corrected,

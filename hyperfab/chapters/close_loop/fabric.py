@@ -36,7 +36,7 @@ _SPARE = 9
 
 def run(job: Job, given: Given) -> int:
     """Close the loop on a material document."""
-    out = Output(given.output, (".model.json", ".png", ".csv"))
+    out = job.opened(job.target, (".model.json", ".png", ".csv"))
     document = parse_document(given.data, given.name, MaterialDocument)
     made = document.provenance
     # A thickness that was only taken for the sake of a number makes no stress of a force per width.
@@ -83,7 +83,7 @@ def run(job: Job, given: Given) -> int:
         result.model = out.path(".model.json").name
         _files(out, problem, found, tests.unit)
     say(job.console, problem, found, result)
-    job.write(out, result)
+    job.write(out, result, given.case)
     return NEGATIVE_VERDICT if found.verdict == "unexplained" else 0
 
 

@@ -42,7 +42,7 @@ _REFITS = 40.0
 
 def run(job: Job, given: Given) -> int:
     """Close the loop on a mold document."""
-    out = Output(given.output, (".model.toml", *TABLES, ".png", ".csv"))
+    out = job.opened(job.target, (".model.toml", *TABLES, ".png", ".csv"))
     document = parse_document(given.data, given.name, MoldDocument)
     if given.held:
         raise UsageError("--hold-out takes only auto for a mold: each probe is predicted from the others")
@@ -101,7 +101,7 @@ def run(job: Job, given: Given) -> int:
         result.model = out.path(".model.toml").name
         _files(out, problem, found, read)
     say(job.console, problem, found, result)
-    job.write(out, result)
+    job.write(out, result, given.case)
     return NEGATIVE_VERDICT if found.verdict == "unexplained" else 0
 
 

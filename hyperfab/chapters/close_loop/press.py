@@ -48,7 +48,7 @@ _OFF = 0.03
 
 def run(job: Job, given: Given) -> int:
     """Close the loop on a press document."""
-    out = job.opened(given.output, (*MODEL_SUFFIXES, FOAM, ".model.foam.csv", ".png", ".csv"))
+    out = job.opened(job.target, (*MODEL_SUFFIXES, FOAM, ".model.foam.csv", ".png", ".csv"))
     level = stated(given.noise, tuple(_KINDS))
     made = unchanged(earlier(PressCase, given.data, given.name))
     files = read_measured(given, lambda name: read_press(job, name, given.layout))
@@ -71,6 +71,7 @@ def run(job: Job, given: Given) -> int:
         problem,
         noise_level,
         domain="press",
+        case=given.case,
         axis=_axis,
         extend=lambda found: extend(job, out, made.case, told, problem, found),
         apart=(lambda p: widened(p, others)) if others else None,

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.cases.reading import ReadingCase
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_tests import TestData
 from hyperfab.io.units import quantity
@@ -32,16 +33,12 @@ class Steps:
     preload: str | None = None
     resample: int | None = None
 
-    def check(self) -> None:
-        """Refuse what cannot be meant."""
-        if self.branch not in ("all", "load", "unload"):
-            raise UsageError(f"--branch {self.branch}: it is load, unload or all")
-        if self.cycle not in ("all", "first", "last") and not self.cycle.isdigit():
-            raise UsageError(f"--cycle {self.cycle}: it is a number, first, last or all")
-        if self.resample is not None and self.resample < 3:
-            raise UsageError(f"--resample {self.resample}: at least 3 points a curve are needed")
-        if self.preload is not None:
-            stated(self.preload)
+
+def steps_of(case: ReadingCase) -> Steps:
+    """Return the steps that a case asks for; UsageError where its preload is none."""
+    if case.preload is not None:
+        stated(case.preload)
+    return Steps(case.branch, case.cycle, case.zero, case.preload, case.resample)
 
 
 def stated(preload: str) -> tuple[float, str]:

@@ -5,17 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from hyperfab.cases.fit import FitCase
 from hyperfab.chapters.fit import describe
 from hyperfab.chapters.fit.doubts import doubts, outliers, replicates, rows_of
 from hyperfab.chapters.fit.identify import Identified, Setting, reach, tested
 from hyperfab.chapters.fit.judge import Judged, Sets, judge, law_spread
-from hyperfab.chapters.fit.prepare import Steps
+from hyperfab.chapters.fit.prepare import steps_of
 from hyperfab.chapters.fit.readings import Readings, gather, read_all
 from hyperfab.chapters.fit.specimens import aspect_warnings, geometry
 from hyperfab.chapters.job import Job
 from hyperfab.console import NEGATIVE_VERDICT
 from hyperfab.documents.material import FitFigures, MaterialDocument, TestFigures
-from hyperfab.documents.provenance import relative_name
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.layout import layout
 from hyperfab.io.output import Output
@@ -26,66 +26,34 @@ from hyperfab.materials.identification.quality import Figures
 from hyperfab.materials.law import Law
 
 
-def run(
-    job: Job,
-    *,
-    files: Sequence[str] = (),
-    uniaxial: Sequence[str] = (),
-    shear: Sequence[str] = (),
-    biaxial: Sequence[str] = (),
-    volumetric: Sequence[str] = (),
-    model: str = "all",
-    fit_on: str | None = None,
-    objective: str = "relative",
-    stable: bool = False,
-    plane: bool = False,
-    accept: str = "0.30",
-    specimen: str | None = None,
-    gauge_length: str | None = None,
-    width: str | None = None,
-    thickness: str | None = None,
-    diameter: str | None = None,
-    branch: str = "all",
-    cycle: str = "all",
-    zero: bool = False,
-    preload: str | None = None,
-    resample: int | None = None,
-    noise: str | None = None,
-    columns: Sequence[str] = (),
-    skip_rows: int | None = None,
-    decimal: str | None = None,
-    output: str = "-",
-) -> int:
+def run(job: Job, case: FitCase) -> int:
     """Identify constants and write the material document; 1 where no law is accepted."""
-    out = Output(output, (".csv", ".png"))
-    if objective not in ("relative", "absolute"):
-        raise UsageError(f"--objective {objective}: it is relative or absolute")
-    limit = quantity(accept, "dimensionless", option="--accept")
-    if not limit > 0.0:
-        raise UsageError(f"--accept {accept}: a relative rms above zero is needed, as 0.30")
+    out = job.opened(job.target, (".csv", ".png"))
+    model, relative = case.model, case.objective == "relative"
     candidates = [one for one in laws().values() if one.isotropic] if model == "all" else []
     if model not in ("all", "orthotropic"):
         candidates = [law(model)]
-    named = {"": files, "uniaxial": uniaxial, "shear": shear, "biaxial": biaxial, "volumetric": volumetric}
-    sizes = geometry(
-        specimen,
-        {"gauge_length": gauge_length, "width": width, "thickness": thickness, "diameter": diameter},
-    )
-    steps = Steps(branch, cycle, zero, preload, resample)
-    steps.check()
+    named = {
+        "": case.files,
+        "uniaxial": case.uniaxial,
+        "shear": case.shear,
+        "biaxial": case.biaxial,
+        "volumetric": case.volumetric,
+    }
+    sizes, steps = geometry(case), steps_of(case)
     told: list[str] = []
-    tests = read_all(job, named, sizes, layout(columns, skip_rows, decimal), told)
+    tests = read_all(job, named, sizes, layout(case.columns, case.skip_rows, case.decimal), told)
     out.refuse_inputs(job.inputs)
-    readings = gather(tests, steps, relative=objective == "relative")
+    readings = gather(tests, steps, relative=relative)
     readings.preparation += told
     readings.warnings[:0] = aspect_warnings(tests)
-    chosen = _chosen(fit_on, readings)
-    floor = _stress(noise, "--noise", sizes)
+    chosen = _chosen(case.fit_on, readings)
+    floor = _stress(case.noise, "--noise", sizes)
     if floor is not None:
         readings.preparation.append(f"noise of {floor:g} MPa taken into account in the weights")
-    setting = Setting(chosen, objective == "relative", stable, limit, floor)
+    setting = Setting(chosen, relative, case.stable, case.accept, floor)
     if model == "orthotropic":
-        return _fit_sheet(job, out, readings, setting, output)
+        return _fit_sheet(job, out, readings, setting, case)
     sets = _sets(readings)
     judged = _judge_all(job, candidates, sets, setting)
     best = judged[0]
@@ -95,23 +63,22 @@ def run(
             file=readings.curves[0].source,
             remedy="give more rows or tests, or a law with fewer constants",
         )
-    document = _document(best, judged if model == "all" else None, readings, sets, setting, plane)
+    document = _document(best, judged if model == "all" else None, readings, sets, setting, case.plane)
     _tell(job, judged, document, setting)
     for curve in sets[None]:
         way = curve.direction if curve.direction in (document.directions or {}) else None
         known = document.tested_stretch(way)
         job.ranges.used("stretch", curve.stretch, known=known, source=curve.source, direction=way)
-    document = _portable(document, [file.name for file in job.inputs.files], output)
     if out.wants_files:
         from hyperfab.chapters.fit.siblings import curves_csv, picture
 
         out.add(".csv", curves_csv(best, sets, setting))
         out.add(".png", picture(best, sets, setting))
-    job.write(out, document)
+    job.write(out, document, case, thickness_mm=document.thickness_mm)
     return 0 if best.accepted else NEGATIVE_VERDICT
 
 
-def _fit_sheet(job: Job, out: Output, readings: Readings, setting: Setting, output: str) -> int:
+def _fit_sheet(job: Job, out: Output, readings: Readings, setting: Setting, case: FitCase) -> int:
     """Identify the orthotropic law of the whole sheet and write it."""
     from hyperfab.chapters.fit.orthotropic import fit_sheet
 
@@ -161,7 +128,6 @@ def _fit_sheet(job: Job, out: Output, readings: Readings, setting: Setting, outp
     for curve in readings.curves:
         known = document.tested_stretch()
         job.ranges.used("stretch", curve.stretch, known=known, source=curve.source, direction=curve.direction)
-    document = _portable(document, [file.name for file in job.inputs.files], output)
     if out.wants_files:
         out.add(".csv", fit.curves_csv())
         out.add(".png", fit.picture())
@@ -294,24 +260,6 @@ def _of_law(figures: FitFigures | None, spread: float | None) -> None:
     """Note what the choice of the law adds."""
     if figures is not None and figures.uncertainty is not None:
         figures.uncertainty.law = spread
-
-
-def _portable(document: MaterialDocument, names: Sequence[str], output: str) -> MaterialDocument:
-    """Return the document with files named as seen from it: no folder of this machine stands in it."""
-    shown = {name: relative_name(name, output) for name in sorted(names, key=len, reverse=True)}
-
-    def named(text: str) -> str:
-        for name, relative in shown.items():
-            text = text.replace(name, relative)
-        return text
-
-    document.warnings = [named(text) for text in document.warnings] if document.warnings else None
-    document.preparation = [named(text) for text in document.preparation] if document.preparation else None
-    parts = [document.fit, *(part.fit for part in (document.directions or {}).values())]
-    for figures in parts:
-        for outlier in (figures.outliers if figures is not None else None) or ():
-            outlier.source = named(outlier.source)
-    return document
 
 
 def _tell(job: Job, judged: Sequence[Judged], document: MaterialDocument, setting: Setting) -> None:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
+from hyperfab.cases.reading import ReadingCase
 from hyperfab.chapters.look import named
 from hyperfab.errors import UsageError
 from hyperfab.io.csv_tests import TestData
 from hyperfab.io.specimen import Geometry
-from hyperfab.io.units import quantity
 
 #: Gauge length and width [mm] of standard specimens. The thickness is always measured, never assumed.
 STANDARD: Mapping[str, Geometry] = {
@@ -27,27 +28,13 @@ STANDARD: Mapping[str, Geometry] = {
 }
 
 
-def geometry(specimen: str | None, lengths: Mapping[str, str | None]) -> Geometry:
-    """Return the sizes from the options: those of a standard specimen, each replaced where it is given.
-
-    ``lengths`` has the options ``gauge_length``, ``width``, ``thickness`` and ``diameter`` as typed.
-    """
-    if specimen is not None and specimen not in STANDARD:
-        raise UsageError(f"--specimen {specimen}: the known ones are {', '.join(STANDARD)}")
-    base = STANDARD[specimen] if specimen is not None else Geometry()
-    given = {name: _length(text, f"--{name.replace('_', '-')}") for name, text in lengths.items()}
-    return Geometry(
-        **{name: value if value is not None else getattr(base, name) for name, value in given.items()}
-    )
-
-
-def _length(text: str | None, option: str) -> float | None:
-    if text is None:
-        return None
-    value = quantity(text, "length", option=option)
-    if not value > 0.0:
-        raise UsageError(f"{option} {text}: a length above zero is needed, as 0.6mm")
-    return value
+def geometry(case: ReadingCase) -> Geometry:
+    """Return the sizes that a case asks for: those of a standard specimen, each replaced where it is given."""
+    if case.specimen is not None and case.specimen not in STANDARD:
+        raise UsageError(f"--specimen {case.specimen}: the known ones are {', '.join(STANDARD)}")
+    base = STANDARD[case.specimen] if case.specimen is not None else Geometry()
+    given = {name: getattr(case, name) for name in ("gauge_length", "width", "thickness", "diameter")}
+    return replace(base, **{name: value for name, value in given.items() if value is not None})
 
 
 def aspect_warnings(tests: Sequence[TestData]) -> list[str]:

@@ -28,7 +28,7 @@ MANY = 1_000_000
 LINE_S = 60.0
 
 
-def run(job: Job, case: SweepCase, runner: str = "hyperfab.cli.steps") -> int:
+def run(job: Job, case: SweepCase, runner: str = "hyperfab.chapters.steps") -> int:
     """Run the study; ``runner`` is the module that runs, checks and warms up single commands."""
     study = case.study
     if case.parquet:
