@@ -154,3 +154,22 @@ GAPS ?= 10000
 
 gaps: $(VENV)/dev
 	PYTHONPATH=.:tests $(BIN)/python -m rough_molds $(GAPS)
+
+fuzz: $(VENV)/dev
+	HYPOTHESIS_PROFILE=fuzz $(BIN)/python -m pytest tests/io tests/documents
+
+# Write the shipped samples anew; a test holds them equal to what `hf sample` makes.
+samples: $(VENV)/run
+	$(HF) sample . --force
+
+# The pictures of README.md, from the chain's own.
+pictures: $(DOCUMENTS)
+	@mkdir -p docs/images
+	cp $(BUILD)/case-b.png docs/images/fit.png
+	cp $(BUILD)/contact.png $(BUILD)/drape.png $(BUILD)/heat-proposed.png $(BUILD)/press.png $(BUILD)/loop.png docs/images/
+
+clean:
+	rm -rf $(BUILD)
+
+distclean: clean
+	rm -rf $(VENV)

@@ -50,7 +50,7 @@ class LoopCase(ReadingCase):
     fix: tuple[str, ...] = texts("KEY", "Hold a constant of the model.")
     prior: float | None = amount(
         "dimensionless", "SHARE", "Standard deviation of the model's own constants, as 10%; else they are free.",
-        example="10%", above=0.0, most=1.0,
+        example="10%, at most 100%", above=0.0, most=1.0,
     )  # fmt: skip
 
     @property
