@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import isqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,8 @@ Ints = NDArray[np.int64]
 
 #: Openings between the deepest and the first touch, and places the force is summed over, at most.
 _KNOTS, _PLACES = 25, 800
+#: Bands of height the places are drawn from, as many as places around each.
+_BANDS = isqrt(_PLACES)
 #: How much further [mm] the table reaches than what the model itself needs: what effects may shift it by.
 MARGIN = 1.0
 #: A tilt [rad] to take differences over.
@@ -204,9 +207,14 @@ def _summed(table: PressTable) -> PressTable:
     bears = np.flatnonzero(np.min(table.gap, axis=0) < 1.3 * (table.foam + table.fabric))
     if len(bears) <= _PLACES:
         return table.of(bears)
-    # Along a path by height, so that every height keeps its share.
-    order = bears[np.argsort(table.gap[len(table.openings) // 2, bears], kind="stable")]
-    chosen = order[np.linspace(0, len(order) - 1, _PLACES).astype(np.int64)]
-    few = table.of(chosen)
-    share = np.sum(table.push[0, bears]) / np.sum(few.push[0])
+    # Band by band of height and around each band, so that every height and every side keep their share: a tilt that
+    # opens one side as far as it closes the other must not change the force.
+    by_height = bears[np.argsort(table.gap[len(table.openings) // 2, bears], kind="stable")]
+    band = np.arange(len(bears)) * _BANDS // len(bears)
+    side = table.shift[0, by_height]
+    order = by_height[np.lexsort((np.arctan2(side[:, 1], side[:, 0]), band))]
+    chosen = np.linspace(0, len(order) - 1, _PLACES).astype(np.int64)
+    few, band_of = table.of(order[chosen]), band[chosen]
+    whole = np.bincount(band, table.push[0, order])
+    share = (whole / np.bincount(band_of, few.push[0]))[band_of]
     return replace(few, push=few.push * share, area=few.area * share)

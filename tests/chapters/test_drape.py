@@ -249,10 +249,11 @@ def test_an_option_that_means_nothing_is_refused_with_the_right_form(drape, opti
 
 
 def test_edges_that_are_free_are_drawn_in_and_sliding_ones_stay_on_their_line(drape):
-    _, out, _ = drape("--clamp", "x-,x+")
+    # An even number of rows: a row along the ball's ridge of facets slides off it to one side or the other.
+    _, out, _ = drape("--clamp", "x-,x+", "--grid", "32x22")
     free = json.loads(out)["draw_in_mm"]
     assert free["y-"] > 1.0
-    assert free["y-"] == pytest.approx(free["y+"], abs=0.1)
+    assert free["y-"] == pytest.approx(free["y+"], abs=1e-3)
     _, out, _ = drape("--clamp", "x-,x+", "--slide", "y-,y+")
     assert json.loads(out)["draw_in_mm"] == {"y-": 0.0, "y+": 0.0}
 
