@@ -137,8 +137,11 @@ blind: $(VENV)/dev
 	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind_contact 2 poor --next
 	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind_drape 2 poor --next
 
+# One command: make hunt HUNTS=fit.
+HUNTS ?= loop
+
 hunt: $(VENV)/dev
-	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m trials.hunt_loop
+	@for hunt in $(HUNTS); do echo "== $$hunt"; PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m trials.hunt_$$hunt || exit 1; done
 
 # How often 95 % intervals of hf fit hold the truth: about two minutes.
 coverage: $(VENV)/dev

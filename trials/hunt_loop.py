@@ -9,7 +9,7 @@ from __future__ import annotations
 import sys
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +24,7 @@ from hyperfab.documents.base import parse_document
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import HyperfabError
 from hyperfab.loop.engine import Finding, close
+from trials.hunting import Hunt, asked
 
 Array = NDArray[np.float64]
 Columns = Mapping[str, Array]
@@ -156,26 +157,6 @@ def swapped(one: File) -> File:
 def later(one: File) -> File:
     """Return the file with a clock that began a thousand seconds earlier."""
     return one.with_columns(lambda key, v: (key, v + 1000.0) if key.startswith("time") else (key, v))
-
-
-@dataclass
-class Hunt:
-    """The cases and what came out."""
-
-    wrong: list[str] = field(default_factory=list)
-    only: str = ""
-    count: int = 0
-
-    def judge(self, name: str, good: bool, said: object) -> None:
-        """Count a case."""
-        self.count += 1
-        if not good:
-            self.wrong.append(name)
-        print(f"{'ok   ' if good else 'WRONG'} {name:58s} {said}", flush=True)
-
-    def wanted(self, name: str) -> bool:
-        """Whether a case is asked for."""
-        return self.only in name
 
 
 def same(one: Closed, other: Closed, tolerance: float) -> bool:
@@ -406,13 +387,10 @@ def biaxial(weft: float, warp: float = 0.4) -> list[File]:
 
 def main() -> None:
     """Run the cases and count."""
-    hunt = Hunt(only=sys.argv[1] if len(sys.argv) > 1 else "")
+    hunt = asked(sys.argv)
     invariances(hunt)
     known(hunt)
-    print(
-        f"{hunt.count} cases, {len(hunt.wrong)} wrong" + (f": {'; '.join(hunt.wrong)}" if hunt.wrong else "")
-    )
-    raise SystemExit(bool(hunt.wrong))
+    raise SystemExit(hunt.ended("close-loop"))
 
 
 if __name__ == "__main__":

@@ -1,0 +1,83 @@
+"""What the hunts share: the command run in this process, and the count of cases judged."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from hyperfab.cli import app
+
+
+@dataclass(frozen=True)
+class Ran:
+    """A run of ``hf``: its exit status, the document it wrote (None if none) and what it said on standard error."""
+
+    status: int
+    document: Any
+    said: str
+
+    def __getitem__(self, key: str) -> Any:
+        """Return what the document has under ``key``; without a document there is nothing to judge."""
+        if self.document is None:
+            raise KeyError(f"status {self.status}: {self.said.strip().splitlines()[-1:]}")
+        return self.document[key]
+
+
+def hf(*words: object, output: Path | None = None) -> Ran:
+    """Run ``hf`` with the words of its command line in this process; ``output`` is where ``-o`` writes.
+
+    Without it the document comes on standard output, and no pictures are drawn. Everything but the start of the
+    interpreter is what a user has: parser, reader, exit status, document.
+    """
+    arguments = [str(word) for word in words] + ([] if output is None else ["-o", str(output)])
+    said, printed = io.StringIO(), io.TextIOWrapper(io.BytesIO(), encoding="utf-8")
+    if output is not None:
+        output.unlink(missing_ok=True)
+    status = 0
+    with contextlib.redirect_stderr(said), contextlib.redirect_stdout(printed):
+        try:
+            app(prog_name="hf", args=arguments)
+        except SystemExit as end:
+            status = end.code if isinstance(end.code, int) else 0
+        printed.flush()
+    text = printed.buffer.getvalue().decode() if output is None else ""  # type: ignore[attr-defined]
+    if output is not None and output.exists():
+        text = output.read_text()
+    return Ran(status, json.loads(text) if text.startswith("{") else text or None, said.getvalue())
+
+
+@dataclass
+class Hunt:
+    """The cases and what came out; ``only`` is a part of the names of those that are asked for."""
+
+    wrong: list[str] = field(default_factory=list)
+    only: str = ""
+    count: int = 0
+
+    def judge(self, name: str, good: bool, said: object) -> None:
+        """Count a case."""
+        self.count += 1
+        if not good:
+            self.wrong.append(name)
+        print(f"{'ok   ' if good else 'WRONG'} {name:58s} {said}", flush=True)
+
+    def wanted(self, name: str) -> bool:
+        """Whether a case is asked for."""
+        return self.only in name
+
+    def ended(self, what: str) -> int:
+        """Say how it went, and return the exit status: 1 if any case was wrong."""
+        print(
+            f"{self.count} inputs of {what}, {len(self.wrong)} wrong{''.join(chr(10) + '  ' + one for one in self.wrong)}"
+        )
+        return 1 if self.wrong else 0
+
+
+def asked(arguments: Sequence[str]) -> Hunt:
+    """Return the hunt that a command line asks for: all of it, or what has a part of a name."""
+    return Hunt(only=arguments[1] if len(arguments) > 1 else "")
