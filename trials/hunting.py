@@ -5,10 +5,13 @@ from __future__ import annotations
 import contextlib
 import io
 import json
-from collections.abc import Sequence
+import os
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from hyperfab.cli import app
 
@@ -35,20 +38,35 @@ def hf(*words: object, output: Path | None = None) -> Ran:
     interpreter is what a user has: parser, reader, exit status, document.
     """
     arguments = [str(word) for word in words] + ([] if output is None else ["-o", str(output)])
-    said, printed = io.StringIO(), io.TextIOWrapper(io.BytesIO(), encoding="utf-8")
+    said, status, text = io.StringIO(), 0, ""
     if output is not None:
         output.unlink(missing_ok=True)
-    status = 0
-    with contextlib.redirect_stderr(said), contextlib.redirect_stdout(printed):
+    with contextlib.redirect_stderr(said), _standard_output() as printed:
         try:
             app(prog_name="hf", args=arguments)
         except SystemExit as end:
             status = end.code if isinstance(end.code, int) else 0
-        printed.flush()
-    text = printed.buffer.getvalue().decode() if output is None else ""  # type: ignore[attr-defined]
+        sys.stdout.flush()
+        if output is None:
+            printed.seek(0)
+            text = printed.read().decode()
     if output is not None and output.exists():
         text = output.read_text()
     return Ran(status, json.loads(text) if text.startswith("{") else text or None, said.getvalue())
+
+
+@contextlib.contextmanager
+def _standard_output() -> Iterator[IO[bytes]]:
+    """Catch what goes to standard output, also what goes straight to its descriptor."""
+    sys.stdout.flush()
+    kept = os.dup(1)
+    with tempfile.TemporaryFile() as printed:
+        os.dup2(printed.fileno(), 1)
+        try:
+            yield printed
+        finally:
+            os.dup2(kept, 1)
+            os.close(kept)
 
 
 @dataclass
@@ -72,9 +90,7 @@ class Hunt:
 
     def ended(self, what: str) -> int:
         """Say how it went, and return the exit status: 1 if any case was wrong."""
-        print(
-            f"{self.count} inputs of {what}, {len(self.wrong)} wrong{''.join(chr(10) + '  ' + one for one in self.wrong)}"
-        )
+        print("\n  ".join([f"{self.count} inputs of {what}, {len(self.wrong)} wrong", *self.wrong]))
         return 1 if self.wrong else 0
 
 
