@@ -53,6 +53,7 @@ PRESS = (
     "--temperature",
     "20degC",
 )
+LOOP = ("close-loop", "fabric.json", "--measured")
 SOUND: dict[str, bytes] = {
     "fabric.json": FABRIC_JSON,
     "m.stl": STL,
@@ -116,6 +117,11 @@ CASES = [
     csv("missing column", ROWS.replace(b"stretch", b"strecth"), "line 1", "no column gives a stretch", "strecth"),
     csv("no header", ROWS.split(b"\n", 1)[1], "line 1", "there is no header"),
     csv("one row", ROWS[:28], "line 2", "has one row"),
+    Bad(
+        "csv time goes back where times are used",
+        (*LOOP, "a.csv"), 3, ("a.csv", "line 5", "the time goes back", "aside"),
+        {"a.csv": b"# test: uniaxial\ntime [s],stretch,stress [MPa]\n0,1,0\n2,1.1,1\n1,1.2,2\n"},
+    ),
     csv("stretch never changes", b"stretch,stress [MPa]\n1.1,0.1\n1.1,0.2\n", "in all 2 rows"),
     csv("columns swapped", b"stretch,stress [MPa]\n0.03,1.01\n0.4,1.6\n", "line 2", "swapped"),
     csv("both decimal marks", ROWS.replace(b",", b";").replace(b"0.2", b"0,2", 1), "line 3", "one decimal mark"),

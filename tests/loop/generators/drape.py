@@ -60,19 +60,26 @@ class Net:
         edge_warp = np.isin(warp[:, 0] % n, (0, n - 1))
         edge_weft = np.isin(weft[:, 0] // n, (0, n - 1))
         pre = 1.0 + 0.08 * size.get("pretension", np.zeros(2))[0]
-        area = THICK * h
+        # As wide as the sheet is before it is stretched over the frame.
+        area = THICK * h / pre
         parts = [
             (warp, h / pre, area * np.where(edge_warp, 0.5, 1.0), WARP * truth.soft[0]),
             (weft, h / pre, area * np.where(edge_weft, 0.5, 1.0), WEFT * truth.soft[1]),
         ]
-        if "shear-stiffness" in size:
-            # As a sheet of triangles resists shear: both diagonals of a cell, alike.
-            one = np.stack([index[:-1, :-1].ravel(), index[1:, 1:].ravel()], axis=1)
-            two = np.stack([index[1:, :-1].ravel(), index[:-1, 1:].ravel()], axis=1)
-            modulus = 0.08 * size["shear-stiffness"][0]
-            diagonals = np.concatenate([one, two])
-            length = np.hypot(h, h)
-            parts.append((diagonals, length, np.full(len(diagonals), 0.5 * THICK * h * h / length), modulus))
+        # A trellis resists the turning of its threads at each crossing: of every cell the four corners, a node and its
+        # neighbours along the two threads, each with a quarter of the cell's volume.
+        self.corners = np.concatenate(
+            [
+                np.stack([at.ravel(), along.ravel(), across.ravel()], axis=1)
+                for at, along, across in (
+                    (index[:-1, :-1], index[1:, :-1], index[:-1, 1:]),
+                    (index[1:, 1:], index[:-1, 1:], index[1:, :-1]),
+                    (index[1:, :-1], index[:-1, :-1], index[1:, 1:]),
+                    (index[:-1, 1:], index[1:, 1:], index[:-1, :-1]),
+                )
+            ]
+        )
+        self.turning = 0.08 * size.get("shear-stiffness", np.zeros(2))[0] * 0.25 * THICK * h * h
         self.ends = np.concatenate([p[0] for p in parts])
         self.rest = np.concatenate([np.full(len(p[0]), p[1]) for p in parts])
         self.area = np.concatenate([p[2] for p in parts])
@@ -105,13 +112,9 @@ class Net:
             block = (k * self.area / self.rest)[:, None, None] * outer
             block += (pull / length)[:, None, None] * (np.eye(3) - outer)
             for p, q, sign in ((a, a, 1.0), (b, b, 1.0), (a, b, -1.0), (b, a, -1.0)):
-                rows.append(
-                    (3 * p[:, None, None] + np.arange(3)[None, :, None] + np.zeros((1, 1, 3), int)).ravel()
-                )
-                cols.append(
-                    (3 * q[:, None, None] + np.arange(3)[None, None, :] + np.zeros((1, 3, 1), int)).ravel()
-                )
-                vals.append((sign * block).ravel())
+                _add(rows, cols, vals, p, q, sign * block)
+            if self.turning:
+                self._turn_back(x, force, rows, cols, vals)
             away = x - centre
             far = np.linalg.norm(away, axis=1)
             normal = away / far[:, None]
@@ -151,6 +154,21 @@ class Net:
             x = flatx.reshape(-1, 3)
         return x, pressure
 
+    def _turn_back(self, x: Array, force: Array, *entries: list[Array]) -> None:
+        """Add the moments on the corners: an angle turns as the end of a thread moves at right angles to it."""
+        o, a, b = self.corners.T
+        p, q = x[a] - x[o], x[b] - x[o]
+        long_p, long_q = np.linalg.norm(p, axis=1)[:, None], np.linalg.norm(q, axis=1)[:, None]
+        u, v = p / long_p, q / long_q
+        sine = np.linalg.norm(np.cross(u, v), axis=1)[:, None]
+        cosine = np.sum(u * v, axis=1)[:, None]
+        by_a, by_b = (v - cosine * u) / (sine * long_p), (u - cosine * v) / (sine * long_q)
+        ends = ((o, -by_a - by_b), (a, by_a), (b, by_b))
+        for one, way in ends:
+            np.add.at(force, one, -self.turning * np.arctan2(cosine, sine) * way)
+            for other, back in ends:
+                _add(*entries, one, other, self.turning * way[:, :, None] * back[:, None, :])
+
     def drape(self) -> Array:
         """Return the nodes (n, n, 3) at the full depth."""
         x = self.flat.copy()
@@ -174,6 +192,14 @@ class Net:
                     np.where(size > most, 1.0 - most / np.maximum(size, 1e-12), 0.0)[:, None] * slip
                 )
         return x.reshape(NODES, NODES, 3)
+
+
+def _add(rows: list[Array], cols: list[Array], vals: list[Array], p: Array, q: Array, blocks: Array) -> None:
+    """Add the 3x3 blocks that nodes p have with nodes q to a matrix's entries."""
+    axes = np.arange(3)
+    rows.append(np.broadcast_to(3 * p[:, None, None] + axes[None, :, None], blocks.shape).ravel())
+    cols.append(np.broadcast_to(3 * q[:, None, None] + axes[None, None, :], blocks.shape).ravel())
+    vals.append(blocks.ravel())
 
 
 @cache
