@@ -50,6 +50,15 @@ def test_the_document_carries_the_sheet_and_what_its_tests_leave_open(fitted):
     assert set(document["directions"]) == {"warp", "weft", "45 deg"}
     for one in document["directions"].values():
         assert one["fit"]["nrmse"] < 1e-6
+        seen = one["fit"]["tests"]["uniaxial"]
+        assert (seen["stretch_min"], seen["stretch_max"]) == (1.0, LAM[-1])
+        # Looked at from rest to three times the data, or where no test went, to three times rest.
+        for mode, reach in {"uniaxial": 3.0 * LAM[-1], "shear": 3.0, "biaxial": 3.0}.items():
+            stable = one["stability"][mode]
+            assert stable["stretch_min"] == 1.0
+            if stable["ended_by"] == "scan":
+                assert stable["stretch_max"] == pytest.approx(reach)
+            assert LAM[-1] < stable["stretch_max"] < reach + 1e-9
     # The weft's constants are the sheet's turned by a quarter.
     assert document["directions"]["weft"]["parameters"]["k1_warp_MPa"] == pytest.approx(0.02, rel=1e-5)
 

@@ -8,7 +8,8 @@ from cloth_molds import ball, long_cylinder
 from scipy.optimize import brentq
 
 from hyperfab.cloth import Sheet, answers, drape, follow, mold_of, raised, tabulate
-from hyperfab.cloth.net import FIXED, Y, Z
+from hyperfab.cloth.net import FIXED, X, Y, Z
+from hyperfab.cloth.path import clamped
 
 RUBBER = tabulate(lambda lam: (0.4 * (lam - lam**-2), 0.4 * (1 + 2 * lam**-3)), 4.0)
 REACH, RADIUS, HEIGHT = 100.0, 60.0, 20.0  # clamps at +-REACH, centre of the cylinder at HEIGHT at the end
@@ -121,3 +122,15 @@ def test_friction_on_a_ball_costs_force_and_no_node_goes_in():
     assert force[0.3] > 1.05 * force[0.0]
     straight = drape(sheet, raised(mold, 80.0))
     assert force[0.0] == pytest.approx(answers(sheet, raised(mold, 80.0), straight).press_force, rel=3e-4)
+
+
+def test_the_edges_under_a_blank_holder_are_clamped_and_no_others():
+    for held in range(4):
+        edges, holder = [Z, Y, X, FIXED], [0.0] * 4
+        holder[held] = 0.1
+        sheet = clamped(
+            Sheet(5, 5, (10.0, 10.0), 1.0, RUBBER, RUBBER, edges=tuple(edges), holder=tuple(holder))
+        )
+        edges[held] = FIXED
+        assert sheet.edges == tuple(edges)
+        assert sheet.holder == (0.0, 0.0, 0.0, 0.0)

@@ -7,9 +7,9 @@ import pytest
 
 from hyperfab.errors import InputError
 from hyperfab.materials import bind
-from hyperfab.materials.orthotropic import ABSENT, NAMES, Orthotropic
+from hyperfab.materials.orthotropic import ABSENT, LINEAR, NAMES, Orthotropic
 from hyperfab.materials.orthotropic.identify import SheetTest, identify, sought_by
-from hyperfab.materials.orthotropic.specimen import held, strip
+from hyperfab.materials.orthotropic.specimen import held, stable_range, strip
 
 KNIT = {
     "C10_MPa": 0.1, "C20_MPa": 0.03, "C30_MPa": 0.01, "C2_MPa": 0.02, "k1_warp_MPa": 0.2, "k1_weft_MPa": 0.1,
@@ -136,3 +136,27 @@ def test_what_the_tests_leave_open_is_named_and_absent():
     for one in unknown:
         assert found[one.name] == ABSENT[one.name]
         assert one.test
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
+@pytest.mark.parametrize("name", LINEAR)
+def test_stress_and_stiffness_are_the_derivatives_of_the_energy_of_each_constant(name, nu):
+    """S = 2 dW/dC and its derivative by C11, C22, C12, in a stretched and sheared state, by finite differences."""
+    law = Orthotropic.of({**KNIT, "nu": nu})
+    C, at, h = np.array([[1.7, 1.2, 0.35], [1.3, 2.1, -0.4]]), LINEAR.index(name), 1e-5
+    _, stress, stiffness = law.terms(C)[at]
+    for j in range(3):
+        moved = h * np.eye(3)[j]
+        more, less = law.terms(C + moved)[at], law.terms(C - moved)[at]
+        twice = 1.0 if j == 2 else 2.0  # C12 stands in C twice
+        np.testing.assert_allclose(twice * (more[0] - less[0]) / (2 * h), stress[:, j], rtol=1e-8, atol=1e-8)
+        slope = twice * (more[1] - less[1]) / (2 * h)
+        np.testing.assert_allclose(slope, stiffness[:, :, j], rtol=1e-7, atol=1e-7)
+
+
+@pytest.mark.parametrize("mode", ["uniaxial", "shear", "biaxial"])
+def test_where_a_sheet_is_stable_hangs_neither_on_its_unit_of_stress_nor_on_its_angle(mode):
+    ground = Orthotropic.of({"C10_MPa": 0.2, "C20_MPa": 0.01})
+    for factor in (1e-4, 1.0, 1e4):
+        for angle in (0.0, 30.0):
+            assert stable_range(ground.scaled(factor), mode, angle, 3.0) == (1.0, 3.0, "scan")

@@ -8,6 +8,7 @@ import pytest
 from hyperfab.materials import bind
 from hyperfab.membrane import outline
 from hyperfab.membrane.contact_edge import contact_edge
+from hyperfab.membrane.contact_front import ContactFront
 from hyperfab.membrane.equilibrium import Press
 from hyperfab.membrane.measures import fields, wrinkled_fraction
 from hyperfab.membrane.mesh import sheet_mesh
@@ -15,7 +16,7 @@ from hyperfab.membrane.meshing import triangulate, uniform
 from hyperfab.membrane.path import cold_start
 from hyperfab.membrane.sheet import Sheet
 from hyperfab.membrane.sphere import Sphere
-from hyperfab.membrane.sphere_test import Outcome, SphereTest, run
+from hyperfab.membrane.sphere_test import Outcome, SphereTest, fitted_mesh, run
 from hyperfab.membrane.tension_field import IsotropicSheet
 from hyperfab.membrane.verdict import first_instability, stress_difference, work
 from tests.membrane.references import DISC, NEO_HOOKEAN, SQUARE, YEOH
@@ -173,6 +174,34 @@ def test_softening_law_turns_back_and_is_unstable_before():
     assert unstable.depth == pytest.approx(57.46, abs=0.02)
     np.testing.assert_allclose(unstable.stretches, 1.418, atol=2e-3)
     assert np.hypot(*unstable.at) < 3.0
+
+
+def test_newtons_method_takes_whole_steps_once_the_touching_nodes_are_known():
+    """From nothing but a film, and from 2 mm less: the error is squared by each step, not halved."""
+    sheet = outline.Disc(100.0, quarter=True)
+    mesh = sheet_mesh(sheet, triangulate(sheet, uniform(16.0)), 2)
+    press = Press(Sheet(mesh, IsotropicSheet(bind("neo-hookean", NEO_HOOKEAN)), 1.0), Sphere(40.0))
+    for depth in (10.0, 30.0, 60.0):
+        start = cold_start(press, depth)
+        assert start.iterations <= 12
+        assert press.equilibrium(depth + 2.0, start.places, start.touching).iterations <= 6
+
+
+@pytest.mark.parametrize(("length", "width"), [(0.02, 0.02), (40.0, 0.02)])
+def test_where_next_to_no_area_touches_elements_are_no_smaller_than_the_length_of_the_edge_asks_for(
+    length, width
+):
+    """A tip: an 80th of the mesh size. A ridge: a 60th of its length."""
+    test = SphereTest(
+        outline.Disc(100.0, quarter=True), IsotropicSheet(bind("neo-hookean", NEO_HOOKEAN)), 1.0, 40.0
+    )
+    angle = np.linspace(0.0, 0.5 * np.pi, 400)
+    points = 0.5 * np.column_stack([length * np.cos(angle), width * np.sin(angle)])
+    front = ContactFront(points, points, np.ones(len(points), bool), 0.25 * np.pi * length * width)
+    mesh = fitted_mesh(test, [front])
+    corners = mesh.nodes[mesh.elements[:, :3]]
+    shortest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).min()
+    assert shortest > 0.5 * max(test.mesh_size / 80.0, 0.5 * length / 60.0)
 
 
 def test_scaled_constants_scale_force_and_difference():

@@ -1,5 +1,6 @@
 """Floating molds and yielding frames against the closed solutions for a plate on an elastic layer."""
 
+import numpy as np
 import pytest
 
 from hyperfab.errors import NotConverged
@@ -66,3 +67,14 @@ def test_a_frame_and_the_foam_are_springs_in_series(shapes):
 
 def test_a_rigid_guided_press_stays_where_it_was_set(shapes):
     assert balance(plates(shapes), Pose(-1.5), None, None, floating=False) == Pose(-1.5)
+
+
+def test_a_right_force_with_a_moment_that_nothing_lowers_is_no_balance(shapes, monkeypatch):
+    """Of force and two moments all must vanish: one that is left is no balance, however well the others do."""
+    press = plates(shapes)
+    for left in ([0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]):
+        monkeypatch.setattr("hyperfab.pressing.balance._residual", lambda *_, left=left: 5.0 * np.array(left))
+        with pytest.raises(NotConverged):
+            balance(
+                press, Pose(press.opening_for(2.0), (0.0, 0.0), (0.0, 0.0, FOAM)), 2.0, None, floating=True
+            )
