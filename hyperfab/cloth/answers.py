@@ -74,7 +74,6 @@ class Answers:
 def answers(sheet: Sheet, mold: Mold, found: Equilibrium) -> Answers:
     """Fields and figures of an equilibrium."""
     x = found.state.x
-    hx, hy = sheet.spacing
     rest = sheet.arrays.rest
     along = np.linalg.norm(np.diff(x, axis=0), axis=2)
     across = np.linalg.norm(np.diff(x, axis=1), axis=2)
@@ -118,7 +117,7 @@ def answers(sheet: Sheet, mold: Mold, found: Equilibrium) -> Answers:
         0.5 * (warp[:, :-1] + warp[:, 1:]),
         0.5 * (weft[:-1] + weft[1:]),
         np.degrees(np.arcsin(np.clip(cosine, -1.0, 1.0))),
-        sheet.thickness * hx * hy / np.maximum(area, 1e-300),
+        sheet.thickness * rest[0] * rest[1] / np.maximum(area, 1e-300),
         cell_slack,
         on_edge,
         int(carried.sum()),

@@ -40,10 +40,12 @@ class Arrays(NamedTuple):
 class Sheet:
     """Flat sheet of ``size`` mm held by n by m nodes.
 
-    Spring sections are width share times thickness, half at the border (so that the sections of all springs of a
-    direction add up to width times thickness). ``prestretch``: the springs' rest length is their length in the flat
-    sheet over this. ``fixed`` (n, m): bits X, Y, Z of the axes held at each node. ``shear``: law of the
-    angle between the threads, over 1 + that angle; ``mass`` in g/m^2 loads the nodes downward.
+    ``prestretch``: how far the flat sheet is stretched already. Lengths, sections and weight are those of the sheet
+    before that: a spring's rest length is its length in the flat sheet over the stretch along it, its section the
+    thickness times its share of the width over the stretch across, half at the border (the sections of a direction
+    add up to those of the undeformed sheet). ``fixed`` (n, m): bits X, Y, Z of the axes held at each node. ``shear``:
+    law of the angle between the threads, over 1 + that angle; ``mass`` in g/m^2 of undeformed sheet loads the nodes
+    downward.
     ``holder`` N/mm at each edge: a blank holder's friction a unit length, against which the edge is drawn in (its bits
     then hold Z alone).
 
@@ -100,9 +102,8 @@ class Sheet:
     @property
     def arrays(self) -> Arrays:
         """The sheet as the kernels take it."""
-        hx, hy = self.spacing
-        across, along = _shares(self.m) * hy, _shares(self.n) * hx
-        rest = np.array([hx / self.prestretch[0], hy / self.prestretch[1]])
+        rest = np.array(self.spacing) / self.prestretch
+        across, along = _shares(self.m) * rest[1], _shares(self.n) * rest[0]
         shear = self.shear or _NONE
         return Arrays(
             rest,

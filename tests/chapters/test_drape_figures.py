@@ -30,11 +30,12 @@ def test_a_sheet_that_is_only_stretched(drape, folder):  # noqa: F811
     assert found["converged"] is True
     assert found["stress_warp_max_MPa"] == pytest.approx(nominal(1.2), rel=1e-8)
     assert found["stress_weft_max_MPa"] == pytest.approx(nominal(1.1), rel=1e-8)
-    stored = energy(1.2) * 200.0 / 1.2 * 180.0 * THICK + energy(1.1) * 180.0 / 1.1 * 200.0 * THICK
+    stored = (energy(1.2) + energy(1.1)) * 200.0 / 1.2 * 180.0 / 1.1 * THICK
     assert found["energy_J"] == pytest.approx(1e-3 * stored, rel=1e-8)
     assert found["force_N"] == pytest.approx(0.0, abs=1e-6)
     assert found["slack_springs"] == 0
     assert found["thickness_mm"] == THICK
+    assert found["thickness_min_mm"] == pytest.approx(THICK / 1.32, rel=1e-8)
     assert (found["grid"], found["size_mm"], found["depth_mm"]) == ([31, 21], [200.0, 180.0], 0.0)
     assert found["prestretch"] == [1.2, 1.1]
     assert found["warp"]["stretch_max"] == pytest.approx(1.2, rel=1e-9)

@@ -82,12 +82,13 @@ def test_a_cell_that_is_sheared_by_thirty_degrees():
 
 def test_a_flat_sheet_pulled_both_ways_pulls_at_its_clamps_with_stress_times_section():
     sheet, _, fields = laid(lambda flat: flat, 5, 4, prestretch=(1.2, 1.1))
-    # Width 30 mm across the warp and 40 across the weft, 0.5 mm thick.
-    assert fields.reaction[-1, :, 0].sum() == pytest.approx(0.4 * 30.0 * 0.5, rel=1e-9)
-    assert fields.reaction[:, -1, 1].sum() == pytest.approx(0.3 * 40.0 * 0.5, rel=1e-9)
-    assert fields.reaction[:, 0, 1].sum() == pytest.approx(-0.3 * 40.0 * 0.5, rel=1e-9)
-    energy = 0.5 * (0.5 * 2.0 * 0.2**2 * 40.0 / 1.2 * 30.0 + 0.5 * 3.0 * 0.1**2 * 30.0 / 1.1 * 40.0)
+    # Mounted 40 x 30 mm; before it was stretched 40 / 1.2 long and 30 / 1.1 wide, 0.5 mm thick.
+    assert fields.reaction[-1, :, 0].sum() == pytest.approx(0.4 * 30.0 / 1.1 * 0.5, rel=1e-9)
+    assert fields.reaction[:, -1, 1].sum() == pytest.approx(0.3 * 40.0 / 1.2 * 0.5, rel=1e-9)
+    assert fields.reaction[:, 0, 1].sum() == pytest.approx(-0.3 * 40.0 / 1.2 * 0.5, rel=1e-9)
+    energy = (0.5 * 2.0 * 0.2**2 + 0.5 * 3.0 * 0.1**2) * 40.0 / 1.2 * 30.0 / 1.1 * 0.5
     assert fields.spring_energy == pytest.approx(energy, rel=1e-9)
+    assert fields.cell_thickness == pytest.approx(np.full((4, 3), 0.5 / 1.32), rel=1e-9)
     assert fields.imbalance < 1e-9
     assert fields.press_force == 0.0
     assert not fields.touching.any()
@@ -95,11 +96,12 @@ def test_a_flat_sheet_pulled_both_ways_pulls_at_its_clamps_with_stress_times_sec
 
 
 def test_the_weight_of_the_sheet_hangs_on_its_clamps():
-    """200 g/m^2 on 40 x 30 mm: 2.353 mN; a strip of half a cell beside the clamps hangs there directly."""
+    """200 g/m^2 on 40 x 30 mm, 1.2 times smaller both ways before mounting: 1.634 mN; a strip of half a cell beside the
+    clamps hangs there directly."""
     sheet, found, fields = laid(lambda flat: flat, 5, 4, prestretch=(1.2, 1.2), mass=200.0)
-    weight = 200.0 * 40.0 * 30.0 * 1e-9 * GRAVITY
+    weight = 200.0 * 40.0 / 1.2 * 30.0 / 1.2 * 1e-9 * GRAVITY
     assert sheet.arrays.weight.sum() == pytest.approx(weight, rel=1e-12)
-    assert weight == pytest.approx(2.353596e-3, rel=1e-6)
+    assert weight == pytest.approx(1.634442e-3, rel=1e-6)
     assert found.converged
     true = answers(sheet, FAR, found)
     assert true.reaction[:, :, 2].sum() == pytest.approx(weight, rel=1e-4)

@@ -46,11 +46,22 @@ def test_a_flat_sheet_stretched_both_ways_has_uniform_tension_and_the_exact_ener
     assert found.converged
     assert np.allclose(fields.stress_warp, RUBBER(1.2)[1], rtol=1e-12)
     assert np.allclose(fields.stress_weft, 0.1, rtol=1e-12)
-    # Energy: density times the undeformed length of the strips times the sections.
-    exact = 0.5 * (float(RUBBER(1.2)[0][0]) * 80.0 / 1.2 * 60.0 + 0.5 * 0.1**2 * 60.0 / 1.1 * 80.0)
-    assert found.energy == pytest.approx(exact, rel=1e-12)
+    # Energy: that of both threads a volume, times the volume the sheet has before it is mounted.
+    volume = 80.0 / 1.2 * 60.0 / 1.1 * 0.5
+    assert found.energy == pytest.approx((float(RUBBER(1.2)[0][0]) + 0.5 * 0.1**2) * volume, rel=1e-12)
+    # Force: nominal stress times the section before mounting, the width being larger by the stretch across.
     forces = fields.reaction[0].sum(0)
-    assert forces[0] == pytest.approx(-float(RUBBER(1.2)[1][0]) * 60.0 * 0.5, rel=1e-12)
+    assert forces[0] == pytest.approx(-float(RUBBER(1.2)[1][0]) * 60.0 / 1.1 * 0.5, rel=1e-12)
+    assert fields.cell_thickness == pytest.approx(np.full((20, 30), 0.5 / 1.32), rel=1e-12)
+
+
+def test_a_strip_pulls_alike_however_wide_it_was_mounted():
+    """A strip 50 mm wide before it is mounted, held to 50, 55 and 75 mm: the pull along it is one."""
+    below = mold_of(ball(1), (0.0, 0.0, -200.0))
+    for across in (1.0, 1.1, 1.5):
+        sheet = Sheet(9, 7, (80.0, 50.0 * across), 0.5, RUBBER, LINEAR, prestretch=(1.3, across))
+        pull = answers(sheet, below, drape(sheet, below)).reaction[-1, :, 0].sum()
+        assert pull == pytest.approx(0.4 * (1.3 - 1.3**-2) * 50.0 * 0.5, rel=1e-8)
 
 
 def test_a_small_load_sags_a_tense_square_net_as_membrane_theory_says():
@@ -59,7 +70,8 @@ def test_a_small_load_sags_a_tense_square_net_as_membrane_theory_says():
         below = mold_of(ball(1), (0.0, 0.0, -200.0))
         sheet = Sheet(n, n, (100.0, 100.0), 1.0, LINEAR, LINEAR, prestretch=(1.25, 1.25), mass=1.0)
         found = drape(sheet, below, 1e-9)
-        load, tension = 1.0 * 9.80665e-9, 0.25
+        # Mounted 1.25 times as large both ways, the sheet weighs and pulls less a mounted area and width.
+        load, tension = 1.0 * 9.80665e-9 / 1.25**2, 0.25 / 1.25
         errors.append(-found.state.x[:, :, 2].min() / (0.0736713 * load * 100.0**2 / tension) - 1)
     assert abs(errors[-1]) < 1e-3
     assert np.log2(errors[-2] / errors[-1]) == pytest.approx(2.0, abs=0.15)

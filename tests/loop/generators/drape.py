@@ -79,13 +79,13 @@ class Net:
                 )
             ]
         )
-        self.turning = 0.08 * size.get("shear-stiffness", np.zeros(2))[0] * 0.25 * THICK * h * h
+        self.turning = 0.08 * size.get("shear-stiffness", np.zeros(2))[0] * 0.25 * THICK * (h / pre) ** 2
         self.ends = np.concatenate([p[0] for p in parts])
         self.rest = np.concatenate([np.full(len(p[0]), p[1]) for p in parts])
         self.area = np.concatenate([p[2] for p in parts])
         self.modulus = np.concatenate([np.full(len(p[0]), p[3]) for p in parts])
         share = np.outer(*(np.where(np.isin(np.arange(n), (0, n - 1)), 0.5, 1.0) * h for _ in range(2)))
-        self.weight = share.ravel() * 2000.0 * size.get("gravity", np.zeros(2))[0] * 9.80665e-9
+        self.weight = share.ravel() / pre**2 * 2000.0 * size.get("gravity", np.zeros(2))[0] * 9.80665e-9
         self.mu = 0.4 * size.get("friction", np.zeros(2))[0]
         u = np.linspace(-0.5 * SIDE, 0.5 * SIDE, n)
         x, y = np.meshgrid(u, u, indexing="ij")
