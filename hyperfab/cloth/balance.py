@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from .contact import move, settle
-from .energy import ROWS, Energy
+from .energy import ROWS
 from .law import Floats
+from .membrane import energy_of
 from .mold import Ints, Mold
 from .net import Sheet
 from .state import Equilibrium, State, Step
@@ -24,7 +25,7 @@ class Balance:
     def __init__(self, sheet: Sheet, mold: Mold, tolerance: float) -> None:
         n, m = sheet.n, sheet.m
         self.size, self.fixed, self.tolerance = (n, m), sheet.fixed, tolerance
-        self.model = Energy(sheet, mold)
+        self.model = energy_of(sheet, mold)
         self.f: Floats = np.zeros((n, m, 3))
         self.r: Floats = np.zeros((n, m, 3))
         self.q: Floats = np.zeros((n, m, 6))

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from .dynamic import swing
 from .mold import Mold
 from .net import Sheet
 from .newton import equilibrium
 from .start import lowered, refined
-from .state import Equilibrium, Step
+from .state import Equilibrium, State, Step
 
 #: The first grid has at most this many nodes a side; a few hundred unknowns find the contact at no cost.
 COARSEST = 24
@@ -41,6 +42,17 @@ def _halved(nodes: int) -> int:
     return half + (half - nodes) % 2 if half < nodes else nodes
 
 
+def _begun(sheet: Sheet, mold: Mold) -> State:
+    """Where the first grid starts: lowered, and for a membrane where a net of its uniaxial laws comes to rest.
+
+    Lowered, some cells are torn apart beyond what its law may answer to; a net's curves go on straight.
+    """
+    start = lowered(sheet, mold)
+    if sheet.membrane is None:
+        return start
+    return equilibrium(replace(sheet, membrane=None), mold, start, COARSE_TOLERANCE).state
+
+
 def drape(
     sheet: Sheet, mold: Mold, tolerance: float = 1e-6, report: Callable[[Step], None] | None = None
 ) -> Equilibrium:
@@ -63,7 +75,7 @@ def drape(
     sizes = grid_sizes(sheet.n, sheet.m)
     for n, m in sizes:
         grid = sheet.coarser(n, m)
-        start = lowered(grid, mold) if state is None else refined(state, grid, mold)
+        start = _begun(grid, mold) if state is None else refined(state, grid, mold)
         goal = tolerance if (n, m) == sizes[-1] else max(tolerance, COARSE_TOLERANCE)
         found = equilibrium(grid, mold, start, goal, report=report)
         history += found.history

@@ -74,22 +74,22 @@ def bend_stiffness(
     springs: Ints,
     ways: Floats,
     floor: float,
-    warp: Floats,
-    weft: Floats,
-    extra: Floats,
-    coupling: Floats,
+    diag: Floats,
+    off: Floats,
 ) -> None:
-    """Tangent of the listed springs: own blocks into ``extra``, ``coupling`` (k, 9) between their nodes; the straight
-    springs' blocks are cleared.
-    """
+    """Tangent of the listed springs in place of that of the straight ones, which ``diag`` and ``off`` come with."""
     t, n1, n2 = np.empty(3), np.empty(3), np.empty(3)
     own, turn = np.empty((3, 3)), np.empty((3, 3))
     for b in range(springs.shape[0]):
         i, j, d = springs[b, 0], springs[b, 1], springs[b, 2]
         k, l = (i + 1, j) if d == 0 else (i, j + 1)
-        block = warp[i, j] if d == 0 else weft[i, j]
-        for r in range(6):
-            block[r] = 0.0
+        coupling = off[i, j, d]
+        at = 0
+        for r in range(3):
+            for c in range(r, 3):
+                diag[i, j, at] += coupling[3 * r + c]
+                diag[k, l, at] += coupling[3 * r + c]
+                at += 1
         w = ways[b]
         _, force, slope = law_of(net, i, j, d, w[12])
         along, across = max(slope, floor), max(force / w[12], floor)
@@ -104,13 +104,13 @@ def bend_stiffness(
             own[r, r] += across
         # Off the surface each end hinges about the crossing alone.
         p1, p2 = max(force / w[9], floor), max(force / w[10], floor)
-        e = extra[i, j]
+        e = diag[i, j]
         at = 0
         for r in range(3):
             for c in range(r, 3):
                 e[at] += own[r, c] + (p1 - across) * n1[r] * n1[c]
                 at += 1
-        e = extra[k, l]
+        e = diag[k, l]
         at = 0
         for r in range(3):
             for c in range(r, 3):
@@ -125,24 +125,12 @@ def bend_stiffness(
                 v = across * n1[r] * n2[c]
                 for u in range(3):
                     v -= own[r, u] * turn[u, c]
-                coupling[b, 3 * r + c] = v
+                coupling[3 * r + c] = v
 
 
 @part
 def _cross(a: Floats, b: Floats, out: Floats) -> None:
     out[0], out[1], out[2] = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-@part
-def couple(springs: Ints, coupling: Floats, u: Floats, out: Floats) -> None:
-    """out += coupling of the bent springs times u."""
-    for b in range(springs.shape[0]):
-        i, j, d = springs[b, 0], springs[b, 1], springs[b, 2]
-        k, l = (i + 1, j) if d == 0 else (i, j + 1)
-        c = coupling[b]
-        for r in range(3):
-            out[i, j, r] += c[3 * r] * u[k, l, 0] + c[3 * r + 1] * u[k, l, 1] + c[3 * r + 2] * u[k, l, 2]
-            out[k, l, r] += c[r] * u[i, j, 0] + c[3 + r] * u[i, j, 1] + c[6 + r] * u[i, j, 2]
 
 
 @kernel

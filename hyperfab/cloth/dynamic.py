@@ -58,7 +58,7 @@ def swing(
 ) -> Equilibrium:
     """Let a sheet swing from ``start`` until no node feels an unbalanced force; at most ``largest`` time steps."""
     balance = Balance(sheet, mold, tolerance)
-    tangent = Tangent.empty(sheet.n, sheet.m, balance.model.net.sheared)
+    tangent = Tangent.empty(sheet.n, sheet.m, balance.model.directions)
     v = np.zeros((sheet.n, sheet.m, 3))
     last, mass, heavier = np.inf, np.zeros((0, 0)), 1.0
     began, energy, released = start.copy(), np.inf, 0.0  # of the present swing, and the most it gave away
@@ -104,20 +104,6 @@ def swing(
 def _masses(balance: Balance, now: State, tangent: Tangent) -> Floats:
     """Mass of each node for a time step of 1: half the stiffness of its springs, taut or about to be (Gershgorin)."""
     balance.model.tangent(now.x, balance.stiffness / 3.0, tangent)
-    out = np.abs(_trace(tangent.extra))
-    warp, weft = _trace(tangent.warp), _trace(tangent.weft)
-    one, two = np.abs(_trace(tangent.one)), np.abs(_trace(tangent.two))  # an angle's tangent may push, too
-    out[:-1] += warp
-    out[1:] += warp
-    out[:, :-1] += weft
-    out[:, 1:] += weft
-    if one.size:
-        out[:-1, :-1] += one
-        out[1:, 1:] += one
-        out[1:, :-1] += two
-        out[:-1, 1:] += two
-    return np.asarray(0.5 * SAFETY * out)
-
-
-def _trace(block: Floats) -> Floats:
-    return np.asarray(block[..., 0] + block[..., 3] + block[..., 5])
+    # Pieces that push instead of pulling, as an angle's may, take off the trace, not off the stiffness.
+    trace = tangent.diag[..., 0] + tangent.diag[..., 3] + tangent.diag[..., 5]
+    return np.asarray(0.5 * SAFETY * np.abs(trace))

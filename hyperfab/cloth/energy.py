@@ -24,6 +24,7 @@ class Energy:
 
     def __init__(self, sheet: Sheet, mold: Mold) -> None:
         self.net = sheet.arrays
+        self.directions = 4 if self.net.sheared else 2  # forward neighbours that a node's forces hang on
         self.mold = mold
         self.springs: Ints = np.zeros((0, 4), np.int64)  # laid over edges at the last place
         self.ways: Floats = np.zeros((0, 13))
@@ -116,12 +117,9 @@ class Energy:
 
     def tangent(self, x: Floats, floor: float, out: Tangent) -> None:
         """Tangent at x, where ``forces`` was called last; slack springs keep the stiffness ``floor`` N/mm."""
-        stiffness(x, self.net, floor, out.warp, out.weft)
-        if self.net.sheared:
-            shear_stiffness(x, self.net, out.one, out.two, out.cross)
-        out.extra[:] = 0.0
-        out.springs, out.coupling = self.springs, np.empty((len(self.springs), 9))
+        out.diag[:], out.off[:] = 0.0, 0.0
+        stiffness(x, self.net, floor, out.diag, out.off)
         if len(self.springs):
-            bend_stiffness(
-                self.net, self.springs, self.ways, floor, out.warp, out.weft, out.extra, out.coupling
-            )
+            bend_stiffness(self.net, self.springs, self.ways, floor, out.diag, out.off)
+        if self.net.sheared:
+            shear_stiffness(x, self.net, out.diag, out.off)

@@ -1,4 +1,4 @@
-"""Operators of the multigrid hierarchy: sandwiched 3x3 blocks of the finest grid, and Galerkin products below."""
+"""Operators of the multigrid hierarchy: 3x3 blocks between projectors, and the Galerkin products of coarser grids."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ OY = np.array([0, 1, 1, -1])
 
 
 @inlined
-def _sandwich(q: Floats, b: Floats, r: Floats, sign: float, out: Singles) -> None:
-    """out (9) = sign * Q B R with symmetric Q, R (6) and full B (3, 3)."""
+def _sandwich(q: Floats, b: Floats, r: Floats, out: Singles) -> None:
+    """out (9) = Q B R with symmetric Q, R (6) and full B (3, 3)."""
     if q[0] + q[3] + q[5] == 3.0 and r[0] + r[3] + r[5] == 3.0:  # two free nodes
         for k in range(9):
-            out[k] = sign * b[k // 3, k % 3]
+            out[k] = b[k // 3, k % 3]
         return
     t = np.empty((3, 3))
     for k in range(3):
@@ -30,105 +30,9 @@ def _sandwich(q: Floats, b: Floats, r: Floats, sign: float, out: Singles) -> Non
         t[1, k] = q[1] * b[0, k] + q[3] * b[1, k] + q[4] * b[2, k]
         t[2, k] = q[2] * b[0, k] + q[4] * b[1, k] + q[5] * b[2, k]
     for k in range(3):
-        out[3 * k] = sign * (t[k, 0] * r[0] + t[k, 1] * r[1] + t[k, 2] * r[2])
-        out[3 * k + 1] = sign * (t[k, 0] * r[1] + t[k, 1] * r[3] + t[k, 2] * r[4])
-        out[3 * k + 2] = sign * (t[k, 0] * r[2] + t[k, 1] * r[4] + t[k, 2] * r[5])
-
-
-@inlined
-def _full(s: Floats, b: Floats) -> None:
-    b[0, 0], b[0, 1], b[0, 2] = s[0], s[1], s[2]
-    b[1, 0], b[1, 1], b[1, 2] = s[1], s[3], s[4]
-    b[2, 0], b[2, 1], b[2, 2] = s[2], s[4], s[5]
-
-
-@inlined
-def _add6(a: Floats, b: Floats) -> None:
-    for k in range(6):
-        a[k] += b[k]
-
-
-@kernel
-def assemble(
-    warp: Floats,
-    weft: Floats,
-    one: Floats,
-    two: Floats,
-    cross: Floats,
-    extra: Floats,
-    q: Floats,
-    diag: Singles,
-    off: Singles,
-) -> None:
-    """Finest operator, sandwiched, from the springs' and cells' blocks and a node's own block ``extra``."""
-    n, m = q.shape[0], q.shape[1]
-    b = np.empty((3, 3))
-    s = np.empty(6)
-    o = np.empty(9, np.float32)
-    sheared = off.shape[2] == 4
-    for i in range(n):
-        for j in range(m):
-            for k in range(6):
-                s[k] = extra[i, j, k]
-            if i > 0:
-                _add6(s, warp[i - 1, j])
-            if i + 1 < n:
-                _add6(s, warp[i, j])
-            if j > 0:
-                _add6(s, weft[i, j - 1])
-            if j + 1 < m:
-                _add6(s, weft[i, j])
-            if sheared:
-                if i + 1 < n and j + 1 < m:
-                    _add6(s, one[i, j])
-                if i > 0 and j > 0:
-                    _add6(s, one[i - 1, j - 1])
-                if i + 1 < n and j > 0:
-                    _add6(s, two[i, j - 1])
-                if i > 0 and j + 1 < m:
-                    _add6(s, two[i - 1, j])
-            _full(s, b)
-            _sandwich(q[i, j], b, q[i, j], 1.0, o)
-            diag[i, j, 0], diag[i, j, 1], diag[i, j, 2] = o[0], o[1], o[2]
-            diag[i, j, 3], diag[i, j, 4], diag[i, j, 5] = o[4], o[5], o[8]
-            if i + 1 < n:
-                _full(warp[i, j], b)
-                if sheared:
-                    for r in range(3):
-                        for c in range(3):
-                            if j + 1 < m:
-                                b[r, c] += cross[i, j, 3 * r + c]
-                            if j > 0:
-                                b[r, c] += cross[i, j - 1, 3 * c + r]
-                _sandwich(q[i, j], b, q[i + 1, j], -1.0, off[i, j, 0])
-            if j + 1 < m:
-                _full(weft[i, j], b)
-                if sheared:
-                    for r in range(3):
-                        for c in range(3):
-                            if i + 1 < n:
-                                b[r, c] -= cross[i, j, 3 * r + c]
-                            if i > 0:
-                                b[r, c] -= cross[i - 1, j, 3 * c + r]
-                _sandwich(q[i, j], b, q[i, j + 1], -1.0, off[i, j, 1])
-            if sheared and i + 1 < n and j + 1 < m:
-                _full(one[i, j], b)
-                _sandwich(q[i, j], b, q[i + 1, j + 1], -1.0, off[i, j, 2])
-                _full(two[i, j], b)  # joins (i + 1, j) and (i, j + 1)
-                _sandwich(q[i, j + 1], b, q[i + 1, j], -1.0, off[i, j + 1, 3])
-
-
-@kernel
-def assemble_bent(springs: Ints, coupling: Floats, q: Floats, off: Singles) -> None:
-    """Forward blocks of the springs that are laid over an edge."""
-    b = np.empty((3, 3))
-    for k in range(springs.shape[0]):
-        i, j, d = springs[k, 0], springs[k, 1], springs[k, 2]
-        for r in range(3):
-            for c in range(3):
-                b[r, c] = coupling[k, 3 * r + c]
-        other = q[i + 1, j] if d == 0 else q[i, j + 1]
-        _sandwich(q[i, j], b, other, 1.0, off[i, j, d])
+        out[3 * k] = t[k, 0] * r[0] + t[k, 1] * r[1] + t[k, 2] * r[2]
+        out[3 * k + 1] = t[k, 0] * r[1] + t[k, 1] * r[3] + t[k, 2] * r[4]
+        out[3 * k + 2] = t[k, 0] * r[2] + t[k, 1] * r[4] + t[k, 2] * r[5]
 
 
 @kernel
@@ -249,7 +153,7 @@ def halve(diag: Singles, off: Singles, places: Ints, cd: Singles, co: Singles, f
 
 @kernel
 def sandwich_all(q: Floats, diag: Singles, off: Singles) -> None:
-    """Put the projectors of the coarse nodes around a coarse operator."""
+    """Put the projectors of the nodes around an operator."""
     n, m = q.shape[0], q.shape[1]
     b = np.empty((3, 3))
     o = np.empty(9, np.float32)
@@ -259,13 +163,13 @@ def sandwich_all(q: Floats, diag: Singles, off: Singles) -> None:
                 o[k] = diag[i, j, k]
             b[0, 0], b[0, 1], b[0, 2], b[1, 1], b[1, 2], b[2, 2] = o[0], o[1], o[2], o[3], o[4], o[5]
             b[1, 0], b[2, 0], b[2, 1] = b[0, 1], b[0, 2], b[1, 2]
-            _sandwich(q[i, j], b, q[i, j], 1.0, o)
+            _sandwich(q[i, j], b, q[i, j], o)
             diag[i, j, 0], diag[i, j, 1], diag[i, j, 2] = o[0], o[1], o[2]
             diag[i, j, 3], diag[i, j, 4], diag[i, j, 5] = o[4], o[5], o[8]
-            for d in range(4):
+            for d in range(off.shape[2]):
                 ni, nj = i + OX[d], j + OY[d]
                 if ni < n and 0 <= nj < m:
                     for r in range(3):
                         for c in range(3):
                             b[r, c] = off[i, j, d, 3 * r + c]
-                    _sandwich(q[i, j], b, q[ni, nj], 1.0, off[i, j, d])
+                    _sandwich(q[i, j], b, q[ni, nj], off[i, j, d])

@@ -6,126 +6,54 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hyperfab.numerics.kernels import inlined, kernel
+from hyperfab.numerics.kernels import kernel
 
-from .creases import couple
 from .law import Floats
-from .mold import Ints
-from .multigrid import Multigrid, project
+from .multigrid import Multigrid, ahead, behind, project
 
 
 @dataclass
 class Tangent:
-    """Blocks of the springs (warp, weft), of the cells by their diagonals, of the nodes, and the projectors."""
+    """Blocks of the nodes and of each with its forward neighbours (as in galerkin.py), and the projectors."""
 
-    warp: Floats
-    weft: Floats
-    one: Floats
-    two: Floats
-    cross: Floats
-    extra: Floats
-    q: Floats
-    springs: Ints  # (k, 4) springs laid over edges: node, direction, crease
-    coupling: Floats  # (k, 9) between their two nodes
+    diag: Floats  # (n, m, 6)
+    off: Floats  # (n, m, 2 or 4, 9)
+    q: Floats  # (n, m, 6)
 
     @classmethod
-    def empty(cls, n: int, m: int, sheared: bool, q: Floats | None = None) -> Tangent:
-        """Room for an n by m grid; ``q`` are projectors kept elsewhere."""
-        cells = (n - 1, m - 1, 6) if sheared else (0, 0, 6)
+    def empty(cls, n: int, m: int, directions: int, q: Floats | None = None) -> Tangent:
+        """Room for an n by m grid; ``directions``: 2 forward neighbours, or 4 with those across cells.
+
+        ``q`` are projectors kept elsewhere.
+        """
         return cls(
-            np.zeros((n - 1, m, 6)),
-            np.zeros((n, m - 1, 6)),
-            np.zeros(cells),
-            np.zeros(cells),
-            np.zeros((*cells[:2], 9)),
-            np.zeros((n, m, 6)),
-            np.zeros((n, m, 6)) if q is None else q,
-            np.zeros((0, 4), np.int64),
-            np.zeros((0, 9)),
+            np.zeros((n, m, 6)), np.zeros((n, m, directions, 9)), np.zeros((n, m, 6)) if q is None else q
         )
-
-    @property
-    def blocks(self) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-        """The springs' and the cells' blocks."""
-        return self.warp, self.weft, self.one, self.two, self.cross
-
-
-@inlined
-def _difference(b: Floats, u: Floats, i: int, j: int, k: int, l: int, out: Floats) -> None:
-    x, y, z = u[i, j, 0] - u[k, l, 0], u[i, j, 1] - u[k, l, 1], u[i, j, 2] - u[k, l, 2]
-    fx, fy, fz = (
-        b[0] * x + b[1] * y + b[2] * z,
-        b[1] * x + b[3] * y + b[4] * z,
-        b[2] * x + b[4] * y + b[5] * z,
-    )
-    out[i, j, 0] += fx
-    out[i, j, 1] += fy
-    out[i, j, 2] += fz
-    out[k, l, 0] -= fx
-    out[k, l, 1] -= fy
-    out[k, l, 2] -= fz
-
-
-@inlined
-def _crossed(b: Floats, u: Floats, i: int, j: int, out: Floats) -> None:
-    """What each diagonal of a cell feels of the other."""
-    for r in range(3):
-        p, q = 0.0, 0.0
-        for s in range(3):
-            p += b[3 * r + s] * (u[i + 1, j, s] - u[i, j + 1, s])
-            q += b[3 * s + r] * (u[i + 1, j + 1, s] - u[i, j, s])
-        out[i + 1, j + 1, r] += p
-        out[i, j, r] -= p
-        out[i + 1, j, r] += q
-        out[i, j + 1, r] -= q
 
 
 @kernel
-def _apply(
-    warp: Floats,
-    weft: Floats,
-    one: Floats,
-    two: Floats,
-    cross: Floats,
-    extra: Floats,
-    springs: Ints,
-    coupling: Floats,
-    q: Floats,
-    u: Floats,
-    out: Floats,
-) -> float:
-    n, m = u.shape[0], u.shape[1]
-    sheared = one.shape[0] > 0
-    for i in range(n):
-        for j in range(m):
-            e, v = extra[i, j], u[i, j]
-            out[i, j, 0] = e[0] * v[0] + e[1] * v[1] + e[2] * v[2]
-            out[i, j, 1] = e[1] * v[0] + e[3] * v[1] + e[4] * v[2]
-            out[i, j, 2] = e[2] * v[0] + e[4] * v[1] + e[5] * v[2]
-    couple(springs, coupling, u, out)
+def _apply(diag: Floats, off: Floats, q: Floats, u: Floats, out: Floats) -> float:
     total = 0.0
-    for i in range(n):
-        for j in range(m):
-            if i + 1 < n:
-                _difference(warp[i, j], u, i, j, i + 1, j, out)
-            if j + 1 < m:
-                _difference(weft[i, j], u, i, j, i, j + 1, out)
-            if sheared and i + 1 < n and j + 1 < m:
-                _difference(one[i, j], u, i, j, i + 1, j + 1, out)
-                _difference(two[i, j], u, i + 1, j, i, j + 1, out)
-                _crossed(cross[i, j], u, i, j, out)
-        for j in range(m):
-            a, b, c, p = out[i, j, 0], out[i, j, 1], out[i, j, 2], q[i, j]
-            out[i, j, 0] = p[0] * a + p[1] * b + p[2] * c
-            out[i, j, 1] = p[1] * a + p[3] * b + p[4] * c
-            out[i, j, 2] = p[2] * a + p[4] * b + p[5] * c
-            total += u[i, j, 0] * out[i, j, 0] + u[i, j, 1] * out[i, j, 1] + u[i, j, 2] * out[i, j, 2]
+    s = np.empty(3)
+    for i in range(u.shape[0]):
+        for j in range(u.shape[1]):
+            e, v, p = diag[i, j], u[i, j], q[i, j]
+            s[0] = -(e[0] * v[0] + e[1] * v[1] + e[2] * v[2])
+            s[1] = -(e[1] * v[0] + e[3] * v[1] + e[4] * v[2])
+            s[2] = -(e[2] * v[0] + e[4] * v[1] + e[5] * v[2])
+            ahead(off, u, i, j, s)
+            behind(off, u, i, j, s)
+            o = out[i, j]
+            o[0] = -(p[0] * s[0] + p[1] * s[1] + p[2] * s[2])
+            o[1] = -(p[1] * s[0] + p[3] * s[1] + p[4] * s[2])
+            o[2] = -(p[2] * s[0] + p[4] * s[1] + p[5] * s[2])
+            total += v[0] * o[0] + v[1] * o[1] + v[2] * o[2]
     return total
 
 
 def apply(k: Tangent, u: Floats, out: Floats) -> float:
     """out = Q K u for u = Q u; returns u . out."""
-    return float(_apply(*k.blocks, k.extra, k.springs, k.coupling, k.q, u, out))
+    return float(_apply(k.diag, k.off, k.q, u, out))
 
 
 @kernel
@@ -152,8 +80,8 @@ def combine(a: float, x: Floats, b: float, y: Floats) -> None:
 class Solver:
     """Preconditioned conjugate gradients with work arrays kept between calls."""
 
-    def __init__(self, n: int, m: int, sheared: bool) -> None:
-        self.grids = Multigrid(n, m, sheared)
+    def __init__(self, n: int, m: int, directions: int) -> None:
+        self.grids = Multigrid(n, m, directions)
         self.work = np.zeros((4, n, m, 3))
         self.iterations = 0
 
@@ -163,7 +91,7 @@ class Solver:
         False: a direction of negative curvature was met, and ``d`` is what was found before it (or the
         preconditioned force if it was the first).
         """
-        self.grids.build(k.blocks, k.extra, k.q, k.springs, k.coupling)
+        self.grids.build(k.diag, k.off, k.q)
         found = self._solve(k, right, d, tolerance, largest)
         project(k.q, d)  # the preconditioner's single precision leaves d a little off the subspaces
         return found

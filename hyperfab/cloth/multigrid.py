@@ -15,7 +15,7 @@ import numpy as np
 
 from hyperfab.numerics.kernels import inlined, kernel
 
-from .galerkin import OX, OY, Ints, Singles, assemble, assemble_bent, halve, invert, sandwich_all
+from .galerkin import OX, OY, Ints, Singles, halve, invert, sandwich_all
 from .law import Floats
 
 SMALLEST = 4  # grids of at most this many nodes a side are not coarsened further
@@ -78,7 +78,7 @@ def _add_t(a: Singles, u: Floats, s: Floats) -> None:
 
 
 @inlined
-def _ahead(off: Singles, u: Floats, i: int, j: int, s: Floats) -> None:
+def ahead(off: Singles, u: Floats, i: int, j: int, s: Floats) -> None:
     """s -= sum over the neighbours of (i, j) that come after it of their block times u."""
     n, m = u.shape[0], u.shape[1]
     if i + 1 < n:
@@ -93,7 +93,7 @@ def _ahead(off: Singles, u: Floats, i: int, j: int, s: Floats) -> None:
 
 
 @inlined
-def _behind(off: Singles, u: Floats, i: int, j: int, s: Floats) -> None:
+def behind(off: Singles, u: Floats, i: int, j: int, s: Floats) -> None:
     """s -= sum over the neighbours of (i, j) that come before it of their block times u."""
     m = u.shape[1]
     if i > 0:
@@ -121,7 +121,7 @@ def sweep_from_zero(inverse: Singles, off: Singles, b: Floats, u: Floats) -> Non
     for i in range(u.shape[0]):
         for j in range(u.shape[1]):
             s[0], s[1], s[2] = b[i, j, 0], b[i, j, 1], b[i, j, 2]
-            _behind(off, u, i, j, s)
+            behind(off, u, i, j, s)
             _solve(inverse[i, j], s, u[i, j])
 
 
@@ -132,8 +132,8 @@ def sweep_back(inverse: Singles, off: Singles, b: Floats, u: Floats) -> None:
     for i in range(u.shape[0] - 1, -1, -1):
         for j in range(u.shape[1] - 1, -1, -1):
             s[0], s[1], s[2] = b[i, j, 0], b[i, j, 1], b[i, j, 2]
-            _behind(off, u, i, j, s)
-            _ahead(off, u, i, j, s)
+            behind(off, u, i, j, s)
+            ahead(off, u, i, j, s)
             _solve(inverse[i, j], s, u[i, j])
 
 
@@ -144,7 +144,7 @@ def left(off: Singles, u: Floats, r: Floats) -> None:
     for i in range(u.shape[0]):
         for j in range(u.shape[1]):
             s[0], s[1], s[2] = 0.0, 0.0, 0.0
-            _ahead(off, u, i, j, s)
+            ahead(off, u, i, j, s)
             r[i, j, 0], r[i, j, 1], r[i, j, 2] = s[0], s[1], s[2]
 
 
@@ -195,12 +195,11 @@ def prolong(e: Floats, pi: Ints, wi: Floats, pj: Ints, wj: Floats, q: Floats, u:
 class Multigrid:
     """V-cycles on a hierarchy of grids; the arrays are kept between Newton steps.
 
-    ``sheared``: the cells of the finest grid resist shear too.
+    ``directions``: forward neighbours of the finest grid's operator, 2 or 4.
     """
 
-    def __init__(self, n: int, m: int, sheared: bool = False) -> None:
+    def __init__(self, n: int, m: int, directions: int = 2) -> None:
         self.levels: list[Level] = []
-        directions = 4 if sheared else 2
         while True:
             ni, wi = parents_of(n)
             nj, wj = parents_of(m)
@@ -220,23 +219,11 @@ class Multigrid:
             n, m = coarse_size(n), coarse_size(m)
         self.direct: Floats = np.zeros((0, 0))
 
-    def build(
-        self,
-        blocks: tuple[Floats, Floats, Floats, Floats, Floats],
-        extra: Floats,
-        q: Floats,
-        springs: Ints,
-        coupling: Floats,
-    ) -> None:
-        """Set up all levels for ``blocks`` of springs and cells (warp, weft, one, two, cross), node blocks, projectors.
-
-        ``coupling`` (k, 9) are the blocks of ``springs`` (k, 3) that are laid over edges.
-        """
+    def build(self, diag: Floats, off: Floats, q: Floats) -> None:
+        """Set up all levels for the finest operator (diagonal and forward blocks) and its projectors."""
         top = self.levels[0]
-        top.q[:] = q
-        assemble(*blocks, extra, q, top.diag, top.off)
-        if len(springs):
-            assemble_bent(springs, coupling, q, top.off)
+        top.q[:], top.diag[:], top.off[:] = q, diag, off
+        sandwich_all(top.q, top.diag, top.off)
         invert(top.diag, top.q, top.inverse)
         for fine, coarse in zip(self.levels, self.levels[1:], strict=False):
             n, m = fine.q.shape[:2]

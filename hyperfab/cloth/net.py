@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -11,6 +11,9 @@ import numpy.typing as npt
 from hyperfab.numerics.kernels import inlined, kernel
 
 from .law import Floats, SpringLaw, evaluate, piecewise_linear
+
+if TYPE_CHECKING:
+    from .membrane import MembraneLaw
 
 Bytes = npt.NDArray[np.uint8]
 
@@ -47,7 +50,7 @@ class Sheet:
     law of the angle between the threads, over 1 + that angle; ``mass`` in g/m^2 of undeformed sheet loads the nodes
     downward.
     ``holder`` N/mm at each edge: a blank holder's friction a unit length, against which the edge is drawn in (its bits
-    then hold Z alone).
+    then hold Z alone). ``membrane``: the law of the sheet as a whole, obeyed in place of the springs'.
 
     >>> law = piecewise_linear([1.0, 2.0], [0.0, 1.0])
     >>> sheet = Sheet(5, 3, (40.0, 20.0), 1.0, law, law)
@@ -66,6 +69,7 @@ class Sheet:
     mass: float = 0.0
     edges: tuple[int, int, int, int] = (FIXED, FIXED, FIXED, FIXED)  # x-, x+, y-, y+
     holder: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    membrane: MembraneLaw | None = None
 
     @property
     def spacing(self) -> tuple[float, float]:
@@ -104,7 +108,7 @@ class Sheet:
         """The sheet as the kernels take it."""
         rest = np.array(self.spacing) / self.prestretch
         across, along = _shares(self.m) * rest[1], _shares(self.n) * rest[0]
-        shear = self.shear or _NONE
+        shear = self.shear or NO_FORCE
         return Arrays(
             rest,
             across * self.thickness,
@@ -128,7 +132,8 @@ def _shares(n: int) -> Floats:
     return out
 
 
-_NONE = piecewise_linear([1.0, 2.0], [0.0, 0.0])
+#: Law of springs without force.
+NO_FORCE = piecewise_linear([1.0, 2.0], [0.0, 0.0])
 
 
 @inlined
@@ -181,10 +186,20 @@ def forces(x: Floats, net: Arrays, f: Floats) -> tuple[float, float]:
 
 
 @inlined
-def _block(
-    x: Floats, i: int, j: int, k: int, l: int, rest: float, area: float, law: Any, floor: float, out: Floats
+def _join(
+    x: Floats,
+    i: int,
+    j: int,
+    d: int,
+    rest: float,
+    area: float,
+    law: Any,
+    floor: float,
+    diag: Floats,
+    off: Floats,
 ) -> None:
-    """Stiffness of a spring between two nodes as xx, xy, xz, yy, yz, zz; at least ``floor`` along and across."""
+    """Add the stiffness of the spring from a node to its next along ``d``; at least ``floor`` along and across."""
+    k, l = (i + 1, j) if d == 0 else (i, j + 1)
     dx, dy, dz = x[k, l, 0] - x[i, j, 0], x[k, l, 1] - x[i, j, 1], x[k, l, 2] - x[i, j, 2]
     length = np.sqrt(dx * dx + dy * dy + dz * dz)
     along, across = floor, floor
@@ -194,18 +209,27 @@ def _block(
         across = max(p * area / length, floor)
     inv = 1.0 / max(length, 1e-300)
     tx, ty, tz = dx * inv, dy * inv, dz * inv
-    d = along - across
-    out[0], out[1], out[2] = across + d * tx * tx, d * tx * ty, d * tx * tz
-    out[3], out[4], out[5] = across + d * ty * ty, d * ty * tz, across + d * tz * tz
+    t = along - across
+    xx, xy, xz = across + t * tx * tx, t * tx * ty, t * tx * tz
+    yy, yz, zz = across + t * ty * ty, t * ty * tz, across + t * tz * tz
+    for e in (diag[i, j], diag[k, l]):
+        e[0] += xx
+        e[1] += xy
+        e[2] += xz
+        e[3] += yy
+        e[4] += yz
+        e[5] += zz
+    o = off[i, j, d]
+    o[0], o[1], o[2], o[3], o[4], o[5], o[6], o[7], o[8] = -xx, -xy, -xz, -xy, -yy, -yz, -xz, -yz, -zz
 
 
 @kernel
-def stiffness(x: Floats, net: Arrays, floor: float, warp: Floats, weft: Floats) -> None:
-    """Tangent blocks of all springs."""
+def stiffness(x: Floats, net: Arrays, floor: float, diag: Floats, off: Floats) -> None:
+    """Tangent of all springs; ``diag`` and ``off`` come with zeros."""
     n, m = x.shape[0], x.shape[1]
     for i in range(n):
         for j in range(m):
             if i + 1 < n:
-                _block(x, i, j, i + 1, j, net.rest[0], net.warp_area[j], net.warp, floor, warp[i, j])
+                _join(x, i, j, 0, net.rest[0], net.warp_area[j], net.warp, floor, diag, off)
             if j + 1 < m:
-                _block(x, i, j, i, j + 1, net.rest[1], net.weft_area[i], net.weft, floor, weft[i, j])
+                _join(x, i, j, 1, net.rest[1], net.weft_area[i], net.weft, floor, diag, off)

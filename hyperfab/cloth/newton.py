@@ -40,11 +40,11 @@ def equilibrium(
     n, m = sheet.n, sheet.m
     balance = Balance(sheet, mold, tolerance)
     model = balance.model
-    sharp, sheared = len(mold.creases.corners) > 0, model.net.sheared
+    sharp = len(mold.creases.corners) > 0
     if largest is None:
         largest = SHARP_STEPS if sharp else STEPS
     now, trial = start.copy(), start.copy()
-    tangent, solver = Tangent.empty(n, m, sheared, balance.q), Solver(n, m, sheared)
+    tangent, solver = Tangent.empty(n, m, model.directions, balance.q), Solver(n, m, model.directions)
     spare, d = np.zeros((n, m, 3)), np.zeros((n, m, 3))
     balance.forces(now)
     history: list[Step] = []
@@ -68,7 +68,7 @@ def equilibrium(
             break
         model.tangent(now.x, balance.stiffness * min(1e-3, 0.1 * relative), tangent)
         if friction is not None:
-            friction.stiffen(balance.q, tangent.extra)
+            friction.stiffen(balance.q, tangent.diag)
         forcing = min(FORCING, max(1e-3, 0.5 * (relative / relative_old) ** 2)) if iteration else FORCING
         forcing = min(0.1, max(forcing, 0.3 * tolerance / relative))
         relative_old = relative

@@ -132,9 +132,9 @@ def shear_forces(x: Floats, net: Arrays, f: Floats) -> float:
 
 
 @kernel
-def shear_stiffness(x: Floats, net: Arrays, one: Floats, two: Floats, cross: Floats) -> None:
-    """Tangent of all cells by their diagonals p (to (i + 1, j + 1)) and q (to (i + 1, j)): ``one`` and ``two``
-    (n - 1, m - 1, 6) of p and of q, and ``cross`` (n - 1, m - 1, 9) of p with q.
+def shear_stiffness(x: Floats, net: Arrays, diag: Floats, off: Floats) -> None:
+    """Add the tangent of all cells: their diagonals p (to (i + 1, j + 1)) and q (to (i + 1, j)) with themselves
+    (``one``, ``two``) and with each other (``cross``).
     """
     n, m = x.shape[0], x.shape[1]
     u, v = np.empty(3), np.empty(3)
@@ -161,7 +161,18 @@ def shear_stiffness(x: Floats, net: Arrays, one: Floats, two: Floats, cross: Flo
             for r in range(3):
                 for s in range(3):
                     same, mixed = huu[r, s] + hvv[r, s], huv[r, s] + huv[s, r]
+                    one, two = 0.25 * (same + mixed), 0.25 * (same - mixed)
+                    cross = 0.25 * (huu[r, s] - hvv[r, s] - huv[r, s] + huv[s, r])
                     if s >= r:
-                        one[i, j, at], two[i, j, at] = 0.25 * (same + mixed), 0.25 * (same - mixed)
+                        diag[i, j, at] += one
+                        diag[i + 1, j + 1, at] += one
+                        diag[i + 1, j, at] += two
+                        diag[i, j + 1, at] += two
                         at += 1
-                    cross[i, j, 3 * r + s] = 0.25 * (huu[r, s] - hvv[r, s] - huv[r, s] + huv[s, r])
+                    k, turned = 3 * r + s, 3 * s + r
+                    off[i, j, 2, k] -= one
+                    off[i, j + 1, 3, k] -= two
+                    off[i, j, 0, k] -= cross
+                    off[i, j + 1, 0, turned] -= cross
+                    off[i, j, 1, k] += cross
+                    off[i + 1, j, 1, turned] += cross

@@ -97,7 +97,7 @@ def test_the_forces_of_bent_springs_are_derivatives_of_the_energy_and_the_tangen
     model.forces(x, clear, f)
     bent = len(model.springs)
     assert bent > 20
-    tangent, kd, h = Tangent.empty(24, 24, False), np.zeros_like(x), 1e-6
+    tangent, kd, h = Tangent.empty(24, 24, 2), np.zeros_like(x), 1e-6
     model.tangent(x, 0.0, tangent)
     tangent.q[:] = [1, 0, 0, 1, 0, 1]
     apply(tangent, d, kd)

@@ -36,21 +36,14 @@ def interpolation(n: int) -> np.ndarray:
 def random_grids(n: int, m: int, sheared: bool) -> Multigrid:
     random = np.random.default_rng(1)
 
-    def blocks(*shape: int) -> np.ndarray:
-        half = random.normal(size=(*shape, 3, 3))
-        return np.ascontiguousarray(
-            (half @ half.swapaxes(-1, -2))[..., [0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2]]
-        )
-
-    cells = (n - 1, m - 1) if sheared else (0, 0)
-    springs = (
-        *(blocks(*shape) for shape in ((n - 1, m), (n, m - 1), cells, cells)),
-        0.1 * random.normal(size=(*cells, 9)),
-    )
+    half = random.normal(size=(n, m, 3, 3))
+    own = half @ half.swapaxes(-1, -2) + 20.0 * np.eye(3)
+    diag = own[..., [0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2]]
+    off = random.normal(size=(n, m, 4 if sheared else 2, 9))
     free = np.zeros((n, m, 6))
     free[..., [0, 3, 5]] = 1.0
-    grids = Multigrid(n, m, sheared)
-    grids.build(springs, blocks(n, m), free, np.zeros((0, 4), np.int64), np.zeros((0, 9)))
+    grids = Multigrid(n, m, off.shape[2])
+    grids.build(diag, off, free)
     return grids
 
 
