@@ -49,6 +49,17 @@ def test_an_extensometer_that_slips_is_told_by_its_row() -> None:
     assert found.size == pytest.approx(0.03 / np.ptp(stretch), rel=0.1)
 
 
+@pytest.mark.parametrize("row", [3, 21])
+def test_two_steps_on_either_side_are_enough_to_tell_a_slip(row: int) -> None:
+    """Two whole steps before the slip, or two after it. One alone could be the end of an unloading."""
+    stretch, stress = pull(24, noise=0.0)
+    stretch = np.where(np.arange(24) >= row, stretch - 0.035, stretch)
+    [found] = look(stretch, stress)
+    assert (found.kind, found.rows) == ("step-back", (row,))
+    assert "step-back" not in kinds(look(stretch[row - 2 :], stress[row - 2 :]))
+    assert "step-back" not in kinds(look(stretch[: row + 2], stress[: row + 2]))
+
+
 def test_small_unloadings_in_mid_pull_are_no_slip() -> None:
     way = np.concatenate([np.linspace(0.0, 0.3, 100), np.linspace(0.3, 0.25, 12), np.linspace(0.25, 0.5, 90)])
     assert look(1.0 + way, way**2 + way) == []
@@ -80,6 +91,19 @@ def test_rows_that_stand_twice_are_told() -> None:
     assert twice[0].kind == "doubled"
     assert twice[0].rows == tuple(range(240, 480))
     assert look(np.repeat(stretch, 2), np.repeat(stress, 2))[0].kind == "doubled"
+
+
+def test_rows_written_again_at_the_same_time_are_told_from_three_on() -> None:
+    """A logger that writes a row twice; two such rows may be chance, where the reading is coarse."""
+    stretch, stress = pull()
+    time = np.linspace(0.0, 60.0, 240)
+    for again in ((50, 120, 200), (50, 120)):
+        columns = np.insert(
+            np.stack([stretch, stress, time]), again, np.stack([stretch, stress, time])[:, again], axis=1
+        )
+        found = [doubt for doubt in look(columns[0], columns[1], time=columns[2]) if doubt.kind == "doubled"]
+        rows = tuple(row + k + 1 for k, row in enumerate(again))
+        assert [doubt.rows for doubt in found] == ([rows] if len(again) == 3 else [])
 
 
 def test_a_stress_before_the_pull_is_told() -> None:
