@@ -33,11 +33,13 @@ class Lever:
 
 @dataclass(frozen=True)
 class Tooling:
-    """What the levers act on, at n points of the hot male: ``points`` and ``direction`` (n, 3), the gap's gradient;
-    ``area`` (n,) [mm^2]; ``closest``, the point with the least gap; ``pivot`` (3,) [mm] of tilt; for each mold its
-    ``fixed`` point (3,) [mm], expansion per kelvin ``rate`` [1/K] and present thermal ``strain``."""
+    """What the levers act on, at n points of the hot male: ``points``, their ``gap`` (n,) [mm] and ``direction``
+    (n, 3), the gap's gradient; ``area`` (n,) [mm^2]; ``closest``, the point with the least gap; ``pivot`` (3,) [mm] of
+    tilt; for each mold its ``fixed`` point (3,) [mm], expansion per kelvin ``rate`` [1/K] and present thermal
+    ``strain``."""
 
     points: Array
+    gap: Array
     direction: Array
     area: Array
     closest: int
@@ -53,13 +55,14 @@ class Tooling:
 def levers(tool: Tooling) -> list[Lever]:
     """Return the levers, the strongest first.
 
-    All follow from the gradient of the nearest gap: where the male's point moves by u against the female, the gap
-    changes by direction . u; so no gap is measured again.
+    All follow from the gradient of the nearest gap: where the male's point moves by u against the point of the female
+    that is nearest, the gap changes by direction . u; so no gap is measured again.
     """
     along_x, along_y, up = np.eye(3)
     arm = tool.points - tool.pivot
     degree = np.radians(1.0)
-    from_male, from_female = tool.points - tool.male_fixed, tool.points - tool.female_fixed
+    from_male = tool.points - tool.male_fixed
+    from_female = tool.points - tool.gap[:, None] * tool.direction - tool.female_fixed
     moves: list[tuple[str, str, float, Array]] = [
         ("stroke", "mm", 0.1, np.broadcast_to(up, arm.shape)),
         ("shift of the female across, first axis", "mm", 0.1, np.broadcast_to(-along_x, arm.shape)),

@@ -3,11 +3,26 @@
 from __future__ import annotations
 
 import re
+from importlib import import_module
 from pathlib import Path
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 import hyperfab.loop.catalogue as catalogue
+from hyperfab.loop.catalogue.contact.scene import Scene as ContactScene
+from hyperfab.loop.catalogue.drape.scene import Scene as DrapeScene
+from hyperfab.loop.catalogue.fabric.scene import Scene as FabricScene
+from hyperfab.loop.catalogue.heat.scene import Scene as HeatScene
+from hyperfab.loop.catalogue.press.scene import Scene as PressScene
+from hyperfab.loop.fabric import FabricTest
+from hyperfab.loop.fabric_extras import menu
+from hyperfab.loop.heat import _MENU
+from hyperfab.loop.problem import Effect, Form
+from hyperfab.materials import laws
+from hyperfab.materials.effects.path import UNIAXIAL
+from hyperfab.materials.effects.path import Path as Way
 
 ENTRIES = sorted(
     path
@@ -34,3 +49,112 @@ def test_the_page_of_laws_explains(path: Path) -> None:
 def test_the_tables_of_entries_are_whole(path: Path) -> None:
     page = "close-loop.md" if path.parent.name in ("fabric", "heat") else "close-loop-shapes.md"
     assert f"| `{path.stem.replace('_', '-')}` |" in (DOCS / page).read_text()
+
+
+def fabric_scene(stress: float = 1.0, pace: float = 1.0) -> FabricScene:
+    """Two loops at rates ten apart, along the warp and at 45 degrees, cold and warm, in units of stress and time."""
+    up = np.linspace(1.0, 1.5, 20)
+    lam = np.tile(np.concatenate([up, up[-2::-1]]), 4)
+    count = len(lam)
+    quick = np.where(np.arange(count) < count // 2, 1.0, 10.0)
+    nothing = np.full(count, np.nan)
+    way = Way(
+        starts=(0, count // 2, count),
+        mode=np.full(count, UNIAXIAL),
+        stretch=lam,
+        across=nothing,
+        time_s=np.tile(np.arange(count // 2, dtype=float), 2) / quick * pace,
+        temperature_degC=np.where(np.arange(count) < count // 2, 20.0, 60.0),
+        angle_deg=np.where(np.arange(count) < count // 2, 0.0, 45.0),
+        branch=np.zeros(count, dtype=np.int64),
+    )
+    law = laws()["yeoh-2"]
+    own = tuple(law.scaled(dict(zip(law.names, (0.2, 0.05), strict=True)), stress).values())
+    return FabricScene(law, own, way, stress * (lam - 1.0), directions=True, transverse=True)
+
+
+SCENES = {
+    "fabric": fabric_scene(),
+    "heat": HeatScene(3600.0, 10.0, 80.0, 500.0, 3, 2, 2, 1, 3, True, True, 15.0),
+    "contact": ContactScene(60.0, (20.0, 60.0), 20.0, (0.05, 0.2), 0.5, 10.0, 2.0),
+    "drape": DrapeScene((0.05, 0.2), 0.5, 0.1, 300.0),
+    "press": PressScene(60.0, 40.0, 500.0, 5.0, 0.05, True, True, 600.0, True, True),
+}
+
+
+def forms(kind: str, name: str, scene: object) -> dict[str, Form]:
+    effect: Effect = import_module(f"hyperfab.loop.catalogue.{kind}.{name}").entry(scene)
+    return {form.name: form for form in effect.forms}
+
+
+@pytest.mark.parametrize("path", ENTRIES, ids=lambda path: f"{path.parent.name}/{path.stem}")
+def test_null_starts_and_probes_are_within_bounds_and_a_probe_is_no_null(path: Path) -> None:
+    for name, form in forms(path.parent.name, path.stem, SCENES[path.parent.name]).items():
+        low, high = (np.array([getattr(one, end) for one in form.constants]) for end in ("low", "high"))
+        for values in (form.null, *form.starts, *form.probes):
+            assert len(values) == len(low), name
+            assert ((low <= np.array(values)) & (np.array(values) <= high)).all(), name
+        assert form.starts, name
+        assert all(probe != form.null for probe in form.probes), name
+
+
+def unit(name: str) -> tuple[int, int]:
+    """Powers of stress and of time in a constant's unit, by its name."""
+    found = {"MPa_s": (1, -1), "MPa": (1, 0), "1_s": (0, -1), "s": (0, 1)}
+    return next((powers for end, powers in found.items() if name.endswith(f"_{end}")), (0, 0))
+
+
+@pytest.mark.parametrize(
+    "path", [p for p in ENTRIES if p.parent.name == "fabric"], ids=lambda path: path.stem
+)
+def test_where_a_search_starts_hangs_on_no_unit(path: Path) -> None:
+    """Stress in Pa and time in hours: every start, probe and step goes with the unit of its constant."""
+    plain = forms("fabric", path.stem, fabric_scene())
+    other = forms("fabric", path.stem, fabric_scene(1e6, 1.0 / 3600.0))
+    assert plain.keys() == other.keys()
+    for name, form in plain.items():
+        powers = np.array([unit(one.name) for one in form.constants]).T
+        factor = 1e6 ** powers[0] * 3600.0 ** -powers[1].astype(float)
+        for kind in ("starts", "probes"):
+            for here, there in zip(getattr(form, kind), getattr(other[name], kind), strict=True):
+                np.testing.assert_allclose(
+                    there, factor * np.array(here), rtol=1e-9, err_msg=f"{name} {kind}"
+                )
+
+
+def test_what_is_probed_at_the_bench_goes_with_the_films_of_the_mold() -> None:
+    scenes = [SimpleNamespace(**{**vars(SCENES["heat"]), "typical_film": film}) for film in (15.0, 150.0)]
+    one, ten = (forms("heat", "base_conduction", scene) for scene in scenes)
+    for name, form in one.items():
+        for here, there in zip(form.probes, ten[name].probes, strict=True):
+            assert there[0] == pytest.approx(10.0 * here[0])
+
+
+def test_the_test_proposed_is_the_one_that_is_weighed() -> None:
+    """What a user is told to do, and the test whose worth was computed: rate, direction, turns, hold, temperature."""
+    lam = np.linspace(1.0, 1.4, 30)
+    done = FabricTest("done", UNIAXIAL, lam, lam - 1.0, time_s=(lam - 1.0) / 0.02, angle_deg=30.0,
+                      temperature_degC=np.full(30, 20.0))  # fmt: skip
+    found = list(menu([done]))
+    rates = sorted({details["rate_1_s"] for _, details, _ in found})
+    assert rates == pytest.approx([0.02 / 16, 0.02 / 4, 0.02, 0.02 * 16])
+    assert {details["direction_deg"] for _, details, _ in found} == {30.0, 45.0, 120.0}
+    for _, details, test in found:
+        step, time = np.diff(test.stretch), np.diff(test.time_s)
+        moves = np.abs(step) > 1e-12
+        np.testing.assert_allclose(np.abs(step[moves]) / time[moves], details["rate_1_s"], rtol=1e-6)
+        assert time[~moves].sum() == pytest.approx(details["hold_s"])
+        assert test.angle_deg == details["direction_deg"]
+        assert (test.temperature_degC == details["temperature_degC"]).all()
+        turns = (
+            test.stretch[np.flatnonzero(np.diff(np.sign(step[moves]))) + 1] if not details["hold_s"] else []
+        )
+        assert list(turns) == pytest.approx(details["stretch_turns"][:-1] if len(turns) else [])
+        assert test.stretch[-1] == pytest.approx(details["stretch_turns"][-1])
+
+
+def test_a_run_of_a_mold_asks_for_more_probes_where_it_says_so() -> None:
+    for text, times, shares, everywhere in _MENU:
+        assert everywhere == ("in each part" in text)
+        assert len(times) == len(shares)
+        assert 0.0 <= min(shares) <= max(shares) == 1.0

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.special import gamma, kv
 
 from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_problem
 from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem
 from hyperfab.loop.drape_places import places
 from hyperfab.loop.emulator import Axis, emulate
-from hyperfab.loop.kriging import krige
+from hyperfab.loop.kriging import _LENGTH, _matern, krige
 
 KNOTS = np.linspace(5.0, 60.0, 12)
 
@@ -113,3 +114,26 @@ def test_temperatures_row_by_row_are_those_of_files_of_their_own() -> None:
         for i in range(9)
     ]
     assert mixed == pytest.approx(np.array(alone), rel=1e-3)
+
+
+def test_no_sheet_is_draped_beyond_the_reach_of_an_axis() -> None:
+    """Shares of the reach, and on the other side of the base no further than the axis goes there."""
+    axes = [Axis("law warp", 1.0, 0.3, 0.3), Axis("depth", 0.0, 2.0, 2.0), Axis("prestretch", 0.0, 0.4, 0.1)]
+    axes += [
+        Axis("weft more", 0.0, 0.4, 0.4),
+        *(Axis(name, 0.0, 1.0) for name in ("shear", "mass", "friction")),
+    ]
+    found = places(axes)
+    for axis in axes:
+        shares = [one.get(axis.name, 0.0) for one in found]
+        assert max(shares) == 1.0
+        assert min(shares) >= -axis.down / axis.up
+    assert min(one.get("prestretch", 0.0) for one in found) == pytest.approx(-0.25)
+
+
+def test_what_is_between_the_runs_is_as_smooth_as_materns_five_halves() -> None:
+    places = np.random.default_rng(3).uniform(-1.0, 1.0, (5, 4))
+    away = np.linalg.norm(places[:, None, :] - places, axis=2) / _LENGTH
+    r = np.sqrt(5.0) * away + np.eye(5)
+    expected = np.where(np.eye(5) > 0.0, 1.0, r**2.5 * kv(2.5, r) / (2.0**1.5 * gamma(2.5)))
+    np.testing.assert_allclose(_matern(places, places), expected, rtol=1e-12)

@@ -57,6 +57,7 @@ def test_levers_are_the_derivatives_of_the_gap(shapes):
     pivot = np.array([0.0, 0.0, 100.0])
     tool = Tooling(
         front.vertices,
+        start.nearest,
         start.direction,
         area,
         int(np.argmin(start.nearest)),
@@ -77,13 +78,31 @@ def test_levers_are_the_derivatives_of_the_gap(shapes):
 
     raised = again(female.vertices + np.array([0.0, 0.0, step]))
     assert found["stroke"].rms == pytest.approx(raised, rel=1e-2)
-    shifted = again(female.vertices + np.array([step, 0.0, 0.0]))
-    assert found["shift of the female across, first axis"].rms == pytest.approx(shifted, rel=1e-2)
-    turned = again(
-        female.vertices + step * np.radians(1.0) * np.cross([1.0, 0.0, 0.0], female.vertices - pivot)
-    )
-    assert found["tilt of the female about the first axis"].rms == pytest.approx(turned, rel=2e-2)
+    for name, along in (("first", [1.0, 0.0, 0.0]), ("second", [0.0, 1.0, 0.0])):
+        shifted = again(female.vertices + step * np.array(along))
+        assert found[f"shift of the female across, {name} axis"].rms == pytest.approx(shifted, rel=1e-2)
+        turned = again(female.vertices + step * np.radians(1.0) * np.cross(along, female.vertices - pivot))
+        assert found[f"tilt of the female about the {name} axis"].rms == pytest.approx(turned, rel=2e-2)
+    warmer = again(female.vertices + step * 1e3 * 3e-5 * (female.vertices - pivot)) / 1e3
+    assert found["temperature of the female alone"].rms == pytest.approx(warmer, rel=2e-2)
+    change = nearest_gap(front.vertices * (1.0 + 0.1 * 2e-5), female).nearest - start.nearest
+    lever = found["temperature of the male alone"]
+    assert lever.rms == pytest.approx(np.sqrt(np.mean((change / 0.1) ** 2)), rel=2e-2)
+    assert lever.at_closest == pytest.approx(change[np.argmin(start.nearest)] / 0.1, rel=2e-2)
     assert found["foam thickness"].rms == 1.0
+
+
+def test_a_mounting_face_moves_the_gap_by_the_strain_of_its_mold(shapes):
+    """Higher by 1 mm at a strain of 0.2 %: all of the mold stands 2 um nearer to the face it is mounted on."""
+    flat = np.array([[0.0, 0.0, -1.0]])
+    tool = Tooling(
+        np.zeros((1, 3)), np.ones(1), flat, np.ones(1), 0, *np.zeros((3, 3)), 2e-5, 1e-5, 2e-3, 1e-3
+    )
+    found = {lever.name: lever for lever in levers(tool)}
+    assert found["height of the male's mounting face"].at_closest == pytest.approx(2e-3)
+    assert found["height of the female's mounting face"].at_closest == pytest.approx(-1e-3)
+    steps = {(lever.unit, lever.step) for lever in found.values() if "mounting" not in lever.name}
+    assert steps == {("mm", 0.1), ("deg", 0.05), ("K", 10.0)}
 
 
 def test_levers_come_strongest_first(shapes):
@@ -92,6 +111,19 @@ def test_levers_come_strongest_first(shapes):
     start = nearest_gap(front.vertices, female)
     area, origin = np.ones(len(front.vertices)), np.zeros(3)
     found = levers(
-        Tooling(front.vertices, start.direction, area, 0, origin, origin, origin, 2e-5, 2e-5, 0.0, 0.0)
+        Tooling(
+            front.vertices,
+            start.nearest,
+            start.direction,
+            area,
+            0,
+            origin,
+            origin,
+            origin,
+            2e-5,
+            2e-5,
+            0.0,
+            0.0,
+        )
     )
     assert [lever.step_rms for lever in found] == sorted((lever.step_rms for lever in found), reverse=True)

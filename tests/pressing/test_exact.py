@@ -133,3 +133,29 @@ def test_growth_leaves_the_mounting_face_at_its_height(shapes):
 def test_clearance_is_the_closest_pair_along_the_axis(shapes):
     male, female = shapes.nested_caps(30)
     assert clearance(male, female).gap == pytest.approx(B - A - D, abs=1e-4)
+
+
+def test_the_nearest_of_a_smaller_female_is_her_border_wherever_the_male_reaches_beyond(shapes):
+    """On an edge, or at any of its corners: the gap there is told apart, since no female lies opposite."""
+    points, _ = shapes.plate(100.0, 60.0, 20, 12)
+    for corner in range(3):
+        vertices, faces = shapes.plate(80.0, 40.0, 4, 4, height=5.0)
+        found = nearest_gap(points, shapes.female(vertices, np.roll(faces, corner, axis=1)))
+        beyond = (np.abs(points[:, 0]) > 40.0) | (np.abs(points[:, 1]) > 20.0)
+        inside = (np.abs(points[:, 0]) < 40.0) & (np.abs(points[:, 1]) < 20.0)
+        assert found.at_border[beyond].all()
+        assert not found.at_border[inside].any()
+
+
+@pytest.mark.parametrize("rounding", [0.0, 1e-6])
+def test_the_rim_of_a_dome_is_its_flange_also_where_its_heights_are_rounded(shapes, rounding):
+    points, faces = shapes.plate(120.0, 120.0, 24, 24)
+    away = np.hypot(points[:, 0], points[:, 1])
+    points[:, 2] = 25.0 * np.clip(1.0 - away / 40.0, 0.0, None)
+    points[:, 2] += rounding * 120.0 * np.random.default_rng(7).uniform(0.0, 1.0, len(points))
+    front = molding_front(
+        shapes.male(points, faces, mount=-5.0), shapes.female(*shapes.plate(140.0, 140.0, 1, 1, 40.0))
+    )
+    rim = (np.hypot(*front.vertices[:, :2].T) >= 40.0)[front.faces].all(axis=1)
+    assert (front.flange == rim).all()
+    assert front.areas[rim].sum() == pytest.approx(120.0**2 - np.pi * 40.0**2, rel=0.08)

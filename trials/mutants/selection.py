@@ -27,8 +27,12 @@ class Program:
             if _KERNEL.search(text):
                 self.kernels.add(path)
             for node in ast.walk(ast.parse(text)):
-                if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("hyperfab"):
-                    base = (node.module or "").replace(".", "/")
+                if not isinstance(node, ast.ImportFrom):
+                    continue
+                module = node.module.split(".") if node.module else []
+                whole = [*path.split("/")[: -node.level], *module] if node.level else module
+                if whole[:1] == ["hyperfab"]:
+                    base = "/".join(whole)
                     self.imports[path] |= {f"{base}.py", f"{base}/__init__.py"}
                     self.imports[path] |= {f"{base}/{name.name}.py" for name in node.names}
             self._functions(path, ast.parse(text), [])
@@ -90,7 +94,7 @@ class Selection:
                 user
                 for name in names - {""}
                 for user in self.program.users[name]
-                if user.split()[0] == mutant.path or mutant.path in self.program.imports[user.split()[0]]
+                if self._knows(user.split()[0], mutant.path)
             }
             found = self._reaching(users) if users else set()
             if not found:
@@ -106,6 +110,10 @@ class Selection:
 
         return sorted(found, key=order)
 
+    def _knows(self, path: str, other: str) -> bool:
+        """Whether a name in one module can be that of another one."""
+        return path == other or other in self.program.imports[path]
+
     def _reaching(self, functions: set[str]) -> set[str]:
         """Tests that call one of the functions; of compiled ones, which cannot be watched, those that call a caller."""
         seen = set(functions)
@@ -114,11 +122,14 @@ class Selection:
             watched = {function for function in functions if function not in self.program.jitted}
             if found and watched:
                 return found
-            functions = {
-                user
+            users = {
+                (user, self._knows(user.split()[0], function.split()[0]))
                 for function in functions
                 for user in self.program.users[function.split()[-1].split(".")[-1]]
                 if user not in seen
             }
+            # Any of that name where no module that calls it says where it is from.
+            nearer = any(knows for _, knows in users)
+            functions = {user for user, knows in users if knows or not nearer}
             seen |= functions
         return set()

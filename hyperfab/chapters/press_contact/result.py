@@ -260,6 +260,7 @@ def _sensitivity(told: Told, area: Array) -> list[LeverPart]:
     ]
     tooling = Tooling(
         points=closed.front.vertices,
+        gap=closed.contact.gap,
         direction=closed.contact.direction,
         area=area,
         closest=int(np.argmin(closed.contact.gap)),
