@@ -116,7 +116,8 @@ lint: $(VENV)/dev
 	$(BIN)/lint-imports
 
 types: $(VENV)/dev
-	$(BIN)/mypy
+	@for system in linux win32 darwin; do echo "== mypy for $$system"; \
+	  $(BIN)/mypy --platform $$system --cache-dir .mypy_cache/$$system || exit 1; done
 
 bench: $(VENV)/dev
 	@for script in benchmarks/*.py; do echo "== $$script"; $(BIN)/python $$script || exit 1; done

@@ -18,6 +18,7 @@ from types import FrameType
 from typing import Protocol
 
 from hyperfab.errors import HyperfabError
+from hyperfab.system import ALARM, alarm
 
 #: Where numba unpickles what it needs to box the result of a compiled function.
 _CONVERTS = os.path.join("numba", "core", "serialize.py")
@@ -143,11 +144,12 @@ def run_guarded(action: Callable[[], int], debug: bool) -> int:
     # Set also where the parent ignores SIGINT (a job in the background of a script): the status is promised.
     if not debug:  # a library's warning about a line of ours is no message for the user
         warnings.simplefilter("ignore")
-    numbers = (signal.SIGINT, signal.SIGTERM)
+    numbers: tuple[int, ...] = (signal.SIGINT, signal.SIGTERM)
     _arrived.clear()
     sys.unraisablehook = _unraisable
     previous = {number: signal.signal(number, _on_signal) for number in numbers}
-    previous[signal.SIGALRM] = signal.signal(signal.SIGALRM, _on_alarm)
+    if ALARM is not None:
+        previous[ALARM] = signal.signal(ALARM, _on_alarm)
     try:
         try:
             return action()
@@ -157,7 +159,7 @@ def run_guarded(action: Callable[[], int], debug: bool) -> int:
                 raise _ending(_arrived[0]) from error
             raise
         finally:  # a second Ctrl-C must not tear the message below
-            signal.setitimer(signal.ITIMER_REAL, 0.0)
+            alarm(0.0)
             for number in previous:
                 signal.signal(number, signal.SIG_IGN)
     except HyperfabError as error:
@@ -185,14 +187,14 @@ def run_guarded(action: Callable[[], int], debug: bool) -> int:
 def _on_signal(number: int, frame: FrameType | None) -> None:
     """Raise where the signal fell, and once more a little later: callbacks of libraries swallow what is raised."""
     _arrived.append(number)
-    signal.setitimer(signal.ITIMER_REAL, AGAIN_S)
+    alarm(AGAIN_S)
     if _in_conversion(frame):
         _raise_behind(number, frame)
     else:
         raise _ending(number)
 
 
-def _on_alarm(alarm: int, frame: FrameType | None) -> None:
+def _on_alarm(number: int, frame: FrameType | None) -> None:
     if _arrived:
         _on_signal(_arrived[0], frame)
 

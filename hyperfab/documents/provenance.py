@@ -63,7 +63,11 @@ def relative_name(name: str, target: str) -> str:
         return name
     folder = os.path.abspath(os.path.dirname(target) if target != "-" else ".")
     place = os.path.abspath(name)
-    if os.path.commonpath([folder, place]) == os.sep:
+    try:
+        shared = os.path.commonpath([folder, place])
+    except ValueError:  # two drives
+        return os.path.basename(place)
+    if shared == os.path.dirname(shared):  # the root alone
         return os.path.basename(place)
     seen = os.path.relpath(place, folder)
     furthest = 1 if os.path.isabs(name) else MAX_FOLDERS_UP

@@ -14,13 +14,14 @@ from types import FrameType
 from typing import Any
 
 from hyperfab.errors import OutputError
+from hyperfab.system import ALARM, BINARY, sync_folder
 
 #: Bytes between two looks at whether the user pressed Ctrl-C.
 CHUNK = 2**20
 
 _REMEDIES = {
+    getattr(errno, "EDQUOT", errno.ENOSPC): "free some of your quota or choose another folder",
     errno.ENOSPC: "free some space or choose another folder",
-    errno.EDQUOT: "free some of your quota or choose another folder",
     errno.EFBIG: "raise the file size limit or choose another folder",
     errno.EROFS: "choose a folder that can be written",
     errno.EACCES: "choose a folder you may write to",
@@ -93,7 +94,7 @@ class _Batch:
                 self._placed.append(target)
         for folder in sorted({target.parent for _, target, _ in self._staged}):
             with _told(folder):
-                _sync_folder(folder)
+                sync_folder(folder)
 
     def _keep_old(self, target: Path) -> None:
         """Give the file that will be replaced a second, hidden name, to put it back should a later file fail."""
@@ -138,24 +139,13 @@ def _create_hidden(target: Path) -> tuple[int, Path]:
     """Create a file of a name nobody has, in the target's folder; the umask decides its mode."""
     for path in _hidden_names(target, "tmp"):
         with contextlib.suppress(FileExistsError):
-            return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666), path
+            return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | BINARY, 0o666), path
     raise OSError(errno.EEXIST, "too many temporary files were left in the folder")
 
 
 def _hidden_names(target: Path, ending: str) -> Iterator[Path]:
     for attempt in range(1000):
         yield target.with_name(f".{target.name[:50]}.{os.getpid()}-{attempt}.{ending}")
-
-
-def _sync_folder(folder: Path) -> None:
-    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
-    try:
-        os.fsync(descriptor)
-    except OSError as error:
-        if error.errno not in (errno.EINVAL, errno.ENOTSUP):  # file systems that cannot sync a folder
-            raise
-    finally:
-        os.close(descriptor)
 
 
 @contextlib.contextmanager
@@ -187,7 +177,7 @@ def _signals_held() -> Iterator[Any]:
             number, frame = pending.pop(0)
             previous[number](number, frame)
 
-    for number in (int(signal.SIGINT), int(signal.SIGTERM), int(signal.SIGALRM)):
+    for number in (int(signal.SIGINT), int(signal.SIGTERM), *(() if ALARM is None else (ALARM,))):
         if callable(signal.getsignal(number)):
             previous[number] = signal.signal(number, lambda signum, frame: pending.append((signum, frame)))
     try:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from hyperfab.errors import InputError
 from hyperfab.io.xlsx import split_sheet
+from hyperfab.system import AT_ONCE, BINARY, wait_for_bytes
 
 #: No input of the toolchain is larger; a device or a runaway pipe must not fill the memory.
 MAX_BYTES = 256 * 2**20
@@ -55,15 +56,15 @@ class Inputs:
             return self._read_stdin(limit)
         name, _ = split_sheet(name)
         try:
-            # O_NONBLOCK: a named pipe nobody writes to must not hang the command while it is opened.
-            descriptor = os.open(name, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+            # A named pipe nobody writes to must not hang the command while it is opened.
+            descriptor = os.open(name, os.O_RDONLY | AT_ONCE | BINARY)
             try:
                 found = os.fstat(descriptor)
                 if stat.S_ISDIR(found.st_mode):
                     raise InputError("is a folder, not a file", file=name, remedy="name a file in it")
                 if found.st_size > limit:
                     raise _too_large(name, limit)
-                os.set_blocking(descriptor, True)
+                wait_for_bytes(descriptor)
                 with os.fdopen(descriptor, "rb", closefd=False) as stream:
                     data = stream.read(limit + 1)
             finally:

@@ -6,7 +6,6 @@ import contextlib
 import logging
 import os
 import shutil
-import signal
 import sys
 import tempfile
 import time
@@ -220,7 +219,7 @@ def _end(cluster: Any, client: Any) -> None:
                 family += [*worker.children(recursive=True), worker]
         for process in family:
             with contextlib.suppress(psutil.Error):
-                process.send_signal(signal.SIGKILL)
+                process.kill()
     with contextlib.suppress(Exception):
         if client is not None:
             client.close(timeout=0.5 if interrupted else 10)

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import contextlib
 import errno
-import fcntl
 import json
 import os
 import shutil
@@ -18,10 +17,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import filelock
+
 from hyperfab.errors import InputError, OutputError, UsageError
 from hyperfab.io.atomic import write_files
 from hyperfab.io.json_io import dump_json, load_json
 from hyperfab.studies.plan import Step
+from hyperfab.system import BINARY
 
 #: The file whose being there says that a step is finished.
 OUTCOME = "outcome.json"
@@ -120,7 +122,7 @@ class Store:
 
     def _log(self, step: Step, text: str) -> None:
         path = self.steps / step.key[:2] / f"{step.key}.log"
-        descriptor = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_CLOEXEC, 0o666)
+        descriptor = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT | BINARY, 0o666)
         try:
             os.write(descriptor, f"{step.command} {text}\n".encode())
         finally:
@@ -132,22 +134,19 @@ class Store:
 
         Raises OutputError where the folder cannot be written, UsageError where another driver is at work in it.
         """
+        lock = filelock.FileLock(self.folder / ".lock", blocking=False)
         try:
             self.steps.mkdir(parents=True, exist_ok=True)
-            descriptor = os.open(self.folder / ".lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+            lock.acquire()
+        except filelock.Timeout:
+            raise UsageError(
+                f"--out {self.folder}: another hf sweep is at work there; wait for it or choose another folder"
+            ) from None
         except OSError as error:
             raise OutputError(f"{self.folder}: {error.strerror or error}; choose another folder") from error
         try:
-            try:
-                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                raise UsageError(
-                    f"--out {self.folder}: another hf sweep is at work there; wait for it or choose another folder"
-                ) from None
-            except OSError as error:
-                raise OutputError(f"{self.folder}: cannot be locked: {error.strerror or error}") from error
             for left in self.steps.glob("??/.*.run-*"):
                 shutil.rmtree(left, ignore_errors=True)
             yield
         finally:
-            os.close(descriptor)
+            lock.release()

@@ -8,11 +8,13 @@ mesher that crashes or never returns ends with a message, Ctrl-C works at once, 
 from __future__ import annotations
 
 import contextlib
+import importlib.util
 import io
 import json
 import os
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from collections.abc import Callable
@@ -22,7 +24,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hyperfab.errors import InputError, NotConverged
+from hyperfab.errors import InputError, NotConverged, UsageError
 from hyperfab.thermal.geometry import Body, Box, Cylinder, Ellipsoid, Geometry, Shape, Stl
 
 #: Seconds a mesh may take: a base, and so much per tetrahedron expected (Netgen makes some 15 000 a second).
@@ -124,12 +126,20 @@ def mesh_surface(
         "grading": GRADING,
         "sizes": sizes.tolist(),
     }
-    arrays = _ask(job, patience, waiting)
+    with tempfile.TemporaryDirectory(
+        prefix="hf-mesh-"
+    ) as folder:  # here: a worker that is killed leaves nothing
+        arrays = _ask({**job, "folder": folder}, patience, waiting)
     return arrays["vertices"], arrays["triangles"]
 
 
 def _ask(job: dict[str, Any], limit: float, waiting: Callable[[float], None]) -> dict[str, Any]:
     """Give the worker a job and return its arrays."""
+    if importlib.util.find_spec("netgen") is None:
+        raise UsageError(
+            "meshing a mold needs netgen-mesher, which has no wheel for this machine; "
+            "run hf mold-heat on another one (x86-64, or an Apple one): its files are read here"
+        )
     status, answer = _run(json.dumps(job).encode(), limit, waiting)
     if status is None:
         raise NotConverged(

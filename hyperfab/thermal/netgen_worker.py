@@ -6,15 +6,16 @@ It runs apart because a mesher may crash, hang or print: the parent keeps a watc
 
 from __future__ import annotations
 
-import ctypes
 import io
 import json
 import os
-import signal
 import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from hyperfab.system import die_with_parent
 
 #: Netgen's order of the ten nodes of a tetrahedron, as places in the order used here (vertices, then edges
 #: 01 12 02 03 13 23).
@@ -30,7 +31,7 @@ class Refused(Exception):
 
 def main() -> None:
     """Mesh the job on standard input; the answer is an npz archive on standard output."""
-    _die_with_parent()
+    die_with_parent()
     answer = os.dup(1)
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # Netgen prints to standard output
     job = json.loads(sys.stdin.buffer.read())
@@ -42,14 +43,6 @@ def main() -> None:
     np.savez(buffer, **result)
     with os.fdopen(answer, "wb") as stream:
         stream.write(buffer.getvalue())
-
-
-def _die_with_parent() -> None:
-    """Ask Linux to end this process when its parent ends, however that happens."""
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(1, signal.SIGKILL)
-        if os.getppid() == 1:
-            os._exit(1)
 
 
 def mesh(job: dict[str, Any]) -> dict[str, Any]:
@@ -100,7 +93,9 @@ def surface(job: dict[str, Any]) -> dict[str, Any]:
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     record["normal"] = normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
     record["corners"] = corners
-    geometry = stl.STLGeometry(_as_file(bytes(80) + np.uint32(len(record)).tobytes() + record.tobytes()))
+    folder = Path(job["folder"])
+    binary = bytes(80) + np.uint32(len(record)).tobytes() + record.tobytes()
+    geometry = stl.STLGeometry(_as_file(binary, folder / "surface.stl"))
     parameters = {"maxh": job["mesh_size"], "grading": job["grading"]}
     if job["sizes"]:
         lines = [
@@ -109,19 +104,17 @@ def surface(job: dict[str, Any]) -> dict[str, Any]:
             "0",
             "",
         ]
-        parameters["meshsizefilename"] = _as_file("\n".join(lines).encode())
+        parameters["meshsizefilename"] = _as_file("\n".join(lines).encode(), folder / "sizes.msz")
     step = nm.MeshingStep.MESHSURFACE
     found = geometry.GenerateMesh(**parameters, perfstepsend=step)
     triangles = found.Elements2D().NumPy()["nodes"][:, :3].astype(np.int64) - 1
     return {"vertices": np.array(found.Coordinates(), dtype=np.float64), "triangles": triangles}
 
 
-def _as_file(data: bytes) -> str:
-    """Return the path of a file in memory: Netgen reads files only."""
-    descriptor = os.memfd_create("netgen")
-    with os.fdopen(os.dup(descriptor), "wb") as stream:
-        stream.write(data)
-    return f"/proc/self/fd/{descriptor}"
+def _as_file(data: bytes, path: Path) -> str:
+    """Write ``data`` to ``path`` and return its name: Netgen reads files only."""
+    path.write_bytes(data)
+    return str(path)
 
 
 def _refuse_overlap(names: list[str], solids: list[Any]) -> None:

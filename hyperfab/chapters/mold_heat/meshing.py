@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
+
+import psutil
 
 from hyperfab.errors import InputError, NotConverged
 from hyperfab.thermal.geometry import Geometry, Stl
@@ -68,7 +69,7 @@ def _refuse_crossing(geometry: Geometry, file: str) -> None:
 def _refuse_too_large(geometry: Geometry, mesh_size: float, file: str, notes: list[str]) -> None:
     """Say what a mesh will take before it is made; refuse one that the machine cannot hold."""
     count = expected_tetrahedra(geometry, mesh_size)
-    needed, there = expected_bytes(count), os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    needed, there = expected_bytes(count), psutil.virtual_memory().total
     if needed > MEMORY_SHARE * there:
         fitting = mesh_size * (needed / (MEMORY_SHARE * there)) ** (1 / 3)
         raise InputError(
