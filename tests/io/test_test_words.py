@@ -6,6 +6,8 @@ import pytest
 
 from hyperfab.errors import InputError
 from hyperfab.io.csv_tests import read_tests
+from hyperfab.io.headings import Heading
+from hyperfab.io.roles import fits
 
 ROWS = "stretch [-],stress [MPa]\n1,0\n1.2,0.1\n1.5,0.4\n"
 
@@ -59,3 +61,22 @@ def test_columns_that_are_exchanged_are_refused_whatever_the_stress(scale: float
 def test_a_size_that_is_not_positive_is_refused_with_its_line(key: str, value: str) -> None:
     with pytest.raises(InputError, match="is not positive"):
         one(f"# {key}: {value}\n" + ROWS)
+
+
+def test_one_column_called_after_a_specimen_beside_the_stretch_makes_a_table_fit() -> None:
+    """Whatever else stands in the table: the unit says that the specimen's column is a stress."""
+    headings = [Heading("stretch", "stretch", None, 0), Heading("Probe 1 [MPa]", "Probe 1", "MPa", 1)]
+    headings.append(Heading("operator", "operator", None, 2))
+    assert fits(headings)
+    assert not fits(headings[::2])
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_compression_takes_its_sign_from_its_largest_stress_and_not_from_its_noise(sign: float) -> None:
+    """Near rest a load cell reads a little of the other sign: the curve is the same however pushing is counted."""
+    text = "strain [-],stress [MPa]\n" + "".join(
+        f"{-e},{sign * s}\n" for e, s in ((0, 0.01), (0.1, -0.2), (0.3, -0.9))
+    )
+    found = one("# test: compression\n" + text, None)
+    assert found.stretch.tolist() == pytest.approx([1.0, 0.9, 0.7])
+    assert found.stress.tolist() == pytest.approx([0.01, -0.2, -0.9])

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from hyperfab.errors import NotConverged
-from hyperfab.thermal.design import scale_for_warmup, share_power
+from hyperfab.thermal.design import scale_for_warmup, scaled, share_power
+from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.tables import Table
 
 
@@ -49,3 +50,19 @@ def test_power_for_a_wanted_time_solves_the_lumped_mold(block):
         factor, runs = scale_for_warmup(wanted, warmup)
         assert warmup(factor) == pytest.approx(wanted, rel=2e-4)
         assert runs <= 12
+
+
+def test_a_scaled_heater_keeps_the_course_of_its_power():
+    heater = Heater("h", np.ones(1), Table(np.array([0.0, 10.0, 20.0]), np.array([5.0, 20.0, 0.0])))
+    found = scaled(heater, 3.0)
+    assert found.x.tolist() == [0.0, 10.0, 20.0]
+    assert found.y.tolist() == [15.0, 60.0, 0.0]
+
+
+@pytest.mark.parametrize("power", [1.0, 3.0, 6.0])
+@pytest.mark.parametrize("wanted", [10.0, 100.0])
+def test_a_wanted_time_is_met_however_bent_its_law(power, wanted):
+    """300 s at full power, less with its ``power``: false position alone would creep in from one side."""
+    factor, runs = scale_for_warmup(wanted, lambda s: 300.0 / s**power)
+    assert factor == pytest.approx((300.0 / wanted) ** (1.0 / power), rel=1e-4)
+    assert runs <= 12

@@ -11,10 +11,8 @@ import argparse
 import fcntl
 import json
 import os
-import resource
 import shutil
 import signal
-import subprocess
 import sys
 import time
 import tomllib
@@ -110,7 +108,7 @@ def mapped(
         environment = {reach.TREE: str(copy), reach.TOLD: str(told)}
         with open(work / "map.log", "ab") as log:
             asked = ["-p", "trials.mutants.reach", *batch]
-            tree.pytest(copy, asked, environment, stdout=log, stderr=log).wait()
+            tree.started(copy, asked, environment, stdout=log, stderr=log).wait()
         tests = {name: test for name, test in tests.items() if name.split("::")[0] not in batch}
         for file in batch:
             tests[f"{file}::"] = {"stamp": stamps[file], "seconds": 0.0, "reaches": []}
@@ -148,30 +146,19 @@ def shown(mutant: Mutant, copy: Path, names: list[str], modules: set[str], secon
         file.write_bytes(mutant.planted(source))
         os.utime(file, (tree.EPOCH + 1 + int(mutant.name[:6], 16),) * 2)
         limit = int(3.0 * seconds + 30.0 + (_COMPILES if modules else 0.0))
-        process = tree.pytest(
-            copy,
-            ["-x", "-q", "-rfE", "--no-header", "--tb=no", *names],
-            {"PYTHONDONTWRITEBYTECODE": "1"},
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5)),
-        )
-        try:
-            told = process.communicate(timeout=10.0 * limit)[0].decode(errors="replace")
-        except subprocess.TimeoutExpired:
-            os.killpg(process.pid, signal.SIGKILL)
-            process.communicate()
+        status, told = tree.forked(copy, ["-x", "-q", "-rfE", "--no-header", "--tb=no", *names], limit)
+        if status is None:
             return "caught: runs on"
-        if process.returncode == 0:
+        if status == 0:
             return "survived"
-        if process.returncode in (4, 5):  # a test's name holds what the defect changes: nobody was asked
-            return f"no test of that name: status {process.returncode}"
+        if status in (4, 5):  # a test's name holds what the defect changes: nobody was asked
+            return f"no test of that name: status {status}"
         failed = [
             line.split(" - ")[0].split(" ", 1)[1]
             for line in told.splitlines()
             if line.startswith(("FAILED", "ERROR "))
         ]
-        return f"caught by {failed[0]}" if failed else f"caught: status {process.returncode}"
+        return f"caught by {failed[0]}" if failed else f"caught: status {status}"
     finally:
         file.write_bytes(source)
         os.utime(file, (tree.EPOCH, tree.EPOCH))
@@ -228,7 +215,8 @@ def main() -> int:
         options.fresh = False
         selection = Selection(program, reached)
         for mutant in left:
-            names, total = [], 0.0
+            names: list[str] = []
+            total = 0.0
             for name in selection.tests(mutant):
                 total += selection.seconds[name]
                 if names and total > options.seconds:
