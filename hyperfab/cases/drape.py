@@ -91,7 +91,7 @@ class Holder(Kind):
 
 @dataclass(frozen=True, kw_only=True)
 class DrapeCase(Case):
-    """Relax an orthotropic grid of tension-only springs onto a mold (STL).
+    """Relax a grid of tension-only springs, or a membrane, onto a mold (STL).
 
     \b
     Example:
@@ -135,6 +135,10 @@ class DrapeCase(Case):
     depths: tuple[float, ...] | None = series(
         Amount("length", "20mm", least=0.0), ",", (), "L,L,...", "In place of --depth: several, as 20mm,40mm,60mm.",
         example="20mm,40mm,60mm", over=("states",),
+    )  # fmt: skip
+    sheet: str = choice(
+        "NAME", "net: springs, warp and weft each with its uniaxial curve; membrane: the document's own law.",
+        ("net", "membrane"), "net",
     )  # fmt: skip
     warp: str | None = file("TEST.csv", "Uniaxial test taken as the warp's law as it stands.")
     weft: str | None = file("TEST.csv", "Uniaxial test taken as the weft's law as it stands.")
@@ -244,9 +248,30 @@ class DrapeCase(Case):
             raise UsageError(
                 f"--solver {self.solver} knows no friction; leave out --friction and --blank-holder"
             )
+        if self.sheet == "membrane":
+            self._check_membrane()
         if self.load_steps is not None and not self.rubs:
             raise UsageError(
                 f"--load-steps {self.load_steps}: only where --friction or --blank-holder makes the way matter"
+            )
+
+    def _check_membrane(self) -> None:
+        """Refuse what a membrane has of its own, or what only a net knows."""
+        if self.warp is not None or self.weft is not None:
+            option = "--warp" if self.warp is not None else "--weft"
+            raise UsageError(
+                f"--sheet membrane obeys a law of the whole sheet, and {option} is a test along one direction; fit it "
+                "with hf fit, and leave it out here"
+            )
+        if self.shear_modulus is not None or self.shear_law is not None:
+            option = "--shear-modulus" if self.shear_modulus is not None else "--shear-law"
+            raise UsageError(
+                f"--sheet membrane resists shear as the document's law says; leave {option} out (hf fit --model "
+                "orthotropic finds the shear of a fabric)"
+            )
+        if self.solver == "relaxation":
+            raise UsageError(
+                "--solver relaxation is the report's own for its springs; --sheet membrane takes newton or dynamic"
             )
 
     @property

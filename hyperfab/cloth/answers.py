@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from .cuts import Cut, cut
 from .law import Floats, SpringLaw
+from .membrane import Cells, cells_of
 from .mold import FREE, Mold
 from .net import Sheet
 from .start import settled
@@ -24,7 +25,8 @@ TOUCHES = 1e-5
 class Answers:
     """Fields of the draped sheet; nodes (n, m), cells (n - 1, m - 1), springs by direction.
 
-    Stresses are nominal (force per undeformed section), at a node the mean of its springs of that direction.
+    Stresses are nominal (force per undeformed section), at a node the mean of its springs of that direction. Of a
+    membrane the sides of its cells stand for springs; stresses, thickness and slack are its law's, in the ``cells``.
     """
 
     stretch_warp: Floats  # (n - 1, m) springs
@@ -38,7 +40,7 @@ class Answers:
     cell_slack: npt.NDArray[np.bool_]
     cell_on_edge: npt.NDArray[np.bool_]  # a taut spring of the cell runs over a sharp edge of the mold
     contact_edges: int  # taut springs that a sharp edge of the mold carries
-    slack_springs: int
+    slack_springs: int  # of a membrane: cells without tension in one direction or both
     touching: npt.NDArray[np.bool_]  # (n, m) nodes on the mold
     contact_force: Floats  # (n, m, 3) N, of the mold on the sheet
     reaction: Floats  # (n, m, 3) N, of the clamps on the sheet
@@ -46,19 +48,34 @@ class Answers:
     press_force: float  # N, along z
     imbalance: float  # N, clamp reactions + contact forces + weight
     cut: Cut  # how deep the net is in the mold
+    cells: Cells | None = None  # of a membrane
 
     @property
-    def most_stretched(self) -> tuple[int, int, int]:
-        """The spring stretched most: its node (i, j) and direction, 0 warp or 1 weft."""
-        direction = 0 if self.stretch_warp.max() >= self.stretch_weft.max() else 1
-        stretch = self.stretch_weft if direction else self.stretch_warp
-        i, j = np.unravel_index(int(stretch.argmax()), stretch.shape)
-        return int(i), int(j), direction
+    def cell_stretch(self) -> Floats:
+        """(n - 1, m - 1) the larger stretch: of a cell's springs, the mean of two; of a membrane the principal one."""
+        if self.cells is not None:
+            return self.cells.stretch
+        return np.maximum(self.cell_stretch_warp, self.cell_stretch_weft)
+
+    @property
+    def stretched(self) -> tuple[Floats, ...]:
+        """Stretches of all springs by direction, or of a membrane's cells."""
+        return (self.stretch_warp, self.stretch_weft) if self.cells is None else (self.cells.stretch,)
+
+    @property
+    def most_stretched(self) -> tuple[tuple[int, int], tuple[int, int]]:
+        """The nodes on both ends of the spring that is stretched most, or across that cell of a membrane."""
+        direction = int(np.argmax([float(one.max()) for one in self.stretched]))
+        stretch = self.stretched[direction]
+        i, j = (int(k) for k in np.unravel_index(int(stretch.argmax()), stretch.shape))
+        if self.cells is not None:
+            return (i, j), (i + 1, j + 1)
+        return (i, j), ((i, j + 1) if direction else (i + 1, j))
 
     @property
     def stretch_max(self) -> float:
-        """Largest stretch of a spring."""
-        return float(max(self.stretch_warp.max(), self.stretch_weft.max()))
+        """Largest stretch of a spring, or of a membrane in the middle of a cell."""
+        return float(max(one.max() for one in self.stretched))
 
     @property
     def node_penetration(self) -> float:
@@ -109,7 +126,7 @@ def answers(sheet: Sheet, mold: Mold, found: Equilibrium) -> Answers:
     reaction += np.where(touching, 0.0, (unbalanced - found.force) * (1.0 - held))  # of the blank holder
     weight = sheet.arrays.weight.sum()
     total = contact.sum((0, 1)) + reaction.sum((0, 1)) + found.push - [0.0, 0.0, weight]
-    return Answers(
+    said = Answers(
         warp,
         weft,
         _at_nodes(sheet.warp, warp, 0),
@@ -129,6 +146,18 @@ def answers(sheet: Sheet, mold: Mold, found: Equilibrium) -> Answers:
         float(contact[:, :, 2].sum() + found.push[2]),
         float(np.abs(total).max()),
         cut(x, sheet, mold, found.state, found.bent, found.bent_at),
+    )
+    if sheet.membrane is None:
+        return said
+    cells = cells_of(sheet, x)
+    return replace(
+        said,
+        stress_warp=cells.stress_warp,
+        stress_weft=cells.stress_weft,
+        cell_thickness=sheet.thickness * cells.thickness,
+        cell_slack=cells.wrinkled,
+        slack_springs=int(cells.wrinkled.sum()),
+        cells=cells,
     )
 
 

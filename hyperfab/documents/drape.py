@@ -98,9 +98,14 @@ class DrapeDocument(Document):
     iterations: int = Field(description="Newton steps on all grids")
     iterations_finest: int = Field(description="Newton steps on the grid asked for")
     residual_max_N: float = Field(description="largest unbalanced force on a node")
-    residual_relative: float = Field(description="residual_max_N over the largest spring force")
+    residual_relative: float = Field(
+        description="residual_max_N over the largest spring force (of a membrane: that a cell passes on)"
+    )
     tolerance: float
-    energy_J: float = Field(description="strain energy of the springs")
+    sheet: str = Field(
+        default="net", description="net: springs along warp and weft; membrane: one law of the whole sheet"
+    )
+    energy_J: float = Field(description="strain energy of the springs, or of the membrane")
     force_N: float = Field(description="force of the press: sum of the contact forces along z")
     imbalance_N: float = Field(description="contact forces + clamp reactions + weight: zero at equilibrium")
     contact_nodes: int
@@ -116,15 +121,26 @@ class DrapeDocument(Document):
         default=None, description="place on the flat sheet of the spring that cuts deepest"
     )
     stretch_max: float | None = Field(
-        default=None, description="largest stretch of a spring, of warp and weft"
+        default=None,
+        description="largest stretch of a spring, of warp and weft; of a membrane the largest principal stretch",
     )
-    stretch_max_at_mm: Place | None = Field(default=None, description="the middle of that spring")
+    stretch_max_at_mm: Place | None = Field(
+        default=None, description="the middle of that spring, or of that cell of a membrane"
+    )
+    stress_max_MPa: float | None = Field(
+        default=None, description="of a membrane: largest Cauchy principal stress"
+    )
+    wrinkled_area_fraction: float | None = Field(
+        default=None, description="of a membrane: share of the undeformed area wrinkled or slack"
+    )
     stands_through_mm: float | None = Field(
         default=None,
         description="how far a corner or tip of the mold stands out through the net, between its nodes",
     )
     stands_through_at_mm: Place | None = Field(default=None, description="where, on the sheet and in space")
-    slack_springs: int
+    slack_springs: int = Field(
+        description="springs without tension; of a membrane cells without tension in one direction or both"
+    )
     stress_warp_max_MPa: float = Field(description="nominal: force per undeformed section")
     stress_weft_max_MPa: float
     thickness_min_mm: float

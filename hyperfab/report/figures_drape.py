@@ -37,6 +37,7 @@ class Draped:
     flat: Floats
     stretch_warp: Floats
     stretch_weft: Floats
+    stretch_larger: Floats
     stress_warp: Floats
     stress_weft: Floats
     thickness: Floats
@@ -53,7 +54,7 @@ def drape_figure(draped: Draped, force_depth: Sequence[tuple[float, float]] | No
     FigureCanvasAgg(figure)
     grid = figure.add_gridspec(2, 5, width_ratios=(2.0, 1.0, 1.0, 1.0, 1.0))
     left = grid[:, 0].subgridspec(2, 1, height_ratios=(2.2, 1.0))
-    larger = np.maximum(draped.stretch_warp, draped.stretch_weft)
+    larger = draped.stretch_larger
     low = float(min(1.0, draped.stretch_warp.min(), draped.stretch_weft.min()))
     stretches = Normalize(low, max(draped.peak[0], low + 1e-6))
     stresses = Normalize(0.0, float(max(draped.stress_warp.max(), draped.stress_weft.max(), 1e-12)))

@@ -9,6 +9,8 @@ import numpy as np
 from hyperfab.cases.drape import DrapeCase
 from hyperfab.chapters.drape.curves import read_curve
 from hyperfab.chapters.fabric import read_fabric_document
+from hyperfab.chapters.fabric_contact.fabric import Fabric as SheetFabric
+from hyperfab.chapters.fabric_contact.fabric import sheet_of
 from hyperfab.chapters.job import Job
 from hyperfab.cloth import SpringLaw
 from hyperfab.cloth.fabric import Pulled, spring_law
@@ -29,7 +31,8 @@ class Fabric:
 
     By direction: ``models`` says what the law is, ``tested`` how far the tests behind it went, ``fails`` the stretch
     at which a specimen failed, ``sources`` the files behind it. ``temperature`` [degC] is the
-    laws', where known, ``held_at`` that of the constants where they were not tested there.
+    laws', where known, ``held_at`` that of the constants where they were not tested there. ``whole`` is the law of the
+    sheet as a membrane, where that is asked for.
     """
 
     models: tuple[str, str]
@@ -41,6 +44,7 @@ class Fabric:
     sources: tuple[str, str] = ("", "")
     temperature: float | None = None
     held_at: float | None = None
+    whole: SheetFabric | None = None
 
 
 def read_fabric(job: Job, case: DrapeCase) -> Fabric:
@@ -66,7 +70,7 @@ def read_fabric(job: Job, case: DrapeCase) -> Fabric:
         curves = [curve or next(c for c in curves if c is not None) for curve in curves]
         fabric = None
     else:
-        fabric = _of_document(job, name, case.temperature)
+        fabric = _of_document(job, name, case)
     known = [curve.thickness for curve in curves if curve is not None and curve.thickness is not None]
     if given is None and known and max(known) > 1.02 * min(known):
         raise InputError(
@@ -106,12 +110,13 @@ def read_fabric(job: Job, case: DrapeCase) -> Fabric:
     return Fabric(
         (models[0], models[1]), laws[0], laws[1], thick, (tested[0], tested[1]), (fails[0], fails[1]), files,
         None if fabric is None else fabric.temperature, None if fabric is None else fabric.held_at,
+        None if fabric is None else fabric.whole,
     )  # fmt: skip
 
 
-def _of_document(job: Job, name: str, temperature: float | None) -> Fabric:
+def _of_document(job: Job, name: str, case: DrapeCase) -> Fabric:
     """The fabric of a material document; thickness not a number where it states none."""
-    read = read_fabric_document(job, name, temperature)
+    read = read_fabric_document(job, name, case.temperature)
     read.used_at(job)
     document = read.document
     untold = [
@@ -119,7 +124,7 @@ def _of_document(job: Job, name: str, temperature: float | None) -> Fabric:
         for effect in document.effects or []
         if not effect.get("told_by") and effect.get("id") not in ("elastic-law", "thermal-softening")
     ]
-    if untold:
+    if untold and case.sheet == "net":
         job.console.warn(
             f"{name}: the springs do not act on {', '.join(untold)}: they answer as on a first, slow pull"
         )
@@ -139,6 +144,7 @@ def _of_document(job: Job, name: str, temperature: float | None) -> Fabric:
     return Fabric(
         (document.model, document.model), laws[0], laws[1], thick, (tested[0], tested[1]),
         sources=(name, name), temperature=read.temperature, held_at=read.held_at,
+        whole=sheet_of(read) if case.sheet == "membrane" else None,
     )  # fmt: skip
 
 
@@ -158,8 +164,11 @@ def _end(model: str, law: SpringLaw, largest: float) -> float | None:
 
 
 def use_of(fabric: Fabric, stretch_warp: Floats, stretch_weft: Floats) -> tuple[SpringUse, SpringUse]:
-    """How far each law was used, and whether it was tested and rising there."""
-    uses = []
+    """How far each law was used, and whether it was tested and rising there.
+
+    A membrane is not judged by the curves of its springs, but by the margin of its own law.
+    """
+    uses, springs = [], fabric.whole is None
     for model, law, stretch, tested, fails in zip(
         fabric.models,
         (fabric.warp, fabric.weft),
@@ -177,8 +186,10 @@ def use_of(fabric: Fabric, stretch_warp: Floats, stretch_weft: Floats) -> tuple[
                 beyond_tested=None
                 if tested is None
                 else int(np.count_nonzero(stretch > tested * (1.0 + 1e-9))),
-                softens_at=law.softens if law.softens is not None and largest > law.softens else None,
-                ends_at=_end(model, law, largest),
+                softens_at=law.softens
+                if springs and law.softens is not None and largest > law.softens
+                else None,
+                ends_at=_end(model, law, largest) if springs else None,
                 fails_at=fails if fails is not None and largest > fails else None,
             )
         )

@@ -71,15 +71,15 @@ def field(sheet: Sheet, state: State, max_stretch: float | None) -> bytes:
         "thickness_mm": fields.cell_thickness.ravel(),
         "stretch_warp": fields.cell_stretch_warp.ravel(),
         "stretch_weft": fields.cell_stretch_weft.ravel(),
-        "stretch_larger": np.maximum(fields.cell_stretch_warp, fields.cell_stretch_weft).ravel(),
+        "stretch_larger": fields.cell_stretch.ravel(),
         "shear_deg": fields.cell_shear.ravel(),
         "slack": fields.cell_slack.ravel(),
         "on_edge": fields.cell_on_edge.ravel(),
     }
     if max_stretch is not None:
-        cells["over_max_stretch"] = (
-            np.maximum(fields.cell_stretch_warp, fields.cell_stretch_weft) > max_stretch
-        ).ravel()
+        cells["over_max_stretch"] = (fields.cell_stretch > max_stretch).ravel()
+    if fields.cells is not None:
+        cells["stress_larger_MPa"] = fields.cells.cauchy.ravel()
     return vtu.unstructured(found.state.x.reshape(-1, 3), {"quad": quads}, points, cells)
 
 
@@ -118,6 +118,7 @@ def picture(sheet: Sheet, states: list[State], mold: tuple[Floats, Ints]) -> byt
             sheet.flat(),
             fields.cell_stretch_warp,
             fields.cell_stretch_weft,
+            fields.cell_stretch,
             fields.stress_warp,
             fields.stress_weft,
             fields.cell_thickness,

@@ -30,6 +30,10 @@ NET = (
 )
 
 
+#: What a membrane is without on a mold that has them.
+EDGES = "sharp edges of the mold between the nodes: cells cut them straight, by penetration_edges_mm at most"
+
+
 @dataclass(frozen=True)
 class Files:
     """What the files of a case hold: the fabric, the test at 45 degrees where one is given, the mold."""
@@ -59,12 +63,16 @@ class Model:
             ("friction", self.case.friction > 0.0),
             ("pre-tension", self.case.prestretch != (1.0, 1.0)),
             ("gravity", self.case.mass > 0.0),
-            ("shear stiffness", self.sheet.shear is not None),
+            ("shear stiffness", self.sheet.shear is not None or self.sheet.membrane is not None),
         )
         missing = [name for name, there in names if not there]
         if self.files.fabric.temperature is None:
             missing.append("temperature: the laws are taken as they stand, at the temperature of their tests")
-        return [*missing, "bending stiffness", *NET]
+        whole = self.files.fabric.whole
+        if whole is None:
+            return [*missing, "bending stiffness", *NET]
+        edges = [EDGES] if len(self.mold.creases.corners) else []
+        return [*missing, "bending stiffness", *edges, *whole.left_out]
 
 
 def read_files(job: Job, case: DrapeCase) -> Files:
@@ -132,6 +140,7 @@ def model_of(case: DrapeCase, files: Files) -> Model:
         mass=case.mass,
         edges=_held(case),
         holder=_holder(case),
+        membrane=None if fabric.whole is None else fabric.whole.law,
     )
     return Model(case, files, sheet, mold_of(files.placed.surface, files.placed.touching))
 

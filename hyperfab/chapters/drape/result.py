@@ -9,7 +9,7 @@ from hyperfab.chapters.drape.fabric import use_of
 from hyperfab.chapters.drape.model import Model
 from hyperfab.chapters.drape.states import State
 from hyperfab.chapters.job import Job
-from hyperfab.cloth import Sheet
+from hyperfab.cloth import Answers, Sheet
 from hyperfab.cloth.cuts import stands_out
 from hyperfab.cloth.friction import SLIDES, STARTS, STICKS
 from hyperfab.cloth.mold import FREE
@@ -27,11 +27,10 @@ def draw_in(sheet: Sheet, state: State, edges: list[str]) -> dict[str, float] | 
 
 
 def peak(sheet: Sheet, state: State) -> Place:
-    """The middle of the spring that is stretched most."""
-    i, j, direction = state.fields.most_stretched
-    k, l = (i, j + 1) if direction else (i + 1, j)
+    """The middle of the spring, or of the cell of a membrane, that is stretched most."""
+    one, other = state.fields.most_stretched
     flat, x = sheet.flat(), state.found.state.x
-    middle, draped = 0.5 * (flat[i, j] + flat[k, l]), 0.5 * (x[i, j] + x[k, l])
+    middle, draped = 0.5 * (flat[one] + flat[other]), 0.5 * (x[one] + x[other])
     return Place(flat=[float(v) + 0.0 for v in middle[:2]], draped=[float(v) + 0.0 for v in draped])
 
 
@@ -53,7 +52,7 @@ def document_of(model: Model, states: list[State]) -> DrapeDocument:
         if len(depths) > 1 or state.rest is not None:
             status += f", at a depth of {state.depth:.4g} mm"
     left_out = model.absent
-    if case.friction > 0.0 and len(state.mold.creases.corners) > 0:
+    if case.friction > 0.0 and case.sheet == "net" and len(state.mold.creases.corners) > 0:
         left_out.append("friction of the threads between nodes where they run over sharp edges")
     shift = np.array(placed.standing(state.depth))
     through, top, below = stands_out(found.state.x, sheet, placed.surface, shift)
@@ -66,6 +65,7 @@ def document_of(model: Model, states: list[State]) -> DrapeDocument:
         residual_max_N=found.residual_max,
         residual_relative=found.residual_relative,
         tolerance=tolerance,
+        sheet=case.sheet,
         energy_J=fields.spring_energy * 1e-3,
         force_N=fields.press_force,
         imbalance_N=fields.imbalance,
@@ -79,6 +79,8 @@ def document_of(model: Model, states: list[State]) -> DrapeDocument:
         stretch_max_at_mm=peak(sheet, state),
         stands_through_mm=through,
         stands_through_at_mm=where if through > 0.0 else None,
+        stress_max_MPa=None if fields.cells is None else float(fields.cells.cauchy.max()),
+        wrinkled_area_fraction=None if fields.cells is None else float(fields.cells.wrinkled.mean()),
         slack_springs=fields.slack_springs,
         stress_warp_max_MPa=float(fields.stress_warp.max()),
         stress_weft_max_MPa=float(fields.stress_weft.max()),
@@ -160,11 +162,19 @@ def _rubbing(state: State) -> Rubbing:
     )
 
 
-def judge(job: Job, document: DrapeDocument) -> bool:
+def judge(job: Job, document: DrapeDocument, fields: Answers) -> bool:
     """Say what the user must know before trusting the answer; False where it is no equilibrium to rely on."""
     sound = document.converged
     if document.status is not None:
         job.console.warn(document.status)
+    if fields.cells is not None and float(fields.cells.margin.min()) < 0.0:
+        sound = False
+        worst = np.unravel_index(int(fields.cells.margin.argmin()), fields.cells.margin.shape)
+        text = (
+            f"the law is unstable where it is used: at a stretch of {fields.cells.stretch[worst]:.3f} more strain "
+            "takes less stress; fit the fabric again with --stable"
+        )
+        _add(job, document, text)
     for name, use in (("warp", document.warp), ("weft", document.weft)):
         if use.softens_at is not None:
             sound = False
@@ -218,15 +228,14 @@ def tears(job: Job, document: DrapeDocument, sheet: Sheet, state: State, largest
     if largest is None:
         return torn
     fields = state.fields
-    over = int(
-        np.count_nonzero(fields.stretch_warp > largest) + np.count_nonzero(fields.stretch_weft > largest)
-    )
+    over = sum(int(np.count_nonzero(one > largest)) for one in fields.stretched)
     document.max_stretch, document.over_max_stretch = largest, over
     if over:
         x, y = peak(sheet, state).flat
+        what = "springs" if fields.cells is None else "cells"
         document.over_max_stretch_at_mm = [x, y]
         job.console.warn(
-            f"{over} springs are stretched beyond {largest:g}, up to {fields.stretch_max:.3f} at ({x:.4g}, {y:.4g}) "
+            f"{over} {what} are stretched beyond {largest:g}, up to {fields.stretch_max:.3f} at ({x:.4g}, {y:.4g}) "
             "mm of the flat sheet: the fabric would tear"
         )
     return torn or over > 0
@@ -237,8 +246,9 @@ def say(job: Job, document: DrapeDocument) -> None:
     place = document.stretch_max_at_mm
     at = f" at ({place.flat[0]:.4g}, {place.flat[1]:.4g}) mm of the flat sheet" if place else ""
     edges = f", {document.contact_edges} springs over edges" if document.contact_edges else ""
+    slack = "slack springs" if document.sheet == "net" else "cells wrinkled or slack"
     job.console.note(
         f"force {document.force_N:.4g} N, stretch up to {document.stretch_max:.3f}{at}, thinnest "
-        f"{document.thickness_min_mm:.3g} mm, {document.slack_springs} slack springs, "
+        f"{document.thickness_min_mm:.3g} mm, {document.slack_springs} {slack}, "
         f"{document.contact_nodes} nodes on the mold{edges}"
     )

@@ -56,6 +56,11 @@ def read_fabric(job: Job, name: str, degrees: float | None = None) -> Fabric:
     """
     read = read_fabric_document(job, name, degrees)
     read.used_at(job)
+    return sheet_of(read)
+
+
+def sheet_of(read: FabricDocument) -> Fabric:
+    """Return the sheet's law of a material document; InputError where it is wrong."""
     fabric = _of_directions(read)
     obeyed, left_out = _judged(read.document, read.asked)
     ways = ("warp", "weft") if read.two_directions else (None,)
