@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from .dynamic import swing
 from .mold import Mold
-from .net import Sheet
+from .net import Sheet, X, Y
 from .newton import equilibrium
 from .start import lowered, refined
 from .state import Equilibrium, State, Step
@@ -45,12 +45,17 @@ def _halved(nodes: int) -> int:
 def _begun(sheet: Sheet, mold: Mold) -> State:
     """Where the first grid starts: lowered, and for a membrane where a net of its uniaxial laws comes to rest.
 
-    Lowered, some cells are torn apart beyond what its law may answer to; a net's curves go on straight.
+    Lowered, some cells are torn apart beyond what its law may answer to; a net's curves go on straight. Beside a free
+    edge a membrane that is narrower than it would be by itself rests in wrinkles, at no cost: from the net, which is
+    too wide, half steps come to its own width from above.
     """
     start = lowered(sheet, mold)
     if sheet.membrane is None:
         return start
-    return equilibrium(replace(sheet, membrane=None), mold, start, COARSE_TOLERANCE).state
+    start = equilibrium(replace(sheet, membrane=None), mold, start, COARSE_TOLERANCE).state
+    if all(bits & (X | Y) == X | Y for bits in sheet.edges):
+        return start
+    return equilibrium(sheet, mold, start, COARSE_TOLERANCE, longest=0.5).state
 
 
 def drape(

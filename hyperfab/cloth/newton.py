@@ -29,13 +29,15 @@ def equilibrium(
     largest: int | None = None,
     report: Callable[[Step], None] | None = None,
     friction: Friction | None = None,
+    longest: float = 1.0,
 ) -> Equilibrium:
     """Move a sheet from ``start`` to where no node feels an unbalanced force.
 
     At each step the contact set is decided by the forces (released where pulled outward, kept on edges by the cone of
     normals), Newton's step is found in the allowed subspace of every node, and shortened until the energy has fallen.
     Nodes that would enter the mold are set on it. Ends when the largest unbalanced nodal force is below ``tolerance``
-    times the largest spring force. ``friction`` resists within one load step.
+    times the largest spring force. ``friction`` resists within one load step. ``longest``: the share of Newton's step
+    that is tried first.
     """
     n, m = sheet.n, sheet.m
     balance = Balance(sheet, mold, tolerance)
@@ -75,7 +77,7 @@ def equilibrium(
         solver(tangent, balance.r, d, forcing)
         inner, slope = solver.iterations, dot(balance.r, d)
         energy = balance.energy
-        alpha, laid, stops = 1.0, balance.laid(), False
+        alpha, laid, stops = longest, balance.laid(), False
         while True:
             balance.move(now, d, alpha, trial, laid)
             spent = 0.0

@@ -517,3 +517,50 @@ def test_friction_over_a_sharp_rim_says_what_it_leaves_out(drape, folder):
     status, out, _ = drape("--friction", "0.3", "--load-steps", "5", "--depth", "30mm", mold="punch.stl")
     assert status == 0
     assert any("sharp edges" in text for text in json.loads(out)["left_out"])
+
+
+def test_a_membrane_obeys_the_law_as_a_whole_and_says_what_it_leaves_out(drape, folder):
+    assert drape("-o", "net.json")[0] == 0
+    status, _, err = drape("--sheet", "membrane", "-o", "membrane.json")
+    assert status == 0
+    assert "wrinkled or slack" in err
+    net, whole = (json.loads((folder / name).read_text()) for name in ("net.json", "membrane.json"))
+    assert (net["sheet"], whole["sheet"]) == ("net", "membrane")
+    assert 1.3 < whole["force_N"] / net["force_N"] < 1.8
+    assert whole["stress_max_MPa"] > whole["stress_warp_max_MPa"] > 0.0
+    assert whole["residual_relative"] <= 1e-6
+    assert whole["penetration_nodes_mm"] < 1e-9
+    assert any("biaxial" in text for text in net["left_out"])
+    for word in ("biaxial", "lateral", "shear"):
+        assert not any(word in text for text in whole["left_out"])
+    assert b"stress_larger_MPa" in (folder / "membrane.vtu").read_bytes()
+    again = drape("--like", "membrane.json", "-o", "again.json", mold="ball.stl")
+    assert again[0] == 0
+    assert json.loads((folder / "again.json").read_text())["force_N"] == whole["force_N"]
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--warp", "test.csv"), "one direction"),
+        (("--shear-modulus", "0.05MPa"), "leave --shear-modulus out"),
+        (("--shear-law", "test.csv"), "leave --shear-law out"),
+        (("--solver", "relaxation"), "newton or dynamic"),
+    ],
+)
+def test_what_only_springs_have_is_refused_with_a_membrane(drape, options, words):
+    status, _, err = drape("--sheet", "membrane", *options)
+    assert status == 2
+    assert words in " ".join(err.split())
+
+
+def test_an_unstable_law_is_told_of_a_membrane(drape, folder):
+    falling = {
+        **FABRIC,
+        "model": "yeoh-3",
+        "parameters": {"C10_MPa": 0.2, "C20_MPa": -0.3, "C30_MPa": 0.25},
+    }
+    (folder / "falling.json").write_text(json.dumps(falling))
+    status, _, err = drape("--sheet", "membrane", fabric="falling.json")
+    assert status == 4
+    assert "unstable" in err
