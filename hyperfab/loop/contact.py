@@ -19,8 +19,8 @@ from hyperfab.materials.effects.thermal_softening import factor
 ZERO_SD = 0.1
 #: Readings of a file that are left out together, about.
 _SEGMENT = 15
-#: The effects in the order of the emulator's last settings: added prestretch, friction, slip of the rim.
-EFFECTS = ("pretension", "friction", "rim-slip")
+#: What effects add to, in the order of the emulator's last settings, and the pull up to which the clamp holds.
+ADDED = ("prestretch", "friction", "slip", "hold")
 #: Rounds in which the slip past a hold and the pull settle on each other; stiffnesses a changing one is taken at.
 _ROUNDS, _STIFFNESSES = 8, 3
 
@@ -140,13 +140,6 @@ def _parabola(levels: Array, values: Array, at: Array) -> Array:
     )
 
 
-def effects_of(terms: Mapping[str, tuple[str, Array]]) -> Array:
-    """Return the effects (4,) as ``Sheet.force`` takes them."""
-    found = [float(terms[name][1][0]) if name in terms else 0.0 for name in EFFECTS]
-    slip = terms["rim-slip"][1] if "rim-slip" in terms else np.zeros(1)
-    return np.array([*found, float(slip[1]) if len(slip) > 1 else 0.0])
-
-
 @dataclass
 class ContactProblem(Problem):
     """A sheet and what was read while a punch went into it."""
@@ -159,11 +152,16 @@ class ContactProblem(Problem):
     measured_files: int = field(kw_only=True)
     rim_slip: float = field(default=0.0, kw_only=True)
 
+    def added(self, terms: Mapping[str, tuple[str, Array]]) -> Array:
+        """Return the effects (4,) as ``Sheet.force`` takes them."""
+        amounts = self.amounts(terms)
+        return np.array([amounts.get(name, 0.0) for name in ADDED])
+
     def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return the forces [N], then what is known of the constants, then further tests."""
         own = np.asarray(own, dtype=np.float64)
         law, zero = own[:-1], float(own[-1])
-        effects = effects_of(terms)
+        effects = self.added(terms)
         found = []
         for one, scale in zip(self.files, self.scale, strict=True):
             soft = np.ones(len(one.depth))

@@ -74,7 +74,7 @@ class DrapeProblem(Problem):
     def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return x, y, z of every marker, file after file, then what is known of the constants, then further tests."""
         own = np.asarray(own, dtype=np.float64)
-        shift = self.draped.shift(settings_of(self.draped, own, terms)).reshape(-1, 3)
+        shift = self.draped.shift(settings_of(self.draped, own, self.amounts(terms))).reshape(-1, 3)
         found = [
             (base + weights @ shift).T.ravel()
             for base, weights in zip(self.base_at, self.weights, strict=True)
@@ -118,21 +118,11 @@ class DrapeProblem(Problem):
         )
 
 
-def amounts_of(terms: Mapping[str, tuple[str, Array]]) -> dict[str, float]:
-    """Return how much of each of the emulator's settings effects add."""
-    stretch = terms["pretension"][1] if "pretension" in terms else np.zeros(1)
-    named = {"friction": "friction", "shear": "shear-stiffness", "mass": "gravity"}
-    return {
-        "prestretch": float(stretch[0]),
-        "weft more": float(stretch[1]) if len(stretch) > 1 else 0.0,
-        **{name: float(terms[key][1][0]) if key in terms else 0.0 for name, key in named.items()},
-    }
-
-
-def settings_of(draped: Draped, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
-    """Return the emulator's settings for factors of the law and the depth's offset (last), and effects."""
+def settings_of(draped: Draped, own: Array, amounts: Mapping[str, float]) -> Array:
+    """Return the emulator's settings for factors of the law and the depth's offset (last), and what effects add."""
     ratio = dict(zip(draped.names, (float(v) for v in own), strict=False))
-    given = {"depth": float(own[-1]), **amounts_of(terms)}
+    given = {axis.name: 0.0 for axis in draped.kriged.axes if not axis.name.startswith("law ")}
+    given |= {"depth": float(own[-1]), **amounts}
     if draped.carried is not None:
         stiffness = [ratio[name] for name, scales in zip(draped.names, draped.scales, strict=True) if scales]
         factor = float(np.exp(np.mean(np.log(stiffness)))) if stiffness else 1.0

@@ -66,17 +66,20 @@ class FabricProblem(Problem):
     transverse_rows: Array = field(default_factory=lambda: np.empty(0, dtype=np.int64), kw_only=True)
     remake: object = field(default=None, kw_only=True)
 
+    def of_own(self, own: Array) -> tuple[Array, Array | None, dict[str, tuple[str, Array]]]:
+        """Return the law's constants along warp and weft (None: alike), and the terms the model already has."""
+        count = len(self.law.names)
+        at = count * (2 if self.both else 1)
+        had: dict[str, tuple[str, Array]] = {}
+        for name, (form, null) in self.held.items():
+            had[name] = (form, own[at : at + len(null)])
+            at += len(null)
+        return own[:count], own[count : 2 * count] if self.both else None, had
+
     def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return stresses [MPa], then transverse stretches."""
-        count = len(self.law.names)
-        warp = own[:count]
-        weft = own[count : 2 * count] if self.both else None
-        at = count * (2 if self.both else 1)
-        given: dict[str, tuple[str, Array]] = {}
-        for name, (form, null) in self.held.items():
-            given[name] = (form, own[at : at + len(null)])
-            at += len(null)
-        given.update(terms)
+        warp, weft, had = self.of_own(own)
+        given = {**had, **terms}
         stress = self.fabric.stress(warp, weft, given)
         if len(self.transverse_rows) == 0:
             return stress
@@ -96,11 +99,9 @@ class FabricProblem(Problem):
 
         In units of the stiffness these tests show at their ends.
         """
-        elastic = {name: term for name, term in terms.items() if name in _ELASTIC}
-        stress = self._at_rest.stress(own, None, elastic) if not self.both else None
-        if stress is None:
-            count = len(self.law.names)
-            stress = self._at_rest.stress(own[:count], own[count : 2 * count], elastic)
+        warp, weft, had = self.of_own(own)
+        elastic = {name: term for name, term in {**had, **terms}.items() if name in _ELASTIC}
+        stress = self._at_rest.stress(warp, weft, elastic)
         modulus = stress / _STEP / self._secant
         return {
             f"Young's modulus at rest{_along(angle)}": max(_LEAST - float(value), 0.0)

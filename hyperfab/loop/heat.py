@@ -18,43 +18,6 @@ from hyperfab.thermal.sensors import lagging
 from hyperfab.thermal.settings import Settings
 from hyperfab.thermal.tables import Table
 
-#: Settings that effects move: effect id -> form -> names in the order of the form's constants.
-_MOVED: Mapping[str, Mapping[str, tuple[str, ...]]] = {
-    "radiation": {"grey": ("emissivity",), "other surroundings": ("emissivity", "sky_K")},
-    "power-loss": {
-        "constant": ("lost",),
-        "with temperature": ("lost", "lost_per_K"),
-        "bent": ("lost", "lost_per_K", "lost_per_K2"),
-        "wire": ("wire_per_K",),
-        "wire and share": ("lost", "wire_per_K"),
-        "through the back": ("lost", "back_W_K"),
-    },
-    "base-conduction": {
-        "film": ("bench",),
-        "uneven": ("bench", "bench_uneven", "bench_x", "bench_y"),
-        "bench that warms up": ("bench", "bench_share", "bench_s"),
-    },
-    "property-drift": {
-        "specific heat": ("capacity_per_K",),
-        "conductivity": ("conductivity_per_K",),
-        "both": ("capacity_per_K", "conductivity_per_K"),
-        "bent": ("capacity_per_K", "capacity_per_K2"),
-        "bent both": ("capacity_per_K", "capacity_per_K2", "conductivity_per_K"),
-    },
-    "ambient-drift": {
-        "linear": ("ambient_per_s",),
-        "quadratic": ("ambient_per_s", "ambient_per_s2"),
-        "cubic": ("ambient_per_s", "ambient_per_s2", "ambient_per_s3"),
-    },
-    "convection-law": {"power": ("exponent",)},
-    "contact-resistance": {
-        "gap": ("",),
-        "each": (),
-        "uneven": ("", "joint_uneven", "joint_x", "joint_y"),
-        "closing with warmth": ("", "joint_per_K"),
-        "each, closing with warmth": ("joint_per_K",),
-    },
-}
 #: What is known of the temperature at the start and of the ambient [K]: what a thermometer on the wall tells.
 _LEVEL_SD = {"start": 0.5, "ambient": 1.0}
 #: Standard deviations of its prior by which a constant may move; less those that could stand in for a bad joint.
@@ -107,7 +70,7 @@ class HeatProblem(Problem):
     kinds: Sequence[str] = field(kw_only=True)
     joints: Array = field(kw_only=True)
     pairs: Sequence[tuple[str, str]] = field(default=(), kw_only=True)
-    lag_s: float = field(default=0.0, kw_only=True)
+    lag_s: Array = field(default_factory=lambda: np.zeros(1), kw_only=True)
     names: Sequence[str] = field(default=(), kw_only=True)
     base: Sequence[str] = field(default=(), kw_only=True)
     tables: Mapping[str, Table] = field(default_factory=dict, kw_only=True)
@@ -171,22 +134,21 @@ class HeatProblem(Problem):
         count = len(own)
         mold = self.runs[0].mold
         moved: dict[str, Array] = {}
-        opened, added = np.zeros((count, len(mold.opened))), np.zeros((count, len(self.joints)))
-        lag = np.full((count, len(mold.probes)), self.lag_s)
-        second = np.zeros(count)
         for row, given in enumerate(terms):
-            for effect, (form, values) in given.items():
-                if effect == "sensor-lag":
-                    lag[row] += values[0]
-                    if form == "two-stage":
-                        second[row] = values[1]
-                    elif form == "each":
-                        lag[row, 1 : len(values)] += values[1:]
-                    continue
-                if effect == "contact-resistance":
-                    _resist(opened[row], added[row], form, values)
-                for name, value in zip(_MOVED[effect][form], values, strict=False):
-                    moved.setdefault(name, np.zeros(count))[row] = value
+            for place, amount in self.amounts(given).items():
+                moved.setdefault(place, np.zeros(count))[row] = amount
+
+        def each(name: str, numbers: range) -> Array:
+            """Return what is added to each of several, (count, how many)."""
+            none = np.zeros(count)
+            return np.stack([none, *(moved.pop(f"{name}.{k}", none) for k in numbers)], axis=1)[:, 1:]
+
+        new, old = len(mold.opened), len(self.joints)
+        opened, added = each("resistance", range(new)), each("resistance", range(new, new + old))
+        lag = (
+            self.lag_s + moved.pop("lag_s", np.zeros(count))[:, None] + each("lag_s", range(len(mold.probes)))
+        )
+        second = moved.pop("second_lag_s", np.zeros(count))
         pick = {
             kind: own[:, [i for i, other in enumerate(self.kinds) if other == kind]]
             for kind in ("film", "conductivity", "capacity", "power", "joint")
@@ -246,18 +208,6 @@ class HeatProblem(Problem):
             }
             found.append(Extra(text, details, problem))
         return found
-
-
-def _resist(opened: Array, added: Array, form: str, values: Array) -> None:
-    """Set the resistances of joints that conduct perfectly in the model, or where it has none, add to its joints'."""
-    if form.startswith("each"):
-        # The rate of closing, where there is one, comes first.
-        values = values[len(values) - len(opened) - len(added) :]
-        opened[:], added[:] = values[: len(opened)], values[len(opened) :]
-    elif len(opened):
-        opened[:] = values[0]
-    else:
-        added[:] = values[0]
 
 
 def _curve(name: str, first: int, times: Array, kept: NDArray[np.int64], jumps: NDArray[np.int64]) -> Curve:

@@ -45,12 +45,13 @@ class PressProblem(Problem):
     def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return the readings that the press would give, then what is known of the constants, then further tests."""
         value = dict(zip((one.name for one in self.own), own, strict=True))
-        guided = self._moved(value, terms)
+        amounts = self.amounts(terms)
+        guided = self._moved(value, amounts)
         now, found = guided, []
         hung: dict[float, Moved] = {}
         set_to: float | None = None
         for reading, scale in zip(self.readings, self.scale, strict=True):
-            factor = guided.factor * self._relaxed(terms, reading)
+            factor = guided.factor * _relaxed(amounts, reading)
             if self.setting.floating:
                 mean = float(np.mean(factor))
                 if mean not in hung:
@@ -65,32 +66,28 @@ class PressProblem(Problem):
         found.insert(self.measured_files, known(self.priors, np.asarray(own, dtype=np.float64)))
         return np.concatenate(found)
 
-    def _moved(self, value: Mapping[str, float], terms: Mapping[str, tuple[str, Array]]) -> Moved:
-        mechanical = np.zeros(4)
-        if "tilt" in terms and not self.setting.floating:
-            mechanical[:2] = np.radians(terms["tilt"][1])
-        if "thermal-expansion" in terms:
-            given = terms["thermal-expansion"][1]
-            mechanical[2:] = given[0], given[0] + (given[1] if len(given) > 1 else 0.0)
-        foam = value["foam.thickness"]
-        if "foam-shrinkage" in terms:
-            foam *= 1.0 - float(terms["foam-shrinkage"][1][0])
-        compliance = self.setting.compliance
-        if "frame-compliance" in terms:
-            compliance += 1e-3 * float(terms["frame-compliance"][1][0])
+    def _moved(self, value: Mapping[str, float], amounts: Mapping[str, float]) -> Moved:
+        strains = [amounts.get(f"strain.{side}", 0.0) for side in ("male", "female")]
+        tilt = [
+            0.0 if self.setting.floating else np.radians(amounts.get(f"tilt_deg.{axis}", 0.0))
+            for axis in "xy"
+        ]
+        mechanical = np.array([*tilt, *strains])
+        foam = value["foam.thickness"] * (1.0 - amounts.get("foam.lost", 0.0))
+        compliance = self.setting.compliance + 1e-3 * amounts.get("compliance_mm_kN", 0.0)
         tables = []
         for table in (self.summed, self.places):
-            factor: Array | float = foam
-            if "thickness-variation" in terms:
-                form, given = terms["thickness-variation"]
-                factor = foam * np.maximum(1.0 + variation(table.plan, form, given), 0.05)
+            uneven = variation(table.plan, amounts)
+            if self.setting.thickness is not None:
+                uneven = uneven * (self.setting.thickness / table.foam)
+            factor = foam if np.ndim(uneven) == 0 else foam * np.maximum(1.0 + uneven, 0.05)
             tables.append(table.moved(mechanical).with_foam(factor))
-        shift = float(np.dot(self.setting.zero_rate, mechanical[2:]))
+        shift = float(np.dot(self.setting.zero_rate, strains))
         return Moved(tables[0], tables[1], value["foam.compression"], compliance, shift, np.zeros(2))
 
     def hung(self, value: Mapping[str, float], terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return the tilt (2,) [rad] a floating female adds to the model's own; ``value`` has the own constants."""
-        guided = self._moved(value, terms)
+        guided = self._moved(value, self.amounts(terms))
         return self._floated(guided, guided.factor, value).turn
 
     def _floated(self, now: Moved, factor: float, value: Mapping[str, float]) -> Moved:
@@ -113,15 +110,6 @@ class PressProblem(Problem):
         now = self._moved(self._given, {})
         load = loads(now.table, self._opening(now, now.factor, self._given), np.zeros(2))
         return np.asarray(load[1:] / max(load[0], 1e-300))
-
-    def _relaxed(self, terms: Mapping[str, tuple[str, Array]], reading: Reading) -> Array | float:
-        if "foam-relaxation" not in terms:
-            return 1.0
-        form, given = terms["foam-relaxation"]
-        if form == "share" or reading.time_s is None:
-            return 1.0 - float(given[0])
-        power = float(given[2]) if len(given) > 2 else 1.0
-        return np.asarray(1.0 + given[0] * np.expm1(-((reading.time_s / given[1]) ** power)))
 
     def _sum(self, now: Moved, openings: Array) -> Array:
         """Return the force (m,) [N] of the law as it is, corrected for the thinned sum."""
@@ -176,7 +164,7 @@ class PressProblem(Problem):
 
     def _force(self, now: Moved, factor: Array | float, reading: Reading, zero: float) -> Array:
         assert reading.stroke is not None
-        touch = now.table.first_touch + self.setting.touch_offset
+        touch = now.table.first_touch
         stroke = reading.stroke - zero
         if now.compliance == 0.0:
             return np.asarray(factor * self._sum(now, touch - stroke))
@@ -265,6 +253,16 @@ class PressProblem(Problem):
             curves=(*self.curves, Curve(reading.name, rows, rows + size, np.arange(size, dtype=np.float64))),
             states={},
         )
+
+
+def _relaxed(amounts: Mapping[str, float], reading: Reading) -> Array | float:
+    """Return the share of the pressure that is left when a reading is taken: one factor, or one a row."""
+    share, time = amounts.get("relaxation.share", 0.0), amounts.get("relaxation.time_s")
+    if time is None or reading.time_s is None:
+        return 1.0 - share
+    return np.asarray(
+        1.0 + share * np.expm1(-((reading.time_s / time) ** amounts.get("relaxation.power", 1.0)))
+    )
 
 
 def press_problem(

@@ -48,7 +48,8 @@ class Setting:
     """How the press was set: the opening [mm] without a yielding frame, or the force [N]; ``compliance`` [mm/N] of
     the frame the model has already; ``zero_rate`` (2,) is what resetting the clearance hot gives back per strain of
     male and female [mm]; ``recovery`` the share of its compression the foam gives back, None where thickness was read
-    under the press; a ``floating`` female turns until nothing has a moment about its joint, whatever lies between."""
+    under the press; a ``floating`` female turns until nothing has a moment about its joint, whatever lies between.
+    Terms of the foam's thickness are shares of ``thickness`` [mm]."""
 
     opening: float
     force: float | None = None
@@ -56,4 +57,4 @@ class Setting:
     zero_rate: tuple[float, float] = (0.0, 0.0)
     recovery: float | None = None
     floating: bool = False
-    touch_offset: float = 0.0
+    thickness: float | None = None

@@ -20,6 +20,7 @@ class Constant:
 
     ``value`` is where it starts (the document's value; the null value for a constant of an effect), ``scale`` the
     size of a natural step, ``prior_sd`` one standard deviation of what is known of it beforehand (inf: nothing).
+    ``places`` name what of the domain's set-up a constant of an effect is added to.
     """
 
     name: str
@@ -28,6 +29,7 @@ class Constant:
     high: float = np.inf
     scale: float = 1.0
     prior_sd: float = np.inf
+    places: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -207,6 +209,15 @@ class Problem(ABC):
         found = np.zeros(len(self.measured), dtype=np.int64)
         for curve in self.curves:
             found[curve.rows] = curve.channel
+        return found
+
+    def amounts(self, terms: Mapping[str, tuple[str, Array]]) -> dict[str, float]:
+        """Return what ``terms`` add, by its place in the set-up: predictions and the extended model take both this."""
+        found: dict[str, float] = {}
+        for name, (form, values) in terms.items():
+            for constant, value in zip(self.effect(name).form(form).constants, values, strict=True):
+                for place in constant.places:
+                    found[place] = found.get(place, 0.0) + float(value)
         return found
 
     def effect(self, name: str) -> Effect:

@@ -8,7 +8,7 @@ import numpy as np
 #: What a run may be given beside its matrices, in the order of ``numbers``; absent at 0, ``reference`` apart.
 NUMBERS = (
     "reference", "capacity_per_K", "capacity_per_K2", "conductivity_per_K", "exponent", "lost", "lost_per_K",
-    "lost_per_K2", "back_W_K", "joint_per_K", "sky_K", "bench_share", "bench_s", "wire_per_K",
+    "lost_per_K2", "back_W_K", "joint_per_K", "surroundings_K", "bench_share", "bench_s", "wire_per_K",
 )  # fmt: skip
 
 

@@ -111,7 +111,7 @@ class ReducedMold:
         count, below = len(self.films), owner == len(faces) - 1
         for i in range(len(found)):
             joined = np.zeros_like(self.mass[0])
-            slopes = settings.of(i, "joint_uneven", "joint_x", "joint_y")
+            slopes = settings.of(i, "joint_from_middle", "joint_along_x", "joint_along_y")
             for resistance, opened in zip(settings.opened[i], self.opened, strict=True):
                 joined = joined + opened.jump(float(resistance), slopes)
             emissivity, bench = settings.of(i, "emissivity", "bench")
@@ -120,7 +120,9 @@ class ReducedMold:
             grey = emits.copy()
             grey[:count] += emissivity
             areas = weights.copy()
-            areas[below] *= self.bench.uneven(settings.of(i, "bench_uneven", "bench_x", "bench_y"))
+            areas[below] *= self.bench.uneven(
+                settings.of(i, "bench_from_middle", "bench_along_x", "bench_along_y")
+            )
             numbers = settings.of(i, *NUMBERS)
             numbers[0] = self.reference_degC
             drift = settings.air_K(i, stages)

@@ -86,15 +86,16 @@ class Settings:
 
     ``effects`` (b,) are absent at 0:
 
-    - ``emissivity``, and ``sky_K`` by which what it faces is warmer than the ambient;
-    - ``bench`` [W/m^2/K] through faces without a film, ``bench_uneven``, ``bench_x``, ``bench_y`` over them,
-      ``bench_share`` of the face's warmth that the bench takes on within ``bench_s``;
+    - ``emissivity``, and ``surroundings_K`` by which what it faces is warmer than the ambient;
+    - ``bench`` [W/m^2/K] through faces without a film, ``bench_from_middle``, ``bench_along_x``, ``bench_along_y`` over
+      them, ``bench_share`` of the face's warmth that the bench takes on within ``bench_s``;
     - ``lost``, ``lost_per_K``, ``lost_per_K2`` shares of the power, ``back_W_K`` lost while it is on, ``wire_per_K`` by
       which the heater's wire resists more at the same voltage;
     - ``conductivity_per_K``, ``capacity_per_K``, ``capacity_per_K2``;
     - ``ambient_per_s``, ``ambient_per_s2``, ``ambient_per_s3``;
     - ``exponent`` of a film coefficient in its temperature difference;
-    - ``joint_uneven``, ``joint_x``, ``joint_y`` over the opened joints, ``joint_per_K`` by which they conduct better.
+    - ``joint_from_middle``, ``joint_along_x``, ``joint_along_y`` over the opened joints, ``joint_per_K`` by which they
+      conduct better.
     """
 
     film: Array

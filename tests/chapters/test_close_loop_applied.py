@@ -27,6 +27,10 @@ from hyperfab.console import Console
 from hyperfab.documents.base import parse_document
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.io.stl_write import stl_bytes
+from hyperfab.loop.catalogue import catalogue
+from hyperfab.loop.catalogue.contact import scene as contact_scene
+from hyperfab.loop.catalogue.drape import scene as drape_scene
+from hyperfab.loop.problem import Effect
 
 FABRIC: dict[str, Any] = {
     "format": "hyperfab.material/1",
@@ -34,6 +38,28 @@ FABRIC: dict[str, Any] = {
     "parameters": {"C10_MPa": 0.2},
     "thickness_mm": 0.8,
 }
+
+
+#: The entries as an emulator scales them that reaches so far.
+DRAPE = catalogue("drape", drape_scene.Scene((0.02, 0.05), 0.4, 0.03, 900.0))
+CONTACT = catalogue(
+    "contact", contact_scene.Scene(30.0, (20.0, 40.0, 60.0), 20.0, (0.0, 0.05), 0.4, 1.0, 1.0)
+)
+
+
+def settings_of(effects: tuple[Effect, ...]) -> list[dict[str, float]]:
+    """Return what each form of each entry adds where its search begins; a clamp that holds at first has no key."""
+    found = []
+    for effect in effects:
+        for form in effect.forms:
+            added: dict[str, float] = {}
+            for constant, value in zip(form.constants, form.starts[0], strict=True):
+                for place in constant.places:
+                    added[place] = added.get(place, 0.0) + value + constant.scale
+            added.pop("hold", None)
+            if added and added not in found:
+                found.append(added)
+    return found
 
 
 @pytest.fixture
@@ -57,10 +83,7 @@ def quiet(command: str) -> Job:
     [
         {},
         {"depth": 0.7},
-        {"prestretch": 0.04, "weft more": -0.01},
-        {"mass": 900.0},
-        {"shear": 0.03},
-        {"friction": 0.2},
+        *settings_of(DRAPE),
         {"prestretch": 0.02, "mass": 300.0, "shear": 0.01, "depth": -0.4},
     ],
     ids=lambda one: "+".join(one) or "none",
@@ -91,7 +114,13 @@ def test_a_drape_with_effects_rests_where_hf_drape_lays_it(
     np.testing.assert_allclose(thought, rests, rtol=0.0, atol=1e-9 * np.abs(rests).max())
 
 
-@pytest.mark.parametrize("settings", [{}, {"prestretch": 0.03}, {"friction": 0.25}, {"slip": 0.4}])
+def test_every_constant_has_its_place_in_the_set_up() -> None:
+    """But for softening with temperature, which is written as constants of the material at each temperature."""
+    every = [*DRAPE, *(effect for effect in CONTACT if effect.id != "thermal-softening")]
+    assert all(constant.places for effect in every for form in effect.forms for constant in form.constants)
+
+
+@pytest.mark.parametrize("settings", [{}, *settings_of(CONTACT)], ids=lambda one: "+".join(one) or "none")
 def test_a_punched_sheet_with_effects_is_the_one_that_is_written(
     folder: Path, settings: dict[str, float]
 ) -> None:

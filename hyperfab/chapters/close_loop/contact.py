@@ -29,7 +29,7 @@ from hyperfab.io.csv_table import read_table
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.layout import Layout
 from hyperfab.io.units import quantity
-from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_problem, effects_of
+from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_problem
 from hyperfab.loop.emulator import Axis as Setting
 from hyperfab.loop.emulator import emulate
 from hyperfab.loop.engine import Finding
@@ -200,7 +200,7 @@ class Forward:
         """Return the problem with the force corrected by a run of what was found, where the emulated one is off."""
         assert isinstance(problem, ContactProblem)
         sheet, fit = problem.sheet, found.after.fit
-        own, effects = np.asarray(fit.x[: fit.own - 1]), effects_of(fit.terms)
+        own, effects = np.asarray(fit.x[: fit.own - 1]), problem.added(fit.terms)
         if effects[3] > 0.0:
             # A clamp that holds at first is no spring: there is no such run.
             return None

@@ -177,7 +177,7 @@ class Forward:
         assert isinstance(problem, DrapeProblem)
         draped, fit = problem.draped, found.after.fit
         kriged = draped.kriged
-        settings = settings_of(draped, np.asarray(fit.x[: fit.own]), fit.terms)
+        settings = settings_of(draped, np.asarray(fit.x[: fit.own]), problem.amounts(fit.terms))
         try:
             true = self.at(kriged.axes, settings)
         except NotConverged:

@@ -13,7 +13,7 @@ from hyperfab.documents.material import Direction, MaterialDocument
 from hyperfab.errors import InputError
 from hyperfab.loop.fabric import FabricProblem, FabricTest
 from hyperfab.loop.fitting import Fit
-from hyperfab.loop.problem import Array, Constant
+from hyperfab.loop.problem import Array, Constant, Form
 from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.path import MODE_NAMES, uniaxial_pull
 from hyperfab.materials.identification.design import Problem as LawProblem
@@ -21,8 +21,12 @@ from hyperfab.materials.identification.fit import fit_law
 from hyperfab.materials.identification.rows import Curve, Rows
 from hyperfab.materials.law import Law
 
-#: Effects that the document tells in keys of its own, which every command reads: no term is added twice.
-_TOLD_ELSEWHERE = ("anisotropy",)
+#: The keys of the document that tell an effect to every command.
+_TOLD_BY = {"anisotropy": "directions", "thermal-softening": "temperatures"}
+#: Forms that constants of warp and weft tell only nearly: the loop goes on from the ``ground`` and the term itself.
+_BEYOND_DIRECTIONS = ("warp-fibres", "weft-fibres", "constants-fibres", "diagonal")
+#: Laws of which a polynomial in I1 is a richer one.
+_POWERS = ("neo-hookean", "yeoh-1", "yeoh-2")
 #: Effects that have no prediction where the tests state no times.
 _NEEDS_TIMES = ("rate",)
 #: A test cut within this angle [deg] of warp or weft is a test of it.
@@ -37,7 +41,8 @@ def held_terms(
     for index, item in enumerate(document.effects or []):
         key = f"effects.{index}"
         kind, form_name, values = item.get("id"), item.get("form"), item.get("parameters")
-        if kind in _TOLD_ELSEWHERE or item.get("told_by") in ("directions", "model"):
+        # No term is added twice to what the document tells in keys of its own.
+        if item.get("told_by") in ("directions", "model") and "ground" not in item:
             continue
         effect = entries.get(str(kind))
         form = None if effect is None else next((f for f in effect.forms if f.name == form_name), None)
@@ -70,51 +75,48 @@ def held_terms(
 
 def extend(document: MaterialDocument, problem: FabricProblem, fit: Fit, law: Law) -> MaterialDocument:
     """Return the document with refitted constants and the terms of ``fit``."""
-    names = law.names
-    count = len(names)
-    warp = dict(zip(names, (float(v) for v in fit.x[:count]), strict=True))
-    weft = (
-        dict(zip(names, (float(v) for v in fit.x[count : 2 * count]), strict=True)) if problem.both else None
-    )
+    ground, across, had = problem.of_own(np.asarray(fit.x[: fit.own]))
     result = document.refitted()
     terms = fit.terms
-    records = _refitted(document, problem, fit)
-    for effect_id, (form, values) in terms.items():
-        entry = problem.effect(effect_id).form(form)
-        parameters = {c.name: float(v) for c, v in zip(entry.constants, values, strict=True)}
-        record: dict[str, Any] = {"id": effect_id, "form": form, "parameters": parameters}
-        if effect_id == "anisotropy":
-            if form.endswith("fibres"):
-                warp, weft = _along_and_across(law, warp, form, values, problem)
-            else:
-                weft = _weft(law, warp, form, values)
-            record["told_by"] = "directions"
+    records = _refitted(document, problem, had) + [
+        {
+            "id": name,
+            "form": form,
+            "parameters": _named(problem.effect(name).form(form), values),
+            **({"reference_degC": problem.fabric.reference_degC} if name == "thermal-softening" else {}),
+            **({"told_by": _TOLD_BY[name]} if name in _TOLD_BY else {}),
+        }
+        for name, (form, values) in terms.items()
+    ]
+    warp = dict(zip(law.names, map(float, ground), strict=True))
+    weft = None if across is None else dict(zip(law.names, map(float, across), strict=True))
+    own = dict(warp)
+    form, values = {**had, **terms}.get("anisotropy", ("", np.empty(0)))
+    if form.endswith("fibres"):
+        warp, weft = _along_and_across(law, warp, form, values, problem)
+    elif form:
+        weft = _weft(law, warp, form, values)
+    for record in records:
+        if record["id"] == "anisotropy" and form in _BEYOND_DIRECTIONS:
+            record["ground"] = own
             if form == "diagonal":
-                record["diagonal_softness"] = float(values[count])
-        if effect_id == "thermal-softening":
-            record["reference_degC"] = problem.fabric.reference_degC
-            record["told_by"] = "temperatures"
-        if (
-            effect_id == "elastic-law"
-            and form == "powers"
-            and law.name in ("neo-hookean", "yeoh-1", "yeoh-2")
-        ):
-            result.model = "yeoh-3"
-            warp = _richer(warp, parameters)
-            weft = None if weft is None else _richer(weft, parameters)
+                record["diagonal_softness"] = float(values[len(law.names)])
+        if record["id"] == "elastic-law" and record["form"] == "powers" and law.name in _POWERS:
+            result.model, added = "yeoh-3", record["parameters"]
+            warp, own = _richer(warp, added), _richer(own, added)
+            weft = None if weft is None else _richer(weft, added)
             record["told_by"] = "model"
-        records.append(record)
     result.parameters = warp
     result.temperatures = None
     result.directions = None
     result.tested = tested_by(_curves(problem.tests))
     if weft is not None:
         # A test that states no direction is taken as pulled along the warp.
-        across = [test for test in problem.tests if abs(test.angle_deg - 90.0) <= _ALONG]
+        square = [test for test in problem.tests if abs(test.angle_deg - 90.0) <= _ALONG]
         along = [test for test in problem.tests if not abs((test.angle_deg + 90.0) % 180.0 - 90.0) > _ALONG]
         result.directions = {
             "warp": Direction(parameters=warp, tested=tested_by(_curves(along))),
-            "weft": Direction(parameters=weft, tested=tested_by(_curves(across))),
+            "weft": Direction(parameters=weft, tested=tested_by(_curves(square))),
         }
     if "thermal-softening" in terms:
         known = problem.fabric.path.temperature_degC
@@ -130,20 +132,19 @@ def _curves(tests: Sequence[FabricTest]) -> list[tuple[str, Array, Array | None]
     return [(MODE_NAMES[test.mode], test.stretch, test.temperature_degC) for test in tests]
 
 
-def _refitted(document: MaterialDocument, problem: FabricProblem, fit: Fit) -> list[dict[str, Any]]:
+def _refitted(
+    document: MaterialDocument, problem: FabricProblem, had: Mapping[str, tuple[str, Array]]
+) -> list[dict[str, Any]]:
     """Return the terms the document had, with their constants refitted."""
     found = [dict(item) for item in document.effects or []]
-    at = len(problem.law.names) * (2 if problem.both else 1)
-    for name, (_, null) in problem.held.items():
+    for name, (form, values) in had.items():
         record = next(item for item in found if item.get("id") == name)
-        keys = list(record["parameters"])
-        own = [constant.name.removeprefix(f"{name} ") for constant in problem.own[at : at + len(null)]]
-        record["parameters"] = {
-            **{key: record["parameters"][key] for key in keys},
-            **{key: float(value) for key, value in zip(own, fit.x[at : at + len(null)], strict=True)},
-        }
-        at += len(null)
+        record["parameters"] = {**record["parameters"], **_named(problem.effect(name).form(form), values)}
     return found
+
+
+def _named(form: Form, values: Array) -> dict[str, float]:
+    return {constant.name: float(value) for constant, value in zip(form.constants, values, strict=True)}
 
 
 def _weft(law: Law, warp: Mapping[str, float], form: str, values: Array) -> dict[str, float]:

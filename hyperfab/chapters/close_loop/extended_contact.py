@@ -14,13 +14,13 @@ from hyperfab.chapters.close_loop.softer import scaled_material, soften
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
-from hyperfab.loop.contact import ContactProblem, effects_of
+from hyperfab.loop.contact import ContactProblem
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.problem import Array
 
 #: Where the refitted fabric is written.
 FABRIC = ".model.fabric.json"
-#: Where in the set-up of a test the emulator's settings are added, in the order of ``effects_of``.
+#: Where in the set-up of a test the emulator's settings are added.
 PLACES = {"prestretch": ("prestretch",), "friction": ("friction_coefficient",), "slip": ("rim_slip_mm2_N",)}
 
 
@@ -42,9 +42,8 @@ def extend(
     factors = {name: float(v) for name, v in zip(problem.sheet.names, fit.x, strict=False)}
     fabric = scaled_material(material, factors)
     notes: list[str] = []
-    added = effects_of(fit.terms)
-    amounts = dict(zip(PLACES, (float(v) for v in added), strict=False))
-    if added[3] > 0.0:
+    amounts, added = problem.amounts(fit.terms), problem.added(fit.terms)
+    if amounts.pop("hold", 0.0) > 0.0:
         own = np.asarray(fit.x[: fit.own - 1])
         slip = float(problem.sheet.slips(own, added, 1.0)[-1]) + problem.rim_slip
         amounts["slip"] = slip / problem.sheet.scale(own) - problem.rim_slip

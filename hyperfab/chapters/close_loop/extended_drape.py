@@ -19,7 +19,7 @@ from hyperfab.documents.material import MaterialDocument
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
-from hyperfab.loop.drape import DrapeProblem, amounts_of
+from hyperfab.loop.drape import DrapeProblem
 from hyperfab.loop.engine import Finding
 
 #: Where the tests that are taken as laws are written.
@@ -53,7 +53,7 @@ def extend(
     """Return the case of the extended drape, and the fabric it reads."""
     fit = found.after.fit
     own = {one.name: float(v) for one, v in zip(problem.own, fit.x, strict=False)}
-    larger = drape_applied(case, {"depth": own["depth"], **amounts_of(fit.terms)})
+    larger = drape_applied(case, {"depth": own["depth"], **problem.amounts(fit.terms)})
     notes = []
     if "shear-stiffness" in fit.terms and case.shear_law is not None:
         notes.append("shear-stiffness: a modulus takes the place of the measured law of shear")

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import copy
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -18,12 +19,23 @@ from hyperfab.loop.problem import Array
 from hyperfab.thermal.tables import Table
 
 _UNEVEN = "{}, for which a mold document has no key; the extended model has the mean throughout"
+#: What of a joint or a base differs over its face.
+_OVER_A_FACE = ("from_middle", "along_x", "along_y")
+#: Losses of power that ride on the temperature, and what they are called.
+_RIDING = {
+    "lost_per_K": "lost_share_per_K",
+    "lost_per_K2": "lost_share_per_K2",
+    "back_W_K": "back_W_K",
+    "wire_per_K": "resistance_per_K",
+}
+#: How far above the ambient [K] a film coefficient that rides on it is tabulated.
+_ABOVE = np.concatenate([np.geomspace(0.5, 20.0, 60), np.linspace(20.0, 400.0, 191)[1:]])
 _FILES = ("table", "stl", "schedule", "document")
 #: Endings of the tables an extended mold may have beside it.
 TABLES = (
     *(f".{what}-*.csv" for what in ("film", "power", "conductivity", "specific-heat")),
     ".ambient.csv",
-    ".sky.csv",
+    ".ambient-*.csv",
 )
 
 
@@ -43,18 +55,22 @@ def extend(
     mold = copy.deepcopy(dict(data))
     _relocate(mold, folders)
     files: dict[str, bytes] = {}
-    factors = dict(zip((constant.name for constant in problem.own), (float(v) for v in fit.x), strict=False))
+    own = dict(zip((constant.name for constant in problem.own), (float(v) for v in fit.x), strict=False))
     # A term at its null is not there: the document stays the one that was given.
-    terms = {name: {c.name: float(v) for c, v in zip(fit.forms[name].constants, values, strict=True)}
-             for name, (_, values) in fit.terms.items()
-             if tuple(values) != fit.forms[name].null}  # fmt: skip
-    _scale(mold, document, problem, factors, terms, files)
-    if set(terms.get("power-loss", {})) - {"lost_share"}:
-        _heat_as_given_off(mold, document, problem.given_off(fit.x[: fit.own], fit.terms), files)
-    notes = _add(mold, document, problem, terms, files, factors.get("ambient", 0.0))
+    terms = {name: term for name, term in fit.terms.items() if tuple(term[1]) != fit.forms[name].null}
+    wider = _Wider(mold, document, problem, own, problem.amounts(terms), files)
+    wider.films()
+    wider.materials()
+    wider.heaters(lambda: problem.given_off(fit.x[: fit.own], fit.terms))
+    wider.starts()
+    wider.surroundings()
+    wider.joints()
+    wider.radiation()
+    wider.base()
+    wider.probes()
     _named(mold, stem)
     files[".model.toml"] = tomli_w.dumps(mold).encode()
-    return files, notes
+    return files, wider.notes
 
 
 def _named(node: Any, stem: str) -> None:
@@ -80,193 +96,233 @@ def _relocate(node: Any, folders: tuple[str, str]) -> None:
             _relocate(item, folders)
 
 
-def _scale(
-    mold: dict[str, Any],
-    document: MoldDocument,
-    problem: HeatProblem,
-    factors: Mapping[str, float],
-    terms: Mapping[str, Mapping[str, float]],
-    files: dict[str, bytes],
-) -> None:
-    reduced = problem.runs[0].mold
-    exponent = terms.get("convection-law", {}).get("exponent", 0.0)
-    for index, section in enumerate(document.convection):
-        factor = factors.get(f"convection.{index}.h", 1.0)
-        film = reduced.films[index].film
-        if exponent == 0.0 and isinstance(section.h, float):
-            mold["convection"][index]["h"] = f"{section.h * factor!r} W/m^2/K"
-        elif factor != 1.0 or exponent != 0.0:
-            air = float(reduced.films[index].ambient.y[0])
-            above = np.array([0.5, 2.0, 5.0, 10.0, 20.0, 40.0, 70.0, 100.0, 150.0, 200.0, 300.0, 400.0])
-            at = np.unique(np.concatenate([film.x, air + above]))
-            h = factor * film(at) * (np.maximum(np.abs(at - air), 0.5) / 30.0) ** exponent
-            name = f".film-{index}.csv"
-            files[name] = _csv("temperature [degC]", "h [W/m^2/K]", at, h)
-            mold["convection"][index]["h"] = {"table": name}
-    drift = terms.get("property-drift", {})
-    for key, stuff in document.material.items():
-        for what, unit in (("conductivity", "W/m/K"), ("specific_heat", "J/kg/K")):
-            value = getattr(stuff, what)
-            factor = factors.get(f"material.{key}.{what}", 1.0)
-            rate, bend = drift.get(f"{what}_per_K", 0.0), drift.get(f"{what}_per_K2", 0.0)
-            if rate == bend == 0.0:
-                if isinstance(value, float):
-                    mold["material"][key][what] = f"{value * factor!r} {unit}"
-                    continue
-                if factor == 1.0:
-                    continue
-            zero, plain = reduced.reference_degC, problem.tables[f"{key}.{what}"]
-            beside = (
-                np.array([zero - 50.0, zero]) if bend == 0.0 else np.arange(zero - 50.0, zero + 490.0, 10.0)
+@dataclass
+class _Wider:
+    """A mold's plain document on its way to the extended one.
+
+    document   what was given, read
+    own        the refitted constants, by name
+    amounts    what the found terms add, by its place in the reduced mold's settings
+    files      tables beside it, by suffix
+    notes      what the document has no key for
+    """
+
+    mold: dict[str, Any]
+    document: MoldDocument
+    problem: HeatProblem
+    own: Mapping[str, float]
+    amounts: Mapping[str, float]
+    files: dict[str, bytes]
+    notes: list[str] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        """Keep the mold as it was reduced, and the faces as they were given."""
+        self.reduced = self.problem.runs[0].mold
+        self.faces = {"convection": self.reduced.films, "radiation": self.reduced.radiators}
+        self.given = {kind: copy.deepcopy(self.mold.get(kind, [])) for kind in self.faces}
+
+    def at(self, place: str) -> float:
+        """Return what is added at a place."""
+        return self.amounts.get(place, 0.0)
+
+    def films(self) -> None:
+        """Scale the film coefficients; one that rides on the temperature difference in another way is a table."""
+        exponent = self.at("exponent")
+        for index, section in enumerate(self.document.convection):
+            factor, film = self.own.get(f"convection.{index}.h", 1.0), self.reduced.films[index].film
+            if exponent == 0.0 and isinstance(section.h, float):
+                self.mold["convection"][index]["h"] = f"{section.h * factor!r} W/m^2/K"
+            elif factor != 1.0 or exponent != 0.0:
+                air = float(self.reduced.films[index].ambient.y[0]) + self.own.get("ambient", 0.0)
+                at = np.unique(np.concatenate([film.x, air + _ABOVE]))
+                h = factor * film(at) * (np.maximum(np.abs(at - air), 0.5) / 30.0) ** exponent
+                name = f".film-{index}.csv"
+                self.files[name] = _csv("temperature [degC]", "h [W/m^2/K]", at, h)
+                self.mold["convection"][index]["h"] = {"table": name}
+
+        moves = any(self.at(f"ambient_per_s{power}") for power in ("", "2", "3"))
+        if exponent and (moves or not all(one.ambient.is_constant for one in self.reduced.films)):
+            self.notes.append(
+                "convection-law: a film's table is over the temperature of the face; it is of the ambient at the start"
             )
-            at = np.unique(np.concatenate([plain.x, beside, [zero + 500.0]]))
-            scaled = factor * plain(at) * np.maximum(1.0 + (rate + bend * (at - zero)) * (at - zero), 0.05)
-            name = f".{what.replace('_', '-')}-{key}.csv"
-            column = {"conductivity": "conductivity", "specific_heat": "specific heat"}[what]
-            files[name] = _csv("temperature [degC]", f"{column} [{unit}]", at, scaled)
-            mold["material"][key][what] = {"table": name}
-    share = 1.0 - terms.get("power-loss", {}).get("lost_share", 0.0)
-    for index, heater in enumerate(document.heater):
-        factor = factors.get(f"heater.{index}.power", 1.0) * share
-        if factor == 1.0:
-            continue
-        if heater.schedule is not None:
-            table: Table = reduced.heaters[index][1]
-            name = f".power-{index}.csv"
-            files[name] = _csv("time [s]", "power [W]", table.x, factor * table.y)
-            mold["heater"][index]["schedule"] = name
-        elif heater.power is not None:
-            mold["heater"][index]["power"] = f"{heater.power * factor!r} W"
-        elif heater.flux is not None:
-            mold["heater"][index]["flux"] = f"{heater.flux * factor!r} W/m^2"
-    if isinstance(document.run.start, float):
-        mold["run"]["start"] = f"{document.run.start + factors.get('run.start', 0.0)!r} degC"
-        for index, part in enumerate(document.part):
-            warmer = factors.get(f"part.{part.name}.start", 0.0)
-            if warmer != 0.0 or part.start is not None:
-                begin = document.run.start if part.start is None else part.start
-                begin += factors.get("run.start", 0.0) + warmer
-                mold["part"][index]["start"] = f"{begin!r} degC"
-    for kind in ("convection", "radiation"):
-        for index, cooled in enumerate(getattr(document, kind)):
-            if isinstance(cooled.ambient, float):
-                mold[kind][index]["ambient"] = f"{cooled.ambient + factors.get('ambient', 0.0)!r} degC"
-    added = _added(terms.get("contact-resistance", {}), problem)
-    for index, contact in enumerate(document.contact):
-        h = contact.h * factors.get(f"contact.{index}.h", 1.0)
-        mold["contact"][index]["h"] = f"{h / (1.0 + added[1][index] * h)!r} W/m^2/K"
 
-
-def _heat_as_given_off(
-    mold: dict[str, Any], document: MoldDocument, powers: Sequence[Table], files: dict[str, bytes]
-) -> None:
-    """Write the power that reached the mold in this run as the heaters' schedules; a thermostat keeps its rating."""
-    for index, (heater, power) in enumerate(zip(document.heater, powers, strict=True)):
-        if heater.control is not None:
-            continue
-        for key in ("power", "flux"):
-            mold["heater"][index].pop(key, None)
-        at, first = np.unique([float(f"{time:.9g}") for time in power.x], return_index=True)
-        files[f".power-{index}.csv"] = _csv("time [s]", "power [W]", at, np.maximum(power.y[first], 0.0))
-        mold["heater"][index]["schedule"] = f".power-{index}.csv"
-
-
-def _added(values: Mapping[str, float], problem: HeatProblem) -> tuple[list[float], list[float]]:
-    """Return the resistances [m^2 K/W] of joints without one in the document, and those added to its joints'."""
-    new, old = len(problem.pairs), len(problem.joints)
-    one = values.get("resistance_m2K_W")
-    if one is not None:
-        return [one] * new, [0.0 if new else one] * old
-    each = [values.get(f"resistance_{k}_m2K_W", 0.0) for k in range(1, new + old + 1)]
-    return each[:new], each[new:]
-
-
-def _add(
-    mold: dict[str, Any],
-    document: MoldDocument,
-    problem: HeatProblem,
-    terms: Mapping[str, Mapping[str, float]],
-    files: dict[str, bytes],
-    warmer: float,
-) -> list[str]:
-    """Add the terms to the document; return what it has no key for; the ambient was found to be ``warmer`` [K]."""
-    notes = []
-    cooled = document.convection[0] if document.convection else None
-    ambient = mold["convection"][0]["ambient"] if cooled is not None else "25.0 degC"
-    for name, values in terms.items():
-        if name == "radiation":
-            places = [place for section in mold["convection"] for place in _listed(section["on"])]
-            sky = _warmer(ambient, values.get("surroundings_K", 0.0), problem, files)
-            mold.setdefault("radiation", []).append(
-                {"on": places, "emissivity": values["emissivity"], "ambient": sky}
-            )
-        elif name == "contact-resistance":
-            for pair, resistance in zip(problem.pairs, _added(values, problem)[0], strict=True):
-                h = 1.0 / max(resistance, 1e-7)
-                mold.setdefault("contact", []).append({"between": list(pair), "h": f"{h!r} W/m^2/K"})
-            if "closing_per_K" in values:
-                notes.append(
-                    f"contact-resistance: the joint conducts {100.0 * values['closing_per_K']:.3g} % better a kelvin, "
-                    "for which a mold document has no key; the extended model has its conductance at the start"
+    def materials(self) -> None:
+        """Scale conductivities and specific heats, and let them change with temperature."""
+        for key, stuff in self.document.material.items():
+            for what, place, unit in (
+                ("conductivity", "conductivity", "W/m/K"),
+                ("specific_heat", "capacity", "J/kg/K"),
+            ):
+                value, factor = getattr(stuff, what), self.own.get(f"material.{key}.{what}", 1.0)
+                rate, bend = self.at(f"{place}_per_K"), self.at(f"{place}_per_K2")
+                if rate == bend == 0.0:
+                    if isinstance(value, float):
+                        self.mold["material"][key][what] = f"{value * factor!r} {unit}"
+                        continue
+                    if factor == 1.0:
+                        continue
+                zero, plain = self.reduced.reference_degC, self.problem.tables[f"{key}.{what}"]
+                beside = (
+                    np.array([zero - 50.0, zero])
+                    if bend == 0.0
+                    else np.arange(zero - 50.0, zero + 490.0, 10.0)
                 )
-            elif "from_middle" in values:
-                notes.append(_UNEVEN.format("contact-resistance: the joint is better in places"))
-        elif name == "sensor-lag":
-            numbers = {name: k for k, name in enumerate(problem.names, start=1)}
-            for probe in mold["probe"]:
-                own = values.get(f"of_probe_{numbers.get(probe['name'], 1)}_s", 0.0)
-                probe["lag"] = f"{max(problem.lag_s + values['lag_s'] + own, 0.0)!r} s"
-            if values.get("second_lag_s", 0.0) > 0.0:
-                notes.append(
-                    f"sensor-lag: the second lag of {values['second_lag_s']:.3g} s has no key in a mold document; "
-                    "only the first is in the extended model"
+                at = np.unique(np.concatenate([plain.x, beside, [zero + 500.0]]))
+                scaled = (
+                    factor * plain(at) * np.maximum(1.0 + (rate + bend * (at - zero)) * (at - zero), 0.05)
                 )
-        elif name == "base-conduction":
-            places = list(problem.base)
-            _uncover(mold, places)
-            mold.setdefault("convection", []).append(
-                {"on": places, "h": f"{values['h_W_m2K']!r} W/m^2/K", "ambient": ambient}
-            )
-            if "bench_share" in values:
-                notes.append(
-                    f"base-conduction: the bench takes on {100.0 * values['bench_share']:.3g} % of the base's warmth "
-                    f"within {values['bench_s']:.3g} s, for which a mold document has no key; the extended model has "
-                    "a bench as cold as the ambient"
+                name = f".{what.replace('_', '-')}-{key}.csv"
+                self.files[name] = _csv(
+                    "temperature [degC]", f"{what.replace('_', ' ')} [{unit}]", at, scaled
                 )
-            elif "from_middle" in values:
-                notes.append(_UNEVEN.format("base-conduction: more leaves in places"))
-        elif name == "ambient-drift":
-            times = problem.runs[0].times
-            at = np.linspace(0.0, float(times[-1]), 101)
-            slope, bend, twist = (values.get(f"drift_K_s{power}", 0.0) for power in ("", "2", "3"))
-            rise = slope * at + bend * at**2 + twist * at**3
-            base = (
-                problem.runs[0].mold.films[0].ambient(at)
-                if problem.runs[0].mold.films
-                else np.full_like(at, 25.0)
-            )
-            files[".ambient.csv"] = _csv("time [s]", "temperature [degC]", at, base + warmer + rise)
-            for kind in ("convection", "radiation"):
-                for section in mold.get(kind, []):
-                    section["ambient"] = {"table": ".ambient.csv"}
-        elif name == "power-loss" and set(values) - {"lost_share"}:
-            told = ", ".join(f"{key} {value:.3g}" for key, value in values.items() if key != "lost_share")
-            notes.append(
+                self.mold["material"][key][what] = {"table": name}
+
+    def heaters(self, given_off: Callable[[], Sequence[Table]]) -> None:
+        """Scale the powers; what rides on the temperature is the power that reached the mold in this run."""
+        riding = {key: self.amounts[key] for key in _RIDING if key in self.amounts}
+        reached = given_off() if riding else ()
+        for index, heater in enumerate(self.document.heater):
+            factor = self.own.get(f"heater.{index}.power", 1.0) * (1.0 - self.at("lost"))
+            own = self.mold["heater"][index]
+            if riding and heater.control is None:
+                power = reached[index]
+                own.pop("power", None)
+                own.pop("flux", None)
+                times, first = np.unique([float(f"{time:.9g}") for time in power.x], return_index=True)
+                self._schedule(index, times, np.maximum(power.y[first], 0.0))
+            elif factor == 1.0:
+                continue
+            elif heater.schedule is not None:
+                table: Table = self.reduced.heaters[index][1]
+                self._schedule(index, table.x, factor * table.y)
+            elif heater.power is not None:
+                own["power"] = f"{heater.power * factor!r} W"
+            elif heater.flux is not None:
+                own["flux"] = f"{heater.flux * factor!r} W/m^2"
+        if riding:
+            told = ", ".join(f"{_RIDING[key]} {value:.3g}" for key, value in riding.items())
+            self.notes.append(
                 f"power-loss: a mold document has no key for what rides on the temperature ({told}); the extended "
                 "model has the power that reached the mold in this run as its schedule"
             )
-    return notes
 
+    def _schedule(self, index: int, times: Array, power: Array) -> None:
+        """Write the power [W] of a heater over time [s]."""
+        name = f".power-{index}.csv"
+        self.files[name] = _csv("time [s]", "power [W]", times, power)
+        self.mold["heater"][index]["schedule"] = name
 
-def _warmer(ambient: Any, kelvin: float, problem: HeatProblem, files: dict[str, bytes]) -> Any:
-    """Return an ambient that many kelvin warmer."""
-    if kelvin == 0.0:
-        return ambient
-    if isinstance(ambient, str):
-        return f"{float(ambient.split()[0]) + kelvin!r} degC"
-    air = problem.runs[0].mold.films[0].ambient
-    files[".sky.csv"] = _csv("time [s]", "temperature [degC]", air.x, air.y + kelvin)
-    return {"table": ".sky.csv"}
+    def starts(self) -> None:
+        """Write the temperatures at the start."""
+        begin, later = self.document.run.start, self.own.get("run.start", 0.0)
+        if not isinstance(begin, float):
+            if later:
+                self.notes.append(
+                    f"run.start: the field it starts from was {later:.3g} K warmer, which is not written"
+                )
+            return
+        self.mold["run"]["start"] = f"{begin + later!r} degC"
+        for index, part in enumerate(self.document.part):
+            warmer = self.own.get(f"part.{part.name}.start", 0.0)
+            if warmer != 0.0 or part.start is not None:
+                own = begin if part.start is None else part.start
+                self.mold["part"][index]["start"] = f"{own + later + warmer!r} degC"
+
+    def surroundings(self) -> None:
+        """Write the ambient of the document's faces as it was found, and as it changes with time."""
+        for kind, faces in self.faces.items():
+            for index in range(len(faces)):
+                self.mold[kind][index]["ambient"] = self.ambient(kind, index)
+
+    def ambient(self, kind: str, index: int, more: float = 0.0) -> Any:
+        """Return the ambient of a face of the document as it was found, and ``more`` [K] warmer."""
+        given, air = getattr(self.document, kind)[index].ambient, self.faces[kind][index].ambient
+        warmer = self.own.get("ambient", 0.0) + more
+        rates = [self.at(f"ambient_per_s{power}") for power in ("", "2", "3")]
+        if not any(rates):
+            if isinstance(given, float):
+                return f"{given + warmer!r} degC"
+            if warmer == 0.0:
+                return self.given[kind][index]["ambient"]
+        times = air.x
+        if any(rates):
+            clock = self.problem.runs[0].times
+            times = np.union1d(air.x, np.linspace(min(0.0, float(clock[0])), float(clock[-1]), 101))
+        rise = sum(rate * times ** (k + 1) for k, rate in enumerate(rates))
+        table = _csv("time [s]", "temperature [degC]", times, air(times) + warmer + rise)
+        # Faces in the same air share a table.
+        same = (name for name, content in self.files.items() if content == table)
+        count = sum(name.startswith(".ambient") for name in self.files)
+        name = next(same, f".ambient-{count + 1}.csv" if count else ".ambient.csv")
+        self.files[name] = table
+        return {"table": name}
+
+    def joints(self) -> None:
+        """Write the conductance of joints: of the document's, and of those that conduct perfectly in it."""
+        pairs = self.problem.pairs
+        for index, contact in enumerate(self.document.contact):
+            h = contact.h * self.own.get(f"contact.{index}.h", 1.0)
+            h /= 1.0 + self.at(f"resistance.{len(pairs) + index}") * h
+            self.mold["contact"][index]["h"] = f"{h!r} W/m^2/K"
+        if any(place.startswith("resistance.") for place in self.amounts):
+            for k, pair in enumerate(pairs):
+                h = 1.0 / max(self.at(f"resistance.{k}"), 1e-7)
+                self.mold.setdefault("contact", []).append({"between": list(pair), "h": f"{h!r} W/m^2/K"})
+        if self.at("joint_per_K"):
+            self.notes.append(
+                f"contact-resistance: the joint conducts {100.0 * self.at('joint_per_K'):.3g} % better a kelvin, for "
+                "which a mold document has no key; the extended model has its conductance at the start"
+            )
+        if any(self.at(f"joint_{way}") for way in _OVER_A_FACE):
+            self.notes.append(_UNEVEN.format("contact-resistance: the joint is better in places"))
+
+    def radiation(self) -> None:
+        """Let the faces that have a film radiate, to surroundings as warm as their air or not."""
+        if "emissivity" not in self.amounts:
+            return
+        warmer = self.at("surroundings_K")
+        sky = [self.ambient("convection", index, warmer) for index in range(len(self.reduced.films))]
+        for one in [sky[k] for k in range(len(sky)) if sky[k] not in sky[:k]]:
+            faces = [f for f, other in zip(self.mold["convection"], sky, strict=False) if other == one]
+            places = [place for section in faces for place in _listed(section["on"])]
+            self.mold.setdefault("radiation", []).append(
+                {"on": places, "emissivity": self.amounts["emissivity"], "ambient": one}
+            )
+
+    def base(self) -> None:
+        """Give the faces the mold stands on a film."""
+        if "bench" not in self.amounts:
+            return
+        first = next((kind for kind, faces in self.faces.items() if faces), None)
+        air = self.reduced.reference_degC + self.own.get("ambient", 0.0)
+        ambient = f"{air!r} degC" if first is None else self.ambient(first, 0)
+        places = list(self.problem.base)
+        _uncover(self.mold, places)
+        self.mold.setdefault("convection", []).append(
+            {"on": places, "h": f"{self.amounts['bench']!r} W/m^2/K", "ambient": ambient}
+        )
+        if self.at("bench_share"):
+            self.notes.append(
+                f"base-conduction: the bench takes on {100.0 * self.at('bench_share'):.3g} % of the base's warmth "
+                f"within {self.at('bench_s'):.3g} s, for which a mold document has no key; the extended model has "
+                "a bench as cold as the ambient"
+            )
+        if any(self.at(f"bench_{way}") for way in _OVER_A_FACE):
+            self.notes.append(_UNEVEN.format("base-conduction: more leaves in places"))
+
+    def probes(self) -> None:
+        """Write how late the probes follow."""
+        if "lag_s" not in self.amounts:
+            return
+        numbers = {name: k for k, name in enumerate(self.problem.names)}
+        for probe, known in zip(self.mold["probe"], self.document.probe, strict=True):
+            own = self.at(f"lag_s.{numbers.get(known.name, 0)}")
+            probe["lag"] = f"{max(known.lag + self.amounts['lag_s'] + own, 0.0)!r} s"
+        if self.at("second_lag_s") > 0.0:
+            self.notes.append(
+                f"sensor-lag: the second lag of {self.at('second_lag_s'):.3g} s has no key in a mold document; only "
+                "the first is in the extended model"
+            )
 
 
 def _uncover(mold: dict[str, Any], places: list[str]) -> None:

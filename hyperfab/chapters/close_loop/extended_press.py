@@ -25,7 +25,7 @@ from hyperfab.io.toml_io import load_toml
 from hyperfab.io.units import quantity
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.press import PressProblem
-from hyperfab.loop.press_variation import TERMS
+from hyperfab.loop.press_variation import VARIATION
 
 #: Where the new sandwich is written.
 FOAM = ".model.foam.toml"
@@ -40,7 +40,7 @@ def extend(
     foam = copy.deepcopy(dict(load_toml(job.inputs.read(name), name)))
     fit = found.after.fit
     own = {one.name: float(v) for one, v in zip(problem.own, fit.x, strict=False)}
-    terms = {key: [float(v) for v in values] for key, (_, values) in fit.terms.items()}
+    amounts = problem.amounts(fit.terms)
     files: dict[str, bytes] = {}
     _relocate(foam, os.path.dirname(name), str(out.path("").parent))
     _stiffen(foam, job, name, own["foam.compression"], files, out)
@@ -51,42 +51,58 @@ def extend(
     if case.force is not None:
         case = replace(case, force=case.force * own.get("force", 1.0))
     notes: list[str] = []
-    for key, values in terms.items():
-        if key == "tilt":
-            turned = told.frame.outward(np.array([*values, 0.0]))
-            before = foam.setdefault("press", {}).get("tilt", {})
-            if case.tilt is not None:
-                across = (axis for axis in "xyz" if axis != case.axis)
-                before = {axis: f"{angle!r} deg" for axis, angle in zip(across, case.tilt, strict=True)}
-                case = replace(case, tilt=None)
-            foam["press"]["tilt"] = {
-                axis: f"{quantity(before.get(axis, '0 deg'), 'angle') + float(angle)!r} deg"
-                for axis, angle in zip("xyz", turned, strict=True)
-                if axis != told.frame.axis
-            }
-        elif key == "foam-shrinkage":
-            section = dict(foam.get("shrinkage", {}))
-            lost = 1.0 - (1.0 - told.foam.lost) * (1.0 - values[0])
-            if "time" in section:
-                dwell, time = quantity(section["dwell"], "time"), quantity(section["time"], "time")
-                lost /= -float(np.expm1(-dwell / time))
-            foam["shrinkage"] = {**section, "amount": min(lost, 0.9)}
-        elif key == "foam-relaxation":
-            foam["relaxation"] = _relaxation(foam, values, fit.terms[key][0], problem)
-        elif key == "thickness-variation":
-            one, other = (axis for axis in "xyz" if axis != told.frame.axis)
-            section = dict(foam.get("variation", {}))
-            for (i, j), coefficient in zip(TERMS[fit.terms[key][0]], values, strict=True):
-                term = i * one + j * other
-                section[term] = float(section.get(term, 0.0)) + coefficient
-            foam["variation"] = section
-        elif key == "thermal-expansion":
-            case = _hot(case, foam, told, values, notes)
-        elif key == "frame-compliance":
-            total = problem.setting.compliance + 1e-3 * values[0]
-            case = replace(case, frame_stiffness=1.0 / total)
+    if "tilt_deg.x" in amounts:
+        case = _tilt(case, foam, told, amounts)
+    # A table of it would be read at the temperature that the molds' growth is told by.
+    by_table = isinstance(foam.get("shrinkage", {}).get("amount"), dict)
+    if "foam.lost" in amounts or (by_table and "strain.male" in amounts):
+        _shrink(foam, told, amounts.get("foam.lost", 0.0))
+    if "relaxation.share" in amounts:
+        foam["relaxation"] = _relaxation(foam, amounts, problem)
+    _vary(foam, told, amounts)
+    if "strain.male" in amounts:
+        more = amounts["strain.male"], amounts["strain.female"]
+        case = _hot(case, foam, told, more, notes)
+    if "compliance_mm_kN" in amounts:
+        total = problem.setting.compliance + 1e-3 * amounts["compliance_mm_kN"]
+        case = replace(case, frame_stiffness=1.0 / total)
     files[FOAM] = tomli_w.dumps(foam).encode()
     return Extension(replace(case, foam=str(out.path(FOAM)), design_gap=None), files, notes)
+
+
+def _tilt(case: PressCase, foam: dict[str, Any], told: Told, amounts: Mapping[str, float]) -> PressCase:
+    """Write the tilt about the drawing's axes, in place of what the case has of it."""
+    turned = told.frame.outward(np.array([amounts["tilt_deg.x"], amounts["tilt_deg.y"], 0.0]))
+    before = foam.setdefault("press", {}).get("tilt", {})
+    if case.tilt is not None:
+        across = (axis for axis in "xyz" if axis != case.axis)
+        before = {axis: f"{angle!r} deg" for axis, angle in zip(across, case.tilt, strict=True)}
+    foam["press"]["tilt"] = {
+        axis: f"{quantity(before.get(axis, '0 deg'), 'angle') + float(angle)!r} deg"
+        for axis, angle in zip("xyz", turned, strict=True)
+        if axis != told.frame.axis
+    }
+    return replace(case, tilt=None)
+
+
+def _shrink(foam: dict[str, Any], told: Told, amount: float) -> None:
+    """Write the share of the thickness that is lost, the document's and then ``amount`` of the rest."""
+    section = dict(foam.get("shrinkage", {}))
+    lost = 1.0 - (1.0 - told.foam.lost) * (1.0 - amount)
+    if "time" in section:
+        dwell, time = quantity(section["dwell"], "time"), quantity(section["time"], "time")
+        lost /= -float(np.expm1(-dwell / time))
+    foam["shrinkage"] = {**section, "amount": min(lost, 0.9)}
+
+
+def _vary(foam: dict[str, Any], told: Told, amounts: Mapping[str, float]) -> None:
+    """Add to the terms of the thickness, which the document names by the drawing's axes."""
+    one, other = (axis for axis in "xyz" if axis != told.frame.axis)
+    for name, coefficient in amounts.items():
+        if name.startswith(VARIATION):
+            section = foam.setdefault("variation", {})
+            term = one * name.count("x") + other * name.count("y")
+            section[term] = float(section.get(term, 0.0)) + coefficient
 
 
 def _stiffen(
@@ -111,36 +127,39 @@ def _stiffen(
 
 
 def _relaxation(
-    foam: Mapping[str, Any], values: list[float], form: str, problem: PressProblem
+    foam: Mapping[str, Any], amounts: Mapping[str, float], problem: PressProblem
 ) -> dict[str, Any]:
+    """Return the document's relaxation and beside it the one that was found, of what that leaves of the pressure."""
     given = dict(foam.get("relaxation", {}))
-    dwell = given.get("dwell") or foam.get("shrinkage", {}).get("dwell")
-    if form != "share":
-        longest = max(float(np.max(one.time_s)) for one in problem.readings if one.time_s is not None)
-        dwell = dwell or f"{longest!r} s"
-        if form == "in time":
-            return {"share": values[0], "time": f"{values[1]!r} s", "dwell": dwell}
-        # A stretched exponential has no key: what has faded by the end of the dwell.
-        values = [-values[0] * float(np.expm1(-((quantity(dwell, "time") / values[1]) ** values[2])))]
     share = given.get("share", 0.0)
-    shares = [*share] if isinstance(share, list) else [share]
+    shares = [*share] if isinstance(share, list) else [share] if share else []
     times = given.get("time", "1 s")
-    times = [*times] if isinstance(times, list) else [times]
-    dwell = dwell or "60 s"
+    times = [*times] if isinstance(times, list) else [times] * len(shares)
+    longest = max(
+        (float(np.max(one.time_s)) for one in problem.readings if one.time_s is not None), default=60.0
+    )
+    dwell = given.get("dwell") or foam.get("shrinkage", {}).get("dwell") or f"{longest!r} s"
     seconds = quantity(dwell, "time")
     lasting = [
         s * -float(np.expm1(-seconds / quantity(t, "time"))) for s, t in zip(shares, times, strict=True)
     ]
-    left = (1.0 - sum(lasting)) * values[0]
-    # Long over by the end of the dwell.
-    return {"share": [*shares, left], "time": [*times, f"{seconds / 40.0!r} s"], "dwell": dwell}
+    faded, slow = amounts["relaxation.share"], amounts.get("relaxation.time_s")
+    if slow is None or "relaxation.power" in amounts:
+        if slow is not None:
+            # A stretched exponential has no key: what has faded by the end of the dwell.
+            faded *= -float(np.expm1(-((seconds / slow) ** amounts["relaxation.power"])))
+        # Long over by the end of the dwell.
+        slow = seconds / 40.0
+    faded *= 1.0 - sum(lasting)
+    if not shares:
+        return {"share": faded, "time": f"{slow!r} s", "dwell": dwell}
+    return {"share": [*shares, faded], "time": [*times, f"{slow!r} s"], "dwell": dwell}
 
 
 def _hot(
-    case: PressCase, foam: dict[str, Any], told: Told, values: list[float], notes: list[str]
+    case: PressCase, foam: dict[str, Any], told: Told, more: tuple[float, float], notes: list[str]
 ) -> PressCase:
     """Let both molds have the strain that was found, by their coefficients at the temperature they have."""
-    more = (values[0], values[0] + (values[1] if len(values) > 1 else 0.0))
     section = dict(foam.get("expansion", {}))
     if not all(grown.even for grown in told.grown):
         notes.append(

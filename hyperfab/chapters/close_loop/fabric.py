@@ -73,6 +73,7 @@ def run(job: Job, given: Given) -> int:
         found = close(problem, noise=level, tick=tick, apart=None if apart is None else apart.misses)
     model = extend(document, problem, found.after.fit, problem.law)
     model.format = model.format_name()
+    _warn_of_nearness(job, model, tests)
     _warn_of_softness(job, model, tests)
     result = describe(problem, found, tests.unit, tests.left_out, tests.warnings)
     result.preparation = tests.preparation
@@ -100,9 +101,11 @@ def pose(
     weft_document = directions.get("weft")
     warp = document.parameters if warp_document is None else warp_document.parameters
     law = law_of(document.model, warp)
-    constants = [float(warp[key]) for key in law.names]
+    # Beside a term that constants of two directions tell only nearly, those of the law without it.
+    ground = next((item["ground"] for item in document.effects or [] if item.get("ground")), None)
+    constants = [float((ground or warp)[key]) for key in law.names]
     weft = None
-    if warp_document is not None and weft_document is not None:
+    if warp_document is not None and weft_document is not None and ground is None:
         law_of(document.model, weft_document.parameters)
         weft = [float(weft_document.parameters[key]) for key in law.names]
     held = {}
@@ -144,6 +147,18 @@ def _warn(job: Job, document: MaterialDocument, tests: Measured) -> None:
         tests.warnings.append("the tests state no direction: they are taken as pulled along the warp")
     for text in tests.warnings:
         job.console.warn(text)
+
+
+def _warn_of_nearness(job: Job, model: MaterialDocument, tests: Measured) -> None:
+    """Say where constants of warp and weft tell a term only nearly."""
+    for item in model.effects or []:
+        if item.get("ground"):
+            text = (
+                f"anisotropy: other commands compute with the constants of warp and weft that come nearest to "
+                f"{item['form']}; the term itself stands in effects, and hf close-loop goes on from it"
+            )
+            tests.warnings.append(text)
+            job.console.warn(text)
 
 
 def _warn_of_softness(job: Job, model: MaterialDocument, tests: Measured) -> None:

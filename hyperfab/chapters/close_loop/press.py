@@ -189,6 +189,7 @@ def setting_of(told: Told) -> Setting:
         zero_rate=rate,
         recovery=None if back == 1.0 else back,
         floating=case.floating,
+        thickness=told.foam.thickness,
     )
 
 

@@ -90,7 +90,8 @@ def model_of(job: Job, case: PressCase, files: Files) -> Model:
         )
     )
     lost = read.shrinkage(job.inputs, case.foam, document, 0.5 * (male.temperature + female.temperature))
-    sandwich = Sandwich(document.thickness * (1.0 - lost) * files.uneven, files.fabric, files.law)
+    thickness = document.thickness * (1.0 - lost)
+    sandwich = Sandwich(thickness * files.uneven, files.fabric, files.law)
     if files.thinned is not None:
         sandwich = sandwich.thinned(files.thinned)
     closing = Closing(
@@ -107,7 +108,7 @@ def model_of(job: Job, case: PressCase, files: Files) -> Model:
         force_at=None if case.force_at is None else frame.inward(_across(case.force_at, case.axis))[:2],
         tilt=read.in_plan(frame, files.tilt if case.tilt is None else _across(case.tilt, case.axis)),
     )
-    foam = Foam(lost, files.relaxed, document.shrinkage.recovery, sandwich.uneven)
+    foam = Foam(lost, files.relaxed, document.shrinkage.recovery, sandwich.uneven, thickness)
     return Model(case, files, closing, (male, female), foam)
 
 

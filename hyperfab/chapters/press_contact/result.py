@@ -41,12 +41,14 @@ _SIGNS = {1: "+", -1: "-"}
 @dataclass(frozen=True)
 class Foam:
     """The shares of its thickness and of its stress that the foam has lost by the end of the dwell, how much of its
-    compression it gives back (None: not known), and whether the sandwich is not equally thick everywhere."""
+    compression it gives back (None: not known), whether the sandwich is not equally thick everywhere, and the
+    thickness [mm] that is left of the nominal one."""
 
     lost: float
     relaxed: float
     recovery: float | None
     uneven: bool
+    thickness: float
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from hyperfab.loop.problem import Constant, Effect, Form
 def entry(scene: Scene) -> Effect:
     """Return the effect: stretch of the rim, added to the model's own."""
     down, up = scene.prestretch
-    added = Constant("added_stretch", 0.0, -down, up, 0.005)
+    added = Constant("added_stretch", 0.0, -down, up, 0.005, places=("prestretch",))
     return Effect(
         id="pretension",
         title="the sheet was mounted under tension",

@@ -8,9 +8,9 @@ from hyperfab.loop.problem import Constant, Effect, Form
 
 def entry(scene: Scene) -> Effect:
     """Return the effect: the rim creeps inward in proportion to the pull, or to what of it the clamp does not hold."""
-    slip = Constant("slip_mm2_N", 0.0, 0.0, scene.slip, 0.02 * scene.slip)
-    past = Constant("slip_mm2_N", 0.0, 0.0, 4.0 * scene.slip, 0.02 * scene.slip)
-    hold = Constant("hold_N_mm", 0.0, 0.0, 0.9 * scene.pull, 0.02 * scene.pull)
+    slip = Constant("slip_mm2_N", 0.0, 0.0, scene.slip, 0.02 * scene.slip, places=("slip",))
+    past = Constant("slip_mm2_N", 0.0, 0.0, 4.0 * scene.slip, 0.02 * scene.slip, places=("slip",))
+    hold = Constant("hold_N_mm", 0.0, 0.0, 0.9 * scene.pull, 0.02 * scene.pull, places=("hold",))
     some = ((0.3 * scene.slip, 0.2 * scene.pull), (0.8 * scene.slip, 0.5 * scene.pull))
     return Effect(
         id="rim-slip",

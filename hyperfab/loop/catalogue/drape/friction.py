@@ -8,7 +8,7 @@ from hyperfab.loop.problem import Constant, Effect, Form
 
 def entry(scene: Scene) -> Effect | None:
     """Return the effect: a coefficient, added to the model's own."""
-    mu = Constant("mu", 0.0, 0.0, max(scene.friction, 1e-9), 0.05)
+    mu = Constant("mu", 0.0, 0.0, max(scene.friction, 1e-9), 0.05, places=("friction",))
     return Effect(
         id="friction",
         title="the sheet rubs on the mold",

@@ -8,7 +8,7 @@ from hyperfab.loop.problem import Constant, Effect, Form
 
 def entry(scene: Scene) -> Effect | None:
     """Return the effect: a mass per area."""
-    mass = Constant("mass_g_m2", 0.0, 0.0, scene.mass, 0.02 * scene.mass)
+    mass = Constant("mass_g_m2", 0.0, 0.0, scene.mass, 0.02 * scene.mass, places=("mass",))
     return Effect(
         id="gravity",
         title="the sheet hangs under its own weight",

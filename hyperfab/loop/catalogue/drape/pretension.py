@@ -9,8 +9,8 @@ from hyperfab.loop.problem import Constant, Effect, Form
 def entry(scene: Scene) -> Effect | None:
     """Return the effect: stretch of the mounted sheet, alike along warp and weft, or not."""
     down, up = scene.prestretch
-    both = Constant("added_stretch", 0.0, -down, up, 0.005)
-    more = Constant("weft_more", 0.0, -up, up, 0.005)
+    both = Constant("added_stretch", 0.0, -down, up, 0.005, places=("prestretch",))
+    more = Constant("weft_more", 0.0, -up, up, 0.005, places=("weft more",))
     return Effect(
         id="pretension",
         title="the sheet was mounted under tension",

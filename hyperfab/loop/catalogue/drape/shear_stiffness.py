@@ -8,7 +8,7 @@ from hyperfab.loop.problem import Constant, Effect, Form
 
 def entry(scene: Scene) -> Effect | None:
     """Return the effect: a shear modulus, added to the model's own."""
-    modulus = Constant("modulus_MPa", 0.0, 0.0, scene.shear, 0.02 * scene.shear)
+    modulus = Constant("modulus_MPa", 0.0, 0.0, scene.shear, 0.02 * scene.shear, places=("shear",))
     starts = ((0.1 * scene.shear,), (0.5 * scene.shear,))
     return Effect(
         id="shear-stiffness",

@@ -13,9 +13,18 @@ def entry(scene: Scene) -> Effect:
     """Return the effect: ambient linear in time, quadratic, cubic."""
     whole = scene.duration_s
     most = min(FARTHEST_K / whole, FASTEST_K_S)
-    slope = Constant("drift_K_s", 0.0, -4.0 * most, 4.0 * most, 2.0 / whole)
-    bend = Constant("drift_K_s2", 0.0, -4.0 * most / whole, 4.0 * most / whole, 2.0 / whole**2)
-    twist = Constant("drift_K_s3", 0.0, -8.0 * most / whole**2, 8.0 * most / whole**2, 2.0 / whole**3)
+    slope = Constant("drift_K_s", 0.0, -4.0 * most, 4.0 * most, 2.0 / whole, places=("ambient_per_s",))
+    bend = Constant(
+        "drift_K_s2", 0.0, -4.0 * most / whole, 4.0 * most / whole, 2.0 / whole**2, places=("ambient_per_s2",)
+    )
+    twist = Constant(
+        "drift_K_s3",
+        0.0,
+        -8.0 * most / whole**2,
+        8.0 * most / whole**2,
+        2.0 / whole**3,
+        places=("ambient_per_s3",),
+    )
     return Effect(
         id="ambient-drift",
         title="the ambient changes with time",

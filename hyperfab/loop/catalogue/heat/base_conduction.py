@@ -9,16 +9,20 @@ from hyperfab.loop.problem import Constant, Effect, Form
 def entry(scene: Scene) -> Effect:
     """Return the effect: a conductance to the ambient through the outer faces without a film, to a bench that may
     warm up, or more in places."""
-    h = Constant("h_W_m2K", 0.0, 0.0, 2000.0, 0.3 * scene.typical_film)
-    share = Constant("bench_share", 0.0, 0.0, 0.95, 0.1, 0.5)
+    h = Constant("h_W_m2K", 0.0, 0.0, 2000.0, 0.3 * scene.typical_film, places=("bench",))
+    share = Constant("bench_share", 0.0, 0.0, 0.95, 0.1, 0.5, ("bench_share",))
     time = Constant(
         "bench_s",
         0.2 * scene.duration_s,
         0.01 * scene.duration_s,
         3.0 * scene.duration_s,
         0.05 * scene.duration_s,
+        places=("bench_s",),
     )
-    uneven = [Constant(name, 0.0, -2.0, 2.0, 0.1, 0.5) for name in ("from_middle", "along_x", "along_y")]
+    uneven = [
+        Constant(name, 0.0, -2.0, 2.0, 0.1, 0.5, (f"bench_{name}",))
+        for name in ("from_middle", "along_x", "along_y")
+    ]
     return Effect(
         id="base-conduction",
         title="heat leaves through the base",

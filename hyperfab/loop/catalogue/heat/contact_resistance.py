@@ -12,16 +12,25 @@ def entry(scene: Scene) -> Effect:
     One for all, of each its own, closing as the mold warms up, or greater in places.
     """
     joints = scene.opened + scene.declared
+    places = [f"resistance.{k}" for k in range(joints)]
     # A film of air of a few hundredths of a millimetre: 1e-3 m^2 K/W.
-    resistance = Constant("resistance_m2K_W", 0.0, 0.0, 0.1, 2e-4)
+    all_of_them = tuple(places[: scene.opened] or places)
+    resistance = Constant("resistance_m2K_W", 0.0, 0.0, 0.1, 2e-4, places=all_of_them)
     forms = [Form("gap", (resistance,), ((3e-4,), (3e-3,)), ((5e-5,), (5e-4,)))]
     if joints > 1:
-        each = [Constant(f"resistance_{k}_m2K_W", 0.0, 0.0, 0.1, 2e-4) for k in range(1, joints + 1)]
+        each = [
+            Constant(f"resistance_{k}_m2K_W", 0.0, 0.0, 0.1, 2e-4, places=(place,))
+            for k, place in enumerate(places, start=1)
+        ]
         probes = [tuple(5e-4 if i == k else 0.0 for i in range(joints)) for k in range(joints)]
         forms.append(Form("each", tuple(each), ((1e-3,) * joints, (1e-4,) * joints), tuple(probes)))
     if scene.opened:
-        uneven = [Constant(name, 0.0, -2.0, 2.0, 0.1, 0.5) for name in ("from_middle", "along_x", "along_y")]
-        warm = Constant("closing_per_K", 0.0, -0.9 / scene.rise_K, 5.0 / scene.rise_K, 0.05 / scene.rise_K)
+        uneven = [
+            Constant(name, 0.0, -2.0, 2.0, 0.1, 0.5, (f"joint_{name}",))
+            for name in ("from_middle", "along_x", "along_y")
+        ]
+        rise = scene.rise_K
+        warm = Constant("closing_per_K", 0.0, -0.9 / rise, 5.0 / rise, 0.05 / rise, places=("joint_per_K",))
         forms.append(Form("closing with warmth", (resistance, warm), ((1e-3, 0.0),), refines="gap"))
         if joints > 1:
             forms.append(

@@ -16,7 +16,12 @@ def entry(scene: Scene) -> Effect:
         shown_by="plateaus at three powers, and a cool-down with the power off",
         source="Churchill & Chu (1975), doi:10.1016/0017-9310(75)90243-4",
         forms=(
-            Form("power", (Constant("exponent", 0.0, -0.5, 1.0, 0.05),), ((0.25,), (-0.15,)), ((0.05,),)),
+            Form(
+                "power",
+                (Constant("exponent", 0.0, -0.5, 1.0, 0.05, places=("exponent",)),),
+                ((0.25,), (-0.15,)),
+                ((0.05,),),
+            ),
         ),
         smooth=False,
         mimic_share=0.98,

@@ -11,17 +11,15 @@ def entry(scene: Scene) -> Effect:
 
     A wire that resists more when hot draws less at the same voltage.
     """
-    share = Constant("lost_share", 0.0, -0.3, 0.9, 0.05)
-    warm = Constant("lost_share_per_K", 0.0, -0.5 / scene.rise_K, 0.9 / scene.rise_K, 0.05 / scene.rise_K)
+    share = Constant("lost_share", 0.0, -0.3, 0.9, 0.05, places=("lost",))
+    rise, loss = scene.rise_K, scene.power_W / scene.rise_K
+    warm = Constant("lost_share_per_K", 0.0, -0.5 / rise, 0.9 / rise, 0.05 / rise, places=("lost_per_K",))
     bend = Constant(
-        "lost_share_per_K2", 0.0, -0.9 / scene.rise_K**2, 0.9 / scene.rise_K**2, 0.05 / scene.rise_K**2
+        "lost_share_per_K2", 0.0, -0.9 / rise**2, 0.9 / rise**2, 0.05 / rise**2, places=("lost_per_K2",)
     )
-    back = Constant(
-        "back_W_K", 0.0, 0.0, 0.9 * scene.power_W / scene.rise_K, 0.05 * scene.power_W / scene.rise_K
-    )
+    back = Constant("back_W_K", 0.0, 0.0, 0.9 * loss, 0.05 * loss, places=("back_W_K",))
     # Metals resist 0.004 more a kelvin, nickel 0.006, heater alloys less: CRC Handbook of Chemistry and Physics.
-    rise = scene.rise_K
-    wire = Constant("resistance_per_K", 0.0, 0.0, 4.0 / rise, 0.05 / rise, 0.004)
+    wire = Constant("resistance_per_K", 0.0, 0.0, 4.0 / rise, 0.05 / rise, 0.004, ("wire_per_K",))
     return Effect(
         id="power-loss",
         title="part of the power does not reach the mold",

@@ -8,10 +8,18 @@ from hyperfab.loop.problem import Constant, Effect, Form
 
 def entry(scene: Scene) -> Effect:
     """Return the effect: specific heat, conductivity or both linear in temperature, then with a bend."""
-    c = Constant("specific_heat_per_K", 0.0, -0.5 / scene.rise_K, 2.0 / scene.rise_K, 0.05 / scene.rise_K)
-    k = Constant("conductivity_per_K", 0.0, -0.7 / scene.rise_K, 2.0 / scene.rise_K, 0.05 / scene.rise_K)
+    rise = scene.rise_K
+    c = Constant("specific_heat_per_K", 0.0, -0.5 / rise, 2.0 / rise, 0.05 / rise, places=("capacity_per_K",))
+    k = Constant(
+        "conductivity_per_K", 0.0, -0.7 / rise, 2.0 / rise, 0.05 / rise, places=("conductivity_per_K",)
+    )
     bend = Constant(
-        "specific_heat_per_K2", 0.0, -0.5 / scene.rise_K**2, 2.0 / scene.rise_K**2, 0.05 / scene.rise_K**2
+        "specific_heat_per_K2",
+        0.0,
+        -0.5 / rise**2,
+        2.0 / rise**2,
+        0.05 / rise**2,
+        places=("capacity_per_K2",),
     )
     return Effect(
         id="property-drift",

@@ -9,8 +9,8 @@ from hyperfab.loop.problem import HAS_IT, Constant, Effect, Form
 def entry(scene: Scene) -> Effect:
     """Return the effect: a grey emissivity of the faces that have a film, to surroundings as warm as the air or not."""
     reason = HAS_IT if scene.emits else "" if scene.films else "no face has a film"
-    emissivity = Constant("emissivity", 0.0, 0.0, 1.0, 0.1)
-    sky = Constant("surroundings_K", 0.0, -40.0, 40.0, 2.0, 8.0)
+    emissivity = Constant("emissivity", 0.0, 0.0, 1.0, 0.1, places=("emissivity",))
+    sky = Constant("surroundings_K", 0.0, -40.0, 40.0, 2.0, 8.0, ("surroundings_K",))
     return Effect(
         id="radiation",
         title="the mold radiates to its surroundings",

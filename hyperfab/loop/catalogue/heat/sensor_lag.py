@@ -8,12 +8,12 @@ from hyperfab.loop.problem import Constant, Effect, Form
 
 def entry(scene: Scene) -> Effect:
     """Return the effect: a first-order lag of all probes; one each; or two in a row, of sheath and sensor."""
-    lag = Constant("lag_s", 0.0, 0.0, 0.2 * scene.duration_s, 0.01 * scene.duration_s)
+    lag = Constant("lag_s", 0.0, 0.0, 0.2 * scene.duration_s, 0.01 * scene.duration_s, places=("lag_s",))
     starts = ((0.01 * scene.duration_s,), (0.04 * scene.duration_s,))
-    second = Constant("second_lag_s", 0.0, 0.0, 0.2 * scene.duration_s, 0.005 * scene.duration_s)
-    most = 0.2 * scene.duration_s
+    most, step = 0.2 * scene.duration_s, 0.005 * scene.duration_s
+    second = Constant("second_lag_s", 0.0, 0.0, most, step, places=("second_lag_s",))
     own = [
-        Constant(f"of_probe_{k}_s", 0.0, -most, most, 0.005 * scene.duration_s)
+        Constant(f"of_probe_{k}_s", 0.0, -most, most, step, places=(f"lag_s.{k - 1}",))
         for k in range(2, scene.probes + 1)
     ]
     richer = [Form("two-stage", (lag, second), ((0.01 * scene.duration_s,) * 2,), refines="first-order")]

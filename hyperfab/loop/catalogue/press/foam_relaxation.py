@@ -8,11 +8,12 @@ from hyperfab.loop.problem import Constant, Effect, Form
 
 def entry(scene: Scene) -> Effect:
     """Return the effect: a share of the pressure, and with readings over time its time."""
-    share = Constant("share", 0.0, 0.0, 0.95, 0.03)
+    share = Constant("share", 0.0, 0.0, 0.95, 0.03, places=("relaxation.share",))
     forms = [Form("share", (share,), ((0.2,), (0.5,)), ((0.05,),))]
     if scene.timed:
+        whole = scene.time_s
         time = Constant(
-            "time_s", 0.3 * scene.time_s, 1e-3 * scene.time_s, 30.0 * scene.time_s, 0.1 * scene.time_s
+            "time_s", 0.3 * whole, 1e-3 * whole, 30.0 * whole, 0.1 * whole, places=("relaxation.time_s",)
         )
         half = 0.3 * scene.time_s
         forms += [
@@ -21,7 +22,7 @@ def entry(scene: Scene) -> Effect:
             ),
             Form(
                 "stretched",
-                (share, time, Constant("power", 1.0, 0.2, 1.5, 0.1)),
+                (share, time, Constant("power", 1.0, 0.2, 1.5, 0.1, places=("relaxation.power",))),
                 ((0.2, half, 1.0),),
                 refines="in time",
             ),

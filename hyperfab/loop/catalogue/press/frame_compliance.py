@@ -12,6 +12,9 @@ def entry(scene: Scene) -> Effect:
     reason = (
         "the press is set by its force, and no stroke was read" if scene.forced and not scene.strokes else ""
     )
+    compliance = Constant(
+        "compliance_mm_kN", 0.0, 0.0, 20.0 * whole, 0.02 * whole, places=("compliance_mm_kN",)
+    )
     return Effect(
         id="frame-compliance",
         title="the frame of the press yields",
@@ -21,7 +24,7 @@ def entry(scene: Scene) -> Effect:
         source="a linear spring in series",
         forms=(
             Form(
-                "spring", (Constant("compliance_mm_kN", 0.0, 0.0, 20.0 * whole, 0.02 * whole),),
+                "spring", (compliance,),
                 ((0.1 * whole,), (0.5 * whole,)), ((0.02 * whole,),),
             ),
         ),

@@ -9,8 +9,8 @@ from hyperfab.loop.problem import Constant, Effect, Form
 def entry(scene: Scene) -> Effect:
     """Return the effect: thermal strain of both molds, or of each, beyond what the model has."""
     # 23e-6 1/K: aluminium, 100 K.
-    strain = Constant("strain", 0.0, -0.03, 0.03, 2e-4)
-    more = Constant("female_more", 0.0, -0.03, 0.03, 2e-4)
+    strain = Constant("strain", 0.0, -0.03, 0.03, 2e-4, places=("strain.male", "strain.female"))
+    more = Constant("female_more", 0.0, -0.03, 0.03, 2e-4, places=("strain.female",))
     return Effect(
         id="thermal-expansion",
         title="the molds have grown with heat",

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from hyperfab.loop.catalogue.press.scene import Scene
+from hyperfab.loop.press_variation import VARIATION
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
 def entry(scene: Scene) -> Effect:
     """Return the effect: a wedge, a bowl, or both, or bent ones, over the plan of the male."""
-    x, y, xx, xy, yy = (Constant(name, 0.0, -0.8, 0.8, 0.02) for name in ("x", "y", "xx", "xy", "yy"))
-    cubes = tuple(Constant(name, 0.0, -0.8, 0.8, 0.02) for name in ("xxx", "xxy", "xyy", "yyy"))
-    fours = tuple(Constant(name, 0.0, -0.8, 0.8, 0.02) for name in ("xxxx", "xxyy", "yyyy"))
+
+    def terms(*names: str) -> tuple[Constant, ...]:
+        return tuple(Constant(name, 0.0, -0.8, 0.8, 0.02, places=(VARIATION + name,)) for name in names)
+
+    x, y, xx, xy, yy = terms("x", "y", "xx", "xy", "yy")
+    cubes, fours = terms("xxx", "xxy", "xyy", "yyy"), terms("xxxx", "xxyy", "yyyy")
     some, zeros = 0.05, (0.0,) * 11
     wedge = ((some, 0.0), (0.0, some), (-some, 0.0), (0.0, -some))
     return Effect(

@@ -11,7 +11,10 @@ from hyperfab.loop.problem import Constant, Effect, Form
 def entry(scene: Scene) -> Effect:
     """Return the effect: a rotation about each of the two axes across the closing axis."""
     edge = math.degrees(0.1 / scene.half_mm)
-    about_x, about_y = (Constant(f"tilt_{name}_deg", 0.0, -5.0, 5.0, 0.5 * edge) for name in "xy")
+    about_x, about_y = (
+        Constant(f"tilt_{name}_deg", 0.0, -5.0, 5.0, 0.5 * edge, places=(f"tilt_deg.{name}",))
+        for name in "xy"
+    )
     starts = ((2.0 * edge, 0.0), (0.0, 2.0 * edge), (-2.0 * edge, 0.0), (0.0, -2.0 * edge))
     return Effect(
         id="tilt",

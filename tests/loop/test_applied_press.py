@@ -1,0 +1,135 @@
+"""What the loop computes with an added effect is what the model does that is written: every form, in a press."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from tempfile import mkdtemp
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from loop import blind_press
+from loop.generators import press as caps
+
+from hyperfab.cases.options import read
+from hyperfab.cases.press import PressCase
+from hyperfab.chapters.close_loop.extended_press import extend
+from hyperfab.chapters.close_loop.press import closed_press, plan_of, pose
+from hyperfab.chapters.job import Job
+from hyperfab.chapters.press_contact.result import Told
+from hyperfab.console import Console
+from hyperfab.io.output import Output
+from hyperfab.loop.press import PressProblem
+from hyperfab.loop.problem import Form
+
+#: A document that has something of most effects already.
+MORE = """
+relaxation = { share = [0.2], time = ["30 s"], dwell = "600 s" }
+shrinkage = { amount = 0.05 }
+variation = { x = 0.03 }
+press = { stiffness = "2 kN/mm", tilt = { x = "0.1 deg" } }
+"""
+#: How far the loop's table of gaps is from the press itself, of the largest reading: it is linear in tilt and growth,
+#: and its force is a thinned sum that is set right at the model as it was.
+TABLE = {"pressure": 2e-3, "contact": 0.05, "thickness": 2e-4, "force": 6e-3}
+
+
+@dataclass(frozen=True)
+class Posed:
+    case: PressCase
+    told: Told
+    problem: PressProblem
+    own: np.ndarray
+
+
+def posed(case: PressCase) -> Posed:
+    told, _ = closed_press(Job("press-contact", [], Console(True)), case)
+    files = blind_press.as_readings(caps.measure(caps.Truth(()), np.random.default_rng(2), 0.0, "rich"))
+    problem = pose(told, [(one, None) for one in files], 0.1, [])
+    return Posed(case, told, problem, np.array([constant.value for constant in problem.own]))
+
+
+@cache
+def given() -> Posed:
+    folder = Path(mkdtemp())
+    for which in ("male", "female"):
+        (folder / f"{which}.stl").write_bytes(caps.stl(which))
+    (folder / "foam.toml").write_text(caps.FOAM_TOML + MORE)
+    words = [f"--{key}={folder}/{name}" for key, name in
+             (("male", "male.stl"), ("female", "female.stl"), ("foam", "foam.toml"))]  # fmt: skip
+    return posed(read(PressCase, [*words, "--gap", f"{caps.GAP}mm"]))
+
+
+def values_of(form: Form) -> np.ndarray:
+    """Return constants of a form of which none stands at its null, of a size that a press has."""
+    return (
+        np.array(form.null) + 0.2 * (np.array(form.starts[0]) - form.null) + [c.scale for c in form.constants]
+    )
+
+
+def written(own: np.ndarray, terms: dict[str, tuple[str, np.ndarray]], folder: Path) -> Posed:
+    """Return the press that the loop writes with ``terms``, closed again."""
+    before = given()
+    fit = SimpleNamespace(x=np.concatenate([own, *(v for _, v in terms.values())]), own=len(own), terms=terms)
+    found: Any = SimpleNamespace(after=SimpleNamespace(fit=fit))
+    out = Output(str(folder / "loop.json"), ())
+    job = Job("press-contact", [], Console(True))
+    extension = extend(job, out, before.case, before.told, before.problem, found)
+    for suffix, content in extension.files.items():
+        Path(out.path(suffix)).write_bytes(content)
+    assert isinstance(extension.case, PressCase)
+    return posed(extension.case)
+
+
+def batches() -> list[dict[str, tuple[str, np.ndarray]]]:
+    """Return every form, one of each effect at a time."""
+    every = {effect.id: effect.forms for effect in given().problem.effects}
+    return [
+        {name: (forms[k].name, values_of(forms[k])) for name, forms in every.items() if k < len(forms)}
+        for k in range(max(map(len, every.values())))
+    ]
+
+
+def test_every_constant_of_a_press_has_its_place_in_the_set_up() -> None:
+    every = [form for effect in given().problem.effects for form in effect.forms]
+    assert all(constant.places for form in every for constant in form.constants)
+
+
+@pytest.mark.parametrize(
+    "number", [pytest.param(k, marks=[pytest.mark.slow] * (k > 1)) for k in range(len(batches()))]
+)
+def test_a_press_with_effects_is_the_one_that_is_written(number: int, tmp_path: Path) -> None:
+    before, terms = given(), batches()[number]
+    own = before.own.copy()
+    own[[constant.name for constant in before.problem.own].index("foam.compression")] = 1.1
+    thought = before.problem.predict(own, terms)
+    after = written(own, terms, tmp_path)
+    found = after.problem.predict(after.own, {})
+    # What was set is the same to rounding.
+    value = dict(zip((one.name for one in before.problem.own), own, strict=True))
+    amounts = before.problem.amounts(terms)
+    moved = before.problem._moved(value, amounts)
+    set_to, closing = after.problem.setting, after.told.closed.case
+    assert set_to.compliance == pytest.approx(moved.compliance, rel=1e-9)
+    foam = np.asarray(before.told.closed.press.sandwich.foam)
+    table = replace(before.problem.summed, plan=plan_of(before.told), foam=foam)
+    wide = replace(before.problem, summed=table)._moved(value, amounts).table
+    assert after.told.closed.press.sandwich.foam == pytest.approx(wide.foam, rel=1e-9)
+    tilt = np.array(before.told.closed.case.tilt) + np.radians(
+        [amounts.get(f"tilt_deg.{axis}", 0.0) for axis in "xy"]
+    )
+    assert closing.tilt == pytest.approx(tilt, rel=1e-9, abs=1e-15)
+    for side, was, grown in zip(("male", "female"), before.told.grown, after.told.grown, strict=True):
+        assert grown.strain == pytest.approx(
+            was.strain + amounts.get(f"strain.{side}", 0.0), rel=1e-9, abs=1e-15
+        )
+    # What is read is the same as far as the table is the press; a hold is the end of the dwell.
+    for reading, curve in zip(before.problem.readings, before.problem.curves, strict=False):
+        rows = np.arange(curve.start, curve.stop)
+        if reading.time_s is not None:
+            rows = rows[reading.time_s == 600.0]
+        most = np.max(np.abs(thought[before.problem.channel == curve.channel]))
+        assert found[rows] == pytest.approx(thought[rows], abs=TABLE[reading.kind] * most), reading.kind
