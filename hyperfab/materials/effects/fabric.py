@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 
@@ -21,6 +20,7 @@ from hyperfab.materials.effects import (
     thermal_softening,
 )
 from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL, Path
+from hyperfab.materials.effects.state import State
 from hyperfab.materials.kinematics import Array, Sheet
 from hyperfab.materials.law import Law
 from hyperfab.materials.term import InvariantTerm, Term
@@ -28,6 +28,14 @@ from hyperfab.materials.term import InvariantTerm, Term
 #: A term: its form and its constants, in the order of the form.
 Terms = Mapping[str, tuple[str, Array]]
 _KEPT = 12
+#: The effects on the stress, in the order in which they act: the fabric's own, then time's, then the machine's.
+_ON_STRESS = {
+    "thermal-softening": thermal_softening.FORMS,
+    "mullins": mullins.FORMS,
+    "hysteresis": hysteresis.FORMS,
+    "rate": rate.FORMS,
+    "load-offset": load_offset.FORMS,
+}
 
 
 @dataclass
@@ -55,22 +63,15 @@ class Fabric:
         stretch, place = self._stretch(terms)
         with np.errstate(all="ignore"):
             stress, energy = self._elastic(warp, weft, terms, stretch, place)
-            if terms.get("permanent-set", ("",))[0].startswith("network"):
+            if terms.get("permanent-set", ("",))[0] in permanent_set.NETWORKS:
                 peak = self._peak(stretch)
                 second, _ = self._elastic(warp, weft, terms, stretch / peak, (*place, "second"))
                 stress = permanent_set.second_network(stress, second, peak, *terms["permanent-set"][1])
-            if "thermal-softening" in terms:
-                form, values = terms["thermal-softening"]
-                law = thermal_softening.LAWS[form]
-                stress = stress * law(path.temperature_degC, self.reference_degC, *values)
-            if "mullins" in terms:
-                stress = stress * self._mullins(terms["mullins"], stretch, energy)
-            if "hysteresis" in terms:
-                stress = self._hysteresis(terms["hysteresis"], stress, stretch, energy)
-            if "rate" in terms:
-                stress = self._rate(terms["rate"], stress)
-            if "load-offset" in terms:
-                stress = self._offset(terms["load-offset"], stress)
+            state = State(path, stretch, energy, self.reference_degC, self.speed)
+            for name, forms in _ON_STRESS.items():
+                if name in terms:
+                    form, values = terms[name]
+                    stress = forms[form](state, stress, values)
         return np.asarray(stress)
 
     def across(self, terms: Terms) -> Array:
@@ -98,24 +99,11 @@ class Fabric:
         place: tuple[object, ...] = ()
         if "grip-slack" in terms:
             form, values = terms["grip-slack"]
-            if form == "each":
-                stretch = grip_slack.taken_up(stretch, grip_slack.of_each(self.path, values))
-            else:
-                stretch = grip_slack.taken_up(stretch, *values)
+            stretch = grip_slack.FORMS[form](self.path, stretch, values)
             place = (*place, *values)
-        # A second network moves no stretch: it stands beside the law.
-        if "permanent-set" in terms and not terms["permanent-set"][0].startswith("network"):
-            form, values = terms["permanent-set"]
-            added = form.endswith("-added")
-            if form.startswith("cycles"):
-                stretch = np.minimum(stretch, permanent_set.kept_on(self.path, *values, added=added))
-            elif form.startswith("crept"):
-                stretch = np.minimum(stretch, permanent_set.crept(self.path, *values, added=added))
-            elif form.startswith("returned"):
-                stretch = permanent_set.returned(stretch, self._peak(stretch), *_of_set(form, values))
-            else:
-                peak = self.path.peak if form.startswith("flow") else self.path.earlier_peak
-                stretch = permanent_set.grown(stretch, peak, *_of_set(form, values), added=added)
+        form, values = terms.get("permanent-set", ("", np.empty(0)))
+        if form in permanent_set.FORMS:
+            stretch = permanent_set.FORMS[form](self.path, stretch, self._peak(stretch), values)
             place = (*place, form, *values)
         return stretch, place
 
@@ -252,75 +240,6 @@ class Fabric:
             second = compressibility.as_incompressible(path.mode, stretch, second, contraction, bend)
         return np.asarray(second)
 
-    def _mullins(self, term: tuple[str, Array], stretch: Array, energy: Array) -> Array:
-        form, values = term
-        path = self.path
-        if form.startswith("damage"):
-            return mullins.damaged(path.peak, *values)
-        if form == "strain-cycles":
-            return mullins.worn(path.stretch, path.peak, path.returns, *values)
-        if form.startswith("strain"):
-            return mullins.weakened(path.stretch, path.peak, *values)
-        greatest = np.empty_like(energy)
-        for rows in path.curves:
-            greatest[rows] = np.maximum.accumulate(energy[rows])
-        return mullins.softened(energy, greatest, *values)
-
-    def _hysteresis(self, term: tuple[str, Array], stress: Array, stretch: Array, energy: Array) -> Array:
-        form, values = term
-        if form == "pseudo-elastic":
-            return stress * hysteresis.unloading(self.path, energy, *values)
-        if form == "returning":
-            return stress * hysteresis.returning(self.path, stretch, *values)
-        if form == "bent":
-            return hysteresis.bent(self.path, stress, values[0])
-        return stress + hysteresis.sliding(self.path, stretch, stress, form, values)
-
-    def _rate(self, term: tuple[str, Array], stress: Array) -> Array:
-        form, values = term
-        if form == "log-rate":
-            assert self.speed is not None
-            known = self.speed[np.isfinite(self.speed)]
-            reference = float(np.exp(np.mean(np.log(known))))
-            return stress * rate.quickened(self.speed, reference, values[0])
-        if form == "viscous":
-            return stress + rate.resisting(self.path, values[0], values[1], self._pace)
-        if form.startswith("flow"):
-            return stress + rate.flowing(self.path, stress, *values)
-        if form.startswith("thinning"):
-            driven = stress * self.path.stretch ** values[3] if form == "thinning-bent" else stress
-            found = stress + rate.thinning(self.path, driven, *values[:3])
-            if form == "thinning-prony":
-                found = found + rate.relaxing(self.path, stress, [values[3]], [values[4]])
-            return found
-        if form.endswith("measure"):
-            branches = np.delete(values, 2)
-            return stress + rate.relaxing_measured(
-                self.path, stress, list(branches[0::2]), list(branches[1::2]), values[2]
-            )
-        if form.endswith("bent"):
-            branches = np.delete(values, 2)
-            return stress + rate.relaxing_bent(
-                self.path, stress, list(branches[0::2]), list(branches[1::2]), values[2]
-            )
-        return stress + rate.relaxing(self.path, stress, list(values[0::2]), list(values[1::2]))
-
-    @cached_property
-    def _pace(self) -> float:
-        """The usual strain rate of the tests [1/s]."""
-        speed = np.abs(self.path.speed)
-        return float(np.exp(np.mean(np.log(speed[speed > 0.0])))) if np.any(speed > 0.0) else 1.0
-
-    def _offset(self, term: tuple[str, Array], stress: Array) -> Array:
-        form, values = term
-        time = self.path.time_s
-        if form == "each":
-            return load_offset.shifted(stress, grip_slack.of_each(self.path, values))
-        if form == "settling":
-            return load_offset.shifted(stress, values[0] + load_offset.settling(time, values[1], values[2]))
-        drifts = form == "drift"
-        return load_offset.shifted(stress, values[0], time if drifts else None, values[1] if drifts else 0.0)
-
 
 def _of_fibres(form: str, values: Array) -> tuple[float, float, float]:
     """Return the stiffness of fibres along warp and weft, and their growth."""
@@ -328,11 +247,6 @@ def _of_fibres(form: str, values: Array) -> tuple[float, float, float]:
         return float(values[-3]), float(values[-2]), float(values[-1])
     one, growth = float(values[0]), float(values[1])
     return (one, 0.0, growth) if form == "warp-fibres" else (0.0, one, growth)
-
-
-def _of_set(form: str, values: Array) -> tuple[float, ...]:
-    """Return the share of a set, its power and its bend, as far as they are not 1 and 0."""
-    return (values[0], 1.0, values[1]) if "-bent" in form else tuple(values)
 
 
 def _absent(name: str, form: str, values: Array) -> bool:

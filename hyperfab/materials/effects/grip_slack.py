@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+
 import numpy as np
 
 from hyperfab.materials.effects.path import Path
@@ -36,3 +38,11 @@ def of_each(path: Path, values: Array) -> Array:
     for value, rows in zip(told, path.curves, strict=False):
         found[rows] = value
     return found
+
+
+#: The specimen's stretch in each form: of the path, the stretch read, and the form's constants.
+FORMS: Mapping[str, Callable[[Path, Array, Array], Array]] = {
+    "play": lambda path, stretch, values: taken_up(stretch, *values),
+    "toe": lambda path, stretch, values: taken_up(stretch, *values),
+    "each": lambda path, stretch, values: taken_up(stretch, of_each(path, values)),
+}

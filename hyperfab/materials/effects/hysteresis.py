@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from scipy.special import erf
 
 from hyperfab.materials.effects.path import Path
 from hyperfab.materials.effects.recurrence import along
+from hyperfab.materials.effects.state import Acts
 from hyperfab.materials.kinematics import Array
 
 #: Forms of friction: of each set of yarns, whether it slides at a share of the load or at a stress.
@@ -86,3 +89,16 @@ def bent(path: Path, stress: Array, amount: float) -> Array:
     return np.asarray(
         np.where((path.turn >= 0) & (top > 0.0) & (stress > 0.0), top * share ** (1.0 + amount), stress)
     )
+
+
+def _sliding(form: str) -> Acts:
+    return lambda at, stress, values: stress + sliding(at.path, at.stretch, stress, form, values)
+
+
+#: What each form makes of the stress.
+FORMS: Mapping[str, Acts] = {
+    "pseudo-elastic": lambda at, stress, values: stress * unloading(at.path, at.energy, *values),
+    "returning": lambda at, stress, values: stress * returning(at.path, at.stretch, *values),
+    "bent": lambda at, stress, values: bent(at.path, stress, values[0]),
+    **{form: _sliding(form) for form in FRICTION},
+}

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
+from hyperfab.materials.effects.grip_slack import of_each
+from hyperfab.materials.effects.state import Acts
 from hyperfab.materials.kinematics import Array
 
 
@@ -25,3 +29,14 @@ def settling(time: Array, drift: float, tau: float) -> Array:
     0.0
     """
     return np.asarray(-drift * tau * np.expm1(-time / tau))
+
+
+#: What each form makes of the stress.
+FORMS: Mapping[str, Acts] = {
+    "constant": lambda at, stress, values: shifted(stress, values[0]),
+    "drift": lambda at, stress, values: shifted(stress, values[0], at.path.time_s, values[1]),
+    "settling": lambda at, stress, values: shifted(
+        stress, values[0] + settling(at.path.time_s, values[1], values[2])
+    ),
+    "each": lambda at, stress, values: shifted(stress, of_each(at.path, values)),
+}

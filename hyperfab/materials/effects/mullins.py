@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from scipy.special import erf
 
+from hyperfab.materials.effects.state import Acts, State
 from hyperfab.materials.kinematics import Array
 
 
@@ -61,3 +64,29 @@ def damaged(peak: Array, amount: float, strain: float, power: float = 1.0) -> Ar
     array([1.])
     """
     return np.asarray(1.0 + amount * np.expm1(-(((peak - 1.0) / strain) ** power)))
+
+
+def _by_energy(at: State, stress: Array, values: Array) -> Array:
+    return stress * softened(at.energy, at.greatest, *values)
+
+
+def _by_strain(at: State, stress: Array, values: Array) -> Array:
+    return stress * weakened(at.path.stretch, at.path.peak, *values)
+
+
+def _by_damage(at: State, stress: Array, values: Array) -> Array:
+    return stress * damaged(at.path.peak, *values)
+
+
+#: What each form makes of the stress, and those that ride on the energy.
+FORMS: Mapping[str, Acts] = {
+    "pseudo-elastic": _by_energy,
+    "pseudo-elastic-beta": _by_energy,
+    "strain": _by_strain,
+    "strain-shape": _by_strain,
+    "strain-cycles": lambda at, stress, values: (
+        stress * worn(at.path.stretch, at.path.peak, at.path.returns, *values)
+    ),
+    "damage": _by_damage,
+    "damage-power": _by_damage,
+}

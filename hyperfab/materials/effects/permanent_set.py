@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+
 import numpy as np
 
 from hyperfab.materials.effects.path import Path
@@ -90,3 +92,54 @@ def _rest(peak: Array, share: float, power: float, bend: float) -> Array:
     if bend:
         return share * -np.expm1(-bend * most) / bend
     return share * most if power == 1.0 else share * most * (np.maximum(most, 1e-12) / 0.5) ** (power - 1.0)
+
+
+#: The elastic stretch in each form: of the path, the specimen's stretch and its largest so far, and the constants.
+Lengthens = Callable[[Path, Array, Array, Array], Array]
+
+
+def _returned(bends: bool = False) -> Lengthens:
+    return lambda path, stretch, peak, values: returned(stretch, peak, *_curved(values, bends))
+
+
+def _flow(bends: bool = False, added: bool = False) -> Lengthens:
+    return lambda path, stretch, peak, values: grown(stretch, path.peak, *_curved(values, bends), added=added)
+
+
+def _next_pull(added: bool = False) -> Lengthens:
+    return lambda path, stretch, peak, values: grown(stretch, path.earlier_peak, *values, added=added)
+
+
+def _crept(added: bool = False) -> Lengthens:
+    return lambda path, stretch, peak, values: np.minimum(stretch, crept(path, *values, added=added))
+
+
+def _cycles(added: bool = False) -> Lengthens:
+    return lambda path, stretch, peak, values: np.minimum(stretch, kept_on(path, *values, added=added))
+
+
+def _curved(values: Array, bends: bool) -> tuple[float, ...]:
+    """Return the share of a set, its power and its bend, as far as they are not 1 and 0."""
+    return (values[0], 1.0, values[1]) if bends else tuple(values)
+
+
+FORMS: Mapping[str, Lengthens] = {
+    "returned": _returned(),
+    "returned-power": _returned(),
+    "returned-bent": _returned(bends=True),
+    "flow": _flow(),
+    "flow-power": _flow(),
+    "flow-bent": _flow(bends=True),
+    "flow-added": _flow(added=True),
+    "flow-power-added": _flow(added=True),
+    "flow-bent-added": _flow(bends=True, added=True),
+    "next-pull": _next_pull(),
+    "next-pull-power": _next_pull(),
+    "next-pull-added": _next_pull(added=True),
+    "crept": _crept(),
+    "crept-added": _crept(added=True),
+    "cycles": _cycles(),
+    "cycles-added": _cycles(added=True),
+}
+#: Forms in which a second network stands beside the law: it moves no stretch.
+NETWORKS = ("network", "network-power")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numba
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from hyperfab.materials.effects.path import Path
 from hyperfab.materials.effects.recurrence import along
+from hyperfab.materials.effects.state import Acts, State
 from hyperfab.materials.kinematics import Array
 
 
@@ -152,3 +153,55 @@ def quickened(speed: Array, reference: float, amount: float) -> Array:
     array([1.])
     """
     return np.asarray(1.0 + amount * np.log(np.maximum(speed, 1e-12) / reference))
+
+
+def _maxwell(at: State, stress: Array, values: Array) -> Array:
+    return stress + relaxing(at.path, stress, list(values[0::2]), list(values[1::2]))
+
+
+def _maxwell_bent(at: State, stress: Array, values: Array) -> Array:
+    branches = np.delete(values, 2)
+    return stress + relaxing_bent(at.path, stress, list(branches[0::2]), list(branches[1::2]), values[2])
+
+
+def _maxwell_measure(at: State, stress: Array, values: Array) -> Array:
+    branches = np.delete(values, 2)
+    return stress + relaxing_measured(at.path, stress, list(branches[0::2]), list(branches[1::2]), values[2])
+
+
+def _flow(at: State, stress: Array, values: Array) -> Array:
+    return stress + flowing(at.path, stress, *values)
+
+
+def _log_rate(at: State, stress: Array, values: Array) -> Array:
+    assert at.rate is not None
+    return stress * quickened(at.rate, at.usual_rate, values[0])
+
+
+def _thinning_beside(at: State, stress: Array, values: Array) -> Array:
+    found = stress + thinning(at.path, stress, *values[:3])
+    return found + relaxing(at.path, stress, [values[3]], [values[4]])
+
+
+def _thinning_driven(at: State, stress: Array, values: Array) -> Array:
+    return stress + thinning(at.path, stress * at.path.stretch ** values[3], *values[:3])
+
+
+#: What each form makes of the stress.
+FORMS: Mapping[str, Acts] = {
+    "prony-1": _maxwell,
+    "prony-2": _maxwell,
+    "prony-3": _maxwell,
+    "prony-bent": _maxwell_bent,
+    "prony-2-bent": _maxwell_bent,
+    "prony-3-bent": _maxwell_bent,
+    "prony-measure": _maxwell_measure,
+    "prony-2-measure": _maxwell_measure,
+    "thinning": lambda at, stress, values: stress + thinning(at.path, stress, *values[:3]),
+    "thinning-prony": _thinning_beside,
+    "thinning-bent": _thinning_driven,
+    "flow": _flow,
+    "flow-strain": _flow,
+    "viscous": lambda at, stress, values: stress + resisting(at.path, values[0], values[1], at.pace),
+    "log-rate": _log_rate,
+}

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from hyperfab.materials.effects.state import Acts
 from hyperfab.materials.kinematics import Array
 
 
@@ -50,3 +51,11 @@ def towards_glass(
 
 #: The law of each form: of the temperature, the reference and the form's constants.
 LAWS: Mapping[str, Callable[..., Array]] = {"exponential": factor, "curved": factor, "glass": towards_glass}
+
+
+def _acts(law: Callable[..., Array]) -> Acts:
+    return lambda at, stress, values: stress * law(at.path.temperature_degC, at.reference_degC, *values)
+
+
+#: What each form makes of the stress.
+FORMS: Mapping[str, Acts] = {form: _acts(law) for form, law in LAWS.items()}
