@@ -253,7 +253,6 @@ def contact_problem(
     temperatures = np.unique(np.round(np.concatenate(known_T))) if known_T else np.empty(0)
     axes = {axis.name: axis for axis in sheet.emulator.axes}
     scene = Scene(
-        deepest_mm=float(sheet.knots[-1]),
         temperatures=tuple(float(v) for v in temperatures),
         reference_degC=reference_degC,
         prestretch=(axes["prestretch"].down, axes["prestretch"].up),

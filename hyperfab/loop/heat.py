@@ -256,7 +256,6 @@ def heat_problem(
     air = mold.films[0].ambient if mold.films else None
     scene = Scene(
         duration_s=float(times[-1] - times[0]),
-        step_s=float(np.median(np.diff(times))),
         rise_K=max(float(np.ptp(readings.T.ravel()[kept])), 1.0),
         power_W=max((float(np.max(np.abs(table.y))) for _, table in mold.heaters), default=1.0) or 1.0,
         films=len(mold.films),

@@ -321,7 +321,6 @@ def press_problem(
         time_s=max((float(np.max(p.time_s)) for p in parts if p.time_s is not None), default=1.0),
         floats=setting.floating,
         forced=setting.force is not None,
-        height_mm=max(float(np.max(np.abs(whole.shift[0, :, 2]))), 1.0),
         pressure_MPa=float(deep),
     )
     first = [part for part in parts if part.kind == kinds[0]]

@@ -100,12 +100,6 @@ class SheetMesh:
         )
         return np.asarray(total / count)
 
-    @cached_property
-    def node_area(self) -> Array:
-        """Share (n,) [mm²] of the area at each node: equal parts of the elements around it."""
-        share = np.repeat(self.weights.sum(axis=1) / self.elements.shape[1], self.elements.shape[1])
-        return np.asarray(np.bincount(self.elements.ravel(), share, minlength=len(self.nodes)), float)
-
 
 def sheet_mesh(outline: Outline, triangles: Triangles, order: int = 2) -> SheetMesh:
     """Build the finite elements on a triangulated outline. Middles of edges on a curved rim lie on the rim."""

@@ -270,40 +270,6 @@ def nearest_one(
     return bx, by, bz, slot, feature
 
 
-@kernel
-def nearest_many(
-    points: Floats,
-    hints: Ints,
-    corners: Floats,
-    bounds: Floats,
-    right: Ints,
-    start: Ints,
-    count: Ints,
-    closest: Floats,
-    slots: Ints,
-    features: Ints,
-) -> None:
-    """Nearest points of many; fills ``closest`` (n, 3), ``slots`` and ``features``."""
-    stack = np.empty(DEPTH, np.int64)
-    stack_d = np.empty(DEPTH)
-    for i in range(points.shape[0]):
-        cx, cy, cz, s, f = nearest_one(
-            points[i, 0],
-            points[i, 1],
-            points[i, 2],
-            hints[i],
-            corners,
-            bounds,
-            right,
-            start,
-            count,
-            stack,
-            stack_d,
-        )
-        closest[i, 0], closest[i, 1], closest[i, 2] = cx, cy, cz
-        slots[i], features[i] = s, f
-
-
 @part
 def _hit(tri: Floats, o: Floats, d: Floats) -> float:
     """Distance along the ray to a triangle, in lengths of d; -1: none.

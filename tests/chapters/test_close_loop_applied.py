@@ -42,9 +42,7 @@ FABRIC: dict[str, Any] = {
 
 #: The entries as an emulator scales them that reaches so far.
 DRAPE = catalogue("drape", drape_scene.Scene((0.02, 0.05), 0.4, 0.03, 900.0))
-CONTACT = catalogue(
-    "contact", contact_scene.Scene(30.0, (20.0, 40.0, 60.0), 20.0, (0.0, 0.05), 0.4, 1.0, 1.0)
-)
+CONTACT = catalogue("contact", contact_scene.Scene((20.0, 40.0, 60.0), 20.0, (0.0, 0.05), 0.4, 1.0, 1.0))
 
 
 def settings_of(effects: tuple[Effect, ...]) -> list[dict[str, float]]:

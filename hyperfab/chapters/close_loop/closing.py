@@ -83,7 +83,6 @@ def finish(
     apart: Callable[[Problem], tuple[Problem, Array]] | None = None,
     left_out: Mapping[str, int] | None = None,
     warnings: Sequence[str] = (),
-    progress: tuple[Any, float] | None = None,
 ) -> int:
     """Close the loop, write the finding and the extended model; return the exit status.
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.materials.kinematics import Array
+from hyperfab.numerics.hygiene import turns
 
 #: Codes of the deformation modes in ``Path.mode``.
 UNIAXIAL, SHEAR, BIAXIAL, GENERAL = range(4)
@@ -177,16 +178,8 @@ def uniaxial_pull(stretch: Array, angle_deg: float = 0.0) -> Path:
 def _branches(stretch: Array) -> NDArray[np.int64]:
     """Tell loading from unloading by turns that are larger than the noise."""
     found = np.ones(len(stretch), dtype=np.int64)
-    if len(stretch) == 0:
-        return found
-    threshold = _TURN * float(np.ptp(stretch))
-    direction, extreme, place = 1, float(stretch[0]), 0
-    for i in range(1, len(stretch)):
-        value = float(stretch[i])
-        if (value - extreme) * direction >= 0.0:
-            extreme, place = value, i
-        elif abs(value - extreme) > threshold:
-            direction = -direction
-            found[place + 1 :] = direction
-            extreme, place = value, i
+    for part in turns(stretch, _TURN):
+        if len(stretch) and stretch[part.stop - 1] < stretch[max(part.start - 1, 0)]:
+            found[part] = -1
+    found[:1] = 1
     return found

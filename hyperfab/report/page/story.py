@@ -21,15 +21,3 @@ def in_order(sources: Sequence[Source]) -> list[Source]:
     """Return the documents as the line runs; within a kind, as they were given."""
     known = {kind: place for place, kind in enumerate(ORDER)}
     return sorted(sources, key=lambda source: known.get(source.kind, len(ORDER)))
-
-
-def ancestors(source: Source, sources: Sequence[Source]) -> set[str]:
-    """Return the hashes of all documents that ``source`` stands on, its own among them."""
-    found: set[str] = set()
-    todo = [source]
-    while todo:
-        one = todo.pop()
-        if one.sha256 not in found:
-            found.add(one.sha256)
-            todo += parents(one, sources)
-    return found

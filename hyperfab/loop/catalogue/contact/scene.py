@@ -7,10 +7,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Scene:
-    """The deepest reading [mm], the temperatures met [degC], how far prestretch (down, up), friction and slip
+    """The temperatures met [degC], how far prestretch (down, up), friction and slip
     [mm per N/mm] may go, and the pull of the rim [N/mm] at the deepest."""
 
-    deepest_mm: float
     temperatures: tuple[float, ...]
     reference_degC: float
     prestretch: tuple[float, float]

@@ -7,14 +7,13 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Scene:
-    """Length and sampling of the experiment, its rise of temperature, and what the mold has.
+    """Length of the experiment, its rise of temperature, and what the mold has.
 
     ``opened`` counts joints that conduct perfectly in the model, ``declared`` the others; ``bench`` says whether
     faces have no film.
     """
 
     duration_s: float
-    step_s: float
     rise_K: float
     power_W: float
     films: int

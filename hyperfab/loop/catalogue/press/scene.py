@@ -7,12 +7,11 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Scene:
-    """Half the male's width and its height [mm], the largest force [N], the travel from the first touch [mm], the
+    """Half the male's width [mm], the largest force [N], the travel from the first touch [mm], the
     foam's pressure half pressed [MPa]; whether strokes and times were read, and the longest time [s]; whether the
     female floats, and whether the press was set by its force."""
 
     half_mm: float
-    height_mm: float
     force_N: float
     travel_mm: float
     pressure_MPa: float
