@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -15,9 +16,9 @@ from scipy.stats import norm
 from hyperfab.loop.bic import common_bic, prior_misfit, scaled_chi2
 from hyperfab.loop.dependence import dependence, suggestion
 from hyperfab.loop.fitting import fit, inverse
-from hyperfab.loop.heldout import HeldOut, Help, help_of, leave_curves_out
+from hyperfab.loop.heldout import HeldOut, Help, forecast, help_of, leave_curves_out
 from hyperfab.loop.judge import autocorrelation, correlation_time, judge
-from hyperfab.loop.noise import Noise
+from hyperfab.loop.noise import Noise, estimate_noise
 from hyperfab.loop.problem import Array, Constant, Curve, Effect, Form, Problem
 from hyperfab.loop.score import greatest_by_chance, orthonormal, points_at, signatures
 
@@ -307,3 +308,31 @@ def test_a_suggestion_is_the_formula_that_is_there() -> None:
     assert text.startswith(("+0.5 ", "+0.49", "+0.50"))
     assert text.count("(") == 2
     assert suggestion(0.01 * rng.standard_normal(300), np.full(300, 0.01), {"a": a, "b": b}) is None
+
+
+def test_a_forecast_weighs_what_is_known_beforehand_against_the_noise_as_the_fit_does() -> None:
+    """A third left out: the others' readings by their noise and both constants by their prior, in closed form."""
+    problem, sd = (
+        line(readings(0.0), prior=0.02),
+        2.0 * SD,
+    )  # no misfit beyond noise, which would hold the prior firmer
+    noise = Noise(np.full(COUNT, sd), 40.0, "known")
+    found = forecast(problem, noise, fit(problem, noise, {}, [1.0, 2.0]))
+    assert found.tests == ("0 t0", "1 t1", "2 t2")
+    for curve in problem.curves:
+        kept = np.ones(COUNT, bool)
+        kept[curve.rows] = False
+        normal = DESIGN[kept].T @ DESIGN[kept] / sd**2 + np.eye(2) / 0.02**2
+        right = DESIGN[kept].T @ problem.measured[kept] / sd**2 + np.array([1.0, 2.0]) / 0.02**2
+        expected = DESIGN[curve.rows] @ np.linalg.solve(normal, right)
+        np.testing.assert_allclose(found.predicted[curve.rows], expected, rtol=1e-6)
+
+
+def test_scatter_of_stiffness_is_by_specimen() -> None:
+    """Tests of one specimen are stiffer together; those of none stand alone."""
+    base = line(readings(), curves=4)
+    names = ("one", "other", "one", "")
+    curves = tuple(replace(curve, specimen=name) for curve, name in zip(base.curves, names, strict=True))
+    noise = estimate_noise(replace(base, curves=curves))
+    expected = [np.concatenate([np.arange(0, 15), np.arange(30, 45)]), np.arange(15, 30)]
+    assert [rows.tolist() for rows in noise.groups] == [rows.tolist() for rows in expected]

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
+import pytest
 from loop import blind_press
 from loop.generators import press as caps
 
 from hyperfab.chapters.close_loop.press import pose
 from hyperfab.loop.press import PressProblem
+from hyperfab.loop.press_table import PressTable
+from hyperfab.loop.press_variation import TERMS
 from hyperfab.pressing.pose import Pose
 
 
@@ -60,3 +65,21 @@ def test_a_floating_female_turns_in_the_loop_as_it_does_in_the_press() -> None:
     plain = problem.predict(np.array(list(own.values())), {})
     given = problem.predict(np.array(list(own.values())), {"tilt": ("rotation", np.array([0.1, 0.0]))})
     assert np.array_equal(plain, given)
+
+
+@pytest.mark.parametrize("form", sorted(TERMS))
+def test_a_thickness_varies_alike_along_both_axes_and_never_in_its_mean(form: str) -> None:
+    terms = TERMS[form]
+    assert len(set(terms)) == len(terms)
+    assert min(x + y for x, y in terms) >= 1
+    assert {(y, x) for x, y in terms} == set(terms)
+
+
+def test_between_openings_a_cubic_is_met_and_beyond_them_the_last_one_holds() -> None:
+    openings = np.linspace(-2.0, 3.0, 11)
+    table = SimpleNamespace(openings=openings, step=0.5)
+    values = np.stack([openings**3 - openings, 2.0 * openings**2], axis=1)
+    at = np.array([-2.0, -1.83, 0.1, 2.9, 3.0, 3.4, 4.5, -2.7])
+    inside = np.clip(at, -2.0, 3.0)
+    expected = np.stack([inside**3 - inside, 2.0 * inside**2], axis=1)
+    np.testing.assert_allclose(PressTable.at(table, at, values), expected, rtol=1e-12, atol=1e-12)

@@ -145,7 +145,7 @@ def shown(mutant: Mutant, copy: Path, names: list[str], modules: set[str], secon
     try:
         file.write_bytes(mutant.planted(source))
         os.utime(file, (tree.EPOCH + 1 + int(mutant.name[:6], 16),) * 2)
-        limit = int(3.0 * seconds + 30.0 + (_COMPILES if modules else 0.0))
+        limit = int(2.0 * seconds + 15.0 + (_COMPILES if modules else 0.0))
         status, told = tree.forked(copy, ["-x", "-q", "-rfE", "--no-header", "--tb=no", *names], limit)
         if status is None:
             return "caught: runs on"
