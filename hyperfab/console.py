@@ -11,6 +11,7 @@ import io
 import os
 import signal
 import sys
+import time
 import traceback
 import warnings
 from collections.abc import Callable, Iterator, Sequence
@@ -23,6 +24,8 @@ from hyperfab.system import ALARM, alarm
 #: Where numba unpickles what it needs to box the result of a compiled function.
 _CONVERTS = os.path.join("numba", "core", "serialize.py")
 
+#: Off a terminal a long run says how far it has come after this time [s], and again each time.
+EVERY_S = 60.0
 #: A signal whose exception was swallowed is raised again after this time [s].
 AGAIN_S = 0.7
 #: The signals that ended, or try to end, the command now running.
@@ -93,13 +96,16 @@ class Console:
 
     @contextlib.contextmanager
     def progress(self, description: str) -> Iterator[Advance]:
-        """Show how far a long piece of work has come, on a terminal only.
+        """Show how far a long piece of work has come: a bar on a terminal, elsewhere a line a minute.
 
         >>> with Console().progress("Warming up") as advance:
         ...     advance(0.5, "100 degC")
         """
-        if self.quiet or not sys.stderr.isatty() or os.environ.get("TERM") == "dumb":
+        if self.quiet:
             yield lambda fraction, text="": None
+            return
+        if not sys.stderr.isatty() or os.environ.get("TERM") == "dumb":
+            yield self._now_and_then(description)
             return
         from rich.console import Console as RichConsole
         from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
@@ -120,6 +126,20 @@ class Console:
                 bar.update(task, completed=min(max(fraction, 0.0), 1.0), text=text)
 
             yield advance
+
+    def _now_and_then(self, description: str) -> Advance:
+        """Say once in ``EVERY_S`` how far the work has come: a log shows that it lives, a short run says nothing."""
+        start = said = time.monotonic()
+
+        def advance(fraction: float, text: str = "") -> None:
+            nonlocal said
+            now = time.monotonic()
+            if now - said >= EVERY_S:
+                said = now
+                words = f"{description}: {100 * fraction:.0f} % after {(now - start) / 60:.0f} min"
+                self._line(f"{words}, {text}" if text else words)
+
+        return advance
 
     @staticmethod
     def _line(text: str) -> None:

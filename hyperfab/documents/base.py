@@ -120,7 +120,7 @@ def parse_document(loaded: object, name: str, cls: type[DocumentT]) -> DocumentT
     try:
         return cls.model_validate(loaded)
     except ValidationError as error:
-        raise first_error(error, name, cls) from None
+        raise first_error(error, name, cls, loaded) from None
 
 
 def check_format(found: object, name: str, cls: type[Document]) -> None:
@@ -151,13 +151,15 @@ def check_format(found: object, name: str, cls: type[Document]) -> None:
         )
 
 
-def first_error(error: ValidationError, name: str, cls: type[BaseModel] | None = None) -> InputError:
-    """Return the first finding of pydantic as an InputError that names the key."""
+def first_error(
+    error: ValidationError, name: str, cls: type[BaseModel] | None = None, loaded: object = None
+) -> InputError:
+    """Return the first finding of pydantic as an InputError that names the key and the entry of ``loaded``."""
     found = error.errors(include_url=False)
     # A misspelt key is also a missing one: the spelling is what helps.
     first = next((one for one in found if one["type"] == "extra_forbidden"), found[0])
     key = ".".join(str(part) for part in first["loc"]) or "format"
-    more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
+    more = _entry(loaded, first["loc"]) + (f" (and {len(found) - 1} more)" if len(found) > 1 else "")
     kind, value = first["type"], first.get("input")
     if kind == "missing":
         return InputError(f"is missing{more}", file=name, key=key, remedy="add the key")
@@ -170,6 +172,32 @@ def first_error(error: ValidationError, name: str, cls: type[BaseModel] | None =
     return InputError(
         f"{text[:1].lower()}{text[1:]}{shown if kind != 'value_error' else ''}{more}", file=name, key=key
     )
+
+
+def _entry(loaded: object, place: tuple[int | str, ...]) -> str:
+    """Return the name of the entry of a list that a key is in: numbers of entries are counted by programs alone.
+
+    >>> _entry({"part": [{"name": "plate"}, {"name": "lid"}]}, ("part", 1, "stl"))
+    " in part 'lid'"
+    """
+    said, now = "", loaded
+    for before, step in zip(("", *place), place, strict=False):
+        if isinstance(now, list) and isinstance(step, int) and step < len(now):
+            now = now[step]
+            if isinstance(now, Mapping):
+                called = now.get("name")
+                said = f" in {before} {_short(called)}" if called else f" in {_ordinal(step + 1)} {before}"
+        elif isinstance(now, Mapping) and step in now:
+            now = now[step]
+        else:
+            break
+    return said
+
+
+def _ordinal(number: int) -> str:
+    """Return 1st, 2nd, 3rd, 4th."""
+    teen = 10 < number % 100 < 14
+    return f"{number}{'th' if teen else {1: 'st', 2: 'nd', 3: 'rd'}.get(number % 10, 'th')}"
 
 
 def _keys(schema: Any) -> Iterator[str]:

@@ -18,11 +18,12 @@ def heat_figure(
     curves: Mapping[str, Array],
     times: Array,
     target: float | None,
+    when: str,
 ) -> bytes:
     """Return a PNG: the surface seen along its mean normal, and temperature against time.
 
     ``points`` (n, 3) [mm], ``triangles`` (m, 3), ``temperature`` (n,) [degC]; ``curves`` name arrays over ``times``
-    [s]; without curves the surface is shown alone.
+    [s]; without curves the surface is shown alone. ``when`` says at which time the surface is shown.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -34,11 +35,13 @@ def heat_figure(
     across, labels = _view(points, triangles)
     flat = Triangulation(points[:, across[0]], points[:, across[1]], triangles)
     shown = axes[0].tripcolor(flat, temperature, shading="gouraud", cmap="inferno", rasterized=True)
-    figure.colorbar(shown, ax=axes[0], label="temperature [degC]", shrink=0.85)
+    figure.colorbar(shown, ax=axes[0], label="temperature [°C]", shrink=0.85)
     axes[0].set_aspect("equal")
     axes[0].set_xlabel(f"{labels[0]} [mm]")
     axes[0].set_ylabel(f"{labels[1]} [mm]")
-    axes[0].set_title(f"work surface: {temperature.min():.1f} to {temperature.max():.1f} degC", fontsize=10)
+    axes[0].set_title(
+        f"work surface {when}: {temperature.min():.1f} to {temperature.max():.1f} °C", fontsize=10
+    )
     if curves:
         minutes = times / 60.0 if times[-1] > 600.0 else times
         for name, values in curves.items():
@@ -46,7 +49,7 @@ def heat_figure(
         if target is not None:
             axes[1].axhline(target, color="0.5", linewidth=0.8, linestyle="--")
         axes[1].set_xlabel("time [min]" if times[-1] > 600.0 else "time [s]")
-        axes[1].set_ylabel("temperature [degC]")
+        axes[1].set_ylabel("temperature [°C]")
         axes[1].grid(alpha=0.3)
         if len(curves) <= 10:
             axes[1].legend(fontsize=8, frameon=False)

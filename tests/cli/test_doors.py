@@ -96,3 +96,18 @@ def test_full_disk_behind_standard_output_is_status_5(arguments: list[str], root
     assert done.returncode == 5
     assert b"No space left" in done.stderr
     assert b"Traceback" not in done.stderr
+
+
+def test_a_long_run_off_a_terminal_says_once_a_minute_how_far_it_is(monkeypatch, capfd) -> None:
+    from hyperfab import console
+
+    clock = iter([0.0, 10.0, 59.0, 61.0, 62.0, 122.0, 130.0])
+    monkeypatch.setattr(console.time, "monotonic", lambda: next(clock))
+    with console.Console().progress("Heating the mold") as advance:
+        for done in range(6):
+            advance(0.1 * done, f"{done} s")
+    lines = capfd.readouterr().err.splitlines()
+    assert lines == ["Heating the mold: 20 % after 1 min, 2 s", "Heating the mold: 40 % after 2 min, 4 s"]
+    with console.Console(quiet=True).progress("Heating the mold") as advance:
+        advance(0.5)
+    assert capfd.readouterr().err == ""

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import jsonschema
 import pytest
 from pydantic import Field
 
 from hyperfab.documents.base import KINDS, Document, HandWritten, parse_document, schema
+from hyperfab.documents.mold import MoldDocument
 from hyperfab.errors import InputError, UsageError
 
 
@@ -75,3 +76,19 @@ def test_every_kind_has_a_sound_schema_that_demands_its_format(kind: str) -> Non
 def test_an_unknown_kind_names_the_known_ones() -> None:
     with pytest.raises(UsageError, match="material, contact"):
         schema("nonsense")
+
+
+def test_a_wrong_key_in_a_list_is_told_by_the_name_of_its_entry() -> None:
+    mold: dict[str, Any] = {
+        "format": "hyperfab.mold/1",
+        "material": {"al": {"density": "1 kg/m^3", "conductivity": "1 W/m/K", "specific_heat": "1 J/kg/K"}},
+        "part": [{"name": name, "material": "al", "stl": f"{name}.stl"} for name in ("plate", "lid")],
+        "convection": [{"on": "exposed", "h": "1 W/m^2/K", "ambient": "25 degC"}],
+    }
+    mold["part"][1]["stl"] = {"file": "lid.stl"}
+    with pytest.raises(InputError, match=r"key part\.1\.stl: .* in part 'lid'"):
+        parse_document(mold, "m.toml", MoldDocument)
+    mold["part"][1]["stl"] = "lid.stl"
+    mold["convection"][0]["ambent"] = mold["convection"][0].pop("ambient")
+    with pytest.raises(InputError, match=r"in 1st convection .*did you mean ambient"):
+        parse_document(mold, "m.toml", MoldDocument)

@@ -16,8 +16,8 @@ from hyperfab.thermal.transient import History
 
 Array = NDArray[np.float64]
 
-#: Frames of the time series; where there are more steps they are thinned evenly.
-FRAMES = 40
+#: Frames of the time series, and bytes they may take together; where there are more steps they are thinned evenly.
+FRAMES, SERIES_BYTES = 40, 50e6
 
 
 def write_fields(out: Output, problem: Problem, history: History, target: float | None) -> None:
@@ -26,9 +26,15 @@ def write_fields(out: Output, problem: Problem, history: History, target: float 
     flux = problem.model.medium.flux(last.temperature)
     out.add(".vtu", _field(problem, last.temperature, flux))
     if len(history.steps) == 1:  # a steady state has no curves
-        out.add(".png", heat_figure(*_work_surface(problem, last.temperature), {}, np.zeros(0), None))
+        out.add(
+            ".png",
+            heat_figure(
+                *_work_surface(problem, last.temperature), {}, np.zeros(0), None, "in the steady state"
+            ),
+        )
         return
-    frames = np.unique(np.linspace(0, len(history.states) - 1, FRAMES).round().astype(int))
+    count = frame_count(len(_field(problem, last.temperature, None)))
+    frames = np.unique(np.linspace(0, len(history.states) - 1, count).round().astype(int))
     names = []
     for number, index in enumerate(frames):
         suffix = f".{number:03d}.vtu"
@@ -48,7 +54,17 @@ def write_fields(out: Output, problem: Problem, history: History, target: float 
         mean = problem.work_surface.load(1.0) / problem.work_surface.area
         shown = {"work surface, mean": curve(history, mean, times), **shown}
     at = last if history.reached is None else history.states[history.reached]
-    out.add(".png", heat_figure(*_work_surface(problem, at.temperature), shown, times, target))
+    when = f"{'at the end' if history.reached is None else 'at warm-up'}, {at.time / 60:.2f} min"
+    out.add(".png", heat_figure(*_work_surface(problem, at.temperature), shown, times, target, when))
+
+
+def frame_count(size: int) -> int:
+    """Return how many frames of ``size`` bytes a time series has: the first and the last at least.
+
+    >>> frame_count(100_000), frame_count(6_000_000), frame_count(10**9)
+    (40, 8, 2)
+    """
+    return int(np.clip(SERIES_BYTES // size, 2, FRAMES))
 
 
 def _field(problem: Problem, temperature: Array, flux: Array | None) -> bytes:
