@@ -75,10 +75,22 @@ def fabric_scene(stress: float = 1.0, pace: float = 1.0) -> FabricScene:
 
 SCENES = {
     "fabric": fabric_scene(),
-    "heat": HeatScene(3600.0, 10.0, 80.0, 500.0, 3, 2, 2, 1, 3, True, True, 15.0),
-    "contact": ContactScene(60.0, (20.0, 60.0), 20.0, (0.05, 0.2), 0.5, 10.0, 2.0),
+    "heat": HeatScene(
+        duration_s=3600.0,
+        rise_K=80.0,
+        power_W=500.0,
+        films=3,
+        heaters=2,
+        opened=2,
+        declared=1,
+        probes=3,
+        bench=True,
+        emits=True,
+        typical_film=15.0,
+    ),
+    "contact": ContactScene((20.0, 60.0), 20.0, (0.05, 0.2), 0.5, 10.0, 2.0),
     "drape": DrapeScene((0.05, 0.2), 0.5, 0.1, 300.0),
-    "press": PressScene(60.0, 40.0, 500.0, 5.0, 0.05, True, True, 600.0, True, True),
+    "press": PressScene(60.0, 500.0, 5.0, 0.05, True, True, 600.0, True, True),
 }
 
 

@@ -5,14 +5,15 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 import numpy as np
-import pytest
 from loop import blind_press
 from loop.generators import press as caps
 
 from hyperfab.chapters.close_loop.press import pose
+from hyperfab.loop.catalogue.press.scene import Scene
+from hyperfab.loop.catalogue.press.thickness_variation import entry
 from hyperfab.loop.press import PressProblem
 from hyperfab.loop.press_table import PressTable
-from hyperfab.loop.press_variation import TERMS
+from hyperfab.loop.press_variation import variation
 from hyperfab.pressing.pose import Pose
 
 
@@ -67,12 +68,17 @@ def test_a_floating_female_turns_in_the_loop_as_it_does_in_the_press() -> None:
     assert np.array_equal(plain, given)
 
 
-@pytest.mark.parametrize("form", sorted(TERMS))
-def test_a_thickness_varies_alike_along_both_axes_and_never_in_its_mean(form: str) -> None:
-    terms = TERMS[form]
-    assert len(set(terms)) == len(terms)
-    assert min(x + y for x, y in terms) >= 1
-    assert {(y, x) for x, y in terms} == set(terms)
+def test_a_thickness_varies_by_a_polynomial_alike_along_both_axes() -> None:
+    plan = np.array([[0.5, -2.0], [-1.5, 3.0]])
+    found = variation(plan, {"variation.x": 0.1, "variation.xyy": 0.02, "tilt": 7.0})
+    np.testing.assert_allclose(found, [0.05 + 0.02 * 2.0, -0.15 - 0.02 * 13.5])
+    assert variation(plan, {"tilt": 7.0}) == 0
+    scene = Scene(60.0, 500.0, 5.0, 0.05, True, True, 600.0, True, True)
+    for form in entry(scene).forms:
+        names = [one.name for one in form.constants]
+        turned = {"".join(sorted(name.translate({120: 121, 121: 120}))) for name in names}
+        assert len(set(names)) == len(names)
+        assert turned == set(names)
 
 
 def test_between_openings_a_cubic_is_met_and_beyond_them_the_last_one_holds() -> None:
