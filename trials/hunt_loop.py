@@ -24,40 +24,10 @@ from hyperfab.documents.base import parse_document
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import HyperfabError
 from hyperfab.loop.engine import Finding, close
-from trials.hunting import Hunt, asked
+from trials.hunting import File, Hunt, asked, headed, scaled, strained
 
 Array = NDArray[np.float64]
-Columns = Mapping[str, Array]
 GIVEN = {"C10_MPa": 0.1, "C20_MPa": 0.02, "C30_MPa": 0.01}
-
-
-@dataclass(frozen=True)
-class File:
-    """One file of a test: what its head says, and its columns by header."""
-
-    head: Mapping[str, str]
-    columns: Columns
-
-    def text(self) -> str:
-        """Return it as a user would have it."""
-        head = [f"# {key}: {value}" for key, value in self.head.items()]
-        rows = zip(*self.columns.values(), strict=True)
-        return (
-            "\n".join([*head, ",".join(self.columns), *(",".join(f"{v:.9g}" for v in row) for row in rows)])
-            + "\n"
-        )
-
-    def with_columns(self, change: Callable[[str, Array], tuple[str, Array]]) -> File:
-        """Return the file with each column and header changed."""
-        return replace(self, columns=dict(change(key, values) for key, values in self.columns.items()))
-
-    def rows(self, keep: slice | Array) -> File:
-        """Return the file with some of its rows."""
-        return replace(self, columns={key: values[keep] for key, values in self.columns.items()})
-
-    def with_stress(self, change: Callable[[Array], Array]) -> File:
-        """Return the file with its stresses changed."""
-        return self.with_columns(lambda key, v: (key, change(v) if key.startswith("stress") else v))
 
 
 @dataclass(frozen=True)
@@ -130,23 +100,6 @@ def files(
         )
         for one in read
     ]  # fmt: skip
-
-
-def scaled(header: str, factor: float, name: str) -> Callable[[File], File]:
-    """Return what puts one column into another unit."""
-    return lambda one: one.with_columns(lambda key, v: (name, v * factor) if key == header else (key, v))
-
-
-def strained(one: File) -> File:
-    """Return the file with strains in percent in place of stretches."""
-    return one.with_columns(
-        lambda key, v: ("strain [%]", 100.0 * (v - 1.0)) if key.startswith("stretch") else (key, v)
-    )
-
-
-def headed(**head: str) -> Callable[[File], File]:
-    """Return what changes the head of a file."""
-    return lambda one: replace(one, head={**one.head, **head})
 
 
 def swapped(one: File) -> File:

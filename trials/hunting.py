@@ -8,12 +8,18 @@ import json
 import os
 import sys
 import tempfile
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import IO, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from hyperfab.cli import app
+
+Array = NDArray[np.float64]
+Columns = Mapping[str, Array]
 
 
 @dataclass(frozen=True)
@@ -67,6 +73,49 @@ def _standard_output() -> Iterator[IO[bytes]]:
         finally:
             os.dup2(kept, 1)
             os.close(kept)
+
+
+@dataclass(frozen=True)
+class File:
+    """One file of a test: what its head says, and its columns by header."""
+
+    head: Mapping[str, str]
+    columns: Columns
+
+    def text(self) -> str:
+        """Return it as a user would have it."""
+        head = [f"# {key}: {value}" for key, value in self.head.items()]
+        rows = [",".join(repr(float(v)) for v in row) for row in zip(*self.columns.values(), strict=True)]
+        return "\n".join([*head, ",".join(self.columns), *rows, ""])
+
+    def with_columns(self, change: Callable[[str, Array], tuple[str, Array]]) -> File:
+        """Return the file with each column and header changed."""
+        return replace(self, columns=dict(change(key, values) for key, values in self.columns.items()))
+
+    def rows(self, keep: slice | Array) -> File:
+        """Return the file with some of its rows."""
+        return replace(self, columns={key: values[keep] for key, values in self.columns.items()})
+
+    def with_stress(self, change: Callable[[Array], Array]) -> File:
+        """Return the file with its stresses changed."""
+        return self.with_columns(lambda key, v: (key, change(v) if key.startswith("stress") else v))
+
+
+def scaled(header: str, factor: float, name: str) -> Callable[[File], File]:
+    """Return what puts one column into another unit."""
+    return lambda one: one.with_columns(lambda key, v: (name, v * factor) if key == header else (key, v))
+
+
+def strained(one: File) -> File:
+    """Return the file with strains in percent in place of stretches."""
+    return one.with_columns(
+        lambda key, v: ("strain [%]", 100.0 * (v - 1.0)) if key.startswith("stretch") else (key, v)
+    )
+
+
+def headed(**head: str) -> Callable[[File], File]:
+    """Return what changes the head of a file."""
+    return lambda one: replace(one, head={**one.head, **head})
 
 
 @dataclass

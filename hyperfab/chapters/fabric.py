@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.look import COLDEST, HOTTEST
 from hyperfab.documents.base import read_document
 from hyperfab.documents.material import AtTemperature, Direction, MaterialDocument
 from hyperfab.errors import InputError
@@ -19,8 +20,6 @@ from hyperfab.materials.richer import richer
 
 #: The law that is the whole sheet's, not one direction's.
 ORTHOTROPIC = "orthotropic"
-#: Beyond these temperatures [degC] no fabric is used: more often a wrong unit than a wish.
-COLDEST, HOTTEST = -60.0, 400.0
 #: A temperature this near [K] to that of the constants is theirs.
 _SAME_K = 0.5
 

@@ -14,6 +14,8 @@ from hyperfab.numerics.hygiene import Doubt, look
 
 #: So many places are named one by one; the others are counted.
 SHOWN = 4
+#: Beyond these temperatures [degC] no fabric is tested or used: more often a wrong unit than a wish.
+COLDEST, HOTTEST = -60.0, 400.0
 
 
 def remarks(tests: Sequence[TestData], silent: Collection[str] = ()) -> list[str]:
@@ -36,7 +38,7 @@ def remarks(tests: Sequence[TestData], silent: Collection[str] = ()) -> list[str
         ):
             if doubt.kind not in silent:
                 found.setdefault(doubt.kind, []).append((test, doubt))
-    return [*_twins(tests), *(_said(group) for group in found.values())]
+    return [*_twins(tests), *_odd_warmth(tests), *(_said(group) for group in found.values())]
 
 
 def _said(group: Sequence[tuple[TestData, Doubt]]) -> str:
@@ -70,6 +72,22 @@ def _twins(tests: Sequence[TestData]) -> Iterator[str]:
                 f"{here[0]}, line {here[1]}: the {len(test.stretch)} readings are those of {name}, to the digit; "
                 "leave one of them out, or they count double"
             )
+
+
+def _odd_warmth(tests: Sequence[TestData]) -> Iterator[str]:
+    """Temperatures that no fabric is tested at."""
+    odd: dict[float, list[str]] = {}
+    for test in tests:
+        for warm in () if test.temperature_degC is None else test.temperature_degC:
+            if not COLDEST <= warm <= HOTTEST:
+                odd.setdefault(float(warm), []).append(test.source)
+    if odd:
+        worst = max(odd, key=lambda warm: max(COLDEST - warm, warm - HOTTEST))
+        sources = [name for names in odd.values() for name in names]
+        yield (
+            f"{named(sources)}: {worst:.4g} degC is no temperature of a fabric ({COLDEST:g} to {HOTTEST:g} degC); is "
+            "the unit right?"
+        )
 
 
 def understood(tests: Sequence[TestData]) -> list[str]:

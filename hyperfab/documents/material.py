@@ -189,7 +189,7 @@ class ModelRow(_Part):
     stability: dict[str, StableRange] | None = None
     carry_over: float | None = Field(
         default=None,
-        description="relative rms expected for tests the constants have not seen; ranks the table",
+        description="relative rms expected for tests the constants have not seen, up to the I1 tested; ranks the table",
     )
     stable: bool | None = None
     accepted: bool | None = None

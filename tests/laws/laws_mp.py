@@ -28,7 +28,8 @@ def _gent(p, I1, I2):
 
 
 def _inverse_langevin(r):
-    return mp.findroot(lambda b: mp.coth(b) - 1 / b - r, 3 * r / (1 - r) if r > 0.5 else 3 * r)
+    # From Cohen's rational approximation, which Newton's method never leaves far.
+    return mp.findroot(lambda b: mp.coth(b) - 1 / b - r, r * (3 - r**2) / (1 - r**2))
 
 
 def _chains(p, I1, I2):

@@ -21,9 +21,6 @@ from hyperfab.materials.identification.transfer import stretch_at, transfer_risk
 from hyperfab.materials.law import Law
 from hyperfab.materials.modes import MODES, nominal_stress
 
-#: What the best laws miss the other modes by where one alone was fitted, whatever their constants' certainty: relative
-#: rms 0.1 to 0.25 over rubbers and elastomers.
-_UNSEEN = 0.15
 #: Below this stretch beyond rest constants have no stable range to speak of.
 _AT_REST = 1.001
 #: Levels of I1 at which laws are compared.
@@ -111,7 +108,7 @@ def _carry_over(law: Law, curves: Sequence[Reading], setting: Setting, found: Id
         return _pooled(without_test(found, mode, curves, setting) for mode in fitted)
     if fitted[0] not in ("uniaxial", "shear", "biaxial"):
         return found.total.relative_rms
-    return math.hypot(found.total.relative_rms, transfer_risk(found.fit, fitted[0]), _UNSEEN)
+    return math.hypot(found.total.relative_rms, transfer_risk(found.fit, fitted[0]))
 
 
 def _pooled(parts: Iterable[Figures | None]) -> float:

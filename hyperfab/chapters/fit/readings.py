@@ -25,8 +25,13 @@ if TYPE_CHECKING:
 
 #: The tests that the laws of today carry.
 CARRIED = ("uniaxial", "shear", "biaxial", "biaxial-general")
-#: Tests closer than this in temperature [K] are tests at one temperature.
-SAME_TEMPERATURE = 5.0
+#: Tests closer than this in temperature [K] are tests at one temperature; where such a chain of readings is longer than
+#: ``LONG_CHAIN`` [K], one temperature is too few, and that is said.
+SAME_TEMPERATURE, LONG_CHAIN = 5.0, 10.0
+
+
+#: Temperatures [degC] that are taken for one: the lowest and the highest reading, and the mean.
+Cluster = tuple[float, float, float]
 
 
 @dataclass
@@ -141,6 +146,12 @@ def gather(tests: Sequence[TestData], steps: Steps, relative: bool) -> Readings:
             "no row is left to fit", file=tests[0].source, remedy="is the stress zero in all rows?"
         )
     found.warnings += remarks(sheets, settled(steps))
+    found.warnings += [
+        f"readings between {low:.4g} and {high:.4g} degC are taken together, as at {mean:.4g} degC: nowhere between "
+        f"them is a gap of {SAME_TEMPERATURE:g} K; fit them apart, or give tests at temperatures that stand apart"
+        for low, high, mean in clusters
+        if high - low > LONG_CHAIN
+    ]
     _remarks(sheets, found)
     return found
 
@@ -172,23 +183,23 @@ def _thickness(tests: Sequence[TestData]) -> tuple[float | None, bool]:
     return (float(np.mean(sizes)) if sizes else None), False
 
 
-def _temperatures(tests: Sequence[TestData]) -> list[tuple[float, float]]:
-    """Return the clusters of temperatures met in the tests: the upper end and the mean of each."""
+def _temperatures(tests: Sequence[TestData]) -> list[Cluster]:
+    """Return the clusters of temperatures met in the tests: both ends and the mean of each."""
     every = [test.temperature_degC for test in tests if test.temperature_degC is not None]
     if not every:
         return []
     values = np.sort(np.concatenate(every))
     parts = np.split(values, np.flatnonzero(np.diff(values) > SAME_TEMPERATURE) + 1)
-    return [(float(part[-1]), round(float(part.mean()), 1)) for part in parts]
+    return [(float(part[0]), float(part[-1]), round(float(part.mean()), 1)) for part in parts]
 
 
 def _by_temperature(
-    test: TestData, clusters: Sequence[tuple[float, float]]
+    test: TestData, clusters: Sequence[Cluster]
 ) -> list[tuple[float | None, NDArray[np.int64]]]:
     if test.temperature_degC is None:
         return [(None, np.arange(len(test.stretch)))]
-    number = np.searchsorted([end for end, _ in clusters], test.temperature_degC)
-    split = [(mean, np.flatnonzero(number == k)) for k, (_, mean) in enumerate(clusters)]
+    number = np.searchsorted([high for _, high, _ in clusters], test.temperature_degC)
+    split = [(mean, np.flatnonzero(number == k)) for k, (_, _, mean) in enumerate(clusters)]
     return [(mean, rows) for mean, rows in split if len(rows)]
 
 

@@ -54,8 +54,7 @@ def fit_law(
     Laws linear in their constants are solved by QR of the scaled design matrix; the others by variable
     projection, from a scan of the box, polished. With ``stable_over`` (mode: lowest and highest stretch) the best
     constants that are Drucker-stable there are returned, which the caller may verify. ``near`` are nonlinear
-    constants to start from in place of the scan: the optimum of a part of the rows near that of all, to six digits
-    of its square sum.
+    constants to start from in place of the scan: the optimum of a part of the rows near that of all.
 
     >>> from hyperfab.materials import law
     >>> from hyperfab.materials.identification.rows import Curve, Rows
@@ -96,7 +95,7 @@ def _free_optimum(problem: Problem, near: Sequence[float] | None) -> Fit | None:
         # Long tests: the starts are compared on some of the rows, the best one is finished on all.
         few = polish(thinned(problem, MANY), points, finish=False)
         points = few.u if len(few.u) == 1 else points
-    state = polish(problem, points, finish=near is None)
+    state = polish(problem, points)
     if not np.isfinite(state.sse).any():
         return _with_idle_term(problem)
     u, c = state.u[0], state.projection.c[0]

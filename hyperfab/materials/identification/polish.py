@@ -20,8 +20,9 @@ _FINE_STEPS = 200
 _NEWTON_STEPS = 8
 #: A start is good enough to be compared, and the best one to be finished, when a step gains no more than this.
 _ROUGH_GAIN, _FINE_GAIN = 1e-6, 1e-9
-#: A point that so many steps in a row have not improved is at rest.
-_REST = 4
+#: A step that does not improve is tried again damped by at least this, and eight times more each time. A point that no
+#: step of so many has improved, the last of them a twentieth of the first, is at rest.
+_DAMPED, _REST = 1e-4, 7
 
 
 @dataclass(frozen=True)
@@ -119,7 +120,7 @@ def _descend(problem: Problem, state: State, steps: int, gain: float) -> State:
         better = trial.sse < state.sse
         gained = better & (trial.sse < (1.0 - gain) * state.sse - floor)
         resting = np.where(gained, 0, np.where(better, _REST, resting + 1))
-        damping = np.where(better, damping * 0.1, damping * 8.0).clip(1e-14, 1e12)
+        damping = np.where(better, damping * 0.1, np.maximum(damping * 8.0, _DAMPED)).clip(1e-14, 1e12)
         state = _merge(better, trial, state)
         if (fixed | (resting >= _REST)).all():
             break
