@@ -61,6 +61,40 @@ def hf(*words: object, output: Path | None = None) -> Ran:
     return Ran(status, json.loads(text) if text.startswith("{") else text or None, said.getvalue())
 
 
+def on_files(command: str, options: Mapping[str, Any], files: Mapping[str, str | bytes]) -> Ran:
+    """Run a command without an output file on options by their long name, beside ``files`` (name: content).
+
+    A value that names one of the files is that file; several repeat the option; True is a flag, None leaves it out.
+    The option ``""`` is the plain argument.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        for name, content in files.items():
+            path = Path(folder) / name
+            path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        words: list[str] = []
+        for name, given in options.items():
+            for value in given if isinstance(given, (list, tuple)) else [given]:
+                option = [f"--{name}"] if name else []
+                if value is True:
+                    words += option
+                elif value is not None:
+                    words += [*option, str(Path(folder) / value) if value in files else str(value)]
+        ran = hf(command, *words, "-o", "-", "--quiet")
+        return Ran(ran.status, ran.document, ran.said.replace(folder + "/", ""))
+
+
+def off(one: Ran, other: Ran, scales: Mapping[str, float]) -> float:
+    """Return how far figures of two documents are apart at most, relative to the larger: those of ``other`` should be
+    those of ``one`` times ``scales``; infinity without a document."""
+    if not isinstance(one.document, dict) or not isinstance(other.document, dict):
+        return float("inf")
+    worst = 0.0
+    for key, scale in scales.items():
+        a, b = scale * one[key], other[key]
+        worst = max(worst, abs(a - b) / max(abs(a), abs(b), 1e-12))
+    return worst
+
+
 @contextlib.contextmanager
 def _standard_output() -> Iterator[IO[bytes]]:
     """Catch what goes to standard output, also what goes straight to its descriptor."""
@@ -136,6 +170,14 @@ class Hunt:
     def wanted(self, name: str) -> bool:
         """Whether a case is asked for."""
         return self.only in name
+
+    def case(self, name: str, judged: Callable[[], tuple[bool, object]]) -> None:
+        """Judge a case that is asked for: ``judged`` returns whether it is good, and what it says."""
+        if self.wanted(name):
+            try:
+                self.judge(name, *judged())
+            except KeyError as missing:
+                self.judge(name, False, f"no such figure: {missing}"[:110])
 
     def ended(self, what: str) -> int:
         """Say how it went, and return the exit status: 1 if any case was wrong."""

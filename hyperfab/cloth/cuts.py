@@ -157,13 +157,18 @@ def _share(start: Floats, over: Floats, end: Floats) -> float:
 def stands_out(x: Floats, sheet: Sheet, surface: Surface, shift: Floats) -> tuple[float, Floats, Floats]:
     """How far in mm the mold's corners stand out through the net, between its nodes; where, draped and flat.
 
-    The net at ``x`` (n, m, 3) mm is taken as triangles, two a cell, its outer side up; ``shift`` puts ``surface`` in
-    its frame. A corner beside the net, nearest to its rim, does not count.
+    The net at ``x`` (n, m, 3) mm is taken as triangles, four a cell about its middle (either diagonal alone would
+    tell a mold from its mirror image), its outer side up; ``shift`` puts ``surface`` in its frame. A corner beside the
+    net, nearest to its rim, does not count.
     """
     n, m = sheet.n, sheet.m
     number = np.arange(n * m).reshape(n, m)
     a, b, c, d = (number[s].ravel() for s in (np.s_[:-1, :-1], np.s_[1:, :-1], np.s_[1:, 1:], np.s_[:-1, 1:]))
-    net = Surface(x.reshape(-1, 3), np.vstack([np.column_stack([a, b, c]), np.column_stack([a, c, d])]))
+    middle = n * m + np.arange(len(a))
+    net = Surface(
+        _with_middles(x),
+        np.vstack([np.column_stack([*side, middle]) for side in ((a, b), (b, c), (c, d), (d, a))]),
+    )
     corners = surface.vertices + shift
     high = corners[corners[:, 2] > x[:, :, 2].min()]
     none = (0.0, np.zeros(3), np.zeros(3))
@@ -175,7 +180,7 @@ def stands_out(x: Floats, sheet: Sheet, surface: Surface, shift: Floats) -> tupl
     on_edge = (found.feature >= 1) & (found.feature <= 3)
     at_rim[on_edge] = border[found.face[on_edge], found.feature[on_edge] - 1]
     at_vertex = found.feature > 3
-    rim = np.zeros(n * m, bool)
+    rim = np.zeros(len(net.vertices), bool)
     for side in (number[0], number[-1], number[:, 0], number[:, -1]):
         rim[side] = True
     at_rim[at_vertex] = rim[net.faces[found.face[at_vertex], found.feature[at_vertex] - 4]]
@@ -184,8 +189,14 @@ def stands_out(x: Floats, sheet: Sheet, surface: Surface, shift: Floats) -> tupl
     if depth[k] <= SURE:
         return none
     corner = net.faces[found.face[k]]
-    flat = sheet.flat().reshape(-1, 3)[corner]
+    flat = _with_middles(sheet.flat())[corner]
     weights = np.linalg.lstsq(
         np.vstack([net.vertices[corner].T, np.ones(3)]), np.append(found.point[k], 1.0), rcond=None
     )[0]
     return float(depth[k]), high[k], np.asarray(weights @ flat)
+
+
+def _with_middles(x: Floats) -> Floats:
+    """Nodes (n, m, 3) and then the middles of the cells, row by row, as (k, 3)."""
+    middle = 0.25 * (x[:-1, :-1] + x[1:, :-1] + x[1:, 1:] + x[:-1, 1:])
+    return np.concatenate([x.reshape(-1, 3), middle.reshape(-1, 3)])

@@ -52,6 +52,7 @@ def equilibrium(
     history: list[Step] = []
     alpha, inner, relative_old, retried = 1.0, 0, 1.0, False
     lowest, least, idle = np.inf, np.inf, 0  # energy and residual, and steps since either fell
+    across = 0  # steps in a row that led over an edge of the mold to no lower energy
     status = "no equilibrium within the allowed steps"
     for iteration in range(largest + 1):
         balance.settle(now)
@@ -104,10 +105,14 @@ def equilibrium(
         if alpha < 1e-6 and friction is not None and friction.blocked.any() and not retried:
             retried = True  # nodes that were let go slid backwards: they stick after all
             continue
-        if alpha < 1e-6:
+        if alpha < 1e-6 and across < PATIENCE and (trial.slot != now.slot).any():
+            across += 1  # a valley just ahead: over it the energy rises, on it the node rests
+        elif alpha < 1e-6:
             status = "no step lowers the energy further"
             balance.forces(now)
             break
+        else:
+            across = 0
         if friction is not None:
             friction.blocked[:] = False
         retried = False

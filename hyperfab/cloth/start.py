@@ -12,7 +12,7 @@ from .energy import ROWS
 from .features import beside
 from .law import Floats
 from .mold import FREE, ON_FACE, Ints, Mold, States
-from .net import FIXED, Sheet
+from .net import Sheet, Z
 from .state import State
 
 #: A node lifted onto the mold is on it within so many mm.
@@ -66,7 +66,7 @@ def place(
             distance = np.sqrt(dx * dx + dy * dy + dz * dz)
             inside = dx * n[0] + dy * n[1] + dz * n[2] < 0.0
             slot[i, j], clear[i, j] = near, distance
-            if fixed[i, j] == FIXED:
+            if fixed[i, j] & Z:  # held in the sheet's plane: it cannot be set onto the mold
                 if inside and distance > 1e-9 and distance > deepest:
                     bad, deepest = i * x.shape[1] + j, distance
             elif inside or distance <= skin[i, j]:
@@ -78,10 +78,10 @@ def place(
 
 
 class HeldNodeInside(Exception):
-    """A clamped node would be inside the mold."""
+    """A node that is held in the sheet's plane would be inside the mold."""
 
     def __init__(self, node: tuple[int, int], depth: float) -> None:
-        super().__init__(f"clamped node {node} is {depth:.3g} mm inside the mold")
+        super().__init__(f"held node {node} is {depth:.3g} mm inside the mold")
         self.node, self.depth = node, depth
 
 

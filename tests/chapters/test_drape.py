@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from cloth_molds import saddle
+from cloth_molds import height_block, saddle
 
 from hyperfab.cli import main
 from hyperfab.io.stl_write import stl_bytes
@@ -564,3 +564,14 @@ def test_an_unstable_law_is_told_of_a_membrane(drape, folder):
     status, _, err = drape("--sheet", "membrane", fabric="falling.json")
     assert status == 4
     assert "unstable" in err
+
+
+def test_a_mold_that_has_passed_between_the_nodes_is_no_result(drape, folder):
+    """A wall thinner than the spacing slips through: the net beside it bears nothing, which is no equilibrium on it."""
+    wall = height_block(lambda u, v: 0.0 * u, (50.0, 1.0), (10, 1), -60.0)
+    (folder / "wall.stl").write_bytes(stl_bytes(wall.vertices, wall.faces))
+    status, out, _ = drape("--grid", "31x27", mold="wall.stl")
+    found = json.loads(out)
+    assert (status, found["force_N"] > 1.0) in ((4, False), (0, True))
+    if status == 4:
+        assert "between the nodes" in found["status"]

@@ -124,3 +124,16 @@ def test_a_spring_laid_over_an_edge_is_followed_as_it_runs():
     # Straight between their nodes they would cut the edges.
     straight = cut(found.state.x, sheet, mold, found.state, *NO_BENDS)
     assert straight.edge > 0.3
+
+
+def test_how_far_a_mold_stands_out_is_the_same_on_its_mirror_image():
+    """A twisted cell, whose two diagonals lie at different heights, over a pin off the middle."""
+    said = []
+    for side in (1.0, -1.0):
+        surface = pin(0.25, 6.0, (side * 2.0, 1.0))
+        x, sheet, _, _ = flat_net(surface)
+        x = x + np.stack([0 * x[..., 0], 0 * x[..., 0], 0.02 * side * x[..., 0] * x[..., 1]], axis=-1)
+        through, top, below = stands_out(x, sheet, surface, np.zeros(3))
+        said.append([through, side * top[0], top[1], side * below[0], below[1]])
+    assert said[1] == pytest.approx(said[0], abs=1e-9)
+    assert said[0][0] > 5.0

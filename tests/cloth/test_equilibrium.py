@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cloth_molds import ball
+from cloth_molds import ball, height_block
 
 from hyperfab.cloth import HeldNodeInside, Sheet, answers, drape, mold_of, tabulate
+from hyperfab.cloth.net import FIXED, Y, Z
 from hyperfab.cloth.newton import equilibrium
 from hyperfab.cloth.start import lowered, settled
 
@@ -116,3 +117,27 @@ def test_a_clamp_inside_the_mold_is_refused_with_its_place():
     sheet = Sheet(21, 21, (80.0, 80.0), 1.0, SOFT, SOFT)
     with pytest.raises(HeldNodeInside, match="mm inside the mold"):
         drape(sheet, mold_of(BALL, (0.0, 0.0, 20.0)))
+
+
+def test_a_sliding_edge_inside_the_mold_is_refused_too():
+    """It is held at its height, where the mold is: it could only be set onto the mold by leaving that."""
+    sheet = Sheet(21, 21, (200.0, 30.0), 1.0, SOFT, SOFT, edges=(FIXED, FIXED, Y | Z, Y | Z))
+    with pytest.raises(HeldNodeInside, match="mm inside the mold"):
+        drape(sheet, mold_of(BALL, (0.0, 0.0, 20.0)))
+
+
+@pytest.mark.parametrize(
+    ("depth", "options"),
+    [(39.9, {"prestretch": (0.97, 0.99)}), (40.1, {"edges": (FIXED, FIXED, 0, 0)})],
+)
+def test_a_hill_whose_facets_meet_in_valleys_is_met_to_the_last_digit(depth, options):
+    """A skew hill is convex, its quads cut along one diagonal are not: nodes rest in valleys between two facets."""
+
+    def hill(u, v):
+        return 50.0 * np.exp(-(((u - 8.0) / 48.0) ** 2) - ((v + 0.3 * u) / 42.0) ** 2)
+
+    surface = height_block(hill, (75.0, 65.0), (150, 130), -20.0)
+    weft = tabulate(lambda lam: (0.24 * (lam - lam**-2), 0.24 * (1 + 2 * lam**-3)), 4.0)
+    sheet = Sheet(31, 27, (200.0, 170.0), 0.8, SOFT, weft, **options)
+    found = drape(sheet, mold_of(surface, (0.0, 0.0, depth - surface.vertices[:, 2].max())), 1e-9)
+    assert found.converged, found.status

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from cloth_molds import ball
+from cloth_molds import ball, long_cylinder
+from scipy.spatial import ConvexHull
 
-from hyperfab.cloth import Sheet, answers, drape, mold_of, tabulate
+from hyperfab.cloth import Sheet, answers, drape, follow, mold_of, raised, tabulate
+from hyperfab.cloth.net import FIXED
 from hyperfab.surface import Surface
 
 SOFT = tabulate(lambda lam: (0.4 * (lam - lam**-2), 0.4 * (1 + 2 * lam**-3)), 4.0)
@@ -81,3 +83,47 @@ def test_a_node_that_meets_the_tip_of_a_cone_rests_on_it(sections):
     x = found.state.x
     for mirrored, sign in ((x[::-1], [-1.0, 1.0, 1.0]), (x[:, ::-1], [1.0, -1.0, 1.0])):
         assert np.abs(mirrored * sign - x).max() < 0.5
+
+
+@pytest.mark.parametrize("mu", [0.1, 0.3])
+def test_a_sheet_that_rubs_on_a_concave_mold_comes_to_rest_and_its_work_balances(mu):
+    surface = torso()
+    mold = mold_of(surface, (0.0, 0.0, -surface.vertices[:, 2].max()))
+    sheet = Sheet(41, 41, (220.0, 220.0), 1.0, SOFT, SOFT)
+    *_, rest = follow(sheet, mold, np.linspace(0.0, 50.0, 21)[1:], mu)
+    assert rest.found.converged, rest.found.status
+    fields = answers(sheet, raised(mold, rest.height), rest.found)
+    assert fields.node_penetration <= 1e-9
+    assert fields.imbalance < 1e-5
+    free = drape(sheet, raised(mold, rest.height))
+    assert fields.press_force > answers(sheet, raised(mold, rest.height), free).press_force
+    # What the press does is stored or rubbed away, to the trapezoidal rule's error of 20 steps.
+    assert rest.rubbed > 0.0
+    assert rest.work == pytest.approx(rest.found.energy - rest.unstressed + rest.rubbed, rel=0.01)
+
+
+def elliptic_cylinder(a: float, b: float, sections: int) -> Surface:
+    round_one = long_cylinder(1.0, sections)
+    return Surface(round_one.vertices * [a, 1.0, b], round_one.faces)
+
+
+def test_a_string_over_an_ellipse_has_the_exact_stretch_and_rubs_in_the_usual_steps():
+    """The string is the upper hull of both clamps and the ellipse; a broad top is met by many nodes at once."""
+    a, b, depth, n = 80.0, 40.0, 10.0, 201
+    angle = np.linspace(0.0, np.pi, 20001)
+    points = np.column_stack([a * np.cos(angle), b * np.sin(angle) + depth - b])
+    points = np.vstack([points[points[:, 1] > 0.0], [[100.0, 0.0], [-100.0, 0.0]]])
+    exact = (ConvexHull(points).area - 200.0) / 200.0  # of a plane figure, area is its girth
+    mold = mold_of(elliptic_cylinder(a, b, 5760), (0.0, 0.0, -b))
+    sheet = Sheet(n, 3, (200.0, 10.0), 1.0, SOFT, SOFT, edges=(FIXED, FIXED, 0, 0))
+    at = raised(mold, depth)
+    free = drape(sheet, at)
+    assert answers(sheet, at, free).stretch_warp.mean() - 1.0 == pytest.approx(exact - 1.0, rel=2e-3)
+    *_, rest = follow(sheet, mold, np.linspace(0.0, depth, 21)[1:], 0.2)
+    assert rest.found.converged, rest.found.status
+    # Nodes slide outward: a tension that falls towards the top by exp(-mu angle) at most.
+    tension = SOFT(answers(sheet, at, rest.found).stretch_warp[:, 1])[1]
+    way = np.diff(rest.found.state.x[:, 1], axis=0)
+    turn = np.arctan2(way[0, 2], way[0, 0])  # from the clamp to the top
+    assert tension.min() / tension.max() >= np.exp(-0.2 * turn) * (1.0 - 1e-3)
+    assert tension.min() < (1.0 - 1e-3) * tension.max()

@@ -61,7 +61,7 @@ def _drape(job: Job, model: Model) -> list[State]:
 def _held_inside(error: HeldNodeInside, model: Model) -> InputError:
     x, y, _ = model.sheet.flat()[error.node]
     return InputError(
-        f"the clamped edge of the sheet at ({x:.4g}, {y:.4g}) mm is {error.depth:.3g} mm inside the mold",
+        f"the held edge of the sheet at ({x:.4g}, {y:.4g}) mm is {error.depth:.3g} mm inside the mold",
         file=model.files.placed.name,
-        remedy="make --size larger or --depth smaller, or leave that edge out of --clamp",
+        remedy="make --size larger or --depth smaller, or leave that edge out of --clamp and --slide",
     )

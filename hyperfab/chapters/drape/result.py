@@ -198,6 +198,16 @@ def judge(job: Job, document: DrapeDocument, fields: Answers) -> bool:
             "no node of the grid rests on the mold: it passes between the nodes (take a finer --grid), or the sheet "
             "has slipped off it (less --depth)",
         )
+    elif (
+        document.stands_through_mm or 0.0
+    ) >= 0.5 * document.depth_mm > 0.0 and document.force_N <= document.residual_max_N:
+        sound = False
+        _add(
+            job,
+            document,
+            f"the mold stands {document.stands_through_mm:.3g} mm out through the net and bears nothing of it: it has "
+            "passed between the nodes (take a finer --grid)",
+        )
     if document.stands_through_mm and document.stands_through_at_mm:
         spacing = max(s / (k - 1) for s, k in zip(document.size_mm, document.grid, strict=True))
         if document.stands_through_mm > THROUGH * spacing:
