@@ -16,7 +16,7 @@ from hyperfab.loop.catalogue.drape.scene import Scene as DrapeScene
 from hyperfab.loop.catalogue.fabric.scene import Scene as FabricScene
 from hyperfab.loop.catalogue.heat.scene import Scene as HeatScene
 from hyperfab.loop.catalogue.press.scene import Scene as PressScene
-from hyperfab.loop.fabric import FabricTest
+from hyperfab.loop.fabric import FabricTest, fabric_problem
 from hyperfab.loop.fabric_extras import menu
 from hyperfab.loop.heat import _MENU
 from hyperfab.loop.problem import Effect, Form
@@ -170,3 +170,22 @@ def test_a_run_of_a_mold_asks_for_more_probes_where_it_says_so() -> None:
         assert everywhere == ("in each part" in text)
         assert len(times) == len(shares)
         assert 0.0 <= min(shares) <= max(shares) == 1.0
+
+
+def test_effects_that_make_one_loop_are_told_apart_by_second_pulls_and_by_rates() -> None:
+    up = np.linspace(1.0, 1.4, 20)
+    loop = np.concatenate([up, up[-2::-1]])
+
+    def alike(*tests: tuple[np.ndarray, float]) -> list[set[str]]:
+        """Of curves at rates [1/s]."""
+        done = []
+        for number, (lam, rate) in enumerate(tests):
+            time = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(lam)))]) / rate
+            done.append(FabricTest(f"{number}", UNIAXIAL, lam, lam - 1.0, time_s=time, specimen=f"{number}"))
+        return [set(one) for one in fabric_problem(laws()["neo-hookean"], (0.2,), done).look_alikes]
+
+    one_loop = {"hysteresis", "mullins", "permanent-set"}
+    assert alike((up, 0.01)) == []
+    assert alike((loop, 0.01)) == [{*one_loop, "rate"}]
+    assert alike((loop, 0.01), (loop, 0.1)) == [one_loop]
+    assert alike((np.concatenate([loop, loop[1:]]), 0.01)) == []

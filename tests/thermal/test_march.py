@@ -54,7 +54,7 @@ CASES = {
     "no film": {"scale": 0.0},
     "film twice, and more beside it": {"scale": 2.0, "extra": (3.0, 4.0, 6.0)},
     "radiates": {"grey": (0.0, 0.8, 0.0)},
-    "radiates to warmer surroundings": {"grey": (0.6, 0.8, 0.0), "sky_K": 30.0},
+    "radiates to warmer surroundings": {"grey": (0.6, 0.8, 0.0), "surroundings_K": 30.0},
     "specific heat": {"capacity_per_K": 2e-3, "capacity_per_K2": 1e-5},
     "conductivity": {"conductivity_per_K": 4e-3},
     "tables": {"changes": True},
@@ -133,7 +133,7 @@ def solved(name):
             if scale[face]:
                 h += scale[face] * np.interp(at, *film) * (abs(at - around) / 30.0) ** n["exponent"]
             loss = h * (at - around) + grey[face] * SIGMA * (
-                (at + 273.15) ** 4 - (around + n["sky_K"] + 273.15) ** 4
+                (at + 273.15) ** 4 - (around + n["surroundings_K"] + 273.15) ** 4
             )
             flow -= area * loss * row
         for shape, power in zip(SOURCES, powers(t), strict=True):

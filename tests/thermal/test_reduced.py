@@ -114,7 +114,7 @@ def test_thin_plate_that_radiates(block):
     times = np.array([0.0, 1229.65245872])
     assert mold.run(times, plain(mold, emissivity=0.8), 200)[0, -1, 0] == pytest.approx(100.0, abs=0.01)
     # An ambient of 5 K more, and surroundings of 5 K less than that, are the same sky.
-    other = plain(mold, emissivity=0.8, ambient_K=5.0, sky_K=-5.0)
+    other = plain(mold, emissivity=0.8, ambient_K=5.0, surroundings_K=-5.0)
     assert mold.run(times, other, 200)[0, -1, 0] == pytest.approx(100.0, abs=0.01)
 
 

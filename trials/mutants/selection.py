@@ -10,7 +10,7 @@ from typing import Any
 
 from trials.mutants.sites import Mutant
 
-_KERNEL = re.compile(r"@(kernel|part|inlined|njit|nb\.njit|vectorize)\b")
+_KERNEL = re.compile(r"@(kernel|part|inlined|(numba\.|nb\.)?njit|vectorize)\b")
 
 
 class Program:
