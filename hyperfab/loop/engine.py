@@ -27,8 +27,10 @@ _HOPELESS = 9.0
 EXPLAINED, ENOUGH = 0.95, 0.66
 #: A term has to lower minus twice the logarithm of the likelihood by this though specimens may scatter as they like.
 DOUBTFUL = 8.0
-#: Scatters of specimens that are tried. Where all of them together show this many times more than replicates do, the
-#: loop is closed again with that; where none were tested alike, specimens of one cloth scatter by the last at most.
+#: Scatters of specimens that are tried, up to this many times what they may be by replicates: a single specimen that
+#: carries a term is the farthest out of all. Where all together show this many times more than replicates do, the loop
+#: is closed again with that; where none were tested alike, specimens of one cloth scatter by the last at most.
+_MOST = 2.0
 _SCATTERS = tuple(float(one) for one in 0.002 * 2.0 ** (np.arange(0, 17) / 2.0))
 _SCATTERED, _OF_ONE_CLOTH = 1.4, 0.05
 
@@ -226,8 +228,12 @@ def _surprise(search: Search, state: State, best: State | None = None) -> tuple[
     What ``best`` (the model itself by default) leaves though every specimen has a stiffness of its own counts as noise.
     """
 
+    # No larger than replicates allow: that specimens led alike agree says that others do not scatter by any amount.
+    most = _MOST * search.noise.gain_doubt or np.inf
+    scatters = [scatter for scatter in _SCATTERS if scatter <= most] or [most]
+
     def misfits(one: State) -> tuple[Array, Array]:
-        metrics = [search.noise.among(one.fit.predicted, scatter) for scatter in _SCATTERS]
+        metrics = [search.noise.among(one.fit.predicted, scatter) for scatter in scatters]
         entropy = np.array([metric.entropy for metric in metrics])
         return least_misfits(search.problem, metrics, one.fit), entropy
 
@@ -235,7 +241,7 @@ def _surprise(search: Search, state: State, best: State | None = None) -> tuple[
     least = misfit if best is None else misfits(best)[0]
     surprise = misfit / max(float(least[-1]) / len(state.fit.residual), 1.0) + entropy
     likeliest = int(np.argmin(surprise))
-    return float(surprise[likeliest]), _SCATTERS[likeliest]
+    return float(surprise[likeliest]), scatters[likeliest]
 
 
 def _without_names(search: Search, before: State, doubted: bool) -> tuple[str, float]:

@@ -83,7 +83,7 @@ class FabricProblem(Problem):
         stress = self.fabric.stress(warp, weft, given)
         if len(self.transverse_rows) == 0:
             return stress
-        return np.concatenate([stress, self.fabric.across(given)[self.transverse_rows]])
+        return np.concatenate([stress, self.fabric.across(given, warp)[self.transverse_rows]])
 
     @property
     def look_alikes(self) -> Sequence[frozenset[str]]:
@@ -101,6 +101,12 @@ class FabricProblem(Problem):
         """
         warp, weft, had = self.of_own(own)
         elastic = {name: term for name, term in {**had, **terms}.items() if name in _ELASTIC}
+        if elastic.get("anisotropy", ("",))[0] == "threads":
+            # The ground of a sheet of threads is stable where none of its constants is below zero.
+            ground = dict(zip(self.law.names, map(float, warp), strict=True))
+            asked = {name: max(-value / self._secant, 0.0) for name, value in ground.items()}
+            soft = 6.0 * (ground.get("C10_MPa", 0.0) + ground.get("C2_MPa", 0.0) / 3.0) / self._secant
+            return asked | {"Young's modulus at rest of the ground": max(_LEAST - soft, 0.0)}
         stress = self._at_rest.stress(warp, weft, elastic)
         modulus = stress / _STEP / self._secant
         return {

@@ -37,7 +37,7 @@ class Form:
     """One law of an effect. At ``constants`` = their values (the null) the model is the one without it.
 
     ``starts`` are where a joint fit begins; ``probes`` the small departures whose imprint on the prediction is the
-    effect's signature. ``refines`` names the simpler form, or forms, whose constants (by name) are among this one's.
+    effect's signature. ``refines`` names the simpler form, or forms, that it is tried after (of none: it is not tried).
     ``of_each``: a constant for the first specimen, and for each further one what it has more.
     """
 

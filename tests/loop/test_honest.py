@@ -3,6 +3,7 @@ than before, add constants that no material has. Each case is a class of data, m
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from loop.blind import case, problem_of
 from loop.generators import fabric as truths
 
+from hyperfab.chapters.close_loop.words import _at_bounds
 from hyperfab.loop.engine import _no_worse, _pruned, close, is_no_worse
 from hyperfab.loop.fabric import FabricProblem, FabricTest, fabric_problem
 from hyperfab.loop.fitting import fit
@@ -281,6 +283,25 @@ def test_softening_does_not_turn_round_beyond_the_data() -> None:
         for c in hot.curves
     ]
     assert all(later <= earlier * (1.0 + 1e-9) for earlier, later in pairwise(peaks))
+
+
+@pytest.mark.parametrize(("effect", "seed"), [("anisotropy", 1), ("elastic-law", 0)])
+def test_a_constant_without_a_bound_stands_at_none(effect: str, seed: int) -> None:
+    problem, _, _, _ = case(seed, (effect,), poor=False)
+    assert not _at_bounds(problem, close(problem, design=False))
+
+
+def test_a_constant_at_its_bound_is_said_to_be() -> None:
+    problem, _, _, _ = case(0, ("thermal-softening",), poor=False)
+    found = close(problem, design=False)
+    form = found.after.fit.forms["thermal-softening"]
+    tight = replace(form, constants=tuple(replace(c, high=1e-4) for c in form.constants))
+    noise = found.noise
+    again = fit(
+        problem, noise, {"thermal-softening": tight}, [*found.before.fit.x, *(1e-5 for _ in form.constants)]
+    )
+    [told] = _at_bounds(problem, replace(found, after=State(problem, noise, again)))
+    assert told.startswith(f"{form.constants[0].name} of thermal-softening is at its bound 0.0001")
 
 
 def test_many_readings_that_are_met_do_not_hide_a_kind_that_is_missed() -> None:

@@ -159,14 +159,9 @@ def share(row: Row) -> float:
     return math.sin(row.angle) ** 2
 
 
-def anisotropic(c: tuple[float, ...], diagonal: float = 0.0) -> Callable[[Row], float]:
+def anisotropic(c: tuple[float, ...]) -> Callable[[Row], float]:
     weft = tuple(a + b for a, b in zip(C, c, strict=True))
-
-    def stress(row: Row) -> float:
-        softer = 1.0 - diagonal * math.sin(2.0 * row.angle) ** 2
-        return (P(row.l) + share(row) * (P(row.l, weft) - P(row.l))) * softer
-
-    return stress
+    return lambda row: P(row.l) + share(row) * (P(row.l, weft) - P(row.l))
 
 
 def fibre(row: Row, k1: float, k2: float, along: float) -> float:
@@ -265,7 +260,6 @@ p, weft = (lambda row: P(row.l)), (-0.1, 0.02, 0.005)
 STATED: list[tuple[str, str, tuple[float, ...], Callable[[Row], float]]] = [
     ("anisotropy", "ratio", (0.4,), lambda r: P(r.l) * (1.0 - 0.6 * share(r))),
     ("anisotropy", "constants", weft, anisotropic(weft)),
-    ("anisotropy", "diagonal", (*weft, 0.3), anisotropic(weft, 0.3)),
     ("anisotropy", "warp-fibres", (0.3, 0.8), lambda r: P(r.l) + fibre(r, 0.3, 0.8, 1.0 - share(r))),
     ("anisotropy", "weft-fibres", (0.3, 0.8), lambda r: P(r.l) + fibre(r, 0.3, 0.8, share(r))),
     ("anisotropy", "constants-fibres", (*weft, 0.3, 0.2, 0.8),
@@ -371,8 +365,9 @@ STATED: list[tuple[str, str, tuple[float, ...], Callable[[Row], float]]] = [
     ("elastic-law", "straightening-log", (0.05, 0.4, 0.1, 0.05),
      plus(richer(lambda x, y: (0.05 * logistic(x, 0.4, 0.1), 0.0)), LOG)),
 ]  # fmt: skip
-#: Verified by differences of its own energy, where it is told (tests/loop/test_effects.py).
-ELSEWHERE = {("compressibility", "split")}
+#: Verified where they are told: by differences of its own energy (tests/loop/test_effects.py), and as strips that find
+#: their width and shear (tests/materials/test_threads.py).
+ELSEWHERE = {("compressibility", "split"), ("anisotropy", "threads")}
 
 
 def measured() -> Fabric:
@@ -446,8 +441,8 @@ def test_where_directions_meet() -> None:
     fabric = Fabric(law("neo-hookean"), path)
     both, plain, shear = 0.4 * (1.3 - 1.3**-5), 0.4 * (1.3 - 1.3**-2), 0.4 * (1.3 - 1.3**-3)
     assert fabric.stress(np.array([0.2]), None, {}) == pytest.approx([both, plain, plain, shear], rel=1e-12)
-    found = fabric.stress(np.array([0.2]), None, {"anisotropy": ("diagonal", np.array([-0.1, 0.3]))})
-    assert found == pytest.approx([0.75 * both, 0.75 * 0.7 * plain, plain, 0.5 * shear], rel=1e-12)
+    found = fabric.stress(np.array([0.2]), None, {"anisotropy": ("constants", np.array([-0.1]))})
+    assert found == pytest.approx([0.75 * both, 0.75 * plain, plain, 0.5 * shear], rel=1e-12)
     assert fabric.stress(np.array([0.2]), np.array([0.1]), {}) == pytest.approx(
         [0.75 * both, 0.75 * plain, plain, 0.5 * shear], rel=1e-12
     )

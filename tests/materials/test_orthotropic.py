@@ -25,7 +25,7 @@ def _pulls(law: Orthotropic, angle: float, width: bool = False) -> SheetTest:
 
 
 def _held(law: Orthotropic, mode: str, across: np.ndarray) -> SheetTest:
-    one, two = held(law, 0.0, LAM, across)
+    one, two, _ = held(law, 0.0, LAM, across)
     both = (across, two, 1.0 / two) if mode == "biaxial" else (None, None, None)
     return SheetTest(mode, 0.0, LAM, one, 1.0 / one, *both)
 
@@ -36,7 +36,7 @@ def test_without_threads_it_is_the_isotropic_law():
     for angle in (0.0, 30.0, 90.0):
         np.testing.assert_allclose(strip(own, angle, LAM).stress, isotropic.uniaxial(LAM).P, rtol=1e-11)
         np.testing.assert_allclose(strip(own, angle, LAM).width, LAM**-0.5, rtol=1e-11)
-        one, two = held(own, angle, LAM, np.full_like(LAM, 1.2))
+        one, two, _ = held(own, angle, LAM, np.full_like(LAM, 1.2))
         plane = isotropic.membrane(LAM, 1.2)
         np.testing.assert_allclose(one, plane.P1, rtol=1e-11)
         np.testing.assert_allclose(two, plane.P2, rtol=1e-11)
@@ -49,8 +49,8 @@ def test_a_ground_contracts_by_its_ratio():
 
 def test_an_equal_biaxial_square_at_45_degrees_carries_the_mean_of_warp_and_weft():
     law = Orthotropic.of(KNIT)
-    warp, weft = held(law, 0.0, LAM, LAM)
-    one, two = held(law, 45.0, LAM, LAM)
+    warp, weft, _ = held(law, 0.0, LAM, LAM)
+    one, two, _ = held(law, 45.0, LAM, LAM)
     np.testing.assert_allclose(one, 0.5 * (warp + weft), rtol=1e-12)
     np.testing.assert_allclose(two, 0.5 * (warp + weft), rtol=1e-12)
 

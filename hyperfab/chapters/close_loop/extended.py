@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from hyperfab.chapters.close_loop.softer import soften
+from hyperfab.chapters.fabric import ORTHOTROPIC
 from hyperfab.chapters.tested import tested_by
 from hyperfab.documents.material import Direction, MaterialDocument
 from hyperfab.errors import InputError
@@ -24,7 +25,7 @@ from hyperfab.materials.law import Law
 #: The keys of the document that tell an effect to every command.
 _TOLD_BY = {"anisotropy": "directions", "thermal-softening": "temperatures"}
 #: Forms that constants of warp and weft tell only nearly: the loop goes on from the ``ground`` and the term itself.
-_BEYOND_DIRECTIONS = ("warp-fibres", "weft-fibres", "constants-fibres", "diagonal")
+_BEYOND_DIRECTIONS = ("warp-fibres", "weft-fibres", "constants-fibres", "threads")
 #: Laws of which a polynomial in I1 is a richer one.
 _POWERS = ("neo-hookean", "yeoh-1", "yeoh-2")
 #: Effects that have no prediction where the tests state no times.
@@ -78,34 +79,39 @@ def extend(document: MaterialDocument, problem: FabricProblem, fit: Fit, law: La
     ground, across, had = problem.of_own(np.asarray(fit.x[: fit.own]))
     result = document.refitted()
     terms = fit.terms
+    form, values = {**had, **terms}.get("anisotropy", ("", np.empty(0)))
+    # One law of the whole sheet has no constants at each temperature: there the effect tells them itself.
+    told_by = {"anisotropy": "model"} if form == "threads" else _TOLD_BY
     records = _refitted(document, problem, had) + [
         {
             "id": name,
             "form": form,
             "parameters": _named(problem.effect(name).form(form), values),
             **({"reference_degC": problem.fabric.reference_degC} if name == "thermal-softening" else {}),
-            **({"told_by": _TOLD_BY[name]} if name in _TOLD_BY else {}),
+            **({"told_by": told_by[name]} if name in told_by else {}),
         }
         for name, (form, values) in terms.items()
     ]
     warp = dict(zip(law.names, map(float, ground), strict=True))
     weft = None if across is None else dict(zip(law.names, map(float, across), strict=True))
     own = dict(warp)
-    form, values = {**had, **terms}.get("anisotropy", ("", np.empty(0)))
     if form.endswith("fibres"):
         warp, weft = _along_and_across(law, warp, form, values, problem)
-    elif form:
+    elif form and form != "threads":
         weft = _weft(law, warp, form, values)
     for record in records:
         if record["id"] == "anisotropy" and form in _BEYOND_DIRECTIONS:
             record["ground"] = own
-            if form == "diagonal":
-                record["diagonal_softness"] = float(values[len(law.names)])
         if record["id"] == "elastic-law" and record["form"] == "powers" and law.name in _POWERS:
             result.model, added = "yeoh-3", record["parameters"]
             warp, own = _richer(warp, added), _richer(own, added)
             weft = None if weft is None else _richer(weft, added)
             record["told_by"] = "model"
+    if form == "threads":
+        [sheet] = [record for record in records if record["id"] == "anisotropy"]
+        # The loop goes on from the ground's own law; the other commands take the whole sheet's.
+        sheet["law"] = law.name if set(own) == set(law.names) else "yeoh-3"
+        result.model, warp = ORTHOTROPIC, _sheet(own, sheet["parameters"])
     result.parameters = warp
     result.temperatures = None
     result.directions = None
@@ -118,7 +124,9 @@ def extend(document: MaterialDocument, problem: FabricProblem, fit: Fit, law: La
             "warp": Direction(parameters=warp, tested=tested_by(_curves(along))),
             "weft": Direction(parameters=weft, tested=tested_by(_curves(square))),
         }
-    if "thermal-softening" in terms:
+    if "thermal-softening" in terms and form == "threads":
+        result.temperature_degC = problem.fabric.reference_degC
+    elif "thermal-softening" in terms:
         known = problem.fabric.path.temperature_degC
         met = known[np.isfinite(known)]
         form, softening = terms["thermal-softening"]
@@ -151,6 +159,13 @@ def _weft(law: Law, warp: Mapping[str, float], form: str, values: Array) -> dict
     if form == "ratio":
         return law.scaled(warp, float(values[0]))
     return {name: warp[name] + float(value) for name, value in zip(law.names, values, strict=False)}
+
+
+def _sheet(ground: Mapping[str, float], threads: Mapping[str, float]) -> dict[str, float]:
+    """Return the constants of the orthotropic energy, none below zero: the fit leaves them there to rounding."""
+    found = {name: max(value, 0.0) for name, value in ground.items()}
+    found |= {name: threads[name] for name in ("k1_warp_MPa", "k1_weft_MPa", "G_MPa")}
+    return found | {"k2_warp": threads["k2"], "k2_weft": threads["k2"]}
 
 
 def _along_and_across(

@@ -10,6 +10,7 @@ from hyperfab.chapters.close_loop.describe import describe, errors_of, lowered, 
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended import extend, held_terms
 from hyperfab.chapters.close_loop.tests_in import Measured, read_measured
+from hyperfab.chapters.fabric import ORTHOTROPIC
 from hyperfab.chapters.job import Job
 from hyperfab.console import NEGATIVE_VERDICT
 from hyperfab.documents.base import parse_document
@@ -100,9 +101,10 @@ def pose(
     warp_document = directions.get("warp")
     weft_document = directions.get("weft")
     warp = document.parameters if warp_document is None else warp_document.parameters
-    law = law_of(document.model, warp)
     # Beside a term that constants of two directions tell only nearly, those of the law without it.
-    ground = next((item["ground"] for item in document.effects or [] if item.get("ground")), None)
+    item = next((item for item in document.effects or [] if item.get("ground")), {})
+    ground = item.get("ground")
+    law = law_of(str(item.get("law", document.model)), ground or warp)
     constants = [float((ground or warp)[key]) for key in law.names]
     weft = None
     if warp_document is not None and weft_document is not None and ground is None:
@@ -152,7 +154,7 @@ def _warn(job: Job, document: MaterialDocument, tests: Measured) -> None:
 def _warn_of_nearness(job: Job, model: MaterialDocument, tests: Measured) -> None:
     """Say where constants of warp and weft tell a term only nearly."""
     for item in model.effects or []:
-        if item.get("ground"):
+        if item.get("ground") and item.get("told_by") == "directions":
             text = (
                 f"anisotropy: other commands compute with the constants of warp and weft that come nearest to "
                 f"{item['form']}; the term itself stands in effects, and hf close-loop goes on from it"
@@ -163,6 +165,8 @@ def _warn_of_nearness(job: Job, model: MaterialDocument, tests: Measured) -> Non
 
 def _warn_of_softness(job: Job, model: MaterialDocument, tests: Measured) -> None:
     """Say where the constants that these data ask for give a fabric that other commands must refuse."""
+    if model.model == ORTHOTROPIC:
+        return  # none of its constants is below zero
     ways = {f" along the {way}": one.parameters for way, one in (model.directions or {}).items()}
     ways = ways or {"": model.parameters}
     for way, parameters in ways.items():

@@ -190,6 +190,7 @@ def _at_bounds(problem: Problem, found: Finding) -> list[str]:
             away = [
                 abs(value - one) <= 1e-9 * max(abs(one), constant.scale)
                 for one in (constant.low, constant.high)
+                if np.isfinite(one)
             ]
             if any(away) and value != constant.value and constant.low < constant.high:
                 told.append(f"{constant.name} of {name} is at its bound {float(value):.4g}")

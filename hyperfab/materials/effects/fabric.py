@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from hyperfab.materials.effects import (
 )
 from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL, Path
 from hyperfab.materials.effects.state import State
+from hyperfab.materials.effects.threads import Threads
 from hyperfab.materials.kinematics import Array, Sheet
 from hyperfab.materials.law import Law
 from hyperfab.materials.term import InvariantTerm, Term
@@ -74,9 +76,15 @@ class Fabric:
                     stress = forms[form](state, stress, values)
         return np.asarray(stress)
 
-    def across(self, terms: Terms) -> Array:
-        """Return the transverse stretch of uniaxial rows; the other rows are without meaning."""
+    def across(self, terms: Terms, warp: Array | None = None) -> Array:
+        """Return the transverse stretch of uniaxial rows; the other rows are without meaning.
+
+        ``warp`` are the law's constants: a sheet of threads asks for them.
+        """
         stretch, _ = self._stretch(terms)
+        if _is_of_threads(terms):
+            assert warp is not None
+            return self._of_threads(warp, terms, stretch)[2]
         if "compressibility" not in terms or _absent("compressibility", *terms["compressibility"]):
             return np.asarray(stretch**-0.5)
         form, values = terms["compressibility"]
@@ -90,7 +98,7 @@ class Fabric:
         form, values = term
         nu = np.full_like(self.path.stretch, values[0])
         if form.startswith("directions"):
-            share, _ = anisotropy.weft_share(self.path)
+            share = anisotropy.weft_share(self.path)
             nu = nu + share * (values[1] - values[0])
         return nu, float(values[-1]) if form.endswith("bent") else 0.0
 
@@ -124,6 +132,8 @@ class Fabric:
         place: tuple[object, ...],
     ) -> tuple[Array, Array]:
         needs_energy = "mullins" in terms or terms.get("hysteresis", ("",))[0] == "pseudo-elastic"
+        if _is_of_threads(terms):
+            return self._of_threads(warp, terms, stretch)[:2]
         one = self._of_law(warp, terms, stretch, place, needs_energy)
         form, values = terms.get("anisotropy", ("", np.empty(0)))
         if form.endswith("fibres"):
@@ -135,22 +145,41 @@ class Fabric:
             return one[0] + stress, one[1] + energy
         if weft is None and not form:
             return one
-        share, softer = anisotropy.weft_share(self.path)
+        share = anisotropy.weft_share(self.path)
         if form == "ratio":
             factor = 1.0 + share * (values[0] - 1.0)
             return one[0] * factor, one[1] * factor
-        count = len(self.law.names)
         if form:
-            if form == "diagonal":
-                _, softer = anisotropy.weft_share(self.path, values[count])
-            weft = np.asarray(warp) + np.asarray(values[:count])
+            weft = np.asarray(warp) + np.asarray(values)
         assert weft is not None
         other = self._of_law(weft, terms, stretch, place, needs_energy)
-        stress = (one[0] + share * (other[0] - one[0])) * softer
         # The share 1 must give the weft itself, not a sum that rounds.
-        stress = np.where(share == 1.0, other[0] * softer, stress)
-        energy = (one[1] + share * (other[1] - one[1])) * softer
-        return stress, energy
+        stress = np.where(share == 1.0, other[0], one[0] + share * (other[0] - one[0]))
+        return stress, one[1] + share * (other[1] - one[1])
+
+    def _of_threads(self, warp: Array, terms: Terms, stretch: Array) -> tuple[Array, Array, Array]:
+        """Return stress, energy and stretch across of a sheet whose ground is the law, with threads in it."""
+        k1_warp, k1_weft, k2, shear = map(float, terms["anisotropy"][1])
+        constants = dict(zip(self.law.names, map(float, warp), strict=True))
+        constants |= {
+            "k1_warp_MPa": k1_warp,
+            "k1_weft_MPa": k1_weft,
+            "k2_warp": k2,
+            "k2_weft": k2,
+            "G_MPa": shear,
+        }
+        form, values = terms.get("compressibility", ("", np.empty(0)))
+        if form == "uniform":
+            constants["nu"] = float(values[0])
+        stress, energy, across = self._threads.answer(constants, stretch)
+        if "elastic-law" in terms:
+            more = self._of_law(np.zeros(len(warp)), terms, stretch, ("added",), True)
+            stress, energy = stress + more[0], energy + more[1]
+        return stress, energy, across
+
+    @cached_property
+    def _threads(self) -> Threads:
+        return Threads(self.path)
 
     def _of_law(
         self,
@@ -241,6 +270,14 @@ class Fabric:
         return np.asarray(second)
 
 
+def _is_of_threads(terms: Terms) -> bool:
+    return (
+        "anisotropy" in terms
+        and terms["anisotropy"][0] == "threads"
+        and not _absent("anisotropy", *terms["anisotropy"])
+    )
+
+
 def _of_fibres(form: str, values: Array) -> tuple[float, float, float]:
     """Return the stiffness of fibres along warp and weft, and their growth."""
     if form == "constants-fibres":
@@ -251,6 +288,8 @@ def _of_fibres(form: str, values: Array) -> tuple[float, float, float]:
 
 def _absent(name: str, form: str, values: Array) -> bool:
     """Whether a term stands at a null that would leave rounding behind; the law is then to be itself to the bit."""
+    if name == "anisotropy":
+        return form == "threads" and not np.any(values[[0, 1, 3]])
     if name == "elastic-law":
         return not np.any(elastic_law.split(form, list(values))[0])
     if name == "compressibility":

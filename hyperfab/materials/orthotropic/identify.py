@@ -427,7 +427,7 @@ def _held_errors(rows: _Rows, law: Orthotropic, free: _Free, z: Array) -> tuple[
     frame = Frame.at(rows.angle)
     C = frame.strain(rows.stretch**2, rows.stretch2**2, np.zeros_like(rows.stretch))
     change = _stress_slopes(law, C, free, z)
-    one, two = held(law, rows.angle, rows.stretch, rows.stretch2)
+    one, two, _ = held(law, rows.angle, rows.stretch, rows.stretch2)
     along = (rows.stretch * rows.weight)[:, None] * np.einsum("nj,nkj->nk", frame.tt, change)
     across = (rows.stretch2 * rows.weight2)[:, None] * np.einsum("nj,nkj->nk", frame.nn, change)
     told = rows.second

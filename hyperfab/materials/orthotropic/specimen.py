@@ -67,11 +67,11 @@ class Strip:
     closed: NDArray[np.bool_]
 
 
-def strip(law: Orthotropic, angle_deg: ArrayLike, stretch: ArrayLike, width: Array | None = None) -> Strip:
+def strip(law: Orthotropic, angle_deg: ArrayLike, stretch: ArrayLike, near: Strip | None = None) -> Strip:
     """Return the uniaxial test of strips cut at ``angle_deg`` from the warp, pulled to ``stretch`` (n,).
 
     The strip is uniform and free to contract and to shear (coupled shear of an off-axis pull); clamped ends are not
-    followed. ``width`` may hold lateral stretches to start from.
+    followed. ``near`` is an equilibrium at about these stretches to begin from.
 
     >>> law = Orthotropic.of({"C10_MPa": 0.5})
     >>> float(strip(law, 30.0, [4.0]).width[0].round(12))
@@ -81,7 +81,9 @@ def strip(law: Orthotropic, angle_deg: ArrayLike, stretch: ArrayLike, width: Arr
     frame = Frame.at(np.broadcast_to(np.asarray(angle_deg, dtype=np.float64), lam.shape))
     free = np.stack([frame.nn, frame.tn], axis=1)
     nu = law.parameters["nu"]
-    y = np.stack([lam ** (-2.0 * nu) if width is None else width**2, np.zeros_like(lam)], axis=1)
+    y = np.stack([lam ** (-2.0 * nu), np.zeros_like(lam)], axis=1)
+    if near is not None:
+        y = np.stack([near.width**2, near.shear * lam * near.width], axis=1)
 
     def at(y: Array, rows: NDArray[np.int64]) -> tuple[Array, Answer, Array]:
         part = Frame(frame.tt[rows], frame.nn[rows], frame.tn[rows])
@@ -112,8 +114,9 @@ def strip(law: Orthotropic, angle_deg: ArrayLike, stretch: ArrayLike, width: Arr
             with np.errstate(all="ignore"):
                 inside = (trial[:, 0] > 0.0) & (trial[:, 0] * lam[rows] ** 2 > trial[:, 1] ** 2)
                 C_try, found_try, g_try = at(np.where(inside[:, None], trial, best[pending]), rows)
-                # Near the minimum the energy is flat to rounding: there less stress at the edges is what counts.
-                flat = np.abs(found_try.energy - start[pending]) <= 1e-9 * np.abs(start[pending])
+                # Near the minimum, and at rest, the energy is flat to rounding: there less stress at the edges counts.
+                rounding = 1e-15 * np.abs(found.stiffness[rows]).max(axis=(1, 2))
+                flat = np.abs(found_try.energy - start[pending]) <= 1e-9 * np.abs(start[pending]) + rounding
                 less = np.abs(g_try).max(axis=1) < residual[pending]
                 fine = inside & ((found_try.energy < start[pending]) | (flat & less))
             taken = rows[fine]
@@ -154,14 +157,15 @@ class Along:
         return Uniaxial(found.answer.energy * there, found.stress * there, found.slope * there)
 
 
-def held(law: Orthotropic, angle_deg: ArrayLike, first: Array, second: Array) -> tuple[Array, Array]:
-    """Return both nominal stresses [MPa] (n,) of a square cut at an angle, stretched by ``first`` and ``second``.
+def held(law: Orthotropic, angle_deg: ArrayLike, first: Array, second: Array) -> tuple[Array, Array, Array]:
+    """Return both nominal stresses and the energy [MPa] (n,) of a square cut at an angle, ``first`` by ``second`` long.
 
     The edges stay at right angles: a wide strip (``second`` 1), an equal or general biaxial test.
     """
     frame = Frame.at(np.broadcast_to(np.asarray(angle_deg, dtype=np.float64), first.shape))
-    S = law.answer(frame.strain(first**2, second**2, np.zeros_like(first))).stress
-    return first * np.einsum("nj,nj->n", frame.tt, S), second * np.einsum("nj,nj->n", frame.nn, S)
+    found = law.answer(frame.strain(first**2, second**2, np.zeros_like(first)))
+    along, across = (np.einsum("nj,nj->n", axis, found.stress) for axis in (frame.tt, frame.nn))
+    return first * along, second * across, found.energy
 
 
 def _descent(H: Array, g: Array) -> Array:
@@ -200,7 +204,7 @@ def stress(
     if mode == "shear":
         return held(law, angle_deg, stretch, np.ones_like(stretch))[0], None, None
     across = stretch if mode == "biaxial" or stretch2 is None else stretch2
-    return (*held(law, angle_deg, stretch, across), None)
+    return (*held(law, angle_deg, stretch, across)[:2], None)
 
 
 def stable_range(

@@ -6,10 +6,11 @@ import numpy as np
 
 from hyperfab.loop.catalogue.fabric.scene import Scene
 from hyperfab.loop.problem import HAS_IT, Constant, Effect, Form
+from hyperfab.materials.effects.threads import GROUND
 
 
 def entry(scene: Scene) -> Effect:
-    """Return the effect: one ratio for all constants, all constants free, fibres, and the softness on the diagonal."""
+    """Return the effect: one ratio for all constants, all constants free, fibres, and a sheet of threads."""
     reason = ""
     if scene.directions:
         reason = HAS_IT
@@ -42,14 +43,16 @@ def entry(scene: Scene) -> Effect:
     starts = ((0.2 * stiff, 0.1 / far**2), (0.1 * stiff, 1.5 / far**2))
     for way, one in (("warp", warp), ("weft", across)):
         forms.append(Form(f"{way}-fibres", (one, growth), starts, ((0.02 * stiff, 0.0),)))
+    # What lies between warp and weft is no mean of both: a strip shears as well.
+    off_axis = bool(np.any((scene.angles % 90.0) > 1.0)) and set(law.names) <= GROUND
     both = (*away, warp, across, growth)
     beside = (*softer, 0.1 * stiff, 0.1 * stiff, 0.1 / far**2)
-    forms.append(Form("constants-fibres", both, (beside,), refines="constants"))
-    if np.any((scene.angles % 90.0) > 1.0):
-        diagonal = Constant("diagonal softness", 0.0, -1.0, 0.98)
-        forms.append(
-            Form("diagonal", (*away, diagonal), ((*softer, 0.2), (*softer, 0.2)), refines="constants")
-        )
+    forms.append(Form("constants-fibres", both, (beside,), refines=() if off_axis else "constants"))
+    if set(law.names) <= GROUND:
+        shear = Constant("G_MPa", 0.0, 0.0, scale=0.1 * stiff)
+        start = (0.3 * stiff, 0.3 * stiff, 0.1 / far**2, 0.05 * stiff)
+        simpler = ("warp-fibres", "weft-fibres") if off_axis else ()
+        forms.append(Form("threads", (warp, across, growth, shear), (start,), refines=simpler))
     return Effect(
         id="anisotropy",
         title="warp and weft differ",

@@ -1,0 +1,111 @@
+"""Specimens cut at any angle from a sheet of one energy: a ground, threads along warp and weft, and their angle.
+
+A strip contracts and shears as it likes: what it answers at 45 degrees is that of the softest way to lengthen, not a
+share of the stiffness along warp and weft. A sheet stretched alike in all directions does not shear: it carries the
+mean of warp and weft whichever way it is mounted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL, Path
+from hyperfab.materials.kinematics import Array
+from hyperfab.materials.orthotropic import Orthotropic
+from hyperfab.materials.orthotropic.energy import ABSENT
+from hyperfab.materials.orthotropic.specimen import Strip, held, strip
+
+#: Constants of an isotropic law that the energy's ground has by the same name.
+GROUND = frozenset({"C10_MPa", "C20_MPa", "C30_MPa", "C2_MPa"})
+#: Stretches at which a strip's equilibrium is sought; between them its stress goes with its slope.
+_KNOTS = 32
+#: An equilibrium at stretches as near as this is one to begin from.
+_NEAR = 0.02
+#: A ground without stiffness would leave threads to turn as they like: it has this share of theirs.
+_LEAST = 1e-4
+
+
+@dataclass
+class Threads:
+    """Predicts the rows of ``path``; each equilibrium begins where the last one ended."""
+
+    path: Path
+    _last: Strip | None = None
+
+    def answer(self, constants: Mapping[str, float], stretch: Array) -> tuple[Array, Array, Array]:
+        """Return nominal stress [MPa], energy [MPa] and the stretch across of every row at its ``stretch``.
+
+        ``constants`` are those of the orthotropic energy, absent where not named; what is below zero counts as nothing.
+        Rows without a direction are pulled along the warp. No number where a strip has no equilibrium.
+        """
+        law = _law(constants)
+        path = self.path
+        angle = np.where(np.isfinite(path.angle_deg), path.angle_deg, 0.0)
+        stress, energy = np.full_like(stretch, np.nan), np.full_like(stretch, np.nan)
+        across = np.where(path.mode == BIAXIAL, stretch, np.where(path.mode == SHEAR, 1.0, path.across))
+        square = path.mode != UNIAXIAL
+        if np.any(square):
+            one, other, energy[square] = held(law, angle[square], stretch[square], across[square])
+            # An equal biaxial test reads both axes as one.
+            stress[square] = np.where(path.mode[square] == BIAXIAL, 0.5 * (one + other), one)
+        cuts = np.unique(angle[~square])
+        if len(cuts) == 0:
+            return stress, energy, across
+        parts = [np.flatnonzero(~square & (angle == cut)) for cut in cuts]
+        knots = np.stack([_knots(stretch[rows]) for rows in parts])
+        pulled = self._pulled(law, np.repeat(cuts, knots.shape[1]), knots.ravel())
+        if pulled is None:
+            return stress, energy, across
+        pull, slope, stored, width = (
+            value.reshape(knots.shape)
+            for value in (pulled.stress, pulled.slope, pulled.answer.energy, pulled.width)
+        )
+        for k, rows in enumerate(parts):
+            stress[rows] = _between(knots[k], pull[k], slope[k], stretch[rows])
+            energy[rows] = _between(knots[k], stored[k], pull[k], stretch[rows])
+            across[rows] = np.exp(np.interp(np.log(stretch[rows]), np.log(knots[k]), np.log(width[k])))
+        return stress, energy, across
+
+    def _pulled(self, law: Orthotropic, angle_deg: Array, knots: Array) -> Strip | None:
+        last = self._last
+        if last is not None and np.max(np.abs(last.stretch / knots - 1.0)) > _NEAR:
+            last = None
+        with np.errstate(all="ignore"):
+            found = strip(law, angle_deg, knots, near=last)
+            if last is not None and not found.closed.all():
+                found = strip(law, angle_deg, knots)
+        if not found.closed.all():
+            return None
+        self._last = found
+        return found
+
+
+def _law(constants: Mapping[str, float]) -> Orthotropic:
+    given = {**ABSENT, **{name: max(float(value), 0.0) for name, value in constants.items()}}
+    if not given["C2_MPa"]:
+        given["C10_MPa"] = max(
+            given["C10_MPa"], _LEAST * (given["k1_warp_MPa"] + given["k1_weft_MPa"]), 1e-12
+        )
+    return Orthotropic(given)
+
+
+def _between(at: Array, value: Array, slope: Array, x: Array) -> Array:
+    """Return values at ``x`` by cubics through values and slopes (Hermite)."""
+    i = np.clip(np.searchsorted(at, x) - 1, 0, len(at) - 2)
+    step = at[i + 1] - at[i]
+    t = (x - at[i]) / step
+    rise = t * t * (3.0 - 2.0 * t)
+    bend = t * (1.0 - t) * step
+    return np.asarray(
+        value[i] + rise * (value[i + 1] - value[i]) + bend * ((1.0 - t) * slope[i] - t * slope[i + 1])
+    )
+
+
+def _knots(stretch: Array) -> Array:
+    low, high = min(float(stretch.min()), 1.0), max(float(stretch.max()), 1.0 + 1e-6)
+    # Threads begin to bear at a stretch of 1: no piece of the curve goes over it.
+    low = min(low, 1.0 - 1e-3)
+    return np.concatenate([np.linspace(low, 1.0, 3)[:-1], np.linspace(1.0, high, _KNOTS)])

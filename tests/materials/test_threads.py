@@ -1,0 +1,101 @@
+"""Specimens cut from a sheet of threads: the textbook's compliance, the free strip, and the symmetry of sheets."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hyperfab.loop.fabric import FabricTest, fabric_problem
+from hyperfab.materials.effects.path import BIAXIAL, GENERAL, UNIAXIAL
+from hyperfab.materials.effects.threads import Threads
+from hyperfab.materials.orthotropic import Orthotropic
+from hyperfab.materials.orthotropic.specimen import strip
+from hyperfab.materials.registry import law
+
+GROUND, WARP, WEFT, SHEAR = 0.05, 1.0, 0.4, 0.1
+CONSTANTS = {
+    "C10_MPa": GROUND,
+    "k1_warp_MPa": WARP,
+    "k1_weft_MPa": WEFT,
+    "k2_warp": 2.0,
+    "k2_weft": 2.0,
+    "G_MPa": SHEAR,
+}
+
+
+def cut(angles: list[float], mode: int = UNIAXIAL, reach: float = 0.3, rows: int = 30) -> list[FabricTest]:
+    lam = np.linspace(1.0, 1.0 + reach, rows)
+    return [
+        FabricTest(f"{a:g}", mode, lam, lam, transverse=lam if mode == GENERAL else None, angle_deg=a)
+        for a in angles
+    ]
+
+
+def posed(tests: list[FabricTest], model: str = "neo-hookean", constants: tuple[float, ...] = (GROUND,)):
+    return fabric_problem(law(model), constants, tests)
+
+
+@pytest.mark.parametrize("angle", [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0])
+def test_a_little_pull_meets_the_compliance_of_an_orthotropic_sheet(angle: float) -> None:
+    """1/E = S11 c^4 + (2 S12 + S66) s^2 c^2 + S22 s^4 (Jones, Mechanics of Composite Materials, eq. 2.97)."""
+    mu = 2.0 * GROUND
+    stiffness = np.array([[4.0 * mu, 2.0 * mu, 0.0], [2.0 * mu, 4.0 * mu, 0.0], [0.0, 0.0, mu + SHEAR]])
+    stiffness[0, 0] += 4.0 * WARP
+    stiffness[1, 1] += 4.0 * WEFT
+    S = np.linalg.inv(stiffness)
+    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    modulus = 1.0 / (S[0, 0] * c**4 + (2.0 * S[0, 1] + S[2, 2]) * s**2 * c**2 + S[1, 1] * s**4)
+    problem = posed(cut([angle], reach=1e-3, rows=3))
+    found = Threads(problem.fabric.path).answer(CONSTANTS, problem.fabric.path.stretch)[0]
+    # Threads bear tension alone: a way that is not pulled answers by the ground.
+    pulled = np.linalg.solve(stiffness, [c * c, s * s, s * c])[:2] > 0.0
+    if not pulled.all():
+        stiffness[0, 0] -= 0.0 if pulled[0] else 4.0 * WARP
+        stiffness[1, 1] -= 0.0 if pulled[1] else 4.0 * WEFT
+        S = np.linalg.inv(stiffness)
+        modulus = 1.0 / (S[0, 0] * c**4 + (2.0 * S[0, 1] + S[2, 2]) * s**2 * c**2 + S[1, 1] * s**4)
+    assert found[-1] / 1e-3 == pytest.approx(modulus, rel=5e-3)
+
+
+@pytest.mark.parametrize("angle", [0.0, 22.0, 45.0, 90.0])
+def test_between_the_knots_a_strip_answers_as_the_free_strip_does(angle: float) -> None:
+    path = posed(cut([angle], reach=0.4)).fabric.path
+    stress, energy, width = Threads(path).answer(CONSTANTS, path.stretch)
+    exact = strip(Orthotropic.of(CONSTANTS), angle, path.stretch)
+    assert stress == pytest.approx(exact.stress, abs=1e-4 * exact.stress.max())
+    assert energy == pytest.approx(exact.answer.energy, abs=1e-4 * exact.answer.energy.max())
+    assert width == pytest.approx(exact.width, abs=2e-4)
+
+
+def test_where_it_begins_does_not_change_an_equilibrium() -> None:
+    path = posed(cut([0.0, 30.0, 60.0])).fabric.path
+    used = Threads(path)
+    used.answer({**CONSTANTS, "G_MPa": 0.5}, path.stretch)
+    again, fresh = (one.answer(CONSTANTS, path.stretch)[0] for one in (used, Threads(path)))
+    assert again == pytest.approx(fresh, rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize("model", [("neo-hookean", (0.1,)), ("yeoh-3", (0.1, 0.02, 0.01))])
+def test_a_sheet_stretched_alike_every_way_does_not_know_how_it_is_mounted(
+    model: tuple[str, tuple[float, ...]],
+) -> None:
+    """At 45 degrees every direction carries the mean of warp and weft, whatever law the sheet has."""
+    problem = posed(cut([0.0, 90.0, 45.0, 135.0, 30.0], GENERAL), *model)
+    own = np.array([one.value for one in problem.own])
+    forms = problem.effect("anisotropy").forms
+    assert "threads" in [form.name for form in forms]
+    for form in forms:
+        for start in form.starts:
+            terms = {"anisotropy": (form.name, np.array(start))}
+            warp, weft, *turned = problem.predict(own, terms).reshape(5, -1)
+            mean = 0.5 * (warp + weft)
+            assert turned[0] == pytest.approx(mean, rel=1e-9), form.name
+            assert turned[1] == pytest.approx(mean, rel=1e-9), form.name
+
+
+def test_one_reading_of_an_equal_biaxial_test_is_the_mean_of_both_axes() -> None:
+    two, one = (posed(cut([0.0, 90.0], GENERAL)), posed(cut([30.0], BIAXIAL)))
+    both = Threads(two.fabric.path).answer(CONSTANTS, two.fabric.path.stretch)[0].reshape(2, -1).mean(axis=0)
+    assert Threads(one.fabric.path).answer(CONSTANTS, one.fabric.path.stretch)[0] == pytest.approx(
+        both, rel=1e-12
+    )
