@@ -181,6 +181,21 @@ def test_inputs_that_moved_are_found_changed_ones_told_and_missing_ones_named(
     assert b"no such file" in done.stderr
 
 
+def test_a_study_is_taken_up_from_its_document(tmp_path: Path, hf: Run) -> None:
+    (tmp_path / "warp.csv").write_text(TEST)
+    (tmp_path / "study.toml").write_text(
+        'format = "hyperfab.study/1"\nname = "Laws"\n[axis.model]\nvalues = ["neo-hookean"]\n[[step]]\nname = "fit"\n'
+        'command = "fit"\narguments = ["warp.csv", "--model", "{model}"]\n[figures]\nrms = "fit.fit.relative_rms"\n'
+    )
+    done = hf("sweep", "study.toml", "--out", "a", "--jobs", "1", cwd=tmp_path)
+    assert done.returncode in (0, 1), done.stderr.decode()
+    (tmp_path / "else").mkdir()
+    done = hf("sweep", "--like", "../a/sweep.json", "--out", "../b", "--jobs", "1", cwd=tmp_path / "else")
+    assert done.returncode in (0, 1), done.stderr.decode()
+    first, again = (json.loads((tmp_path / folder / "sweep.json").read_text()) for folder in "ab")
+    assert without(again) == without(first)
+
+
 def test_a_document_of_another_kind_is_refused(tmp_path: Path, hf: Run) -> None:
     (tmp_path / "fabric.json").write_text(json.dumps(FABRIC))
     done = hf("drape", "--like", "fabric.json", cwd=tmp_path)
