@@ -139,7 +139,7 @@ blind: $(VENV)/dev
 	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind_drape 2 poor --next
 
 # One command: make hunt HUNTS=fit.
-HUNTS ?= loop fit drape
+HUNTS ?= $(patsubst trials/hunt_%.py,%,$(wildcard trials/hunt_*.py))
 
 hunt: $(VENV)/dev
 	@for hunt in $(HUNTS); do echo "== $$hunt"; PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m trials.hunt_$$hunt || exit 1; done

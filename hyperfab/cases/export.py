@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 from hyperfab.cases.case import Case
@@ -42,5 +43,8 @@ class ExportCase(Case):
     def check(self) -> None:
         """Refuse what solvers do not take for a name."""
         super().check()
-        if not self.name.isascii() or not self.name.replace("_", "").isalnum():
-            raise UsageError(f"--name {self.name}: letters, digits and underscores only, as lycra_warp")
+        if not re.fullmatch(r"[A-Za-z]\w{0,79}", self.name, re.ASCII):
+            raise UsageError(
+                f"--name {self.name[:90]}: a letter, then letters, digits and underscores, 80 in all at most, as "
+                "lycra_warp"
+            )

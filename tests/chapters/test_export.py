@@ -41,6 +41,8 @@ def test_card_comes_on_standard_output_and_from_standard_input(hf: Run, fabric: 
         (["--to", "nastran"], "abaqus"),
         (["--to", "abaqus", "--direction", "bias"], "warp"),
         (["--to", "abaqus", "--name", "my fabric"], "lycra_warp"),
+        (["--to", "ls-dyna", "--name", "x" * 81], "80 in all"),
+        (["--to", "abaqus", "--name", "9lives"], "a letter, then"),
         (["--to", "abaqus", "--density", "3"], "kg/m"),
         (["--to", "abaqus", "--bulk-modulus", "0 MPa"], "more than 0MPa"),
     ],

@@ -237,3 +237,24 @@ def test_bulk_modulus_becomes_the_solver_s_constant() -> None:
     assert "0.2, 0.004" in formats()["abaqus"].card(law_of("neo-hookean"), settings)
     assert "TBDATA,1,0.4,0.004" in formats()["ansys"].card(law_of("neo-hookean"), settings)
     assert "<k>500.0</k>" in formats()["febio"].card(law_of("neo-hookean"), settings)
+
+
+@pytest.mark.parametrize("name", ["gent", "arruda-boyce-langevin"])
+@pytest.mark.parametrize("share", [3.0, 0.5, 0.03, 1e-5])
+def test_a_curve_stays_within_the_law_s_limit_and_follows_it(name: str, share: float) -> None:
+    """A chain that locks early locks in compression too; between two points Abaqus draws a straight line."""
+    limit = share if name == "gent" else (1.0 + share / 3.0) ** 0.5
+    material = bind(name, dict(zip(laws()[name].names, (0.3, limit), strict=True)))
+    card = formats()["abaqus"].card(material, Settings())
+    rows = np.array(
+        [[float(v) for v in line.split(",")] for line in card.split("TEST DATA\n")[1].splitlines()]
+    )
+    assert np.isfinite(rows).all()
+    assert (np.diff(rows, axis=0) > 0.0).all()
+    strain = 0.5 * (rows[1:, 1] + rows[:-1, 1])
+    between = 0.5 * (rows[1:, 0] + rows[:-1, 0])
+    near_rest = np.abs(strain) < 0.1 * strain.max()
+    np.testing.assert_allclose(between[~near_rest], material.uniaxial(1.0 + strain[~near_rest]).P, rtol=0.02)
+    # Most of the way to where the law ends.
+    lam = 1.0 + rows[-1, 1]
+    assert not np.isfinite(material.uniaxial(1.0 + 1.03 * (lam - 1.0)).P)

@@ -11,11 +11,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from hyperfab.materials.export.card import Format, NoCard, Settings, Writer, cij, number, pairs
+from hyperfab.materials.kinematics import Array
 from hyperfab.materials.material import Material
 
 #: Values a data line takes.
 _PER_LINE = 8
 _MARLOW_POINTS = 60
+#: A curve ends at this part of the way from rest to the stretch at which chains lock.
+_TO_LIMIT = 0.98
 
 
 def _lines(values: Sequence[float]) -> list[str]:
@@ -81,9 +84,7 @@ def _foam(material: Material, settings: Settings) -> list[str]:
 
 
 def _marlow(material: Material, settings: Settings) -> list[str]:
-    # From compression to 0.98 of the limiting stretch, denser where the curve bends.
-    reach = _reach(material)
-    stretch = np.concatenate([np.linspace(0.5, 1.0, 12)[:-1], np.geomspace(1.0, reach, _MARLOW_POINTS)])
+    stretch = np.union1d(_way(material, 0.5), _way(material, 15.0))
     stress = material.uniaxial(stretch).P
     rows = [f"{number(P)}, {number(lam - 1.0)}" for lam, P in zip(stretch, stress, strict=True)]
     volumetric = (
@@ -103,10 +104,19 @@ def _poisson(material: Material, settings: Settings) -> str:
     return number((3.0 * K - 2.0 * mu) / (6.0 * K + 2.0 * mu))
 
 
-def _reach(material: Material) -> float:
-    stretch = np.linspace(1.0, 15.0, 1401)
-    finite = np.isfinite(material.uniaxial(stretch).P)
-    return 1.0 + 0.98 * (float(stretch[finite][-1]) - 1.0)
+def _way(material: Material, end: float) -> Array:
+    """Return stretches from rest to ``end``, or most of the way to where the law's chains lock."""
+    if np.isfinite(material.uniaxial(end).P):
+        return np.geomspace(1.0, end, _MARLOW_POINTS)
+    reached, beyond = 0.0, 1.0
+    for _ in range(60):
+        middle = 0.5 * (reached + beyond)
+        inside = np.isfinite(material.uniaxial(1.0 + middle * (end - 1.0)).P)
+        reached, beyond = (middle, beyond) if inside else (reached, middle)
+    way = reached * (end - 1.0)
+    # The stress there goes as one over what is left of the way: straight lines between these are within 0.5 %.
+    left = (1.0 - _TO_LIMIT) * way * np.geomspace(1.0, 12.0, 24)
+    return np.union1d(np.geomspace(1.0, 1.0 + _TO_LIMIT * way, _MARLOW_POINTS), 1.0 + way - left)
 
 
 FORMAT = Format(
