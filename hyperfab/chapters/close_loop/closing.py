@@ -94,13 +94,7 @@ def finish(
         job.console.warn(text)
     told = list(warnings)
     with job.console.progress("Closing the loop") as advance:
-        count = 0
-
-        def tick(text: str) -> None:
-            nonlocal count
-            count += 1
-            advance(0.3 + 0.7 * (1.0 - float(np.exp(-count / _REFITS))), text)
-
+        tick = ticking(advance, 0.3, _REFITS)
         problem, found = close_rounds(
             problem, noise, rounds, tick, misses=None if apart is None else _misses(apart)
         )
@@ -114,6 +108,18 @@ def finish(
     say(job.console, problem, found, result)
     job.write(out, result, case)
     return NEGATIVE_VERDICT if found.verdict == "unexplained" else 0
+
+
+def ticking(advance: Callable[[float, str], None], begun: float, refits: float) -> Callable[[str], None]:
+    """Return what moves the progress line on with every refit, from the share ``begun``: of about ``refits`` in all."""
+    count = 0
+
+    def tick(text: str) -> None:
+        nonlocal count
+        count += 1
+        advance(begun + (1.0 - begun) * (1.0 - float(np.exp(-count / refits))), text)
+
+    return tick
 
 
 def _misses(apart: Callable[[Problem], tuple[Problem, Array]]) -> Callable[[Problem], Apart]:
@@ -217,11 +223,8 @@ def _model(job: Job, out: Output, extension: Extension, result: LoopDocument) ->
 
 
 def _files(out: Output, problem: Problem, found: Finding, axis: Axis) -> None:
-    from hyperfab.report.figures_loop import loop_figure
-
     first = problem.channel == 0
     unit = problem.units[0]
-    curves = [curve for curve in problem.curves if curve.channel == 0]
     before, after = found.before.fit.predicted, found.after.fit.predicted
     quantities = [curve for curve in problem.curves if curve.channel < len(problem.units)]
     units = list(dict.fromkeys(problem.units[curve.channel] for curve in quantities))
@@ -241,21 +244,33 @@ def _files(out: Output, problem: Problem, found: Finding, axis: Axis) -> None:
             values = (problem.measured[i], before[i], after[i], found.noise.sd[i])
             rows.append([place[i], *gaps[0], *values, *gaps[1], *at[i], curve.name])
     out.add(".csv", csv_bytes([*head, *where, "file"], rows, digits=8))
-    out.add(
-        ".png",
-        loop_figure(
-            abscissa=axis.values,
-            label=axis.label,
-            unit=unit,
-            curves=[curve.rows for curve in curves],
-            measured=problem.measured[first],
-            before=before[first],
-            after=after[first],
-            sd=found.noise.sd[first],
-            states=problem.states,
-            scores=lowered(found) or found.scores,
-            scores_label="BIC lowered by" if found.tried else "score",
-            verdict=found.verdict,
-            added=found.after.ids,
-        ),
+    out.add(".png", picture(problem, found, axis, unit))
+
+
+def picture(
+    problem: Problem,
+    found: Finding,
+    axis: Axis,
+    unit: str,
+    value_words: Mapping[str, Sequence[str]] | None = None,
+) -> bytes:
+    """Return the picture of what was found, over ``axis``, of the readings of the first channel."""
+    from hyperfab.report.figures_loop import loop_figure
+
+    first = problem.channel == 0
+    return loop_figure(
+        abscissa=axis.values,
+        label=axis.label,
+        unit=unit,
+        curves=[curve.rows for curve in problem.curves if curve.channel == 0],
+        measured=problem.measured[first],
+        before=found.before.fit.predicted[first],
+        after=found.after.fit.predicted[first],
+        sd=found.noise.sd[first],
+        states=problem.states,
+        scores=lowered(found) or found.scores,
+        scores_label="BIC lowered by" if found.tried else "score",
+        verdict=found.verdict,
+        added=found.after.ids,
+        value_words=value_words,
     )

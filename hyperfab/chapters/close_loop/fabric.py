@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hyperfab.chapters.close_loop.describe import describe, errors_of, lowered, say
+from hyperfab.chapters.close_loop.closing import Axis, picture, ticking
+from hyperfab.chapters.close_loop.describe import curves_csv, describe, errors_of, say
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended import extend, held_terms
 from hyperfab.chapters.close_loop.tests_in import Measured, read_measured
@@ -64,14 +65,12 @@ def run(job: Job, given: Given) -> int:
     _warn(job, document, tests)
     apart = None if held_out is None else Apart(problem, held_out)
     with job.console.progress("Closing the loop") as advance:
-        count = 0
-
-        def tick(text: str) -> None:
-            nonlocal count
-            count += 1
-            advance(1.0 - float(np.exp(-count / _REFITS)), text)
-
-        found = close(problem, noise=level, tick=tick, apart=None if apart is None else apart.misses)
+        found = close(
+            problem,
+            noise=level,
+            tick=ticking(advance, 0.0, _REFITS),
+            apart=None if apart is None else apart.misses,
+        )
     model = extend(document, problem, found.after.fit, problem.law)
     model.format = model.format_name()
     _warn_of_nearness(job, model, tests)
@@ -212,28 +211,6 @@ class Apart:
 
 
 def _files(out: Output, problem: FabricProblem, found: Finding, unit: str) -> None:
-    from hyperfab.chapters.close_loop.describe import curves_csv
-    from hyperfab.report.figures_loop import loop_figure
-
     out.add(".csv", curves_csv(problem, found, unit))
-    first = problem.channel == 0
-    curves = [curve.rows for curve in problem.curves if curve.channel == 0]
-    out.add(
-        ".png",
-        loop_figure(
-            abscissa=problem.fabric.path.stretch,
-            label="stretch",
-            unit=unit,
-            curves=curves,
-            measured=problem.measured[first],
-            before=found.before.fit.predicted[first],
-            after=found.after.fit.predicted[first],
-            sd=found.noise.sd[first],
-            states=problem.states,
-            scores=lowered(found) or found.scores,
-            scores_label="BIC lowered by" if found.tried else "score",
-            verdict=found.verdict,
-            added=found.after.ids,
-            value_words={"mode": MODE_NAMES},
-        ),
-    )
+    axis = Axis(problem.fabric.path.stretch, "stretch")
+    out.add(".png", picture(problem, found, axis, unit, {"mode": MODE_NAMES}))

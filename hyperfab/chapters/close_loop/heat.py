@@ -9,7 +9,8 @@ from typing import TypeGuard
 
 import numpy as np
 
-from hyperfab.chapters.close_loop.describe import describe, lowered, say
+from hyperfab.chapters.close_loop.closing import Axis, picture, ticking
+from hyperfab.chapters.close_loop.describe import describe, say
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_mold import TABLES, extend
 from hyperfab.chapters.close_loop.thermocouples import Thermocouples, read_thermocouples
@@ -79,14 +80,7 @@ def run(job: Job, given: Given) -> int:
         )
         for text in warnings:
             job.console.warn(text)
-        count = 0
-
-        def tick(text: str) -> None:
-            nonlocal count
-            count += 1
-            advance(0.2 + 0.8 * (1.0 - float(np.exp(-count / _REFITS))), text)
-
-        found = close(problem, noise=level, tick=tick)
+        found = close(problem, noise=level, tick=ticking(advance, 0.2, _REFITS))
     left_out = {f"no reading of {name}": count for name, count in read.missing.items()}
     result = describe(problem, found, "K", left_out, warnings, domain="heat")
     if out.wants_files:
@@ -293,8 +287,6 @@ def _bench(built: Problem) -> FacetOperator | None:
 
 
 def _files(out: Output, problem: HeatProblem, found: Finding, read: Thermocouples) -> None:
-    from hyperfab.report.figures_loop import loop_figure
-
     before, after = found.before.fit.predicted, found.after.fit.predicted
     rows, count = len(read.times), len(read.names)
     head = ["time_s"] + [f"{n}_{w}_degC" for n in read.names for w in ("measured", "before", "after")]
@@ -308,22 +300,5 @@ def _files(out: Output, problem: HeatProblem, found: Finding, read: Thermocouple
             cells += [v[at] if at >= 0 else None for v in (problem.measured, before, after)]
         lines.append(cells)
     out.add(".csv", csv_bytes(head, lines, digits=8))
-    out.add(
-        ".png",
-        loop_figure(
-            abscissa=problem.states["time_s"],
-            label="time [s]",
-            unit="degC",
-            curves=[curve.rows for curve in problem.curves],
-            measured=problem.measured,
-            before=before,
-            after=after,
-            sd=found.noise.sd,
-            states=problem.states,
-            scores=lowered(found) or found.scores,
-            scores_label="BIC lowered by" if found.tried else "score",
-            verdict=found.verdict,
-            added=found.after.ids,
-            value_words={"probe": read.names},
-        ),
-    )
+    axis = Axis(problem.states["time_s"], "time [s]")
+    out.add(".png", picture(problem, found, axis, "degC", {"probe": read.names}))
