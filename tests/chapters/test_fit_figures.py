@@ -38,6 +38,7 @@ def test_a_reading_that_does_not_belong_is_told_with_its_distance_and_its_levera
     c = float(column.sum() / (column @ column))
     left = 1.0 - c * column
     assert found["parameters"]["C10_MPa"] == pytest.approx(c, rel=1e-9)
+    assert (found["setup"]["thickness_mm"], found["setup"]["derived"]) == (1.0, ["thickness_mm"])
     told = found["fit"]
     assert told["E2"] == pytest.approx(float(left @ left), rel=1e-9)
     assert told["relative_rms"] == pytest.approx(np.sqrt(np.mean(left**2)), rel=1e-9)

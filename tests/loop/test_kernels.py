@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from hyperfab.loop.judge import autocorrelation, correlation_time, judge
 from hyperfab.loop.noise import Noise, estimate_noise
 from hyperfab.loop.problem import Array, Constant, Curve, Effect, Form, Problem
 from hyperfab.loop.score import greatest_by_chance, orthonormal, points_at, signatures
+from hyperfab.loop.search import Search, State
 
 COUNT, SD = 60, 0.05
 X = np.linspace(0.0, 1.0, COUNT)
@@ -336,3 +338,28 @@ def test_scatter_of_stiffness_is_by_specimen() -> None:
     noise = estimate_noise(replace(base, curves=curves))
     expected = [np.concatenate([np.arange(0, 15), np.arange(30, 45)]), np.arange(15, 30)]
     assert [rows.tolist() for rows in noise.groups] == [rows.tolist() for rows in expected]
+
+
+class Known(Line):
+    """A line whose constants are known so well that a departure from them is told against a model."""
+
+    well_known = True
+
+
+def test_a_term_gains_what_it_spares_the_readings_and_what_is_known_less_its_price() -> None:
+    """Schwarz's criterion of the sum of both: a bump that is left out bends the constants away from what is known."""
+    plain = line(readings(0.8), prior=0.1, effects=(entry("bump"),))
+    problem = Known(plain.measured, plain.curves, plain.own, plain.effects)
+    old = fit(problem, WHITE, {}, [1.0, 2.0])
+    new = fit(problem, WHITE, {"bump": problem.effects[0].forms[0]}, [1.0, 2.0, 0.8])
+    asked = SimpleNamespace(_own_optimum=None, problem=problem, _certain=lambda *_: True)
+    found = Search.evidence(asked, State(problem, WHITE, old), State(problem, WHITE, new))
+    level = max(new.chi2 / COUNT, 1.0)  # what the richer one leaves counts as noise
+    spared, known = old.chi2 - new.chi2, (old.cost - old.chi2) - (new.cost - new.chi2)
+    assert abs(known) > 10.0
+    assert new.cost - new.chi2 > 1.0
+    time = correlation_time(new.residual, problem.curves)
+    expected = (spared + known) / level / time - math.log(max(COUNT / time, 3.0))
+    assert found.delta_bic == pytest.approx(expected, rel=1e-9)
+    share = spared / max(old.chi2 - COUNT, spared)
+    assert found.variance_share == pytest.approx(share, rel=1e-9)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 from loop import blind_press
 from loop.generators import press as caps
 
@@ -14,6 +16,7 @@ from hyperfab.loop.catalogue.press.thickness_variation import entry
 from hyperfab.loop.press import PressProblem
 from hyperfab.loop.press_table import PressTable
 from hyperfab.loop.press_variation import variation
+from hyperfab.pressing.growth import guide_line
 from hyperfab.pressing.pose import Pose
 
 
@@ -50,6 +53,30 @@ def test_the_table_moved_by_a_tilt_is_the_tilted_press() -> None:
     table = problem.summed.moved(np.array([*tilt, 0.0, 0.0]))
     found = float(table.force(np.array([closed.pose.opening]))[0])
     assert abs(found - exact) < 3e-3 * exact
+
+
+def test_the_table_moved_by_a_strain_is_the_press_of_the_grown_mold() -> None:
+    """Either mold grows about the place where it is mounted; the table knows it by the gap's gradient alone."""
+    problem, closed = posed(), blind_press.told().closed
+    line, press, strain = guide_line(closed.case.male), closed.press, 1e-3
+
+    def force(male: float, female: float) -> float:
+        fixed = [np.array([*line, mount]) for mount in (closed.case.male.mount, press.female.mount)]
+        vertices = [press.front.vertices, press.female.vertices]
+        grown = [v + e * (v - f) for v, e, f in zip(vertices, (male, female), fixed, strict=True)]
+        front = replace(press.front, vertices=grown[0])
+        return replace(press, front=front, female=press.female.moved(grown[1])).at(closed.pose).closing_force
+
+    def summed(*settings: float) -> float:
+        table = problem.summed.moved(np.array([0.0, 0.0, *settings]))
+        return float(table.force(np.array([closed.pose.opening]))[0])
+
+    plain = force(0.0, 0.0)
+    for settings in ((strain, 0.0), (0.0, strain)):
+        more = force(*settings) - plain
+        assert more > 0.01 * plain
+        # The sum over fewer points goes in steps of a thousandth.
+        assert summed(*settings) - summed(0.0, 0.0) == pytest.approx(more, abs=1.5e-3 * plain)
 
 
 def test_a_floating_female_turns_in_the_loop_as_it_does_in_the_press() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,7 @@ from hyperfab.errors import InputError, NotConverged
 from hyperfab.thermal.faces import Faces
 from hyperfab.thermal.geometry import Body, Box, Cylinder, Ellipsoid, Geometry, Patch
 from hyperfab.thermal.mesh import build_mesh
-from hyperfab.thermal.mesher import make_mesh
+from hyperfab.thermal.mesher import expected_tetrahedra, make_mesh
 
 
 def meshed(geometry, size):
@@ -110,3 +112,12 @@ def test_a_mesher_that_takes_too_long_is_stopped():
     geometry = Geometry((Body("block", (Box((0.0, 0.0, 0.0), (100.0, 100.0, 100.0)),)),))
     with pytest.raises(NotConverged, match="stopped"):
         make_mesh(geometry, 1.5, patience=1.0)
+
+
+def test_how_many_tetrahedra_to_expect_is_what_fills_the_boxes():
+    """A tetrahedron of edge h fills 1/(6 sqrt 2) = 0.118 of h cubed; a part may ask for finer ones."""
+    boxes = [(np.zeros(3), np.array([60.0, 40.0, 10.0])), (np.ones(3), np.array([11.0, 11.0, 6.0]))]
+    sizes = zip(boxes, (None, 1.0), strict=True)
+    geometry = SimpleNamespace(parts=[SimpleNamespace(bounds=box, mesh_size=size) for box, size in sizes])
+    found = expected_tetrahedra(geometry, 2.0)
+    assert found == pytest.approx((24000.0 / 2.0**3 + 500.0 / 1.0**3) * 6.0 * np.sqrt(2.0), rel=0.02)

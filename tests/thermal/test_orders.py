@@ -140,3 +140,30 @@ def test_a_coarse_tolerance_and_a_fine_one_agree(block):
     fine, many = final(0.001)
     assert np.abs(coarse - fine).max() < 0.2
     assert few < many < 100
+
+
+def test_a_source_that_grows_evenly_is_summed_exactly_by_one_step(block):
+    """An insulated block, from 5 to 8 s: the stages stand at the times where a line's integral is met."""
+    body = block((0.02, 0.02, 0.02), (1, 1, 1), k=1e5, rho=2000.0, cp=1000.0)
+    capacity = body.model().lumped_capacity
+
+    class Growing(Source):
+        def flow(self, time, temperature):
+            return self.load * time
+
+    body.conditions.append(Growing(capacity * 2.0))  # of 16 J/K: 32 W more each second
+    model = body.model()
+    start = initial_state(model, 5.0, np.full(model.size, 30.0))
+    step = take_step(model, start, 3.0)
+    assert step.state.time == 8.0
+    assert step.state.stored.sum() - start.stored.sum() == pytest.approx(16.0 * (8.0**2 - 5.0**2), rel=1e-9)
+    assert step.heat[-1] == pytest.approx(16.0 * (8.0**2 - 5.0**2), rel=1e-9)
+
+
+def test_the_error_told_of_a_step_is_its_error(block):
+    """A lump that cools through a film, by steps of a tenth and a twentieth of its time: against the exponential."""
+    model = block((0.02, 0.02, 0.02), (1, 1, 1), k=1e5, rho=2000.0, cp=1000.0).film("x+", 20.0, 25.0).model()
+    for share in (0.1, 0.05):
+        step = take_step(model, initial_state(model, 0.0, np.full(model.size, 100.0)), share * 2000.0)
+        wrong = abs(step.state.temperature.mean() - 25.0 - 75.0 * np.exp(-share))
+        assert step.error == pytest.approx(wrong, rel=1.5 * share)

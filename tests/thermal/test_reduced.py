@@ -100,6 +100,18 @@ def test_slab_under_a_flux(block):
     assert less == pytest.approx(0.9 * shown + 3.0, abs=1e-6)
 
 
+def test_a_power_that_grows_evenly_is_summed_exactly(block):
+    """16 J/K all but insulated, under 0.5 W more each second: 0.25 t^2 joules; the stages stand where that is met."""
+    lump = block((0.02, 0.02, 0.02), (1, 1, 1), k=1e5, rho=2000.0, cp=1000.0).film("x+", 1e-9, 25.0)
+    share = lump.model().lumped_capacity
+    ramp = Table(np.array([0.0, 100.0]), np.array([0.0, 50.0]))
+    lump.conditions.append(Heater("h", share / share.sum(), ramp))
+    mold = reduced(lump, [(0, 0, 0)], 25.0, 100.0)
+    shown = mold.run(np.array([0.0, 40.0, 100.0]), plain(mold), 40)[0, :, 0]
+    # Within 0.01 K: what heats it is not spread quite as its capacity is.
+    assert shown == pytest.approx(25.0 + 0.25 * np.array([0.0, 40.0, 100.0]) ** 2 / 16.0, abs=0.01)
+
+
 def test_thin_plate_that_radiates(block):
     """The lumped solution of a plate that radiates both ways, 0.8, from 200 degC; its own, or as an effect."""
     plate = block((0.01, 0.01, 0.01), (1, 1, 1), k=1e5, rho=2702.0, cp=903.0)

@@ -8,7 +8,7 @@ import trimesh
 
 from hyperfab.errors import InputError
 from hyperfab.surface import soundness
-from hyperfab.thermal.repair import crossing, pieces, repaired
+from hyperfab.thermal.repair import _stitched, crossing, pieces, repaired
 
 
 def soup(mesh, move=lambda corners: corners):
@@ -78,3 +78,26 @@ def test_a_facet_through_another_is_found_and_a_sound_surface_has_none():
     facet, place = crossing(vertices, faces)
     assert 0 <= facet < len(faces)
     assert np.linalg.norm(place) == pytest.approx(40.0, abs=0.5)
+
+
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
+def test_whether_facets_cross_hangs_on_no_unit(size):
+    """A needle through a plate, and one that ends in it by less than rounding."""
+    flat = np.array([[0, 0, 0], [2, 0, 0], [0, 2, 0], [0.5, 0.5, -1], [0.5, 0.5, 1], [9, 9, 0.0]])
+    facet, place = crossing(size * flat, np.array([[0, 1, 2], [3, 4, 5]]))
+    assert facet in (0, 1)
+    assert abs(place[2]) <= 1e-9 * size
+    ends = flat.copy()
+    ends[3:] = [[0.5, 0.5, -1e-9], [0.5, 0.5, 1.0], [0.6, 0.5, 1.0]]
+    assert crossing(size * ends, np.array([[0, 1, 2], [3, 4, 5]])) is None
+
+
+def test_a_corner_near_the_end_of_a_long_edge_splits_it_too():
+    """Two facets with one edge of 100 mm in common; across it a third has its corner 1 mm from the end."""
+    points = np.array([[0, 0, 0], [100, 0, 0], [50, 40, 0], [1, 0, 0], [50, -40, 0.0]])
+    for corner in (1.0, 50.0, 99.0):
+        points[3, 0] = corner
+        faces = np.array([[0, 1, 2], [0, 4, 3], [3, 4, 1]])
+        found, strayed, split = _stitched(points, faces, 1e-6)
+        assert (split, strayed) == (1, 0.0)
+        assert len(found) == 4
