@@ -11,9 +11,8 @@ import numpy as np
 from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Array, Extra, Problem
+from hyperfab.loop.thresholds import DECISIVE
 
-#: The loser must miss by this (chi-squared) for the next measurement to decide.
-DECISIVE = 20.0
 _MOST_RIVALS = 3
 
 

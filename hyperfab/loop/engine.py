@@ -12,27 +12,18 @@ from hyperfab.loop.bic import common_bic
 from hyperfab.loop.dependence import dependence, suggestion
 from hyperfab.loop.design import NextMeasurement, next_measurement
 from hyperfab.loop.fitting import Fit, fit, least_misfits
-from hyperfab.loop.judge import SMALL
 from hyperfab.loop.mimic import Rival, indistinguishable, rivals
 from hyperfab.loop.noise import Noise, estimate_noise, replicates
 from hyperfab.loop.problem import Array, Problem
-from hyperfab.loop.search import MARGIN, Evidence, Search, State
+from hyperfab.loop.search import Evidence, Search, State
+from hyperfab.loop.thresholds import ENOUGH, EXPLAINED, MARGIN, MOST_SCATTER, ONE_CLOTH, SMALL
 
 #: Terms added at most, and models carried along at each number of terms.
 _DEPTH, _BEAM = 3, 2
 #: A model that leaves this many times more variance than the best is not carried along.
 _HOPELESS = 9.0
-#: Terms that take this share of what is not noise, and leave a total of less than 1.2 times the noise (this rms beside
-#: it, in its standard deviations), are what the model lacked: the rest is their law's own inaccuracy.
-EXPLAINED, ENOUGH = 0.95, 0.66
-#: A term has to lower minus twice the logarithm of the likelihood by this though specimens may scatter as they like.
-DOUBTFUL = 8.0
-#: Scatters of specimens that are tried, up to this many times what they may be by replicates: a single specimen that
-#: carries a term is the farthest out of all. Where all together show this many times more than replicates do, the loop
-#: is closed again with that; where none were tested alike, specimens of one cloth scatter by the last at most.
-_MOST = 2.0
+#: Scatters of specimens that are tried.
 _SCATTERS = tuple(float(one) for one in 0.002 * 2.0 ** (np.arange(0, 17) / 2.0))
-_SCATTERED, _OF_ONE_CLOTH = 1.4, 0.05
 
 
 #: How far a fitted model misses readings that take no part.
@@ -116,7 +107,7 @@ def close(
     worse = tuple(name for name in best.ids if name not in helpful.ids)
     best = helpful
     scatter = min(_surprise(search, best)[1], level.gain_doubt) if level.gain_doubt else 0.0
-    if again and scatter > _SCATTERED * level.gain_sd:
+    if again and scatter > level.gain_sd:
         wider = replace(level, gain_sd=scatter)
         return close(problem, noise=wider, tick=tick, refit=refit, design=design, again=False, apart=apart)
     sure = _undoubted(search, best)
@@ -216,7 +207,7 @@ def _undoubted(search: Search, best: State) -> State:
         whole, _ = _surprise(search, best)
         worth = {name: _surprise(search, search.without(best, name), best)[0] - whole for name in best.ids}
         weakest = min(worth, key=lambda name: worth[name])
-        if worth[weakest] >= DOUBTFUL:
+        if worth[weakest] >= MARGIN:
             break
         best = search.without(best, weakest)
     return best
@@ -229,7 +220,7 @@ def _surprise(search: Search, state: State, best: State | None = None) -> tuple[
     """
 
     # No larger than replicates allow: that specimens led alike agree says that others do not scatter by any amount.
-    most = _MOST * search.noise.gain_doubt or np.inf
+    most = MOST_SCATTER * search.noise.gain_doubt or np.inf
     scatters = [scatter for scatter in _SCATTERS if scatter <= most] or [most]
 
     def misfits(one: State) -> tuple[Array, Array]:
@@ -256,7 +247,7 @@ def _without_names(search: Search, before: State, doubted: bool) -> tuple[str, f
     if not noise.groups or (replicates(search.problem.curves) and not doubted):
         return "unexplained", 0.0
     likeliest = _surprise(search, before)[1]
-    if not noise.gain_sd and likeliest > _OF_ONE_CLOTH:
+    if not noise.gain_sd and likeliest > ONE_CLOTH:
         return "unexplained", 0.0
     assumed = max(noise.gain_doubt, likeliest)
     left = float(least_misfits(search.problem, [noise.among(before.fit.predicted, assumed)], before.fit)[0])

@@ -13,6 +13,7 @@ from hyperfab.loop.catalogue import catalogue
 from hyperfab.loop.catalogue.fabric.scene import Scene
 from hyperfab.loop.fabric_start import best_by_law
 from hyperfab.loop.problem import HAS_IT, Array, Constant, Curve, Extra, Problem
+from hyperfab.loop.thresholds import MACHINE, SAME_WAY
 from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.path import GENERAL, MODE_NAMES, UNIAXIAL, Path, held, moving, uniaxial_pull
 from hyperfab.materials.law import Law
@@ -21,8 +22,6 @@ _SMOOTH_DEGREE = 5
 #: Effects that have a say in the stiffness at rest, the strain it is told at, and the least of it, as a share of the
 #: stiffness that the tests end with: no sheet lengthens without a force.
 _ELASTIC, _STEP, _LEAST = ("anisotropy", "elastic-law"), 1e-4, 1e-3
-#: Replicates turn at places that differ by less than this share of the strain: specimens slip and stretch a little.
-_SAME_WAY = 0.2
 
 
 @dataclass(frozen=True)
@@ -56,8 +55,7 @@ class FabricProblem(Problem):
     Rows of channel 0 are stresses; those of channel 1 transverse stretches of uniaxial tests (``transverse_rows``).
     """
 
-    #: Half a class of a testing machine (ISO 7500-1, class 1).
-    least_noise: ClassVar[float] = 0.005
+    least_noise: ClassVar[float] = MACHINE
     fabric: Fabric = field(kw_only=True)
     tests: Sequence[FabricTest] = field(kw_only=True)
     law: Law = field(kw_only=True)
@@ -335,7 +333,7 @@ def _is_same_way(one: Array, other: Array) -> bool:
     if one.shape != other.shape:
         return False
     far = max(float(np.max(np.abs(one))), float(np.max(np.abs(other))))
-    return float(np.max(np.abs(one - other))) <= _SAME_WAY * far
+    return float(np.max(np.abs(one - other))) <= SAME_WAY * far
 
 
 def _states(path: Path, tests: Sequence[FabricTest], speed: Array) -> dict[str, Array]:

@@ -11,17 +11,9 @@ from numpy.typing import NDArray
 from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Array, Curve, Problem
+from hyperfab.loop.thresholds import DETERMINED, SEEN, TEST_NOISE, TOLD
 
 Rows = slice | NDArray[np.int64]
-
-#: A test is counted only where the others determine its prediction to this many standard deviations of the noise (rms).
-_DETERMINED = 1.0
-#: A test is noise up to this (rms).
-_NOISE = 1.5
-#: Share of what a term explains that has to be in tests the others predict, for these to be asked.
-_SEEN = 0.5
-#: Square of the distance of two predictions of a test that its readings can tell: two standard deviations.
-_TOLD = 4.0
 
 
 @dataclass(frozen=True)
@@ -47,12 +39,12 @@ class HeldOut:
         return float(np.mean(known**2)) if len(known) else np.nan
 
 
-def leave_curves_out(fit: Fit, curves: Sequence[Curve], tolerance: float = _DETERMINED) -> HeldOut:
+def leave_curves_out(fit: Fit, curves: Sequence[Curve]) -> HeldOut:
     """Predict each curve from all others: a Gauss-Newton step away from the joint optimum, exact for linear models."""
     left = np.full(len(fit.residual), np.nan)
     counted, rms = [], np.full(len(curves), np.nan)
     for index, curve in enumerate(curves):
-        without = _without(fit, curve.rows, tolerance)
+        without = _without(fit, curve.rows)
         if without is None:
             continue
         left[curve.rows] = without
@@ -61,7 +53,7 @@ def leave_curves_out(fit: Fit, curves: Sequence[Curve], tolerance: float = _DETE
     return HeldOut(left, tuple(counted), rms, tuple(curve.rows for curve in curves))
 
 
-def _without(fit: Fit, rows: Rows, tolerance: float = _DETERMINED) -> Array | None:
+def _without(fit: Fit, rows: Rows) -> Array | None:
     """Return the whitened residual of rows that had no say in the fit, to first order; None if the rest cannot tell."""
     part = fit.jacobian[rows]
     others = fit.precision - part.T @ part
@@ -71,7 +63,7 @@ def _without(fit: Fit, rows: Rows, tolerance: float = _DETERMINED) -> Array | No
     reach = (part * scale) @ vectors
     if np.any(np.abs(reach[:, ~sure]) > 1e-3):
         return None
-    if float(np.sqrt(np.mean(np.sum(reach[:, sure] ** 2 / values[sure], axis=1)))) > tolerance:
+    if float(np.sqrt(np.mean(np.sum(reach[:, sure] ** 2 / values[sure], axis=1)))) > DETERMINED:
         return None
     r = fit.residual[rows]
     return np.asarray(r + (reach[:, sure] / values[sure]) @ (reach[:, sure].T @ r))
@@ -124,7 +116,7 @@ def help_of(before: HeldOut, after: HeldOut, gone: Array) -> Help | None:
     """
     both = sorted(set(before.counted) & set(after.counted))
     seen = sum(float(np.sum(gone[rows])) for rows in before.rows(both))
-    if len(both) < 2 or seen < _SEEN * float(np.sum(gone)):
+    if len(both) < 2 or seen < SEEN * float(np.sum(gone)):
         return None
     old, new = before.rms[both], after.rms[both]
     structured = np.median(np.maximum(old**2 - 1.0, 0.0))
@@ -137,10 +129,10 @@ def help_of(before: HeldOut, after: HeldOut, gone: Array) -> Help | None:
     matters = np.abs(old - new) > 0.02 * np.maximum(old, 1.0)
     # Two predictions that lie nearer to each other than readings can tell are neither better nor worse.
     moved = [float(np.sum((before.residual[rows] - after.residual[rows]) ** 2)) for rows in before.rows(both)]
-    matters &= np.array(moved) > _TOLD
+    matters &= np.array(moved) > TOLD
     # What was noise and stays so moves by chance alone: the less it moves beside the others, the less it says.
     change = np.abs(old**2 - new**2)
     voice = np.minimum(change / max(float(np.mean(change)), 1e-300), 1.0)
-    voice = np.where(matters, np.where(np.maximum(old, new) > _NOISE, 1.0, voice), 0.0)
+    voice = np.where(matters, np.where(np.maximum(old, new) > TEST_NOISE, 1.0, voice), 0.0)
     helped = float(np.sum(voice[new < old]) / np.sum(voice)) if np.any(matters) else 0.0
     return Help(taken, helped, len(both))

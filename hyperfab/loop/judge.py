@@ -12,14 +12,7 @@ from hyperfab.loop.fitting import Fit
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Array, Curve, Problem
 from hyperfab.loop.score import Signature, greatest_by_chance
-
-#: Chance, in all three tests together, of calling pure noise a residual.
-ALPHA = 0.015
-#: Structure smaller than this many standard deviations of the noise (rms) is found, but not worth a term: the total is
-#: then at most 1.1 times the noise.
-SMALL = 0.45
-#: Readings of a test below which it is not judged by itself.
-_FEWEST = 8
+from hyperfab.loop.thresholds import ALPHA, FEWEST_TOGETHER, SMALL
 
 
 @dataclass(frozen=True)
@@ -90,9 +83,9 @@ def _worst_by_chance(fit: Fit, dof: float, curves: Sequence[Curve]) -> float:
     each = [
         _by_chance(float(np.mean(fit.residual[curve.rows] ** 2)), float(curve.stop - curve.start), dof)
         for curve in curves
-        if not curve.beforehand and curve.stop - curve.start >= _FEWEST
+        if not curve.beforehand and curve.stop - curve.start >= FEWEST_TOGETHER
     ]
-    return min(1.0, len(each) * min(each, default=1.0))
+    return min(1.0, len(each) * min(each)) if each else 1.0
 
 
 def _degrees(fit: Fit) -> float:

@@ -13,18 +13,15 @@ from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Array, Problem
 from hyperfab.loop.score import orthonormal, projected
-from hyperfab.loop.search import MARGIN, Search, State
-
-#: Constants a rival may always have.
-_FEWEST = 2
-#: An entry whose imprint has less than this (squared cosine) in common with a found effect's is no rival: to pass it
-#: would have to have nearly all. A little of a large effect has not all in common with it either: that is the measure.
-_ALIKE = 0.2
-#: Where the model's own constants are this unlikely to be so far from what is known of them, a rival passes that
-#: reproduces this share: the found law is then not sure to be the whole truth.
-_STRAINED, _SHARE_WHERE_STRAINED = 1e-3, 0.95
-#: Where much is known of the own constants a rival is none that needs them this unlikely far off, the found law not.
-_IMPOSSIBLE = 1e-6
+from hyperfab.loop.search import Search, State
+from hyperfab.loop.thresholds import (
+    ALIKE,
+    FEWEST_CONSTANTS,
+    IMPOSSIBLE,
+    MARGIN,
+    SHARE_WHERE_STRAINED,
+    STRAINED,
+)
 
 
 @dataclass(frozen=True)
@@ -54,7 +51,7 @@ def rivals(search: Search, best: State) -> list[Rival]:
     found = []
     for name in best.ids:
         without = search.without(best, name)
-        most = max(len(best.fit.forms[name].constants), _FEWEST)
+        most = max(len(best.fit.forms[name].constants), FEWEST_CONSTANTS)
         imprint = _misfit(search.problem, search.noise, best.fit, without.fit)
         alike = _alike(search, best, without)
         for effect, _ in search.ranking(without):
@@ -64,7 +61,7 @@ def rivals(search: Search, best: State) -> list[Rival]:
             # bringing these home, and whatever a little of it looks like.
             free = search.with_term(without, effect) if search.problem.well_known else None
             gap = np.inf if free is None else _gap(search, best, search.state(free))
-            if alike[effect.id] < _ALIKE * alike.get(name, 1.0) and gap >= MARGIN:
+            if alike[effect.id] < ALIKE * alike.get(name, 1.0) and gap >= MARGIN:
                 continue
             # Else a rival with more constants than the found law would pass for nearly anything.
             fitted = search.with_term(without, effect, most=most)
@@ -120,7 +117,7 @@ def indistinguishable(problem: Problem, found: Sequence[Rival], best: State) -> 
     """Return, for each found effect, the set of it and the rivals the data cannot tell from it."""
     sets = []
     strained = is_strained(problem, best.fit)
-    most = _SHARE_WHERE_STRAINED if strained else 1.0
+    most = SHARE_WHERE_STRAINED if strained else 1.0
     for name in best.ids:
         effect = problem.effect(name)
         # Of the sets the plan cannot tell apart, those that are in the model already are no alternatives.
@@ -143,10 +140,10 @@ def indistinguishable(problem: Problem, found: Sequence[Rival], best: State) -> 
 def _is_impossible(problem: Problem, rival: Rival) -> bool:
     if not problem.well_known or rival.state is None:
         return False
-    return is_strained(problem, rival.state.fit, _IMPOSSIBLE)
+    return is_strained(problem, rival.state.fit, IMPOSSIBLE)
 
 
-def is_strained(problem: Problem, found: Fit, least: float = _STRAINED) -> bool:
+def is_strained(problem: Problem, found: Fit, least: float = STRAINED) -> bool:
     """Whether a fit puts the model's own constants, together, further off than what is known of them allows.
 
     ``least`` is the probability below which they are.

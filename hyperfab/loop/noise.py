@@ -10,29 +10,27 @@ from numpy.typing import NDArray
 from scipy.special import chdtrc
 
 from hyperfab.loop.problem import Array, Curve, Problem
+from hyperfab.loop.thresholds import (
+    ASSUMED,
+    BEYOND,
+    BY_CHANCE,
+    CLEARLY,
+    EARNS,
+    FEW,
+    FEWEST_READ,
+    FEWEST_TOGETHER,
+)
 
 #: Of a normal distribution: standard deviation over median absolute deviation.
-_MAD = 1.4826
+MAD = 1.4826
 #: Smoothed third differences count for about this many independent readings each, their median for less.
 _WORTH = 0.3
-#: Differences needed for a level of a curve's own, and the chance of telling levels apart that are alike.
-_ENOUGH, _BY_CHANCE = 12, 1e-4
-#: Noise of readings too few to tell, as a share of the largest: of a testing machine of the coarsest class, twice.
-ASSUMED = 0.02
 _ASSUMED_SOURCE = f"assumed: {100.0 * ASSUMED:g} % of the largest reading, for too few in a row to tell"
-#: A constant of the noise more has to lower minus twice the logarithm of the likelihood of the differences by this.
-_EARNS = 6.0
 #: Ratios tried of the noise in proportion, at the largest reading, to that at zero; misfits that are hardly apart.
 _RATIOS = (0.0, 0.3, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 14.0, 20.0, 30.0, 50.0, 100.0)
 _HARDLY = 2.0
-#: A scatter of specimens seen in one pair may be this many times greater (fewer with more pairs): the quantiles of
-#: Student's distribution for so few degrees of freedom. Only what readings cannot explain to two of their standard
-#: deviations counts.
-_FEW, _BEYOND = 1.5, 4.0
 #: Passes in which readings far off are drawn in: each is nearer to the fit without them.
 _ROBUST = 3
-#: Lower by this, chi-squared says that replicates differ by an offset or by slack rather than in stiffness.
-_CLEARLY = 25.0
 
 
 @dataclass(frozen=True)
@@ -237,14 +235,14 @@ def _from_differences(y: Array, curves: Sequence[Curve], rows: Array) -> tuple[A
     for ratio in _RATIOS:
         shape = np.sqrt(1.0 + (ratio * level / size) ** 2)
         scaled = np.abs(found) / shape
-        a = max(_MAD * float(np.median(scaled)), floor)
+        a = max(MAD * float(np.median(scaled)), floor)
         alike = np.ones(len(parts))
         for each in (alike, _of_each(np.split(scaled / a, edges))):
             spread = a * np.repeat(each, [len(part[0]) for part in parts])
             # Winsorised: a corner the pieces do not know of must not speak for a louder noise.
             misfit = 2.0 * float(np.sum(np.log(spread * shape)))
             misfit += float(np.sum(np.minimum(scaled / spread, 3.0) ** 2))
-            misfit += _EARNS * ((ratio > 0.0) + (0 if each is alike else len(parts) - 1))
+            misfit += EARNS * ((ratio > 0.0) + (0 if each is alike else len(parts) - 1))
             tried.append((misfit, a, a * ratio / size, each))
     # Of what the data hardly tell apart, the least in proportion: rows near zero must not pass for surer than they are.
     least = min(misfit for misfit, *_ in tried)
@@ -261,7 +259,7 @@ def _of_each(scaled: Sequence[Array]) -> Array:
     by what they scatter by chance (James and Stein).
     """
     worth = np.array([_WORTH * len(one) for one in scaled])
-    level = np.array([_MAD * float(np.median(one)) if len(one) >= _ENOUGH else 0.0 for one in scaled])
+    level = np.array([MAD * float(np.median(one)) if len(one) >= FEWEST_READ else 0.0 for one in scaled])
     known = level > 0.0
     factor = np.ones(len(scaled))
     if np.count_nonzero(known) < 2:
@@ -269,7 +267,7 @@ def _of_each(scaled: Sequence[Array]) -> Array:
     size, weight = np.log(level[known]), 2.0 * worth[known]
     middle = float(np.average(size, weights=weight))
     apart, free = float(weight @ (size - middle) ** 2), len(size) - 1
-    if chdtrc(free, apart) > _BY_CHANCE:
+    if chdtrc(free, apart) > BY_CHANCE:
         return factor
     between = max(apart / free - 1.0, 0.0) / float(np.mean(weight))
     kept = between / (between + 1.0 / weight)
@@ -294,7 +292,7 @@ def _with_replicates(problem: Problem, noise: Noise, free: bool) -> Noise:
     gains, sure, rests, lags, count = [], [], [], [], 0
     for first, second in replicates(problem.curves):
         apart, level, slope, sd = _difference(y, noise.sd, first, second)
-        if len(apart) < 8:
+        if len(apart) < FEWEST_TOGETHER:
             continue
         apart, shapes = apart / sd, (level / sd, (1.0 / sd, slope / sd))
         values = apart
@@ -304,7 +302,7 @@ def _with_replicates(problem: Problem, noise: Noise, free: bool) -> Noise:
             values = values - left + _winsorised(apart - values + left)
         gain = float(coefficients[0])
         gains.append(gain**2 / 2.0 - variance)
-        sure.append(gain**2 / 2.0 - _BEYOND * variance)
+        sure.append(gain**2 / 2.0 - BEYOND * variance)
         quiet = _winsorised(left)
         rests.append(float(quiet @ quiet) / (2.0 * (len(left) - len(coefficients))))
         lags.append(float(quiet[1:] @ quiet[:-1]) / max(float(quiet @ quiet), 1e-300))
@@ -312,7 +310,7 @@ def _with_replicates(problem: Problem, noise: Noise, free: bool) -> Noise:
     if not gains:
         return noise
     gain_sd = float(np.sqrt(max(float(np.mean(gains)), 0.0)))
-    doubt = (1.0 + _FEW / len(sure)) * float(np.sqrt(max(float(np.mean(sure)), 0.0)))
+    doubt = (1.0 + FEW / len(sure)) * float(np.sqrt(max(float(np.mean(sure)), 0.0)))
     rho = float(np.mean(lags))
     # Interpolating one replicate onto the other and a fitted gain correlate a little; below this nothing is claimed.
     rho = rho if rho > 0.3 + 2.0 / np.sqrt(count) else 0.0
@@ -335,7 +333,7 @@ def _with_replicates(problem: Problem, noise: Noise, free: bool) -> Noise:
 
 def _winsorised(left: Array) -> Array:
     """Return differences, those beyond three median deviations taken as three."""
-    most = 3.0 * _MAD * float(np.median(np.abs(left)))
+    most = 3.0 * MAD * float(np.median(np.abs(left)))
     return np.clip(left, -most, most)
 
 
@@ -346,7 +344,7 @@ def _louder(problem: Problem, sd: Array, channel: int) -> Array:
         np.mean((apart / spread) ** 2) / 2.0
         for first, second in replicates(problem.curves, channel)
         for apart, _, _, spread in [_difference(problem.measured, sd, first, second)]
-        if len(apart) >= 8
+        if len(apart) >= FEWEST_TOGETHER
     ]
     if squares:
         factor[problem.channel == channel] = np.sqrt(max(float(np.mean(squares)), 1.0))
@@ -383,7 +381,7 @@ def _told_apart(apart: Array, level: Array, others: Sequence[Array]) -> tuple[Ar
     stiffer = least([level])
     best = min(((*least([other]), other) for other in others), key=lambda one: float(one[2] @ one[2]))
     found = stiffer
-    if float(stiffer[2] @ stiffer[2]) - float(best[2] @ best[2]) > _CLEARLY:
+    if float(stiffer[2] @ stiffer[2]) - float(best[2] @ best[2]) > CLEARLY:
         found = least([level, best[3]])
     return found[0], float(found[1][0, 0]), found[2]
 

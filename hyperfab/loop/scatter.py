@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from hyperfab.loop.noise import third_differences
+from hyperfab.loop.noise import MAD, third_differences
 from hyperfab.loop.problem import Array, Curve
+from hyperfab.loop.thresholds import ASSUMED, EARNS, FEWEST_TOGETHER
 
-#: Neighbours a plane is laid through, and of a normal distribution: standard deviation over median deviation.
-_NEIGHBOURS, _MAD = 9, 1.4826
+#: Neighbours a plane is laid through.
+_NEIGHBOURS = 9
 #: Two readings nearer than this share of the cloud's size are repeats of each other.
 _SAME = 1e-6
 
@@ -40,9 +41,9 @@ class Guess:
         return max(_size(self.found / np.hypot(1.0, ratio * self.level / top)), 1e-9 * top)
 
 
-#: Noise in proportion to the reading, over the constant part at the largest; what asking for it has to earn in minus
-#: twice the logarithm of the likelihood, and how many independent differences one counts for.
-_RATIOS, _EARNS, _WORTH = (0.0, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0), 6.0, 0.4
+#: Noise in proportion to the reading, over the constant part at the largest; how many independent
+#: differences one counts for.
+_RATIOS, _WORTH = (0.0, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0), 0.4
 
 
 def proportional(guesses: Sequence[Guess], top: float) -> float:
@@ -56,11 +57,15 @@ def proportional(guesses: Sequence[Guess], top: float) -> float:
     0.0
     """
     known = [(one.found, one.level) for one in guesses if one.found is not None and one.level is not None]
-    if len(known) < len(guesses) or min((len(found) for found, _ in known), default=0) < 8 or top <= 0.0:
+    if (
+        len(known) < len(guesses)
+        or min((len(found) for found, _ in known), default=0) < FEWEST_TOGETHER
+        or top <= 0.0
+    ):
         return 0.0
     misfits = []
     for ratio in _RATIOS:
-        misfit = _EARNS * (ratio > 0.0)
+        misfit = EARNS * (ratio > 0.0)
         for found, level in known:
             shape = np.hypot(1.0, ratio * level / top)
             size = max(_size(found / shape), 1e-9 * top)
@@ -103,7 +108,7 @@ def guess_of_cloud(places: Array, values: Array, level: Array | None = None) -> 
     top = float(np.max(np.abs(values), initial=0.0)) or 1.0
     count = min(_NEIGHBOURS, len(values) - 1)
     if count < 5:
-        return Guess(0.02 * top, 2.0, source)
+        return Guess(ASSUMED * top, 2.0, source)
     _, near = tree.query(places, count + 1)
     left = np.empty(len(values))
     for i, (mine, others) in enumerate(zip(near[:, 0], near[:, 1:], strict=True)):
@@ -116,7 +121,7 @@ def guess_of_cloud(places: Array, values: Array, level: Array | None = None) -> 
 
 def _size(left: Array) -> float:
     """Return the standard deviation of differences: their rms, those beyond three median deviations taken as three."""
-    most = 3.0 * _MAD * float(np.median(np.abs(left)))
+    most = 3.0 * MAD * float(np.median(np.abs(left)))
     return float(np.sqrt(np.mean(np.minimum(np.abs(left), most) ** 2)))
 
 
@@ -180,5 +185,5 @@ def guess_of_curve(
     left = np.concatenate(found)
     top = float(np.max(np.abs(values), initial=0.0)) or 1.0
     if len(left) < 4:
-        return Guess(0.02 * top, 2.0, source)
+        return Guess(ASSUMED * top, 2.0, source)
     return Guess(max(_size(left), 1e-6 * top), max(0.4 * len(left), 2.0), source, left, np.concatenate(sizes))

@@ -15,21 +15,14 @@ from hyperfab.loop.judge import Judgement, correlation_time, judge
 from hyperfab.loop.noise import Noise, with_misfit
 from hyperfab.loop.problem import Array, Effect, Form, Problem
 from hyperfab.loop.score import Signature, points_at, signatures
+from hyperfab.loop.thresholds import FIRST_SHARE, HELPED, HELPED_OF_THREE, MARGIN, NEXT_SHARE, TAKEN, WRONG
 
-#: A term must lower BIC by this much.
-MARGIN = 8.0
 #: Refinements of the terms of a model that leaves much.
 _STEPS = 4
 #: Steps from each of several starts.
 _FEW = 5
 #: Forms of an entry that are tried, and entries of which the forms that refine them are tried too.
 _FORMS, _RICH = 3, 3
-#: A model whose mean square misfit is so many times the noise's is wrong.
-_WRONG = 4.0
-#: Shares of the structured variance a first and a further term must take.
-FIRST_SHARE, NEXT_SHARE = 0.01, 0.05
-#: Shares of the structured held-out error and of the tests; of three tests, two are enough.
-TAKEN, HELPED, HELPED_OF_THREE = 0.2, 0.7, 0.6
 
 
 @dataclass
@@ -123,7 +116,7 @@ class Search:
         given = np.array([constant.value for constant in self.problem.own])
         fits = [fit(self.problem, self.noise, {}, start) for start in (given, *self.problem.starts)]
         best = min(fits, key=lambda one: one.cost)
-        if not np.isfinite(best.chi2) or best.chi2 <= _WRONG * len(best.residual):
+        if not np.isfinite(best.chi2) or best.chi2 <= WRONG * len(best.residual):
             return self.state(best)
         # What the model misses counts as noise: the quietest test must not be all that it is fitted to. What a term is
         # worth is told from the model's own optimum under the noise, as that of every larger one is.

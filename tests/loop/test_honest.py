@@ -176,6 +176,14 @@ def test_noise_that_is_a_guess_is_called_one() -> None:
     assert not long.source.startswith("assumed")
 
 
+def test_tests_of_few_readings_each_can_be_noise() -> None:
+    """Short tests, none long enough to be judged by itself."""
+    tests = [pulled(rubber, rows=7, seed=k, name=f"short {k}", angle_deg=90.0 * (k % 2)) for k in range(6)]
+    found = close(posed(tests, "yeoh-3"), noise=0.001, design=False)
+    assert found.before.judgement.p_lack_of_fit > 0.01
+    assert found.verdict == "noise"
+
+
 def test_smooth_curves_are_not_surer_than_the_machine_unless_replicates_say_so() -> None:
     smooth = [
         pulled(rubber, noise=0.0, name="one"),

@@ -42,8 +42,6 @@ from hyperfab.membrane.friction import Coulomb, Stick
 from hyperfab.membrane.sheet import Sheet as SheetAlone
 from hyperfab.membrane.sphere_test import SphereTest, rough_path
 
-#: What is known of the law's constants where --prior does not say.
-PRIOR = 0.10
 #: Depths the force is emulated at; the mesh of the loop, relative to half the sheet, and the order of its elements.
 _KNOTS, _MESH, _ORDER = 12, 0.16, 1
 #: How far an added prestretch and the friction may go.
@@ -68,7 +66,7 @@ def run(job: Job, given: Given) -> int:
         sheet,
         files.plain,
         material,
-        PRIOR if given.prior is None else given.prior,
+        given.surely,
         given.fix,
         made.case.temperature,
         made.case.rim_slip,

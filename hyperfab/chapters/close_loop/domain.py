@@ -15,6 +15,7 @@ from hyperfab.io.json_io import load_json
 from hyperfab.io.layout import Layout
 from hyperfab.io.specimen import Geometry
 from hyperfab.io.toml_io import load_toml
+from hyperfab.loop.thresholds import PRIOR
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,11 @@ class Given:
     def prior(self) -> float | None:
         """The relative standard deviation of the model's own constants, where it is stated."""
         return self.case.prior
+
+    @property
+    def surely(self) -> float:
+        """The same, or what is taken for constants of which something is always known."""
+        return PRIOR if self.prior is None else self.prior
 
     @property
     def fix(self) -> list[str]:

@@ -39,8 +39,6 @@ from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Array, Problem
 from hyperfab.loop.scatter import Guess, cloud_noise
 
-#: What is known of the law's constants where --prior does not say.
-PRIOR = 0.10
 #: Nodes a side of the loop's own grid, its load steps where it rubs, and the residual it is brought to.
 _NODES, _STEPS, _TOLERANCE = 25, 10, 1e-6
 #: The residual with which a run counts where no step gets nearer: places are then off by some thousandths of a mm.
@@ -83,7 +81,7 @@ def run(job: Job, given: Given) -> int:
     _check_places(forward.sheet, [*files.plain, *files.apart])
     with job.console.progress("Closing the loop") as advance:
         draped = pose_sheet(forward, lambda share: advance(0.3 * share, "forward runs"))
-    problem = pose(draped, files.plain, PRIOR if given.prior is None else given.prior, given.fix)
+    problem = pose(draped, files.plain, given.surely, given.fix)
     return finish(
         job,
         out,

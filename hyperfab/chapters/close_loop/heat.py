@@ -34,8 +34,6 @@ from hyperfab.thermal.radiation import Radiation
 from hyperfab.thermal.reduced import HOLDS, ReducedMold, reduce
 from hyperfab.thermal.tables import Table
 
-#: What is known of a mold's own constants where --prior does not say.
-PRIOR = 0.10
 #: Conductance that counts as a perfect joint [W/m^2/K].
 PERFECT = 1e7
 _REFITS = 40.0
@@ -75,9 +73,7 @@ def run(job: Job, given: Given) -> int:
         job.console.warn(text)
     with job.console.progress("Closing the loop") as advance:
         advance(0.0, "meshing")
-        problem, warnings = pose(
-            job, document, given.name, builder, read, given.fix, PRIOR if given.prior is None else given.prior
-        )
+        problem, warnings = pose(job, document, given.name, builder, read, given.fix, given.surely)
         for text in warnings:
             job.console.warn(text)
         found = close(problem, noise=level, tick=ticking(advance, 0.2, _REFITS))

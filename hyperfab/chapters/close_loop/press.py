@@ -33,8 +33,6 @@ from hyperfab.loop.problem import Array, Problem
 from hyperfab.loop.scatter import Guess, guess_of_cloud, guess_of_curve
 from hyperfab.surface import Surface
 
-#: What is known of the foam's stiffness where --prior does not say.
-PRIOR = 0.10
 _KINDS: dict[str, Kind] = {
     "stress": "pressure",
     "length": "thickness",
@@ -62,9 +60,7 @@ def run(job: Job, given: Given) -> int:
         told, warnings = closed_press(job, made.case)
         check_unchanged(job, made, [*given.measured, *given.held])
         advance(0.15, "gaps over the stroke")
-        problem, others = pose_with(
-            told, files.measured, PRIOR if given.prior is None else given.prior, given.fix, files.apart
-        )
+        problem, others = pose_with(told, files.measured, given.surely, given.fix, files.apart)
     return finish(
         job,
         out,

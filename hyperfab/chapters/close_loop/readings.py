@@ -16,11 +16,7 @@ from hyperfab.io.csv_table import Table
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Array, Problem
 from hyperfab.loop.scatter import Guess, proportional
-
-#: Readings below which noise cannot be told from a residual.
-LEAST = 12
-#: Chance of telling levels of noise apart that are alike.
-_BY_CHANCE = 1e-4
+from hyperfab.loop.thresholds import BY_CHANCE, FEWEST_READ
 
 
 class Reading(Protocol):
@@ -54,11 +50,11 @@ class Files(Generic[R]):
 def read_files(given: Given, read: Callable[[str], tuple[R, Array | None]]) -> Files[R]:
     """Read every file; InputError where there are too few readings."""
     measured = [read(name) for name in given.measured]
-    if sum(len(one.values) for one, _ in measured) < LEAST:
+    if sum(len(one.values) for one, _ in measured) < FEWEST_READ:
         raise InputError(
             "has too few readings to tell noise from a residual",
             file=given.measured[0],
-            remedy=f"give {LEAST} or more",
+            remedy=f"give {FEWEST_READ} or more",
         )
     return Files(measured, [read(name)[0] for name in given.held])
 
@@ -159,4 +155,4 @@ def alike(sizes: Array, dof: Array) -> bool:
     whole = float(dof.sum())
     gap = whole * np.log(np.average(sizes**2, weights=dof)) - float(dof @ np.log(sizes**2))
     share = 1.0 + (float(np.sum(1.0 / dof)) - 1.0 / whole) / (3.0 * (len(sizes) - 1.0))
-    return float(chdtrc(len(sizes) - 1.0, gap / share)) > _BY_CHANCE
+    return float(chdtrc(len(sizes) - 1.0, gap / share)) > BY_CHANCE

@@ -12,9 +12,7 @@ from hyperfab.errors import InputError
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.layout import Layout
 from hyperfab.loop.problem import Array
-
-#: Readings a probe needs.
-_FEWEST = 12
+from hyperfab.loop.thresholds import FEWEST_READ
 
 
 @dataclass(frozen=True)
@@ -60,12 +58,12 @@ def read_thermocouples(job: Job, name: str, probes: Sequence[str], layout: Layou
             )
     readings = np.stack([table[column] for column in columns], axis=1)
     for number, column in enumerate(columns):
-        if np.isfinite(readings[:, number]).sum() < _FEWEST:
+        if np.isfinite(readings[:, number]).sum() < FEWEST_READ:
             raise InputError(
                 "has too few readings to tell noise from a residual",
                 file=name,
                 column=column,
-                remedy=f"give {_FEWEST} or more, or leave the column out",
+                remedy=f"give {FEWEST_READ} or more, or leave the column out",
             )
     power = table["power"] if "power" in table.columns else None
     return Thermocouples(table["time"], readings, [known[column.casefold()] for column in columns], power)

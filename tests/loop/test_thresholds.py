@@ -1,0 +1,326 @@
+"""Each number the loop decides by: a case below it and one above it, and a page that says what it stands for."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from loop.test_honest import posed, pulled, rubber
+from loop.test_kernels import DESIGN, SD, WHITE, X, line
+from scipy.optimize import brentq
+from scipy.stats import chi2, norm
+
+from hyperfab.chapters.close_loop import readings
+from hyperfab.chapters.close_loop.domain import Given
+from hyperfab.errors import InputError
+from hyperfab.loop import engine, fabric, heldout, judge, mimic, noise, scatter, thresholds
+from hyperfab.loop.design import NextMeasurement
+from hyperfab.loop.fabric import FabricTest
+from hyperfab.loop.heldout import HeldOut, Help, help_of
+from hyperfab.loop.judge import Judgement
+from hyperfab.loop.noise import Noise, estimate_noise
+from hyperfab.loop.problem import Constant, Curve
+from hyperfab.loop.scatter import Guess
+from hyperfab.loop.search import Evidence, Search
+
+NAMES = [name for name in vars(thresholds) if name.isupper()]
+PAGE = Path(__file__).parents[2] / "docs" / "close-loop-thresholds.md"
+
+
+def judged(structured: float, p: float = 0.0) -> Judgement:
+    return Judgement(1.0, structured, p, p, p)
+
+
+def evidence(bic: float = 99.0, share: float = 0.9, help: Help | None = None) -> Evidence:
+    return Evidence(bic, share, help, certain=True)
+
+
+def explained(before: float, left: float) -> bool:
+    return engine.explains(*(SimpleNamespace(judgement=judged(one)) for one in (before, left)))  # type: ignore[arg-type]
+
+
+def judged_alone(rows: int) -> bool:
+    """Whether a test of so many rows that misses by ten standard deviations is seen by itself."""
+    left = SimpleNamespace(residual=np.full(rows, 10.0))
+    return judge._worst_by_chance(left, np.inf, [Curve("t", 0, rows, np.arange(rows))]) < 0.5  # type: ignore[arg-type]
+
+
+def read(rows: int) -> bool:
+    given = SimpleNamespace(measured=["a.csv"], held=[])
+    try:
+        readings.read_files(given, lambda name: (SimpleNamespace(values=np.zeros(rows)), None))  # type: ignore[arg-type,return-value]
+    except InputError:
+        return False
+    return True
+
+
+def sd_of(rows: int) -> float:
+    """The noise of two smooth curves, in shares of their peaks."""
+    tests = [
+        pulled(lambda l, k=k: k * rubber(l), rows=rows, noise=0.0, angle_deg=90.0 * (k - 1), name=f"{k}")
+        for k in (1, 2)
+    ]
+    problem = posed(tests, "neo-hookean")
+    return float(estimate_noise(problem).sd[-1] / np.max(problem.measured))
+
+
+def in_proportion(gain: float) -> bool:
+    """Whether noise in proportion is claimed where it makes the readings so much likelier."""
+    rng = np.random.default_rng(0)
+    level = np.linspace(1.0, 100.0, 60)
+    base = rng.standard_normal(60)
+
+    def claimed(power: float) -> tuple[float, Guess]:
+        found = base * level**power
+        guess = Guess(scatter._size(found), 30.0, "", found, level)
+        costs = []
+        for ratio in scatter._RATIOS:
+            shape = np.hypot(1.0, ratio * level / 100.0)
+            size = scatter._size(found / shape)
+            left = np.minimum(np.abs(found) / (size * shape), 3.0)
+            costs.append(scatter._WORTH * float(np.sum(2.0 * np.log(size * shape) + left**2)))
+        return costs[0] - min(costs), guess
+
+    power = brentq(lambda one: claimed(one)[0] - gain, 0.0, 1.5, xtol=1e-4)
+    return scatter.proportional([claimed(float(power))[1]], 100.0) > 0.0
+
+
+def alike(p: float) -> bool:
+    """Whether two levels of noise that chance would make so different with probability ``p`` count as the same."""
+    dof = np.array([20.0, 20.0])
+
+    def chance(ratio: float) -> float:
+        sizes = np.array([1.0, ratio])
+        gap = 40.0 * np.log(np.mean(sizes**2)) - 20.0 * np.sum(np.log(sizes**2))
+        return float(chi2.sf(gap / (1.0 + (0.1 - 0.025) / 3.0), 1))
+
+    ratio = brentq(lambda one: np.log(chance(one) / p), 1.01, 20.0)
+    return readings.alike(np.array([1.0, ratio]), dof)
+
+
+def pair(gain: float, offset: float = 0.0) -> tuple[Any, Noise, float]:
+    """Two replicates that differ by a gain, in standard deviations of it; the noise told, and that deviation."""
+    lam = np.linspace(1.0, 1.5, 60)
+    stress, sd = rubber(lam), 0.02
+    one_sd = sd / float(np.sqrt(np.sum(stress**2)))
+    tests = [
+        FabricTest(f"{k}", 0, lam, stress * (1.0 + sign * 0.5 * gain * one_sd), specimen=f"{k}")
+        for k, sign in enumerate((-1.0, 1.0))
+    ]
+    problem = posed(tests)
+    return problem, estimate_noise(problem, sd), one_sd
+
+
+def beyond(variances: float) -> bool:
+    """Whether a difference whose half square is so many variances counts."""
+    return pair(np.sqrt(2.0 * variances))[1].gain_doubt > 0.0
+
+
+def offset_told(gained: float) -> bool:
+    level = np.linspace(0.1, 1.0, 50)
+    ones, slope = np.ones(50), np.gradient(level)
+    left = ones - level * float(level @ ones) / float(level @ level)
+    size = np.sqrt(gained / float(left @ left))
+    return len(noise._told_apart(size * ones, level, (ones, slope**2))[0]) == 2
+
+
+def scatter_tried() -> float:
+    """The likeliest scatter, over what replicates say it may be, of sheets that differ threefold between directions."""
+    tests = [
+        pulled(
+            lambda l, k=k: k * rubber(l), rows=30, noise=1e-3, seed=10 * k + n, angle_deg=a, name=f"{a} {n}"
+        )
+        for k, a in ((1, 0.0), (3, 90.0))
+        for n in range(2)
+    ]
+    problem = posed(tests)
+    search = Search(problem, estimate_noise(problem))
+    known = Noise(**{**vars(search.noise), "gain_sd": 0.02, "gain_doubt": 0.032})
+    search = Search(problem, known)
+    return engine._surprise(search, search.base())[1] / 0.032
+
+
+def cloth(share: float) -> str:
+    """The verdict on specimens that differ by so much, none of them led alike."""
+    tests = [
+        pulled(
+            lambda l, g=1.0 + share * way: g * rubber(l),
+            rows=40,
+            seed=k,
+            noise=1e-3,
+            angle_deg=a,
+            degrees=20 + k,
+            name=f"{k}",
+        )
+        for k, (a, way) in enumerate(
+            zip((0.0, 90.0, 0.0, 90.0, 0.0, 90.0), (1, 1, -1, -1, 0.6, -0.6), strict=True)
+        )
+    ]
+    return engine.close(posed(tests), design=False).verdict
+
+
+def led_alike(share: float) -> bool:
+    return fabric._is_same_way(np.array([[0.4, 0.0]]), np.array([[0.4 * (1.0 - share), 0.0]]))
+
+
+def counts(sd: float) -> bool:
+    """Whether a test counts whose prediction the others know to so many standard deviations."""
+    here = DESIGN[:20]
+    weight = np.sqrt(np.mean(np.sum(here**2, axis=1)))
+    found = SimpleNamespace(
+        jacobian=here, precision=here.T @ here + np.eye(2) * (weight / sd) ** 2, residual=np.zeros(20)
+    )
+    return heldout._without(found, slice(0, 20)) is not None  # type: ignore[arg-type]
+
+
+def left_out(*tests: tuple[float, float], gone: float = 1.0) -> Help | None:
+    """Help for tests that go from one rms to another, thirty rows each; a share ``gone`` of the gain lies in them."""
+    places = tuple(slice(30 * k, 30 * k + 30) for k in range(len(tests)))
+
+    def of(k: int) -> HeldOut:
+        rms = np.array([one[k] for one in tests])
+        return HeldOut(np.repeat(rms, 30), tuple(range(len(tests))), rms, places)
+
+    rows = np.concatenate([np.full(30 * len(tests), gone / (30 * len(tests))), [1.0 - gone]])
+    return help_of(of(0), of(1), rows)
+
+
+def helped(*tests: tuple[float, float]) -> float:
+    found = left_out(*tests)
+    assert found is not None
+    return found.helped
+
+
+def strained(p: float, call: Callable[..., bool] | None = None) -> bool:
+    away = float(norm.isf(0.5 * p))
+    own = [Constant("a", 0.0, prior_sd=1.0)]
+    problem = SimpleNamespace(own=own, well_known=True)
+    found = SimpleNamespace(x=np.array([away]))
+    if call is None:
+        return mimic.is_strained(problem, found, thresholds.STRAINED)  # type: ignore[arg-type]
+    return call(problem, SimpleNamespace(state=SimpleNamespace(fit=found)))
+
+
+def stands_in(share: float) -> bool:
+    """Whether a rival that reproduces so much passes where the constants are strained."""
+    effect = SimpleNamespace(mimic_share=0.995, mimic_left=1.5, not_sought="")
+    problem = SimpleNamespace(
+        own=[Constant("a", 0.0, prior_sd=1.0)], look_alikes=(), well_known=False, effect=lambda name: effect
+    )
+    best = SimpleNamespace(ids=("one",), fit=SimpleNamespace(x=np.array([9.0])))
+    rival = mimic.Rival("other", "one", share, 0.1, 99.0, None)
+    return bool(mimic.indistinguishable(problem, [rival], best))  # type: ignore[arg-type]
+
+
+def rivals_asked(monkeypatch: pytest.MonkeyPatch, constants: int, cosine: float) -> list[int]:
+    """The constants that a rival of a law with so many is allowed, if it is asked at all."""
+    asked: list[int] = []
+    other = SimpleNamespace(id="other")
+    search = SimpleNamespace(
+        problem=SimpleNamespace(well_known=False), noise=None,
+        without=lambda best, name: SimpleNamespace(fit=None),
+        ranking=lambda state: [(other, 1.0)],
+        with_term=lambda state, effect, most=99: asked.append(most),
+    )  # fmt: skip
+    form = SimpleNamespace(constants=range(constants))
+    best = SimpleNamespace(ids=("one",), fit=SimpleNamespace(forms={"one": form}))
+    monkeypatch.setattr(mimic, "_misfit", lambda *given: 1.0)
+    monkeypatch.setattr(mimic, "_alike", lambda *given: {"one": 1.0, "other": cosine})
+    mimic.rivals(search, best)  # type: ignore[arg-type]
+    return asked
+
+
+def wrong(times: float) -> bool:
+    """Whether the misfit of a line counts as noise where its mean square is so many times the noise's."""
+    rng = np.random.default_rng(2)
+    left = rng.standard_normal(len(X))
+    left -= DESIGN @ np.linalg.lstsq(DESIGN, left, rcond=None)[0]
+    problem = line(1.0 + 2.0 * X + SD * left * np.sqrt(times * len(X) / float(left @ left)))
+    return Search(problem, WHITE).base().under is not None
+
+
+#: What is said below a number and above it; the cases lie within a factor of two of it on either side.
+CASES: dict[str, tuple[Callable[[pytest.MonkeyPatch], Any], Any]] = {
+    "ALPHA": (lambda _: [judged(9.0, p).is_noise for p in (0.0035, 0.007)], [False, True]),
+    "SMALL": (lambda _: [judged(left).is_small for left in (0.3, 0.6)], [True, False]),
+    "EXPLAINED": (lambda _: [explained(2.6, left) for left in (0.5, 0.64)], [True, False]),
+    "ENOUGH": (lambda _: [explained(100.0, left) for left in (0.5, 0.9)], [True, False]),
+    "FEWEST_TOGETHER": (lambda _: [judged_alone(rows) for rows in (6, 12)], [False, True]),
+    "FEWEST_READ": (lambda _: [read(rows) for rows in (9, 18)], [False, True]),
+    "ASSUMED": (lambda _: sd_of(4) == pytest.approx(0.02), True),
+    "MACHINE": (lambda _: sd_of(60) == pytest.approx(0.005), True),
+    "EARNS": (lambda _: [in_proportion(gain) for gain in (4.5, 8.0)], [False, True]),
+    "BY_CHANCE": (lambda _: [alike(p) for p in (0.7e-4, 1.4e-4)], [False, True]),
+    "FEW": (lambda _: (lambda told: 2.3 < told.gain_doubt / told.gain_sd < 2.6)(pair(40.0)[1]), True),
+    "BEYOND": (lambda _: [beyond(one) for one in (3.0, 6.0)], [False, True]),
+    "MOST_SCATTER": (lambda _: 1.4 < scatter_tried() <= 2.0, True),
+    "ONE_CLOTH": (lambda _: [cloth(share) for share in (0.04, 0.06)], ["noise", "unexplained"]),
+    "SAME_WAY": (lambda _: [led_alike(share) for share in (0.15, 0.3)], [True, False]),
+    "CLEARLY": (lambda _: [offset_told(gained) for gained in (18.0, 35.0)], [False, True]),
+    "MARGIN": (lambda _: [evidence(bic=bic).pays(True) for bic in (6.0, 12.0)], [False, True]),
+    "FIRST_SHARE": (lambda _: [evidence(share=one).pays(True) for one in (0.007, 0.015)], [False, True]),
+    "NEXT_SHARE": (lambda _: [evidence(share=one).pays(False) for one in (0.035, 0.075)], [False, True]),
+    "TAKEN": (lambda _: [evidence(help=Help(one, 1.0, 6)).pays(True) for one in (0.15, 0.3)], [False, True]),
+    "HELPED": (lambda _: [evidence(help=Help(1.0, one, 6)).accepted(True) for one in (0.5, 0.9)], [False, True]),
+    "HELPED_OF_THREE": (
+        lambda _: [evidence(help=Help(1.0, one, 3)).accepted(True) for one in (0.4, 0.66)], [False, True]
+    ),
+    "DETERMINED": (lambda _: [counts(sd) for sd in (0.7, 1.4)], [True, False]),
+    "TEST_NOISE": (lambda _: [helped((9.0, 1.0), (1.0, top)) > 0.6 for top in (1.4, 1.9)], [True, False]),
+    "SEEN": (lambda _: [left_out((3.0, 1.0), (3.0, 1.0), gone=share) is None for share in (0.35, 0.7)], [True, False]),
+    "TOLD": (lambda _: [round(helped((9.0, 1.0), (3.0, 3.0 + d)), 1) for d in (0.3, 0.45)], [1.0, 0.5]),
+    "FEWEST_CONSTANTS": (lambda patch: rivals_asked(patch, 1, 1.0), [2]),
+    "ALIKE": (lambda patch: [rivals_asked(patch, 3, one) for one in (0.15, 0.3)], [[], [3]]),
+    "STRAINED": (lambda _: [strained(p) for p in (0.0007, 0.0015)], [True, False]),
+    "SHARE_WHERE_STRAINED": (lambda _: [stands_in(share) for share in (0.93, 0.97)], [False, True]),
+    "IMPOSSIBLE": (lambda _: [strained(p, mimic._is_impossible) for p in (0.7e-6, 1.5e-6)], [True, False]),
+    "DECISIVE": (lambda _: [NextMeasurement("", {}, one).decisive for one in (15.0, 30.0)], [False, True]),
+    "PRIOR": (lambda _: Given("", {}, [], SimpleNamespace(prior=None), None, None).surely, 0.1),  # type: ignore[arg-type]
+    "WRONG": (lambda _: [wrong(times) for times in (3.0, 6.0)], [False, True]),
+}  # fmt: skip
+
+
+#: Read when a class is made: its case states the number itself.
+AT_IMPORT = {"MACHINE"}
+
+
+def moved(name: str, factor: float) -> float:
+    """A number larger by a factor; of a share near one, what is left of it."""
+    value = getattr(thresholds, name)
+    return 1.0 - (1.0 - value) * factor if 0.9 < value < 1.0 else type(value)(value * factor)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_number_lies_between_its_cases_and_within_a_factor_of_two(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    case, said = CASES[name]
+    assert case(monkeypatch) == said
+    for factor in () if name in AT_IMPORT else (0.5, 2.0):
+        for module in [one for key, one in sys.modules.items() if key.startswith("hyperfab.")]:
+            if (
+                name in vars(module)
+                and vars(module)[name] == getattr(thresholds, name)
+                and module is not thresholds
+            ):
+                monkeypatch.setattr(module, name, moved(name, factor))
+        given = getattr(thresholds, name)
+        monkeypatch.setattr(thresholds, name, moved(name, factor))
+        assert case(monkeypatch) != said, (name, factor, given)
+        monkeypatch.undo()
+
+
+def test_the_page_has_each_number_with_its_value() -> None:
+    rows = re.findall(
+        r"^\| `([A-Z_]+)` \| ([^ |]+) \| ([^|]+) \|$", PAGE.read_text(encoding="utf-8"), flags=re.M
+    )
+    assert {name: float(value) for name, value, _ in rows} == {
+        name: getattr(thresholds, name) for name in NAMES
+    }
+    assert all(len(why) > 20 for _, _, why in rows)
