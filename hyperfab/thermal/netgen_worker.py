@@ -160,20 +160,19 @@ def _cylinder(occ: Any, shape: dict[str, Any]) -> Any:
 
 
 def _ellipsoid(occ: Any, shape: dict[str, Any]) -> Any:
-    centre, (a, b, c) = np.array(shape["centre"], dtype=float), shape["semi_axes"]
+    (a, b, c), half = shape["semi_axes"], shape["half"]
+    # Made and cut about the origin, then moved: elsewhere the cut of an ellipsoid may miss its seam by rounding.
     if a == b == c:
-        whole = occ.Sphere(occ.Pnt(*centre), a)
+        whole = occ.Sphere(occ.Pnt(0, 0, 0), a)
     else:  # Netgen takes the semi-axes along n, h and n x h
-        axes = occ.Axes(occ.Pnt(*centre), n=occ.Dir(0, 0, 1), h=occ.Dir(1, 0, 0))
+        axes = occ.Axes(occ.Pnt(0, 0, 0), n=occ.Dir(0, 0, 1), h=occ.Dir(1, 0, 0))
         whole = occ.Ellipsoid(axes, c, a, b)
-    half = shape["half"]
-    if half is None:
-        return whole
-    reach = 2 * max(a, b, c)
-    low, high = centre - reach, centre + reach
-    k = "xyz".index(half[0])
-    (low if half[1] == "+" else high)[k] = centre[k]
-    return whole * occ.Box(occ.Pnt(*low), occ.Pnt(*high))
+    if half is not None:
+        high = np.full(3, 2.0 * max(a, b, c))
+        low = -high
+        (low if half[1] == "+" else high)["xyz".index(half[0])] = 0.0
+        whole = whole * occ.Box(occ.Pnt(*low), occ.Pnt(*high))
+    return whole.Move(occ.Vec(*shape["centre"]))
 
 
 def _stl(occ: Any, shape: dict[str, Any]) -> Any:

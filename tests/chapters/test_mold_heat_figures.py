@@ -285,3 +285,30 @@ mesh_size = "10 mm"
     assert chosen["steady_mean_degC"] == pytest.approx(25.0 + 12.0 / (100.0 * 0.06 * 0.02), rel=1e-3)
     least = min(rise(0.0005 * i, 9.0, 3.0) for i in range(121))
     assert chosen["steady_spread_before_K"] == pytest.approx(rise(0.0, 9.0, 3.0) - least, rel=0.05)
+
+
+@pytest.mark.parametrize(("size", "told"), [("15 mm", True), ("8 mm", False)])
+def test_a_mesh_too_coarse_for_the_curves_of_a_part_says_so(tmp_path, size, told):
+    """A ball of 30 mm: by its shape 4/3 pi r^3; what the mesh lacks of it lacks in mass and surface too."""
+    text = (
+        WALL[: WALL.index("[[part]]")]
+        + f"""
+[[part]]
+name = "ball"
+material = "steel"
+ellipsoid = {{ centre = ["0 mm", "0 mm", "0 mm"], semi_axes = ["30 mm", "30 mm", "30 mm"] }}
+[[heater]]
+volume = "ball"
+power = "9 W"
+[run]
+start = "25 degC"
+until = "10 s"
+mesh_size = "{size}"
+"""
+    )
+    status, found, said = heat(tmp_path, text)
+    off = 1.0 - found["mass_kg"] / (4.0 / 3.0 * math.pi * 0.03**3 * 7800.0)
+    assert status == 0
+    assert (off > 0.005) is told
+    assert any("'ball'" in text and f"{100.0 * off:.2g} % less volume" in text for text in said) is told
+    assert any("less volume" in text for text in found["notes"] or []) is told

@@ -121,3 +121,10 @@ def test_how_many_tetrahedra_to_expect_is_what_fills_the_boxes():
     geometry = SimpleNamespace(parts=[SimpleNamespace(bounds=box, mesh_size=size) for box, size in sizes])
     found = expected_tetrahedra(geometry, 2.0)
     assert found == pytest.approx((24000.0 / 2.0**3 + 500.0 / 1.0**3) * 6.0 * np.sqrt(2.0), rel=0.02)
+
+
+@pytest.mark.parametrize("half", ["x-", "x+", "y-", "y+", "z-", "z+"])
+def test_half_an_ellipsoid_is_meshed_wherever_it_stands(half):
+    raw = make_mesh(Geometry((Body("dome", (Ellipsoid((1.0, 2.0, 3.0), (30.0, 20.0, 25.0), half),)),)), 20.0)
+    assert raw.volumes[0] == pytest.approx(2.0 / 3.0 * np.pi * 30.0 * 20.0 * 25.0, rel=1e-6)
+    assert len(raw.elements) > 0

@@ -31,6 +31,9 @@ from hyperfab.thermal.thermostat import Thermostat
 
 Array = NDArray[np.float64]
 
+#: A mesh whose volume is off by more than this share follows the curves of a part too coarsely.
+COARSE = 0.005
+
 
 @dataclass
 class Problem:
@@ -93,6 +96,14 @@ class MoldBuilder:
         prescribed = placing.prescribed()
         materials = [self.materials[part.material] for part in document.part]
         model = HeatModel(mesh, materials, placing.conditions(), prescribed)
+        meshed = model.medium.masses / [material.density for material in materials]
+        for part, volume, exact in zip(document.part, meshed, raw.volumes * 1e-9, strict=True):
+            if abs(volume / exact - 1.0) > COARSE:
+                self.doubts.append(
+                    f"part {part.name!r} has {100.0 * abs(volume / exact - 1.0):.2g} % "
+                    f"{'less' if volume < exact else 'more'} volume in its mesh than by its shapes: its curves are "
+                    "followed better with a smaller mesh_size"
+                )
         placing.fill_volume_heaters(model)
         probes = self._probes(mesh)
         work = None

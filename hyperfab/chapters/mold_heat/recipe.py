@@ -45,7 +45,10 @@ def run(job: Job, case: MoldCase) -> int:
         job.console.warn(text)
     with job.console.progress("Heating the mold") as advance:
         advance(0.0, "meshing")
+        known = len(builder.doubts)
         problem = builder.build(lambda seconds: advance(MESHING * seconds / (seconds + 5.0), "meshing"))
+        for text in builder.doubts[known:]:
+            job.console.warn(text)
         start = builder.start_field(problem)
 
         def warmup() -> float | None:
