@@ -26,7 +26,11 @@ class PressCase(Case):
 
     male: str = file("MALE.stl", "Surface of the male mold.", required=True)
     female: str = file("FEMALE.stl", "Surface of the female mold.", required=True)
-    foam: str = file("FOAM.toml", "The sandwich: foam and fabric layers.", required=True)
+    foam: str = file(
+        "FOAM.toml",
+        "The sandwich: foam and fabric layers; or the material document of a foam alone.",
+        required=True,
+    )
     axis: str = choice("AXIS", "Closing axis: x, y or z.", ("x", "y", "z"), "z")
     gap: float | None = amount(
         "length", "LENGTH", "Axial clearance at the datum, cold.", least=0.0, over=("force",),

@@ -52,6 +52,12 @@ class TableLaw(TableFile):
     """Measured compression: strain [-], stress [MPa]."""
 
 
+class MaterialLaw(Section):
+    """A material document of ``hf fit --model hyperfoam-N``, its sides held; at the temperature of the press."""
+
+    material: str
+
+
 class LinearLaw(Section):
     """Stress proportional to strain."""
 
@@ -95,15 +101,19 @@ def _compression(value: object) -> object:
         return value
     if "table" in value:
         return TableLaw.model_validate(value)
+    if "material" in value:
+        return MaterialLaw.model_validate(value)
     name = value.get("law")
     if name not in LAWS:
         known = ", ".join(f'"{law}"' for law in LAWS)
-        raise ValueError(f'write {{ table = "foam.csv" }} or {{ law = ... }} with one of {known}')
+        raise ValueError(
+            f'write {{ table = "foam.csv" }}, {{ material = "foam.json" }} or {{ law = ... }} with one of {known}'
+        )
     return LAWS[str(name)].model_validate(value)
 
 
 Compression = Annotated[
-    TableLaw | LinearLaw | PlateauLaw | HyperfoamLaw,
+    TableLaw | MaterialLaw | LinearLaw | PlateauLaw | HyperfoamLaw,
     BeforeValidator(_compression),
 ]
 

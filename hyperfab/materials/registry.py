@@ -10,6 +10,7 @@ from functools import cache
 
 from hyperfab.errors import InputError, UsageError, near
 from hyperfab.materials import laws as _folder
+from hyperfab.materials.hyperfoam import ORDERS
 from hyperfab.materials.law import Law
 from hyperfab.materials.material import Material
 
@@ -35,7 +36,7 @@ def law(name: str) -> Law:
     ('C10_MPa', 'C20_MPa')
     """
     if name not in laws():
-        known = [*laws(), "orthotropic"]
+        known = [*laws(), "orthotropic", *ORDERS]
         hint = near(name, known)
         said = f"no model {name!r}; {hint} the models are {', '.join(known)}"
         raise UsageError(said.replace(";  ", "; "))
@@ -78,6 +79,12 @@ def law_of(name: str, parameters: Mapping[str, float], anisotropic: bool = False
             "orthotropic is a law of the whole sheet, one of a single direction is needed here",
             key="model",
             remedy="fit warp and weft with a law as yeoh-3",
+        )
+    if name in ORDERS:
+        raise InputError(
+            f"{name} is the law of a foam, a fabric's is needed here",
+            key="model",
+            remedy="hf press-contact takes it as foam; fit the fabric's own tests",
         )
     if name not in laws():
         hint = near(name, laws())

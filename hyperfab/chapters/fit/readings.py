@@ -92,10 +92,13 @@ def read_all(
     return found
 
 
-def gather(tests: Sequence[TestData], steps: Steps, relative: bool) -> Readings:
+def gather(
+    tests: Sequence[TestData], steps: Steps, relative: bool, carried_by: Sequence[str] = CARRIED
+) -> Readings:
     """Return the curves of ``tests``: one thickness, nominal stress in MPa, one temperature each, after ``steps``.
 
-    With ``relative``, rows whose measured stress says nothing about a ratio are left out and counted.
+    With ``relative``, rows whose measured stress says nothing about a ratio are left out and counted; so are tests
+    other than those ``carried_by`` the law.
     """
     sheets = [test for test in tests if test.test != "volumetric"]
     volumetric = [test for test in tests if test.test == "volumetric"]
@@ -103,9 +106,9 @@ def gather(tests: Sequence[TestData], steps: Steps, relative: bool) -> Readings:
     found = Readings([], volumetric, thickness, nominal)
     for counts in {id(test.left_out): test.left_out for test in tests}.values():
         found.left_out.update(counts)
-    carried = [test for test in sheets if test.test in CARRIED]
+    carried = [test for test in sheets if test.test in carried_by]
     for test in sheets:
-        if test.test not in CARRIED:
+        if test.test not in carried_by:
             found.left_out[f"{test.test}: no law here carries this test"] += len(test.stretch)
     if not carried:
         raise InputError(

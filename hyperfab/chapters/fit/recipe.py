@@ -11,7 +11,7 @@ from hyperfab.chapters.fit.doubts import doubts, outliers, replicates, rows_of
 from hyperfab.chapters.fit.identify import Identified, Setting, reach, tested
 from hyperfab.chapters.fit.judge import Judged, Sets, judge, law_spread
 from hyperfab.chapters.fit.prepare import steps_of
-from hyperfab.chapters.fit.readings import Readings, gather, read_all
+from hyperfab.chapters.fit.readings import CARRIED, Readings, gather, read_all
 from hyperfab.chapters.fit.specimens import aspect_warnings, geometry
 from hyperfab.chapters.job import Job
 from hyperfab.console import NEGATIVE_VERDICT
@@ -22,6 +22,8 @@ from hyperfab.io.output import Output
 from hyperfab.io.specimen import Geometry
 from hyperfab.io.units import quantity
 from hyperfab.materials import law, laws
+from hyperfab.materials.hyperfoam import ORDERS
+from hyperfab.materials.hyperfoam import TESTS as FOAM_TESTS
 from hyperfab.materials.identification.quality import Figures
 from hyperfab.materials.law import Law
 
@@ -31,7 +33,7 @@ def run(job: Job, case: FitCase) -> int:
     out = job.opened(job.target, (".csv", ".png"))
     model, relative = case.model, case.objective == "relative"
     candidates = [one for one in laws().values() if one.isotropic] if model == "all" else []
-    if model not in ("all", "orthotropic"):
+    if model not in ("all", "orthotropic", *ORDERS):
         candidates = [law(model)]
     named = {
         "": case.files,
@@ -44,7 +46,9 @@ def run(job: Job, case: FitCase) -> int:
     told: list[str] = []
     tests = read_all(job, named, sizes, layout(case.columns, case.skip_rows, case.decimal), told)
     out.refuse_inputs(job.inputs)
-    readings = gather(tests, steps, relative=relative)
+    foam = model in ORDERS
+    # A foam's rows count by their share of the largest stress: none is without meaning.
+    readings = gather(tests, steps, relative and not foam, FOAM_TESTS if foam else CARRIED)
     readings.preparation += told
     readings.warnings[:0] = aspect_warnings(tests)
     chosen = _chosen(case.fit_on, readings)
@@ -52,6 +56,8 @@ def run(job: Job, case: FitCase) -> int:
     if floor is not None:
         readings.preparation.append(f"noise of {floor:g} MPa taken into account in the weights")
     setting = Setting(chosen, relative, case.stable, case.accept, floor)
+    if foam:
+        return _fit_foam(job, out, readings, setting, model)
     if model == "orthotropic":
         return _fit_sheet(job, out, readings, setting, case)
     sets = _sets(readings)
@@ -128,6 +134,37 @@ def _fit_sheet(job: Job, out: Output, readings: Readings, setting: Setting, case
     for curve in readings.curves:
         known = document.tested_stretch()
         job.ranges.used("stretch", curve.stretch, known=known, source=curve.source, direction=curve.direction)
+    if out.wants_files:
+        out.add(".csv", fit.curves_csv())
+        out.add(".png", fit.picture())
+    job.write(out, document)
+    return 0 if fit.accepted else NEGATIVE_VERDICT
+
+
+def _fit_foam(job: Job, out: Output, readings: Readings, setting: Setting, model: str) -> int:
+    """Identify the law of a foam and write it."""
+    from hyperfab.chapters.fit.hyperfoam import fit_foam
+
+    with job.console.progress("Identifying") as advance:
+        advance(0.0, model)
+        fit = fit_foam(readings, setting, ORDERS[model])
+    document = fit.document(readings)
+    for text in readings.warnings:
+        job.console.warn(text)
+    for reason, count in (document.left_out or {}).items():
+        job.console.note(f"{count} rows left out: {reason}")
+    rows = [
+        [test, f"{one.relative_rms:.4g}", f"{one.nrmse:.4g}", str(one.points)]
+        for test, one in fit.figures.tests.items()
+        if isinstance(one, TestFigures)
+    ]
+    job.console.note(describe.table(["test", "rel. rms", "NRMSE", "rows"], rows))
+    for unknown in fit.undetermined:
+        job.console.note(f"{unknown.constant} stands at {unknown.value:g}: {unknown.test} would tell it")
+    for curve in readings.curves:
+        if curve.mode in setting.fit_on and curve.mode != "simple-shear":
+            known = document.tested_stretch(test=curve.mode)
+            job.ranges.used("stretch", curve.stretch, known=known, source=curve.source)
     if out.wants_files:
         out.add(".csv", fit.curves_csv())
         out.add(".png", fit.picture())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,15 +16,18 @@ from hyperfab.documents.foam import (
     FoamDocument,
     HyperfoamLaw,
     LinearLaw,
+    MaterialLaw,
     PlateauLaw,
     TableFile,
     TableLaw,
 )
+from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import InputError
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.stl import read_stl
 from hyperfab.io.vtu_read import read_vtu
+from hyperfab.materials.hyperfoam import ORDERS, Hyperfoam
 from hyperfab.pressing import foam_law
 from hyperfab.pressing.foam_law import FoamLaw
 from hyperfab.pressing.growth import Expansion
@@ -65,19 +69,34 @@ def read_molds(job: Job, case: PressCase) -> tuple[Surface, Surface, PressFrame]
 
 
 def read_foam(inputs: Inputs, name: str) -> FoamDocument:
-    """Read the sandwich."""
+    """Read the sandwich; a material document is a foam of its thickness without fabric."""
+    if name.endswith(".json"):
+        material = read_document(inputs, name, MaterialDocument)
+        if material.thickness_mm is None:
+            raise InputError(
+                "states no thickness of the foam",
+                file=name,
+                key="thickness_mm",
+                remedy=f'write a foam.toml with thickness = "10 mm" and compression = {{ material = "{name}" }}',
+            )
+        return FoamDocument(
+            format=FoamDocument.format_name(),
+            thickness=f"{material.thickness_mm!r} mm",
+            compression={"material": os.path.basename(name)},
+        )
     if not name.endswith(".toml"):
         raise InputError("is no .toml document", file=name, remedy="write the sandwich as foam.toml")
     return read_document(inputs, name, FoamDocument)
 
 
-def compression_law(job: Job, name: str, document: FoamDocument) -> tuple[FoamLaw, float]:
-    """Return the law at the end of the dwell, and the share of its stress that is relaxed by then."""
+def compression_law(job: Job, name: str, document: FoamDocument, temperature: float) -> tuple[FoamLaw, float]:
+    """Return the law at a temperature [degC] and the end of the dwell, and the share of stress relaxed by then."""
     left = 1.0
     dwell = document.relaxation.dwell or document.shrinkage.dwell
     if dwell is not None:
         left = foam_law.relaxed(document.relaxation.share, document.relaxation.time, dwell)
-    return _law(job.inputs, name, document, job.console).scaled(left), 1.0 - left
+    law = _law(job, name, document, temperature)
+    return law.scaled(left), 1.0 - left
 
 
 def variation(name: str, document: FoamDocument, axis: str, vertices: np.ndarray) -> np.ndarray | float:
@@ -114,7 +133,7 @@ def in_plan(frame: PressFrame, degrees: np.ndarray) -> tuple[float, float]:
     return float(first), float(second)
 
 
-def _law(inputs: Inputs, name: str, document: FoamDocument, console: Console) -> FoamLaw:
+def _law(job: Job, name: str, document: FoamDocument, temperature: float) -> FoamLaw:
     given = document.compression
     if isinstance(given, LinearLaw):
         return foam_law.linear(given.modulus)
@@ -122,7 +141,41 @@ def _law(inputs: Inputs, name: str, document: FoamDocument, console: Console) ->
         return foam_law.plateau(given.plateau, given.modulus, given.densification, given.power)
     if isinstance(given, HyperfoamLaw):
         return foam_law.hyperfoam(given.mu, given.alpha, given.nu)
-    return _table_law(inputs, Inputs.beside(name, given.table), given, console)
+    if isinstance(given, MaterialLaw):
+        return _fitted_law(job, Inputs.beside(name, given.material), temperature)
+    return _table_law(job.inputs, Inputs.beside(name, given.table), given, job.console)
+
+
+def _fitted_law(job: Job, path: str, temperature: float) -> FoamLaw:
+    """Return the law of a material document at a temperature, linear between those of its tests."""
+    document = read_document(job.inputs, path, MaterialDocument)
+    if document.model not in ORDERS:
+        raise InputError(
+            f"{document.model} is no law of a foam",
+            file=path,
+            key="model",
+            remedy=f"fit the foam's tests with --model {', '.join(ORDERS)}",
+        )
+    try:
+        law = Hyperfoam.of(document.constants(None, temperature))
+    except (KeyError, ValueError) as error:
+        raise InputError(f"no constants of {document.model}: {error}", file=path, key="parameters") from None
+    known = [row.temperature_degC for row in document.temperatures or []]
+    if not known and document.temperature_degC is not None:
+        known = [document.temperature_degC]
+    then = "the constants of the nearest test are taken" if known else "its tests state no temperature"
+    job.ranges.used("temperature_degC", temperature, known=known or None, source=path, then=then)
+    found = foam_law.hyperfoam(law.mu, law.alpha, law.nu)
+    strain = np.linspace(0.0, found.limit, 400)
+    falling = np.flatnonzero(np.diff(found.raw_stress(strain)) < 0.0)
+    if len(falling):
+        raise InputError(
+            f"its stress between plates falls from a strain of {strain[falling[0]]:.2g} on",
+            file=path,
+            key="parameters",
+            remedy="fit with fewer terms, or give a confined compression test too",
+        )
+    return found
 
 
 def fabric_thickness(inputs: Inputs, name: str, document: FoamDocument) -> float:

@@ -65,10 +65,11 @@ class Model:
 def read_files(job: Job, case: PressCase) -> Files:
     """Read what the case names; InputError where a file is not sound, UsageError where it and an option disagree."""
     document = read.read_foam(job.inputs, case.foam)
-    law, relaxed = read.compression_law(job, case.foam, document)
+    heat = read_heat(job.inputs, case, document.expansion.reference)
+    warm = 0.5 * (heat[0].temperature + heat[1].temperature)
+    law, relaxed = read.compression_law(job, case.foam, document, warm)
     fabric = read.fabric_thickness(job.inputs, case.foam, document)
     expansions = read.expansions(job.inputs, case.foam, document)
-    heat = read_heat(job.inputs, case, document.expansion.reference)
     one, two, frame = read.read_molds(job, case)
     uneven = read.variation(case.foam, document, case.axis, one.vertices)
     tilt = read.tilt(case.foam, document, case.axis)

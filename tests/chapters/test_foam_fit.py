@@ -1,0 +1,112 @@
+"""A foam from its tests to the press."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from hyperfab.materials.hyperfoam import Hyperfoam
+
+COLD, HOT = Hyperfoam((0.02,), (6.0,), (0.15,)), Hyperfoam((0.01,), (6.0,), (0.15,))
+
+
+def _write(folder, name, test, stretch, stress, temperature=None, second=None):
+    sheared = test == "simple-shear"
+    head = f"# test: {test}\n# thickness: 4.5 mm\n" + (
+        f"# temperature: {temperature} degC\n" if temperature else ""
+    )
+    head += "shear strain [-],shear stress [MPa]" if sheared else "stretch [-],stress [MPa]"
+    columns = [stretch, stress] + ([second] if second is not None else [])
+    head += ",stretch 2 [-]\n" if second is not None else "\n"
+    (folder / name).write_text(
+        head + "".join(",".join(f"{v:.12g}" for v in row) + "\n" for row in zip(*columns, strict=True))
+    )
+
+
+@pytest.fixture(scope="module")
+def foam(hf, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("foam")
+    down, up, shear = np.linspace(1.0, 0.4, 25), np.linspace(1.0, 1.3, 16), np.linspace(-0.2, 0.2, 21)
+    for law, degrees in ((COLD, 20), (HOT, 200)):
+        tests = {
+            "down": ("uniaxial", down),
+            "up": ("uniaxial", up),
+            "shear": ("simple-shear", shear),
+            "plates": ("confined-compression", down),
+        }
+        for name, (test, stretch) in tests.items():
+            second = law.lateral(test, stretch) if test == "uniaxial" else None
+            _write(folder, f"{name}-{degrees}.csv", test, stretch, law.stress(test, stretch), degrees, second)
+    files = [f"{name}-{degrees}.csv" for degrees in (20, 200) for name in ("down", "up", "shear", "plates")]
+    run = hf("fit", *files, "--model", "hyperfoam-1", "--stable", "-o", "foam.json", cwd=folder)
+    assert run.returncode == 0, run.stderr.decode()
+    return folder
+
+
+def test_one_law_carries_every_test_of_the_foam(foam) -> None:
+    document = json.loads((foam / "foam.json").read_text())
+    assert document["model"] == "hyperfoam-1"
+    assert document["stable"] is document["accepted"] is True
+    assert document["parameters"] == pytest.approx(COLD.parameters, rel=1e-6)
+    assert document["temperatures"][1]["parameters"] == pytest.approx(HOT.parameters, rel=1e-6)
+    tests = document["fit"]["tests"]
+    assert set(tests) == {"uniaxial", "compression", "tension", "simple-shear", "confined-compression"}
+    assert max(one["nrmse"] for one in tests.values()) < 1e-8
+    assert tests["compression"]["stretch_min"] == pytest.approx(0.4)
+    assert tests["tension"]["stretch_max"] == pytest.approx(1.3)
+    assert {"foam.csv", "foam.png"} == set(document["files"])
+
+
+def test_the_press_takes_the_fitted_foam_at_its_temperature(foam, hf) -> None:
+    from hyperfab.io.stl_write import stl_bytes
+    from hyperfab.samples import cup
+
+    for name, solid in (("male", cup.male_cup(16, 17)), ("female", cup.female_cup(17, 16))):
+        (foam / f"{name}.stl").write_bytes(stl_bytes(solid.vertices, solid.faces))
+    kept = (
+        'format = "hyperfab.foam/1"\nthickness = "4.5 mm"\nexpansion = { male = "0 1/K", female = "0 1/K" }\n'
+        "compression = "
+    )
+    own = '{ law = "hyperfoam", mu = ["0.015 MPa"], alpha = [6.0], nu = [0.15] }\n'
+    (foam / "half.toml").write_text(kept + own)
+    (foam / "fitted.toml").write_text(kept + '{ material = "foam.json" }\n')
+    force = {}
+    for sandwich, degrees in (
+        ("half.toml", 20),
+        ("fitted.toml", 110),
+        ("fitted.toml", 250),
+        ("foam.json", 110),
+    ):
+        run = hf("press-contact", "--male", "male.stl", "--female", "female.stl", "--foam", sandwich, "--gap", "3mm",
+                 "--temperature", f"{degrees}degC", "-o", "press.json", cwd=foam)  # fmt: skip
+        assert run.returncode in (0, 1), run.stderr.decode()
+        force[sandwich, degrees] = json.loads((foam / "press.json").read_text())["force_N"]
+        assert (b"used beyond what is known" in run.stderr) == (degrees == 250)
+    # Half way between the tested temperatures its stresses are their mean; beyond, those of the hotter test.
+    assert force["fitted.toml", 110] == pytest.approx(force["half.toml", 20], rel=1e-6)
+    assert force["fitted.toml", 250] == pytest.approx(force["half.toml", 20] * 10.0 / 15.0, rel=1e-6)
+    # Alone it is a foam without fabric, between molds of aluminium, which grow into the gap.
+    assert 1.0 < force["foam.json", 110] / force["half.toml", 20] < 2.0
+
+
+def test_a_foam_is_no_fabric(foam, hf) -> None:
+    run = hf("fabric-contact", "foam.json", "--shape", "disc", "--size", "100mm", "--sphere-radius", "20mm",
+             "--depth", "10mm", cwd=foam)  # fmt: skip
+    assert run.returncode == 3
+    assert b"the law of a foam" in run.stderr
+
+
+@pytest.mark.parametrize("name", ["foam-turbo", pytest.param("foam-leap", marks=pytest.mark.slow)])
+def test_a_measured_foam_is_carried_in_all_its_tests(name, data_dir, hf, tmp_path) -> None:
+    files = [data_dir / name / f"{test}.csv" for test in ("compression", "tension", "simple-shear")]
+    if not all(file.exists() for file in files):
+        pytest.skip(f"{name} is not among the measured data")
+    model = "hyperfoam-1" if name == "foam-turbo" else "hyperfoam-3"
+    run = hf("fit", *files, "--model", model, "-o", "foam.json", cwd=tmp_path, timeout=600)
+    assert run.returncode == 0, run.stderr.decode()
+    document = json.loads((tmp_path / "foam.json").read_text())
+    assert document["stable"] is True
+    errors = {test: one["nrmse"] for test, one in document["fit"]["tests"].items()}
+    assert max(errors.values()) <= 0.05, errors

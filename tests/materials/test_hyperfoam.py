@@ -1,0 +1,129 @@
+"""The hyperfoam law: closed forms of its tests, its energy, its stability, and constants from tests."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+from hyperfab.materials.hyperfoam import TESTS, FoamTest, Hyperfoam, Rows, identify
+from hyperfab.pressing import foam_law
+
+MIXED = Hyperfoam((0.1, 0.05, -0.01), (8.0, -2.0, 3.0), (0.1, 0.3, 0.2))
+ALIKE = Hyperfoam((0.1, 0.05), (8.0, -2.0), (0.23, 0.23))
+LAM = np.linspace(0.45, 1.5, 22)
+
+
+def energy(law: Hyperfoam, l1: float, l2: float, l3: float) -> float:
+    """The energy as the source writes it."""
+    J = l1 * l2 * l3
+    return sum(
+        2.0
+        * mu
+        / a**2
+        * (l1**a + l2**a + l3**a - 3.0 + (J ** (-a * nu / (1 - 2 * nu)) - 1.0) * (1 - 2 * nu) / nu)
+        for mu, a, nu in zip(law.mu, law.alpha, law.nu, strict=True)
+    )
+
+
+def closed(law: Hyperfoam, along: float, volume: float) -> np.ndarray:
+    """Nominal stress where all terms have one Poisson's ratio: each a difference of two powers of the stretch."""
+    return sum(
+        2.0 * mu / a * (LAM ** (a * along) - LAM ** (-a * volume)) / LAM
+        for mu, a in zip(law.mu, law.alpha, strict=True)
+    )
+
+
+def test_four_tests_have_their_closed_forms() -> None:
+    nu = 0.23
+    assert ALIKE.stress("uniaxial", LAM) == pytest.approx(closed(ALIKE, 1.0, nu), rel=1e-10, abs=1e-13)
+    assert ALIKE.lateral("uniaxial", LAM) == pytest.approx(LAM**-nu, rel=1e-12)
+    both = closed(ALIKE, 1.0, 2 * nu / (1 - nu))
+    assert ALIKE.stress("biaxial", LAM) == pytest.approx(both, rel=1e-10, abs=1e-13)
+    wide = closed(ALIKE, 1.0, nu / (1 - nu))
+    assert ALIKE.stress("shear", LAM) == pytest.approx(wide, rel=1e-10, abs=1e-13)
+    plates = foam_law.hyperfoam(MIXED.mu, MIXED.alpha, MIXED.nu)
+    strain = np.linspace(0.0, 0.6, 13)
+    pressed = MIXED.stress("confined-compression", 1.0 - strain)
+    assert -pressed == pytest.approx(plates.stress(strain), rel=1e-10, abs=1e-14)
+    # Simple shear keeps the volume: principal stretches L and 1/L with shear strain L - 1/L.
+    L = np.linspace(1.0, 1.4, 9)
+    slope = sum(2 * m / a * (L**a - L**-a) for m, a in zip(MIXED.mu, MIXED.alpha, strict=True)) / (L + 1 / L)
+    assert MIXED.stress("simple-shear", L - 1 / L) == pytest.approx(slope, rel=1e-10, abs=1e-14)
+    assert MIXED.stress("simple-shear", 1 / L - L) == pytest.approx(-slope, rel=1e-10, abs=1e-14)
+
+
+@pytest.mark.parametrize("stretch", [0.5, 0.9, 1.3])
+def test_free_sides_take_the_least_energy_and_the_stress_is_its_slope(stretch: float) -> None:
+    def least(l1: float) -> float:
+        found = minimize(lambda t: energy(MIXED, l1, np.exp(t[0]), np.exp(t[0])), [0.0], tol=1e-15)
+        return float(found.fun)
+
+    h = 1e-4
+    slope = (least(stretch + h) - least(stretch - h)) / (2 * h)
+    assert float(MIXED.stress("uniaxial", [stretch])[0]) == pytest.approx(slope, rel=1e-6)
+    J = stretch
+    mean = (energy(MIXED, *[(J + h) ** (1 / 3)] * 3) - energy(MIXED, *[(J - h) ** (1 / 3)] * 3)) / (2 * h)
+    assert float(MIXED.stress("volumetric", [J])[0]) == pytest.approx(mean, rel=1e-6)
+
+
+def test_at_rest_it_is_hookes_law() -> None:
+    h = 1e-7
+    modulus = float(ALIKE.stress("uniaxial", [1.0 + h])[0]) / h
+    assert modulus == pytest.approx(2.0 * 0.15 * (1.0 + 0.23), rel=1e-5)
+    assert float(ALIKE.stress("simple-shear", [h])[0]) / h == pytest.approx(0.15, rel=1e-6)
+
+
+@pytest.mark.parametrize("test", TESTS)
+def test_slopes_by_constants_are_those_of_differences(test: str) -> None:
+    stretch = np.array([-0.3, 0.1, 0.5]) if test == "simple-shear" else np.array([0.6, 0.9, 1.3])
+    rows = Rows.of(test, stretch, 0.9 * stretch[::-1])
+    z = np.array([MIXED.mu, MIXED.alpha, MIXED.nu])
+    slopes, moved = rows.slopes(MIXED, rows.strain(MIXED))
+    for k in range(z.size):
+        step = np.zeros(z.size)
+        step[k] = 1e-6
+        up, down = (Hyperfoam(*map(tuple, z + sign * step.reshape(z.shape))) for sign in (1.0, -1.0))
+        difference = (rows.stress(up, rows.strain(up)) - rows.stress(down, rows.strain(down))) / 2e-6
+        assert slopes[:, k] == pytest.approx(difference, abs=1e-9)
+        free = (rows.strain(up) - rows.strain(down))[:, 2] / 2e-6
+        assert moved[:, k] == pytest.approx(free if rows.free.any() else 0.0, abs=1e-8)
+
+
+def test_stable_is_where_every_small_change_needs_work() -> None:
+    law = Hyperfoam((0.2, -0.15), (2.0, 6.0), (0.2, 0.2))
+    e = np.array([[0.0, 0.0, 0.0], [0.3, 0.3, 0.3], [-0.02, 0.0, 0.0]])
+    directions = np.random.default_rng(4).normal(size=(4000, 3))
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    h = 1e-4
+    work = [
+        min(float(d @ (law.first(at + h * d)[0] - law.first(at - h * d)[0])) for d in directions)
+        for at in e[:, None]
+    ]
+    assert law.stable(e).tolist() == [one > 0.0 for one in work] == [True, False, True]
+
+
+def readings_of(law: Hyperfoam) -> list[FoamTest]:
+    found = []
+    for test in ("uniaxial", "confined-compression", "simple-shear", "biaxial"):
+        stretch = np.linspace(-0.3, 0.3, 40) if test == "simple-shear" else np.linspace(0.4, 1.4, 40)
+        stress = law.stress(test, stretch)
+        weight = np.full(40, 1.0 / np.abs(stress).max())
+        lateral = law.lateral(test, stretch) if test == "uniaxial" else None
+        found.append(FoamTest(test, stretch, stress, weight, lateral=lateral, lateral_weight=1.0))
+    return found
+
+
+@pytest.mark.parametrize("terms", [1, 2, pytest.param(3, marks=pytest.mark.slow)])
+def test_own_constants_come_back(terms: int) -> None:
+    law = Hyperfoam((0.1, 0.02, 0.05)[:terms], (15.0, 8.0, -2.0)[:terms], (0.1, 0.2, 0.3)[:terms])
+    found = identify(readings_of(law), terms)
+    for name in ("mu", "alpha", "nu"):
+        assert getattr(found, name) == pytest.approx(getattr(law, name), rel=1e-6)
+
+
+def test_stresses_alone_are_found_beside_known_exponents() -> None:
+    law = Hyperfoam((0.06, 0.03), (8.0, -2.0), (0.2, 0.3))
+    found = identify(readings_of(law), 2, near=Hyperfoam((0.1, 0.02), law.alpha, law.nu))
+    assert found.mu == pytest.approx(law.mu, rel=1e-9)
+    assert (found.alpha, found.nu) == (law.alpha, law.nu)
