@@ -259,11 +259,17 @@ class ContactSection(Section):
 
 
 class ProbeSection(Section):
-    """A thermometer in the mold; ``lag`` is the time constant in which it follows."""
+    """A thermometer in the mold; ``lag`` is the time constant it follows in, ``second_lag`` that of its sheath."""
 
     name: Annotated[str, Field(min_length=1)]
     at: Point
     lag: Duration = 0.0
+    second_lag: Duration = 0.0
+
+    @property
+    def lags(self) -> tuple[float, float]:
+        """The time constants [s] in which it follows, one after the other."""
+        return self.lag, self.second_lag
 
 
 class WorkSurfaceSection(Section):
@@ -369,7 +375,7 @@ class MoldDocument(HandWritten):
                 raise ValueError(
                     f"a heater's control asks probe {heater.control.probe!r}; the probes: {known}"
                 )
-        slow = {probe.name for probe in self.probe if probe.lag > 0.0}
+        slow = {probe.name for probe in self.probe if any(probe.lags)}
         if any(heater.control is not None and heater.control.probe in slow for heater in self.heater):
             raise ValueError("a thermostat's probe has no lag here: leave its lag out, or widen the band")
         if self.run.target is not None and self.work_surface is None:

@@ -70,7 +70,7 @@ class HeatProblem(Problem):
     kinds: Sequence[str] = field(kw_only=True)
     joints: Array = field(kw_only=True)
     pairs: Sequence[tuple[str, str]] = field(default=(), kw_only=True)
-    lag_s: Array = field(default_factory=lambda: np.zeros(1), kw_only=True)
+    lag_s: Array = field(default_factory=lambda: np.zeros((2, 1)), kw_only=True)
     names: Sequence[str] = field(default=(), kw_only=True)
     base: Sequence[str] = field(default=(), kw_only=True)
     tables: Mapping[str, Table] = field(default_factory=dict, kw_only=True)
@@ -98,7 +98,7 @@ class HeatProblem(Problem):
     def given_off(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> list[Table]:
         """Return the power [W] that each heater brings into the mold over the first run, what is lost taken off."""
         run = self.runs[0]
-        settings, _, _ = self._settings(own[None, :], [terms])
+        settings, _ = self._settings(own[None, :], [terms])
         shapes = np.stack([shape for shape, _ in run.mold.heaters])
         clock, _ = run.clock
         hot = replace(run.mold, probes=shapes).run(clock, settings)[0] - run.mold.reference_degC
@@ -115,22 +115,22 @@ class HeatProblem(Problem):
         return found
 
     def _run(self, own: Array, terms: Sequence[Mapping[str, tuple[str, Array]]]) -> Array:
-        settings, lag, second = self._settings(own, terms)
+        settings, lags = self._settings(own, terms)
         rows = []
         for one in self.runs:
             clock, read = one.clock
-            found = one.mold.run(clock, settings)
-            # Probes of a run to come that the present one does not have follow like the first.
-            more = np.repeat(lag[:, :1], len(one.mold.probes) - lag.shape[1], axis=1)
-            shown = lagging(clock, found, np.maximum(np.hstack([lag, more]), 0.0))
-            shown = lagging(clock, shown, second)[:, read]
-            rows.append(shown.transpose(0, 2, 1).reshape(len(own), -1)[:, one.kept])
+            shown = one.mold.run(clock, settings)
+            for lag in lags:
+                # Probes of a run to come that the present one does not have follow like the first.
+                more = np.repeat(lag[:, :1], len(one.mold.probes) - lag.shape[1], axis=1)
+                shown = lagging(clock, shown, np.maximum(np.hstack([lag, more]), 0.0))
+            rows.append(shown[:, read].transpose(0, 2, 1).reshape(len(own), -1)[:, one.kept])
         return np.concatenate(rows, axis=1)
 
     def _settings(
         self, own: Array, terms: Sequence[Mapping[str, tuple[str, Array]]]
-    ) -> tuple[Settings, Array, Array]:
-        """Return what the mold is run with, and the first and second lag [s] of the probes."""
+    ) -> tuple[Settings, list[Array]]:
+        """Return what the mold is run with, and the first and second lag [s] of the probes (b, p)."""
         count = len(own)
         mold = self.runs[0].mold
         moved: dict[str, Array] = {}
@@ -145,10 +145,8 @@ class HeatProblem(Problem):
 
         new, old = len(mold.opened), len(self.joints)
         opened, added = each("resistance", range(new)), each("resistance", range(new, new + old))
-        lag = (
-            self.lag_s + moved.pop("lag_s", np.zeros(count))[:, None] + each("lag_s", range(len(mold.probes)))
-        )
-        second = moved.pop("second_lag_s", np.zeros(count))
+        first, second = (moved.pop(name, np.zeros(count))[:, None] for name in ("lag_s", "second_lag_s"))
+        lags = [self.lag_s[0] + first + each("lag_s", range(len(mold.probes))), self.lag_s[1] + second]
         pick = {
             kind: own[:, [i for i, other in enumerate(self.kinds) if other == kind]]
             for kind in ("film", "conductivity", "capacity", "power", "joint")
@@ -167,7 +165,7 @@ class HeatProblem(Problem):
             ambient_K=own[:, self.kinds.index("ambient")],
             effects=moved,
         )
-        return settings, lag, second
+        return settings, lags
 
     def extras(self) -> Sequence[Extra]:
         """Return runs that could be done next, each with the problem it would make."""

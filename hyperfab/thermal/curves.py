@@ -45,22 +45,3 @@ def curve(history: History, sensor: Array, times: Array) -> Array:
             result[inside] = values[i - 1] + rise * s**2 * (3 - 2 * s) + cubic
         known = None if i in jumps else end
     return result
-
-
-def lagging(times: Array, values: Array, lag: float) -> Array:
-    """Return what a thermometer with time constant ``lag`` [s] shows of ``values``, linear between ``times`` [s].
-
-    It starts in balance. Exact for pieces that are straight: y' = (x - y) / lag.
-
-    >>> lagging(np.array([0.0, 1.0, 100.0]), np.array([0.0, 1.0, 100.0]), 2.0).round(6).tolist()
-    [0.0, 0.213061, 98.0]
-    """
-    if lag <= 0.0:
-        return values
-    shown = values.copy()
-    for i in range(1, len(times)):
-        length = times[i] - times[i - 1]
-        slope = (values[i] - values[i - 1]) / length
-        left = np.exp(-length / lag)
-        shown[i] = values[i] - lag * slope + (shown[i - 1] - values[i - 1] + lag * slope) * left
-    return shown

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numba
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +24,18 @@ def lagging(times: Array, values: Array, lag_s: Array) -> Array:
     if np.any(each > 0.0):
         _follow(times, values, each, found)
     return found
+
+
+def as_shown(times: Array, values: Array, lags: Sequence[float]) -> Array:
+    """Return what one sensor shows of ``values`` (t,): it follows by each of ``lags`` [s], one after the other.
+
+    >>> as_shown(np.array([0.0, 1.0, 100.0]), np.array([0.0, 1.0, 100.0]), [2.0, 0.0]).round(6).tolist()
+    [0.0, 0.213061, 98.0]
+    """
+    found = values[None, :, None]
+    for lag in lags:
+        found = lagging(times, found, np.array([lag]))
+    return np.asarray(found[0, :, 0])
 
 
 @numba.njit(cache=True)

@@ -76,7 +76,7 @@ TIMES = np.linspace(0.0, 1800.0, 61)
 NEAR_K = 0.02
 #: The forms that a mold document has no key for; each is told of.
 NO_KEY = {
-    "bench that warms up", "uneven", "closing with warmth", "each, closing with warmth", "two-stage",
+    "bench that warms up", "uneven", "closing with warmth", "each, closing with warmth",
 }  # fmt: skip
 
 

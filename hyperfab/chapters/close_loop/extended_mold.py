@@ -318,11 +318,8 @@ class _Wider:
         for probe, known in zip(self.mold["probe"], self.document.probe, strict=True):
             own = self.at(f"lag_s.{numbers.get(known.name, 0)}")
             probe["lag"] = f"{max(known.lag + self.amounts['lag_s'] + own, 0.0)!r} s"
-        if self.at("second_lag_s") > 0.0:
-            self.notes.append(
-                f"sensor-lag: the second lag of {self.at('second_lag_s'):.3g} s has no key in a mold document; only "
-                "the first is in the extended model"
-            )
+            if "second_lag_s" in self.amounts:
+                probe["second_lag"] = f"{known.second_lag + self.amounts['second_lag_s']!r} s"
 
 
 def _uncover(mold: dict[str, Any], places: list[str]) -> None:

@@ -150,8 +150,7 @@ def pose(
         for m in built.model.materials
         for what in ("conductivity", "specific_heat")
     }
-    own_lag = {probe.name: probe.lag for probe in document.probe}
-    problem.lag_s = np.array([own_lag[key] for key in read.names])
+    problem.lag_s = np.array([built.lags[key] for key in read.names]).T
     return problem, skipped
 
 

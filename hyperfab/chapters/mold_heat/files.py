@@ -11,7 +11,8 @@ from hyperfab.io.output import Output
 from hyperfab.io.vtu import collection, unstructured
 from hyperfab.report.figures_heat import heat_figure
 from hyperfab.thermal import surface
-from hyperfab.thermal.curves import curve, curve_times, lagging
+from hyperfab.thermal.curves import curve, curve_times
+from hyperfab.thermal.sensors import as_shown
 from hyperfab.thermal.transient import History
 
 Array = NDArray[np.float64]
@@ -43,7 +44,7 @@ def write_fields(out: Output, problem: Problem, history: History, target: float 
     out.add(".pvd", collection([history.states[i].time for i in frames], names))
     times = curve_times(history)
     curves = {
-        name: lagging(times, curve(history, sensor, times), problem.lags[name])
+        name: as_shown(times, curve(history, sensor, times), problem.lags[name])
         for name, sensor in problem.probes.items()
     }
     heads = ["time_s", *(f"{name}_degC" for name in curves)]

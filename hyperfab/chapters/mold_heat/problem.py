@@ -43,7 +43,7 @@ class Problem:
     geometry: Geometry
     faces: Faces
     probes: dict[str, Array]
-    lags: dict[str, float]
+    lags: dict[str, tuple[float, float]]
     work_surface: FacetOperator | None
     thermostats: list[Thermostat]
     corners: list[float]
@@ -119,7 +119,7 @@ class MoldBuilder:
             geometry=geometry,
             faces=placing.faces,
             probes=probes,
-            lags={probe.name: probe.lag for probe in document.probe},
+            lags={probe.name: probe.lags for probe in document.probe},
             work_surface=work,
             thermostats=thermostats,
             corners=sorted(self.corners),

@@ -10,9 +10,10 @@ from hyperfab.documents.heat import Energy, Evenness, Extreme, FaceUse, HeatDocu
 from hyperfab.documents.mold import MoldDocument
 from hyperfab.numerics.vectors import dot
 from hyperfab.thermal import surface
-from hyperfab.thermal.curves import curve, curve_times, lagging
+from hyperfab.thermal.curves import curve, curve_times
 from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.ledger import LEAST_CHANGE
+from hyperfab.thermal.sensors import as_shown
 from hyperfab.thermal.step import State
 from hyperfab.thermal.transient import History
 
@@ -163,7 +164,7 @@ def _probes(problem: Problem, history: History) -> dict[str, ProbeResult]:
     times = curve_times(history)
     found = {}
     for name, sensor in problem.probes.items():
-        values = lagging(times, curve(history, sensor, times), problem.lags[name])
+        values = as_shown(times, curve(history, sensor, times), problem.lags[name])
         found[name] = ProbeResult(final_degC=float(values[-1]), max_degC=float(values.max()))
     return found
 

@@ -16,7 +16,7 @@ from hyperfab.io.csv_table import read_table
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.inputs import Inputs
 from hyperfab.thermal.reduced import ReducedMold, reduce
-from hyperfab.thermal.sensors import lagging
+from hyperfab.thermal.sensors import as_shown
 from hyperfab.thermal.settings import Settings
 from hyperfab.thermal.transient import History
 
@@ -120,9 +120,9 @@ def vary(
             one.work_surface_mean_degC = float(np.interp(when, times, mean))
             one.work_surface_spread_K = float(nodal.max() - nodal.min())
         for j, name in enumerate(names):
-            values = lagging(times, curves[i : i + 1, :, j : j + 1], np.array([problem.lags[name]]))
+            values = as_shown(times, curves[i, :, j], problem.lags[name])
             one.probes_max_degC[name] = float(values.max())
-            one.probes_final_degC[name] = float(values[0, -1, 0])
+            one.probes_final_degC[name] = float(values[-1])
         rows_found.append(one)
     return Variations(
         duration_s=duration,
