@@ -103,6 +103,32 @@ def test_what_is_told_of_a_ball_fits_together(drape, folder):  # noqa: F811
     )
 
 
+def test_what_is_out_of_balance_is_what_mold_and_clamps_do_not_hold(drape, folder):  # noqa: F811
+    """Stopped long before rest, at 40 degC: contact forces, and the springs at the clamped edges, summed by hand."""
+    import meshio
+
+    fabric = json.loads((folder / "fabric.json").read_text())
+    same = [{"temperature_degC": degrees, "parameters": fabric["parameters"]} for degrees in (20.0, 60.0)]
+    (folder / "warm.json").write_text(json.dumps({**fabric, "temperatures": same}))
+    options = ("--solver", "relaxation", "--steps", "40", "--temperature", "40degC", "-o", "d.json")
+    assert drape(*options, fabric="warm.json")[0] == 4
+    found = json.loads((folder / "d.json").read_text())
+    assert found["temperature_degC"] == 40.0
+    field = meshio.read(folder / "d.vtu")
+    points, pull = field.points.reshape(31, 21, 3), np.zeros((31, 21, 3))
+    for axis, rest, width, ends in ((0, 200.0 / 30.0, 9.0, 21), (1, 9.0, 200.0 / 30.0, 31)):
+        way = np.diff(points, axis=axis)
+        length = np.linalg.norm(way, axis=2, keepdims=True)
+        share = np.r_[0.5, np.ones(ends - 2), 0.5].reshape((1, -1, 1) if axis == 0 else (-1, 1, 1))
+        force = np.where(length > rest, nominal(length / rest), 0.0) * width * share * THICK * way / length
+        pull[: -1 if axis == 0 else None, : -1 if axis == 1 else None] += force
+        pull[1 if axis == 0 else 0 :, 1 if axis == 1 else 0 :] -= force
+    pull[1:-1, 1:-1] = 0.0
+    left = field.point_data["contact_force_N"].sum(axis=0) - pull.sum(axis=(0, 1))
+    assert found["imbalance_N"] > 0.1
+    assert found["imbalance_N"] == pytest.approx(np.linalg.norm(left), rel=1e-6)
+
+
 def largest(along: np.ndarray, across: np.ndarray) -> float:
     """The largest force of a spring [N]."""
     width = (9.0 * np.r_[0.5, np.ones(19), 0.5], 200.0 / 30.0 * np.r_[0.5, np.ones(29), 0.5][:, None])
