@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from hyperfab.loop.problem import Array
 from hyperfab.pressing.closing import Closed
 from hyperfab.pressing.foam_law import FoamLaw
-from hyperfab.pressing.gap import normal_gap, touch_gap, vertex_areas
+from hyperfab.pressing.gap import vertex_areas
 from hyperfab.pressing.growth import guide_line
 
 Ints = NDArray[np.int64]
@@ -143,10 +143,8 @@ def press_table(closed: Closed, plan: Array, travel: float) -> tuple[PressTable,
     for opening in openings:
         pose = replace(closed.pose, opening=float(opening))
         found = press.at(pose)
-        turned = front.normals if pose.angle == 0.0 else front.normals @ pose.rotation
-        along = normal_gap(pose.into_female(front.vertices), turned, press.female)
         gaps.append(found.gap)
-        touches.append(touch_gap(front, found.gap, along))
+        touches.append(press.touch(pose, found.gap)[1])
         exact.append(found.closing_force)
         pushes.append(-area * found.direction[:, 2])
         up = np.array([0.0, 0.0, float(opening)])

@@ -8,16 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.pressing.balance import balance
-from hyperfab.pressing.clip import positive_part
 from hyperfab.pressing.contact import Contact
 from hyperfab.pressing.gap import (
     Front,
     axial_gap,
     molding_front,
     nearest_gap,
-    normal_gap,
     oblique,
-    touch_gap,
 )
 from hyperfab.pressing.growth import guide_line
 from hyperfab.pressing.mold import Mold
@@ -121,9 +118,8 @@ def close_press(case: Case) -> Closed:
     # A female that stays where it is keeps its search tree.
     there = female if stays else female.moved(pose.carry(female.vertices), female.mount + pose.opening)
     nearest = nearest_gap(front.vertices, there)
-    along = normal_gap(front.vertices, front.normals, there)
-    touch = touch_gap(front, nearest.nearest, along)
-    part = positive_part(np.asarray(press.sandwich.thickness - touch), front.faces, front.areas)
+    along, touch = press.touch(pose, result.gap)
+    part = press.touching(touch)
     return Closed(
         case=case,
         press=press,

@@ -43,7 +43,7 @@ class Contact:
 
     @property
     def pressed_area(self) -> float:
-        """Area [mm^2] of the male whose nearest gap is less than the sandwich."""
+        """Area [mm^2] of the male that bears: its nearest gap is less than the sandwich."""
         return float(self.pressed.area.sum())
 
 

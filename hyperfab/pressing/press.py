@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from hyperfab.errors import InputError
+from hyperfab.pressing.clip import Quadrature, positive_part
 from hyperfab.pressing.contact import Contact, contact
-from hyperfab.pressing.gap import Front, nearest_gap
+from hyperfab.pressing.gap import Front, nearest_gap, normal_gap, touch_gap
 from hyperfab.pressing.mold import Mold
 from hyperfab.pressing.pose import UPRIGHT, Pose
 from hyperfab.pressing.sandwich import Sandwich
@@ -47,6 +48,17 @@ class Press:
         if pose.angle != 0.0:
             gap = replace(gap, direction=gap.direction @ pose.rotation.T)
         return contact(self.front, gap, self.sandwich)
+
+    def touch(self, pose: Pose, gap: Array) -> tuple[Array, Array]:
+        """Return the gaps (n,) [mm] along the male's normals with the female at ``pose``, NaN where they miss, and
+        those that decide what touches; ``gap`` are the nearest ones there."""
+        turned = self.front.normals if pose.angle == 0.0 else self.front.normals @ pose.rotation
+        along = normal_gap(pose.into_female(self.front.vertices), turned, self.female)
+        return along, touch_gap(self.front, gap, along)
+
+    def touching(self, touch: Array) -> Quadrature:
+        """Return points over the area that is touched: where the gap that decides is less than the sandwich."""
+        return positive_part(np.asarray(self.sandwich.thickness - touch), self.front.faces, self.front.areas)
 
     @cached_property
     def _order(self) -> Ints:

@@ -95,8 +95,10 @@ def _curve(closed: Closed, strokes: int) -> np.ndarray:
     last = max(closed.stroke, 0.0)
     rows = []
     for stroke in np.linspace(0.0, last, strokes if last > 0.0 else 1):
-        here = closed.press.at(replace(closed.pose, opening=closed.first_touch - stroke))
-        rows.append((stroke, here.closing_force, here.pressed_area, here.gap.min(), 1e-3 * here.energy))
+        pose = replace(closed.pose, opening=closed.first_touch - stroke)
+        here = closed.press.at(pose)
+        area = closed.press.touching(closed.press.touch(pose, here.gap)[1]).area.sum()
+        rows.append((stroke, here.closing_force, area, here.gap.min(), 1e-3 * here.energy))
     return np.array(rows)
 
 
