@@ -57,12 +57,19 @@ def _material(data: Plain) -> Iterator[str]:
         if fit is None:  # written by hand
             yield f"{label}{data['model']}: {constants}"
             continue
-        yield f"{label}{data['model']}: {constants}; relative rms {fit['relative_rms']:.3f} over {fit['points']} points"
+        yield f"{label}{data['model']}: {constants}; {_misfit(data, fit)} over {fit['points']} points"
         for test, figures in fit["tests"].items():
             if figures.get("predicted"):
-                yield f"{label}{test} test, not used in the fit: relative rms {figures['relative_rms']:.3f}"
+                yield f"{label}{test} test, not used in the fit: {_misfit(data, figures)}"
     if "accepted" in data:
         yield "accepted" if data["accepted"] else "not accepted"
+
+
+def _misfit(data: Plain, figures: Plain) -> str:
+    """Return the figure that the fit was judged by."""
+    if data.get("objective") == "absolute":
+        return f"rms error {100.0 * figures['nrmse']:.1f} % of the largest stress"
+    return f"relative rms {figures['relative_rms']:.3f}"
 
 
 def _contact(data: Plain) -> Iterator[str]:

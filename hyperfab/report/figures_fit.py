@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 #: Okabe and Ito's colours, told apart by everyone.
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 _MARKS = "os^Dv<>"
+#: The test whose rows are shear strain and shear stress.
+_SHEARED = "simple-shear"
 
 
 @dataclass(frozen=True)
@@ -32,13 +34,23 @@ class Line:
 
 
 def fit_figure(panels: Sequence[tuple[str, Sequence[Line]]]) -> bytes:
-    """Return the PNG of ``panels``, each a title and its tests."""
+    """Return the PNG of ``panels``, each a title and its tests; simple shear has axes of its own."""
     figure = Figure(figsize=(6.2 * len(panels), 4.6), dpi=120, layout="constrained")
     FigureCanvasAgg(figure)
     # One scale for all directions: side by side they are compared.
-    ends = _ends([line.stress for _, lines in panels for line in lines])
+    ends = _ends([line.stress for _, lines in panels for line in lines if line.mode != _SHEARED])
     for number, (title, lines) in enumerate(panels, start=1):
-        _panel(figure.add_subplot(1, len(panels), number), title, lines, ends)
+        axes = figure.add_subplot(1, len(panels), number)
+        if {line.mode for line in lines} == {_SHEARED}:
+            _panel(
+                axes,
+                title,
+                lines,
+                _ends([line.stress for line in lines]),
+                ("shear strain", "shear stress [MPa]"),
+            )
+        else:
+            _panel(axes, title, lines, ends)
     stream = io.BytesIO()
     figure.savefig(stream, format="png", metadata={"Software": None})
     return stream.getvalue()
@@ -51,7 +63,13 @@ def _ends(measured: Sequence[NDArray[np.float64]]) -> tuple[float, float]:
     return 1.1 * low - 0.02 * (high - low), 1.25 * high + 1e-12
 
 
-def _panel(axes: Axes, title: str, lines: Sequence[Line], ends: tuple[float, float]) -> None:
+def _panel(
+    axes: Axes,
+    title: str,
+    lines: Sequence[Line],
+    ends: tuple[float, float],
+    words: tuple[str, str] = ("stretch", "nominal stress [MPa]"),
+) -> None:
     for number, line in enumerate(lines):
         colour = _COLOURS[number % len(_COLOURS)]
         axes.plot(
@@ -76,8 +94,8 @@ def _panel(axes: Axes, title: str, lines: Sequence[Line], ends: tuple[float, flo
         if line.unstable_from is not None and line.unstable_from < line.grid[-1]:
             axes.axvspan(line.unstable_from, line.grid[-1], color=colour, alpha=0.08, linewidth=0)
     axes.set_ylim(*ends)
-    axes.set_xlabel("stretch")
-    axes.set_ylabel("nominal stress [MPa]")
+    axes.set_xlabel(words[0])
+    axes.set_ylabel(words[1])
     axes.set_title(title, fontsize=10)
     axes.grid(alpha=0.3)
     if lines:

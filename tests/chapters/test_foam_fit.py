@@ -110,3 +110,9 @@ def test_a_measured_foam_is_carried_in_all_its_tests(name, data_dir, hf, tmp_pat
     assert document["stable"] is True
     errors = {test: one["nrmse"] for test, one in document["fit"]["tests"].items()}
     assert max(errors.values()) <= 0.05, errors
+
+
+def test_the_summary_tells_the_figure_the_foam_was_judged_by(foam, hf) -> None:
+    told = hf("summary", "foam.json", cwd=foam)
+    assert b"rms error 0.0 % of the largest stress" in told.stderr + told.stdout
+    assert b"relative rms" not in told.stderr + told.stdout

@@ -98,13 +98,14 @@ def _fits(parts: dict[str, Any]) -> Table:
                     percent(figures["relative_rms"])
                     if "relative_rms" in figures
                     else word(figures.get("status", "")),
+                    percent(figures["nrmse"]) if "nrmse" in figures else word(""),
                     number(figures.get("E2")),
                 ]
             )
     return Table(
         f"How well each test is carried by {_carrier(parts)}: the relative rms is the root mean square of "
-        "1 - model/measured, E2 the sum of its squares",
-        ["test", "use", "readings", "relative rms", "E2"],
+        "1 - model/measured, E2 the sum of its squares, NRMSE the rms error over the largest stress",
+        ["test", "use", "readings", "relative rms", "NRMSE", "E2"],
         rows,
     )
 
