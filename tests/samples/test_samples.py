@@ -28,10 +28,6 @@ def test_the_repository_ships_exactly_what_the_generator_writes(samples):
     assert [name for name in samples if samples[name] != shipped[name]] == []
 
 
-def test_two_runs_give_the_same_bytes(samples):
-    assert sample_files() == samples
-
-
 @pytest.mark.parametrize("cup", [male_cup(), female_cup()], ids=["male", "female"])
 def test_a_mold_is_closed_wound_outward_and_has_no_facet_without_area(cup):
     edges = np.concatenate([cup.faces[:, [0, 1]], cup.faces[:, [1, 2]], cup.faces[:, [2, 0]]])
