@@ -26,6 +26,7 @@ from hyperfab.loop.catalogue.fabric.scene import Scene
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
 from hyperfab.loop.fitting import Fit
+from hyperfab.loop.gauges import misread
 from hyperfab.loop.problem import Array
 from hyperfab.materials.effects.path import MODE_NAMES
 from hyperfab.materials.registry import law_of, stiffness_at_rest
@@ -55,6 +56,7 @@ def run(job: Job, given: Given) -> int:
             raise UsageError(f"--noise {given.noise}: must be more than zero")
     out.refuse_inputs(job.inputs)
     problem = pose(document, given.name, tests, given.fix, given.prior)
+    tests.warnings += map(str, misread(problem.curves, problem.measured))
     rows, free = sum(len(test.stress) for test in tests.tests), len(problem.own)
     if rows < free + _SPARE:
         raise InputError(
