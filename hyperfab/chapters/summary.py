@@ -22,11 +22,13 @@ def run(job: Job, case: SummaryCase) -> int:
         loaded = load_json(job.inputs.read(name), name)
         kind = _kind(loaded, name)
         data = parse_document(loaded, name, document_class(kind)).to_json()
+        job.ranges.taken(name, data)
         lines.append(f"{name} ({kind})")
         lines += [f"  {line}" for line in _PARAGRAPHS[kind](data)]
         pictures = [job.inputs.beside(name, file) for file in data.get("files", []) if file.endswith(".png")]
         lines += [f"  picture: {picture}" for picture in pictures]
     write_stdout(("\n".join(lines) + "\n").encode())
+    job.judge_ranges()
     return 0
 
 

@@ -13,7 +13,9 @@ the command then ends with status 1. A command that writes no document calls ``j
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,7 +30,7 @@ _SAME = 1e-9
 class Ranges:
     """What was used so far, by law or table and input: the entry, its unit in words, what is done beyond its range."""
 
-    _uses: dict[tuple[str, str, str | None], tuple[Validity, str, str]] = field(default_factory=dict)
+    _uses: dict[tuple[object, ...], tuple[Validity, str, str]] = field(default_factory=dict)
 
     def used(
         self,
@@ -56,11 +58,11 @@ class Ranges:
         met = _ends(values)
         if met is None:
             return None
-        key = (of, source, direction)
+        ends = None if known is None else _ends(known)
+        key = (of, source, direction, ends)
         if key in self._uses:
             before = self._uses[key][0].used
             met = (min(met[0], before[0]), max(met[1], before[1]))
-        ends = None if known is None else _ends(known)
         within = None
         if ends is not None:
             slack = _SAME * max(abs(ends[0]), abs(ends[1]))
@@ -68,6 +70,22 @@ class Ranges:
         entry = Validity(of=of, direction=direction, used=met, known=ends, within=within, source=source)
         self._uses[key] = (entry, unit or ("degC" if of.endswith("_degC") else ""), then)
         return entry
+
+    def taken(self, name: str, document: Mapping[str, Any]) -> None:
+        """Note what the document ``name`` tells of the ranges it was made on: what is made of it stands on them too.
+
+        >>> from hyperfab.chapters.validity import Ranges
+        >>> ranges = Ranges()
+        >>> entry = {"of": "stretch", "used": [1.0, 2.0], "known": [1.0, 1.8], "from": "fabric.json"}
+        >>> ranges.taken("drape.json", {"validity": [entry]})
+        >>> ranges.warning
+        'used beyond what is known: stretch 1 to 2 (fabric.json in drape.json: 1 to 1.8)'
+        """
+        for one in document.get("validity") or []:
+            source = f"{one['from']} in {name}"
+            self.used(
+                one["of"], one["used"], known=one.get("known"), source=source, direction=one.get("direction")
+            )
 
     @property
     def entries(self) -> list[Validity]:

@@ -22,11 +22,13 @@ SHOWN = 12
 
 @dataclass
 class Table:
-    """Columns of equal length; a cell that was not computed is None."""
+    """Columns of equal length; a cell that was not computed is None. ``validity``: by step, what its documents tell of
+    the ranges in which laws and tables were used."""
 
     columns: dict[str, list[Cell]] = field(default_factory=dict)
     axes: dict[str, str] = field(default_factory=dict)
     figures: list[str] = field(default_factory=list)
+    validity: list[tuple[str, Any]] = field(default_factory=list)
 
     def __len__(self) -> int:
         return len(self.columns["case"])
@@ -58,13 +60,14 @@ def collect(plan: Plan, store: Store, accidents: Mapping[str, Outcome]) -> Table
         for step in study.step
     }
     last: dict[str, str] = {}
+    validity: list[tuple[str, Any]] = []
     for case in plan:
         row: dict[str, Cell] = {"case": case.key[:SHOWN], "status": 0}
         row |= {axes[name]: value for name, value in case.values.items()}
         for step in case.steps:
             if step.key not in cache:
                 cache.pop(last.get(step.name, ""), None)  # the steps a chain shares come one after another
-                cache[step.key] = _step(store, accidents, step, wanted[step.name])
+                cache[step.key] = _step(store, accidents, step, wanted[step.name], validity)
                 last[step.name] = step.key
             outcome, found = cache[step.key]
             row |= found
@@ -78,11 +81,15 @@ def collect(plan: Plan, store: Store, accidents: Mapping[str, Outcome]) -> Table
             row["within_limits"] = _within(row, study.limit)
         for name, cells in columns.items():
             cells.append(row.get(name))
-    return Table(columns, axes, list(figures))
+    return Table(columns, axes, list(figures), validity)
 
 
 def _step(
-    store: Store, accidents: Mapping[str, Outcome], step: Step, wanted: Mapping[str, str]
+    store: Store,
+    accidents: Mapping[str, Outcome],
+    step: Step,
+    wanted: Mapping[str, str],
+    validity: list[tuple[str, Any]],
 ) -> tuple[Outcome | None, dict[str, Cell]]:
     outcome = store.outcome(step.key) or accidents.get(step.key)
     if outcome is None:
@@ -90,6 +97,8 @@ def _step(
     document = store.document(step)
     if document is None:
         return outcome, {}
+    if isinstance(document, Mapping) and document.get("validity"):
+        validity.append((step.name, document["validity"]))
     place = store.place(step.key).relative_to(store.folder) / f"{step.name}.json"
     found: dict[str, Cell] = {f"{step.name}_document": str(place)}
     for name, key in wanted.items():

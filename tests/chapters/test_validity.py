@@ -165,3 +165,33 @@ def test_ranges_join_what_one_law_was_used_at_and_judge_the_ends_to_rounding() -
         ranges.warning
         == "used beyond what is known: film.csv 20 to 250 degC (mold.toml: 25 to 250 degC; held)"
     )
+
+
+def test_what_is_made_of_documents_stands_on_their_ranges(hf: Run, shop: Path) -> None:
+    """A summary, a page and a study of a drape beyond the tests say so, and end with status 1 with --strict."""
+    assert hf(*DRAPE, "--temperature", "200degC", "-o", "far.json", cwd=shop).returncode == 0
+    assert hf(*DRAPE, "-o", "near.json", cwd=shop).returncode == 0
+    for words in (("summary",), ("report", "-o", "page.html")):
+        for name, status in (("far.json", 1), ("near.json", 0)):
+            plain, strict = hf(*words, name, cwd=shop), hf(*words, name, "--strict", cwd=shop)
+            assert (plain.returncode, strict.returncode) == (0, status)
+            assert (b"beyond what is known: temperature 200 degC" in plain.stderr) is bool(status)
+
+
+def test_the_shrinkage_of_foam_beyond_its_table_is_told(hf: Run, tmp_path: Path, root: Path) -> None:
+    foam = (root / "specimens" / "foam.toml").read_text()
+    head = foam.index("\nthickness")
+    foam = foam[:head] + '\nshrinkage = { amount = { table = "s.csv" } }' + foam[head:]
+    (tmp_path / "foam.toml").write_text(foam)
+    (tmp_path / "foam.csv").write_bytes((root / "specimens" / "foam.csv").read_bytes())
+    (tmp_path / "s.csv").write_text("temperature [degC],shrinkage [-]\n20,0\n180,0.08\n")
+    molds = ("--male", root / "molds" / "cup-male.stl", "--female", root / "molds" / "cup-female.stl")
+    words = ("press-contact", *molds, "--foam", "foam.toml", "--gap", "3mm", "--strokes", "2")
+    for temperature, status in (("170degC", 0), ("200degC", 1)):
+        done = hf(*words, "--temperature", temperature, "--strict", cwd=tmp_path)
+        assert done.returncode == status, done.stderr.decode()
+        entry = next(one for one in json.loads(done.stdout)["validity"] if one["of"] == "shrinkage")
+        assert entry["known"] == [20.0, 180.0]
+        assert entry["used"] == [float(temperature.removesuffix("degC"))] * 2
+        assert entry["within"] is (status == 0)
+        assert (b"shrinkage 200 degC" in done.stderr) is bool(status)

@@ -43,6 +43,8 @@ ALUMINIUM = ((100.0, 300.0), (23.6e-6, 25.2e-6))
 _TORN = 0.8
 #: Strain and stress of a foam test that go back by less than this share of their largest value only jitter.
 _JITTER = 0.02
+#: What is done beyond a table's rows.
+_END_ROWS = "its end rows hold there"
 _REFERENCE_RANGE = (-50.0, 60.0)
 
 
@@ -198,13 +200,13 @@ def fabric_thickness(inputs: Inputs, name: str, document: FoamDocument) -> float
     return total
 
 
-def shrinkage(inputs: Inputs, name: str, document: FoamDocument, temperature: float) -> float:
+def shrinkage(job: Job, name: str, document: FoamDocument, temperature: float) -> float:
     """Return the share of the foam's thickness that is lost at ``temperature`` [degC] by the end of the dwell."""
     given = document.shrinkage
     if isinstance(given.amount, TableFile):
         path = Inputs.beside(name, given.amount.table)
         columns = {"temperature": "temperature", "shrinkage": "dimensionless"}
-        table = read_table(inputs.read(path), path, columns, increasing="temperature")
+        table = read_table(job.inputs.read(path), path, columns, increasing="temperature")
         wrong = np.flatnonzero((table["shrinkage"] < 0.0) | (table["shrinkage"] > 0.9))
         if len(wrong):
             raise InputError(
@@ -215,6 +217,8 @@ def shrinkage(inputs: Inputs, name: str, document: FoamDocument, temperature: fl
                 remedy="give 0.05 for five percent",
             )
         amount = float(np.interp(temperature, table["temperature"], table["shrinkage"]))
+        rows = table["temperature"]
+        job.ranges.used("shrinkage", temperature, known=rows, source=name, unit="degC", then=_END_ROWS)
     else:
         amount = float(given.amount)
     if given.time is None or given.dwell is None:

@@ -90,7 +90,7 @@ def model_of(job: Job, case: PressCase, files: Files) -> Model:
             molds, files.heat, files.expansions, (document.poisson.male, document.poisson.female), strict=True
         )
     )
-    lost = read.shrinkage(job.inputs, case.foam, document, 0.5 * (male.temperature + female.temperature))
+    lost = read.shrinkage(job, case.foam, document, 0.5 * (male.temperature + female.temperature))
     thickness = document.thickness * (1.0 - lost)
     sandwich = Sandwich(thickness * files.uneven, files.fabric, files.law)
     if files.thinned is not None:

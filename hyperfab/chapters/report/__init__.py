@@ -36,6 +36,7 @@ def run(job: Job, case: ReportCase) -> int:
             continue
         if error is None:
             sources[source.sha256] = source
+            job.ranges.taken(name, source.data)
         else:
             job.console.warn(f"{error}; its section says so")
             broken.append((source, Section("", False, f"Cannot be shown: {error}.")))
@@ -53,6 +54,7 @@ def run(job: Job, case: ReportCase) -> int:
     if len(data) > LARGE:
         job.console.warn(f"the page has {len(data) / 2**20:.1f} MB; name fewer documents for a phone")
     write_single(output, data, job.inputs)
+    job.judge_ranges()
     return 0
 
 

@@ -24,6 +24,8 @@ def write_result(
 ) -> tuple[int, int]:
     """Write the table and the document; return how many cases failed, and how many have a negative verdict."""
     table = collect(plan, store, accidents)
+    for step, entries in table.validity:
+        job.ranges.taken(step, {"validity": entries})
     effects = main_effects(table, plan.axes)
     senses = _senses(plan, table)
     document = SweepDocument(
