@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from hyperfab.materials.effects.fabric import Fabric
-from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL, Path
+from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL, Path, uniaxial_pull
 from hyperfab.materials.registry import law
 
 #: Two curves: (time [s], stretch). The second begins loaded, and stands still once.
@@ -457,3 +457,21 @@ def test_the_transverse_stretch_is_the_one_stated() -> None:
     # Slack in the grips is no stretch of the specimen: it does not contract either.
     slack = fabric.across({"grip-slack": ("play", np.array([0.06]))})
     assert slack == pytest.approx(np.maximum(stretch - 0.06, 1.0) ** -0.5, rel=1e-14)
+
+
+@pytest.mark.parametrize("angle", [0.0, 30.0, 90.0])
+def test_the_energy_of_a_sheet_with_threads_and_an_added_law_is_the_integral_of_its_stress(
+    angle: float,
+) -> None:
+    """Mullins' and the pseudo-elastic loop live on that energy: its slope along a pull is the nominal stress."""
+    lam, h = np.linspace(1.05, 1.6, 6), 1e-4
+    way = uniaxial_pull(lam)
+    way.angle_deg[:] = angle
+    sheet = Fabric(law("neo-hookean"), way, REFERENCE)
+    threads = {"anisotropy": ("threads", np.array([0.1, 0.05, 0.4, 0.03]))}
+    for terms in (threads, {**threads, "elastic-law": ("powers", np.array([0.05, 0.02]))}):
+        stress, energy, _ = sheet._of_threads(np.array([0.2]), terms, lam)
+        more, less = (sheet._of_threads(np.array([0.2]), terms, lam + d)[1] for d in (h, -h))
+        # Each equilibrium begins where the last one ended, and its width is known to some millionths.
+        np.testing.assert_allclose((more - less) / (2.0 * h), stress, rtol=1e-5)
+        assert energy.min() > 0.0
