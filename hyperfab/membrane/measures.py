@@ -13,7 +13,7 @@ from hyperfab.membrane.facets import Facets
 from hyperfab.membrane.mesh import shape_functions
 from hyperfab.membrane.recovery import recovered_strain
 from hyperfab.membrane.sheet import Sheet
-from hyperfab.membrane.tension_field import TAUT
+from hyperfab.membrane.tension_field import TAUT, Principal
 
 Array = NDArray[np.float64]
 
@@ -28,9 +28,32 @@ class Fields:
 
 
 def fields(sheet: Sheet, places: Array) -> Fields:
-    """Return smooth fields at the nodes."""
+    """Return smooth fields at the nodes; close to the limit of a law, those of the most stressed point nearby."""
     found = sheet.law.principal(recovered_strain(sheet.mesh, places))
+    beyond = np.flatnonzero(~np.isfinite(found.cauchy).all(axis=1))
+    if len(beyond):
+        found = _worst_around(sheet, places, beyond, found)
     return Fields(found.stretch, found.cauchy, sheet.thickness * found.thickness)
+
+
+def _worst_around(sheet: Sheet, places: Array, nodes: NDArray[np.int64], smooth: Principal) -> Principal:
+    """Return ``smooth`` with the values of the quadrature point of the largest stress around each of some nodes.
+
+    Smoothing may carry a strain over the limit of a law that none of the points at which the sheet is in equilibrium
+    has reached.
+    """
+    points = sheet.principal(places)
+    size = len(points.stretch) // len(sheet.mesh.elements)
+    worst = []
+    for node in nodes:
+        near = np.flatnonzero((sheet.mesh.elements == node).any(axis=1))
+        mine = (near[:, None] * size + np.arange(size)).ravel()
+        worst.append(mine[np.argmax(points.cauchy[mine].max(axis=1))])
+    columns = {}
+    for name in ("stretch", "cauchy", "thickness"):
+        columns[name] = np.array(getattr(smooth, name))
+        columns[name][nodes] = getattr(points, name)[worst]
+    return replace(smooth, **columns)
 
 
 def mounted_energy(press: Press) -> float:

@@ -15,6 +15,8 @@ from hyperfab.membrane.tension_field import TAUT, Principal, Response, SheetLaw
 
 Array = NDArray[np.float64]
 
+#: A clamp this much stiffer than the sheet holds: its force could not be told from the rounding of its slip.
+_RIGID = 1e-6
 #: Part of the modulus that counts as stress where a sheet has none at all.
 _LEAST_STRESS = 1e-6
 
@@ -39,7 +41,8 @@ class Sheet:
         self, mesh: SheetMesh, law: SheetLaw, thickness: float, prestretch: float = 1.0, rim_slip: float = 0.0
     ) -> None:
         self.mesh, self.law, self.thickness, self.prestretch = mesh, law, thickness, prestretch
-        self.clamp = Clamp(mesh, rim_slip, self.flat) if rim_slip > 0.0 else None
+        gives = rim_slip * self.modulus * thickness > _RIGID * self.reach
+        self.clamp = Clamp(mesh, rim_slip, self.flat) if gives else None
         self.pattern = mesh.pattern if self.clamp is None else mesh.slipping_pattern
         self._weights = mesh.weights * thickness
 

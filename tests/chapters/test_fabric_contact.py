@@ -110,6 +110,19 @@ def test_two_materials_are_compared_at_the_same_points(press):
     assert found["compared_at_depth_mm"] == 40.0
 
 
+@pytest.mark.parametrize("limit", [0.02])
+def test_chains_that_lock_end_with_4_and_figures_up_to_there(press, limit):
+    """Smoothed strains may pass the law's limit where no point of the sheet has: that is no stress without a number."""
+    locking = {**NEO_HOOKEAN, "model": "gent", "parameters": {"mu_MPa": 0.4, "Im": limit}}
+    status, found, said = press(locking, "--depth", "40mm", "--steps", "1", "--tolerance", "1e-3")
+    assert status == 4, said
+    assert "no equilibrium" in said
+    assert 0.0 < found["depth_reached_mm"] < 40.0
+    # Equal stretch both ways reaches the limit first: 2 l^2 + l^-4 - 3 = Im.
+    assert 1.0 + math.sqrt(limit / 12.0) < found["stretch_max"] < 1.0 + math.sqrt(limit / 2.0)
+    assert found["stress_max_MPa"] > 100.0 * 0.4 * limit
+
+
 def test_constants_that_fail_end_with_4_and_name_both_depths(press):
     status, found, said = press(SOFTENING, "--depth", "70mm", "--steps", "2")
     assert status == 4

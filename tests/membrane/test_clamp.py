@@ -66,6 +66,14 @@ def test_no_slip_is_the_rigid_clamp_bit_for_bit():
     assert first.places.tobytes() == again[0].solved[-1].state.places.tobytes()
 
 
+@pytest.mark.parametrize("rim_slip", [1e-5, 1e-12])
+def test_a_clamp_that_hardly_gives_is_nearly_rigid(rim_slip):
+    """However stiff: the force goes to the rigid clamp's, in proportion to the slip."""
+    held = DISC["neo-hookean", 40.0].force
+    [solved] = _pressed(rim_slip, (40.0,)).solved
+    assert solved.state.force == pytest.approx(held, rel=5e-5)
+
+
 def test_springs_pull_by_the_slope_of_their_energy():
     square = outline.Square(40.0)
     sheet = Sheet(sheet_mesh(square, triangulate(square, uniform(9.0))), LAW, 0.7, 1.1, 3.0)
