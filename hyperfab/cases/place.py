@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import copy
 import dataclasses
+from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
 from hyperfab.cases.case import Case
@@ -49,6 +50,17 @@ def put(case: CaseT, path: str, value: Any) -> CaseT:
     return dataclasses.replace(
         case, **{one.name: one.kind.checked(value, path, lambda: one.kind.load(plain(value)))}
     )
+
+
+def applied(case: CaseT, amounts: Mapping[str, float], places: Mapping[str, Sequence[str]]) -> CaseT:
+    """Return the case with each amount added at the places it has; one of zero leaves the case as it is.
+
+    Raises UsageError where a place cannot hold the sum.
+    """
+    for name, amount in amounts.items():
+        for path in places.get(name, ()) if amount else ():
+            case = put(case, path, (get(case, path) or 0.0) + amount)
+    return case
 
 
 def _split(case: Case, path: str) -> tuple[Any, ...]:

@@ -16,8 +16,7 @@ from hyperfab.chapters.close_loop.extended_contact import FABRIC
 from hyperfab.chapters.close_loop.extended_drape import THREADS, drape_applied, extend
 from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, spread, widened
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
-from hyperfab.chapters.close_loop.recall import check_unchanged, unchanged
-from hyperfab.chapters.close_loop.rerun import Listener, Overlay
+from hyperfab.chapters.close_loop.rerun import Listener, Overlay, check_unchanged, unchanged
 from hyperfab.chapters.close_loop.softer import linear_of, scaled_material
 from hyperfab.chapters.drape.fabric import read_fabric
 from hyperfab.chapters.drape.model import Model, model_of, read_files

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from hyperfab.cases.contact import STICK, ContactCase
-from hyperfab.chapters.close_loop.applied import applied
+from hyperfab.cases.place import applied
 from hyperfab.chapters.close_loop.closing import Extension
 from hyperfab.chapters.close_loop.softer import scaled_material, soften
 from hyperfab.documents.material import MaterialDocument

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from hyperfab.cases.drape import DrapeCase
-from hyperfab.chapters.close_loop.applied import applied
+from hyperfab.cases.place import applied
 from hyperfab.chapters.close_loop.closing import Extension
 from hyperfab.chapters.close_loop.extended_contact import FABRIC
 from hyperfab.chapters.close_loop.softer import scaled_material

@@ -16,8 +16,7 @@ from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_press import FOAM, extend
 from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, spread, widened
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
-from hyperfab.chapters.close_loop.recall import check_unchanged, unchanged
-from hyperfab.chapters.close_loop.rerun import Listener
+from hyperfab.chapters.close_loop.rerun import Listener, check_unchanged, unchanged
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact.command import solve
 from hyperfab.chapters.press_contact.model import model_of, read_files

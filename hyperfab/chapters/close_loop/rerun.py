@@ -1,18 +1,23 @@
-"""A command run again inside this one: its document and its files are kept in memory."""
+"""A model as a command made it: its inputs must be those it was made from; the command run again, kept in memory."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import os
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
 from hyperfab.cases.case import Case
+from hyperfab.cases.like import Earlier
 from hyperfab.cases.options import words
 from hyperfab.chapters.commands import run
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
+from hyperfab.errors import InputError
 from hyperfab.io.inputs import MAX_BYTES, Inputs
 from hyperfab.io.output import Output
+
+CaseT = TypeVar("CaseT", bound=Case)
 
 
 class Overlay(Inputs):
@@ -86,3 +91,27 @@ def rerun(case: Case, target: str, given: Mapping[str, bytes] = {}) -> Made:
     status = run(job, case)
     kept = job.outputs[-1]
     return Made(kept.document, kept.siblings, status, listener.warnings)
+
+
+def unchanged(made: Earlier[CaseT]) -> Earlier[CaseT]:
+    """Return how a model was made; InputError where an input of it has changed since."""
+    for name in made.changed:
+        raise _changed(name, made)
+    return made
+
+
+def check_unchanged(job: Job, made: Earlier[Any], besides: Iterable[str]) -> None:
+    """Refuse files read for the model that are not those it was made from; ``besides`` were read for other ends."""
+    other = {made.name, *besides}
+    known = set(made.read.values())
+    for file in job.inputs.files:
+        if file.name not in other and file.sha256 not in known:
+            raise _changed(file.name, made)
+
+
+def _changed(file: str, made: Earlier[Any]) -> InputError:
+    return InputError(
+        f"has changed since {made.name} was made from it",
+        file=file,
+        remedy=f"make {os.path.basename(made.name)} again with hf {made.cls.COMMAND}",
+    )
