@@ -65,7 +65,7 @@ def sound(one: Ran) -> bool:
         one.status == 0
         and one["converged"]
         and one["residual_relative"] <= 1e-6
-        and abs(one["imbalance_N"]) <= 1e-6 * max(one["force_N"], 1e-3)
+        and abs(one["imbalance_N"]) <= 1e-5 * max(one["force_N"], 1e-3)
         and one["penetration_nodes_mm"] <= 1e-9
         and one["force_N"] > 0.0
     )
@@ -319,7 +319,7 @@ def known(hunt: Hunt) -> None:
             one, two = drape(mold, **options), drape(mold.moved(np.diag([1.0, -1.0, 1.0])), **options)
             whole, local = parted(one, two)
             return sound(one) and sound(two) and max(
-                whole, 0.2 * local
+                whole, 0.05 * local
             ) < 1e-3, f"{told(one)} mirrored {whole:.1e} {local:.1e}"
 
         hunt.case(f"rests, and mirrored too: {name}", rests)
