@@ -236,7 +236,11 @@ class MaterialDocument(Document):
     stability: dict[str, StableRange] | None = None
     stability_plane: StablePlane | None = None
     stable: bool | None = Field(default=None, description="Drucker-stable over the stretches of the tests")
-    accepted: bool | None = Field(default=None, description="whether the relative rms is within --accept")
+    accepted: bool | None = Field(default=None, description="whether the fit is within --accept")
+    accepted_by: str | None = Field(
+        default=None,
+        description="the figure that --accept bounds: relative_rms; nrmse in an absolute fit, which minimises it",
+    )
     objective: str | None = Field(default=None, description="relative or absolute least squares")
     fit_on: list[str] | None = Field(default=None, description="tests that took part in the fit")
     left_out: dict[str, int] | None = Field(default=None, description="rows left out, by reason")

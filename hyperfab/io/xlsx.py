@@ -1,6 +1,6 @@
 """Cells of an Excel workbook (.xlsx), read as text: no macro runs, no link is followed, nothing unpacks without bound.
 
-A reader of our own rather than openpyxl (MIT; four times slower on a long table) or python-calamine (MIT): what counts
+A reader of our own rather than openpyxl or python-calamine (both MIT): what counts
 here is the format of a cell, 5 % is stored as 0.05, and a bound on what an archive may unpack to.
 Source: ECMA-376, Office Open XML, part 1, 18.2 to 18.4, 18.8.30.
 """

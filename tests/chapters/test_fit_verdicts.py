@@ -52,6 +52,8 @@ def test_an_absolute_fit_is_judged_by_the_absolute_figure(hf: Run, tmp_path: Pat
     figures = json.loads(done.stdout)["fit"]
     assert figures["nrmse"] < 0.05 < figures["relative_rms"]
     assert done.returncode == 0
+    assert json.loads(done.stdout)["accepted_by"] == "nrmse"
+    assert "accepted by NRMSE" in done.stderr.decode()
 
 
 @pytest.mark.parametrize("start", [-0.02, -0.005, -0.001])
@@ -163,3 +165,30 @@ def test_no_test_that_stiffens_is_refused_stable_constants() -> None:
         for model in ("yeoh-2", "yeoh-3"):
             found = identify(law(model), [curve], Setting(("uniaxial",), False, True, 1.0))
             assert isinstance(found, Identified), (model, power, found)
+
+
+@pytest.mark.parametrize(
+    ("specimen", "gauge", "width"), [("1ba", 25.0, 5.0), ("1bb", 10.0, 2.0), ("3-2", 50.0, 18.0)]
+)
+def test_specimens_of_films_have_their_sizes(
+    hf: Run, tmp_path: Path, specimen: str, gauge: float, width: float
+) -> None:
+    rows = [
+        f"{gauge * (a - 1.0)!r},{b * width * 0.5!r}"
+        for a, b in zip(LAM.tolist(), yeoh(0.2, 0.0).tolist(), strict=True)
+    ]
+    (tmp_path / "a.csv").write_text("\n".join(["# thickness: 0.5 mm", "extension [mm],force [N]", *rows, ""]))
+    own = ("--width", f"{width}mm") if specimen == "3-2" else ()
+    words = (
+        "fit",
+        "--uniaxial",
+        "a.csv",
+        "--model",
+        "neo-hookean",
+        "--specimen",
+        f"iso-527-{specimen}",
+        *own,
+    )
+    assert json.loads(hf(*words, cwd=tmp_path).stdout)["parameters"]["C10_MPa"] == pytest.approx(
+        0.2, rel=1e-9
+    )

@@ -265,6 +265,7 @@ def _document(
         stability_plane=describe.plane(whole, data_reach, with_plane),
         stable=best.stable,
         accepted=best.accepted,
+        accepted_by="relative_rms" if setting.relative else "nrmse",
         objective="relative" if setting.relative else "absolute",
         fit_on=list(setting.fit_on),
         left_out=dict(sorted(readings.left_out.items())) or None,
@@ -305,6 +306,8 @@ def _tell(job: Job, judged: Sequence[Judged], document: MaterialDocument, settin
     for reason, count in (document.left_out or {}).items():
         job.console.note(f"{count} rows left out: {reason}")
     columns = ["model", "E2", "rel. rms", "NRMSE", "unseen", "stable", "accepted"]
+    if not setting.relative:
+        columns[-1] += " by NRMSE"
     rows = []
     for one in judged:
         cells = describe.figures_cells(_written(one))

@@ -11,11 +11,15 @@ from hyperfab.errors import UsageError
 from hyperfab.io.csv_tests import TestData
 from hyperfab.io.specimen import Geometry
 
-#: Gauge length and width [mm] of standard specimens. The thickness is always measured, never assumed.
+#: Gauge length and width [mm] of standard specimens, by ISO 527-2:2012, ISO 527-3:2018 (type 2, a strip of 10 to 25 mm:
+#: its width is measured), ISO 37:2017, ASTM D412-16, ISO 13934-1:2013 and -2:2014. The thickness is always measured.
 STANDARD: Mapping[str, Geometry] = {
     "iso-527-1a": Geometry(gauge_length=75.0, width=10.0),
     "iso-527-1b": Geometry(gauge_length=50.0, width=10.0),
+    "iso-527-1ba": Geometry(gauge_length=25.0, width=5.0),
+    "iso-527-1bb": Geometry(gauge_length=10.0, width=2.0),
     "iso-527-5a": Geometry(gauge_length=20.0, width=4.0),
+    "iso-527-3-2": Geometry(gauge_length=50.0),
     "iso-37-1": Geometry(gauge_length=25.0, width=6.0),
     "iso-37-2": Geometry(gauge_length=20.0, width=4.0),
     "iso-37-3": Geometry(gauge_length=10.0, width=4.0),
