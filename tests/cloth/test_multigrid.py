@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from hyperfab.cloth.galerkin import OX, OY
+from hyperfab.cloth.galerkin import OX, OY, _sandwich
 from hyperfab.cloth.multigrid import Level, Multigrid, left, parents_of, sweep_from_zero
 
 
@@ -66,3 +66,16 @@ def test_what_a_sweep_from_zero_leaves_is_the_residual(sheared):
     left(level.off, u, r)
     exact = b.ravel() - dense(level) @ u.ravel()
     assert np.abs(r.ravel() - exact).max() <= 1e-5 * np.abs(b).max()
+
+
+def test_a_block_between_nodes_on_their_planes_is_q_b_r():
+    """Projections on any planes, in six numbers each, and a full block between them."""
+    rng = np.random.default_rng(8)
+    block, out = rng.standard_normal((3, 3)), np.empty(9, np.float32)
+    planes = []
+    for _ in range(2):
+        normal = rng.standard_normal(3)
+        planes.append(np.eye(3) - np.outer(normal, normal) / (normal @ normal))
+    six = [plane[[0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2]] for plane in planes]
+    getattr(_sandwich, "py_func", _sandwich)(six[0], block, six[1], out)
+    np.testing.assert_allclose(out.reshape(3, 3), planes[0] @ block @ planes[1], rtol=1e-5, atol=1e-6)
