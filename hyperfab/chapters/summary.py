@@ -96,10 +96,11 @@ def _drape(data: Plain) -> Iterator[str]:
     most = data[along]["stretch_max"]
     at = (data.get("stretch_max_at_mm") or {}).get("flat")
     where = f" at ({at[0]:.0f}, {at[1]:.0f}) mm of the flat sheet" if at else ""
+    slack = "slack springs" if data.get("sheet", "net") == "net" else "cells wrinkled or slack"
     yield f"stretched to {most:.3f} at most, along {along}{where}"
     yield (
         f"{state}: {data['contact_nodes']} nodes on the mold{edges}, press force {data['force_N']:.4g} N, "
-        f"thinnest {data['thickness_min_mm']:.3f} mm, {data['slack_springs']} slack springs"
+        f"thinnest {data['thickness_min_mm']:.3f} mm, {data['slack_springs']} {slack}"
     )
     yield (
         f"stress up to {data['stress_warp_max_MPa']:.3g} MPa (warp), {data['stress_weft_max_MPa']:.3g} MPa (weft); "

@@ -1,7 +1,7 @@
 """The spring grid of a stretch fabric and its equilibrium on a mold."""
 
 from .answers import Answers, answers
-from .cascade import drape
+from .cascade import BeyondLaw, drape
 from .law import SpringLaw, piecewise_linear, tabulate
 from .mold import Mold, mold_of, raised
 from .net import Sheet
@@ -11,6 +11,7 @@ from .state import Equilibrium, Step
 
 __all__ = [
     "Answers",
+    "BeyondLaw",
     "Equilibrium",
     "HeldNodeInside",
     "Mold",

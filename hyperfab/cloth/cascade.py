@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
+
 from .dynamic import swing
 from .mold import Mold
 from .net import Sheet, X, Y
@@ -19,6 +21,10 @@ COARSE_TOLERANCE = 1e-4
 #: Where no step of Newton's lowers the energy though the residual is below the first, the sheet swings for so many time
 #: steps before Newton goes on; this often at most. Facets that meet in a valley can hold a node up between them.
 NEARLY, SWINGS, ROUNDS = 0.2, 200, 3
+
+
+class BeyondLaw(Exception):
+    """The sheet would be stretched beyond what its law answers to."""
 
 
 def grid_sizes(n: int, m: int) -> list[tuple[int, int]]:
@@ -64,7 +70,7 @@ def drape(
     """Equilibrium of a flat sheet lowered onto a mold from above.
 
     Returns the state on the sheet's own grid, with the history of all grids.
-    Raises HeldNodeInside where the mold reaches a clamped node.
+    Raises HeldNodeInside where the mold reaches a clamped node, BeyondLaw where a membrane has no answer to begin with.
 
     >>> from trimesh.creation import icosphere
     >>> from hyperfab.cloth import Sheet, drape, mold_of, piecewise_linear
@@ -84,6 +90,8 @@ def drape(
         goal = tolerance if (n, m) == sizes[-1] else max(tolerance, COARSE_TOLERANCE)
         found = equilibrium(grid, mold, start, goal, report=report)
         history += found.history
+        if not np.isfinite(found.energy):
+            raise BeyondLaw
         for _ in range(ROUNDS):
             if found.converged or found.residual_relative > NEARLY:
                 break

@@ -575,3 +575,11 @@ def test_a_mold_that_has_passed_between_the_nodes_is_no_result(drape, folder):
     assert (status, found["force_N"] > 1.0) in ((4, False), (0, True))
     if status == 4:
         assert "between the nodes" in found["status"]
+
+
+def test_a_membrane_whose_law_ends_before_the_mold_does_is_refused(drape, folder):
+    short = {**FABRIC, "model": "gent", "parameters": {"mu_MPa": 0.4, "Im": 0.1}}
+    (folder / "short.json").write_text(json.dumps(short))
+    status, _, err = drape("--sheet", "membrane", fabric="short.json")
+    assert status == 3
+    assert "less --depth" in " ".join(err.split())

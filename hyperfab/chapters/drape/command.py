@@ -11,7 +11,7 @@ from hyperfab.chapters.drape.model import Model, model_of, read_files
 from hyperfab.chapters.drape.result import document_of, judge, say, tears
 from hyperfab.chapters.drape.states import State, at_depths
 from hyperfab.chapters.job import Job
-from hyperfab.cloth import HeldNodeInside, Step
+from hyperfab.cloth import BeyondLaw, HeldNodeInside, Step
 from hyperfab.cloth.cascade import grid_sizes
 from hyperfab.errors import InputError
 
@@ -56,6 +56,12 @@ def _drape(job: Job, model: Model) -> list[State]:
             return list(at_depths(model, report))
         except HeldNodeInside as error:
             raise _held_inside(error, model) from None
+        except BeyondLaw:
+            raise InputError(
+                "the law has no answer to the strains that the mold asks for: it ends there (its chains lock)",
+                file=model.files.fabric.sources[0],
+                remedy="less --depth, a larger --size, or a law that goes further",
+            ) from None
 
 
 def _held_inside(error: HeldNodeInside, model: Model) -> InputError:

@@ -57,9 +57,9 @@ def section(source: Source) -> Section:
                     if data.get("contact_edges")
                     else []
                 ),
-                ("slack springs", number(data["slack_springs"])),
+                (f"slack {_pieces(data)}", number(data["slack_springs"])),
                 ("deepest inside the mold", number(data["penetration_max_mm"], "mm", 2)),
-                ("energy of the springs", number(data["energy_J"], "J")),
+                ("strain energy", number(data["energy_J"], "J")),
             ],
         )
     )
@@ -146,6 +146,11 @@ def _on_the_way(data: Any) -> list[Any]:
     return parts
 
 
+def _pieces(data: Any) -> str:
+    """What a sheet is made of: springs, or cells of a membrane."""
+    return "springs" if data.get("sheet", "net") == "net" else "cells"
+
+
 def _verdict(data: Any) -> tuple[bool | None, str]:
     if not data["converged"]:
         return False, f"No equilibrium: {data.get('status', 'not converged')}."
@@ -154,7 +159,7 @@ def _verdict(data: Any) -> tuple[bool | None, str]:
     return True, (
         f"In equilibrium on the mold: stretched to {number(_stretch(data), '', 4).text} at most, along {_way(data)}; "
         f"{number(data['contact_nodes']).text} nodes touch{on_edges}, "
-        f"{'no spring is' if slack == 0 else f'{slack} springs are'} slack, "
+        f"{'none of its ' if slack == 0 else f'{slack} '}{_pieces(data)} are slack, "
         f"thinnest place {number(data['thickness_min_mm'], 'mm', 3).text}."
     )
 
