@@ -149,7 +149,7 @@ def answers(sheet: Sheet, mold: Mold, found: Equilibrium) -> Answers:
     )
     if sheet.membrane is None:
         return said
-    cells = cells_of(sheet, x)
+    cells = cells_of(sheet, x, along, across)
     return replace(
         said,
         stress_warp=cells.stress_warp,

@@ -24,6 +24,8 @@ from .net import Arrays
 @part
 def law_of(net: Arrays, i: int, j: int, d: int, length: float) -> tuple[float, float, float]:
     """Energy, force and stiffness of a spring of the given length."""
+    if net.tension.shape[0] > 0:
+        return 0.0, net.tension[i, j, d], 0.0
     rest = net.rest[d]
     if length <= rest:
         return 0.0, 0.0, 0.0
@@ -69,6 +71,23 @@ def bend_forces(
 
 
 @kernel
+def unjoin(springs: Ints, diag: Floats, off: Floats) -> None:
+    """Take the straight springs' tangent of the listed ones out of ``diag`` and ``off``."""
+    for b in range(springs.shape[0]):
+        i, j, d = springs[b, 0], springs[b, 1], springs[b, 2]
+        k, l = (i + 1, j) if d == 0 else (i, j + 1)
+        at = 0
+        for r in range(3):
+            for c in range(3):
+                v = off[i, j, d, 3 * r + c]
+                if c >= r:
+                    diag[i, j, at] += v
+                    diag[k, l, at] += v
+                    at += 1
+                off[i, j, d, 3 * r + c] = 0.0
+
+
+@kernel
 def bend_stiffness(
     net: Arrays,
     springs: Ints,
@@ -77,19 +96,12 @@ def bend_stiffness(
     diag: Floats,
     off: Floats,
 ) -> None:
-    """Tangent of the listed springs in place of that of the straight ones, which ``diag`` and ``off`` come with."""
+    """Add the tangent of the listed springs."""
     t, n1, n2 = np.empty(3), np.empty(3), np.empty(3)
     own, turn = np.empty((3, 3)), np.empty((3, 3))
     for b in range(springs.shape[0]):
         i, j, d = springs[b, 0], springs[b, 1], springs[b, 2]
         k, l = (i + 1, j) if d == 0 else (i, j + 1)
-        coupling = off[i, j, d]
-        at = 0
-        for r in range(3):
-            for c in range(r, 3):
-                diag[i, j, at] += coupling[3 * r + c]
-                diag[k, l, at] += coupling[3 * r + c]
-                at += 1
         w = ways[b]
         _, force, slope = law_of(net, i, j, d, w[12])
         along, across = max(slope, floor), max(force / w[12], floor)
@@ -125,7 +137,7 @@ def bend_stiffness(
                 v = across * n1[r] * n2[c]
                 for u in range(3):
                     v -= own[r, u] * turn[u, c]
-                coupling[3 * r + c] = v
+                off[i, j, d, 3 * r + c] += v
 
 
 @part

@@ -23,6 +23,8 @@ from .state import State
 
 #: The deepest point of a spring is found to this many mm.
 SURE = 1e-6
+#: No mold has a slit this thin in front of a facet, in mm: what hovers lower above one is outside.
+THIN = 1e-3
 #: Springs handled by one call of a kernel.
 ROWS = 100_000
 
@@ -52,6 +54,20 @@ def _depth(mold: Mold, p: Floats, hint: int, stack: Ints, stack_d: Floats) -> tu
 def _to(mold: Mold, slot: int, p: Floats) -> float:
     cx, cy, cz, _ = closest_on_triangle(mold.corners[slot], p[0], p[1], p[2])
     return np.sqrt((p[0] - cx) ** 2 + (p[1] - cy) ** 2 + (p[2] - cz) ** 2)
+
+
+@part
+def _above(mold: Mold, slot: int, a: Floats, b: Floats) -> bool:
+    """Does the way from a to b run straight above a facet, less than THIN off it?"""
+    corner, normal = mold.corners[slot, 0], mold.normals[slot, 0]
+    for side in range(2):
+        p = a if side == 0 else b
+        height = 0.0
+        for r in range(3):
+            height += (p[r] - corner[r]) * normal[r]
+        if height < 0.0 or height > THIN or _to(mold, slot, p) > height + 1e-12:
+            return False
+    return True
 
 
 @kernel
@@ -93,6 +109,8 @@ def deepest(
                 b[r] = starts[k, r] + t1 * (ends[k, r] - starts[k, r])
                 middle[r] = starts[k, r] + t * (ends[k, r] - starts[k, r])
             if max(abs(f0), _to(mold, s0, b)) <= best + sure or max(_to(mold, s1, a), abs(f1)) <= best + sure:
+                continue
+            if _above(mold, s0, a, b) or _above(mold, s1, a, b):
                 continue
             f, s = _depth(mold, middle, s0, stack, stack_d)
             if f > best:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from .creases import bend_forces, bend_stiffness, hinge_nodes
+from .creases import bend_forces, bend_stiffness, hinge_nodes, unjoin
 from .law import Floats
 from .laying import find_bends
 from .linear import Tangent
@@ -76,10 +76,6 @@ class Energy:
         energy, largest = forces(x, self.net, f)
         if self.net.sheared:
             energy += shear_forces(x, self.net, f)
-        self.push = np.zeros(3)
-        if x[:, :, 2].min() > self.highest:  # no spring reaches down to a sharp edge
-            self.springs, self.ways = self.springs[:0], self.ways[:0]
-            return energy, largest
         self._lay(x, clear)
         if not len(self.springs):
             return energy, largest
@@ -87,6 +83,10 @@ class Energy:
         return energy + change, max(largest, bent)
 
     def _lay(self, x: Floats, clear: Floats) -> None:
+        self.push = np.zeros(3)
+        if x[:, :, 2].min() > self.highest:  # no spring reaches down to a sharp edge
+            self.springs, self.ways = self.springs[:0], self.ways[:0]
+            return
         n, m = x.shape[:2]
         room = max(256, 2 * len(self.springs))
         rows = max(1, ROWS // m)
@@ -120,6 +120,7 @@ class Energy:
         out.diag[:], out.off[:] = 0.0, 0.0
         stiffness(x, self.net, floor, out.diag, out.off)
         if len(self.springs):
+            unjoin(self.springs, out.diag, out.off)
             bend_stiffness(self.net, self.springs, self.ways, floor, out.diag, out.off)
         if self.net.sheared:
             shear_stiffness(x, self.net, out.diag, out.off)

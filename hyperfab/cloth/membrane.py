@@ -2,9 +2,9 @@
 
 Each cell has the strain of its four nodes at 2 x 2 Gauss points, so that no hourglass is left, and the law answers
 there in plane stress, without compression (tension field). Energy, forces and tangent are exact derivatives of each
-other, the error falls with the square of the spacing, and a quarter turn or a mirror changes nothing. Cells are
-straight between their nodes: over a sharp edge of the mold nodes stop on it, and what the cells' sides cut off is told
-as penetration.
+other, the error falls with the square of the spacing, and a quarter turn or a mirror changes nothing. A side that a
+sharp edge of the mold bends is laid over it as a spring is (creases.py), and counts in its cells as its chord made as
+long as its way: the stretch across the edge is right, the angle between warp and weft in that row of cells about.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from hyperfab.numerics.kernels import kernel
+from hyperfab.numerics.kernels import kernel, part
 
+from .creases import bend_stiffness
 from .energy import Energy
 from .law import Floats
 from .linear import Tangent
-from .mold import Mold
-from .net import NO_FORCE, Arrays, Sheet
-from .state import State
+from .mold import Ints, Mold
+from .net import Arrays, Sheet
 
 #: Gauss points handled by one call of the law: few enough that its arrays stay in the processor's cache.
 POINTS = 8192
@@ -52,19 +52,33 @@ class MembraneLaw(Protocol):
 
 
 @kernel
-def strains(x: Floats, rest: Floats, first: int, last: int, out: Floats) -> None:
-    """C11, C22, C12 at the four Gauss points of the cells of rows ``first:last`` into ``out`` (k, m - 1, 4, 3)."""
+def strains(x: Floats, scale: Floats, rest: Floats, first: int, last: int, out: Floats) -> None:
+    """C11, C22, C12 at the four Gauss points of the cells of rows ``first:last`` into ``out`` (k, m - 1, 4, 3).
+
+    ``scale`` (n, m, 2): how much longer than straight each side is; empty where none is laid over an edge.
+    """
     f1, f2 = np.empty((2, 3)), np.empty((2, 3))
+    bent = scale.shape[0] > 0
+    low, high, left, right = 1.0, 1.0, 1.0, 1.0
     for i in range(first, last):
         for j in range(x.shape[1] - 1):
+            if bent:
+                low, high, left, right = (
+                    scale[i, j, 0],
+                    scale[i, j + 1, 0],
+                    scale[i, j, 1],
+                    scale[i + 1, j, 1],
+                )
             for side in range(2):
                 b = NEAR if side == 0 else 1.0 - NEAR
                 for r in range(3):
                     f1[side, r] = (
-                        (1.0 - b) * (x[i + 1, j, r] - x[i, j, r]) + b * (x[i + 1, j + 1, r] - x[i, j + 1, r])
+                        (1.0 - b) * low * (x[i + 1, j, r] - x[i, j, r])
+                        + b * high * (x[i + 1, j + 1, r] - x[i, j + 1, r])
                     ) / rest[0]
                     f2[side, r] = (
-                        (1.0 - b) * (x[i, j + 1, r] - x[i, j, r]) + b * (x[i + 1, j + 1, r] - x[i + 1, j, r])
+                        (1.0 - b) * left * (x[i, j + 1, r] - x[i, j, r])
+                        + b * right * (x[i + 1, j + 1, r] - x[i + 1, j, r])
                     ) / rest[1]
             for p in range(4):
                 c11, c22, c12 = 0.0, 0.0, 0.0
@@ -78,48 +92,170 @@ def strains(x: Floats, rest: Floats, first: int, last: int, out: Floats) -> None
 
 
 @kernel
-def cell_forces(x: Floats, net: Arrays, stress: Floats, f: Floats) -> tuple[float, float]:
-    """Weight, and the forces of all cells under ``stress`` (n - 1, m - 1, 4, 3), into ``f``.
+def side_pulls(x: Floats, scale: Floats, net: Arrays, stress: Floats, pull: Floats) -> float:
+    """What the cells under ``stress`` (n - 1, m - 1, 4, 3) pull their sides with, into ``pull`` (n, m, 2, 3) N.
 
-    Returns the energy of the weight in N mm, and the largest force in N that a cell passes on along warp or weft.
+    Returns the largest force in N that a cell passes on along warp or weft.
     """
     n, m = x.shape[0], x.shape[1]
-    weigh, largest = 0.0, 0.0
+    bent = scale.shape[0] > 0
+    low, high, left, right = 1.0, 1.0, 1.0, 1.0
+    largest = 0.0
+    w = 0.25 * net.cell_volume
     for i in range(n):
         for j in range(m):
-            f[i, j, 0], f[i, j, 1], f[i, j, 2] = 0.0, 0.0, -net.weight[i, j]
-            weigh += net.weight[i, j] * x[i, j, 2]
-    w = 0.25 * net.cell_volume
+            for r in range(3):
+                pull[i, j, 0, r], pull[i, j, 1, r] = 0.0, 0.0
     for i in range(n - 1):
         for j in range(m - 1):
+            if bent:
+                low, high, left, right = (
+                    scale[i, j, 0],
+                    scale[i, j + 1, 0],
+                    scale[i, j, 1],
+                    scale[i + 1, j, 1],
+                )
             for p in range(4):
                 t = NEAR if p // 2 == 0 else 1.0 - NEAR
                 s = NEAR if p % 2 == 0 else 1.0 - NEAR
                 s11, s22, s12 = stress[i, j, p, 0], stress[i, j, p, 1], stress[i, j, p, 2]
                 along, across = 0.0, 0.0
                 for r in range(3):
-                    low, high = x[i + 1, j, r] - x[i, j, r], x[i + 1, j + 1, r] - x[i, j + 1, r]
-                    left, right = x[i, j + 1, r] - x[i, j, r], x[i + 1, j + 1, r] - x[i + 1, j, r]
-                    f1 = ((1.0 - t) * low + t * high) / net.rest[0]
-                    f2 = ((1.0 - s) * left + s * right) / net.rest[1]
+                    f1 = (
+                        (1.0 - t) * low * (x[i + 1, j, r] - x[i, j, r])
+                        + t * high * (x[i + 1, j + 1, r] - x[i, j + 1, r])
+                    ) / net.rest[0]
+                    f2 = (
+                        (1.0 - s) * left * (x[i, j + 1, r] - x[i, j, r])
+                        + s * right * (x[i + 1, j + 1, r] - x[i + 1, j, r])
+                    ) / net.rest[1]
                     p1, p2 = f1 * s11 + f2 * s12, f1 * s12 + f2 * s22
                     along += p1 * p1
                     across += p2 * p2
                     p1 *= w / net.rest[0]
                     p2 *= w / net.rest[1]
-                    f[i, j, r] += (1.0 - t) * p1 + (1.0 - s) * p2
-                    f[i + 1, j, r] += -(1.0 - t) * p1 + s * p2
-                    f[i + 1, j + 1, r] -= t * p1 + s * p2
-                    f[i, j + 1, r] += t * p1 - (1.0 - s) * p2
+                    pull[i, j, 0, r] += (1.0 - t) * p1
+                    pull[i, j + 1, 0, r] += t * p1
+                    pull[i, j, 1, r] += (1.0 - s) * p2
+                    pull[i + 1, j, 1, r] += s * p2
                 largest = max(largest, along / net.rest[0] ** 2, across / net.rest[1] ** 2)
-    return weigh, net.cell_volume * np.sqrt(largest)
+    return net.cell_volume * np.sqrt(largest)
+
+
+@kernel
+def node_forces(x: Floats, net: Arrays, pull: Floats, f: Floats) -> float:
+    """Weight, and the pulls of all sides as if straight, on their nodes into ``f``; the energy of the weight in N mm.
+
+    Where ``net.tension`` has room, it becomes the pull along each side.
+    """
+    n, m = x.shape[0], x.shape[1]
+    weigh = 0.0
+    for i in range(n):
+        for j in range(m):
+            weigh += net.weight[i, j] * x[i, j, 2]
+            for r in range(3):
+                v = pull[i, j, 0, r] + pull[i, j, 1, r]
+                if i > 0:
+                    v -= pull[i - 1, j, 0, r]
+                if j > 0:
+                    v -= pull[i, j - 1, 1, r]
+                f[i, j, r] = v
+            f[i, j, 2] -= net.weight[i, j]
+    if net.tension.shape[0] > 0:
+        for i in range(n):
+            for j in range(m):
+                for d in range(2):
+                    k, l = (i + 1, j) if d == 0 else (i, j + 1)
+                    net.tension[i, j, d] = 0.0
+                    if k < n and l < m:
+                        size, along = 0.0, 0.0
+                        for r in range(3):
+                            v = x[k, l, r] - x[i, j, r]
+                            size += v * v
+                            along += v * pull[i, j, d, r]
+                        net.tension[i, j, d] = max(along / max(np.sqrt(size), 1e-300), 0.0)
+    return weigh
+
+
+@kernel
+def lay_forces(x: Floats, springs: Ints, ways: Floats, pull: Floats, f: Floats, push: Floats) -> None:
+    """Lay the listed sides over the edges: correct ``f``, and add the edges' push on the sheet to ``push`` (3).
+
+    A laid side counts as its chord made as long as its way: what pulls along it pulls its nodes along the way.
+    """
+    for b in range(springs.shape[0]):
+        i, j, d = springs[b, 0], springs[b, 1], springs[b, 2]
+        k, l = (i + 1, j) if d == 0 else (i, j + 1)
+        w, g = ways[b], pull[i, j, d]
+        chord, along = 0.0, 0.0
+        for r in range(3):
+            v = x[k, l, r] - x[i, j, r]
+            chord += v * v
+            along += v * g[r]
+        chord = np.sqrt(chord)
+        along /= chord
+        longer = w[12] / chord
+        for r in range(3):
+            across = g[r] - along * (x[k, l, r] - x[i, j, r]) / chord
+            here = along * ((w[9] + w[10]) * w[r] + w[11] * w[6 + r]) / w[12]
+            there = along * ((w[9] + w[10]) * w[3 + r] + w[11] * w[6 + r]) / w[12]
+            f[i, j, r] += here + longer * across - g[r]
+            f[k, l, r] -= there + longer * across - g[r]
+            push[r] += here - there
+
+
+@part
+def _moduli(
+    f1: Floats,
+    f2: Floats,
+    stress: Floats,
+    d: Floats,
+    w: float,
+    least: float,
+    a11: Floats,
+    a22: Floats,
+    a12: Floats,
+) -> None:
+    """How the forces on a point of volume ``w`` along warp and weft change with F1 and F2: (3, 3) each, a21 = a12'."""
+    s11, s22, s12 = stress[0], stress[1], stress[2]
+    smaller = 0.5 * (s11 + s22) - np.sqrt(0.25 * (s11 - s22) ** 2 + s12 * s12)
+    lift = max(least - smaller, 0.0)
+    for r in range(3):
+        for c in range(3):
+            one, two = f1[r] * f1[c], f2[r] * f2[c]
+            mixed, turned = f1[r] * f2[c], f2[r] * f1[c]
+            both = mixed + turned
+            a11[r, c] = w * (d[0] * one + d[4] * both + d[2] * two)
+            a22[r, c] = w * (d[1] * two + d[5] * both + d[2] * one)
+            a12[r, c] = w * (d[3] * mixed + d[4] * one + d[5] * two + d[2] * turned)
+        a11[r, r] += w * (s11 + lift)
+        a22[r, r] += w * (s22 + lift)
+        a12[r, r] += w * s12
+
+
+@part
+def _is_bent(scale: Floats, i: int, j: int) -> bool:
+    """Is a side of this cell laid over an edge?"""
+    if scale.shape[0] == 0:
+        return False
+    return scale[i, j, 0] * scale[i, j + 1, 0] * scale[i, j, 1] * scale[i + 1, j, 1] != 1.0
 
 
 @kernel
 def cell_stiffness(
-    x: Floats, net: Arrays, stress: Floats, moduli: Floats, least: float, diag: Floats, off: Floats
+    x: Floats,
+    scale: Floats,
+    net: Arrays,
+    stress: Floats,
+    moduli: Floats,
+    least: float,
+    diag: Floats,
+    off: Floats,
 ) -> None:
-    """Add the tangent of all cells; where the smaller principal stress is below ``least`` MPa it counts as that."""
+    """Add the tangent of all cells without laid sides.
+
+    Where the smaller principal stress is below ``least`` MPa it counts as that.
+    """
     n, m = x.shape[0], x.shape[1]
     w = 0.25 * net.cell_volume
     f1, f2 = np.empty(3), np.empty(3)
@@ -127,6 +263,8 @@ def cell_stiffness(
     g = np.empty((4, 2))  # gradients of the shape functions of (i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)
     for i in range(n - 1):
         for j in range(m - 1):
+            if _is_bent(scale, i, j):
+                continue
             for p in range(4):
                 t = NEAR if p // 2 == 0 else 1.0 - NEAR
                 s = NEAR if p % 2 == 0 else 1.0 - NEAR
@@ -141,23 +279,7 @@ def cell_stiffness(
                     for r in range(3):
                         f1[r] += g[a, 0] * v[r]
                         f2[r] += g[a, 1] * v[r]
-                d = moduli[i, j, p]
-                s11, s22, s12 = stress[i, j, p, 0], stress[i, j, p, 1], stress[i, j, p, 2]
-                smaller = 0.5 * (s11 + s22) - np.sqrt(0.25 * (s11 - s22) ** 2 + s12 * s12)
-                lift = max(least - smaller, 0.0)
-                s11 += lift
-                s22 += lift
-                for r in range(3):
-                    for c in range(3):
-                        one, two = f1[r] * f1[c], f2[r] * f2[c]
-                        mixed, turned = f1[r] * f2[c], f2[r] * f1[c]
-                        both = mixed + turned
-                        a11[r, c] = w * (d[0] * one + d[4] * both + d[2] * two)
-                        a22[r, c] = w * (d[1] * two + d[5] * both + d[2] * one)
-                        a12[r, c] = w * (d[3] * mixed + d[4] * one + d[5] * two + d[2] * turned)
-                    a11[r, r] += w * s11
-                    a22[r, r] += w * s22
-                    a12[r, r] += w * s12
+                _moduli(f1, f2, stress[i, j, p], moduli[i, j, p], w, least, a11, a22, a12)
                 for a in range(4):
                     own = diag[i + (a == 1 or a == 2), j + (a > 1)]
                     g1, g2 = g[a, 0], g[a, 1]
@@ -191,6 +313,127 @@ def cell_stiffness(
                             )
 
 
+#: The four sides of a cell: start and end among (i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1), each as i and j.
+SIDES = np.array([[0, 0, 1, 0], [0, 1, 1, 1], [0, 0, 0, 1], [1, 0, 1, 1]])
+CORNERS = np.array([[0, 1], [3, 2], [0, 3], [1, 2]])
+#: The pairs of a cell's corners from the node that holds their block: both corners, its i and j, the neighbour.
+PAIRS = np.array(
+    [[0, 1, 0, 0, 0], [3, 2, 0, 1, 0], [0, 3, 0, 0, 1], [1, 2, 1, 0, 1], [0, 2, 0, 0, 2], [3, 1, 0, 1, 3]]
+)
+
+
+@kernel
+def bent_stiffness(
+    x: Floats,
+    scale: Floats,
+    laid: Ints,
+    ways: Floats,
+    net: Arrays,
+    stress: Floats,
+    moduli: Floats,
+    least: float,
+    diag: Floats,
+    off: Floats,
+) -> None:
+    """Add the tangent of the cells with laid sides, but for how their ways bend; ``laid`` (n, m, 2): 1 + a side's way.
+
+    How a pull across a laid side turns with it is left out.
+    """
+    n, m = x.shape[0], x.shape[1]
+    w = 0.25 * net.cell_volume
+    e, weight = np.empty((4, 3)), np.empty(4)
+    turn = np.empty((4, 2, 3, 3))  # of a side with its start and its end
+    h, k = np.empty((4, 4, 3, 3)), np.empty((4, 4, 3, 3))
+    f1, f2 = np.empty(3), np.empty(3)
+    a11, a22, a12 = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    for i in range(n - 1):
+        for j in range(m - 1):
+            if not _is_bent(scale, i, j):
+                continue
+            for side in range(4):
+                p, q = SIDES[side, 0] + i, SIDES[side, 1] + j
+                r_, s_, d = SIDES[side, 2] + i, SIDES[side, 3] + j, side // 2
+                chord = 0.0
+                for r in range(3):
+                    e[side, r] = x[r_, s_, r] - x[p, q, r]
+                    chord += e[side, r] ** 2
+                chord = np.sqrt(chord)
+                c, at = scale[p, q, d], laid[p, q, d]
+                for r in range(3):
+                    for u in range(3):
+                        same = 1.0 if r == u else 0.0
+                        across = c * (same - e[side, r] * e[side, u] / (chord * chord))
+                        start = end = e[side, u] / chord
+                        if at > 0:
+                            v = ways[at - 1]
+                            start = ((v[9] + v[10]) * v[u] + v[11] * v[6 + u]) / v[12]
+                            end = ((v[9] + v[10]) * v[3 + u] + v[11] * v[6 + u]) / v[12]
+                        turn[side, 0, r, u] = -(e[side, r] / chord * start + across)
+                        turn[side, 1, r, u] = e[side, r] / chord * end + across
+                for r in range(3):
+                    e[side, r] *= c
+            h[:], k[:] = 0.0, 0.0
+            for p in range(4):
+                t = NEAR if p // 2 == 0 else 1.0 - NEAR
+                s = NEAR if p % 2 == 0 else 1.0 - NEAR
+                weight[0], weight[1] = (1.0 - t) / net.rest[0], t / net.rest[0]
+                weight[2], weight[3] = (1.0 - s) / net.rest[1], s / net.rest[1]
+                for r in range(3):
+                    f1[r] = weight[0] * e[0, r] + weight[1] * e[1, r]
+                    f2[r] = weight[2] * e[2, r] + weight[3] * e[3, r]
+                _moduli(f1, f2, stress[i, j, p], moduli[i, j, p], w, least, a11, a22, a12)
+                for one in range(4):
+                    for two in range(4):
+                        z = weight[one] * weight[two]
+                        for r in range(3):
+                            for u in range(3):
+                                if one < 2:
+                                    v = a11[r, u] if two < 2 else a12[r, u]
+                                else:
+                                    v = a12[u, r] if two < 2 else a22[r, u]
+                                h[one, two, r, u] += z * v
+            for one in range(4):
+                for two in range(4):
+                    for p in range(2):
+                        for q in range(2):
+                            block = k[CORNERS[one, p], CORNERS[two, q]]
+                            block += turn[one, p].T @ h[one, two] @ turn[two, q]
+            for a in range(4):
+                own = diag[i + (a == 1 or a == 2), j + (a > 1)]
+                at = 0
+                for r in range(3):
+                    for u in range(r, 3):
+                        own[at] += k[a, a, r, u]
+                        at += 1
+            for pair in range(6):
+                block = off[i + PAIRS[pair, 2], j + PAIRS[pair, 3], PAIRS[pair, 4]]
+                for r in range(3):
+                    for u in range(3):
+                        block[3 * r + u] += k[PAIRS[pair, 0], PAIRS[pair, 1], r, u]
+
+
+@kernel
+def straighten(x: Floats, springs: Ints, ways: Floats, net: Arrays, diag: Floats, off: Floats) -> None:
+    """Take out how the pull along the listed sides would turn with their chords: it turns with their ways."""
+    for b in range(springs.shape[0]):
+        i, j, d = springs[b, 0], springs[b, 1], springs[b, 2]
+        k, l = (i + 1, j) if d == 0 else (i, j + 1)
+        chord = 0.0
+        for r in range(3):
+            chord += (x[k, l, r] - x[i, j, r]) ** 2
+        z = net.tension[i, j, d] * ways[b, 12] / chord
+        at = 0
+        for r in range(3):
+            for c in range(3):
+                same = 1.0 if r == c else 0.0
+                v = z * (same - (x[k, l, r] - x[i, j, r]) * (x[k, l, c] - x[i, j, c]) / chord)
+                off[i, j, d, 3 * r + c] += v
+                if c >= r:
+                    diag[i, j, at] -= v
+                    diag[k, l, at] -= v
+                    at += 1
+
+
 class Membrane(Energy):
     """Energy of a sheet that obeys one law as a whole, on a mold."""
 
@@ -198,23 +441,24 @@ class Membrane(Energy):
         super().__init__(sheet, mold)
         assert sheet.membrane is not None
         self.law, self.thickness, self.directions = sheet.membrane, sheet.thickness, 4
-        # Who asks for a spring's force, at a sharp edge, finds none: there the cone of normals decides alone.
-        self.net = self.net._replace(warp=NO_FORCE.arrays, weft=NO_FORCE.arrays)
+        sharp = len(mold.creases.corners) > 0
+        if sharp:  # pulls along sides decide where nodes stop on edges
+            self.net = self.net._replace(tension=np.zeros((sheet.n, sheet.m, 2)))
         cells = (sheet.n - 1, sheet.m - 1, 4)
         self.stress, self.moduli = np.zeros((*cells, 3)), np.zeros((*cells, 6))
-
-    def leave(self, now: State, trial: State, where: int | None = None) -> bool:
-        """No spring is laid over an edge: there is none to leave."""
-        return False
+        self.pull = np.zeros((sheet.n, sheet.m, 2, 3))
+        self.scale, self.laid = np.zeros((0, 0, 0)), np.zeros((0, 0, 0), np.int64)
 
     def forces(self, x: Floats, clear: Floats, f: Floats) -> tuple[float, float]:
         """Forces on the nodes at x into ``f``; (energy N mm, largest force N along warp or weft of a cell)."""
+        self._lay(x, clear)
+        self._scale(x)
         rows, columns = self.stress.shape[:2]
         step = max(1, POINTS // (4 * columns))
         strain, sums = np.empty((step, columns, 4, 3)), []
         for i in range(0, rows, step):
             last = min(i + step, rows)
-            strains(x, self.net.rest, i, last, strain)
+            strains(x, self.scale, self.net.rest, i, last, strain)
             with np.errstate(
                 all="ignore"
             ):  # beyond the limit of a law its answer is nan, and the step too long
@@ -222,13 +466,32 @@ class Membrane(Energy):
             self.stress[i:last] = found.stress.reshape(last - i, columns, 4, 3)
             self.moduli[i:last] = found.stiffness.reshape(last - i, columns, 4, 6)
             sums.append(float(found.energy.sum()))
-        weigh, largest = cell_forces(x, self.net, self.stress, f)
+        largest = side_pulls(x, self.scale, self.net, self.stress, self.pull)
+        weigh = node_forces(x, self.net, self.pull, f)
+        if len(self.springs):
+            lay_forces(x, self.springs, self.ways, self.pull, f, self.push)
         return 0.25 * self.net.cell_volume * float(np.sum(sums)) + weigh, largest
+
+    def _scale(self, x: Floats) -> None:
+        """Find how much longer the laid sides are than straight."""
+        if not len(self.springs):
+            self.scale, self.laid = np.zeros((0, 0, 0)), np.zeros((0, 0, 0), np.int64)
+            return
+        i, j, d = self.springs[:, 0], self.springs[:, 1], self.springs[:, 2]
+        chord = np.linalg.norm(x[i + (d == 0), j + (d == 1)] - x[i, j], axis=1)
+        self.scale, self.laid = np.ones((*x.shape[:2], 2)), np.zeros((*x.shape[:2], 2), np.int64)
+        self.scale[i, j, d] = self.ways[:, 12] / chord
+        self.laid[i, j, d] = 1 + np.arange(len(i))
 
     def tangent(self, x: Floats, floor: float, out: Tangent) -> None:
         """Tangent at x, where ``forces`` was called last; what is slack keeps the stiffness ``floor`` N/mm."""
         out.diag[:], out.off[:] = 0.0, 0.0
-        cell_stiffness(x, self.net, self.stress, self.moduli, floor / self.thickness, out.diag, out.off)
+        parts = (self.net, self.stress, self.moduli, floor / self.thickness, out.diag, out.off)
+        cell_stiffness(x, self.scale, *parts)
+        if len(self.springs):
+            bent_stiffness(x, self.scale, self.laid, self.ways, *parts)
+            straighten(x, self.springs, self.ways, self.net, out.diag, out.off)
+            bend_stiffness(self.net, self.springs, self.ways, floor, out.diag, out.off)
 
 
 def energy_of(sheet: Sheet, mold: Mold) -> Energy:
@@ -252,28 +515,29 @@ class Cells:
     stress_weft: Floats
 
 
-def cells_of(sheet: Sheet, x: Floats) -> Cells:
-    """What a membrane at ``x`` (n, m, 3) mm answers."""
+def cells_of(sheet: Sheet, x: Floats, along: Floats, across: Floats) -> Cells:
+    """What a membrane at ``x`` (n, m, 3) mm answers; its sides along warp and weft are ``along`` and ``across`` mm."""
     law, rest = sheet.membrane, sheet.arrays.rest
     assert law is not None
-    f1 = 0.5 * (np.diff(x[:, :-1], axis=0) + np.diff(x[:, 1:], axis=0)) / rest[0]
-    f2 = 0.5 * (np.diff(x[:-1], axis=1) + np.diff(x[1:], axis=1)) / rest[1]
+    warp, weft = np.diff(x, axis=0), np.diff(x, axis=1)
+    warp *= (along / np.linalg.norm(warp, axis=2))[:, :, None]
+    weft *= (across / np.linalg.norm(weft, axis=2))[:, :, None]
+    f1, f2 = 0.5 * (warp[:, :-1] + warp[:, 1:]) / rest[0], 0.5 * (weft[:-1] + weft[1:]) / rest[1]
     shape = f1.shape[:2]
     strain = np.stack([(f1 * f1).sum(2), (f2 * f2).sum(2), (f1 * f2).sum(2)], axis=2).reshape(-1, 3)
     with np.errstate(all="ignore"):
         found, principal, margin = law(strain), law.principal(strain), law.margin(strain)
     c11, c22, c12 = strain.T
     s11, s22, s12 = found.stress.T
-    warp = (s11 * c11 + s12 * c12) / np.sqrt(c11)
-    weft = (s22 * c22 + s12 * c12) / np.sqrt(c22)
+    pull_warp, pull_weft = (s11 * c11 + s12 * c12) / np.sqrt(c11), (s22 * c22 + s12 * c12) / np.sqrt(c22)
     return Cells(
         principal.stretch[:, 0].reshape(shape),
         principal.cauchy[:, 0].reshape(shape),
         principal.thickness.reshape(shape),
         margin.reshape(shape),
         (found.state != 0).reshape(shape),
-        _at_nodes(warp.reshape(shape)),
-        _at_nodes(weft.reshape(shape)),
+        _at_nodes(pull_warp.reshape(shape)),
+        _at_nodes(pull_weft.reshape(shape)),
     )
 
 

@@ -37,6 +37,7 @@ class Arrays(NamedTuple):
     shear: Any
     sheared: bool
     weight: Floats  # (n, m) N, downward
+    tension: Floats  # (n, m, 2) N of each side of a membrane's cells, in place of the springs' laws; empty for springs
 
 
 @dataclass(frozen=True)
@@ -119,6 +120,7 @@ class Sheet:
             shear.arrays,
             self.shear is not None,
             along[:, None] * across[None, :] * (self.mass * GRAVITY * 1e-9),
+            np.zeros((0, 0, 0)),
         )
 
     def coarser(self, n: int, m: int) -> Sheet:

@@ -31,7 +31,9 @@ NET = (
 
 
 #: What a membrane is without on a mold that has them.
-EDGES = "sharp edges of the mold between the nodes: cells cut them straight, by penetration_edges_mm at most"
+EDGES = (
+    "the angle between warp and weft in cells folded over sharp edges of the mold: it is that of their chords"
+)
 
 
 @dataclass(frozen=True)

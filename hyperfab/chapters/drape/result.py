@@ -52,7 +52,7 @@ def document_of(model: Model, states: list[State]) -> DrapeDocument:
         if len(depths) > 1 or state.rest is not None:
             status += f", at a depth of {state.depth:.4g} mm"
     left_out = model.absent
-    if case.friction > 0.0 and case.sheet == "net" and len(state.mold.creases.corners) > 0:
+    if case.friction > 0.0 and len(state.mold.creases.corners) > 0:
         left_out.append("friction of the threads between nodes where they run over sharp edges")
     shift = np.array(placed.standing(state.depth))
     through, top, below = stands_out(found.state.x, sheet, placed.surface, shift)
