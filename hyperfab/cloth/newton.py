@@ -50,6 +50,8 @@ def equilibrium(
     spare, d = np.zeros((n, m, 3)), np.zeros((n, m, 3))
     balance.forces(now)
     history: list[Step] = []
+    if not np.isfinite(balance.energy):
+        return balance.ended(now, "the law has no answer where the sheet begins", history)
     alpha, inner, relative_old, retried = 1.0, 0, 1.0, False
     lowest, least, idle = np.inf, np.inf, 0  # energy and residual, and steps since either fell
     across = 0  # steps in a row that led over an edge of the mold to no lower energy
