@@ -23,6 +23,9 @@ from hyperfab.materials.modes import MODES, nominal_stress
 
 #: Below this stretch beyond rest constants have no stable range to speak of.
 _AT_REST = 1.001
+#: Another law is pointed at where the best misses the tests by more than this share of their peak, and by so many times
+#: what that law does.
+_PLAIN, _CLOSER = 0.02, 3.0
 #: Levels of I1 at which laws are compared.
 _LEVELS = 24
 #: Curves of each direction of the fabric; None is the fabric as a whole.
@@ -119,6 +122,28 @@ def _pooled(parts: Iterable[Figures | None]) -> float:
         total += figures.E2
         points += figures.points
     return math.sqrt(total / points)
+
+
+def closer(ranking: Sequence[Judged]) -> str | None:
+    """Return what is to be said where another sound law carries these tests much more closely than the best in all.
+
+    The best is that which is expected to carry over; where only these tests count, another may be wanted.
+    """
+    sound = [
+        (one, part.total.nrmse)
+        for one in ranking
+        if one.accepted and one.stable and isinstance(part := one.results[None], Identified)
+    ]
+    if not sound:
+        return None
+    (best, missed), (other, least) = sound[0], min(sound, key=lambda pair: pair[1])
+    if missed < _PLAIN or missed < _CLOSER * least:
+        return None
+    name = other.law.name
+    return (
+        f"{best.law.name} is expected to carry over best to tests that were not made, but misses these by "
+        f"{missed:.2g} of their peak (NRMSE), {name} by {least:.2g}: where only these tests count, take --model {name}"
+    )
 
 
 def law_spread(ranking: Sequence[Judged], name: str | None) -> float | None:

@@ -9,7 +9,7 @@ from hyperfab.cases.fit import FitCase
 from hyperfab.chapters.fit import describe
 from hyperfab.chapters.fit.doubts import doubts, outliers, replicates, rows_of
 from hyperfab.chapters.fit.identify import Identified, Setting, reach, tested
-from hyperfab.chapters.fit.judge import Judged, Sets, judge, law_spread
+from hyperfab.chapters.fit.judge import Judged, Sets, closer, judge, law_spread
 from hyperfab.chapters.fit.prepare import steps_of
 from hyperfab.chapters.fit.readings import CARRIED, Readings, gather, read_all
 from hyperfab.chapters.fit.specimens import aspect_warnings, geometry
@@ -291,6 +291,8 @@ def _document(
     )
     if ranking is not None:
         _of_law(document.fit, law_spread(ranking, None))
+        told = closer(ranking)
+        document.warnings = [*(document.warnings or []), *([told] if told else [])] or None
     return document
 
 
