@@ -583,3 +583,21 @@ def test_a_membrane_whose_law_ends_before_the_mold_does_is_refused(drape, folder
     status, _, err = drape("--sheet", "membrane", fabric="short.json")
     assert status == 3
     assert "less --depth" in " ".join(err.split())
+
+
+@pytest.mark.slow
+def test_a_membrane_over_a_ball_agrees_with_the_elements_of_fabric_contact(drape, folder, monkeypatch, capfd):
+    mesh = trimesh.creation.icosphere(subdivisions=7, radius=40.0)
+    (folder / "fine.stl").write_bytes(stl_bytes(mesh.vertices, mesh.faces))
+    options = ("--grid", "151x151", "--size", "200mmx200mm", "--depth", "60mm", "--sheet", "membrane")
+    assert drape(*options, "-o", "sheet.json", mold="fine.stl")[0] == 0
+    words = "hf fabric-contact fabric.json --shape square --size 200mm --depth 60mm --mesh-size 5mm"
+    monkeypatch.setattr("sys.argv", [*words.split(), "--sphere-radius", "40mm", "-o", "contact.json"])
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert int(end.value.code or 0) == 0
+    capfd.readouterr()
+    sheet, elements = (json.loads((folder / name).read_text()) for name in ("sheet.json", "contact.json"))
+    assert sheet["force_N"] == pytest.approx(elements["force_N"], rel=1e-3)
+    assert sheet["stretch_max"] == pytest.approx(elements["stretch_max"], rel=2e-3)
+    assert sheet["stress_max_MPa"] == pytest.approx(elements["stress_max_MPa"], rel=5e-3)
