@@ -13,6 +13,7 @@ from hyperfab.chapters.drape.states import State, at_depths
 from hyperfab.chapters.job import Job
 from hyperfab.cloth import BeyondLaw, HeldNodeInside, Step
 from hyperfab.cloth.cascade import grid_sizes
+from hyperfab.cloth.net import FIXED
 from hyperfab.errors import InputError
 
 
@@ -66,8 +67,9 @@ def _drape(job: Job, model: Model) -> list[State]:
 
 def _held_inside(error: HeldNodeInside, model: Model) -> InputError:
     x, y, _ = model.sheet.flat()[error.node]
+    held = "clamped" if model.sheet.fixed[error.node] == FIXED else "sliding"
     return InputError(
-        f"the held edge of the sheet at ({x:.4g}, {y:.4g}) mm is {error.depth:.3g} mm inside the mold",
+        f"the {held} edge of the sheet at ({x:.4g}, {y:.4g}) mm is {error.depth:.3g} mm inside the mold",
         file=model.files.placed.name,
         remedy="make --size larger or --depth smaller, or leave that edge out of --clamp and --slide",
     )
