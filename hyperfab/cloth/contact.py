@@ -23,7 +23,7 @@ from .pinning import pinned
 #: Share of the mold's size beyond which a step may lead through it, or along a tangent to nowhere.
 LONG = 1e-3
 #: Facets that may meet at a tip.
-MOST_FACETS = 1024
+MOST_FACETS = 65536
 
 
 @kernel

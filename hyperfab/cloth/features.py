@@ -13,8 +13,8 @@ from .mold import FREE, ON_FACE, SHARP, Ints, Mold
 
 #: How far in mm a node that lands on a sharp edge or corner is put beside it, onto one of the facets.
 BESIDE = 1e-6
-#: Sweeps for the cone of normals: a flat cone of 64 facets takes 1300.
-SWEEPS = 5000
+#: Passes over the normals of a tip, and how near to their cone a force counts as in it, as a share of it.
+PASSES, CLOSE = 60, 1e-9
 #: A step that ends within this many mm of a sharp edge ends on it.
 ON_EDGE = 3e-7
 
@@ -59,24 +59,73 @@ def edge_reached(mold: Mold, slot: int, x: Floats, y: Floats, u: Floats) -> tupl
 
 @part
 def _in_cone(mold: Mold, slots: Ints, count: int, r: Floats, rest: Floats) -> bool:
-    """Does -r lie in the cone of the facets' normals? ``rest``: r + sum of the nearest combination of normals."""
-    weights = np.empty(count)
-    for c in range(count):
-        weights[c] = 0.0
+    """Does -r lie in the cone of the facets' normals? ``rest``: r + sum of the nearest combination of normals.
+
+    Non-negative least squares by active sets (Lawson and Hanson): in space three normals at a time are enough, so that
+    the tip of a cone of thousands of facets is settled in a few passes over them.
+    """
+    size = np.sqrt(dot(r, r))
     copy(r, rest)
-    for _ in range(SWEEPS):
-        change = 0.0
+    active, weight, wanted = np.empty(3, np.int64), np.zeros(3), np.zeros(3)
+    held = 0
+    for _ in range(PASSES):
+        worst, best = -CLOSE * size, -1
         for c in range(count):
-            n = mold.normals[slots[c], 0]
-            w = max(0.0, weights[c] - dot(rest, n))
-            step = w - weights[c]
-            weights[c] = w
-            for k in range(3):
-                rest[k] += step * n[k]
-            change = max(change, abs(step))
-        if change <= 1e-14 * np.sqrt(dot(r, r)):
+            behind = dot(rest, mold.normals[slots[c], 0])
+            if behind < worst:
+                worst, best = behind, slots[c]
+        if best < 0 or held == 3:
             break
-    return bool(dot(rest, rest) <= 1e-20 * dot(r, r))
+        active[held], weight[held] = best, 0.0
+        held += 1
+        while held > 0:
+            if not _combined(mold, active, held, r, wanted):
+                held -= 1  # but for rounding it is one of those there
+                break
+            share, out = 1.0, -1
+            for c in range(held):
+                if wanted[c] <= 0.0 and weight[c] / (weight[c] - wanted[c]) < share:
+                    share, out = weight[c] / (weight[c] - wanted[c]), c
+            for c in range(held):
+                weight[c] += share * (wanted[c] - weight[c])
+            if out < 0:
+                break
+            held -= 1
+            for c in range(out, held):
+                active[c], weight[c] = active[c + 1], weight[c + 1]
+        copy(r, rest)
+        for c in range(held):
+            for k in range(3):
+                rest[k] += weight[c] * mold.normals[active[c], 0, k]
+    return bool(dot(rest, rest) <= (CLOSE * size) ** 2)
+
+
+@part
+def _combined(mold: Mold, active: Ints, held: int, r: Floats, wanted: Floats) -> bool:
+    """Weights of one to three normals whose sum is nearest to -r; False where they lie in one plane or line."""
+    a = mold.normals[active[0], 0]
+    if held == 1:
+        wanted[0] = -dot(a, r)
+        return True
+    b = mold.normals[active[1], 0]
+    x, y, z = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+    if held == 2:
+        plane = x * x + y * y + z * z
+        if plane < 1e-18:
+            return False
+        c, p, s = dot(a, b), -dot(a, r), -dot(b, r)
+        wanted[0], wanted[1] = (p - c * s) / plane, (s - c * p) / plane
+        return True
+    n = mold.normals[active[2], 0]
+    volume = x * n[0] + y * n[1] + z * n[2]
+    if abs(volume) < 1e-13:
+        return False
+    wanted[2] = -(x * r[0] + y * r[1] + z * r[2]) / volume
+    bn = b[1] * n[2] - b[2] * n[1], b[2] * n[0] - b[0] * n[2], b[0] * n[1] - b[1] * n[0]
+    na = n[1] * a[2] - n[2] * a[1], n[2] * a[0] - n[0] * a[2], n[0] * a[1] - n[1] * a[0]
+    wanted[0] = -(bn[0] * r[0] + bn[1] * r[1] + bn[2] * r[2]) / volume
+    wanted[1] = -(na[0] * r[0] + na[1] * r[1] + na[2] * r[2]) / volume
+    return True
 
 
 @part

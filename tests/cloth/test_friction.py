@@ -103,7 +103,7 @@ def test_an_edge_under_a_blank_holder_is_drawn_in_until_its_pull_is_the_holders_
 
 
 def test_friction_on_a_ball_costs_force_and_no_node_goes_in():
-    mold = mold_of(ball(5), (0.0, 0.0, -60.0))
+    mold = mold_of(ball(6), (0.0, 0.0, -60.0))
     sheet = Sheet(31, 31, (200.0, 200.0), 1.0, RUBBER, RUBBER)
     force = {}
     for mu in (0.0, 0.3):
@@ -120,8 +120,9 @@ def test_friction_on_a_ball_costs_force_and_no_node_goes_in():
         along = np.linalg.norm(pushed_by - across[:, None] * normal, axis=1)
         assert (along <= (mu + 0.06) * across + 1e-6).all()  # 0.06: the tilt of the facets
     assert force[0.3] > 1.05 * force[0.0]
+    # Nodes may rest in one facet or the next: where facets are twice as long, forces differ by 3e-4.
     straight = drape(sheet, raised(mold, 80.0))
-    assert force[0.0] == pytest.approx(answers(sheet, raised(mold, 80.0), straight).press_force, rel=3e-4)
+    assert force[0.0] == pytest.approx(answers(sheet, raised(mold, 80.0), straight).press_force, rel=1e-4)
 
 
 def test_the_edges_under_a_blank_holder_are_clamped_and_no_others():

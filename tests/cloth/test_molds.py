@@ -70,7 +70,7 @@ def test_a_mold_of_300_000_triangles_is_no_harder():
     assert fine.energy == pytest.approx(coarse.energy, rel=1e-3)
 
 
-@pytest.mark.parametrize("sections", [12, 64, 180])
+@pytest.mark.parametrize("sections", [12, 64, 180, 4096])
 def test_a_node_that_meets_the_tip_of_a_cone_rests_on_it(sections):
     cone = trimesh.creation.cone(radius=50.0, height=60.0, sections=sections)
     surface = Surface(cone.vertices, cone.faces)
