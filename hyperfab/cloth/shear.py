@@ -8,6 +8,7 @@ stress ``dW/dgamma``, and a pull along the threads nothing. A law is kept as a t
 from __future__ import annotations
 
 import numpy as np
+from scipy.optimize import brentq
 
 from hyperfab.numerics.kernels import kernel, part
 
@@ -67,13 +68,12 @@ def shear_of_bias(bias: SpringLaw, warp: SpringLaw, weft: SpringLaw, largest: fl
 
 def _stretch_at(law: SpringLaw, stress: float) -> float:
     """Stretch at which a law carries a stress."""
-    low, high = 1.0, 2.0
+    high = 2.0
     while float(law(high)[1][0]) < stress and high < 1e3:
         high *= 2.0
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if float(law(middle)[1][0]) < stress else (low, middle)
-    return 0.5 * (low + high)
+    if stress <= 0.0 or float(law(high)[1][0]) <= stress:
+        return 1.0 if stress <= 0.0 else high
+    return float(brentq(lambda one: float(law(one)[1][0]) - stress, 1.0, high, xtol=1e-15))
 
 
 @part
