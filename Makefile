@@ -116,8 +116,7 @@ lint: $(VENV)/dev
 	$(BIN)/lint-imports
 
 types: $(VENV)/dev
-	@for system in linux win32 darwin; do echo "== mypy for $$system"; \
-	  $(BIN)/mypy --platform $$system --cache-dir .mypy_cache/$$system || exit 1; done
+	@printf '%s\n' linux win32 darwin | xargs -P 3 -I SYSTEM $(BIN)/mypy --platform SYSTEM --cache-dir .mypy_cache/SYSTEM
 
 bench: $(VENV)/dev
 	@for script in benchmarks/*.py; do echo "== $$script"; $(BIN)/python $$script || exit 1; done

@@ -13,7 +13,7 @@ LAWS = (
     "alexander, arruda-boyce, arruda-boyce-langevin, arruda-boyce-lni2, blatz-ko, blatz-ko-general, carroll, "
     "extended-tube, fabric-fibres, gent, gent-gent, mooney-rivlin-2, mooney-rivlin-3, mooney-rivlin-5, "
     "mooney-rivlin-9, neo-hookean, ogden-1, ogden-2, ogden-3, yeoh-1, yeoh-2, yeoh-3, yeoh-3-lni2, "
-    "orthotropic; of a foam hyperfoam-1, hyperfoam-2, hyperfoam-3."
+    "orthotropic, hyperfoam-1, hyperfoam-2, hyperfoam-3."
 )
 
 

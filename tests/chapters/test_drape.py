@@ -209,7 +209,7 @@ def test_a_hole_above_the_sheet_is_refused_and_one_below_is_not(drape, folder):
 def test_a_mold_that_reaches_the_clamped_edge_is_refused(drape):
     status, _, err = drape("--size", "90mmx90mm")
     assert status == 3
-    assert "held edge" in err
+    assert "clamped edge" in err
     assert "--size" in err
 
 

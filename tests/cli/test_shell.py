@@ -17,6 +17,7 @@ import pytest
 from hyperfab.cases.fit import LAWS
 from hyperfab.cli import app
 from hyperfab.documents.base import KINDS
+from hyperfab.materials.hyperfoam import ORDERS
 from hyperfab.materials.registry import laws
 
 Run = Callable[..., "subprocess.CompletedProcess[bytes]"]
@@ -100,7 +101,7 @@ def test_completion_can_be_installed(hf: Run) -> None:
 
 
 def test_help_names_all_laws_and_all_kinds(hf: Run) -> None:
-    assert LAWS.removesuffix(".").split(", ") == [*laws(), "orthotropic"]
+    assert LAWS.removesuffix(".").split(", ") == [*laws(), "orthotropic", *ORDERS]
     said = hf("schema", "--help").stdout.decode()
     assert all(kind in said for kind in KINDS)
 
