@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from hyperfab.cases.fit import LAWS
-from hyperfab.cli import app
+from hyperfab.cli import COMMANDS
 from hyperfab.documents.base import KINDS
 from hyperfab.materials.hyperfoam import ORDERS
 from hyperfab.materials.registry import laws
@@ -23,7 +23,6 @@ from hyperfab.materials.registry import laws
 Run = Callable[..., "subprocess.CompletedProcess[bytes]"]
 TEST = "specimens/treloar-1944/uniaxial.csv"
 FIT = ("fit", "--uniaxial", TEST, "--model", "yeoh-1")
-COMMANDS = [command.name for command in app.registered_commands]
 
 
 def on_a_terminal(root: Path, *arguments: str) -> str:
