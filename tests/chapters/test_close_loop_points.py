@@ -171,6 +171,7 @@ def test_pretension_of_a_punched_sheet_is_found(tmp_path: Path, hf: Run) -> None
     assert extended["setup"]["prestretch"] > 1.005
 
 
+@pytest.mark.slow
 def test_weight_of_a_draped_sheet_is_found(tmp_path: Path, hf: Run) -> None:
     (tmp_path / "ball.stl").write_bytes(nets.ball_stl(rings=40, around=80))
     for way, modulus in (("warp", nets.WARP), ("weft", nets.WEFT)):
