@@ -192,6 +192,8 @@ def balances(hunt: Hunt) -> None:
 def ended(mold: Solid, options: Mapping[str, Any], statuses: tuple[int, ...]) -> tuple[bool, object]:
     """Whether a run ends with one of the statuses, and with status 0 only where the mold bears the sheet."""
     one = drape(mold, **options)
+    if not one.document:
+        return one.status in statuses and one.status != 0, told(one)
     limp = one["prestretch"][0] < 1.0 or len(one["clamp"]) == 1  # nothing pulls the sheet tight
     held = one.status != 0 or one["depth_mm"] == 0.0 or limp or one["force_N"] > 1e-9
     return one.status in statuses and held, told(one)

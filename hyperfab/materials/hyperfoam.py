@@ -26,8 +26,8 @@ TESTS = (
 )  # fmt: skip
 #: Where constants are sought: stresses over the largest one measured, exponents, Poisson's ratios.
 _MU, _ALPHA, _NU = 30.0, 60.0, (-0.9, 0.499)
-#: Starts of the search, drawn the same each time, and rows a test it is done on.
-_STARTS, _ROWS = 12, 40
+#: Starts of the search, drawn the same each time, rows a test it is done on, and optima that are followed to the end.
+_STARTS, _ROWS, _POLISHED = 48, 40, 3
 #: Newton's steps to the strains of free sides, and the largest of them.
 _STEPS, _STEP = 60, 0.5
 
@@ -271,11 +271,14 @@ def identify(tests: Sequence[FoamTest], terms: int, near: Hyperfoam | None = Non
     random = np.random.default_rng(1979)
     best: list[tuple[float, Hyperfoam]] = []
     for signed in (False, True) if terms > 1 else (False,):
-        found = sorted((fewer.polished(fewer.drawn(random, signed), signed, 60) for _ in range(_STARTS)),
-                       key=lambda one: one[0])  # fmt: skip
-        for _, law in found[:3]:
+        found = [fewer.polished(fewer.drawn(random, signed), signed, 60) for _ in range(_STARTS)]
+        # One of each optimum that was reached, and of terms of either sign those alone that are stable.
+        sound = {
+            round(float(np.log(max(error, 1e-300))), 3): law for error, law in found if fewer.stable(law)
+        }
+        for _, law in sorted(sound.items(), key=lambda one: one[0])[:_POLISHED]:
             error, law = every.polished(every.vector(law), signed, 400)
-            if not signed or every.stable(law):
+            if every.stable(law):
                 best.append((error, law))
     _, law = min(best, key=lambda one: one[0])
     order = sorted(range(terms), key=lambda i: -law.alpha[i])
