@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from cloth_molds import height_block
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -70,23 +71,8 @@ def graph(
     height: Callable[[Array, Array], Array], half: tuple[float, float], cells: tuple[int, int], base: float
 ) -> Solid:
     """Return a block of half sides ``half`` with upright walls down to ``base``; its top is a graph on ``cells``."""
-    n, m = cells[0] + 1, cells[1] + 1
-    u, v = np.meshgrid(np.linspace(-half[0], half[0], n), np.linspace(-half[1], half[1], m), indexing="ij")
-    top = np.column_stack([u.ravel(), v.ravel(), height(u, v).ravel()])
-    floor = np.column_stack([u.ravel(), v.ravel(), np.full(n * m, base)])
-    number, k = np.arange(n * m).reshape(n, m), n * m
-    a, b, c, d = (number[s].ravel() for s in (np.s_[:-1, :-1], np.s_[1:, :-1], np.s_[1:, 1:], np.s_[:-1, 1:]))
-    rim = np.concatenate([number[:-1, 0], number[-1, :-1], number[1:, -1][::-1], number[0, 1:][::-1]])
-    on = np.roll(rim, -1)
-    faces = [
-        [a, b, c],
-        [a, c, d],
-        [a + k, c + k, b + k],
-        [a + k, d + k, c + k],
-        [rim, on + k, on],
-        [rim, rim + k, on + k],
-    ]
-    return Solid(np.vstack([top, floor]), np.vstack([np.column_stack(face) for face in faces]))
+    block = height_block(height, half, cells, base)
+    return Solid(block.vertices, block.faces)
 
 
 def ball(

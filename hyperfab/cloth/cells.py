@@ -12,6 +12,22 @@ from .net import Arrays
 
 #: Place of the nearer Gauss point along a side of length 1.
 NEAR = 0.5 - 0.5 / 3.0**0.5
+#: The four sides of a cell: start and end among (i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1), each as i and j.
+SIDES = np.array([[0, 0, 1, 0], [0, 1, 1, 1], [0, 0, 0, 1], [1, 0, 1, 1]])
+CORNERS = np.array([[0, 1], [3, 2], [0, 3], [1, 2]])
+#: The pairs of a cell's corners from the node that holds their block: both corners, its i and j, the neighbour
+#: (offsets in galerkin.py).
+PAIRS = np.array(
+    [[0, 1, 0, 0, 0], [3, 2, 0, 1, 0], [0, 3, 0, 0, 1], [1, 2, 1, 0, 1], [0, 2, 0, 0, 2], [3, 1, 0, 1, 3]]
+)
+
+
+@part
+def _longer(scale: Floats, i: int, j: int) -> tuple[float, float, float, float]:
+    """How much longer than straight the four sides of a cell are, in the order of ``SIDES``."""
+    if scale.shape[0] == 0:
+        return 1.0, 1.0, 1.0, 1.0
+    return scale[i, j, 0], scale[i, j + 1, 0], scale[i, j, 1], scale[i + 1, j, 1]
 
 
 @kernel
@@ -21,17 +37,9 @@ def strains(x: Floats, scale: Floats, rest: Floats, first: int, last: int, out: 
     ``scale`` (n, m, 2): how much longer than straight each side is; empty where none is laid over an edge.
     """
     f1, f2 = np.empty((2, 3)), np.empty((2, 3))
-    bent = scale.shape[0] > 0
-    low, high, left, right = 1.0, 1.0, 1.0, 1.0
     for i in range(first, last):
         for j in range(x.shape[1] - 1):
-            if bent:
-                low, high, left, right = (
-                    scale[i, j, 0],
-                    scale[i, j + 1, 0],
-                    scale[i, j, 1],
-                    scale[i + 1, j, 1],
-                )
+            low, high, left, right = _longer(scale, i, j)
             for side in range(2):
                 b = NEAR if side == 0 else 1.0 - NEAR
                 for r in range(3):
@@ -61,8 +69,6 @@ def side_pulls(x: Floats, scale: Floats, net: Arrays, stress: Floats, pull: Floa
     Returns the largest force in N that a cell passes on along warp or weft.
     """
     n, m = x.shape[0], x.shape[1]
-    bent = scale.shape[0] > 0
-    low, high, left, right = 1.0, 1.0, 1.0, 1.0
     largest = 0.0
     w = 0.25 * net.cell_volume
     for i in range(n):
@@ -71,13 +77,7 @@ def side_pulls(x: Floats, scale: Floats, net: Arrays, stress: Floats, pull: Floa
                 pull[i, j, 0, r], pull[i, j, 1, r] = 0.0, 0.0
     for i in range(n - 1):
         for j in range(m - 1):
-            if bent:
-                low, high, left, right = (
-                    scale[i, j, 0],
-                    scale[i, j + 1, 0],
-                    scale[i, j, 1],
-                    scale[i + 1, j, 1],
-                )
+            low, high, left, right = _longer(scale, i, j)
             for p in range(4):
                 t = NEAR if p // 2 == 0 else 1.0 - NEAR
                 s = NEAR if p % 2 == 0 else 1.0 - NEAR
@@ -199,9 +199,8 @@ def _moduli(
 @part
 def _is_bent(scale: Floats, i: int, j: int) -> bool:
     """Is a side of this cell laid over an edge?"""
-    if scale.shape[0] == 0:
-        return False
-    return scale[i, j, 0] * scale[i, j + 1, 0] * scale[i, j, 1] * scale[i + 1, j, 1] != 1.0
+    low, high, left, right = _longer(scale, i, j)
+    return low * high * left * right != 1.0
 
 
 @kernel
@@ -254,19 +253,8 @@ def cell_stiffness(
                             )
                             at += 1
                 for pair in range(6):
-                    # Each pair from the node that holds its block: see the offsets in galerkin.py.
-                    if pair == 0:
-                        a, b, block = 0, 1, off[i, j, 0]
-                    elif pair == 1:
-                        a, b, block = 3, 2, off[i, j + 1, 0]
-                    elif pair == 2:
-                        a, b, block = 0, 3, off[i, j, 1]
-                    elif pair == 3:
-                        a, b, block = 1, 2, off[i + 1, j, 1]
-                    elif pair == 4:
-                        a, b, block = 0, 2, off[i, j, 2]
-                    else:
-                        a, b, block = 3, 1, off[i, j + 1, 3]
+                    a, b = PAIRS[pair, 0], PAIRS[pair, 1]
+                    block = off[i + PAIRS[pair, 2], j + PAIRS[pair, 3], PAIRS[pair, 4]]
                     k11, k22 = g[a, 0] * g[b, 0], g[a, 1] * g[b, 1]
                     k12, k21 = g[a, 0] * g[b, 1], g[a, 1] * g[b, 0]
                     for r in range(3):
@@ -274,15 +262,6 @@ def cell_stiffness(
                             block[3 * r + c] += (
                                 k11 * a11[r, c] + k22 * a22[r, c] + k12 * a12[r, c] + k21 * a12[c, r]
                             )
-
-
-#: The four sides of a cell: start and end among (i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1), each as i and j.
-SIDES = np.array([[0, 0, 1, 0], [0, 1, 1, 1], [0, 0, 0, 1], [1, 0, 1, 1]])
-CORNERS = np.array([[0, 1], [3, 2], [0, 3], [1, 2]])
-#: The pairs of a cell's corners from the node that holds their block: both corners, its i and j, the neighbour.
-PAIRS = np.array(
-    [[0, 1, 0, 0, 0], [3, 2, 0, 1, 0], [0, 3, 0, 0, 1], [1, 2, 1, 0, 1], [0, 2, 0, 0, 2], [3, 1, 0, 1, 3]]
-)
 
 
 @kernel

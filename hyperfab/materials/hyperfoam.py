@@ -103,10 +103,6 @@ class Hyperfoam:
         with np.errstate(all="ignore"):
             return np.asarray(np.exp(rows.strain(self)[:, 2]))
 
-    def scaled(self, factor: float) -> Hyperfoam:
-        """Return the law with all stresses times ``factor``."""
-        return Hyperfoam(tuple(factor * mu for mu in self.mu), self.alpha, self.nu)
-
     def first(self, e: Array) -> Array:
         """Return dW/de (n, 3) at logarithmic strains ``e`` (n, 3)."""
         return np.asarray(sum(mu * part for mu, part in zip(self.mu, self._parts(e), strict=True)))
