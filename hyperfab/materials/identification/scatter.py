@@ -12,7 +12,7 @@ from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from hyperfab.materials.identification.fit import Fit
 from hyperfab.materials.kinematics import Array
@@ -86,5 +86,5 @@ def by_specimen(
     with np.errstate(all="ignore"):
         each = total**2 / (diagonal**2 / np.array(own_freedom)[:, None]).sum(axis=0)
     each = np.clip(np.where(total > 0.0, each, freedom), 1.0, freedom)
-    wider = student.ppf(_LEVEL, each) / student.ppf(_LEVEL, freedom)
+    wider = stdtrit(each, _LEVEL) / stdtrit(freedom, _LEVEL)  # quantiles of Student's t
     return Scatter(covariance * np.outer(wider, wider), freedom, len(names))
