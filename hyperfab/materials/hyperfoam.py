@@ -14,7 +14,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import least_squares
 
 Array = NDArray[np.float64]
 
@@ -324,6 +323,8 @@ class _Sought:
 
     def polished(self, start: Array, signed: bool, steps: int) -> tuple[float, Hyperfoam]:
         """Return the optimum near a start, and half its square sum."""
+        from scipy.optimize import least_squares  # 0.3 s to load: only a fit of foam needs it
+
         least = np.concatenate([np.full(self.terms, -_MU if signed else 0.0), np.full(self.terms, -_ALPHA),
                                 np.full(self.terms, _NU[0] if signed else 0.0)])  # fmt: skip
         most = np.repeat([_MU, _ALPHA, _NU[1]], self.terms)
@@ -349,6 +350,8 @@ class _Sought:
 
     def stresses(self, near: Hyperfoam) -> Hyperfoam:
         """Return ``near`` with stresses of least squares, each at least zero where it was above zero."""
+        from scipy.optimize import least_squares
+
         positive = min(near.mu) >= 0.0
         least = np.full(self.terms, 0.0 if positive else -_MU)
         kept = self.vector(near)[self.terms :]

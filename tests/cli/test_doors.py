@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
-from conftest import Run
+from conftest import ROOT, Run
 
 COMMANDS = [
     "fit",
@@ -61,6 +62,19 @@ def test_help_page_of_a_command_loads_neither_numpy_nor_rich(command: str) -> No
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
     assert done.stderr.decode().strip() == "[]"
+
+
+def test_a_fit_loads_neither_the_optimizers_nor_the_statistics_of_scipy(tmp_path: Path) -> None:
+    code = (
+        "import sys\n"
+        f"sys.argv = ['hf', 'fit', '--uniaxial', {str(ROOT / 'specimens/lycra/warp-23C.csv')!r}, '--model', 'yeoh-3',\n"
+        f"            '-o', {str(tmp_path / 'a.json')!r}]\n"
+        "from hyperfab import cli\n"
+        "try:\n    cli.main()\nexcept SystemExit as end:\n    assert end.code == 0\n"
+        "print(sorted({'scipy.optimize', 'scipy.stats', 'numba', 'pandas'} & set(sys.modules)))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
+    assert done.stdout.decode().strip() == "[]"
 
 
 def test_a_misspelt_command_is_told_the_right_one(hf: Run) -> None:
