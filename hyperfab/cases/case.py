@@ -8,11 +8,13 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
 from hyperfab.cases.field import Setting, settings_of
-from hyperfab.cases.kinds import plain
+from hyperfab.cases.kinds import plain, tolerances, with_tolerances
 from hyperfab.errors import InputError, UsageError
 
 #: Keys of ``setup`` beside the fields: which were not asked but follow from inputs, and what the input files hold.
 DERIVED, HASHES = "derived", "sha256"
+#: And how sure the quantities are, by the places of their numbers.
+TOLERANCES = "tolerances"
 
 
 @dataclass(frozen=True)
@@ -88,6 +90,7 @@ class Case:
         found: dict[str, Any] = {}
         derived = []
         held: dict[str, Any] = {}
+        unsure: dict[str, float] = {}
         for one in self.settings().values():
             value = getattr(self, one.name)
             if not one.kept:
@@ -98,12 +101,14 @@ class Case:
                     derived.append(one.key)
                 continue
             found[one.key] = plain(one.kind.dump(value))
+            unsure |= tolerances(value, one.key)
             names = one.files(value)
             if names and all(name in hashes for name in names):
                 found[one.key] = _bare(value)
                 digests = [hashes[name] for name in names]
                 held[one.key] = digests[0] if isinstance(value, str) else digests
-        return found | ({DERIVED: derived} if derived else {}) | {HASHES: held}
+        more = ({DERIVED: derived} if derived else {}) | ({TOLERANCES: unsure} if unsure else {})
+        return found | more | {HASHES: held}
 
     @classmethod
     def load(cls, setup: Mapping[str, Any], name: str) -> dict[str, Any]:
@@ -113,7 +118,8 @@ class Case:
             if one.key not in setup or one.key in setup.get(DERIVED, ()):
                 continue
             try:
-                values[one.name] = one.kind.load(setup[one.key])
+                value = one.kind.load(setup[one.key])
+                values[one.name] = with_tolerances(value, one.key, setup.get(TOLERANCES, {}))
             except ValueError as error:
                 raise InputError(str(error), file=name, key=f"setup.{one.key}") from None
         return values
@@ -133,6 +139,8 @@ class Case:
                 **properties,
                 DERIVED: {"type": "array", "items": {"enum": list(properties)},
                           "description": "keys that were not asked but follow from inputs"},
+                TOLERANCES: {"type": "object", "additionalProperties": {"type": "number", "minimum": 0},
+                             "description": "standard deviations of quantities, by key, in the unit of the key"},
                 HASHES: {"type": "object", "description": "SHA-256 of the input files, by key"},
             },
         }  # fmt: skip

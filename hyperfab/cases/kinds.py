@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from hyperfab.errors import UsageError
-from hyperfab.io.units import KINDS, quantity
+from hyperfab.io.units import KINDS, Toleranced, quantity, tolerance, toleranced, worded
 
 
 class Kind:
@@ -79,11 +79,12 @@ class Amount(Kind):
     def read(self, text: Any, option: str) -> float:
         """Return the quantity in the unit that is computed in."""
         value = quantity(text, self.kind, option=option)
-        return float(self.checked(text, option, lambda: self.load(value)))
+        found: float = self.checked(text, option, lambda: self.load(value))
+        return found
 
     def words(self, value: float) -> str:
         """Return the number with its unit."""
-        return f"{value!r}{self.unit}"
+        return f"{value!r}{self.unit}" if not tolerance(value) else worded(value, self.unit)
 
     def load(self, data: Any) -> float:
         """Return a number within the bounds."""
@@ -94,7 +95,11 @@ class Amount(Kind):
         low = self.least is not None and data < self.least
         if low or (self.most is not None and data > self.most):
             raise ValueError(f"{_range(self.least, self.most, self.unit)}, as {self.example}")
-        return float(data)
+        return toleranced(data, tolerance(data))
+
+    def dump(self, value: float) -> float:
+        """Return the number; ``tolerances`` has how sure it is."""
+        return float(value)
 
     def schema(self) -> dict[str, Any]:
         """Return a number with its bounds."""
@@ -326,15 +331,48 @@ class OrName(Kind):
         """Return one of the names, or a number within the bounds."""
         return str(data) if data in self.names else self.item.load(data)
 
+    def dump(self, value: float | str) -> float | str:
+        """Return the name, or the number."""
+        return value if isinstance(value, str) else self.item.dump(value)
+
     def schema(self) -> dict[str, Any]:
         """Return either."""
         return {"anyOf": [self.item.schema(), {"enum": list(self.names)}]}
+
+
+def tolerances(value: Any, path: str) -> dict[str, float]:
+    """Return the standard deviations that a value states, by the places of its numbers: ``size_mm.0``.
+
+    >>> tolerances((Toleranced(20.0, 0.5), 30.0), "size_mm")
+    {'size_mm.0': 0.5}
+    """
+    if isinstance(value, Toleranced):
+        return {path: value.sd}
+    found: dict[str, float] = {}
+    if isinstance(value, (Mapping, tuple, list)):
+        items = value.items() if isinstance(value, Mapping) else enumerate(value)
+        for key, one in items:
+            found |= tolerances(one, f"{path}.{key}")
+    return found
+
+
+def with_tolerances(value: Any, path: str, known: Mapping[str, float]) -> Any:
+    """Return a value with the standard deviations that are ``known`` of its numbers, by their places."""
+    if isinstance(value, float) and path in known:
+        return toleranced(value, known[path])
+    if isinstance(value, tuple):
+        return tuple(with_tolerances(one, f"{path}.{i}", known) for i, one in enumerate(value))
+    if isinstance(value, Mapping):
+        return {key: with_tolerances(one, f"{path}.{key}", known) for key, one in value.items()}
+    return value
 
 
 def plain(data: Any) -> Any:
     """Return tuples as lists and mappings as dictionaries, as a document holds them."""
     if isinstance(data, Mapping):
         return {key: plain(value) for key, value in data.items()}
+    if isinstance(data, Toleranced):
+        return float(data)
     return [plain(value) for value in data] if isinstance(data, (list, tuple)) else data
 
 

@@ -7,6 +7,7 @@ from difflib import get_close_matches
 from typing import Any, TypeVar
 
 from hyperfab.cases.case import Case
+from hyperfab.cases.kinds import tolerances
 from hyperfab.errors import UsageError
 
 CaseT = TypeVar("CaseT", bound=Case)
@@ -78,7 +79,7 @@ def words(case: Case) -> list[str]:
     found: list[str] = []
     for one in case.settings().values():
         value = getattr(case, one.name)
-        if value is None or (not one.required and value == one.default):
+        if value is None or (not one.required and value == one.default and not tolerances(value, one.key)):
             continue
         if isinstance(value, bool):
             found.append(one.option if value else f"--no-{one.option[2:]}")

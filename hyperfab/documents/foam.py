@@ -10,6 +10,7 @@ from pydantic import (
     ConfigDict,
     Field,
     PlainSerializer,
+    PlainValidator,
     WithJsonSchema,
     model_validator,
 )
@@ -17,7 +18,7 @@ from pydantic import (
 from hyperfab.documents.base import HandWritten
 from hyperfab.documents.press_terms import Poisson, PressSection, Relaxation, Variation
 from hyperfab.documents.quantity import PositiveLength, Time, parsed, written
-from hyperfab.io.units import KINDS
+from hyperfab.io.units import KINDS, worded
 
 Terms = Annotated[list[float], Field(min_length=1, max_length=9)]
 
@@ -25,7 +26,7 @@ Terms = Annotated[list[float], Field(min_length=1, max_length=9)]
 def _positive(kind: str) -> Any:
     shown = {"type": "string", "description": f"a {kind} with its unit", "examples": [KINDS[kind].example]}
     return Annotated[
-        float, BeforeValidator(parsed(kind, 0.0, open_end=True)), written(kind), WithJsonSchema(shown)
+        float, PlainValidator(parsed(kind, 0.0, open_end=True)), written(kind), WithJsonSchema(shown)
     ]
 
 
@@ -126,8 +127,8 @@ def _layer(value: object) -> object:
 
 Layer = Annotated[
     float | str,
-    BeforeValidator(_layer),
-    PlainSerializer(lambda v: v if isinstance(v, str) else f"{v!r} mm", return_type=Any),
+    PlainValidator(_layer),
+    PlainSerializer(lambda v: v if isinstance(v, str) else worded(v, "mm"), return_type=Any),
     WithJsonSchema({"type": "string", "description": "a thickness, or a material document (.json)"}),
 ]
 
@@ -140,6 +141,8 @@ class Fabric(Section):
 
 
 def _coefficient(value: object) -> object:
+    if isinstance(value, TableFile):
+        return value
     return (
         TableFile.model_validate(value)
         if isinstance(value, dict)
@@ -149,8 +152,10 @@ def _coefficient(value: object) -> object:
 
 Coefficient = Annotated[
     float | TableFile,
-    BeforeValidator(_coefficient),
-    PlainSerializer(lambda v: v.model_dump() if isinstance(v, TableFile) else f"{v!r} 1/K", return_type=Any),
+    PlainValidator(_coefficient),
+    PlainSerializer(
+        lambda v: v.model_dump() if isinstance(v, TableFile) else worded(v, "1/K"), return_type=Any
+    ),
     WithJsonSchema(
         {
             "anyOf": [
@@ -205,7 +210,7 @@ class ExpansionSection(Section):
     female: Coefficient | None = None
     reference: Annotated[
         float,
-        BeforeValidator(parsed("temperature")),
+        PlainValidator(parsed("temperature")),
         written("temperature"),
         WithJsonSchema(
             {"type": "string", "description": "where the STL files hold", "examples": ["20 degC"]}

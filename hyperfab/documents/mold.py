@@ -11,6 +11,7 @@ from pydantic import (
     ConfigDict,
     Field,
     PlainSerializer,
+    PlainValidator,
     WithJsonSchema,
     field_validator,
     model_validator,
@@ -34,6 +35,7 @@ from hyperfab.documents.quantity import (
     Time,
     parsed,
 )
+from hyperfab.io.units import worded
 
 Way = Literal["x-", "x+", "y-", "y+", "z-", "z+"]
 Point = tuple[Length, Length, Length]
@@ -295,9 +297,9 @@ class RunSection(Section):
 
     start: Annotated[
         float | EarlierField,
-        BeforeValidator(_start),
+        PlainValidator(_start),
         PlainSerializer(
-            lambda v: {"document": v.document} if isinstance(v, EarlierField) else f"{v!r} degC",
+            lambda v: {"document": v.document} if isinstance(v, EarlierField) else worded(v, "degC"),
             return_type=Any,
         ),
         WithJsonSchema(

@@ -6,7 +6,15 @@ import itertools
 import math
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainValidator,
+    WithJsonSchema,
+    model_validator,
+)
 
 from hyperfab.documents.quantity import Time, parsed, written
 
@@ -22,13 +30,13 @@ class _Section(BaseModel):
 
 Angle = Annotated[
     float,
-    BeforeValidator(parsed("angle")),
+    PlainValidator(parsed("angle")),
     written("angle"),
     WithJsonSchema({"type": "string", "description": "an angle with its unit", "examples": ["0.05 deg"]}),
 ]
 Stiffness = Annotated[
     float,
-    BeforeValidator(parsed("stiffness", 0.0, open_end=True)),
+    PlainValidator(parsed("stiffness", 0.0, open_end=True)),
     written("stiffness"),
     WithJsonSchema({"type": "string", "description": "a stiffness with its unit", "examples": ["50 kN/mm"]}),
 ]

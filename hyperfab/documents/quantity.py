@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, PlainSerializer, WithJsonSchema
+from pydantic import BaseModel, ConfigDict, PlainSerializer, PlainValidator, WithJsonSchema
 
 from hyperfab.errors import InputError
-from hyperfab.io.units import KINDS, quantity
+from hyperfab.io.units import KINDS, quantity, tolerance, worded
 
 
 def parsed(kind: str, least: float | None = None, open_end: bool = False) -> Callable[[object], float]:
@@ -30,7 +30,9 @@ def parsed(kind: str, least: float | None = None, open_end: bool = False) -> Cal
 def written(kind: str) -> PlainSerializer:
     """Return the serializer that writes the number back as text in the canonical unit."""
     unit = KINDS[kind].unit
-    return PlainSerializer(lambda value: f"{value!r} {unit}" if unit != "1" else value, return_type=Any)
+    return PlainSerializer(
+        lambda value: worded(value, unit) if unit != "1" or tolerance(value) else value, return_type=Any
+    )
 
 
 def _field(kind: str, least: float | None = None, open_end: bool = False) -> Any:
@@ -42,7 +44,7 @@ def _field(kind: str, least: float | None = None, open_end: bool = False) -> Any
     if kind == "dimensionless":
         shown = {"type": ["number", "string"], "description": "a number"}
     return Annotated[
-        float, BeforeValidator(parsed(kind, least, open_end)), written(kind), WithJsonSchema(shown)
+        float, PlainValidator(parsed(kind, least, open_end)), written(kind), WithJsonSchema(shown)
     ]
 
 
@@ -68,7 +70,7 @@ def _value_or_table(kind: str, least: float | None = None, open_end: bool = Fals
         return read(value)
 
     def write(value: float | TableFile) -> Any:
-        return {"table": value.table} if isinstance(value, TableFile) else f"{value!r} {unit}"
+        return {"table": value.table} if isinstance(value, TableFile) else worded(value, unit)
 
     shown = {
         "description": f"a {kind.replace('-', ' ')} with its unit, or a table",
@@ -79,7 +81,7 @@ def _value_or_table(kind: str, least: float | None = None, open_end: bool = Fals
     }
     return Annotated[
         float | TableFile,
-        BeforeValidator(validate),
+        PlainValidator(validate),
         PlainSerializer(write, return_type=Any),
         WithJsonSchema(shown),
     ]

@@ -13,6 +13,36 @@ from hyperfab.errors import HyperfabError, InputError, UsageError
 from hyperfab.io.unit_table import DIMENSIONLESS, Dimension, Unit, UnitError, parse_unit
 
 
+class Toleranced(float):
+    """A number known to one standard deviation ``sd``, in its own unit; in every computation it is the number alone.
+
+    >>> Toleranced(200.0, 5.0) + 1.0, tolerance(Toleranced(200.0, 5.0)), tolerance(200.0)
+    (201.0, 5.0, 0.0)
+    """
+
+    sd: float
+
+    def __new__(cls, value: float, sd: float) -> Toleranced:
+        """Return the number with its standard deviation."""
+        found = super().__new__(cls, value)
+        found.sd = sd
+        return found
+
+    def __getnewargs__(self) -> tuple[float, float]:  # type: ignore[override]
+        """Return what a copy is made of."""
+        return float(self), self.sd
+
+
+def tolerance(value: object) -> float:
+    """Return the standard deviation that a value states, 0 where it states none."""
+    return value.sd if isinstance(value, Toleranced) else 0.0
+
+
+def toleranced(value: float, sd: float) -> float:
+    """Return a number with its standard deviation; the number alone where that is 0."""
+    return Toleranced(value, sd) if sd else float(value)
+
+
 @dataclass(frozen=True)
 class Kind:
     """A kind of quantity: the unit it is computed in, and how one is written.
@@ -58,6 +88,8 @@ KINDS: dict[str, Kind] = {kind.name: kind for kind in _ALL}
 
 _NUMBER = r"[+-]?(?:\d{1,40}(?:\.\d{0,40})?|\.\d{1,40})(?:[eE][+-]?\d{1,3})?"
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*", re.ASCII | re.DOTALL)
+#: Between a quantity and its standard deviation.
+_MARK = re.compile(r"\+/-|\+-|±")
 _TIMES = re.compile(r"\s*[x×]\s*")
 #: Kinds that scales show as weights; standard gravity [m/s^2].
 _WEIGHED = ("force", "stress", "membrane-stress")
@@ -71,12 +103,15 @@ def quantity(
     """Return the quantity ``text`` in the unit its ``kind`` is computed in (see KINDS: mm, MPa, N, degC, s, J, ...).
 
     Any unit of the right kind is understood, products and prefixes included; a number alone is taken only where the
-    kind has no dimension, and there ``%`` is understood too.
+    kind has no dimension, and there ``%`` is understood too. One standard deviation may follow, ``3000 W +- 60 W`` or
+    ``3000 W ± 2 %``: the quantity is then a ``Toleranced`` number.
 
     Raises UsageError naming the ``option``, or else InputError naming ``file`` and ``key``, with the right form.
 
     >>> quantity("60mm", "length"), quantity("2 W/cm^2", "heat-flux"), quantity("77 degF", "temperature")
     (60.0, 20000.0, 25.0)
+    >>> tolerance(quantity("77 degF +- 9 K", "temperature")), tolerance(quantity("3 kW ± 2 %", "power"))
+    (9.0, 60.0)
     >>> quantity("60", "length", option="--depth")
     Traceback (most recent call last):
     hyperfab.errors.UsageError: --depth 60: a length needs its unit; write 60mm
@@ -136,7 +171,45 @@ def is_unit(text: str) -> bool:
     return True
 
 
+def worded(value: float, unit: str) -> str:
+    """Return a quantity as ``quantity`` reads it, its tolerance too.
+
+    >>> worded(25.0, "degC"), worded(Toleranced(25.0, 2.0), "degC"), worded(Toleranced(0.3, 0.05), "1")
+    ('25.0 degC', '25.0 degC +- 2.0 K', '0.3 +- 0.05')
+    """
+    shown = "" if unit in ("", "1") else f" {unit}"
+    sd, difference = tolerance(value), " K" if unit == "degC" else shown
+    return f"{float(value)!r}{shown}" + (f" +- {sd!r}{difference}" if sd else "")
+
+
 def _convert(value: object, kind: Kind) -> float:
+    if isinstance(value, str) and (mark := _MARK.search(value)) is not None:
+        stated = value[: mark.start()]
+        return toleranced(_exact(stated, kind), _deviation(value[mark.end() :], stated, kind))
+    return _exact(value, kind)
+
+
+def _deviation(text: str, stated: str, kind: Kind) -> float:
+    """Return the standard deviation ``text`` of the quantity ``stated``: in a unit of its kind, or a share of it."""
+    example = f"{stated.strip()} +- 2 K" if kind.offset else f"{kind.example} +- 2 %"
+    match = _QUANTITY.fullmatch(text) if len(text) <= 120 else None
+    if match is None:
+        raise UnitError(f"{text.strip() or 'nothing'} is no tolerance; write {example}")
+    number, unit = Fraction(match[1]), match[2]
+    if number < 0:
+        raise UnitError(f"a standard deviation is not below 0; write {example}")
+    if unit == "%":
+        if kind.offset:
+            raise UnitError(f"a share of a temperature means nothing; write {example}")
+        if stated.rstrip().endswith("%"):
+            raise UnitError("a tolerance in % of a number in % can be read two ways; write 0.05 +- 0.01")
+        return float(abs(Fraction(_exact(stated, kind))) * number / 100)
+    if not unit and kind.unit != "1":
+        raise UnitError(f"a tolerance needs its unit, or %; write {example}")
+    return float(number * _linear(parse_unit(unit) if unit else DIMENSIONLESS, kind, unit)[0])
+
+
+def _exact(value: object, kind: Kind) -> float:
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         if kind.unit == "1":
             if abs(value) < 1e300:

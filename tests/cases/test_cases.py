@@ -149,3 +149,38 @@ def test_a_set_up_that_is_not_sound_is_refused_by_its_key() -> None:
     del setup["mold"]
     with pytest.raises(UsageError, match=r"MOLD\.stl is missing"):
         cls.of({}, cls.load(setup, "a.json"))
+
+
+TOLERANCES = {
+    "fabric-contact": (["--thickness", "0.7mm +- 5 %", "--friction", "0.3 ± 0.05", "--depth", "60mm +- 1mm"],
+                       {"thickness_mm": 0.035, "friction_coefficient": 0.05, "depth_mm": 1.0}),
+    "drape": (["--size", "200mm±2mm x 18cm", "--blank-holder", "x-=0.5N/mm±10%"],
+              {"size_mm.0": 2.0, "blank_holder_N_mm.x-": 0.05}),
+    "press-contact": (["--temperature", "200degC ± 5 K"], {"temperature_degC": 5.0}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("command", TOLERANCES)
+def test_a_tolerance_goes_through_words_and_documents_and_leaves_the_numbers_as_they_are(
+    command: str,
+) -> None:
+    more, wanted = TOLERANCES[command]
+    cls = case_class(command)
+    case = options.read(cls, LEAST[command] + more)
+    setup = load_json(dump_json(case.setup({})), "a.json")
+    jsonschema.validate(setup, cls.schema())
+    found = setup.pop("tolerances")
+    assert found == pytest.approx(wanted)
+    for again in (
+        options.read(cls, options.words(case)),
+        cls.of({}, cls.load({**setup, "tolerances": found}, "a.json")),
+    ):
+        assert again.setup({})["tolerances"] == found
+    bare = options.read(
+        cls,
+        [
+            word.split("±")[0].split("+-")[0] if "x 18cm" not in word else "200mmx18cm"
+            for word in LEAST[command] + more
+        ],
+    )
+    assert bare.setup({}) == setup

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.unit_table import UnitError, parse_unit
-from hyperfab.io.units import KINDS, column_factor, quantity, size
+from hyperfab.io.units import KINDS, column_factor, quantity, size, tolerance, worded
 
 
 @pytest.mark.parametrize(
@@ -198,3 +198,47 @@ def test_column_factors_are_exact() -> None:
     assert column_factor("degF", "temperature") == (Fraction(5, 9), Fraction(-160, 9))
     with pytest.raises(UnitError):
         column_factor("mm", "stress")
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "value", "sd"),
+    [
+        ("200 degC +- 5 K", "temperature", 200.0, 5.0),
+        ("200 degC ± 5 °C", "temperature", 200.0, 5.0),
+        ("473.15 K +/- 9 degF", "temperature", 200.0, 5.0),
+        ("3000 W ± 2 %", "power", 3000.0, 60.0),
+        ("3 kW±60W", "power", 3000.0, 60.0),
+        ("0.6mm +- 0.03mm", "length", 0.6, 0.03),
+        ("0.6mm +- 30µm", "length", 0.6, 0.03),
+        ("0.3 ± 0.05", "dimensionless", 0.3, 0.05),
+        ("-2 mm +- 10 %", "length", -2.0, 0.2),
+        ("12 W/m^2/K ± 25%", "film-coefficient", 12.0, 3.0),
+        ("60mm +- 0mm", "length", 60.0, 0.0),
+    ],
+)
+def test_a_quantity_may_state_one_standard_deviation(text: str, kind: str, value: float, sd: float) -> None:
+    found = quantity(text, kind)
+    assert (found, tolerance(found)) == (value, sd)
+    again = quantity(worded(found, KINDS[kind].unit), kind)
+    assert (again, tolerance(again)) == (value, sd)
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "said"),
+    [
+        ("200 degC +- 5", "temperature", "a tolerance needs its unit, or %; write 200 degC +- 2 K"),
+        ("200 degC +- 5 %", "temperature", "a share of a temperature means nothing"),
+        ("60mm +- 5 N", "length", "N is no unit of length"),
+        ("60mm +- -1mm", "length", "a standard deviation is not below 0"),
+        ("60mm +- ", "length", "nothing is no tolerance; write 60mm +- 2 %"),
+        ("60mm ± 1mm ± 1mm", "length", "is no unit"),
+        ("5 % ± 1 %", "dimensionless", "can be read two ways; write 0.05 +- 0.01"),
+        ("± 1mm", "length", "is no length"),
+    ],
+)
+def test_a_tolerance_that_cannot_be_meant_is_refused_with_the_right_form(
+    text: str, kind: str, said: str
+) -> None:
+    with pytest.raises(UsageError) as refused:
+        quantity(text, kind, option="--x")
+    assert said in str(refused.value)
