@@ -176,6 +176,12 @@ class FabricDocument:
 def read_fabric_document(job: Job, name: str, asked: float | None = None) -> FabricDocument:
     """Read a material document for use at a temperature [degC], or at that of its own constants."""
     document = read_document(job.inputs, name, MaterialDocument)
+    tentative = [str(one.get("id", "?")) for one in document.effects or [] if one.get("tentative")]
+    if tentative:
+        job.console.warn(
+            f"{name}: hf close-loop left something unexplained beside {', '.join(tentative)}; what is computed from "
+            "them holds at the tests they were found on"
+        )
     if asked is not None and not COLDEST <= asked <= HOTTEST:
         job.console.warn(
             f"--temperature: {asked:.4g} degC is no temperature of a fabric ({COLDEST:g} to {HOTTEST:g} "

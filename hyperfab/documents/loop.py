@@ -81,6 +81,11 @@ class AddedEffect(_Part):
     parameters: dict[str, float]
     parameters_sd: dict[str, float] = Field(default_factory=dict)
     evidence: Evidence
+    tentative: bool = Field(
+        default=False,
+        description="whether something stays unexplained beside it: the best the catalogue has, and no finding; the "
+        "extended model marks it so too",
+    )
 
 
 class Candidate(_Part):
@@ -107,14 +112,22 @@ class Candidate(_Part):
     shown_by: str = Field(description="the measurement that tells it from its look-alikes")
 
 
-class Residual(_Part):
-    """What is left after the effects were added."""
+class Judged(_Part):
+    """What a model leaves, by the tests of noise."""
 
     is_noise: bool
     structured: float = Field(description="rms of what is not noise, in standard deviations of the noise")
     p_lack_of_fit: float
     p_autocorrelation: float
     p_greatest_score: float
+
+
+class Residual(Judged):
+    """What is left after the effects were added; ``before`` is what was left without them."""
+
+    before: Judged | None = Field(
+        default=None, description="the same of the model with its own constants refitted, no effect added"
+    )
     rides_on: dict[str, float] = Field(
         default_factory=dict, description="share of it that the means over each state variable explain"
     )

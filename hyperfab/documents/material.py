@@ -255,7 +255,8 @@ class MaterialDocument(Document):
         default=None, description="constants that the tests leave open (orthotropic)"
     )
     effects: list[dict[str, Any]] | None = Field(
-        default=None, description="physical terms beyond the law, as hf close-loop adds them"
+        default=None,
+        description="physical terms beyond the law, as hf close-loop adds them; tentative: beside it something is left",
     )
     tested: dict[str, Tested] | None = Field(
         default=None, description="by test: the range of the data behind the constants"

@@ -13,12 +13,27 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from hyperfab.report.labels import AFTER, BEFORE, DATA, title, value_names
+from hyperfab.report.panels import clusters, kinds_of_test
 
 Array = NDArray[np.float64]
 
-_MOST_CURVES, _MOST_STATES, _MOST_ENTRIES = 12, 5, 10
+_MOST_PANELS, _MOST_STATES, _MOST_ENTRIES = 12, 5, 10
 #: A state of no more values than this is shown value by value, under its own names.
 _FEW = 8
+_VERDICTS = {
+    "noise": "verdict noise: nothing is lacking that these data show",
+    "effect": "verdict effect: {} was lacking; what is left is noise",
+    "ambiguous": "verdict ambiguous: {} was lacking, or what these data cannot tell from it",
+    "unexplained": "verdict unexplained: something is lacking beside {}",
+}
+#: What a reading in this unit is.
+_READINGS = {
+    "MPa": "nominal stress",
+    "N/mm": "membrane stress",
+    "N": "force",
+    "degC": "temperature",
+    "mm": "place",
+}
 #: States that say where on a sheet or mold a reading was taken.
 PLACES = (("x0_mm", "y0_mm"), ("x_mm", "y_mm"))
 
@@ -56,13 +71,16 @@ def loop_drawing(
     shown = {name: values for name, values in states.items() if _varies(values)}
     shown = dict(list(shown.items())[:_MOST_STATES])
     columns = max(len(shown), 2)
-    figure = Figure(figsize=(3.1 * columns + 1.0, 8.2), layout="constrained")
+    words = value_words or {}
+    kinds = kinds_of_test(curves, states, words) if places is None else {}
+    upper_height = 4.4 if len(kinds) < 4 else 2.2 * _grid(min(len(kinds), _MOST_PANELS))[1]
+    figure = Figure(figsize=(3.1 * columns + 1.0, 3.8 + upper_height), layout="constrained")
     FigureCanvasAgg(figure)
-    halves = figure.add_gridspec(2, 1, height_ratios=[1.25, 1.0])
+    halves = figure.add_gridspec(2, 1, height_ratios=[upper_height, 3.5])
     split = max(columns - max(columns // 3, 1), 1)
     upper = halves[0].subgridspec(1, columns)
     if places is None:
-        _curves(figure.add_subplot(upper[0, :split]), abscissa, label, unit, curves, measured, before, after)
+        _curves(figure, upper[0, :split], kinds, abscissa, label, unit, curves, measured, before, after)
     else:
         x, y = (states[name] for name in places)
         _maps(
@@ -81,12 +99,12 @@ def loop_drawing(
     lower = halves[1].subgridspec(1, columns)
     for column, (name, values) in enumerate(shown.items()):
         axes = figure.add_subplot(lower[0, column])
-        known = (value_words or {}).get(name, ())
-        _residual(axes, name, values, (measured - before) / scale, (measured - after) / scale, known)
+        rests = (measured - before) / scale, (measured - after) / scale
+        _residual(axes, name, values, *rests, words.get(name, ()))
         if column == 0:
             axes.set_ylabel("measured - model, in sd of the noise")
-            axes.legend(fontsize=8, loc="best")
-    heading = f"verdict: {verdict}" + (f" ({', '.join(added)})" if added else "")
+            axes.legend(fontsize=8, loc="best", markerscale=4)
+    heading = _VERDICTS[verdict].format(", ".join(added) or "nothing")
     figure.suptitle(heading)
     return figure
 
@@ -97,7 +115,9 @@ def _varies(values: Array) -> bool:
 
 
 def _curves(
-    axes: Any,
+    figure: Any,
+    place: Any,
+    kinds: Mapping[str, Sequence[int]],
     abscissa: Array,
     label: str,
     unit: str,
@@ -106,27 +126,39 @@ def _curves(
     before: Array,
     after: Array,
 ) -> None:
-    chosen = list(range(len(curves)))
-    if len(chosen) > _MOST_CURVES:
-        chosen = [round(i) for i in np.linspace(0, len(curves) - 1, _MOST_CURVES)]
-    for number, index in enumerate(chosen):
-        rows = curves[index]
-        told = ("measured", "model before", "model after") if number == 0 else (None, None, None)
-        axes.plot(abscissa[rows], measured[rows], ".", ms=2.5, color=DATA, label=told[0])
-        axes.plot(abscissa[rows], before[rows], "-", lw=0.9, color=BEFORE, label=told[1])
-        axes.plot(abscissa[rows], after[rows], "-", lw=1.2, color=AFTER, label=told[2])
-    what = {
-        "MPa": "nominal stress",
-        "N/mm": "membrane stress",
-        "N": "force",
-        "degC": "temperature",
-        "mm": "place",
-    }
-    axes.set(xlabel=label, ylabel=f"{what.get(unit, 'reading')} [{unit}]")
-    axes.grid(alpha=0.3)
-    axes.legend(fontsize=8)
-    if len(chosen) < len(curves):
-        axes.set_title(f"{len(chosen)} of {len(curves)} tests", fontsize=9)
+    """Draw the curves in panels of one scale, one for each kind of test."""
+    chosen = list(kinds)
+    if len(chosen) > _MOST_PANELS:
+        chosen = [chosen[round(i)] for i in np.linspace(0, len(chosen) - 1, _MOST_PANELS)]
+    across, down = _grid(len(chosen))
+    panels = place.subgridspec(down, across)
+    first: Any = None
+    for number, kind in enumerate(chosen):
+        axes = figure.add_subplot(panels[divmod(number, across)], sharex=first, sharey=first)
+        for curve in kinds[kind]:
+            rows = curves[curve]
+            axes.plot(abscissa[rows], measured[rows], ".", ms=2.5, color=DATA, label="measured")
+            axes.plot(abscissa[rows], before[rows], "-", lw=0.9, color=BEFORE, label="model before")
+            axes.plot(abscissa[rows], after[rows], "-", lw=1.2, color=AFTER, label="model after")
+        if first is None:
+            first = axes
+            axes.legend(
+                axes.lines[:3], ["measured", "model before", "model after"], fontsize=8, markerscale=2
+            )
+            axes.set_ylabel(f"{_READINGS.get(unit, 'reading')} [{unit}]")
+        axes.grid(alpha=0.3)
+        axes.set_title(kind, fontsize=9)
+        axes.tick_params(labelbottom=number + across >= len(chosen), labelleft=number % across == 0)
+        if number + across >= len(chosen):
+            axes.set_xlabel(label)
+    if len(chosen) < len(kinds):
+        first.set_ylabel(f"{first.get_ylabel()}; {len(chosen)} of {len(kinds)} kinds of test")
+
+
+def _grid(count: int) -> tuple[int, int]:
+    """Return how many panels stand beside and below each other."""
+    across = count if count <= 3 else 2 if count == 4 else 3 if count <= 9 else 4
+    return across, -(-count // across)
 
 
 def _maps(
@@ -199,16 +231,23 @@ def _residual(
 ) -> None:
     """Draw what is left against a state: at its own values, or value by value where there are few."""
     axes.axhspan(-2.0, 2.0, color="0.9")
+    values = np.exp(values) if name == "log rate" else values
     finite = np.isfinite(values)
-    distinct = np.unique(values[finite])
+    reach = float(np.ptp(values[finite]))
+    # What differs by rounding, as rates of one machine do, stands together.
+    near = np.full(len(values), np.nan)
+    near[finite] = clusters(values[finite], 1e-3 * reach)
+    distinct = np.unique(near[finite])
     at, beside = values, 0.0
     if len(distinct) <= _FEW:
         # Equally far apart, each under its own value, so that no reading seems to stand where none was taken.
         at, beside = np.full(len(values), np.nan), 0.14
-        at[finite] = np.searchsorted(distinct, values[finite])
+        at[finite] = np.searchsorted(distinct, near[finite])
         axes.set_xticks(range(len(distinct)), value_names(name, distinct.tolist(), known))
         axes.set_xlim(-0.6, len(distinct) - 0.4)
         axes.tick_params(axis="x", labelsize=8, rotation=30 if len(distinct) > 4 else 0)
+    elif name == "log rate":
+        axes.set_xscale("log")
     else:
         axes.locator_params(axis="x", nbins=5)
     axes.plot(at - beside, before, ".", ms=2, color=BEFORE, alpha=0.5, label="before")

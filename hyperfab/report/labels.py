@@ -18,14 +18,17 @@ _UNITS = {
 }  # fmt: skip
 #: Names that do not say enough by themselves.
 _WORDS = {
-    "log rate": "rate of stretching, ln(1/s)",
+    "log rate": "rate of stretching, 1/s",
     "x0_mm": "x on the flat sheet, mm",
     "y0_mm": "y on the flat sheet, mm",
     "direction_deg": "direction, ° from warp",
     "from the middle_mm": "distance from the middle, mm",
 }
 #: What a number stands for where it numbers things.
-_VALUES = {"branch": ("unloading", "loading"), "axis": ("x", "y", "z")}
+_VALUES = {
+    "branch": {-1: "unloading", 0: "not stated", 1: "loading"},
+    "axis": {0: "x", 1: "y", 2: "z"},
+}
 
 
 def title(name: str) -> str:
@@ -55,8 +58,8 @@ def parted(name: str) -> tuple[str, str]:
 def value_names(name: str, values: Sequence[float], known: Sequence[str] = ()) -> list[str]:
     """Return what the distinct ``values`` of a state stand for: names where they number things, else themselves.
 
-    >>> value_names("branch", [0.0, 1.0]), value_names("temperature_degC", [23.0, 80.0])
+    >>> value_names("branch", [-1.0, 1.0]), value_names("temperature_degC", [23.0, 80.0])
     (['unloading', 'loading'], ['23', '80'])
     """
-    names = list(known) or list(_VALUES.get(name, ()))
-    return [names[int(v)] if v == int(v) and 0 <= v < len(names) else f"{v:.4g}" for v in values]
+    names = dict(enumerate(known)) or _VALUES.get(name, {})
+    return [names.get(int(v), f"{v:.4g}") if v == int(v) else f"{v:.4g}" for v in values]

@@ -30,13 +30,14 @@ def stress(stretch: np.ndarray) -> np.ndarray:
 def write(
     folder: Path, name: str, *, gain: float = 1.0, noise: float = 0.001, seed: int = 0, head: str = "",
     rows: int = 60, slip: float = 0.0, spike: float = 0.0, most: float = np.inf, unit: str = "MPa",
-    column: str | None = None,
+    column: str | None = None, ripple: float = 0.0,
 ) -> str:  # fmt: skip
     """Write one pull; return the name of the file."""
     rng = np.random.default_rng(seed)
     stretch = np.linspace(1.0, 1.5, rows)
     read = np.minimum(gain * stress(stretch) + noise * rng.standard_normal(rows), most)
     told = stretch - slip * (np.arange(rows) >= 40)
+    read *= 1.0 + ripple * np.sin(0.7 * np.linspace(0.0, 50.0, rows))
     read[rows // 2] += spike * read.max()
     time = np.linspace(0.0, 50.0, rows)
     label = "membrane stress [N/mm]" if unit == "N/mm" else f"stress [{unit}]"
@@ -62,7 +63,7 @@ def closed(
     assert done.returncode == status if status is not None else done.returncode in (0, 1), (
         done.stderr.decode()
     )
-    document = json.loads(done.stdout) if done.returncode in (0, 1) else {}
+    document = json.loads(done.stdout) if done.stdout.strip() else {}
     if document:
         jsonschema.validate(document, schema("loop"))
     return document, done.stderr.decode()
@@ -207,3 +208,54 @@ def test_a_modulus_that_no_material_has_is_not_given(hf: Run, model: Path) -> No
     assert "no stiffness at rest" not in told
     if any("nature allows" in one for one in found["warnings"]):
         assert "Young's modulus" in told
+
+
+def warm(folder: Path, ripple: float) -> list[str]:
+    """Tests at 20 and 60 degC, softer when warm, and a ripple in time that no entry of the catalogue knows."""
+    return [
+        write(folder, f"{t}-{k}.csv", gain=g, seed=t + k, head=f"# temperature: {t} degC", ripple=ripple)
+        for t, g in ((20, 1.0), (60, 0.7))
+        for k in range(2)
+    ]
+
+
+def test_terms_beside_which_something_stays_unexplained_are_marked(hf: Run, model: Path) -> None:
+    found, told = closed(hf, model, warm(model, 0.08), "-o", "loop.json", status=1)
+    found = json.loads((model / "loop.json").read_text())
+    assert found["verdict"] == "unexplained"
+    names = [effect["id"] for effect in found["effects"]]
+    assert "thermal-softening" in names
+    assert all(effect["tentative"] for effect in found["effects"])
+    written = json.loads((model / "loop.model.json").read_text())
+    jsonschema.validate(written, schema("material"))
+    assert [one["id"] for one in written["effects"] if one["tentative"]] == names
+    assert f"{', '.join(names)} {'are' if len(names) > 1 else 'is'} the nearest" in told
+    assert any("stays unexplained" in one for one in found["warnings"])
+    used = hf("export", "loop.model.json", "--to", "febio", "-o", "card.feb", cwd=model)
+    assert f"left something unexplained beside {', '.join(names)}" in used.stderr.decode()
+
+
+def test_terms_beside_which_nothing_is_left_are_not_marked(hf: Run, model: Path) -> None:
+    files = warm(model, 0.0)
+    _, told = closed(hf, model, files, "-o", "loop.json", status=0)
+    found, written = (json.loads((model / f"loop{end}").read_text()) for end in (".json", ".model.json"))
+    assert found["verdict"] in ("effect", "ambiguous")
+    assert not any(effect["tentative"] for effect in found["effects"])
+    assert not any("tentative" in one for one in written["effects"])
+    assert "stays unexplained" not in told
+    # What was tentative no longer is where a later loop leaves nothing.
+    written["effects"][0]["tentative"] = True
+    (model / "m.json").write_text(json.dumps(written))
+    closed(hf, model, files, "-o", "again.json", status=0)
+    again = json.loads((model / "again.model.json").read_text())
+    assert not any("tentative" in one for one in again["effects"])
+
+
+def test_what_was_left_before_is_told_beside_what_is_left_after(hf: Run, model: Path) -> None:
+    found, told = closed(hf, model, warm(model, 0.0), status=0)
+    left = found["residual"]
+    assert left["is_noise"] is True
+    assert left["before"]["is_noise"] is False
+    assert left["before"]["structured"] > left["structured"]
+    assert left["before"]["p_lack_of_fit"] < 1e-6
+    assert "What is left is noise" in told

@@ -340,7 +340,7 @@ def test_residuals_stand_under_the_values_that_were_measured() -> None:
     states = {
         "temperature_degC": np.repeat([23.0, 80.0, 105.0], 4),
         "direction_deg": np.tile([0.0, 90.0], 6),
-        "branch": np.tile([0.0, 0.0, 1.0], 4),
+        "branch": np.tile([-1.0, -1.0, 1.0], 4),
         "probe": np.repeat([0.0, 1.0], 6),
         "log rate": np.full(12, -2.4) + 1e-12 * np.arange(12),
     }
@@ -355,6 +355,33 @@ def test_residuals_stand_under_the_values_that_were_measured() -> None:
     assert told["branch"] == ["unloading", "loading"]
     assert told["probe"] == ["top", "cup, left"]
     assert not any("rate" in label for label in told)  # all alike: nothing rides on it
+
+
+def test_rates_that_differ_by_rounding_stand_under_the_rate_of_the_machine() -> None:
+    rng = np.random.default_rng(4)
+    rates = np.repeat([0.01, 0.05], 20) * (1.0 + 1e-6 * rng.normal(size=40))
+    figure = loop_drawing(**drawn(np.arange(40.0), {"log rate": np.log(rates)}))
+    [axes] = [axes for axes in figure.axes if "rate" in axes.get_xlabel()]
+    assert axes.get_xlabel() == "rate of stretching, 1/s"
+    assert [label.get_text() for label in axes.get_xticklabels()] == ["0.01", "0.05"]
+
+
+def test_curves_of_a_loop_stand_in_a_panel_of_their_direction_and_temperature() -> None:
+    tests = [(90.0, 80.0), (0.0, 80.0), (0.0, 23.0), (90.0, 23.0), (0.0, 23.4)]
+    states = {
+        "stretch": np.tile(np.linspace(1.0, 1.5, 8), 5),
+        "direction_deg": np.repeat([way for way, _ in tests], 8),
+        "temperature_degC": np.repeat([degrees for _, degrees in tests], 8),
+    }
+    given = drawn(states["stretch"], states) | {"curves": [slice(8 * k, 8 * k + 8) for k in range(5)]}
+    figure = loop_drawing(**given | {"unit": "MPa"})
+    panels = {axes.get_title(): axes for axes in figure.axes if axes.get_title()}
+    assert list(panels) == ["warp, 23 °C", "warp, 80 °C", "weft, 23 °C", "weft, 80 °C"]
+    drawn_in = {name: len(axes.lines) // 3 for name, axes in panels.items()}
+    assert drawn_in == {"warp, 23 °C": 2, "warp, 80 °C": 1, "weft, 23 °C": 1, "weft, 80 °C": 1}
+    assert np.allclose(panels["weft, 80 °C"].lines[0].get_ydata(), given["measured"][:8])
+    assert panels["warp, 23 °C"].get_ylabel() == "nominal stress [MPa]"
+    assert len({axes.get_ylim() for axes in panels.values()}) == 1
 
 
 def test_warnings_are_told_once_a_kind_under_a_heading() -> None:

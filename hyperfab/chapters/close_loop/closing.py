@@ -14,6 +14,7 @@ from hyperfab.cases.case import Case
 from hyperfab.cases.options import words
 from hyperfab.chapters.close_loop.describe import column, describe, errors_of, lowered, say
 from hyperfab.chapters.close_loop.rerun import rerun
+from hyperfab.chapters.close_loop.tentative import caution, noted
 from hyperfab.chapters.job import Job
 from hyperfab.console import NEGATIVE_VERDICT
 from hyperfab.documents.loop import Errors, LoopDocument
@@ -23,6 +24,7 @@ from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
 from hyperfab.io.units import quantity
+from hyperfab.loop.dependence import dependence
 from hyperfab.loop.engine import Apart, Finding, close
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.noise import Noise
@@ -103,7 +105,7 @@ def finish(
             result.held_out = _predicted(apart(problem), found, problem.units[0])
         if out.wants_files:
             tick("the extended model")
-            _model(job, out, extend(found), result)
+            _model(job, out, extend(found), result, caution(found))
             _files(out, problem, found, axis(problem))
     say(job.console, problem, found, result)
     job.write(out, result, case)
@@ -188,12 +190,19 @@ def close_anew(
     return found
 
 
-def _model(job: Job, out: Output, extension: Extension, result: LoopDocument) -> None:
-    """Run the model's own command with the found terms, and queue what it writes as the extended model."""
+def _model(job: Job, out: Output, extension: Extension, result: LoopDocument, care: str) -> None:
+    """Run the model's own command with the found terms, and queue what it writes as the extended model.
+
+    ``care`` stands at the head of a document that people read, where something stays unexplained.
+    """
     target = str(out.path(".model.json"))
-    given = {str(out.path(suffix)): data for suffix, data in extension.files.items()}
+    files = {
+        suffix: noted(care, data) if suffix.endswith(".toml") else data
+        for suffix, data in extension.files.items()
+    }
+    given = {str(out.path(suffix)): data for suffix, data in files.items()}
     notes = list(extension.notes)
-    for suffix, data in extension.files.items():
+    for suffix, data in files.items():
         out.add(suffix, data)
     command, asked = extension.case.COMMAND, words(extension.case)
     try:
@@ -207,7 +216,9 @@ def _model(job: Job, out: Output, extension: Extension, result: LoopDocument) ->
     document = dict(made.document)
     tail: dict[str, Any] = {key: document.pop(key) for key in ("files", "provenance") if key in document}
     document["effects"] = [
-        {"id": one.id, "form": one.form, "parameters": one.parameters} for one in result.effects
+        {"id": one.id, "form": one.form, "parameters": one.parameters}
+        | ({"tentative": True} if one.tentative else {})
+        for one in result.effects
     ]
     document["constants"] = result.constants.get("with_effects", {})
     document |= tail
@@ -258,6 +269,9 @@ def picture(
     from hyperfab.report.figures_loop import loop_figure
 
     first = problem.channel == 0
+    # The states first that what the model missed rides on.
+    riding = dependence(found.before.fit.residual[first], problem.states)
+    states = sorted(problem.states.items(), key=lambda item: -riding.get(item[0], 0.0))
     return loop_figure(
         abscissa=axis.values,
         label=axis.label,
@@ -267,7 +281,7 @@ def picture(
         before=found.before.fit.predicted[first],
         after=found.after.fit.predicted[first],
         sd=found.noise.sd[first],
-        states=problem.states,
+        states=dict(states),
         scores=lowered(found) or found.scores,
         scores_label="BIC lowered by" if found.tried else "score",
         verdict=found.verdict,

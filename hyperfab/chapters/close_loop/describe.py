@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from hyperfab.documents.loop import (
     Candidate,
     Errors,
     Evidence,
+    Judged,
     LoopDocument,
     Misfit,
     NextMeasurement,
@@ -24,6 +26,7 @@ from hyperfab.documents.loop import (
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.fabric import FabricProblem
+from hyperfab.loop.judge import Judgement
 from hyperfab.loop.problem import Array, Problem
 
 
@@ -41,7 +44,6 @@ def describe(
     sd = found.noise.sd[first]
     spread = found.noise.spread(after.predicted)
     names = [constant.name for constant in problem.own]
-    judgement = found.after.judgement
     document = LoopDocument(
         domain=domain,
         verdict=found.verdict,
@@ -73,11 +75,8 @@ def describe(
         ),
         held_out=_held_out(problem, found, unit),
         residual=Residual(
-            is_noise=judgement.is_noise,
-            structured=judgement.structured,
-            p_lack_of_fit=judgement.p_lack_of_fit,
-            p_autocorrelation=judgement.p_autocorrelation,
-            p_greatest_score=judgement.p_greatest_score,
+            **_judged(found.after.judgement),
+            before=Judged(**_judged(found.before.judgement)),
             rides_on=found.rides_on,
             suggestion=found.suggestion[0] if found.suggestion else None,
             suggestion_share=found.suggestion[1] if found.suggestion else None,
@@ -136,6 +135,10 @@ def errors_of(
     )
 
 
+def _judged(judgement: Judgement) -> dict[str, Any]:
+    return {name: getattr(judgement, name) for name in Judged.model_fields}
+
+
 def _delivered(problem: Problem) -> Array:
     return problem.predict(np.array([constant.value for constant in problem.own]), {})
 
@@ -189,6 +192,7 @@ def _added(problem: Problem, found: Finding, name: str) -> AddedEffect:
             held_out_share=aid.taken if aid is not None else None,
             tests_helped=aid.helped if aid is not None else None,
         ),
+        tentative=found.verdict == "unexplained",
     )
 
 

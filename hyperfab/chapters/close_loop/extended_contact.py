@@ -11,6 +11,7 @@ from hyperfab.cases.contact import STICK, ContactCase
 from hyperfab.cases.place import applied
 from hyperfab.chapters.close_loop.closing import Extension
 from hyperfab.chapters.close_loop.softer import scaled_material, soften
+from hyperfab.chapters.close_loop.tentative import mark
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
@@ -54,6 +55,7 @@ def extend(
     if "thermal-softening" in fit.terms:
         _soften(fabric, problem, [float(v) for v in fit.terms["thermal-softening"][1]])
         larger = replace(larger, temperature=float(np.median(_met(problem))))
+    mark(fabric.effects or [], found)
     return Extension(larger, {FABRIC: dump_json(fabric.to_json())}, notes)
 
 

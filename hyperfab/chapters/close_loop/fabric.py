@@ -10,6 +10,7 @@ from hyperfab.chapters.close_loop.closing import Axis, picture, ticking
 from hyperfab.chapters.close_loop.describe import curves_csv, describe, errors_of, say
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended import extend, held_terms
+from hyperfab.chapters.close_loop.tentative import mark
 from hyperfab.chapters.close_loop.tests_in import Measured, read_measured
 from hyperfab.chapters.fabric import ORTHOTROPIC
 from hyperfab.chapters.job import Job
@@ -75,6 +76,7 @@ def run(job: Job, given: Given) -> int:
         )
     model = extend(document, problem, found.after.fit, problem.law)
     model.format = model.format_name()
+    mark(model.effects or [], found)
     _warn_of_nearness(job, model, tests)
     _warn_of_softness(job, model, tests)
     result = describe(problem, found, tests.unit, tests.left_out, tests.warnings)

@@ -13,6 +13,7 @@ from hyperfab.chapters.close_loop.closing import Axis, picture, ticking
 from hyperfab.chapters.close_loop.describe import describe, say
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_mold import TABLES, extend
+from hyperfab.chapters.close_loop.tentative import caution, noted
 from hyperfab.chapters.close_loop.thermocouples import Thermocouples, read_thermocouples
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.mold_heat.problem import MoldBuilder, Problem
@@ -83,6 +84,7 @@ def run(job: Job, given: Given) -> int:
         target = out.path(".model.toml")
         folders = (os.path.dirname(given.name), str(target.parent))
         files, notes = extend(given.data, document, problem, found.after.fit, out.path("").name, folders)
+        files[".model.toml"] = noted(caution(found), files[".model.toml"])
         for text in notes:
             job.console.warn(text)
         result.warnings += notes

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from hyperfab.chapters.close_loop.tentative import caution
 from hyperfab.documents.loop import Errors, LoopDocument, Misfit, NoiseFigures
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.problem import HAS_IT, Problem
@@ -73,6 +74,7 @@ def doubts(problem: Problem, found: Finding, document: LoopDocument) -> list[str
         told.append(
             f"not added: {', '.join(found.worse)}; with it these data, or tests left out, are missed by more"
         )
+    told += [text for text in (caution(found),) if text]
     told += [f"{one}: the data ask for more than it may be" for one in _at_bounds(problem, found)]
     told += [
         f"{what} is held at what nature allows: these data ask for more than that"
