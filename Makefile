@@ -9,12 +9,13 @@ BUILD  := build
 SOURCES := $(shell find hyperfab -name '*.py' -o -name '*.toml' -o -name '*.csv')
 
 .DELETE_ON_ERROR:
-.PHONY: run study test test-slow lint types bench blind hunt coverage mutants gaps fuzz samples pictures clean distclean help
+.PHONY: run study test test-slow test-versions lint types bench blind hunt coverage mutants gaps fuzz samples pictures clean distclean help
 
 help:
 	@echo "make run     the whole chain on the sample specimens and molds, with a summary and pictures in $(BUILD)/"
 	@echo "make study   the sample studies: heaters, chambers and air; foam, gap and temperature"
 	@echo "make test    the tests (make test-slow: heavy physics and long fault runs)"
+	@echo "make test-versions: the tests with the lowest versions that pyproject.toml allows, and with the newest"
 	@echo "make lint    format, lint and import arrows;  make types: the type checker"
 	@echo "make bench   timings beside other programs;   make fuzz: readers against random bytes"
 	@echo "make blind   undeclared effects drawn at random: how often close-loop names them"
@@ -109,6 +110,31 @@ test: $(VENV)/dev
 
 test-slow: $(VENV)/dev
 	$(BIN)/python -m pytest -m slow
+
+# The lowest version of everything that pyproject.toml allows, and the newest that the index has, on the oldest and the
+# newest Python: a quarter of an hour each.
+OLDEST ?= python3.11
+NEWEST ?= python3.13
+VERSIONS := $(BUILD)/versions
+
+test-versions: $(VERSIONS)/lowest/dev $(VERSIONS)/newest/dev
+	$(VERSIONS)/lowest/bin/python -m pytest -n auto
+	$(VERSIONS)/newest/bin/python -m pytest -n auto
+
+$(VERSIONS)/lowest.txt: pyproject.toml
+	@mkdir -p $(@D)
+	sed -nE '/^dependencies/,/^]/s/^ *"([a-z0-9-]+)>=([0-9.]+)[";].*/\1==\2/p' $< > $@
+
+$(VERSIONS)/newest.txt: pyproject.toml
+	@mkdir -p $(@D)
+	touch $@
+
+$(VERSIONS)/lowest/dev: OF := $(OLDEST)
+$(VERSIONS)/newest/dev: OF := $(NEWEST)
+$(VERSIONS)/%/dev: $(VERSIONS)/%.txt
+	$(OF) -m venv $(@D)
+	$(@D)/bin/python -m pip install --quiet --disable-pip-version-check --upgrade --constraint $< --editable '.[dev]'
+	@touch $@
 
 lint: $(VENV)/dev
 	$(BIN)/ruff format --check .
