@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares, nnls
 
 from hyperfab.materials.orthotropic.energy import ABSENT, LINEAR, NAMES, Orthotropic
-from hyperfab.materials.orthotropic.specimen import Frame, held, strip
+from hyperfab.materials.orthotropic.specimen import Frame, held, solved, strip
 
 Array = NDArray[np.float64]
 
@@ -116,9 +116,9 @@ def sought_by(tests: Sequence[SheetTest]) -> tuple[tuple[str, ...], tuple[Unknow
     angles = {test.angle_deg for test in tests}
     uniaxial = {test.angle_deg for test in tests if test.mode == "uniaxial"}
     both = {0.0, 90.0} <= uniaxial or (None not in angles and any(_both_ways(test) for test in tests))
-    slanted = any(a is not None and min(a % 90.0, 90.0 - a % 90.0) > 1e-6 for a in uniaxial)
+    slanted = {_slant(a) for a in uniaxial if a is not None and _slant(a) % 90.0 > 1e-6}
     contraction = any(test.contraction for test in tests)
-    second = contraction or len(modes) > 1 or slanted
+    second = contraction or len(modes) > 1
     found, open_ = ["C10_MPa", "C20_MPa", "C30_MPa"], []
     if len(modes) > 1:
         found.append("C2_MPa")
@@ -135,13 +135,18 @@ def sought_by(tests: Sequence[SheetTest]) -> tuple[tuple[str, ...], tuple[Unknow
             (name, "uniaxial tests along warp and weft")
             for name in ("k1_warp_MPa", "k2_warp", "k1_weft_MPa", "k2_weft")
         ]
-    if both and second:
-        found += ["k1_bias_MPa", "k2_bias", "bias_deg"]
-    else:
-        open_ += [
-            (name, "tests along warp and weft with lateral stretch, or a biaxial one")
-            for name in ("k1_bias_MPa", "k2_bias", "bias_deg")
-        ]
+    # Strips cut at one angle tell that angle's stiffness, not whether threads or the resistance of the angle give it; a
+    # pair of threads that may lie anywhere would stand in for those of warp or weft.
+    slants = "four slanted angles" if slanted else "a biaxial one"
+    for name, told, test in (
+        ("k1_bias_MPa", len(slanted) > 1, "uniaxial tests at two slanted angles, as 22 and 45 deg"),
+        ("k2_bias", len(slanted) > 1, "uniaxial tests at two slanted angles, as 22 and 45 deg"),
+        ("bias_deg", len(slanted) > 3, f"tests along warp and weft with lateral stretch, or {slants}"),
+    ):
+        if both and (second or told):
+            found.append(name)
+        else:
+            open_.append((name, test))
     if slanted:
         found.append("G_MPa")
     else:
@@ -393,7 +398,26 @@ class _Free:
                 }
                 ranked.append((rest, np.array([values[name] for name in self.names])))
         ranked.sort(key=lambda one: one[0])
-        return [z for _, z in ranked[: 4 * _STARTS : 4]]
+        return [z for _, z in ranked[: 4 * _STARTS : 4]] + self._of_threads(ranked[0][1])
+
+    def _of_threads(self, z: Array) -> list[Array]:
+        """Return a start where the stiffness of slanted strips is that of inclined threads, hardly of the ground.
+
+        The linear problem has none: such a strip shears until its threads lie along the pull.
+        """
+        slanted = [
+            t for t in self.tests if t.mode == "uniaxial" and t.angle_deg is not None and t.angle_deg % 90.0
+        ]
+        if not slanted or "k1_bias_MPa" not in self.names:
+            return []
+        stiff = min(float(test.stress[-1] / max(test.stretch[-1] - 1.0, 1e-9)) for test in slanted)
+        own = {"C10_MPa": 0.02 * stiff, "C20_MPa": 0.0, "C30_MPa": 0.0, "C2_MPa": 0.0, "G_MPa": 0.02 * stiff}
+        own["k1_bias_MPa"] = 0.25 * stiff
+        start = [
+            own[name] / self.stress_scale if name in own else value
+            for name, value in zip(self.names, z, strict=True)
+        ]
+        return [np.array(start)]
 
 
 def _strip_errors(rows: _Rows, law: Orthotropic, free: _Free, z: Array) -> tuple[Array, Array]:
@@ -406,7 +430,9 @@ def _strip_errors(rows: _Rows, law: Orthotropic, free: _Free, z: Array) -> tuple
     H = np.einsum("nij,njk,nlk->nil", edges, D, edges)
     B = np.einsum("nij,njk,nk->ni", edges, D, frame.tt)
     load = np.einsum("nij,nkj->nik", edges, change)
-    moved = np.linalg.solve(np.where(np.isfinite(H), H, np.eye(2)), np.nan_to_num(load))
+    # A sheet so soft across that the free edges have no stiffness has no derivative there: it is left still.
+    with np.errstate(all="ignore"):
+        moved = np.nan_to_num(np.stack([solved(H, one) for one in np.moveaxis(load, 2, 0)], axis=2))
     slopes = np.einsum("nj,nkj->nk", frame.tt, change) - np.einsum("ni,nik->nk", B, moved)
     closed = np.where(pulled.closed, 1.0, np.nan)
     told = rows.second
@@ -492,6 +518,12 @@ def _linear_rows(test: SheetTest, nu: float) -> _LinearRows:
     return _LinearRows(
         C, along, (weight * second)[:, None] * frame.nn, np.concatenate([right, weight * known])
     )
+
+
+def _slant(angle: float) -> float:
+    """Return the angle [deg] from the warp, 0 to 90, of a strip that cannot be told from its mirror image."""
+    turned = angle % 180.0
+    return min(turned, 180.0 - turned)
 
 
 def _both_ways(test: SheetTest) -> bool:

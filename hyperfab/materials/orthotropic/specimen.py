@@ -134,7 +134,7 @@ def strip(law: Orthotropic, angle_deg: ArrayLike, stretch: ArrayLike, near: Stri
         H = np.einsum("nij,njk,nlk->nil", free, found.stiffness, free)
         B = np.einsum("nij,njk,nk->ni", free, found.stiffness, frame.tt)
         own = np.einsum("nj,njk,nk->n", frame.tt, found.stiffness, frame.tt)
-        reduced = own - np.einsum("ni,ni->n", B, _solve(H, B))
+        reduced = own - np.einsum("ni,ni->n", B, solved(H, B))
         closed = np.abs(g).max(axis=1) <= 1e-9 * (np.abs(along) + 1e-3 * np.abs(own))
         shear = y[:, 1] / (lam * np.sqrt(y[:, 0]))
     return Strip(
@@ -174,11 +174,11 @@ def _descent(H: Array, g: Array) -> Array:
     radius = np.hypot(0.5 * (H[:, 0, 0] - H[:, 1, 1]), H[:, 0, 1])
     low = mean - radius
     add = np.where(low < 1e-8 * (mean + radius), 1e-3 * (np.abs(mean) + radius) - low, 0.0)
-    return np.asarray(-_solve(H + add[:, None, None] * np.eye(2), g))
+    return np.asarray(-solved(H + add[:, None, None] * np.eye(2), g))
 
 
-def _solve(H: Array, b: Array) -> Array:
-    """Solve 2 x 2 systems (n, 2, 2), (n, 2)."""
+def solved(H: Array, b: Array) -> Array:
+    """Solve 2 x 2 systems (n, 2, 2), (n, 2); zero where one is singular."""
     det = H[:, 0, 0] * H[:, 1, 1] - H[:, 0, 1] * H[:, 1, 0]
     det = np.where(det == 0.0, np.inf, det)
     one = (b[:, 0] * H[:, 1, 1] - H[:, 0, 1] * b[:, 1]) / det
