@@ -67,7 +67,6 @@ def earlier(
         raise UsageError(f"hf {cls.COMMAND} writes no document to take a set-up from")
     document = parse_document(data, name, document_class(cls.KIND))
     provenance = document.provenance
-    setup = data.get("setup")
     if provenance is None or provenance.command != cls.COMMAND:
         raise InputError(
             "does not say how it was made",
@@ -75,13 +74,7 @@ def earlier(
             key="provenance",
             remedy=f"make it with hf {cls.COMMAND}",
         )
-    hashes: Mapping[str, Any] = {}
-    # The set-up of older documents says what was pressed, and not all that was asked.
-    if isinstance(setup, Mapping) and HASHES in setup:
-        values = cls.load(setup, name)
-        hashes = setup[HASHES]
-    else:
-        values = _of_words(cls, provenance, name)
+    values, hashes = asked(cls, data, name, provenance)
     search = _Search(name, cls.COMMAND, provenance)
     for one in cls.settings().values():
         value = values.get(one.name)
@@ -100,6 +93,17 @@ def earlier(
             )
     read = {search.beside(one.name): one.sha256 for one in provenance.inputs}
     return Earlier(name, cls, values, read, search.changed)
+
+
+def asked(
+    cls: type[Case], data: Mapping[str, Any], name: str, provenance: Provenance
+) -> tuple[dict[str, Any], Mapping[str, Any]]:
+    """Return the values that the document ``name`` was made with, by field, and the hashes of its inputs, by key."""
+    setup = data.get("setup")
+    # The set-up of older documents says what was pressed, and not all that was asked.
+    if isinstance(setup, Mapping) and HASHES in setup:
+        return cls.load(setup, name), setup[HASHES]
+    return _of_words(cls, provenance, name), {}
 
 
 def _of_words(cls: type[CaseT], provenance: Provenance, name: str) -> dict[str, Any]:

@@ -1,7 +1,8 @@
-"""Molds that a sheet is laid on: read, mended or refused, and put under the sheet."""
+"""Molds: read from STL files and mended, for every command; those that a sheet is laid on are put under it."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +10,8 @@ import numpy.typing as npt
 
 from hyperfab.chapters.job import Job
 from hyperfab.errors import InputError
-from hyperfab.io.stl import read_stl
+from hyperfab.io.inputs import Inputs
+from hyperfab.io.stl import SurfaceMesh, read_stl
 from hyperfab.surface import Soundness, Surface, consistently_wound
 
 Ints = npt.NDArray[np.int64]
@@ -48,7 +50,11 @@ def read_molds(job: Job, names: list[str], stl_unit: str, depth: float, axis: st
     are turned to y, z, x for x, to z, x, y for y. Facets wound the wrong way round are turned, with a warning. Raises
     InputError where a surface has holes the sheet could fall through.
     """
-    bodies = [_read(job, name, stl_unit, axis) for name in names]
+    bodies = [read_mold(job, name, stl_unit, axis) for name in names]
+    bodies = [
+        _outward(job, body) if not body.found.closed and _faces_down(body.surface) else body
+        for body in bodies
+    ]
     low = np.min([body.surface.bounds[0, :3] for body in bodies], axis=0)
     high = np.max([body.surface.bounds[0, 3:] for body in bodies], axis=0)
     for body in bodies:
@@ -64,8 +70,16 @@ def read_molds(job: Job, names: list[str], stl_unit: str, depth: float, axis: st
     return PlacedMold(", ".join(names), surface, all(body.found.closed for body in bodies), shift, depth)
 
 
+def read_mesh(inputs: Inputs, name: str, stl_unit: str, doubt: Callable[[str], None]) -> SurfaceMesh:
+    """Read an STL file as it is; what is odd about it goes to ``doubt``."""
+    mesh = read_stl(inputs.read(name), name, stl_unit)
+    for question in mesh.questions:
+        doubt(question)
+    return mesh
+
+
 @dataclass(frozen=True)
-class _Body:
+class MoldFile:
     """One file's surface, mended; ``facet`` numbers its faces as the file does."""
 
     name: str
@@ -73,11 +87,19 @@ class _Body:
     found: Soundness
     facet: Ints
 
+    def turned(self) -> MoldFile:
+        """Return it with its other side outside."""
+        surface = Surface(self.surface.vertices, np.ascontiguousarray(self.surface.faces[:, ::-1]))
+        return MoldFile(self.name, surface, surface.soundness(), self.facet)
 
-def _read(job: Job, name: str, stl_unit: str, axis: str) -> _Body:
-    mesh = read_stl(job.inputs.read(name), name, stl_unit)
-    for question in mesh.questions:
-        job.console.warn(question)
+
+def read_mold(job: Job, name: str, stl_unit: str, axis: str = "z") -> MoldFile:
+    """Read an STL file and mend it, saying what was mended.
+
+    Facets without area or given twice go, neighbours are wound alike, a closed surface faces outward. ``axis`` of the
+    file becomes z. Raises InputError where no facet has an area.
+    """
+    mesh = read_mesh(job.inputs, name, stl_unit, job.console.warn)
     vertices, faces, facet = mesh.vertices[:, TURNED[axis]], mesh.faces, mesh.facet_of_face
     found = Surface(vertices, faces).soundness()
     if len(found.degenerate_facets) or len(found.duplicate_facets):
@@ -94,18 +116,17 @@ def _read(job: Job, name: str, stl_unit: str, axis: str) -> _Body:
             f"{name}: {len(turned)} facets faced the wrong way and were turned, facet {first} first"
         )
     surface = Surface(vertices, faces)
-    found = surface.soundness()
-    if _inside_out(surface, found):
-        job.console.warn(f"{name}: all facets faced inward and were turned")
-        surface = Surface(vertices, faces[:, ::-1])
-        found = surface.soundness()
-    return _Body(name, surface, found, facet)
+    one = MoldFile(name, surface, surface.soundness(), facet)
+    return _outward(job, one) if one.found.closed and one.found.volume_mm3 < 0.0 else one
 
 
-def _inside_out(surface: Surface, found: Soundness) -> bool:
-    """Does the surface face inward? By its volume where closed, else by what is seen from above."""
-    if found.closed:
-        return found.volume_mm3 < 0.0
+def _outward(job: Job, body: MoldFile) -> MoldFile:
+    job.console.warn(f"{body.name}: all facets faced inward and were turned")
+    return body.turned()
+
+
+def _faces_down(surface: Surface) -> bool:
+    """Does an open surface show its inside to the sheet above it?"""
     low, high = surface.bounds[0, :3], surface.bounds[0, 3:]
     x, y = np.meshgrid(*(np.linspace(low[k], high[k], 43)[1:-1] for k in (0, 1)))
     origins = np.column_stack([x.ravel(), y.ravel(), np.full(x.size, high[2] + 1.0)])
@@ -113,7 +134,7 @@ def _inside_out(surface: Surface, found: Soundness) -> bool:
     return bool(surface.normals[face[face >= 0], 2].sum() < 0.0)
 
 
-def _refuse_holes(body: _Body, plane: float) -> None:
+def _refuse_holes(body: MoldFile, plane: float) -> None:
     """Refuse open or crowded edges that rise above the sheet's plane (z = ``plane`` in the mold's coordinates)."""
     surface, found = body.surface, body.found
     top = surface.vertices[surface.faces, 2].max(1)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import binascii
 import zlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from xml.etree import ElementTree
 
@@ -27,6 +28,15 @@ class Grid:
     cells: dict[str, NDArray[np.int64]]
     point_data: dict[str, NDArray]
     cell_data: dict[str, NDArray]
+
+
+def field_among(files: Sequence[str]) -> str | None:
+    """Return which of the files beside a document is its field: of a series the last, which bears no number.
+
+    >>> field_among(["heat.csv", "heat.000.vtu", "heat.vtu"])
+    'heat.vtu'
+    """
+    return min((name for name in files if name.endswith(".vtu")), key=len, default=None)
 
 
 def read_vtu(data: bytes, name: str) -> Grid:

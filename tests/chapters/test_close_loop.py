@@ -211,8 +211,12 @@ def test_file_the_model_was_fitted_to_is_the_test_it_was_given_as(hf: Run, tmp_p
     (tmp_path / "warp.csv").write_text("strain [-],stress [MPa]\n" + rows)
     done = hf("fit", "--uniaxial", "warp.csv", "--model", "neo-hookean", "-o", "fabric.json", cwd=tmp_path)
     assert done.returncode == 0
-    done = hf("close-loop", "fabric.json", "--measured", "warp.csv", "-o", "loop.json", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr.decode()
+    # Of a fit whose set-up was taken from another one's, its own words say nothing of it.
+    done = hf("fit", "--like", "fabric.json", "-o", "again.json", cwd=tmp_path)
+    assert done.returncode == 0
+    for model in ("fabric.json", "again.json"):
+        done = hf("close-loop", model, "--measured", "warp.csv", "-o", "loop.json", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr.decode()
 
 
 @pytest.mark.parametrize("knit", ["knit-glove-garter", "knit-acrylic-stockinette"])

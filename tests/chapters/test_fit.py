@@ -167,6 +167,14 @@ def test_siblings_hold_the_curves_and_a_picture(hf: Run, root: Path, tmp_path: P
     assert sum(value**2 for value in ratio) == pytest.approx(document["fit"]["E2"], rel=1e-9)
 
 
+@pytest.mark.parametrize("model", ["neo-hookean", "orthotropic", "hyperfoam-1"])
+def test_every_law_keeps_the_set_up_it_was_fitted_with(hf: Run, model: str) -> None:
+    found = fit(hf, "--uniaxial", f"{TRELOAR}/uniaxial.csv", "--model", model, "--accept", "0.9")
+    assert found["setup"]["model"] == model
+    assert found["setup"]["uniaxial"] == ["uniaxial.csv"]
+    assert found["setup"]["accept"] == 0.9
+
+
 def test_a_fit_that_is_not_accepted_is_written_and_ends_with_status_1(hf: Run) -> None:
     found = fit(hf, *ALL, "--model", "neo-hookean", "--accept", "0.05", status=1)
     assert found["accepted"] is False

@@ -173,3 +173,8 @@ def test_a_heap_of_facets_is_refused_by_name(shop, monkeypatch):
     (shop / "heap.stl").write_bytes(stl_bytes(apart, np.arange(len(apart)).reshape(-1, 3)))
     with pytest.raises(InputError, match="do not hang together"):
         press(shop, monkeypatch, gap="3mm", female="heap.stl")
+    # Facets are numbered as the file numbers them, those that are left out included.
+    faces = np.vstack([[0, 0, 1], np.arange(len(apart)).reshape(-1, 3)])
+    (shop / "heap.stl").write_bytes(stl_bytes(apart, faces))
+    with pytest.raises(InputError, match="facet 2"):
+        press(shop, monkeypatch, gap="3mm", female="heap.stl")

@@ -11,7 +11,7 @@ from hyperfab.chapters.close_loop.describe import curves_csv, describe, errors_o
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended import extend, held_terms
 from hyperfab.chapters.close_loop.tentative import mark
-from hyperfab.chapters.close_loop.tests_in import Measured, read_measured
+from hyperfab.chapters.close_loop.tests_in import Measured, given_as, read_measured
 from hyperfab.chapters.fabric import ORTHOTROPIC
 from hyperfab.chapters.job import Job
 from hyperfab.console import NEGATIVE_VERDICT
@@ -42,12 +42,12 @@ def run(job: Job, given: Given) -> int:
     """Close the loop on a material document."""
     out = job.opened(job.target, (".model.json", ".png", ".csv"))
     document = parse_document(given.data, given.name, MaterialDocument)
-    made = document.provenance
+    before = given_as(given.data, given.name, document.provenance)
     # A thickness that was only taken for the sake of a number makes no stress of a force per width.
     thickness = None if document.thickness_nominal else document.thickness_mm
-    tests = read_measured(job, given.measured, given.layout, thickness, made, given.how)
+    tests = read_measured(job, given.measured, given.layout, thickness, before, given.how)
     held_out = (
-        read_measured(job, given.held, given.layout, thickness, made, given.how) if given.held else None
+        read_measured(job, given.held, given.layout, thickness, before, given.how) if given.held else None
     )
     level = None
     if given.noise is not None:

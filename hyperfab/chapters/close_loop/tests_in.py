@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from itertools import pairwise
@@ -12,6 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from hyperfab.cases.fit import FitCase
+from hyperfab.cases.like import asked
 from hyperfab.chapters.close_loop.domain import How
 from hyperfab.chapters.fit.prepare import Steps, prepare, settled
 from hyperfab.chapters.job import Job
@@ -24,9 +26,6 @@ from hyperfab.loop.fabric import FabricTest
 from hyperfab.loop.problem import Array
 from hyperfab.materials.effects.path import BIAXIAL, GENERAL, SHEAR, UNIAXIAL, moving
 from hyperfab.numerics.hygiene import look
-
-#: Options of ``hf fit`` that say which test a file is.
-_OPTIONS = ("--uniaxial", "--shear", "--biaxial")
 
 #: Readings that no specimen gave, by the kind of what is odd, and how they are counted.
 _UNSOUND = {
@@ -63,22 +62,21 @@ def read_measured(
     names: Sequence[str],
     layout: Layout | None,
     thickness: float | None,
-    fitted: Provenance | None = None,
+    given: Mapping[str, str] | None = None,
     how: How | None = None,
 ) -> Measured:
     """Read test files; stress in N/mm becomes MPa by ``thickness`` [mm], or counts as that of 1 mm without one.
 
-    A file that the model was ``fitted`` to is the test that it was given as then, where ``how`` does not say it. How
-    each was read is said, and kept in ``preparation``.
+    A file is the test that it was ``given`` as for the model's fit, where ``how`` does not say it. How each was read is
+    said, and kept in ``preparation``.
     """
     how = how or How()
     layout = layout or PLAIN
     found = Measured([], "MPa")
-    given = _given_as(fitted)
     every: list[TestData] = []
     for name in names:
         data = job.inputs.read(name)
-        kind = how.kinds.get(name) or given.get(sha256(data).hexdigest())
+        kind = how.kinds.get(name) or (given or {}).get(sha256(data).hexdigest())
         every += read_tests(data, name, test=kind, geometry=how.sizes, columns=layout)
     unused_columns(layout, every)
     found.preparation += understood(every)
@@ -179,15 +177,17 @@ def _others(test: TestData) -> dict[str, float]:
     return found
 
 
-def _given_as(fitted: Provenance | None) -> dict[str, str]:
-    """Return, by the SHA-256 of the files a model was fitted to, which test each was given as."""
-    if fitted is None or fitted.command != "fit":
+def given_as(data: Mapping[str, Any], name: str, fitted: Provenance | None) -> dict[str, str]:
+    """Return, by the SHA-256 of the files the model ``name`` was ``fitted`` to, which test each was given as."""
+    if fitted is None or fitted.command != FitCase.COMMAND:
         return {}
+    values, hashes = asked(FitCase, data, name, fitted)
     known = {one.name: one.sha256 for one in fitted.inputs}
     found = {}
-    for option, name in pairwise(fitted.arguments):
-        if option in _OPTIONS and name in known:
-            found[known[name]] = option.removeprefix("--")
+    for kind in ("uniaxial", "shear", "biaxial"):
+        names = values.get(kind, ())
+        for file, hashed in zip(names, hashes.get(kind) or [None] * len(names), strict=False):
+            found[hashed or known.get(file, "")] = kind
     return found
 
 

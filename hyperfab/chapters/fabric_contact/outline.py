@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.molds import read_mesh
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.mesh_file import SUFFIXES, read_mesh_file
-from hyperfab.io.stl import read_stl
 from hyperfab.io.units import column_factor
 from hyperfab.membrane.polygon import Polygon, crossing_sides, signed_area
 
@@ -37,17 +37,14 @@ def read_outline(job: Job, name: str, unit: str, size: float | None) -> Polygon:
     crosses itself; UsageError for a kind of file that is not understood.
     """
     suffix = os.path.splitext(name)[1].lower()
-    data = job.inputs.read(name)
     if suffix in _TABLES:
-        table = read_table(data, name, {"x": "length", "y": "length"})
+        table = read_table(job.inputs.read(name), name, {"x": "length", "y": "length"})
         loop = np.column_stack([table["x"], table["y"]])
     elif suffix == ".stl":
-        mesh = read_stl(data, name, unit)
-        for question in mesh.questions:
-            job.console.warn(question)
+        mesh = read_mesh(job.inputs, name, unit, job.console.warn)
         loop = _loop(_flat(mesh.vertices, name), _lonely(mesh.faces), name)
     elif suffix in SUFFIXES:
-        found = read_mesh_file(data, name)
+        found = read_mesh_file(job.inputs.read(name), name)
         used = np.unique(found.edges)
         flat = np.zeros((len(found.points), 2))
         flat[used] = _flat(found.points[used] * _factor(unit), name)

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from hyperfab.chapters.fit.doubts import Outlier
 from hyperfab.chapters.fit.identify import Identified, Setting
+from hyperfab.chapters.fit.readings import Readings
 from hyperfab.documents.material import (
     AtTemperature,
     Direction,
     FitFigures,
     FitUncertainty,
+    MaterialDocument,
     ModelRow,
     OutlierReading,
     StablePlane,
@@ -48,6 +51,21 @@ def fit_figures(found: Identified, reach: Reach) -> FitFigures:
         uncertainty=uncertainty(sure, found),
         condition_number=sure.condition_number if math.isfinite(sure.condition_number) else None,
         tests=tests,
+    )
+
+
+def document_of(readings: Readings, setting: Setting, **own: Any) -> MaterialDocument:
+    """Return the material document of any law: what it says of tests and setting, and the law's ``own`` keys."""
+    return MaterialDocument(
+        thickness_mm=readings.thickness,
+        thickness_nominal=readings.nominal or None,
+        objective="relative" if setting.relative else "absolute",
+        fit_on=list(setting.fit_on),
+        left_out=dict(sorted(readings.left_out.items())) or None,
+        preparation=readings.preparation or None,
+        bulk_modulus_MPa=readings.bulk_modulus,
+        effects=[],
+        **own,
     )
 
 

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hyperfab.chapters.fit.identify import ROOM, Setting
+from hyperfab.chapters.fit.describe import document_of
+from hyperfab.chapters.fit.identify import Setting, reference_of, temperatures_of
 from hyperfab.chapters.fit.reading import Reading
 from hyperfab.chapters.fit.readings import Readings
+from hyperfab.chapters.fit.siblings import curves_csv, grid_of, line
+from hyperfab.chapters.fit.whole import Answer, WholeFit
 from hyperfab.chapters.tested import tested_by
 from hyperfab.documents.material import (
-    AtTemperature,
     FitFigures,
     MaterialDocument,
     StableRange,
@@ -22,10 +24,8 @@ from hyperfab.documents.material import (
     Undetermined,
 )
 from hyperfab.errors import InputError
-from hyperfab.io.csv_write import csv_bytes
 from hyperfab.materials.hyperfoam import FoamTest, Hyperfoam, Rows, identify
-from hyperfab.materials.identification.quality import Figures, figures
-from hyperfab.report.figures_fit import Line, fit_figure
+from hyperfab.report.figures_fit import fit_figure
 
 Array = NDArray[np.float64]
 
@@ -35,49 +35,21 @@ _EDGE = 0.005
 _SCAN, _BEYOND = 200, 1.5
 
 
-@dataclass(frozen=True)
-class FoamFit:
-    """The law at each of ``temperatures`` (one, None, where the tests tell none), at ``reference`` in full."""
+class FoamFit(WholeFit[Hyperfoam]):
+    """The energy of a foam; pulling and pressing are told apart."""
 
-    laws: tuple[Hyperfoam, ...]
-    temperatures: tuple[float | None, ...]
-    reference: int
-    curves: Sequence[Reading]
-    setting: Setting
-
-    @property
-    def law(self) -> Hyperfoam:
-        """The law at the reference temperature."""
-        return self.laws[self.reference]
-
-    def law_at(self, temperature: float | None) -> Hyperfoam:
-        """Return the law of a temperature that was fitted."""
-        known = dict(zip(self.temperatures, self.laws, strict=True))
-        return known.get(temperature, self.law)
-
-    def predict(self, curve: Reading) -> Array:
-        """Return the stress [MPa] at each row."""
-        return self.law_at(curve.temperature).stress(curve.mode, curve.stretch, curve.stretch2)
+    def predict(self, curve: Reading) -> Answer:
+        """Return the stress [MPa] at each row, and the lateral stretch of a uniaxial test."""
+        law = self.law_at(curve.temperature)
+        across = law.lateral(curve.mode, curve.stretch) if curve.mode == "uniaxial" else None
+        return law.stress(curve.mode, curve.stretch, curve.stretch2), None, across
 
     @cached_property
     def figures(self) -> FitFigures:
-        """The figures over all rows fitted, and of every test; pulling and pressing are told apart."""
+        """The figures over all rows fitted, and of every test."""
         parts = {curve.mode: [c for c in self.curves if c.mode == curve.mode] for curve in self.curves}
         both = {side: _side(parts.get("uniaxial", []), side) for side in ("compression", "tension")}
-        if all(both.values()):
-            parts |= both
-        tests = {}
-        for name, own in parts.items():
-            predicted = None if own[0].mode in self.setting.fit_on else True
-            stretch = np.concatenate([curve.stretch for curve in own])
-            tests[name] = TestFigures(
-                **vars(self._error(own)),
-                stretch_min=float(stretch.min()),
-                stretch_max=float(stretch.max()),
-                predicted=predicted,
-            )
-        total = self._error([curve for curve in self.curves if curve.mode in self.setting.fit_on])
-        return FitFigures(**vars(total), tests=tests)
+        return self.figures_of(self.curves, parts | both if all(both.values()) else parts)
 
     @cached_property
     def accepted(self) -> bool:
@@ -130,82 +102,40 @@ class FoamFit:
             else (float(stretch[max(int(np.argmin(good)) - 1, 0)]), False)
         )
 
-    @property
-    def undetermined(self) -> list[Undetermined]:
-        """Poisson's ratios that stand at the end of their range: the tests say little of the sides."""
-        return [
-            Undetermined(constant=f"nu{i + 1}", value=nu, test="uniaxial with measured lateral stretch")
-            for i, nu in enumerate(self.law.nu)
-            if nu > 0.5 - _EDGE or (nu < _EDGE and min(self.law.mu) >= 0.0)
-        ]
-
-    def _error(self, curves: Sequence[Reading]) -> Figures:
-        found = figures(
-            np.concatenate([curve.stress for curve in curves]),
-            np.concatenate([self.predict(curve) for curve in curves]),
-        )
-        if found is None:
-            raise InputError(
-                "the law has no state of rest of the specimen on these rows", file=curves[0].source
-            )
-        return found
-
     def document(self, readings: Readings) -> MaterialDocument:
         """Return the material document."""
-        rows = [
-            AtTemperature(temperature_degC=t, parameters=law.parameters)
-            for t, law in zip(self.temperatures, self.laws, strict=True)
-            if t is not None
-        ]
         ranges = (
             (c.mode, np.exp(np.arcsinh(0.5 * c.stretch)) if c.mode == "simple-shear" else c.stretch, c.warmth)
             for c in self.curves
             if c.mode in self.setting.fit_on
         )
-        return MaterialDocument(
+        return document_of(
+            readings,
+            self.setting,
             model=self.law.name,
             parameters=self.law.parameters,
-            thickness_mm=readings.thickness,
-            thickness_nominal=readings.nominal or None,
             temperature_degC=self.temperatures[self.reference],
-            temperatures=rows if len(rows) > 1 else None,
+            temperatures=self.constants(lambda law: law.parameters),
             fit=self.figures,
             stability=self.stability,
             stable=self.stable,
             accepted=self.accepted,
-            objective="absolute",
-            fit_on=list(self.setting.fit_on),
-            left_out=dict(sorted(readings.left_out.items())) or None,
-            preparation=readings.preparation or None,
-            bulk_modulus_MPa=readings.bulk_modulus,
+            accepted_by="nrmse",
             undetermined=self.undetermined or None,
             tested=tested_by(ranges),
             warnings=readings.warnings or None,
-            effects=[],
         )
+
+    def ranges(self, document: MaterialDocument) -> Iterator[tuple[Reading, tuple[float, float] | None]]:
+        """Return the curves fitted, each with the range of its own kind of test; a shear strain is no stretch."""
+        for curve in self.used(self.curves):
+            if curve.mode not in ("simple-shear", "volumetric"):
+                yield curve, document.tested_stretch(test=curve.mode)
 
     def curves_csv(self) -> bytes:
         """Return every reading with what the law says beside it."""
-        rows = []
-        for curve in self.curves:
-            model, across = self.predict(curve), [None] * len(curve.stretch)
-            if curve.mode == "uniaxial":
-                across = self.law_at(curve.temperature).lateral(curve.mode, curve.stretch).tolist()
-            start = [curve.mode, curve.temperature, curve.specimen]
-            for k, stretch in enumerate(curve.stretch):
-                rows.append(
-                    [
-                        *start,
-                        stretch,
-                        across[k],
-                        curve.stress[k],
-                        model[k],
-                        curve.mode not in self.setting.fit_on,
-                    ]
-                )
-        header = ("test", "temperature_degC", "specimen", "stretch", "stretch_2_model", "stress_MPa",
-                  "stress_model_MPa", "predicted")  # fmt: skip
-        return csv_bytes(header, rows)
+        told = ((curve, self.predict(curve)) for curve in self.curves)
+        return curves_csv(told, self.setting.fit_on, ("direction", "stretch_2"))
 
     def picture(self) -> bytes:
         """Return the PNG of the fit, a panel a test; in simple shear the stretch is the shear strain."""
@@ -214,24 +144,13 @@ class FoamFit:
             lines = []
             for temperature in dict.fromkeys(c.temperature for c in self.curves if c.mode == mode):
                 own = [c for c in self.curves if c.mode == mode and c.temperature == temperature]
-                stretch = np.concatenate([c.stretch for c in own])
-                grid = np.linspace(stretch.min(), stretch.max(), 121)
-                general = mode == "biaxial-general"
-                model = replace(own[0], stretch=stretch if general else grid)
-                lines.append(
-                    Line(
-                        label=mode if temperature is None else f"{mode} {temperature:g} °C",
-                        mode=mode,
-                        stretch=stretch,
-                        stress=np.concatenate([c.stress for c in own]),
-                        grid=model.stretch,
-                        model=np.concatenate([self.predict(c) for c in own])
-                        if general
-                        else self.predict(model),
-                        predicted=mode not in self.setting.fit_on,
-                        unstable_from=None,
-                    )
-                )
+                if mode == "biaxial-general":  # the stretch across is its own in each row
+                    there = [(c.stretch, self.predict(c)[0]) for c in own]
+                    model = np.concatenate([a for a, _ in there]), np.concatenate([b for _, b in there])
+                else:
+                    grid = grid_of(own, 121)
+                    model = grid, self.predict(replace(own[0], stretch=grid))[0]
+                lines.append(line(own, temperature, model, self.setting.fit_on))
             panels.append((f"{self.law.name}, {mode}", lines))
         return fit_figure(panels)
 
@@ -256,23 +175,22 @@ def fit_foam(readings: Readings, setting: Setting, terms: int) -> FoamFit:
             file=used[0].source,
             remedy="give more rows or tests",
         )
-    temperatures: tuple[float | None, ...] = tuple(
-        sorted({curve.temperature for curve in used if curve.temperature is not None})
-    ) or (None,)
-    distance = [abs((t if t is not None else ROOM) - ROOM) for t in temperatures]
-    reference = distance.index(min(distance))
+    temperatures = temperatures_of(used)
+    reference = reference_of(temperatures)
     first = identify(_tests(used, temperatures[reference]), terms)
     laws = [
         first if k == reference else identify(_tests(used, t), terms, near=first)
         for k, t in enumerate(temperatures)
     ]
-    fit = FoamFit(tuple(laws), temperatures, reference, curves, setting)
-    if setting.stable and not fit.stable:
-        raise InputError(
-            f"no constants of {first.name} could be shown to be stable over the data",
-            file=used[0].source,
-            remedy="leave --stable out, or take fewer terms",
-        )
+    # Poisson's ratios at the end of their range: the tests say little of the sides.
+    law = laws[reference]
+    unknown = [
+        Undetermined(constant=f"nu{i + 1}", value=nu, test="uniaxial with measured lateral stretch")
+        for i, nu in enumerate(law.nu)
+        if nu > 0.5 - _EDGE or (nu < _EDGE and min(law.mu) >= 0.0)
+    ]
+    fit = FoamFit(tuple(laws), temperatures, reference, curves, setting, unknown)
+    fit.refuse_unstable(law.name, "take fewer terms")
     return fit
 
 

@@ -73,19 +73,14 @@ class Identified:
 
     def material_at(self, temperature: float | None) -> Material:
         """Return the constants of the nearest temperature that was fitted."""
-        if temperature is None:
-            return self.material
-        known = [(abs(temperature - t), k) for k, t in enumerate(self.temperatures) if t is not None]
-        return self.materials[min(known)[1]] if known else self.material
+        return self.materials[nearest(self.temperatures, temperature, self.reference)]
 
 
 def identify(law: Law, curves: Sequence[Reading], setting: Setting) -> Identified | str:
     """Return the best constants of ``law`` for ``curves``, or why there are none."""
     used = [curve for curve in curves if curve.mode in setting.fit_on]
-    temperatures = tuple(sorted({t for t in (curve.temperature for curve in used) if t is not None})) or (
-        None,
-    )
-    reference = _reference(temperatures)
+    temperatures = temperatures_of(used)
+    reference = reference_of(temperatures)
     if not law.isotropic and (wrong := _misses_directions(used)):
         return wrong
     rows = _rows(used, temperatures, setting, law)
@@ -152,9 +147,7 @@ def along_direction(found: Identified, name: str, curves: Sequence[Reading], set
 def without_test(found: Identified, mode: str, curves: Sequence[Reading], setting: Setting) -> Figures | None:
     """Return how constants fitted without the test ``mode``, near those of all, predict it; None if they cannot."""
     rest = [curve for curve in curves if curve.mode in setting.fit_on and curve.mode != mode]
-    temperatures = tuple(sorted({t for t in (curve.temperature for curve in rest) if t is not None})) or (
-        None,
-    )
+    temperatures = temperatures_of(rest)
     rows = _rows(rest, temperatures, setting, found.law)
     problem = Problem(found.law, rows)
     if len(rows) < len(problem.free) * rows.groups + len(problem.axes):
@@ -163,14 +156,14 @@ def without_test(found: Identified, mode: str, curves: Sequence[Reading], settin
     if fit is None:
         return None
     again = replace(
-        found, materials=fit.materials, temperatures=temperatures, reference=_reference(temperatures)
+        found, materials=fit.materials, temperatures=temperatures, reference=reference_of(temperatures)
     )
     return _test(again, mode, curves, setting)[0]
 
 
 def _rows(used: Sequence[Reading], temperatures: Sequence[float | None], setting: Setting, law: Law) -> Rows:
     """Gather the rows to fit; linear constants are shared by the curves of one temperature."""
-    reference = _reference(temperatures)
+    reference = reference_of(temperatures)
     groups = [
         temperatures.index(curve.temperature) if curve.temperature is not None else reference
         for curve in used
@@ -213,6 +206,22 @@ def tested(curves: Sequence[Reading], setting: Setting) -> dict[str, Tested] | N
     )
 
 
+def temperatures_of(curves: Sequence[Reading]) -> tuple[float | None, ...]:
+    """Return the temperatures [degC] of the curves, rising; one, None, where they tell none."""
+    return tuple(sorted({curve.temperature for curve in curves if curve.temperature is not None})) or (None,)
+
+
+def reference_of(temperatures: Sequence[float | None]) -> int:
+    """Return the number of the temperature a material is described at: the one nearest to that of a room."""
+    return nearest(temperatures, ROOM, 0)
+
+
+def nearest(temperatures: Sequence[float | None], wanted: float | None, otherwise: int) -> int:
+    """Return the number of the temperature nearest to the one wanted; ``otherwise`` where either is unknown."""
+    known = [(abs(wanted - t), k) for k, t in enumerate(temperatures) if wanted is not None and t is not None]
+    return min(known)[1] if known else otherwise
+
+
 def _specimen(curve: Reading) -> tuple[str, str | None]:
     return curve.source, curve.specimen
 
@@ -253,11 +262,6 @@ def _curve(reading: Reading, setting: Setting, axis: int) -> Curve:
         weight2=None if reading.stress2 is None else weight(reading.stress2),
         axis=axis,
     )
-
-
-def _reference(temperatures: Sequence[float | None]) -> int:
-    distances = [abs((t if t is not None else ROOM) - ROOM) for t in temperatures]
-    return distances.index(min(distances))
 
 
 def _modes(curves: Sequence[Reading]) -> list[str]:

@@ -2,31 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hyperfab.chapters.fit.identify import NOISY, ROOM, Setting, tested
+from hyperfab.chapters.fit.describe import document_of
+from hyperfab.chapters.fit.doubts import replicates
+from hyperfab.chapters.fit.identify import NOISY, Setting, reference_of, temperatures_of, tested
 from hyperfab.chapters.fit.reading import Reading
+from hyperfab.chapters.fit.readings import Readings
+from hyperfab.chapters.fit.siblings import curves_csv, grid_of, line
+from hyperfab.chapters.fit.whole import WholeFit
 from hyperfab.documents.material import (
-    AtTemperature,
     Direction,
     FitFigures,
+    MaterialDocument,
     Parameters,
     StableRange,
-    TestFigures,
     Undetermined,
-    Unpredicted,
 )
-from hyperfab.errors import InputError
-from hyperfab.io.csv_write import csv_bytes
-from hyperfab.materials.identification.quality import Figures, figures
 from hyperfab.materials.orthotropic import Orthotropic
-from hyperfab.materials.orthotropic.identify import Found, SheetTest, identify
+from hyperfab.materials.orthotropic.identify import SheetTest, identify
 from hyperfab.materials.orthotropic.specimen import stable_range, stress
-from hyperfab.report.figures_fit import Line, fit_figure
+from hyperfab.report.figures_fit import fit_figure
 
 Array = NDArray[np.float64]
 
@@ -38,35 +38,8 @@ _MODES = ("uniaxial", "shear", "biaxial")
 _NAMED = {"warp": 0.0, "weft": 90.0}
 
 
-@dataclass(frozen=True)
-class SheetFit:
-    """The law at each of ``temperatures`` (one, None, where the tests tell none), at ``reference`` in full."""
-
-    found: Found
-    laws: tuple[Orthotropic, ...]
-    temperatures: tuple[float | None, ...]
-    reference: int
-    curves: Sequence[Reading]
-    setting: Setting
-
-    @property
-    def law(self) -> Orthotropic:
-        """The law at the reference temperature."""
-        return self.laws[self.reference]
-
-    def law_at(self, temperature: float | None) -> Orthotropic:
-        """Return the law of the nearest temperature that was fitted."""
-        known = [
-            (abs(temperature - t), k)
-            for k, t in enumerate(self.temperatures)
-            if t is not None and temperature is not None
-        ]
-        return self.laws[min(known)[1]] if known else self.law
-
-    @property
-    def undetermined(self) -> list[Undetermined]:
-        """The constants that no test here speaks of."""
-        return [Undetermined(constant=one.name, value=one.value, test=one.test) for one in self.found.unknown]
+class SheetFit(WholeFit[Orthotropic]):
+    """The energy of a sheet; a direction is a view of it."""
 
     @property
     def directions(self) -> list[str]:
@@ -77,7 +50,8 @@ class SheetFit:
     def accepted(self) -> bool:
         """Whether each direction's rms error, each reading weighted as in the fit, is within the limit."""
         ways: list[str | None] = [*self.directions] or [None]
-        used = [[c for c in self._used if way is None or c.direction in (way, None)] for way in ways]
+        rows = self.used(self.curves)
+        used = [[c for c in rows if way is None or c.direction in (way, None)] for way in ways]
         return all(self._weighted(curves) <= self.setting.accept for curves in used if curves)
 
     @property
@@ -90,11 +64,6 @@ class SheetFit:
             if c.mode in _MODES
         )
 
-    @property
-    def figures(self) -> FitFigures:
-        """The figures over all rows fitted, and of every test."""
-        return self._figures(self.curves)
-
     def direction(self, name: str) -> Direction:
         """Return the law as seen along a direction (the weft's is turned by a quarter), with its tests' figures."""
         own = [curve for curve in self.curves if curve.direction in (name, None)]
@@ -103,75 +72,25 @@ class SheetFit:
             fit=self._figures(own),
             stability=self._stability(name, own),
             tested=tested(own, self.setting),
-            temperatures=self._temperatures(lambda law: self._seen(law, name)),
+            temperatures=self.constants(lambda law: self._seen(law, name)),
         )
-
-    @property
-    def stability(self) -> dict[str, StableRange]:
-        """The stretches of each mode, along the warp, over which the law is stable."""
-        return self._stability(None, self.curves)
-
-    @property
-    def at_temperatures(self) -> list[AtTemperature] | None:
-        """The constants at each temperature of the tests, where there are several."""
-        return self._temperatures(lambda law: dict(law.parameters))
 
     def _seen(self, law: Orthotropic, name: str) -> Parameters:
         return dict((law.turned() if name == "weft" else law).parameters)
-
-    def _temperatures(self, seen: Callable[[Orthotropic], Parameters]) -> list[AtTemperature] | None:
-        rows = [
-            AtTemperature(temperature_degC=t, parameters=seen(law))
-            for t, law in zip(self.temperatures, self.laws, strict=True)
-            if t is not None
-        ]
-        return rows if len(rows) > 1 else None
-
-    @property
-    def _used(self) -> list[Reading]:
-        return [curve for curve in self.curves if curve.mode in self.setting.fit_on]
 
     def predict(self, curve: Reading) -> tuple[Array, Array | None, Array | None]:
         """Return nominal stresses [MPa] along and across, and the lateral stretch of a uniaxial test."""
         return _predict(self.law_at(curve.temperature), curve)
 
     def _figures(self, curves: Sequence[Reading]) -> FitFigures:
-        tests: dict[str, TestFigures | Unpredicted] = {}
-        for mode in dict.fromkeys(curve.mode for curve in curves):
-            own = [curve for curve in curves if curve.mode == mode]
-            predicted = None if mode in self.setting.fit_on else True
-            found = self._error(own)
-            points = sum(len(curve.stretch) for curve in own)
-            if found is None:
-                status = "no equilibrium of the specimen at these stretches"
-                tests[mode] = Unpredicted(points=points, predicted=predicted, status=status)
-                continue
-            reach = [np.append(curve.stretch, 1.0) for curve in own]
-            tests[mode] = TestFigures(
-                **vars(found),
-                stretch_min=float(np.concatenate(reach).min()),
-                stretch_max=float(np.concatenate(reach).max()),
-                predicted=predicted,
-            )
-        total = self._error([curve for curve in curves if curve.mode in self.setting.fit_on])
-        if total is None:
-            raise InputError("the law has no finite stress on these rows", file=curves[0].source)
-        return FitFigures(**vars(total), tests=tests)
-
-    def _error(self, curves: Sequence[Reading]) -> Figures | None:
-        measured, model = [], []
-        for curve in curves:
-            one, two, _ = self.predict(curve)
-            measured.append(curve.stress)
-            model.append(one)
-            if two is not None and curve.stress2 is not None:
-                measured.append(curve.stress2)
-                model.append(two)
-        return figures(np.concatenate(measured), np.concatenate(model)) if measured else None
+        groups = {
+            mode: [c for c in curves if c.mode == mode] for mode in dict.fromkeys(c.mode for c in curves)
+        }
+        return self.figures_of(curves, groups, (1.0,))
 
     def _weighted(self, curves: Sequence[Reading]) -> float:
         if not self.setting.relative:
-            found = self._error(curves)
+            found = self.error(curves)
             return np.inf if found is None else found.nrmse
         errors = [
             (self.predict(curve)[0] - curve.stress) * _weight(curve, curve.stress, self.setting, curves)
@@ -197,22 +116,34 @@ class SheetFit:
             )
         return found
 
+    def document(self, readings: Readings) -> MaterialDocument:
+        """Return the material document."""
+        return document_of(
+            readings,
+            self.setting,
+            model=NAME,
+            parameters=dict(self.law.parameters),
+            temperature_degC=self.temperatures[self.reference],
+            directions={name: self.direction(name) for name in self.directions} or None,
+            temperatures=self.constants(lambda law: dict(law.parameters)),
+            fit=self._figures(self.curves),
+            stability=self._stability(None, self.curves),
+            stable=self.stable,
+            accepted=self.accepted,
+            replicates=replicates(self.curves) or None,
+            undetermined=self.undetermined or None,
+            tested=tested(self.curves, self.setting),
+            warnings=readings.warnings or None,
+        )
+
+    def ranges(self, document: MaterialDocument) -> Iterator[tuple[Reading, tuple[float, float] | None]]:
+        """Return every curve, and the range of all tests: one energy carries them."""
+        known = document.tested_stretch()
+        yield from ((curve, known) for curve in self.curves)
+
     def curves_csv(self) -> bytes:
         """Return every reading with what the law says beside it."""
-        rows = []
-        for curve in self.curves:
-            one, two, width = self.predict(curve)
-            start = [curve.mode, curve.direction, curve.temperature, curve.specimen]
-            predicted = curve.mode not in self.setting.fit_on
-            second = curve.stretch2 if curve.stretch2 is not None else [None] * len(curve.stretch)
-            for k, stretch in enumerate(curve.stretch):
-                lateral = None if width is None else width[k]
-                rows.append([*start, stretch, second[k], lateral, curve.stress[k], one[k], predicted])
-                if two is not None and curve.stress2 is not None:
-                    rows.append([*start, second[k], stretch, None, curve.stress2[k], two[k], predicted])
-        header = ("test", "direction", "temperature_degC", "specimen", "stretch", "stretch_2", "stretch_2_model",
-                  "stress_MPa", "stress_model_MPa", "predicted")  # fmt: skip
-        return csv_bytes(header, rows)
+        return curves_csv(((curve, self.predict(curve)) for curve in self.curves), self.setting.fit_on)
 
     def picture(self) -> bytes:
         """Return the PNG of the fit: a panel a direction, readings as marks, the law as lines."""
@@ -226,21 +157,10 @@ class SheetFit:
                     curves = [c for c in own if c.mode == mode and c.temperature in (temperature, None)]
                     if not curves:
                         continue
-                    stretches = np.concatenate([c.stretch for c in curves])
-                    grid = np.linspace(min(1.0, stretches.min()), max(1.0, stretches.max()), 101)
+                    grid = grid_of(curves, 101, 1.0)
                     model = replace(curves[0], stretch=grid, stress=grid, stretch2=None, stress2=None)
-                    lines.append(
-                        Line(
-                            label=mode if temperature is None else f"{mode} {temperature:g} °C",
-                            mode=mode,
-                            stretch=stretches,
-                            stress=np.concatenate([c.stress for c in curves]),
-                            grid=grid,
-                            model=_predict(self.law_at(temperature), model)[0],
-                            predicted=mode not in self.setting.fit_on,
-                            unstable_from=None,
-                        )
-                    )
+                    stress_there = _predict(self.law_at(temperature), model)[0]
+                    lines.append(line(curves, temperature, (grid, stress_there), self.setting.fit_on))
             panels.append((f"{NAME}{', ' + name if name else ''}", lines))
         return fit_figure(panels)
 
@@ -253,23 +173,16 @@ def fit_sheet(curves: Sequence[Reading], setting: Setting) -> SheetFit:
     one is asked for.
     """
     used = [curve for curve in curves if curve.mode in setting.fit_on]
-    temperatures: tuple[float | None, ...] = tuple(
-        sorted({curve.temperature for curve in used if curve.temperature is not None})
-    ) or (None,)
-    distance = [abs((t if t is not None else ROOM) - ROOM) for t in temperatures]
-    reference = distance.index(min(distance))
+    temperatures = temperatures_of(used)
+    reference = reference_of(temperatures)
     first = identify(_tests(used, temperatures[reference], setting))
     laws = [
         first.law if k == reference else identify(_tests(used, t, setting), near=first.law).law
         for k, t in enumerate(temperatures)
     ]
-    fit = SheetFit(first, tuple(laws), temperatures, reference, curves, setting)
-    if setting.stable and not fit.stable:
-        raise InputError(
-            "no constants of orthotropic could be shown to be stable over the data",
-            file=curves[0].source,
-            remedy="leave --stable out, or fit a smaller range of stretch",
-        )
+    unknown = [Undetermined(constant=one.name, value=one.value, test=one.test) for one in first.unknown]
+    fit = SheetFit(tuple(laws), temperatures, reference, curves, setting, unknown)
+    fit.refuse_unstable(NAME, "fit a smaller range of stretch")
     return fit
 
 

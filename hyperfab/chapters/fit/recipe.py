@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
 from hyperfab.cases.fit import FitCase
 from hyperfab.chapters.fit import describe
@@ -13,12 +14,12 @@ from hyperfab.chapters.fit.judge import Judged, Sets, closer, judge, law_spread
 from hyperfab.chapters.fit.prepare import steps_of
 from hyperfab.chapters.fit.readings import CARRIED, Readings, gather, read_all
 from hyperfab.chapters.fit.specimens import aspect_warnings, geometry
+from hyperfab.chapters.fit.whole import WholeFit
 from hyperfab.chapters.job import Job
 from hyperfab.console import NEGATIVE_VERDICT
 from hyperfab.documents.material import FitFigures, MaterialDocument, TestFigures
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.layout import layout
-from hyperfab.io.output import Output
 from hyperfab.io.specimen import Geometry
 from hyperfab.io.units import quantity
 from hyperfab.materials import law, laws
@@ -32,9 +33,6 @@ def run(job: Job, case: FitCase) -> int:
     """Identify constants and write the material document; 1 where no law is accepted."""
     out = job.opened(job.target, (".csv", ".png"))
     model, relative = case.model, case.objective == "relative"
-    candidates = [one for one in laws().values() if one.isotropic] if model == "all" else []
-    if model not in ("all", "orthotropic", *ORDERS):
-        candidates = [law(model)]
     named = {
         "": case.files,
         "uniaxial": case.uniaxial,
@@ -55,11 +53,25 @@ def run(job: Job, case: FitCase) -> int:
     floor = _stress(case.noise, "--noise", sizes)
     if floor is not None:
         readings.preparation.append(f"noise of {floor:g} MPa taken into account in the weights")
-    setting = Setting(chosen, relative, case.stable, case.accept, floor)
-    if foam:
-        return _fit_foam(job, out, readings, setting, model)
-    if model == "orthotropic":
-        return _fit_sheet(job, out, readings, setting, case)
+    setting = Setting(chosen, relative and not foam, case.stable, case.accept, floor)
+    fitted = _whole if foam or model == "orthotropic" else _by_direction
+    document, beside = fitted(job, readings, setting, case)
+    if out.wants_files:
+        csv, picture = beside()
+        out.add(".csv", csv)
+        out.add(".png", picture)
+    job.write(out, document, case, thickness_mm=document.thickness_mm)
+    return 0 if document.accepted else NEGATIVE_VERDICT
+
+
+#: The document, and what makes the table and the picture beside it.
+_Fitted = tuple[MaterialDocument, Callable[[], tuple[bytes, bytes]]]
+
+
+def _by_direction(job: Job, readings: Readings, setting: Setting, case: FitCase) -> _Fitted:
+    """Identify laws with constants for each direction."""
+    ranked = case.model == "all"
+    candidates = [one for one in laws().values() if one.isotropic] if ranked else [law(case.model)]
     sets = _sets(readings)
     judged = _judge_all(job, candidates, sets, setting)
     best = judged[0]
@@ -69,107 +81,56 @@ def run(job: Job, case: FitCase) -> int:
             file=readings.curves[0].source,
             remedy="give more rows or tests, or a law with fewer constants",
         )
-    document = _document(best, judged if model == "all" else None, readings, sets, setting, case.plane)
+    document = _document(best, judged if ranked else None, readings, sets, setting, case.plane)
     _tell(job, judged, document, setting)
     for curve in sets[None]:
         way = curve.direction if curve.direction in (document.directions or {}) else None
         known = document.tested_stretch(way)
         job.ranges.used("stretch", curve.stretch, known=known, source=curve.source, direction=way)
-    if out.wants_files:
-        from hyperfab.chapters.fit.siblings import curves_csv, picture
 
-        out.add(".csv", curves_csv(best, sets, setting))
-        out.add(".png", picture(best, sets, setting))
-    job.write(out, document, case, thickness_mm=document.thickness_mm)
-    return 0 if best.accepted else NEGATIVE_VERDICT
+    def beside() -> tuple[bytes, bytes]:
+        from hyperfab.chapters.fit.siblings import law_csv, law_picture
+
+        return law_csv(best, sets, setting), law_picture(best, sets, setting)
+
+    return document, beside
 
 
-def _fit_sheet(job: Job, out: Output, readings: Readings, setting: Setting, case: FitCase) -> int:
-    """Identify the orthotropic law of the whole sheet and write it."""
-    from hyperfab.chapters.fit.orthotropic import fit_sheet
-
+def _whole(job: Job, readings: Readings, setting: Setting, case: FitCase) -> _Fitted:
+    """Identify one energy for all tests: that of a foam, or of the whole sheet."""
     with job.console.progress("Identifying") as advance:
-        advance(0.0, "orthotropic")
-        fit = fit_sheet(readings.curves, setting)
-    document = MaterialDocument(
-        model="orthotropic",
-        parameters=dict(fit.law.parameters),
-        thickness_mm=readings.thickness,
-        thickness_nominal=readings.nominal or None,
-        temperature_degC=fit.temperatures[fit.reference],
-        directions={name: fit.direction(name) for name in fit.directions} or None,
-        temperatures=fit.at_temperatures,
-        fit=fit.figures,
-        stability=fit.stability,
-        stable=fit.stable,
-        accepted=fit.accepted,
-        objective="relative" if setting.relative else "absolute",
-        fit_on=list(setting.fit_on),
-        left_out=dict(sorted(readings.left_out.items())) or None,
-        preparation=readings.preparation or None,
-        replicates=replicates(readings.curves) or None,
-        bulk_modulus_MPa=readings.bulk_modulus,
-        undetermined=fit.undetermined or None,
-        tested=tested(readings.curves, setting),
-        warnings=readings.warnings or None,
-        effects=[],
-    )
-    for text in readings.warnings:
-        job.console.warn(text)
-    for reason, count in (document.left_out or {}).items():
-        job.console.note(f"{count} rows left out: {reason}")
+        advance(0.0, case.model)
+        if case.model in ORDERS:
+            from hyperfab.chapters.fit.hyperfoam import fit_foam
+
+            fit: WholeFit[Any] = fit_foam(readings, setting, ORDERS[case.model])
+        else:
+            from hyperfab.chapters.fit.orthotropic import fit_sheet
+
+            fit = fit_sheet(readings.curves, setting)
+    document = fit.document(readings)
+    parts = {n: d.fit for n, d in (document.directions or {}).items()} or {"": document.fit}
+    named = ["direction"] if case.model not in ORDERS else []
     rows = [
-        [name, test, f"{one.relative_rms:.4g}", f"{one.nrmse:.4g}", str(one.points)]
-        for name, figures in (
-            {n: d.fit for n, d in (document.directions or {}).items()} or {"-": fit.figures}
-        ).items()
+        [
+            *([name or "-"] if named else []),
+            test,
+            f"{one.relative_rms:.4g}",
+            f"{one.nrmse:.4g}",
+            str(one.points),
+        ]
+        for name, figures in parts.items()
         for test, one in (figures.tests if figures else {}).items()
         if isinstance(one, TestFigures)
     ]
-    job.console.note(describe.table(["direction", "test", "rel. rms", "NRMSE", "rows"], rows))
+    _tell_data(job, document, describe.table([*named, "test", "rel. rms", "NRMSE", "rows"], rows))
     for unknown in fit.undetermined:
         job.console.note(
             f"{unknown.constant}: not told by these tests, {unknown.value:g} taken; {unknown.test} tells it"
         )
-    for curve in readings.curves:
-        known = document.tested_stretch()
+    for curve, known in fit.ranges(document):
         job.ranges.used("stretch", curve.stretch, known=known, source=curve.source, direction=curve.direction)
-    if out.wants_files:
-        out.add(".csv", fit.curves_csv())
-        out.add(".png", fit.picture())
-    job.write(out, document)
-    return 0 if fit.accepted else NEGATIVE_VERDICT
-
-
-def _fit_foam(job: Job, out: Output, readings: Readings, setting: Setting, model: str) -> int:
-    """Identify the law of a foam and write it."""
-    from hyperfab.chapters.fit.hyperfoam import fit_foam
-
-    with job.console.progress("Identifying") as advance:
-        advance(0.0, model)
-        fit = fit_foam(readings, setting, ORDERS[model])
-    document = fit.document(readings)
-    for text in readings.warnings:
-        job.console.warn(text)
-    for reason, count in (document.left_out or {}).items():
-        job.console.note(f"{count} rows left out: {reason}")
-    rows = [
-        [test, f"{one.relative_rms:.4g}", f"{one.nrmse:.4g}", str(one.points)]
-        for test, one in fit.figures.tests.items()
-        if isinstance(one, TestFigures)
-    ]
-    job.console.note(describe.table(["test", "rel. rms", "NRMSE", "rows"], rows))
-    for unknown in fit.undetermined:
-        job.console.note(f"{unknown.constant} stands at {unknown.value:g}: {unknown.test} would tell it")
-    for curve in readings.curves:
-        if curve.mode in setting.fit_on and curve.mode != "simple-shear":
-            known = document.tested_stretch(test=curve.mode)
-            job.ranges.used("stretch", curve.stretch, known=known, source=curve.source)
-    if out.wants_files:
-        out.add(".csv", fit.curves_csv())
-        out.add(".png", fit.picture())
-    job.write(out, document)
-    return 0 if fit.accepted else NEGATIVE_VERDICT
+    return document, lambda: (fit.curves_csv(), fit.picture())
 
 
 def _stress(text: str | None, option: str, sizes: Geometry) -> float | None:
@@ -250,11 +211,11 @@ def _document(
         for name, part in directions.items():
             _of_law(part.fit, law_spread(ranking, name))
     data_reach = reach(sets[None])
-    document = MaterialDocument(
+    document = describe.document_of(
+        readings,
+        setting,
         model=best.law.name,
         parameters=whole.material.parameters,
-        thickness_mm=readings.thickness,
-        thickness_nominal=readings.nominal or None,
         temperature_degC=whole.temperatures[whole.reference],
         directions=directions or None,
         temperatures=describe.temperatures(whole),
@@ -266,12 +227,7 @@ def _document(
         stable=best.stable,
         accepted=best.accepted,
         accepted_by="relative_rms" if setting.relative else "nrmse",
-        objective="relative" if setting.relative else "absolute",
-        fit_on=list(setting.fit_on),
-        left_out=dict(sorted(readings.left_out.items())) or None,
-        preparation=readings.preparation or None,
         replicates=replicates(readings.curves) or None,
-        bulk_modulus_MPa=readings.bulk_modulus,
         warnings=[*readings.warnings, *doubts(best, sets, setting)] or None,
         models=None
         if ranking is None
@@ -286,7 +242,6 @@ def _document(
             )
             for one in ranking
         ],
-        effects=[],
         tested=tested(sets[None], setting),
     )
     if ranking is not None:
@@ -302,11 +257,16 @@ def _of_law(figures: FitFigures | None, spread: float | None) -> None:
         figures.uncertainty.law = spread
 
 
-def _tell(job: Job, judged: Sequence[Judged], document: MaterialDocument, setting: Setting) -> None:
+def _tell_data(job: Job, document: MaterialDocument, figures: str) -> None:
+    """Say what is wrong with the data, what of them was left out, and how well they are met."""
     for text in document.warnings or ():
         job.console.warn(text)
     for reason, count in (document.left_out or {}).items():
         job.console.note(f"{count} rows left out: {reason}")
+    job.console.note(figures)
+
+
+def _tell(job: Job, judged: Sequence[Judged], document: MaterialDocument, setting: Setting) -> None:
     columns = ["model", "E2", "rel. rms", "NRMSE", "unseen", "stable", "accepted"]
     if not setting.relative:
         columns[-1] += " by NRMSE"
@@ -318,7 +278,7 @@ def _tell(job: Job, judged: Sequence[Judged], document: MaterialDocument, settin
             ["-", "-"] if one.failure else ["yes" if one.stable else "no", "yes" if one.accepted else "no"]
         )
         rows.append([one.law.name, *cells, unseen, *flags])
-    job.console.note(describe.table(columns, rows))
+    _tell_data(job, document, describe.table(columns, rows))
     degrees = sorted({t for part in judged[0].results.values() if isinstance(part, Identified)
                       for t in part.temperatures if t is not None})  # fmt: skip
     if len(degrees) > 1:

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import replace
+from itertools import compress
+
 import numpy as np
 
 from hyperfab.chapters.fit.identify import Identified, Setting, predict
 from hyperfab.chapters.fit.judge import Judged, Sets
+from hyperfab.chapters.fit.reading import Array, Reading
+from hyperfab.chapters.fit.whole import Answer
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.materials.modes import MODES, nominal_stress
 from hyperfab.report.figures_fit import Line, fit_figure
@@ -17,33 +23,44 @@ _COLUMNS = (
     "specimen",
     "stretch",
     "stretch_2",
+    "stretch_2_model",
     "stress_MPa",
     "stress_model_MPa",
     "predicted",
 )
 
 
-def curves_csv(best: Judged, sets: Sets, setting: Setting) -> bytes:
-    """Return every reading with the stress of the constants beside it."""
-    lines = []
-    for name, part in _parts(best):
-        for curve in sets[name]:
-            one, two = predict(part, curve)
-            predicted = curve.mode not in setting.fit_on
-            start = [curve.mode, name or curve.direction, curve.temperature, curve.specimen]
-            for axis, (measured, model) in enumerate(((curve.stress, one), (curve.stress2, two))):
-                if measured is None or model is None:
-                    continue
-                second = curve.stretch2
-                for k, stretch in enumerate(curve.stretch):
-                    own, other = stretch, None if second is None else second[k]
-                    if axis == 1:
-                        own, other = other, own
-                    lines.append([*start, own, other, measured[k], model[k], predicted])
-    return csv_bytes(_COLUMNS, lines)
+def curves_csv(
+    told: Iterable[tuple[Reading, Answer]], fit_on: Sequence[str], without: Collection[str] = ()
+) -> bytes:
+    """Return every reading with what the law says beside it, less the columns ``without``."""
+    rows = []
+    for curve, (one, two, width) in told:
+        start = [curve.mode, curve.direction, curve.temperature, curve.specimen]
+        nothing = [None] * len(curve.stretch)
+        second = nothing if curve.stretch2 is None else curve.stretch2
+        for measured, model, own, other, lateral in (
+            (curve.stress, one, curve.stretch, second, width),
+            (curve.stress2, two, second, curve.stretch, None),
+        ):
+            if measured is not None and model is not None:
+                axis = zip(own, other, nothing if lateral is None else lateral, measured, model, strict=True)
+                rows += [[*start, *row, curve.mode not in fit_on] for row in axis]
+    kept = [name not in without for name in _COLUMNS]
+    return csv_bytes(list(compress(_COLUMNS, kept)), [list(compress(row, kept)) for row in rows])
 
 
-def picture(best: Judged, sets: Sets, setting: Setting) -> bytes:
+def law_csv(best: Judged, sets: Sets, setting: Setting) -> bytes:
+    """Return ``curves_csv`` of a law identified by direction: a test without one stands with each."""
+    told = (
+        (replace(curve, direction=name or curve.direction), (*predict(part, curve), None))
+        for name, part in _parts(best)
+        for curve in sets[name]
+    )
+    return curves_csv(told, setting.fit_on, ("stretch_2_model",))
+
+
+def law_picture(best: Judged, sets: Sets, setting: Setting) -> bytes:
     """Return the PNG of the fit: a panel a direction, readings as marks, constants as lines."""
     panels = []
     for name, part in _parts(best):
@@ -53,24 +70,40 @@ def picture(best: Judged, sets: Sets, setting: Setting) -> bytes:
                 curves = [c for c in sets[name] if c.mode == mode and c.temperature in (temperature, None)]
                 if not curves or mode not in MODES:
                     continue
-                low = min(1.0, *(float(c.stretch.min()) for c in curves))
-                high = max(1.0, *(float(c.stretch.max()) for c in curves))
-                grid = np.linspace(low, high, 201)
-                lines.append(
-                    Line(
-                        label=mode if temperature is None else f"{mode} {temperature:g} °C",
-                        mode=mode,
-                        stretch=np.concatenate([c.stretch for c in curves]),
-                        stress=np.concatenate([c.stress for c in curves]),
-                        grid=grid,
-                        model=nominal_stress(part.material_at(temperature), mode, grid),
-                        predicted=mode not in setting.fit_on,
-                        unstable_from=part.ranges[mode].first_unstable,
-                    )
-                )
+                grid = grid_of(curves, 201, 1.0)
+                model = nominal_stress(part.material_at(temperature), mode, grid)
+                unstable = part.ranges[mode].first_unstable
+                lines.append(line(curves, temperature, (grid, model), setting.fit_on, unstable))
         title = f"{best.law.name}{', ' + name if name else ''}: relative rms {part.total.relative_rms:.3f}"
         panels.append((title, lines))
     return fit_figure(panels)
+
+
+def line(
+    curves: Sequence[Reading],
+    temperature: float | None,
+    model: tuple[Array, Array],
+    fit_on: Sequence[str],
+    unstable_from: float | None = None,
+) -> Line:
+    """Return the readings of one test at one temperature, and the law's stress over stretches, as one line."""
+    mode = curves[0].mode
+    return Line(
+        label=mode if temperature is None else f"{mode} {temperature:g} °C",
+        mode=mode,
+        stretch=np.concatenate([c.stretch for c in curves]),
+        stress=np.concatenate([c.stress for c in curves]),
+        grid=model[0],
+        model=model[1],
+        predicted=mode not in fit_on,
+        unstable_from=unstable_from,
+    )
+
+
+def grid_of(curves: Sequence[Reading], count: int, *through: float) -> Array:
+    """Return ``count`` stretches over the range of the curves, which holds those ``through``."""
+    reach = np.concatenate([through, *(c.stretch for c in curves)])
+    return np.linspace(reach.min(), reach.max(), count)
 
 
 def _parts(best: Judged) -> list[tuple[str | None, Identified]]:

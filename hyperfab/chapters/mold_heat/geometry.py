@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from hyperfab.chapters.molds import read_mesh
 from hyperfab.documents.mold import BodySection, FacesInBox, MoldDocument, PartSection, ShapeSection
 from hyperfab.errors import InputError
 from hyperfab.io.inputs import Inputs
-from hyperfab.io.stl import read_stl
 from hyperfab.thermal.geometry import Body, Box, Cylinder, Ellipsoid, Geometry, Patch, Shape, Stl
 from hyperfab.thermal.repair import pieces, repaired
 
@@ -58,8 +58,7 @@ class _Reader:
         if section.stl is None:
             raise InputError("has no shape", file=self.name)
         file = self.inputs.beside(self.name, section.stl)
-        surface = read_stl(self.inputs.read(file), file, self.stl_unit)
+        surface = read_mesh(self.inputs, file, self.stl_unit, self.questions.append)
         found = repaired(surface.vertices, surface.faces, file)
-        self.questions.extend(surface.questions)
         self.questions.extend(f"{file}: {note}" for note in found.notes)
         return [Stl(*piece, name) for piece in pieces(found.vertices, found.triangles)]

@@ -12,7 +12,7 @@ from hyperfab.chapters.mold_heat.conditions import Placing, at_key
 from hyperfab.chapters.mold_heat.geometry import geometry_of
 from hyperfab.chapters.mold_heat.meshing import mesh_mold
 from hyperfab.chapters.mold_heat.names import refuse_exposed, refuse_unknown_names
-from hyperfab.chapters.mold_heat.start import read_field, start_from
+from hyperfab.chapters.mold_heat.start import earlier_field, start_from
 from hyperfab.chapters.mold_heat.tables import Tables
 from hyperfab.documents.mold import EarlierField, MoldDocument
 from hyperfab.errors import InputError
@@ -76,7 +76,9 @@ class MoldBuilder:
         self.functions = self._read_functions()
         self.geometry = geometry_of(document, name, inputs, stl_unit, self.doubts)
         start = document.run.start
-        self.earlier = read_field(inputs, name, start.document) if isinstance(start, EarlierField) else None
+        self.earlier = (
+            earlier_field(inputs, name, start.document) if isinstance(start, EarlierField) else None
+        )
 
     def build(self, waiting: Callable[[float], None] = lambda seconds: None) -> Problem:
         """Mesh the mold and set up its equations; ``waiting`` is called while the mesher works."""

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.chapters.field import read_field
 from hyperfab.documents.base import read_document
 from hyperfab.documents.heat import HeatDocument
 from hyperfab.errors import InputError
 from hyperfab.io.inputs import Inputs
-from hyperfab.io.vtu_read import Grid, read_vtu
+from hyperfab.io.vtu_read import Grid
 from hyperfab.thermal.locate import Locator
 from hyperfab.thermal.mesh import HeatMesh
 
@@ -19,23 +20,10 @@ Array = NDArray[np.float64]
 BEYOND = 1.5
 
 
-def read_field(inputs: Inputs, mold: str, relative: str) -> Grid:
+def earlier_field(inputs: Inputs, mold: str, relative: str) -> Grid:
     """Read the last field of the heat document that ``mold`` names; InputError where there is none."""
     name = inputs.beside(mold, relative)
-    heat = read_document(inputs, name, HeatDocument)
-    stem = relative.rsplit("/", 1)[-1].removesuffix(".json")
-    if f"{stem}.vtu" not in heat.files:
-        raise InputError(
-            "has no field beside it",
-            file=name,
-            key="files",
-            remedy="write it with -o NAME.json, not to a pipe",
-        )
-    file = inputs.beside(name, f"{stem}.vtu")
-    grid = read_vtu(inputs.read(file), file)
-    if "temperature_degC" not in grid.point_data or "tetra10" not in grid.cells:
-        raise InputError("holds no temperatures on tetrahedra", file=file, remedy="make the document again")
-    return grid
+    return read_field(inputs, name, read_document(inputs, name, HeatDocument), "tetra10", "temperature_degC")
 
 
 def start_from(grid: Grid, mesh: HeatMesh, mold: str) -> Array:

@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.cases.press import PressCase
+from hyperfab.chapters.field import read_field
 from hyperfab.chapters.job import Job
 from hyperfab.documents.base import read_document
 from hyperfab.documents.heat import HeatDocument
 from hyperfab.errors import InputError
 from hyperfab.io.inputs import Inputs
-from hyperfab.io.vtu_read import Grid, read_vtu
+from hyperfab.io.vtu_read import Grid, field_among
 from hyperfab.pressing.growth import Expansion, FieldGrowth, Growth, even_growth, guide_line
 from hyperfab.pressing.mold import Mold, PressFrame
 from hyperfab.pressing.tetra import TetraMesh, at_boundary, boundary, merged, samples
@@ -168,23 +169,9 @@ def _read(inputs: Inputs, given: str) -> HeatInput:
     named = re.fullmatch(r"(.+\.json):([^/\\:]+)", given)
     name, part = (given, "") if named is None else (named[1], named[2])
     heat = read_document(inputs, name, HeatDocument)
-    fields = [file for file in heat.files if file.endswith(".vtu")]
-    if name == "-" or not fields:
-        if heat.work_surface is None:
-            raise InputError(
-                "has neither a field nor a work surface, so the mold's temperature is not known",
-                file=name,
-                key="files",
-                remedy="write the heat document to a file with hf mold-heat, or use --temperature",
-            )
+    if heat.work_surface is not None and (name == "-" or field_among(heat.files) is None):
         return HeatInput(heat.work_surface.at_end.mean_degC, "mean of the heat document's work surface")
-    # Of a series the last field is the one that bears the document's own name.
-    path = Inputs.beside(name, min(fields, key=len))
-    grid = read_vtu(inputs.read(path), path)
-    if "temperature_degC" not in grid.point_data or "tetra10" not in grid.cells:
-        raise InputError(
-            "holds no temperatures on tetrahedra", file=path, remedy="make it again with hf mold-heat"
-        )
+    grid = read_field(inputs, name, heat, "tetra10", "temperature_degC")
     parts = tuple(heat.mass_by_part_kg)
     if "part" not in grid.cell_data or len(np.unique(grid.cell_data["part"])) != len(parts):
         parts = parts[:1]  # no telling them apart

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
 
 import numpy as np
 
 from hyperfab.cases.press import PressCase
+from hyperfab.chapters.field import read_field
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.molds import MoldFile, read_mold
 from hyperfab.console import Console
 from hyperfab.documents.base import document_class, read_document
 from hyperfab.documents.drape import DrapeDocument
@@ -25,8 +26,6 @@ from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import InputError
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.inputs import Inputs
-from hyperfab.io.stl import read_stl
-from hyperfab.io.vtu_read import read_vtu
 from hyperfab.materials.hyperfoam import ORDERS, Hyperfoam
 from hyperfab.pressing import foam_law
 from hyperfab.pressing.foam_law import FoamLaw
@@ -35,7 +34,7 @@ from hyperfab.pressing.mold import PressFrame
 from hyperfab.pressing.placement import closing_frame
 from hyperfab.pressing.thinning import thinning_at
 from hyperfab.pressing.variation import thickness_factor
-from hyperfab.surface import Surface, consistently_wound
+from hyperfab.surface import Surface
 
 #: Aluminium 6061: mean coefficients of expansion from 20 degC to 100 and to 300 degC (ASM Handbook, volume 2).
 ALUMINIUM = ((100.0, 300.0), (23.6e-6, 25.2e-6))
@@ -53,9 +52,12 @@ def read_molds(job: Job, case: PressCase) -> tuple[Surface, Surface, PressFrame]
     one, two = (_read_mold(job, name, case.stl_unit) for name in (case.male, case.female))
     failure: InputError | None = None
     # Open surfaces do not tell their outside: try as they are, then turned.
-    for turn_one in (False, True) if one.open else (False,):
-        for turn_two in (False, True) if two.open else (False,):
-            surfaces = one.turned(turn_one), two.turned(turn_two)
+    for turn_one in (False,) if one.found.closed else (False, True):
+        for turn_two in (False,) if two.found.closed else (False, True):
+            surfaces = (
+                (one.turned() if turn_one else one).surface,
+                (two.turned() if turn_two else two).surface,
+            )
             try:
                 frame = closing_frame(*surfaces, case.axis)
             except InputError as error:
@@ -242,52 +244,27 @@ def expansions(inputs: Inputs, name: str, document: FoamDocument) -> tuple[Expan
     return male, female
 
 
-@dataclass(frozen=True)
-class _MoldFile:
-    vertices: np.ndarray
-    faces: np.ndarray
-    open: bool
-
-    def turned(self, turn: bool) -> Surface:
-        return Surface(self.vertices, self.faces[:, ::-1] if turn else self.faces)
-
-
-def _read_mold(job: Job, name: str, stl_unit: str) -> _MoldFile:
-    mesh = read_stl(job.inputs.read(name), name, stl_unit)
-    for question in mesh.questions:
-        job.console.warn(question)
-    vertices, faces = mesh.vertices, mesh.faces
-    found = Surface(vertices, faces).soundness()
-    if len(found.degenerate_facets):
-        faces = np.delete(faces, found.degenerate_facets, axis=0)
-        job.console.warn(f"{name}: {len(found.degenerate_facets)} facets without area were left out")
-        if not len(faces):
-            raise InputError("has no facet with an area", file=name, remedy="export the surface again")
-    edges = (3 * len(faces) + found.open_edges) // 2
-    if found.open_edges > _TORN * edges and len(faces) > 100:
+def _read_mold(job: Job, name: str, stl_unit: str) -> MoldFile:
+    """Read a mold; refuse a heap of facets, and a surface of one side."""
+    body = read_mold(job, name, stl_unit)
+    found = body.found
+    faces = len(body.surface.faces)
+    edges = (3 * faces + found.open_edges) // 2
+    if found.open_edges > _TORN * edges and faces > 100:
         raise InputError(
             f"its facets do not hang together: {found.open_edges} of their edges join no other facet",
             file=name,
-            facet=int(found.open_facets[0]) + 1,
+            facet=int(body.facet[found.open_facets[0]]) + 1,
             remedy="export the surface with its corners merged, or weld it in a mesh editor",
         )
     if not found.consistent:
-        faces, turned = consistently_wound(vertices, faces)
-        found = Surface(vertices, faces).soundness()
-        if not found.consistent:
-            raise InputError(
-                "has facets whose outside cannot be told: the surface has only one side",
-                file=name,
-                facet=int(found.flipped_facets[0]) + 1,
-                remedy="repair the surface in the CAD program",
-            )
-        job.console.warn(
-            f"{name}: {len(turned)} facets were wound against their neighbours; they were turned over"
+        raise InputError(
+            "has facets whose outside cannot be told: the surface has only one side",
+            file=name,
+            facet=int(body.facet[found.flipped_facets[0]]) + 1,
+            remedy="repair the surface in the CAD program",
         )
-    if found.closed and found.volume_mm3 < 0.0:
-        faces = faces[:, ::-1]
-        job.console.warn(f"{name}: the facets face inward; they were turned over")
-    return _MoldFile(vertices, np.ascontiguousarray(faces), not found.closed)
+    return body
 
 
 def _without_jitter(stress: np.ndarray) -> np.ndarray:
@@ -369,21 +346,7 @@ def thinning(job: Job, drape: str, male: str, vertices: np.ndarray) -> np.ndarra
     document = read_document(job.inputs, drape, DrapeDocument)
     if not document.converged:
         job.console.warn(f"{drape}: the drape did not converge; its thickness is taken as it is")
-    if drape == "-":
-        raise InputError(
-            "the thickness lies in the .vtu beside the document",
-            file="-",
-            remedy="name the drape document's file",
-        )
-    grids = [name for name in document.files if name.endswith(".vtu")]
-    if len(grids) != 1:
-        raise InputError(
-            "names no .vtu", file=drape, key="files", remedy="write the drape to a file: -o drape.json"
-        )
-    path = Inputs.beside(drape, grids[0])
-    grid = read_vtu(job.inputs.read(path), path)
-    if "quad" not in grid.cells or "thickness_mm" not in grid.cell_data:
-        raise InputError("holds no quads with thickness_mm", file=path, remedy="make it with hf drape")
+    grid = read_field(job.inputs, drape, document, "quad", "thickness_mm")
     _check_same_mold(job, document, drape, male)
     factor = grid.cell_data["thickness_mm"] / document.thickness_mm
     return thinning_at(vertices + np.array(document.mold.shift_mm), grid.points, grid.cells["quad"], factor)

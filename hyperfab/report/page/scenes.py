@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hyperfab.io.vtu_read import Grid, read_vtu
+from hyperfab.io.vtu_read import Grid, field_among, read_vtu
 from hyperfab.report.page.parts import Scene, Source, rounded
 from hyperfab.report.page.surface import Surface, outside, thinned
 
@@ -44,15 +44,9 @@ class Field:
 
 def _load(source: Source) -> Grid | None:
     """Return the field beside a document, or None where it is gone."""
-    name = next((name for name in source.data.get("files", []) if _is_field(name, source)), None)
+    name = field_among(source.data.get("files", []))
     data = None if name is None else source.sibling(name)
     return None if data is None else read_vtu(data, str(name))
-
-
-def _is_field(name: str, source: Source) -> bool:
-    """The last field of a series has no number in its name: heat.vtu, not heat.003.vtu."""
-    stem = name.removesuffix(".vtu")
-    return name.endswith(".vtu") and not stem.rpartition(".")[2].isdecimal()
 
 
 def views(source: Source, caption: str, alt: str, fields: Sequence[Field]) -> list[Scene]:
