@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from hyperfab.cases.case import Case
-from hyperfab.cases.field import amount, choice, file, setting, stl_unit, whole
+from hyperfab.cases.field import amount, choice, file, setting, stl_unit, uncertainty, whole
 from hyperfab.cases.kinds import Amount, File, OrName
 from hyperfab.errors import UsageError
 
@@ -87,6 +87,7 @@ class ContactCase(Case):
         "dimensionless", "R", "Relative error of the force, for which elements are refined.", "1e-4", least=1e-7,
         most=0.1,
     )  # fmt: skip
+    uncertainty: str | None = uncertainty()
     stl_unit: str = stl_unit()
 
     def check(self) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hyperfab.cases.case import Case
-from hyperfab.cases.field import amount, choice, file, files, series, setting, stl_unit, whole
+from hyperfab.cases.field import amount, choice, file, files, series, setting, stl_unit, uncertainty, whole
 from hyperfab.cases.kinds import Amount, Kind, Whole
 from hyperfab.errors import UsageError
 
@@ -213,6 +213,7 @@ class DrapeCase(Case):
         least=1e-12,
         most=1e-2,
     )
+    uncertainty: str | None = uncertainty()
     stl_unit: str = stl_unit()
     axis: str = choice(
         "AXIS", "Axis of the STL that points up, into the sheet: x, y or z.", ("x", "y", "z"), "z"

@@ -176,6 +176,15 @@ def series(item: Kind, mark: str, count: tuple[int, ...], metavar: str, help: st
     return setting(Series(item, mark, count, example or default or ""), metavar, help, default, **more)
 
 
+def uncertainty() -> Any:
+    """Return the field for how uncertainty of the inputs is carried into the results."""
+    return choice(
+        "HOW",
+        "What inputs state of their uncertainty is carried on: linear or sampled, as the result asks for, or none.",
+        ("none", "linear", "sampled"),
+    )
+
+
 def stl_unit() -> Any:
     """Return the field for the unit of STL files, which state none."""
     return text("UNIT", "Unit of the numbers in STL files: mm, cm, m or inch.", "mm")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from hyperfab.cases.case import Case
-from hyperfab.cases.field import amount, file, flag, stl_unit
+from hyperfab.cases.field import amount, file, flag, stl_unit, uncertainty
 from hyperfab.errors import UsageError
 
 
@@ -34,6 +34,7 @@ class MoldCase(Case):
     variations: str | None = file(
         "FILE.csv", "Factors on film, power, conductivity, specific heat, one run a row, on a reduced model."
     )
+    uncertainty: str | None = uncertainty()
     stl_unit: str = stl_unit()
 
     def check(self) -> None:

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from hyperfab.cases.case import Case
-from hyperfab.cases.field import amount, choice, file, flag, series, stl_unit, whole
+from hyperfab.cases.field import amount, choice, file, flag, series, stl_unit, uncertainty, whole
 from hyperfab.cases.kinds import Amount
 from hyperfab.errors import UsageError
 
@@ -90,6 +90,7 @@ class PressCase(Case):
         ("smooth", "flat"),
         "smooth",
     )
+    uncertainty: str | None = uncertainty()
     stl_unit: str = stl_unit()
 
     def check(self) -> None:

@@ -7,6 +7,7 @@ from typing import ClassVar
 from pydantic import BaseModel, ConfigDict, Field
 
 from hyperfab.documents.base import Document
+from hyperfab.documents.uncertainty import Uncertainty
 
 
 class Part(BaseModel):
@@ -96,6 +97,9 @@ class ContactDocument(Document):
 
     KIND: ClassVar[str] = "contact"
 
+    uncertainty: Uncertainty | None = Field(
+        default=None, description="how sure the figures are, where the inputs say how sure they are"
+    )
     converged: bool
     status: str | None = Field(default=None, description="what stood in the way")
     depth_reached_mm: float | None = Field(default=None, description="where the full depth was not reached")

@@ -7,6 +7,7 @@ from typing import ClassVar
 from pydantic import BaseModel, ConfigDict, Field
 
 from hyperfab.documents.base import Document
+from hyperfab.documents.uncertainty import Uncertainty
 
 
 class Part(BaseModel):
@@ -93,6 +94,9 @@ class DrapeDocument(Document):
 
     KIND: ClassVar[str] = "drape"
 
+    uncertainty: Uncertainty | None = Field(
+        default=None, description="how sure the figures are, where the inputs say how sure they are"
+    )
     converged: bool = Field(description="residual_relative is at or below the tolerance")
     status: str | None = Field(default=None, description="why it did not converge, and where")
     iterations: int = Field(description="Newton steps on all grids")

@@ -7,6 +7,7 @@ from typing import ClassVar
 from pydantic import BaseModel, ConfigDict, Field
 
 from hyperfab.documents.base import Document
+from hyperfab.documents.uncertainty import Uncertainty
 
 
 class Part(BaseModel):
@@ -116,6 +117,9 @@ class HeatDocument(Document):
 
     KIND: ClassVar[str] = "heat"
 
+    uncertainty: Uncertainty | None = Field(
+        default=None, description="how sure the figures are, where the inputs say how sure they are"
+    )
     converged: bool
     status: str | None = Field(default=None, description="why not, where converged is false; or a remark")
     steady: bool = False

@@ -7,6 +7,7 @@ from typing import ClassVar
 from pydantic import BaseModel, ConfigDict, Field
 
 from hyperfab.documents.base import Document
+from hyperfab.documents.uncertainty import Uncertainty
 
 Place = tuple[float, float, float]
 
@@ -102,6 +103,9 @@ class PressDocument(Document):
 
     KIND: ClassVar[str] = "press"
 
+    uncertainty: Uncertainty | None = Field(
+        default=None, description="how sure the figures are, where the inputs say how sure they are"
+    )
     converged: bool
     status: str | None = None
 

@@ -155,6 +155,25 @@ class Press:
         right[system.nodes] = system.terms.drive
         return self._solve(factor, right), factor
 
+    def imbalance(self, state: State, places: Array, depth: float) -> Array:
+        """Return Newton's right side (n, 3) at other ``places`` and depth, touching as in ``state``."""
+        system = self._at(state, places, depth)
+        right = -system.unbalanced
+        right[system.nodes] += system.terms.right
+        return right
+
+    def seen(self, state: State, places: Array, depth: float) -> State:
+        """Return what is told of other ``places`` at a depth, which touch as in ``state``, balanced or not."""
+        grip = self.tangential.begin(state.memory, state.memory.places)
+        system = self._at(state, places, depth)
+        return self._state(
+            depth, places, state.touching, system, 0, (state.memory, state.memory.places, grip)
+        )
+
+    def _at(self, state: State, places: Array, depth: float) -> _Linearised:
+        grip = self.tangential.begin(state.memory, state.memory.places)
+        return self._linearise(depth, places, state.touching, grip, 1e-9, False)
+
     @property
     def _movable(self) -> Flags:
         return np.asarray(self.sheet.pattern.free[:, 2])

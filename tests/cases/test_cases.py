@@ -22,23 +22,24 @@ FULL: dict[str, list[str]] = {
         "2cm,4cm", "--thickness", "0.7 mm", "--clamp", "x-,x+", "--slide", "y-", "--blank-holder", "0.5N/mm",
         "--blank-holder", "x+=1 N/cm", "--friction", "0.3", "--load-steps", "7", "--prestretch", "1.05x1.1", "--mass",
         "0.18kg/m^2", "--shear-modulus", "50kPa", "--max-stretch", "1.9", "--steps", "5", "--divisor", "41",
-        "--tolerance", "1e-7", "--stl-unit", "cm", "--warp", "w.csv",
+        "--tolerance", "1e-7", "--uncertainty", "none", "--stl-unit", "cm", "--warp", "w.csv",
     ],
     "fabric-contact": [
         "fabric.json", "--against", "other.json", "--shape", "outline.csv", "--size", "20cm", "--thickness", "0.7mm",
         "--punch", "p.stl", "--depth", "3cm", "--prestretch", "1.05", "--rim-slip", "0.5mm^2/N", "--friction", "stick",
         "--temperature", "80degC", "--steps", "3", "--mesh-size", "5mm", "--element", "p1", "--tolerance", "1e-3",
-        "--stl-unit", "inch",
+        "--uncertainty", "sampled", "--stl-unit", "inch",
     ],
     "mold-heat": [
         "mold.toml", "--warmup-in", "20min", "--share-power", "--heater-max", "0.9kW", "--variations", "v.csv",
-        "--stl-unit", "cm",
+        "--uncertainty", "linear", "--stl-unit", "cm",
     ],
     "press-contact": [
         "--male", "m.stl", "--female", "f.stl", "--foam", "foam.toml", "--axis", "x", "--force", "0.5kN", "--male-heat",
         "1.json", "--female-heat", "2.json", "--drape", "d.json", "--mounted", "free", "--zero", "hot", "--float",
         "--force-at", "1cm,-2mm", "--frame-stiffness", "50kN/mm", "--strokes", "7", "--min-spotted", "80",
-        "--design-gap", "2mm", "--facets", "flat", "--stl-unit", "m",
+        "--design-gap", "2mm", "--facets", "flat", "--uncertainty", "linear",
+        "--stl-unit", "m",
     ],
     "fit": [
         "a.csv", "b.xlsx:warp", "--uniaxial", "u.csv", "--shear", "s.csv", "--biaxial", "b.csv", "--volumetric",

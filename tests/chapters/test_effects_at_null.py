@@ -14,7 +14,7 @@ from loop.generators import fabric as truths
 
 from hyperfab.cases.options import read
 from hyperfab.cases.registry import case_class
-from hyperfab.chapters.close_loop.rerun import rerun
+from hyperfab.chapters.rerun import rerun
 from hyperfab.io.stl_write import stl_bytes
 from hyperfab.loop.fabric import FabricTest, fabric_problem
 from hyperfab.materials.registry import law

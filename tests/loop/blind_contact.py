@@ -18,8 +18,8 @@ from hyperfab.cases.contact import ContactCase
 from hyperfab.cases.like import earlier
 from hyperfab.cases.options import read
 from hyperfab.chapters.close_loop.contact import Forward, noise_of, pose, pose_sheet
-from hyperfab.chapters.close_loop.rerun import rerun
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.rerun import rerun
 from hyperfab.console import Console
 from hyperfab.documents.base import parse_document, read_document
 from hyperfab.documents.contact import ContactDocument

@@ -16,8 +16,8 @@ from hyperfab.cases.drape import DrapeCase
 from hyperfab.cases.like import earlier
 from hyperfab.cases.options import read
 from hyperfab.chapters.close_loop.drape import Forward, noise_of, pose, pose_sheet
-from hyperfab.chapters.close_loop.rerun import rerun
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.rerun import rerun
 from hyperfab.console import Console
 from hyperfab.io.json_io import dump_json
 from hyperfab.loop.design import NextMeasurement

@@ -13,9 +13,9 @@ import numpy as np
 from hyperfab.cases.case import Case
 from hyperfab.cases.options import words
 from hyperfab.chapters.close_loop.describe import column, describe, errors_of, lowered, say
-from hyperfab.chapters.close_loop.rerun import rerun
 from hyperfab.chapters.close_loop.tentative import caution, noted
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.rerun import rerun
 from hyperfab.console import NEGATIVE_VERDICT
 from hyperfab.documents.loop import Errors, LoopDocument
 from hyperfab.documents.provenance import relative_name

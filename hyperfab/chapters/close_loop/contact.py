@@ -15,11 +15,11 @@ from hyperfab.chapters.close_loop.closing import MODEL_SUFFIXES, Axis, finish, s
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_contact import FABRIC, PLACES, contact_applied, extend
 from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, read_files, spread, widened
-from hyperfab.chapters.close_loop.rerun import Listener, Overlay, check_unchanged, unchanged
 from hyperfab.chapters.close_loop.softer import linear_of, scaled_material
 from hyperfab.chapters.fabric_contact.fabric import read_fabric
 from hyperfab.chapters.fabric_contact.setup import read_geometry, setup_of
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.rerun import Listener, Overlay, check_unchanged, unchanged
 from hyperfab.documents.base import parse_document, read_document
 from hyperfab.documents.contact import ContactDocument
 from hyperfab.documents.material import MaterialDocument

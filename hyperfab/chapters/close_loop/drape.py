@@ -16,11 +16,11 @@ from hyperfab.chapters.close_loop.extended_contact import FABRIC
 from hyperfab.chapters.close_loop.extended_drape import THREADS, drape_applied, extend
 from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, spread, widened
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
-from hyperfab.chapters.close_loop.rerun import Listener, Overlay, check_unchanged, unchanged
 from hyperfab.chapters.close_loop.softer import linear_of, scaled_material
 from hyperfab.chapters.drape.fabric import read_fabric
 from hyperfab.chapters.drape.model import Model, model_of, read_files
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.rerun import Listener, Overlay, check_unchanged, unchanged
 from hyperfab.cloth import HeldNodeInside, Sheet, drape, follow, load_steps, raised
 from hyperfab.cloth.net import GRAVITY
 from hyperfab.documents.base import read_document

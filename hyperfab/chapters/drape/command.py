@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import numpy as np
 
 from hyperfab.cases.drape import DrapeCase
@@ -11,6 +13,8 @@ from hyperfab.chapters.drape.model import Model, model_of, read_files
 from hyperfab.chapters.drape.result import document_of, judge, say, tears
 from hyperfab.chapters.drape.states import State, at_depths
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.uncertainty import carry
+from hyperfab.chapters.uncertainty.sources import Origins, origins
 from hyperfab.cloth import BeyondLaw, HeldNodeInside, Step
 from hyperfab.cloth.cascade import grid_sizes
 from hyperfab.cloth.net import FIXED
@@ -32,10 +36,22 @@ def run(job: Job, case: DrapeCase) -> int:
     torn = tears(job, document, model.sheet, found[-1], case.max_stretch)
     if out.wants_files:
         files.write(out, model, found)
+    if document.converged:
+        document.uncertainty = carry(job, case, document, lambda: _origins(job, case))
     job.write(out, document, case, thickness_mm=model.sheet.thickness)
     if document.converged:
         say(job, document)
     return 4 if not sound else 1 if torn else 0
+
+
+def _origins(job: Job, case: DrapeCase) -> Origins:
+    """Return what the inputs say of how sure they are."""
+    found = origins(job.inputs, case, {} if case.material is None else {case.material: case.temperature})
+    curves = [name for name in (case.warp, case.weft, case.shear_law) if name is not None]
+    found.left_out += [
+        f"{os.path.basename(name)}: how far specimens differ" for name in curves if found.found
+    ]
+    return found
 
 
 def _drape(job: Job, model: Model) -> list[State]:

@@ -9,9 +9,11 @@ import numpy as np
 from hyperfab.cases.contact import ContactCase
 from hyperfab.chapters.fabric_contact.fabric import Fabric, read_fabric
 from hyperfab.chapters.fabric_contact.fields import vtu
+from hyperfab.chapters.fabric_contact.nearby import beside, origins_of
 from hyperfab.chapters.fabric_contact.result import document, mounted_row, row, status_of
 from hyperfab.chapters.fabric_contact.setup import Setup, read_geometry, setup_of
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.uncertainty import carry
 from hyperfab.documents.contact import ContactDocument
 from hyperfab.errors import NotConverged
 from hyperfab.io.csv_write import csv_bytes
@@ -30,7 +32,8 @@ def run(job: Job, case: ContactCase) -> int:
     fabrics = [
         read_fabric(job, name, case.temperature) for name in (case.material, case.against) if name is not None
     ]
-    setup = setup_of(case, read_geometry(job, case), fabrics[0])
+    geometry = read_geometry(job, case)
+    setup = setup_of(case, geometry, fabrics[0])
     out.refuse_inputs(job.inputs)
     if case.thickness is None and fabrics[0].thickness is None:
         job.console.note(f"{case.material} states no thickness: 1 mm is taken (--thickness sets it)")
@@ -47,6 +50,14 @@ def run(job: Job, case: ContactCase) -> int:
             # A sheet that hangs slack carries nothing: its law is not asked below 1.
             met = np.maximum(fields(last.press.sheet, last.state.places).stretch, 1.0)
             job.ranges.used("stretch", met, known=fabric.tested, source=fabric.name, then="extrapolated")
+    if found.converged:
+        found.uncertainty = carry(
+            job,
+            case,
+            found,
+            lambda: origins_of(job, case),
+            lambda origins: beside(job, case, geometry, outcomes[0], origins),
+        )
     _write(job, out, case, fabrics, outcomes, found)
     for number, (fabric, outcome, unstable) in enumerate(zip(fabrics, outcomes, instabilities, strict=True)):
         status = status_of(outcome, unstable)

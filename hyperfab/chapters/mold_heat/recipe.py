@@ -12,6 +12,8 @@ from hyperfab.chapters.mold_heat.files import write_fields
 from hyperfab.chapters.mold_heat.problem import MoldBuilder, Problem
 from hyperfab.chapters.mold_heat.result import IMBALANCE_ALLOWED, steady_document, transient_document
 from hyperfab.chapters.mold_heat.variations import SHARPER, read_variations, variations_csv, vary
+from hyperfab.chapters.uncertainty import carry
+from hyperfab.chapters.uncertainty.sources import origins
 from hyperfab.console import Advance
 from hyperfab.documents.base import read_document
 from hyperfab.documents.heat import HeatDocument
@@ -75,6 +77,10 @@ def run(job: Job, case: MoldCase) -> int:
     result.design = chosen
     result.notes = builder.doubts + problem.notes
     _say(job, result)
+    if result.converged:
+        result.uncertainty = carry(
+            job, case, result, lambda: origins(job.inputs, case, documents={mold: MoldDocument})
+        )
     job.write(out, result, case)
     return 0 if result.converged else NotConverged.exit_status
 

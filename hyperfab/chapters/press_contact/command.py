@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 
 import numpy as np
@@ -17,8 +18,10 @@ from hyperfab.chapters.press_contact.result import (
     grid_of,
     picture_of,
 )
+from hyperfab.chapters.uncertainty import carry
+from hyperfab.chapters.uncertainty.sources import Origins, origins
 from hyperfab.console import NEGATIVE_VERDICT
-from hyperfab.documents.foam import TableFile, TableLaw
+from hyperfab.documents.foam import FoamDocument, TableFile, TableLaw
 from hyperfab.documents.press import PressDocument
 from hyperfab.errors import UsageError
 from hyperfab.pressing.closing import Closed, close_press
@@ -51,8 +54,18 @@ def run(job: Job, case: PressCase) -> int:
             out.add(".png", picture_of(told, result))
         if stl:
             out.add(".design.stl", stl)
+    result.uncertainty = carry(job, case, result, lambda: _origins(job, case))
     job.write(out, result, case)
     return _judge(job, result, told.closed, case.min_spotted)
+
+
+def _origins(job: Job, case: PressCase) -> Origins:
+    """Return what the inputs say of how sure they are."""
+    stated = {case.foam: FoamDocument} if case.foam.endswith(".toml") else {}
+    found = origins(job.inputs, case, documents=stated)
+    others = [name for name in (case.male_heat, case.female_heat, case.drape) if name is not None]
+    found.left_out += [f"{os.path.basename(name)}: how sure it is" for name in others if found.found]
+    return found
 
 
 def solve(model: Model) -> Told:

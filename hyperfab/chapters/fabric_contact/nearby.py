@@ -1,0 +1,122 @@
+"""The neighbours of an equilibrium of the sphere test, for how sure its figures are."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.cases.contact import ContactCase
+from hyperfab.chapters.fabric_contact.fabric import read_fabric
+from hyperfab.chapters.fabric_contact.result import row
+from hyperfab.chapters.fabric_contact.setup import Geometry, setup_of
+from hyperfab.chapters.job import Job
+from hyperfab.chapters.rerun import Listener, Overlay
+from hyperfab.chapters.uncertainty.carry import FIGURES, Changes, Figures
+from hyperfab.chapters.uncertainty.sources import Origins, Setting, origins
+from hyperfab.errors import NotConverged
+from hyperfab.membrane.equilibrium import NoEquilibriumError
+from hyperfab.membrane.sensitivity import Neighbourhood
+from hyperfab.membrane.sphere_test import Outcome, Solved, SphereTest
+
+Array = NDArray[np.float64]
+
+#: Options that leave the mesh as it is.
+_ON_THE_MESH = (
+    "thickness_mm",
+    "depth_mm",
+    "sphere_radius_mm",
+    "prestretch",
+    "rim_slip_mm2_N",
+    "temperature_degC",
+)
+#: Steps of differences, over a standard deviation.
+_STEP = 0.02
+
+
+def origins_of(job: Job, case: ContactCase) -> Origins:
+    """Return what the inputs of a contact say of how sure they are."""
+    found = origins(job.inputs, case, {case.material: case.temperature})
+    if case.against is not None and found.found:
+        found.left_out.append("the comparison with --against")
+    return found
+
+
+class Beside:
+    """What the figures become beside an equilibrium without friction, on its mesh."""
+
+    def __init__(
+        self, job: Job, case: ContactCase, geometry: Geometry, solved: Solved, origins: Origins
+    ) -> None:
+        self._job, self._case, self._geometry, self._origins = job, case, geometry, origins
+        self._solved = solved
+        self._near = Neighbourhood(solved)
+        self._moves: list[Array] = []
+
+    def gradient(self) -> Mapping[str, Array]:
+        """Return what each figure changes by with each number, source by source."""
+        slopes: dict[str, list[float]] = {name: [] for name in FIGURES["contact"]}
+        self._moves = []
+        for index, one in enumerate(self._origins.found):
+            sd = np.sqrt(np.diag(one.source.covariance))
+            for place in range(len(one.numbers)):
+                unit = np.eye(len(one.numbers))[place]
+                step = _STEP * float(sd[place])
+
+                def test(change: float, index: int = index, unit: Array = unit) -> tuple[SphereTest, float]:
+                    return self._test({index: change * unit})
+
+                self._moves.append(self._near.move(test, step))
+                found = self._near.slopes(test, step, self._moves[-1], _figures)
+                for name in slopes:
+                    slopes[name].append(found[name])
+        return {name: np.array(values) for name, values in slopes.items()}
+
+    def at(self, changes: Changes) -> Figures:
+        """Return the figures of the equilibrium with numbers changed; NotConverged where there is none.
+
+        Without the edge of contact: on one mesh it jumps as nodes come to touch, by more than it moves.
+        """
+        if not self._moves:
+            self.gradient()
+        amounts = np.concatenate(
+            [
+                np.asarray(changes.get(k, np.zeros(len(one.numbers))))
+                for k, one in enumerate(self._origins.found)
+            ]
+        )
+        moved = sum(amount * move for amount, move in zip(amounts, self._moves, strict=True))
+        test, depth = self._test(changes)
+        try:
+            found = _figures(self._near.equilibrium(test, depth, np.asarray(moved)))
+        except NoEquilibriumError as error:
+            raise NotConverged(str(error)) from None
+        return {name: value for name, value in found.items() if name != "contact_radius_mm"}
+
+    def _test(self, changes: Changes) -> tuple[SphereTest, float]:
+        inputs = self._job.inputs
+        moved = self._origins.changed(self._case, inputs, {k: list(v) for k, v in changes.items()})
+        case: ContactCase = moved.case  # type: ignore[assignment]
+        name = case.material
+        given = {name: inputs.read(name), **moved.files}
+        quiet = Job(self._job.command, (), Listener(), Overlay(given))
+        fabric = read_fabric(quiet, name, case.temperature)
+        setup = setup_of(case, self._geometry, fabric)
+        return setup.test(fabric), setup.depth
+
+
+def beside(
+    job: Job, case: ContactCase, geometry: Geometry, outcome: Outcome, origins: Origins
+) -> Beside | None:
+    """Return the neighbours of a test's last equilibrium; None where they hang on the way, or have another mesh."""
+    solved = outcome.solved[-1]
+    settings = [number.path for number in origins.numbers if isinstance(number, Setting)]
+    if solved.press.tangential.remembers or not set(settings) <= set(_ON_THE_MESH):
+        return None
+    return Beside(job, case, geometry, solved, origins)
+
+
+def _figures(solved: Solved) -> Figures:
+    found = row(solved)
+    return {name: found[name] for name in FIGURES["contact"]}

@@ -1,0 +1,266 @@
+"""The one way by which every command carries uncertainty: linear where that holds, sampled where it does not."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.cases.place import put
+from hyperfab.chapters.job import Job
+from hyperfab.chapters.rerun import rerun
+from hyperfab.chapters.uncertainty.shown import figure, shares
+from hyperfab.chapters.uncertainty.sources import Origins
+from hyperfab.documents.base import Document
+from hyperfab.documents.uncertainty import Band, Share, Uncertainty
+from hyperfab.errors import HyperfabError
+from hyperfab.numerics import propagation
+from hyperfab.numerics.propagation import LEVEL, Source
+
+Array = NDArray[np.float64]
+Figures = dict[str, float]
+#: What numbers of sources change by, by the number of the source.
+Changes = Mapping[int, Sequence[float] | Array]
+
+#: The figures of each kind of document that are carried; * stands for every name.
+FIGURES: dict[str, tuple[str, ...]] = {
+    "contact": ("force_N", "contact_radius_mm", "stretch_max", "stress_max_MPa", "energy_J"),
+    "drape": (
+        "force_N", "stress_warp_max_MPa", "stress_weft_max_MPa", "stress_max_MPa", "stretch_max", "thickness_min_mm",
+        "energy_J",
+    ),
+    "heat": (
+        "warmup_time_s", "work_surface.mean_degC", "work_surface.min_degC", "work_surface.max_degC",
+        "work_surface.spread_K", "probes.*.final_degC", "probes.*.max_degC", "energy.supplied_J", "energy.lost_J",
+        "energy.stored_J", "efficiency",
+    ),
+    "press": (
+        "contact_fraction", "contact_area_mm2", "force_N", "gap_min_mm", "gap_mean_mm", "gap_max_mm",
+        "pressure_max_MPa", "pressure_mean_MPa", "stroke_mm", "energy_J",
+    ),
+}  # fmt: skip
+#: Figures with less than this of themselves as standard deviation do not hang on the inputs.
+_NOTHING = 1e-7
+#: Runs drawn: where they are computed from an equilibrium near by, and where each is a run of its own.
+_NEAR, _WHOLE = 400, 64
+#: Samples of which more than this part fails say nothing of the rest.
+_FAILED = 0.1
+
+
+class Nearby(Protocol):
+    """A result whose neighbours are known without another run."""
+
+    def gradient(self) -> Mapping[str, Array]:
+        """Return what each figure changes by with each number, source by source; figures it cannot say are absent."""
+        ...
+
+    def at(self, changes: Changes) -> Figures:
+        """Return the figures with the numbers of sources changed."""
+        ...
+
+
+def carry(
+    job: Job,
+    case: Any,
+    document: Document,
+    origins: Callable[[], Origins],
+    nearby: Callable[[Origins], Nearby | None] = lambda origins: None,
+) -> Uncertainty | None:
+    """Return how sure the figures of a document are; None where nothing in its inputs says how sure they are.
+
+    ``origins`` finds what the inputs say, and ``nearby`` a quicker way than to run the command again.
+    """
+    if case.uncertainty == "none":
+        return None
+    known = origins()
+    if not known.found:
+        if case.uncertainty is not None:
+            job.console.note("the inputs say nothing of how sure they are: there is no uncertainty to carry")
+        return None
+    plain = document.to_json()
+    value = dict(figures_of(plain, document.KIND))
+    found = Carried(job, case, document.KIND, known, value, nearby(known)).run()
+    if found is not None:
+        _tell(job, found, value)
+    return found
+
+
+def figures_of(plain: Mapping[str, Any], kind: str) -> Iterator[tuple[str, float]]:
+    """Yield the figures of a document that are carried, by key."""
+    for pattern in FIGURES[kind]:
+        yield from _at(plain, pattern.split("."), "")
+
+
+def _at(data: Any, path: list[str], name: str) -> Iterator[tuple[str, float]]:
+    if not path:
+        if isinstance(data, float):
+            yield name, data
+        return
+    if not isinstance(data, Mapping):
+        return
+    for key in [key for key in data if path[0] in ("*", key)]:
+        yield from _at(data[key], path[1:], f"{name}.{key}" if name else key)
+
+
+@dataclasses.dataclass
+class Carried:
+    """One result and the inputs it hangs on."""
+
+    job: Job
+    case: Any
+    kind: str
+    origins: Origins
+    value: Figures
+    near: Nearby | None
+
+    def run(self) -> Uncertainty | None:
+        """Return the bands: as asked for, else linear where that holds."""
+        self.sources = self.origins.sources
+        left_out = list(self.origins.left_out)
+        reason = None
+        if self.case.uncertainty != "sampled":
+            try:
+                effects, bends, slopes = self._effects()
+            except HyperfabError as error:
+                reason = f"a run one standard deviation away fails ({error})"
+            else:
+                bands = {
+                    name: propagation.linear(self.value[name], along, self.sources)
+                    for name, along in effects.items()
+                    if np.isfinite(along).all()
+                }
+                lost = [name for name in self.value if name not in bands]
+                left_out += [f"{name}: not told by the runs one standard deviation away" for name in lost]
+                curved = [
+                    name
+                    for name, band in bands.items()
+                    if self._counts(name, band) and propagation.bent(band.sd, effects[name], bends[name])
+                ]
+                if not curved or self.case.uncertainty == "linear":
+                    left_out += [
+                        f"{name}: bends within one standard deviation; --uncertainty sampled"
+                        for name in curved
+                    ]
+                    return self._told("linear", bands, left_out, slopes=slopes)
+                reason = (
+                    f"{', '.join(curved)} bend{'s' if len(curved) == 1 else ''} within one standard deviation"
+                )
+        return self._sampled(reason, left_out)
+
+    def _effects(self) -> tuple[dict[str, Array], dict[str, Array], Mapping[str, Array]]:
+        """Return what each figure changes by along each direction, what it bends by, and its slopes where known."""
+        slopes = self.near.gradient() if self.near is not None else {}
+        if self.near is None or not slopes:
+            effects, bends = propagation.differences(
+                lambda number, change: self._figures({number: change}), self.value, self.sources
+            )
+            return effects, bends, {}
+        ends = np.cumsum([len(one.numbers) for one in self.origins.found])
+        starts = [0, *ends[:-1]]
+        blocks = propagation.directions(self.sources)
+        effects = {
+            name: np.array([slope[starts[number] : ends[number]] @ column for number, column in blocks])
+            for name, slope in slopes.items()
+        }
+        # One run where the first figure is one standard deviation up: the most probable such place.
+        first = next(iter(effects.values()))
+        way = first / max(float(np.linalg.norm(first)), 1e-300)
+        changes = {number: np.zeros(len(one.numbers)) for number, one in enumerate(self.origins.found)}
+        for share, (number, column) in zip(way, blocks, strict=True):
+            changes[number] = changes[number] + share * column
+        there = self.near.at(changes)
+        bends = {
+            name: np.array([there.get(name, np.nan) - self.value[name] - along @ way])
+            for name, along in effects.items()
+        }
+        return effects, bends, slopes
+
+    def _sampled(self, reason: str | None, left_out: list[str]) -> Uncertainty | None:
+        count = _NEAR if self.near is not None else _WHOLE
+        blocks = propagation.directions(self.sources)
+        drawn = propagation.draws(self.sources, count)
+        rows, kept = [], []
+        for index, draw in enumerate(drawn):
+            changes = {number: np.zeros(len(one.numbers)) for number, one in enumerate(self.origins.found)}
+            for share, (number, column) in zip(draw, blocks, strict=True):
+                changes[number] = changes[number] + share * column
+            try:
+                rows.append(self._figures(changes))
+                kept.append(index)
+            except HyperfabError:
+                continue
+        lost = count - len(rows)
+        if lost > _FAILED * count:
+            self.job.console.warn(f"uncertainty is not carried: {lost} of {count} runs that were drawn fail")
+            return None
+        left_out += [f"{lost} of {count} runs that were drawn, which fail"] if lost else []
+        bands = {}
+        for name, value in self.value.items():
+            outcomes = np.array([row.get(name, np.nan) for row in rows])
+            told = np.isfinite(outcomes)
+            if told.sum() < (1.0 - _FAILED) * count:
+                left_out.append(
+                    f"{name}: {count - int(told.sum())} of {count} runs that were drawn do not have it"
+                )
+                continue
+            bands[name] = propagation.sampled(value, outcomes[told], drawn[kept][told], self.sources)
+        return self._told("sampled", bands, left_out, reason=reason, samples=len(rows))
+
+    def _figures(self, changes: Changes) -> Figures:
+        if self.near is not None:
+            return self.near.at(changes)
+        changed = self.origins.changed(self.case, self.job.inputs, {k: list(v) for k, v in changes.items()})
+        case = put(changed.case, "uncertainty", "none")
+        given = changed.files
+        if "-" in case.inputs:
+            given.setdefault("-", self.job.inputs.read("-"))
+        return dict(figures_of(rerun(case, "-", given).document, self.kind))
+
+    def _counts(self, name: str, band: propagation.Band) -> bool:
+        return band.sd > _NOTHING * abs(self.value[name])
+
+    def _told(
+        self,
+        method: Any,
+        bands: Mapping[str, propagation.Band],
+        left_out: list[str],
+        slopes: Mapping[str, Array] = {},
+        **more: Any,
+    ) -> Uncertainty:
+        names = [number.name for number in self.origins.numbers]
+        return Uncertainty(
+            level=LEVEL,
+            method=method,
+            quantities={
+                name: Band(
+                    sd=band.sd,
+                    low=band.low,
+                    high=band.high,
+                    budget=[Share(source=source, share=share) for source, share in band.budget],
+                    sensitivities=dict(zip(names, map(float, slopes[name]), strict=True))
+                    if name in slopes
+                    else None,
+                )
+                for name, band in bands.items()
+                if self._counts(name, band)
+            },
+            left_out=left_out,
+            **more,
+        )
+
+
+def _tell(job: Job, found: Uncertainty, value: Figures) -> None:
+    """Show the bands to a person."""
+    if found.reason is not None:
+        job.console.note(f"uncertainty is sampled, {found.samples} runs: {found.reason}")
+    rows = [
+        [name, figure(value[name], band.sd), f"{band.low:.4g} to {band.high:.4g}", shares(band.budget)]
+        for name, band in found.quantities.items()
+    ]
+    job.console.table(f"How sure ({found.method})", ("figure", "± sd", "95 %", "made of"), rows)
+
+
+__all__ = ["FIGURES", "Changes", "Figures", "Nearby", "Source", "carry", "figures_of"]

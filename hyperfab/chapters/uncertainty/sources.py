@@ -1,0 +1,315 @@
+"""What the inputs of a command say of how sure they are, and how to run the command with something else there."""
+
+from __future__ import annotations
+
+import copy
+import math
+import os
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from pydantic import BaseModel
+
+from hyperfab.cases.case import Case
+from hyperfab.cases.kinds import tolerances
+from hyperfab.cases.place import get, put
+from hyperfab.documents.base import Document, parse_document
+from hyperfab.documents.material import AtTemperature, Direction, FitUncertainty, MaterialDocument
+from hyperfab.io.inputs import Inputs
+from hyperfab.io.json_io import dump_json, load_json
+from hyperfab.io.toml_io import dump_toml, load_toml
+from hyperfab.io.units import Toleranced, tolerance
+from hyperfab.numerics.propagation import Source
+
+Place = tuple[str | int, ...]
+
+#: Quantities of one document that are one thing where they are stated alike: the room's temperature.
+_SHARED = ("ambient", "start")
+
+
+class Number(Protocol):
+    """One uncertain number of an input."""
+
+    @property
+    def name(self) -> str:
+        """How it is called."""
+        ...
+
+    def move(self, inputs: Changed, change: float) -> None:
+        """Change it."""
+        ...
+
+
+class Changed:
+    """A case and its files, with other numbers in them."""
+
+    def __init__(self, case: Case, inputs: Inputs) -> None:
+        self.case = case
+        self._inputs = inputs
+        self._documents: dict[str, Any] = {}
+
+    def document(self, name: str) -> Any:
+        """Return the plain data of a file, to be changed."""
+        if name not in self._documents:
+            self._documents[name] = plain_document(self._inputs, name)
+        return self._documents[name]
+
+    @property
+    def files(self) -> dict[str, bytes]:
+        """The files that are not as they lie on disk, by name."""
+        return {
+            name: dump_toml(data) if name.endswith(".toml") else dump_json(data)
+            for name, data in self._documents.items()
+        }
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A quantity of an option."""
+
+    path: str
+
+    @property
+    def name(self) -> str:
+        """Its key in ``setup``."""
+        return self.path
+
+    def move(self, inputs: Changed, change: float) -> None:
+        """Change it."""
+        inputs.case = put(inputs.case, self.path, get(inputs.case, self.path) + change)
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A number of a document, with its ``unit`` where it is text."""
+
+    file: str
+    place: Place
+    value: float
+    unit: str | None = None
+
+    @property
+    def name(self) -> str:
+        """The file, and the key in it."""
+        return f"{os.path.basename(self.file)}: {'.'.join(map(str, self.place))}"
+
+    def move(self, inputs: Changed, change: float) -> None:
+        """Change it."""
+        at = _inside(inputs.document(self.file), self.place[:-1])
+        if self.unit is None:
+            at[self.place[-1]] = float(at[self.place[-1]]) + change
+        else:
+            at[self.place[-1]] = f"{self.value + change!r} {self.unit}".strip()
+
+
+@dataclass(frozen=True)
+class Stiffness:
+    """A factor, less one, on the stress of a law at every stretch."""
+
+    file: str
+    places: tuple[Place, ...]
+    way: str
+
+    @property
+    def name(self) -> str:
+        """The file, and what is stiffer."""
+        return f"{os.path.basename(self.file)}: stiffness{self.way}"
+
+    def move(self, inputs: Changed, change: float) -> None:
+        """Change the constants that are stresses."""
+        for place in self.places:
+            constants = _inside(inputs.document(self.file), place)
+            for name in constants:
+                if name.endswith("_MPa"):
+                    constants[name] *= 1.0 + change
+
+
+@dataclass(frozen=True)
+class Origin:
+    """A source of uncertainty, and the numbers it moves."""
+
+    source: Source
+    numbers: tuple[Number, ...]
+
+
+@dataclass
+class Origins:
+    """All that inputs say of how sure they are; ``left_out`` of it is not carried."""
+
+    found: list[Origin] = field(default_factory=list)
+    left_out: list[str] = field(default_factory=list)
+
+    @property
+    def sources(self) -> list[Source]:
+        """The sources alone."""
+        return [one.source for one in self.found]
+
+    @property
+    def numbers(self) -> list[Number]:
+        """All numbers, source by source."""
+        return [number for one in self.found for number in one.numbers]
+
+    def changed(self, case: Case, inputs: Inputs, changes: Mapping[int, Sequence[float]]) -> Changed:
+        """Return the inputs with the numbers of some sources changed: ``changes`` by the source's number."""
+        moved = Changed(case, inputs)
+        for index, values in changes.items():
+            for number, change in zip(self.found[index].numbers, values, strict=True):
+                number.move(moved, float(change))
+        return moved
+
+
+def of_case(case: Case) -> Iterator[Origin]:
+    """Yield what the options state; both sides of a size that are stated alike are one number."""
+    for one in case.settings().values():
+        stated = tolerances(getattr(case, one.name), one.key)
+        alike: dict[tuple[float, float], list[str]] = {}
+        for path, sd in stated.items():
+            alike.setdefault((get(case, path), sd), []).append(path)
+        for (_, sd), paths in alike.items():
+            name = paths[0] if len(paths) == 1 else one.key
+            yield _together(name, [Setting(path) for path in paths], sd)
+
+
+def of_document(document: Document, plain: Any, file: str) -> Iterator[Origin]:
+    """Yield the tolerances that a document states; rooms of one temperature are one room."""
+    written = document.model_dump(mode="json", by_alias=True)
+    alike: dict[Any, list[Entry]] = {}
+    for place, value in _stated(document):
+        if not _there(plain, place):
+            continue
+        unit = re.split(r" \+- ", str(_inside(written, place)))[0].partition(" ")[2]
+        entry = Entry(file, place, float(value), unit)
+        key = (float(value), value.sd) if place[-1] in _SHARED else place
+        alike.setdefault(key, []).append(entry)
+    for entries in alike.values():
+        yield _together(entries[0].name, entries, tolerance(_at(document, entries[0].place)))
+
+
+def of_material(document: MaterialDocument, file: str, asked: float | None, origins: Origins) -> None:
+    """Add how sure the constants of a material document are at a temperature ``asked`` for, and the choice of law."""
+    base = os.path.basename(file)
+    ways = ("warp", "weft") if {"warp", "weft"} <= set(document.directions or {}) else (None,)
+    laws: list[tuple[float, Stiffness]] = []
+    known, unknown = [], []
+    for way in ways:
+        part: MaterialDocument | Direction = (document.directions or {})[way] if way else document
+        start: Place = ("directions", way) if way else ()
+        of, told = f" of {way}" if way else "", None
+        places = []
+        for place, row in _rows(part, asked):
+            own = row.fit.uncertainty if row.fit else None
+            at = f" at {row.temperature_degC:g} degC" if isinstance(row, AtTemperature) else ""
+            places.append((*start, *place, "parameters"))
+            told = told or own
+            if own is None:
+                continue
+            if own.covariance is None:
+                unknown.append(f"{base}: how specimens{of}{at} scatter is not known from these tests")
+                continue
+            known.append(_constants(own, file, places[-1], f"{base}: constants{of}{at}"))
+        spread = _law(part) or _law(document)
+        if spread:
+            laws.append((spread, Stiffness(file, tuple(places), of)))
+    if not known:
+        return
+    origins.found += known
+    origins.left_out += unknown
+    if laws:
+        sd = np.array([spread for spread, _ in laws])
+        numbers = tuple(number for _, number in laws)
+        origins.found.append(Origin(Source(f"{base}: choice of the law", np.outer(sd, sd)), numbers))
+    if document.effects:
+        origins.left_out.append(f"{base}: how sure its effects are")
+
+
+def origins(
+    inputs: Inputs,
+    case: Case,
+    materials: Mapping[str, float | None] = {},
+    documents: Mapping[str, type[Document]] = {},
+) -> Origins:
+    """Return what a case says of how sure it is, its ``materials`` at the temperature asked for, and ``documents`` that
+    state tolerances; each by the name of its file."""
+    found = Origins(list(of_case(case)))
+    for name, asked in materials.items():
+        of_material(read_as(inputs, name, MaterialDocument)[0], name, asked, found)
+    for name, cls in documents.items():
+        found.found += of_document(*read_as(inputs, name, cls), name)
+    return found
+
+
+def plain_document(inputs: Inputs, name: str) -> Any:
+    """Return the plain data of a JSON or TOML file."""
+    data = inputs.read(name)
+    return load_toml(data, name) if name.endswith(".toml") else load_json(data, name)
+
+
+def read_as(inputs: Inputs, name: str, cls: type[Document]) -> tuple[Any, Any]:
+    """Return the document of a file, and its plain data."""
+    plain = plain_document(inputs, name)
+    return parse_document(copy.deepcopy(plain), name, cls), plain
+
+
+def _rows(part: Any, asked: float | None) -> list[tuple[Place, Any]]:
+    """Return what constants at a temperature are taken from: the part itself, or the rows next to the temperature."""
+    table = part.temperatures
+    if asked is None or not table:
+        return [((), part)]
+    order = sorted(range(len(table)), key=lambda k: table[k].temperature_degC)
+    degrees = [table[k].temperature_degC for k in order]
+    after = int(np.searchsorted(degrees, asked))
+    near = {min(max(after - 1, 0), len(order) - 1), min(after, len(order) - 1)}
+    if asked <= degrees[0] or asked >= degrees[-1]:
+        near = {0 if asked <= degrees[0] else len(order) - 1}
+    return [(("temperatures", order[k]), table[order[k]]) for k in sorted(near)]
+
+
+def _constants(own: FitUncertainty, file: str, place: Place, name: str) -> Origin:
+    freedom = own.degrees_of_freedom if own.degrees_of_freedom > 0 else math.inf
+    shown = f"{name}, {own.specimens} specimens" if own.source == "specimens" else name
+    numbers = tuple(Entry(file, (*place, constant), 0.0) for constant in own.order)
+    return Origin(Source(shown, np.array(own.covariance), freedom), numbers)
+
+
+def _law(part: MaterialDocument | Direction) -> float | None:
+    return part.fit.uncertainty.law if part.fit is not None and part.fit.uncertainty is not None else None
+
+
+def _together(name: str, numbers: Sequence[Number], sd: float) -> Origin:
+    return Origin(Source(name, np.full((len(numbers), len(numbers)), sd**2)), tuple(numbers))
+
+
+def _stated(value: Any, place: Place = ()) -> Iterator[tuple[Place, Toleranced]]:
+    """Yield every quantity below ``value`` that states a tolerance, and its place."""
+    if isinstance(value, Toleranced):
+        yield place, value
+    elif isinstance(value, BaseModel):
+        for name, info in type(value).model_fields.items():
+            yield from _stated(getattr(value, name), (*place, info.alias or name))
+    elif isinstance(value, Mapping):
+        for key, one in value.items():
+            yield from _stated(one, (*place, key))
+    elif isinstance(value, (list, tuple)):
+        for index, one in enumerate(value):
+            yield from _stated(one, (*place, index))
+
+
+def _at(document: Any, place: Place) -> Any:
+    return dict(_stated(document))[place]
+
+
+def _inside(data: Any, place: Place) -> Any:
+    for step in place:
+        data = data[step]
+    return data
+
+
+def _there(data: Any, place: Place) -> bool:
+    try:
+        _inside(data, place)
+    except (KeyError, IndexError, TypeError):
+        return False
+    return True

@@ -1,0 +1,170 @@
+"""From how sure inputs are to how sure results are: the law of propagation of uncertainty, and sampling.
+
+Sources, each a vector of numbers that err together, are taken apart into independent directions of one standard
+deviation each (the columns of a root of the covariance). What a result changes along each is its *effect*. Sources:
+JCGM 100:2008 (GUM), 5 and annex G; JCGM 101:2008, 7 and 8.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+#: Probability that an interval is to hold the value.
+LEVEL = 0.95
+#: Parts of a standard deviation by which the linear answer may be off: JCGM 101, 8.1, asks for half a unit of the last
+#: of one or two figures that are told of it, between 0.05 and 0.5 of it with one.
+NUMERICAL = 0.25
+#: Directions of a covariance with less than this part of its trace, scaled to correlations, are rounding.
+_ROUNDING = 1e-12
+_SEED = 20
+
+
+@dataclass(frozen=True)
+class Source:
+    """Numbers that err together: ``covariance`` (k, k), known with ``freedom`` degrees of freedom."""
+
+    name: str
+    covariance: Array
+    freedom: float = inf
+
+    @property
+    def root(self) -> Array:
+        """Independent directions of one standard deviation each (k, r): ``root @ root.T`` is the covariance.
+
+        >>> Source("a", np.array([[4.0, 2.0], [2.0, 1.0]])).root.shape
+        (2, 1)
+        """
+        sd = np.sqrt(np.diag(self.covariance))
+        scale = np.where(sd > 0.0, sd, 1.0)
+        values, vectors = np.linalg.eigh(self.covariance / np.outer(scale, scale))
+        kept = values > _ROUNDING * len(sd)
+        found = (vectors[:, kept] * np.sqrt(values[kept]) * scale[:, None])[:, ::-1]
+        # An eigenvector's sign is the library's choice.
+        sign = np.sign(found[np.abs(found).argmax(axis=0), np.arange(found.shape[1])])
+        return np.asarray(found * sign)
+
+
+@dataclass(frozen=True)
+class Band:
+    """A result's standard deviation ``sd``, the interval ``low`` to ``high`` of LEVEL, and what share of the variance
+    each source has, largest first."""
+
+    sd: float
+    low: float
+    high: float
+    budget: tuple[tuple[str, float], ...]
+
+
+def directions(sources: Sequence[Source]) -> list[tuple[int, Array]]:
+    """Return all independent directions: the number of the source, and its numbers' changes (k,)."""
+    return [(number, column) for number, one in enumerate(sources) for column in one.root.T]
+
+
+def linear(value: float, effects: Array, sources: Sequence[Source]) -> Band:
+    """Return the band of a result from its ``effects`` along ``directions(sources)``.
+
+    With few degrees of freedom the interval is that of Student's t with the effective number of them (Welch and
+    Satterthwaite; JCGM 100, G.4).
+
+    >>> one = Source("C10", np.array([[0.01]]), freedom=2.0)
+    >>> band = linear(10.0, np.array([0.5]), [one])
+    >>> round(band.sd, 3), round(band.low, 3), band.budget
+    (0.5, 7.849, (('C10', 1.0),))
+    """
+    owners = np.array([number for number, _ in directions(sources)], dtype=int)
+    variance = np.bincount(owners, weights=effects**2, minlength=len(sources)).astype(np.float64)
+    sd = float(np.sqrt(variance.sum()))
+    half = _coverage(variance, sources) * sd
+    return Band(sd, value - half, value + half, _budget(variance, sources))
+
+
+def draws(sources: Sequence[Source], count: int) -> Array:
+    """Return ``count`` draws (count, r) of independent standard normal numbers, one a direction: a Latin hypercube,
+    always the same."""
+    from scipy.special import ndtri
+    from scipy.stats import qmc
+
+    width = len(directions(sources))
+    return np.asarray(ndtri(qmc.LatinHypercube(width, seed=_SEED).random(count)))
+
+
+def sampled(value: float, outcomes: Array, drawn: Array, sources: Sequence[Source]) -> Band:
+    """Return the band of a result from its ``outcomes`` (count,) at ``drawn`` (count, r).
+
+    The interval is between percentiles of the outcomes, moved apart from the value where few degrees of freedom ask for
+    it; a source's share is that of the variance which goes linearly with it, and what goes with none is "together".
+    """
+    owners = np.array([number for number, _ in directions(sources)], dtype=int)
+    sd = float(np.std(outcomes, ddof=1))
+    away = outcomes - outcomes.mean()
+    effects, *_ = np.linalg.lstsq(drawn - drawn.mean(axis=0), away, rcond=None)
+    explained = np.bincount(owners, weights=effects**2, minlength=len(sources)).astype(np.float64)
+    # By chance an outcome that hangs on nothing goes a little with everything.
+    explained *= min(1.0, sd**2 / max(explained.sum(), 1e-300))
+    wider = _coverage(explained, sources) / _coverage(np.zeros(len(sources)), sources)
+    low, high = np.quantile(outcomes, [0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL])
+    rest = max(sd**2 - float(explained.sum()), 0.0)
+    return Band(
+        sd,
+        float(min(value, value + wider * (low - value))),
+        float(max(value, value + wider * (high - value))),
+        _budget(explained, sources, rest),
+    )
+
+
+def bent(linear_sd: float, effects: Array, bends: Array) -> bool:
+    """Whether a result is too curved for the linear answer: ``bends`` (r,) are what it leaves the straight line by at
+    one standard deviation along each direction.
+
+    >>> bent(1.0, np.array([1.0]), np.array([0.1])), bent(1.0, np.array([1.0]), np.array([0.4]))
+    (False, True)
+    """
+    return bool(np.abs(bends).sum() > NUMERICAL * linear_sd) and bool(np.abs(effects).any() or bends.any())
+
+
+def differences(
+    evaluate: Callable[[int, Array], Mapping[str, float]],
+    value: Mapping[str, float],
+    sources: Sequence[Source],
+) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Return effects and bends of results by name, from two runs a direction, one standard deviation either way.
+
+    ``evaluate`` takes the number of a source and what its numbers change by.
+    """
+    effects: dict[str, list[float]] = {name: [] for name in value}
+    bends: dict[str, list[float]] = {name: [] for name in value}
+    for number, column in directions(sources):
+        up, down = evaluate(number, column), evaluate(number, -column)
+        for name, middle in value.items():
+            a, b = up.get(name, np.nan), down.get(name, np.nan)
+            effects[name].append(0.5 * (a - b))
+            bends[name].append(0.5 * (a + b) - middle)
+    return ({name: np.array(found) for name, found in effects.items()},
+            {name: np.array(found) for name, found in bends.items()})  # fmt: skip
+
+
+def _coverage(variance: Array, sources: Sequence[Source]) -> float:
+    """Return the half-width of the interval over the standard deviation."""
+    from scipy.stats import norm, t
+
+    finite = [(v, one.freedom) for v, one in zip(variance, sources, strict=True) if np.isfinite(one.freedom)]
+    below = sum(v**2 / freedom for v, freedom in finite)
+    if below <= 0.0:
+        return float(norm.ppf(0.5 + 0.5 * LEVEL))
+    return float(t.ppf(0.5 + 0.5 * LEVEL, variance.sum() ** 2 / below))
+
+
+def _budget(variance: Array, sources: Sequence[Source], rest: float = 0.0) -> tuple[tuple[str, float], ...]:
+    total = float(variance.sum()) + rest
+    if total <= 0.0:
+        return ()
+    named = [(one.name, float(v) / total) for one, v in zip(sources, variance, strict=True)]
+    named += [("together", rest / total)] if rest > 1e-3 * total else []
+    return tuple(sorted(named, key=lambda part: -part[1]))

@@ -1,0 +1,207 @@
+"""Uncertainty of inputs in results: against exact dependences, by every command; nothing where nothing is stated."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import numpy as np
+import pytest
+import trimesh
+
+from hyperfab.cases.options import read
+from hyperfab.cases.registry import case_class
+from hyperfab.chapters.rerun import rerun
+from hyperfab.documents.base import schema
+from hyperfab.io.stl_write import stl_bytes
+from hyperfab.samples import cup
+from tests.heated_plate import PLATE
+
+CONSTANTS = {"C10_MPa": 0.06, "C20_MPa": 0.02, "C30_MPa": 0.017}
+CONTACT = (
+    "fabric-contact", "fabric.json", "--size", "200mm", "--sphere-radius", "40mm", "--depth", "40mm", "--steps", "3",
+    "--mesh-size", "16mm", "--tolerance", "1e-2",
+)  # fmt: skip
+DRAPE = (
+    "drape",
+    "fabric.json",
+    "--mold",
+    "ball.stl",
+    "--grid",
+    "13x13",
+    "--size",
+    "200mm",
+    "--depth",
+    "40mm",
+)
+PRESS = ("press-contact", "--male", "male.stl", "--female", "female.stl", "--foam", "foam.toml", "--gap", "3mm",
+         "--strokes", "2")  # fmt: skip
+FOAM = 'format = "hyperfab.foam/1"\nthickness = "4.5 mm"\ncompression = { law = "linear", modulus = "0.05 MPa" }\n'
+INSULATED = PLATE.replace(
+    '[[convection]]\non = "exposed"\nh = { table = "film.csv" }\nambient = "25 degC"\n', ""
+)
+
+
+def material(covariance: Any = None, freedom: float = 0, law: float | None = None, **more: Any) -> bytes:
+    """Return a material document whose constants have that covariance."""
+    found: dict[str, Any] = {
+        "format": "hyperfab.material/1", "model": "yeoh-3", "parameters": CONSTANTS, "thickness_mm": 0.6, **more,
+    }  # fmt: skip
+    sure = {"order": list(CONSTANTS), "specimens": 5, "degrees_of_freedom": freedom, "source": "specimens"}
+    if covariance is not None:
+        sure["covariance"] = np.asarray(covariance).tolist()
+    if law is not None:
+        sure["law"] = law
+    found["fit"] = {"E2": 0.0, "relative_rms": 0.0, "nrmse": 0.0, "points": 9, "uncertainty": sure}
+    return json.dumps(found).encode()
+
+
+def scaled(share: float) -> np.ndarray:
+    """Return the covariance of constants that all scatter together, by that share of themselves."""
+    values = np.array(list(CONSTANTS.values()))
+    return share**2 * np.outer(values, values)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The molds."""
+    found = tmp_path_factory.mktemp("uncertain")
+    ball = trimesh.creation.icosphere(subdivisions=2, radius=60.0)
+    (found / "ball.stl").write_bytes(stl_bytes(ball.vertices, ball.faces))
+    for name, solid in (("male", cup.male_cup(16, 17)), ("female", cup.female_cup(17, 16))):
+        (found / f"{name}.stl").write_bytes(stl_bytes(solid.vertices, solid.faces))
+    return found
+
+
+@pytest.fixture
+def made(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Return the document of a command's words, with files that are only there for it."""
+    monkeypatch.chdir(folder)
+
+    def run(words: tuple[str, ...], **given: bytes) -> dict[str, Any]:
+        command, *rest = words
+        files = {name.replace("_", "."): data for name, data in given.items()}
+        document = rerun(read(case_class(command), rest), "-", files).document
+        jsonschema.validate(document, schema(document["format"].split(".")[1].split("/")[0]))
+        for band in document.get("uncertainty", {}).get("quantities", {}).values():
+            shares = [one["share"] for one in band["budget"]]
+            assert sum(shares) == pytest.approx(1.0)
+            assert shares == sorted(shares, reverse=True)
+            assert band["low"] < band["high"]
+        return document
+
+    return run
+
+
+def relative(document: dict[str, Any], key: str) -> float:
+    """Return the standard deviation of a figure over the figure."""
+    value: Any = document
+    for step in key.split("."):
+        value = value[step]
+    return float(document["uncertainty"]["quantities"][key]["sd"] / value)
+
+
+def test_a_force_goes_with_the_thickness_and_with_all_stiffness(made: Any) -> None:
+    found = made((*CONTACT, "--thickness", "0.6mm +- 4 %"), fabric_json=material(scaled(0.03), law=0.02))
+    assert found["uncertainty"]["method"] == "linear"
+    for key in ("force_N", "energy_J"):
+        assert relative(found, key) == pytest.approx(np.sqrt(0.04**2 + 0.03**2 + 0.02**2), rel=1e-8)
+    assert relative(found, "stress_max_MPa") == pytest.approx(np.sqrt(0.03**2 + 0.02**2), rel=1e-8)
+    # Where it lies is a matter of the ratios of the constants alone.
+    assert "stretch_max" not in found["uncertainty"]["quantities"]
+    budget = found["uncertainty"]["quantities"]["force_N"]["budget"]
+    assert [one["source"] for one in budget] == [
+        "thickness_mm", "fabric.json: constants, 5 specimens", "fabric.json: choice of the law"
+    ]  # fmt: skip
+    assert budget[0]["share"] == pytest.approx(0.04**2 / (0.04**2 + 0.03**2 + 0.02**2))
+    euler = found["uncertainty"]["quantities"]["force_N"]["sensitivities"]
+    total = sum(value * euler[f"fabric.json: parameters.{name}"] for name, value in CONSTANTS.items())
+    assert total == pytest.approx(found["force_N"], rel=1e-9)
+    assert euler["thickness_mm"] == pytest.approx(found["force_N"] / 0.6, rel=1e-9)
+
+
+def test_few_specimens_widen_the_interval(made: Any) -> None:
+    for freedom, wide in ((2, 4.302653), (0, 1.959964), (9, 2.262157)):
+        found = made(CONTACT, fabric_json=material(scaled(0.03), freedom))
+        band = found["uncertainty"]["quantities"]["force_N"]
+        assert (band["high"] - found["force_N"]) / band["sd"] == pytest.approx(wide, rel=1e-6)
+
+
+def test_what_the_inputs_do_not_state_is_not_made_up(made: Any) -> None:
+    for sure in (material(), material(scaled(0.03))):
+        bare = json.loads(sure)
+        del bare["fit"]
+        plain = made(CONTACT, fabric_json=json.dumps(bare).encode())
+        asked = made((*CONTACT, "--uncertainty", "none"), fabric_json=sure)
+        assert not {"uncertainty"} & {*plain, *plain["setup"], *asked}
+        assert plain["force_N"] == asked["force_N"]
+    assert "uncertainty" not in made(CONTACT, fabric_json=material())
+
+
+def test_samples_agree_with_the_linear_answer_where_that_holds(made: Any) -> None:
+    spread = np.diag([0.0024, 0.0012, 0.0005]) ** 2
+    linear = made((*CONTACT, "--uncertainty", "linear"), fabric_json=material(spread))
+    sampled = made((*CONTACT, "--uncertainty", "sampled"), fabric_json=material(spread))
+    assert sampled["uncertainty"]["samples"] == 400
+    # The edge of contact jumps on its mesh as nodes come to touch: it is not drawn.
+    assert set(linear["uncertainty"]["quantities"]) - set(sampled["uncertainty"]["quantities"]) == {
+        "contact_radius_mm"
+    }
+    for key in ("force_N", "energy_J", "stress_max_MPa"):
+        band = linear["uncertainty"]["quantities"][key]
+        again = sampled["uncertainty"]["quantities"][key]
+        # JCGM 101, 8.1: within half a unit of the one figure that is told of the standard deviation.
+        assert again["sd"] == pytest.approx(band["sd"], rel=0.1), key
+        for end in ("low", "high"):
+            assert abs(again[end] - band[end]) < 0.25 * band["sd"], key
+
+
+def test_a_drape_goes_with_all_stiffness(made: Any) -> None:
+    found = made(DRAPE, fabric_json=material(scaled(0.03)))
+    for key in ("force_N", "energy_J", "stress_warp_max_MPa"):
+        assert relative(found, key) == pytest.approx(0.03, rel=1e-4)
+
+
+def test_warp_and_weft_are_sources_of_their_own(made: Any) -> None:
+    part = json.loads(material(scaled(0.03)))
+    ways = {way: {"parameters": CONSTANTS, "fit": part["fit"]} for way in ("warp", "weft")}
+    found = made((*DRAPE, "--uncertainty", "linear"), fabric_json=material(directions=ways))
+    budget = found["uncertainty"]["quantities"]["force_N"]["budget"]
+    assert [one["share"] for one in budget] == pytest.approx([0.5, 0.5], abs=0.02)  # the ball's facets differ
+    assert relative(found, "force_N") == pytest.approx(0.03 / np.sqrt(2.0), rel=1e-3)
+
+
+def test_a_warm_up_without_losses_takes_as_long_as_the_power_is_small(made: Any) -> None:
+    mold = INSULATED.replace("3000 W", "3000 W ± 2 %")
+    found = made(("mold-heat", "plate.toml"), plate_toml=mold.encode())
+    # The surface lags by as long whatever the power is: t = C dT/P + lag.
+    exact = found["heat_capacity_J_K"] * 175.0 / 3000.0
+    assert found["uncertainty"]["quantities"]["warmup_time_s"]["sd"] == pytest.approx(0.02 * exact, rel=2e-3)
+    budget = found["uncertainty"]["quantities"]["warmup_time_s"]["budget"]
+    assert budget == [{"source": "plate.toml: heater.0.power", "share": pytest.approx(1.0)}]
+
+
+def test_rooms_stated_alike_are_one_room(made: Any) -> None:
+    """Start and surroundings that are both warmer by as much: all is, and losses stay."""
+    mold = PLATE.replace('h = { table = "film.csv" }', 'h = "9 W/m^2/K"').replace("25 degC", "25 degC +- 3 K")
+    mold = mold.replace('target = "200 degC"', 'until = "60 s"')
+    found = made(("mold-heat", "plate.toml"), plate_toml=mold.encode())
+    band = found["uncertainty"]["quantities"]["work_surface.mean_degC"]
+    assert band["sd"] == pytest.approx(3.0, rel=1e-6)
+    assert "energy.lost_J" not in found["uncertainty"]["quantities"]
+
+
+def test_a_press_goes_with_its_foam(made: Any) -> None:
+    foam = FOAM.replace("0.05 MPa", "0.05 MPa +- 10 %").encode()
+    found = made((*PRESS, "--uncertainty", "linear"), foam_toml=foam)
+    assert relative(found, "force_N") == pytest.approx(0.1, rel=1e-6)
+    assert "contact_fraction" not in found["uncertainty"]["quantities"]
+
+
+def test_the_set_up_keeps_tolerances_and_gives_them_back(made: Any, folder: Path) -> None:
+    found = made((*CONTACT, "--thickness", "0.6mm +- 4 %"), fabric_json=material())
+    assert found["setup"]["tolerances"] == {"thickness_mm": pytest.approx(0.024)}
+    values = case_class("fabric-contact").load(found["setup"], "contact.json")
+    assert values["thickness"].sd == pytest.approx(0.024)
