@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from hyperfab.loop.fabric_tests import FabricTest
 from hyperfab.materials.effects.path import BIAXIAL, MODE_NAMES, SHEAR, UNIAXIAL
-
-if TYPE_CHECKING:
-    from hyperfab.loop.fabric import FabricTest
 
 _POINTS = 60
 
@@ -98,8 +95,6 @@ def _made(
     timed: bool,
     warmed: bool,
 ) -> FabricTest:
-    from hyperfab.loop.fabric import FabricTest
-
     stretch, time = [np.array([1.0])], [np.array([0.0])]
     here, now = 1.0, 0.0
     for number, turn in enumerate(turns):
@@ -114,7 +109,7 @@ def _made(
             time.append(now + wait)
             now += hold
     lam = np.concatenate(stretch)
-    made = FabricTest(
+    return FabricTest(
         name=name,
         mode=mode,
         stretch=lam,
@@ -124,4 +119,3 @@ def _made(
         angle_deg=angle,
         specimen=f"next: {name}",
     )
-    return replace(made)

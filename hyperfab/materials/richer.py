@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from hyperfab.materials.effects.elastic_law import FORMS, added_terms, split
+from hyperfab.materials.effects.elastic_law import FORMS
 from hyperfab.materials.kinematics import Sheet
 from hyperfab.materials.law import Law
 from hyperfab.materials.material import Material
@@ -22,7 +22,8 @@ def richer(material: Material, form: str, constants: Mapping[str, float]) -> Mat
     True
     """
     law = _Richer(material.law, form)
-    c, shape = split(form, [constants[name] for name in FORMS[form]])
+    added = FORMS[form]
+    c, shape = added.split([constants[name] for name in added.names])
     return Material(law, (*material.c, *c), (*material.theta, *shape))
 
 
@@ -31,16 +32,16 @@ class _Richer(Law):
     source = "hyperfab.materials.effects.elastic_law"
 
     def __init__(self, base: Law, form: str) -> None:
-        self.base, self.form, self.added = base, form, FORMS[form]
+        self.base, self.added = base, FORMS[form]
         self.name, self.isotropic = base.name, base.isotropic
         self.equation = f"{base.equation}, and {form}"
-        self.linear = (*base.linear, *(name for name in self.added if name.endswith("_MPa")))
-        self.nonlinear = (*base.nonlinear, *(name for name in self.added if not name.endswith("_MPa")))
+        self.linear = (*base.linear, *self.added.linear)
+        self.nonlinear = (*base.nonlinear, *self.added.nonlinear)
 
     def terms(self, sheet: Sheet, theta: Sequence[Value]) -> list[Term]:
         """Return the terms of the base law, then those added."""
         own = len(self.base.nonlinear)
-        added = added_terms(self.form, sheet, [float(value) for value in theta[own:]])
+        added = self.added.terms(sheet, *(float(value) for value in theta[own:]))
         return [*self.base.terms(sheet, theta[:own]), *added]
 
     def contraction(self, theta: Sequence[Value]) -> Value:

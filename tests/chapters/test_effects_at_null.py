@@ -16,7 +16,8 @@ from hyperfab.cases.options import read
 from hyperfab.cases.registry import case_class
 from hyperfab.chapters.rerun import rerun
 from hyperfab.io.stl_write import stl_bytes
-from hyperfab.loop.fabric import FabricTest, fabric_problem
+from hyperfab.loop.fabric import fabric_problem
+from hyperfab.loop.fabric_tests import FabricTest
 from hyperfab.materials.registry import law
 
 CONSTANTS = {"C10_MPa": 0.06, "C20_MPa": 0.02, "C30_MPa": 0.017}

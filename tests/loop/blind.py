@@ -21,7 +21,8 @@ from loop.generators import fabric as truths
 from loop.generators import other_fabric
 
 from hyperfab.loop.engine import Finding, close
-from hyperfab.loop.fabric import FabricProblem, FabricTest, fabric_problem
+from hyperfab.loop.fabric import FabricProblem, fabric_problem
+from hyperfab.loop.fabric_tests import FabricTest
 from hyperfab.materials.registry import law
 
 #: Pairs for the trials with two effects.

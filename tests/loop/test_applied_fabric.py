@@ -16,7 +16,8 @@ from hyperfab.chapters.close_loop.fabric import pose
 from hyperfab.chapters.close_loop.tests_in import Measured
 from hyperfab.documents.base import parse_document
 from hyperfab.documents.material import MaterialDocument
-from hyperfab.loop.fabric import FabricProblem, FabricTest
+from hyperfab.loop.fabric import FabricProblem
+from hyperfab.loop.fabric_tests import FabricTest
 from hyperfab.materials import bind
 from hyperfab.materials.effects.thermal_softening import LAWS
 from hyperfab.materials.registry import laws

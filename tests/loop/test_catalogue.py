@@ -16,8 +16,9 @@ from hyperfab.loop.catalogue.drape.scene import Scene as DrapeScene
 from hyperfab.loop.catalogue.fabric.scene import Scene as FabricScene
 from hyperfab.loop.catalogue.heat.scene import Scene as HeatScene
 from hyperfab.loop.catalogue.press.scene import Scene as PressScene
-from hyperfab.loop.fabric import FabricTest, fabric_problem
+from hyperfab.loop.fabric import fabric_problem
 from hyperfab.loop.fabric_extras import menu
+from hyperfab.loop.fabric_tests import FabricTest
 from hyperfab.loop.heat import _MENU
 from hyperfab.loop.problem import Effect, Form
 from hyperfab.materials import laws

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import ast
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
+from conftest import ROOT
 from loop.generators import fabric as truths
 
-from hyperfab.loop.fabric import FabricTest, fabric_problem
+from hyperfab.loop.fabric import fabric_problem
+from hyperfab.loop.fabric_tests import FabricTest
 from hyperfab.materials import bind
 from hyperfab.materials.effects import compressibility
 from hyperfab.materials.effects.anisotropy import fibres
@@ -226,3 +229,33 @@ def test_energy_of_shape_and_volume_leaves_no_stress_across(mode: int, nu: float
     term = law("neo-hookean").terms(there, [])[0]
     told = 0.5 * G * term.stress(there) / np.cbrt(J)
     assert float(told[0]) == pytest.approx(stress(state, 0), rel=1e-6)
+
+
+def _asks_a_name(node: ast.AST) -> bool:
+    """Whether code goes one way or another by the name of a form."""
+
+    def is_form(one: ast.AST) -> bool:
+        key = one.slice if isinstance(one, ast.Subscript) else None
+        return (
+            (isinstance(one, ast.Name) and one.id.endswith("form"))
+            or (isinstance(one, ast.Attribute) and one.attr == "form")
+            or (isinstance(key, ast.Constant) and key.value == "form")
+        )
+
+    if isinstance(node, ast.Compare):
+        texts = [
+            one
+            for one in ast.walk(node)
+            if isinstance(one, ast.Constant) and one.value and one.value != "form"
+        ]
+        return is_form(node.left) and any(isinstance(one.value, str) for one in texts)
+    call = isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)
+    return call and node.func.attr in ("startswith", "endswith", "split") and is_form(node.func.value)
+
+
+def test_no_form_is_told_by_its_name() -> None:
+    found = []
+    for file in sorted((ROOT / "hyperfab").rglob("*.py")):
+        tree = ast.parse(file.read_text(encoding="utf-8"))
+        found += [f"{file.name}:{node.lineno}" for node in ast.walk(tree) if _asks_a_name(node)]
+    assert found == []

@@ -13,7 +13,8 @@ from loop.generators import fabric as truths
 
 from hyperfab.chapters.close_loop.words import _at_bounds
 from hyperfab.loop.engine import _no_worse, _pruned, close, is_no_worse
-from hyperfab.loop.fabric import FabricProblem, FabricTest, fabric_problem
+from hyperfab.loop.fabric import FabricProblem, fabric_problem
+from hyperfab.loop.fabric_tests import FabricTest
 from hyperfab.loop.fitting import fit
 from hyperfab.loop.noise import Noise, estimate_noise
 from hyperfab.loop.search import Search, State

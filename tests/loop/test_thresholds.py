@@ -21,7 +21,7 @@ from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.errors import InputError
 from hyperfab.loop import engine, fabric, heldout, judge, mimic, noise, scatter, thresholds
 from hyperfab.loop.design import NextMeasurement
-from hyperfab.loop.fabric import FabricTest
+from hyperfab.loop.fabric_tests import FabricTest
 from hyperfab.loop.heldout import HeldOut, Help, help_of
 from hyperfab.loop.judge import Judgement
 from hyperfab.loop.noise import Noise, estimate_noise

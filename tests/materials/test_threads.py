@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hyperfab.loop.fabric import FabricTest, fabric_problem
+from hyperfab.loop.fabric import fabric_problem
+from hyperfab.loop.fabric_tests import FabricTest
 from hyperfab.materials.effects.path import BIAXIAL, GENERAL, UNIAXIAL
 from hyperfab.materials.effects.threads import Threads
 from hyperfab.materials.orthotropic import Orthotropic

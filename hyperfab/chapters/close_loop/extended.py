@@ -12,9 +12,11 @@ from hyperfab.chapters.fabric import ORTHOTROPIC
 from hyperfab.chapters.tested import tested_by
 from hyperfab.documents.material import Direction, MaterialDocument
 from hyperfab.errors import InputError
-from hyperfab.loop.fabric import FabricProblem, FabricTest
+from hyperfab.loop.fabric import FabricProblem
+from hyperfab.loop.fabric_tests import FabricTest
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.problem import Array, Constant, Form
+from hyperfab.materials.effects import anisotropy, elastic_law
 from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.path import MODE_NAMES, uniaxial_pull
 from hyperfab.materials.identification.design import Problem as LawProblem
@@ -22,12 +24,6 @@ from hyperfab.materials.identification.fit import fit_law
 from hyperfab.materials.identification.rows import Curve, Rows
 from hyperfab.materials.law import Law
 
-#: The keys of the document that tell an effect to every command.
-_TOLD_BY = {"anisotropy": "directions", "thermal-softening": "temperatures"}
-#: Forms that constants of warp and weft tell only nearly: the loop goes on from the ``ground`` and the term itself.
-_BEYOND_DIRECTIONS = ("warp-fibres", "weft-fibres", "constants-fibres", "threads")
-#: Laws of which a polynomial in I1 is a richer one.
-_POWERS = ("neo-hookean", "yeoh-1", "yeoh-2")
 #: Effects that have no prediction where the tests state no times.
 _NEEDS_TIMES = ("rate",)
 #: A test cut within this angle [deg] of warp or weft is a test of it.
@@ -80,8 +76,13 @@ def extend(document: MaterialDocument, problem: FabricProblem, fit: Fit, law: La
     result = document.refitted()
     terms = fit.terms
     form, values = {**had, **terms}.get("anisotropy", ("", np.empty(0)))
-    # One law of the whole sheet has no constants at each temperature: there the effect tells them itself.
-    told_by = {"anisotropy": "model"} if form == "threads" else _TOLD_BY
+    how = anisotropy.form_of({**had, **terms})
+    whole = how is not None and how.whole
+    # The keys of the document that tell an effect to every command.
+    told_by = {} if how is None else {"anisotropy": how.told_by}
+    if not whole:
+        # One law of the whole sheet has no constants at each temperature: there the effect tells them itself.
+        told_by["thermal-softening"] = "temperatures"
     records = _refitted(document, problem, had) + [
         {
             "id": name,
@@ -95,23 +96,29 @@ def extend(document: MaterialDocument, problem: FabricProblem, fit: Fit, law: La
     warp = dict(zip(law.names, map(float, ground), strict=True))
     weft = None if across is None else dict(zip(law.names, map(float, across), strict=True))
     own = dict(warp)
-    if form.endswith("fibres"):
-        warp, weft = _along_and_across(law, warp, form, values, problem)
-    elif form and form != "threads":
-        weft = _weft(law, warp, form, values)
+    if how is not None and not whole:
+        warp, weft = (
+            _along_and_across(law, warp, form, values, problem)
+            if how.nearly
+            else (warp, how.weft(law, warp, values))
+        )
     for record in records:
-        if record["id"] == "anisotropy" and form in _BEYOND_DIRECTIONS:
+        if record["id"] == "anisotropy" and how is not None and how.nearly:
+            # The loop goes on from the ground and the term itself.
             record["ground"] = own
-        if record["id"] == "elastic-law" and record["form"] == "powers" and law.name in _POWERS:
-            result.model, added = "yeoh-3", record["parameters"]
-            warp, own = _richer(warp, added), _richer(own, added)
-            weft = None if weft is None else _richer(weft, added)
+        added = elastic_law.FORMS.get(record["form"]) if record["id"] == "elastic-law" else None
+        if added is not None and law.name in added.richer:
+            result.model, more = added.richer[law.name], record["parameters"]
+            warp, own = _richer(warp, more), _richer(own, more)
+            weft = None if weft is None else _richer(weft, more)
             record["told_by"] = "model"
-    if form == "threads":
+    if whole:
         [sheet] = [record for record in records if record["id"] == "anisotropy"]
         # The loop goes on from the ground's own law; the other commands take the whole sheet's.
-        sheet["law"] = law.name if set(own) == set(law.names) else "yeoh-3"
-        result.model, warp = ORTHOTROPIC, _sheet(own, sheet["parameters"])
+        sheet["law"] = law.name if set(own) == set(law.names) else result.model
+        # None of the ground's is below zero: the fit leaves them there to rounding.
+        ground_of_it = {name: max(value, 0.0) for name, value in own.items()}
+        result.model, warp = ORTHOTROPIC, anisotropy.SHEET.constants(ground_of_it, values)
     result.parameters = warp
     result.temperatures = None
     result.directions = None
@@ -124,7 +131,7 @@ def extend(document: MaterialDocument, problem: FabricProblem, fit: Fit, law: La
             "warp": Direction(parameters=warp, tested=tested_by(_curves(along))),
             "weft": Direction(parameters=weft, tested=tested_by(_curves(square))),
         }
-    if "thermal-softening" in terms and form == "threads":
+    if "thermal-softening" in terms and whole:
         result.temperature_degC = problem.fabric.reference_degC
     elif "thermal-softening" in terms:
         known = problem.fabric.path.temperature_degC
@@ -155,19 +162,6 @@ def _named(form: Form, values: Array) -> dict[str, float]:
     return {constant.name: float(value) for constant, value in zip(form.constants, values, strict=True)}
 
 
-def _weft(law: Law, warp: Mapping[str, float], form: str, values: Array) -> dict[str, float]:
-    if form == "ratio":
-        return law.scaled(warp, float(values[0]))
-    return {name: warp[name] + float(value) for name, value in zip(law.names, values, strict=False)}
-
-
-def _sheet(ground: Mapping[str, float], threads: Mapping[str, float]) -> dict[str, float]:
-    """Return the constants of the orthotropic energy, none below zero: the fit leaves them there to rounding."""
-    found = {name: max(value, 0.0) for name, value in ground.items()}
-    found |= {name: threads[name] for name in ("k1_warp_MPa", "k1_weft_MPa", "G_MPa")}
-    return found | {"k2_warp": threads["k2"], "k2_weft": threads["k2"]}
-
-
 def _along_and_across(
     law: Law, ground: Mapping[str, float], form: str, values: Array, problem: FabricProblem
 ) -> tuple[dict[str, float], dict[str, float]]:
@@ -186,4 +180,5 @@ def _along_and_across(
 
 
 def _richer(own: Mapping[str, float], added: Mapping[str, float]) -> dict[str, float]:
-    return {name: own.get(name, 0.0) + added.get(name, 0.0) for name in ("C10_MPa", "C20_MPa", "C30_MPa")}
+    """Return the constants of the law that the terms of ``own`` and those ``added`` make together."""
+    return {name: own.get(name, 0.0) + added.get(name, 0.0) for name in dict.fromkeys((*own, *added))}

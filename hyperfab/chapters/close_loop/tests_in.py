@@ -22,7 +22,7 @@ from hyperfab.documents.provenance import Provenance
 from hyperfab.errors import InputError
 from hyperfab.io.csv_tests import TestData, read_tests
 from hyperfab.io.layout import PLAIN, Layout
-from hyperfab.loop.fabric import FabricTest
+from hyperfab.loop.fabric_tests import FabricTest
 from hyperfab.loop.problem import Array
 from hyperfab.materials.effects.path import BIAXIAL, GENERAL, SHEAR, UNIAXIAL, moving
 from hyperfab.numerics.hygiene import look

@@ -8,18 +8,13 @@ from hyperfab.chapters.fabric import FabricDocument, read_fabric_document
 from hyperfab.chapters.job import Job
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.materials import Material, bind
+from hyperfab.materials.effects.fabric import SPARES_FIRST_PULL
 from hyperfab.membrane.orthotropic import fibre_sheet, orthotropic_sheet
 from hyperfab.membrane.relaxed import RelaxedSheet
 from hyperfab.membrane.tension_field import IsotropicSheet, SheetLaw
 
 #: Effects of the test, not of the fabric: there is nothing in a sheet to obey them.
 _OF_THE_TEST = ("grip-slack", "load-offset")
-#: Forms of history that leave the first pull as it is, which is all that a punch going in does to the sheet.
-_SPARES_THE_FIRST_PULL = {
-    "mullins": ("pseudo-elastic", "strain"),
-    "hysteresis": ("pseudo-elastic", "returning", "bent"),
-    "permanent-set": ("returned", "next-pull"),
-}
 _WHY_NOT = {
     "hysteresis": "friction between the yarns takes part in the first pull too",
     "rate": "the sheet is pressed slowly, at its relaxed stress",
@@ -130,7 +125,8 @@ def _judged(document: MaterialDocument, degrees: float | None) -> tuple[list[str
             obeyed.append(kind)
         elif kind in _OF_THE_TEST:
             obeyed.append(f"{kind} (of the test, not of the fabric)")
-        elif form.startswith(_SPARES_THE_FIRST_PULL.get(kind, ("\0",))):
+        elif form in SPARES_FIRST_PULL.get(kind, ()):
+            # That is all that a punch going in does to the sheet.
             obeyed.append(f"{kind} (a first pull shows nothing of it)")
         else:
             left_out.append(f"{kind}: {_WHY_NOT.get(kind, 'unknown here')}")

@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
 import numpy as np
 
 from hyperfab.materials.effects.path import BIAXIAL, GENERAL, SHEAR, Path
 from hyperfab.materials.kinematics import Array
+from hyperfab.materials.law import Law
+
+#: Stress [MPa] and energy [MPa] of every row.
+Answer = tuple[Array, Array]
+#: What a law with these constants answers.
+OfLaw = Callable[[Array], Answer]
 
 
 def weft_share(path: Path) -> Array:
@@ -36,3 +45,114 @@ def fibres(path: Path, stretch: Array, warp: float, weft: float, growth: float) 
         shape = np.expm1(np.minimum(growth * strain**2, 300.0)) / growth if growth else strain**2
         energy = energy + 0.5 * stiffness * shape
     return stress, energy
+
+
+def between(path: Path, warp: Answer, weft: Answer) -> Answer:
+    """Return what lies between the answers of warp and weft, by the direction of each row."""
+    share = weft_share(path)
+    # The share 1 must give the weft itself, not a sum that rounds.
+    stress = np.where(share == 1.0, weft[0], warp[0] + share * (weft[0] - warp[0]))
+    return stress, warp[1] + share * (weft[1] - warp[1])
+
+
+class Directions:
+    """A form of the effect, for rows and for a document. ``told_by`` is the key of a document that tells it.
+
+    nearly  constants of the law along warp and weft come near to it only
+    whole   one law of the whole sheet tells it: it has no constants along warp and weft
+    """
+
+    told_by = "directions"
+    nearly = whole = False
+
+    def absent(self, values: Array) -> bool:
+        """Whether it stands at a null that would leave rounding behind."""
+        return False
+
+    def answer(self, of: OfLaw, path: Path, stretch: Array, warp: Array, values: Array) -> Answer:
+        """Return what the sheet answers whose warp has the constants ``warp``."""
+        raise NotImplementedError
+
+    def weft(self, law: Law, warp: Mapping[str, float], values: Array) -> dict[str, float]:
+        """Return the constants along the weft."""
+        raise NotImplementedError
+
+
+class Ratio(Directions):
+    """All stresses along the weft are those along the warp times one number."""
+
+    def answer(self, of: OfLaw, path: Path, stretch: Array, warp: Array, values: Array) -> Answer:
+        """Return what the sheet answers."""
+        stress, energy = of(warp)
+        factor = 1.0 + weft_share(path) * (values[0] - 1.0)
+        return stress * factor, energy * factor
+
+    def weft(self, law: Law, warp: Mapping[str, float], values: Array) -> dict[str, float]:
+        """Return the constants along the weft."""
+        return law.scaled(warp, float(values[0]))
+
+
+class Constants(Directions):
+    """Each constant along the weft is that along the warp and a number more."""
+
+    def answer(self, of: OfLaw, path: Path, stretch: Array, warp: Array, values: Array) -> Answer:
+        """Return what the sheet answers."""
+        return between(path, of(warp), of(np.asarray(warp) + np.asarray(values)))
+
+    def weft(self, law: Law, warp: Mapping[str, float], values: Array) -> dict[str, float]:
+        """Return the constants along the weft."""
+        return {name: warp[name] + float(value) for name, value in zip(law.names, values, strict=False)}
+
+
+@dataclass(frozen=True)
+class Fibres(Directions):
+    """Fibres in a ground: ``of`` gives their stiffness along warp and weft and their growth, the last of the constants.
+
+    Those before them are the ground's along the weft, as ``beside`` has them.
+    """
+
+    of: Callable[..., tuple[float, float, float]]
+    count: int
+    beside: Directions | None = None
+    nearly = True
+
+    def answer(self, of: OfLaw, path: Path, stretch: Array, warp: Array, values: Array) -> Answer:
+        """Return what ground and fibres answer together."""
+        own, rest = values[-self.count :], values[: -self.count]
+        ground = of(warp) if self.beside is None else self.beside.answer(of, path, stretch, warp, rest)
+        stress, energy = fibres(path, stretch, *self.of(*map(float, own)))
+        return ground[0] + stress, ground[1] + energy
+
+
+class Sheet(Directions):
+    """Threads in a ground, as one energy of the whole sheet: Orthotropic."""
+
+    told_by = "model"
+    nearly = whole = True
+
+    def absent(self, values: Array) -> bool:
+        """Whether no thread and no shear stiffness is there."""
+        return not np.any(values[[0, 1, 3]])
+
+    def constants(self, ground: Mapping[str, float], values: Array) -> dict[str, float]:
+        """Return the constants of the orthotropic energy."""
+        k1_warp, k1_weft, k2, shear = map(float, values)
+        both = {"k1_warp_MPa": k1_warp, "k1_weft_MPa": k1_weft, "k2_warp": k2, "k2_weft": k2, "G_MPa": shear}
+        return {**ground, **both}
+
+
+SHEET = Sheet()
+#: The forms in which warp and weft differ.
+FORMS: Mapping[str, Directions] = {
+    "ratio": Ratio(),
+    "constants": Constants(),
+    "warp-fibres": Fibres(lambda k, growth: (k, 0.0, growth), 2),
+    "weft-fibres": Fibres(lambda k, growth: (0.0, k, growth), 2),
+    "constants-fibres": Fibres(lambda warp, weft, growth: (warp, weft, growth), 3, Constants()),
+    "threads": SHEET,
+}
+
+
+def form_of(terms: Mapping[str, tuple[str, Array]]) -> Directions | None:
+    """Return the form in which warp and weft differ among ``terms``, None where none says so."""
+    return FORMS[terms["anisotropy"][0]] if "anisotropy" in terms else None

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
+
 import numpy as np
 
-from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL
+from hyperfab.materials.effects.anisotropy import weft_share
+from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL, Path
 from hyperfab.materials.kinematics import Array
 
 #: Newton steps for the volume; each doubles the digits.
@@ -88,3 +92,83 @@ def of_shape(mode: Array, stretch: Array, second: Array, ratio: Array) -> tuple[
     other = np.where(mode == BIAXIAL, stretch, np.where(mode == SHEAR, 1.0, second))
     other = np.where(mode == UNIAXIAL, np.sqrt(ratio / stretch), other)
     return stretch / size, np.asarray(other / size)
+
+
+@dataclass(frozen=True)
+class Contraction:
+    """A form of the effect: an exponent of the whole sheet, or of ``each`` direction; ``bent``: with its bend."""
+
+    each: bool = False
+    bent: bool = False
+
+    def absent(self, values: Array) -> bool:
+        """Whether the sheet keeps its volume."""
+        return bool(np.all(values[: len(values) - self.bent] == 0.5) and not (self.bent and values[-1]))
+
+    def poisson(self, values: Array) -> float | None:
+        """Return the one number that says it all, None where there is no such."""
+        return None if self.each or self.bent else float(values[0])
+
+    def exponent(self, path: Path, values: Array) -> tuple[Array, float]:
+        """Return the exponent of every row, and the bend."""
+        nu = np.full_like(path.stretch, values[0])
+        if self.each:
+            nu = nu + weft_share(path) * (values[1] - values[0])
+        return nu, float(values[-1]) if self.bent else 0.0
+
+    def across(self, path: Path, stretch: Array, values: Array) -> Array:
+        """Return the transverse stretch of uniaxial rows."""
+        return across(stretch, *self.exponent(path, values))
+
+    def state(
+        self, path: Path, stretch: Array, usual: Array, values: Array
+    ) -> tuple[Array, Array, Array | float]:
+        """Return the stretches in which the law is asked, and what its stress is multiplied by.
+
+        ``usual`` is the second stretch of a sheet that keeps its volume.
+        """
+        return stretch, as_incompressible(path.mode, stretch, usual, *self.exponent(path, values)), 1.0
+
+
+@dataclass(frozen=True)
+class Slope(Contraction):
+    """The law's slope stays as it is, what it acts on is less."""
+
+    def poisson(self, values: Array) -> float | None:
+        """Return None: the law is not that of a Poisson's ratio."""
+        return None
+
+    def state(
+        self, path: Path, stretch: Array, usual: Array, values: Array
+    ) -> tuple[Array, Array, Array | float]:
+        """Return the stretches of a sheet that keeps its volume, and how much less drives it."""
+        _, thinner, _ = super().state(path, stretch, usual, values)
+        return stretch, usual, pull(stretch, thinner, usual)
+
+
+@dataclass(frozen=True)
+class Split(Slope):
+    """An energy of shape and one of volume."""
+
+    def across(self, path: Path, stretch: Array, values: Array) -> Array:
+        """Return the transverse stretch of uniaxial rows."""
+        return np.asarray(np.sqrt(volume(path.mode, stretch, path.across, values[0]) / stretch))
+
+    def state(
+        self, path: Path, stretch: Array, usual: Array, values: Array
+    ) -> tuple[Array, Array, Array | float]:
+        """Return the stretches of shape alone."""
+        ratio = volume(path.mode, stretch, path.across, values[0])
+        return *of_shape(path.mode, stretch, path.across, ratio), 1.0 / np.cbrt(ratio)
+
+
+#: The forms in which a sheet changes its volume.
+FORMS: Mapping[str, Contraction] = {
+    "uniform": Contraction(),
+    "slope": Slope(),
+    "split": Split(),
+    "slope-bent": Slope(bent=True),
+    "uniform-bent": Contraction(bent=True),
+    "directions": Contraction(each=True),
+    "directions-bent": Contraction(each=True, bent=True),
+}

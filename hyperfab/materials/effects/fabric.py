@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -30,6 +31,12 @@ from hyperfab.materials.term import InvariantTerm, Term
 #: A term: its form and its constants, in the order of the form.
 Terms = Mapping[str, tuple[str, Array]]
 _KEPT = 12
+#: The effects within the law.
+_IN_LAW: Mapping[str, Mapping[str, Any]] = {
+    "anisotropy": anisotropy.FORMS,
+    "compressibility": compressibility.FORMS,
+    "elastic-law": elastic_law.FORMS,
+}
 #: The effects on the stress, in the order in which they act: the fabric's own, then time's, then the machine's.
 _ON_STRESS = {
     "thermal-softening": thermal_softening.FORMS,
@@ -37,6 +44,12 @@ _ON_STRESS = {
     "hysteresis": hysteresis.FORMS,
     "rate": rate.FORMS,
     "load-offset": load_offset.FORMS,
+}
+#: Forms of what rides on history that leave a first pull as the law has it.
+SPARES_FIRST_PULL: Mapping[str, Sequence[str]] = {
+    "mullins": mullins.SPARES_FIRST_PULL,
+    "hysteresis": hysteresis.SPARES_FIRST_PULL,
+    "permanent-set": permanent_set.SPARES_FIRST_PULL,
 }
 
 
@@ -61,7 +74,7 @@ class Fabric:
         alike. An effect that is not among ``terms`` leaves no trace: the result is bit for bit that of the law.
         """
         path = self.path
-        terms = {name: term for name, term in terms.items() if not _absent(name, *term)}
+        terms = _present(terms)
         stretch, place = self._stretch(terms)
         with np.errstate(all="ignore"):
             stress, energy = self._elastic(warp, weft, terms, stretch, place)
@@ -81,26 +94,15 @@ class Fabric:
 
         ``warp`` are the law's constants: a sheet of threads asks for them.
         """
+        terms = _present(terms)
         stretch, _ = self._stretch(terms)
         if _is_of_threads(terms):
             assert warp is not None
             return self._of_threads(warp, terms, stretch)[2]
-        if "compressibility" not in terms or _absent("compressibility", *terms["compressibility"]):
+        if "compressibility" not in terms:
             return np.asarray(stretch**-0.5)
         form, values = terms["compressibility"]
-        if form == "split":
-            ratio = compressibility.volume(self.path.mode, stretch, self.path.across, values[0])
-            return np.asarray(np.sqrt(ratio / stretch))
-        nu, bend = self._contraction(terms["compressibility"])
-        return compressibility.across(stretch, nu, bend)
-
-    def _contraction(self, term: tuple[str, Array]) -> tuple[Array, float]:
-        form, values = term
-        nu = np.full_like(self.path.stretch, values[0])
-        if form.startswith("directions"):
-            share = anisotropy.weft_share(self.path)
-            nu = nu + share * (values[1] - values[0])
-        return nu, float(values[-1]) if form.endswith("bent") else 0.0
+        return compressibility.FORMS[form].across(self.path, stretch, values)
 
     def _stretch(self, terms: Terms) -> tuple[Array, tuple[object, ...]]:
         stretch = self.path.stretch
@@ -131,46 +133,26 @@ class Fabric:
         stretch: Array,
         place: tuple[object, ...],
     ) -> tuple[Array, Array]:
-        needs_energy = "mullins" in terms or terms.get("hysteresis", ("",))[0] == "pseudo-elastic"
+        needs_energy = "mullins" in terms or terms.get("hysteresis", ("",))[0] in hysteresis.OF_ENERGY
         if _is_of_threads(terms):
             return self._of_threads(warp, terms, stretch)[:2]
-        one = self._of_law(warp, terms, stretch, place, needs_energy)
-        form, values = terms.get("anisotropy", ("", np.empty(0)))
-        if form.endswith("fibres"):
-            # Beside constants of the weft's own, or alone.
-            stress, energy = anisotropy.fibres(self.path, stretch, *_of_fibres(form, values))
-            if form == "constants-fibres":
-                plain = {**terms, "anisotropy": ("constants", values[:-3])}
-                one = self._elastic(warp, weft, plain, stretch, place)
-            return one[0] + stress, one[1] + energy
-        if weft is None and not form:
-            return one
-        share = anisotropy.weft_share(self.path)
-        if form == "ratio":
-            factor = 1.0 + share * (values[0] - 1.0)
-            return one[0] * factor, one[1] * factor
-        if form:
-            weft = np.asarray(warp) + np.asarray(values)
-        assert weft is not None
-        other = self._of_law(weft, terms, stretch, place, needs_energy)
-        # The share 1 must give the weft itself, not a sum that rounds.
-        stress = np.where(share == 1.0, other[0], one[0] + share * (other[0] - one[0]))
-        return stress, one[1] + share * (other[1] - one[1])
+
+        def of(constants: Array) -> tuple[Array, Array]:
+            return self._of_law(constants, terms, stretch, place, needs_energy)
+
+        if (form := anisotropy.form_of(terms)) is not None:
+            return form.answer(of, self.path, stretch, warp, terms["anisotropy"][1])
+        one = of(warp)
+        return one if weft is None else anisotropy.between(self.path, one, of(weft))
 
     def _of_threads(self, warp: Array, terms: Terms, stretch: Array) -> tuple[Array, Array, Array]:
         """Return stress, energy and stretch across of a sheet whose ground is the law, with threads in it."""
-        k1_warp, k1_weft, k2, shear = map(float, terms["anisotropy"][1])
-        constants = dict(zip(self.law.names, map(float, warp), strict=True))
-        constants |= {
-            "k1_warp_MPa": k1_warp,
-            "k1_weft_MPa": k1_weft,
-            "k2_warp": k2,
-            "k2_weft": k2,
-            "G_MPa": shear,
-        }
-        form, values = terms.get("compressibility", ("", np.empty(0)))
-        if form == "uniform":
-            constants["nu"] = float(values[0])
+        ground = dict(zip(self.law.names, map(float, warp), strict=True))
+        constants = anisotropy.SHEET.constants(ground, terms["anisotropy"][1])
+        if "compressibility" in terms:
+            form, values = terms["compressibility"]
+            nu = compressibility.FORMS[form].poisson(values)
+            constants |= {} if nu is None else {"nu": nu}
         stress, energy, across = self._threads.answer(constants, stretch)
         if "elastic-law" in terms:
             more = self._of_law(np.zeros(len(warp)), terms, stretch, ("added",), True)
@@ -195,7 +177,7 @@ class Fabric:
             return nowhere, nowhere
         c, theta = self.law.split(given)
         extra_form, extra = terms.get("elastic-law", ("", np.empty(0)))
-        linear, shape = elastic_law.split(extra_form, list(extra)) if extra_form else ([], [])
+        linear, shape = elastic_law.FORMS[extra_form].split(list(extra)) if extra_form else ([], [])
         nu = terms.get("compressibility", ("", np.empty(0)))
         key = (tuple(theta), place, extra_form, tuple(shape), nu[0], tuple(nu[1]), needs_energy)
         if key not in self._bases:
@@ -216,29 +198,12 @@ class Fabric:
         terms: Terms,
         needs_energy: bool,
     ) -> tuple[Array, Array | None]:
-        form, values = terms.get("compressibility", ("", np.empty(0)))
-        if form == "split":
-            return self._split(theta, stretch, extra_form, shape, values[0], needs_energy)
-        second = self._second(theta, stretch, terms)
-        plain: Array | float = 1.0
-        if form.startswith("slope"):
-            thinner, second = second, self._second(theta, stretch, {})
-            plain = compressibility.pull(stretch, thinner, second)
-        return self._columns(theta, Sheet.of(stretch, second), extra_form, shape, plain, needs_energy)
-
-    def _split(
-        self,
-        theta: Sequence[float],
-        stretch: Array,
-        extra_form: str,
-        shape: Sequence[float],
-        nu: float,
-        needs_energy: bool,
-    ) -> tuple[Array, Array | None]:
-        path = self.path
-        ratio = compressibility.volume(path.mode, stretch, path.across, nu)
-        sheet = Sheet.of(*compressibility.of_shape(path.mode, stretch, path.across, ratio))
-        return self._columns(theta, sheet, extra_form, shape, 1.0 / np.cbrt(ratio), needs_energy)
+        factor: Array | float = 1.0
+        l1, l2 = stretch, self._second(theta, stretch)
+        if "compressibility" in terms:
+            form, values = terms["compressibility"]
+            l1, l2, factor = compressibility.FORMS[form].state(self.path, stretch, l2, values)
+        return self._columns(theta, Sheet.of(l1, l2), extra_form, shape, factor, needs_energy)
 
     def _columns(
         self,
@@ -252,50 +217,32 @@ class Fabric:
         """Return the stress (times ``factor``) and the energy of each term of the law in a state of the sheet."""
         parts: list[Term] = list(self.law.terms(sheet, theta))
         if extra_form:
-            parts += elastic_law.added_terms(extra_form, sheet, shape)
+            parts += elastic_law.FORMS[extra_form].terms(sheet, *shape)
         nothing = 0.0 * sheet.l1
         columns = np.stack([part.stress(sheet) * factor + nothing for part in parts], axis=1)
         if not needs_energy:
             return columns, None
         return columns, np.stack([_energy(part, sheet) + nothing for part in parts], axis=1)
 
-    def _second(self, theta: Sequence[float], stretch: Array, terms: Terms) -> Array:
+    def _second(self, theta: Sequence[float], stretch: Array) -> Array:
+        """Return the second stretch where the sheet contracts as its law has it."""
         path = self.path
-        nu = self.law.contraction(theta)
         second = np.where(path.mode == BIAXIAL, stretch, np.where(path.mode == SHEAR, 1.0, path.across))
-        second = np.where(path.mode == UNIAXIAL, stretch**-nu, second)
-        if "compressibility" in terms:
-            contraction, bend = self._contraction(terms["compressibility"])
-            second = compressibility.as_incompressible(path.mode, stretch, second, contraction, bend)
-        return np.asarray(second)
+        return np.where(path.mode == UNIAXIAL, stretch ** -self.law.contraction(theta), second)
+
+
+def _present(terms: Terms) -> Terms:
+    """Return the terms less those at a null that would leave rounding behind: the law is then itself to the bit."""
+    return {
+        name: (form, values)
+        for name, (form, values) in terms.items()
+        if name not in _IN_LAW or not _IN_LAW[name][form].absent(values)
+    }
 
 
 def _is_of_threads(terms: Terms) -> bool:
-    return (
-        "anisotropy" in terms
-        and terms["anisotropy"][0] == "threads"
-        and not _absent("anisotropy", *terms["anisotropy"])
-    )
-
-
-def _of_fibres(form: str, values: Array) -> tuple[float, float, float]:
-    """Return the stiffness of fibres along warp and weft, and their growth."""
-    if form == "constants-fibres":
-        return float(values[-3]), float(values[-2]), float(values[-1])
-    one, growth = float(values[0]), float(values[1])
-    return (one, 0.0, growth) if form == "warp-fibres" else (0.0, one, growth)
-
-
-def _absent(name: str, form: str, values: Array) -> bool:
-    """Whether a term stands at a null that would leave rounding behind; the law is then to be itself to the bit."""
-    if name == "anisotropy":
-        return form == "threads" and not np.any(values[[0, 1, 3]])
-    if name == "elastic-law":
-        return not np.any(elastic_law.split(form, list(values))[0])
-    if name == "compressibility":
-        bent = form.endswith("bent")
-        return bool(np.all(values[: len(values) - bent] == 0.5) and not (bent and values[-1]))
-    return name == "hysteresis" and form == "bent" and values[0] == 0.0
+    form = anisotropy.form_of(terms)
+    return form is not None and form.whole
 
 
 def _energy(term: Term, sheet: Sheet) -> Array:

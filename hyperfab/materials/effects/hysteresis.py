@@ -3,25 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import erf
 
 from hyperfab.materials.effects.path import Path
 from hyperfab.materials.effects.recurrence import along
-from hyperfab.materials.effects.state import Acts
+from hyperfab.materials.effects.state import Acts, State
 from hyperfab.materials.kinematics import Array
 
-#: Forms of friction: of each set of yarns, whether it slides at a share of the load or at a stress.
-FRICTION = {
-    "friction": ("share",),
-    "dry": ("stress",),
-    "friction-dry": ("share", "stress"),
-    "friction-two": ("share", "share"),
-    "dry-two": ("stress", "stress"),
-    "stop": ("stress",),
-    "stop-two": ("stress", "stress"),
-}
+
+@dataclass(frozen=True)
+class Yarns:
+    """Sets of yarns that slide, each at a ``share`` of the load or at a ``stress``.
+
+    ``by_stress``: the slide follows the stress rather than the strain: Prandtl's stop operator, rounded.
+    """
+
+    kinds: tuple[str, ...]
+    by_stress: bool = False
+
+    def __call__(self, at: State, stress: Array, values: Array) -> Array:
+        """Return the stress with the friction of all sets.
+
+        ``values`` are pairs of a level (a share of the stress, or a stress [MPa]) and the strain over which it turns.
+        """
+        total = np.zeros_like(stress)
+        stretch = 1.0 + stress if self.by_stress else at.stretch
+        for number, kind in enumerate(self.kinds):
+            level, strain = values[2 * number], values[2 * number + 1]
+            slip = level * np.abs(stress) if kind == "share" else np.full_like(stress, level)
+            total = total + friction(at.path, stretch, slip, strain)
+        return stress + total
 
 
 def friction(path: Path, stretch: Array, slip: Array, strain: float) -> Array:
@@ -38,23 +52,6 @@ def friction(path: Path, stretch: Array, slip: Array, strain: float) -> Array:
     gain = path.up * slip * -np.expm1(-moved / strain)
     keep[first] = 0.0
     return along(keep, gain)
-
-
-def sliding(path: Path, stretch: Array, stress: Array, form: str, values: Array) -> Array:
-    """Return the friction of a form: one or two sets of yarns, each in proportion to the load or constant.
-
-    ``values`` are pairs of a level (a share of the stress, or a stress [MPa]) and the strain over which it turns.
-    """
-    kinds = FRICTION[form]
-    total = np.zeros_like(stress)
-    if form.startswith("stop"):
-        # The slide follows the stress rather than the strain: Prandtl's stop operator, rounded.
-        stretch = 1.0 + stress
-    for number, kind in enumerate(kinds):
-        level, strain = values[2 * number], values[2 * number + 1]
-        slip = level * np.abs(stress) if kind == "share" else np.full_like(stress, level)
-        total = total + friction(path, stretch, slip, strain)
-    return total
 
 
 def returning(path: Path, stretch: Array, amount: float, power: float) -> Array:
@@ -84,6 +81,8 @@ def bent(path: Path, stress: Array, amount: float) -> Array:
 
     A power law between the turn and rest, as measured ways down of knitted fabrics are often described.
     """
+    if amount == 0.0:
+        return stress  # to the bit
     top = stress[np.maximum(path.turn, 0)]
     share = np.clip(stress / np.where(top > 0.0, top, 1.0), 1e-12, None)
     return np.asarray(
@@ -91,14 +90,20 @@ def bent(path: Path, stress: Array, amount: float) -> Array:
     )
 
 
-def _sliding(form: str) -> Acts:
-    return lambda at, stress, values: stress + sliding(at.path, at.stretch, stress, form, values)
-
-
 #: What each form makes of the stress.
 FORMS: Mapping[str, Acts] = {
     "pseudo-elastic": lambda at, stress, values: stress * unloading(at.path, at.energy, *values),
     "returning": lambda at, stress, values: stress * returning(at.path, at.stretch, *values),
     "bent": lambda at, stress, values: bent(at.path, stress, values[0]),
-    **{form: _sliding(form) for form in FRICTION},
+    "friction": Yarns(("share",)),
+    "dry": Yarns(("stress",)),
+    "friction-dry": Yarns(("share", "stress")),
+    "friction-two": Yarns(("share", "share")),
+    "dry-two": Yarns(("stress", "stress")),
+    "stop": Yarns(("stress",), by_stress=True),
+    "stop-two": Yarns(("stress", "stress"), by_stress=True),
 }
+#: Forms that ride on the energy.
+OF_ENERGY = ("pseudo-elastic",)
+#: Forms that leave a first pull as the law has it.
+SPARES_FIRST_PULL = ("pseudo-elastic", "returning", "bent")

@@ -90,3 +90,5 @@ FORMS: Mapping[str, Acts] = {
     "damage": _by_damage,
     "damage-power": _by_damage,
 }
+#: Forms that leave a first pull as the law has it.
+SPARES_FIRST_PULL = ("pseudo-elastic", "pseudo-elastic-beta", "strain", "strain-shape", "strain-cycles")

@@ -143,3 +143,7 @@ FORMS: Mapping[str, Lengthens] = {
 }
 #: Forms in which a second network stands beside the law: it moves no stretch.
 NETWORKS = ("network", "network-power")
+#: Forms that leave a first pull as the law has it.
+SPARES_FIRST_PULL = (
+    "returned", "returned-power", "returned-bent", "next-pull", "next-pull-power", "next-pull-added"
+)  # fmt: skip

@@ -1,0 +1,194 @@
+"""Measured tests of a fabric as rows: how specimens were led, which are replicates, what a residual may ride on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from hyperfab.loop.problem import Array, Curve
+from hyperfab.loop.thresholds import SAME_WAY
+from hyperfab.materials.effects.path import GENERAL, MODE_NAMES, UNIAXIAL, Path, held, moving
+
+_SMOOTH_DEGREE = 5
+
+
+@dataclass(frozen=True)
+class FabricTest:
+    """One measured curve: what was done and what was read; nan where unknown.
+
+    ``transverse`` is the measured second stretch: of a general biaxial test what the sheet was given, of a uniaxial
+    one what it did. ``others`` are numbers known of the test that no law has a use for, by name.
+    """
+
+    name: str
+    mode: int
+    stretch: Array
+    stress: Array
+    transverse: Array | None = None
+    time_s: Array | None = None
+    rate_1_s: Array | None = None
+    temperature_degC: Array | None = None
+    angle_deg: float = np.nan
+    branch: Array | None = None
+    cycle: Array | None = None
+    specimen: str = ""
+    stress_sd: Array | None = None
+    others: Mapping[str, float] = field(default_factory=dict)
+
+
+def path_of(tests: Sequence[FabricTest]) -> tuple[Path, Array]:
+    """Return how all specimens were led, one after the other, and the strain rate of each row [1/s], nan if unknown."""
+
+    def column(name: str) -> Array:
+        parts = []
+        for test in tests:
+            value = getattr(test, name)
+            parts.append(
+                np.full(len(test.stretch), np.nan) if value is None else np.asarray(value, dtype=np.float64)
+            )
+        return np.concatenate(parts)
+
+    count = [len(test.stretch) for test in tests]
+    time = np.concatenate([_clock(test) for test in tests])
+    path = Path(
+        starts=tuple(int(v) for v in np.concatenate([[0], np.cumsum(count)])),
+        mode=np.repeat([test.mode for test in tests], count),
+        stretch=column("stretch"),
+        across=column("transverse"),
+        time_s=time,
+        temperature_degC=column("temperature_degC"),
+        angle_deg=np.repeat([float(test.angle_deg) for test in tests], count),
+        branch=np.nan_to_num(column("branch")).astype(np.int64),
+    )
+    speed = column("rate_1_s")
+    for rows in path.curves:
+        if np.all(np.isfinite(speed[rows])) or not np.all(np.isfinite(time[rows])):
+            continue
+        part, span = np.abs(np.diff(path.moved(rows))), np.diff(time[rows])
+        speed[rows] = float(np.sum(part)) / max(float(np.sum(span[part > 1e-9])), 1e-12)
+    return path, speed
+
+
+def _clock(test: FabricTest) -> Array:
+    """Return the time of each row; from the rate where that alone is known."""
+    if test.time_s is not None and np.all(np.isfinite(test.time_s)):
+        return np.asarray(test.time_s - test.time_s[0], dtype=np.float64)
+    if test.rate_1_s is None or not np.all(np.asarray(test.rate_1_s) > 0.0):
+        return np.full(len(test.stretch), np.nan)
+    stretch = test.stretch
+    if test.mode == GENERAL and test.transverse is not None:
+        stretch = moving(stretch, test.transverse)
+    step = np.abs(np.diff(stretch)) / np.asarray(test.rate_1_s)[1:]
+    return np.concatenate([[0.0], np.cumsum(step)])
+
+
+def curves_of(
+    path: Path, tests: Sequence[FabricTest], stress: Array
+) -> tuple[tuple[Curve, ...], Array, Array]:
+    """Return the curves, the rows that state a transverse stretch, and the readings: stresses, then those."""
+    curves, rows, extra = [], [], []
+    at = len(stress)
+    setups = _setups(path, tests)
+    for test, place, setup in zip(tests, path.curves, setups, strict=True):
+        up = path.up[place]
+        corners = (np.diff(up) != 0) | (np.diff(held(path.moved(place)).astype(np.int64)) != 0)
+        cuts = tuple(int(i) for i in place.start + 1 + np.flatnonzero(corners))
+        time = path.time_s[place]
+        rising = bool(np.all(np.isfinite(time)) and np.all(np.diff(time) > 0.0))
+        specimen = test.specimen or test.name
+        lam = path.moved(place)
+        abscissa = time if rising else lam
+        curves.append(Curve(test.name, place.start, place.stop, abscissa, cuts, setup, specimen, place=lam))
+        if test.mode == UNIAXIAL and test.transverse is not None and np.all(np.isfinite(test.transverse)):
+            count = place.stop - place.start
+            rows.append(np.arange(place.start, place.stop))
+            extra.append(test.transverse)
+            shifted = tuple(cut - place.start + at for cut in cuts)
+            curves.append(
+                Curve(f"{test.name} transverse", at, at + count, abscissa, shifted, setup, specimen, 1, lam)
+            )
+            at += count
+    if not rows:
+        return tuple(curves), np.empty(0, dtype=np.int64), stress
+    order = sorted(curves, key=lambda curve: curve.start)
+    return tuple(order), np.concatenate(rows), np.concatenate([stress, *extra])
+
+
+def _setups(path: Path, tests: Sequence[FabricTest]) -> list[str]:
+    """Return what each test shares with its replicates: the whole way it was led, in both stretches."""
+    found: list[tuple[str, Array, str]] = []
+    for test, rows in zip(tests, path.curves, strict=True):
+        how, way = _pace(test, path.moved(rows)), _way(path, rows)
+        like = (name for same, other, name in found if same == how and _is_same_way(way, other))
+        found.append((how, way, next(like, f"{how} {len(found)}")))
+    return [name for _, _, name in found]
+
+
+def _pace(test: FabricTest, stretch: Array) -> str:
+    """Return mode, direction, temperature and rate of a test, rounded."""
+    temperature = "-" if test.temperature_degC is None else f"{float(np.mean(test.temperature_degC)):.0f}"
+    speed = "-" if test.rate_1_s is None else f"{float(np.median(test.rate_1_s)):.2g}"
+    if speed == "-" and test.time_s is not None:
+        moved = float(np.sum(np.abs(np.diff(stretch))))
+        span = float(test.time_s[-1] - test.time_s[0])
+        # Hand-driven machines: within a factor of about two the pace counts as one.
+        speed = f"2^{round(np.log2(max(moved / span, 1e-12)) / 2.0):.0f}" if span > 0.0 else "-"
+    return f"{MODE_NAMES[test.mode]} {test.angle_deg:.0f} {temperature} {speed}"
+
+
+def _way(path: Path, rows: slice) -> Array:
+    """Return the strains (turns, 2) at which a test turned and ended, along the pull and across where that is given."""
+    up = path.up[rows]
+    ends = rows.start + np.concatenate([np.flatnonzero(np.diff(up) != 0), [len(up) - 1]])
+    across = np.where(path.mode[ends] == GENERAL, path.across[ends], 1.0)
+    return np.log(np.stack([path.stretch[ends], across], axis=1))
+
+
+def _is_same_way(one: Array, other: Array) -> bool:
+    """Whether two tests turned at the same places, but for a share of how far they went."""
+    if one.shape != other.shape:
+        return False
+    far = max(float(np.max(np.abs(one))), float(np.max(np.abs(other))))
+    return float(np.max(np.abs(one - other))) <= SAME_WAY * far
+
+
+def states_of(path: Path, tests: Sequence[FabricTest], speed: Array) -> dict[str, Array]:
+    """Return the state variables that a residual may ride on, by name."""
+    cycle = np.ones(len(path.stretch))
+    for rows, test in zip(path.curves, tests, strict=True):
+        if test.cycle is not None:
+            cycle[rows] = test.cycle
+        else:
+            up = path.up[rows]
+            cycle[rows] = 1.0 + np.concatenate([[0], np.cumsum((up[1:] > 0) & (up[:-1] < 0))])
+    others = dict.fromkeys(name for test in tests for name in test.others)
+    count = [len(test.stretch) for test in tests]
+    return {
+        "stretch": path.stretch,
+        "branch": path.up.astype(np.float64),
+        "cycle": cycle,
+        "time_s": path.time_s,
+        "log rate": np.log(np.maximum(speed, 1e-12)),
+        "temperature_degC": path.temperature_degC,
+        "direction_deg": path.angle_deg,
+        "mode": path.mode.astype(np.float64),
+        **{name: np.repeat([test.others.get(name, np.nan) for test in tests], count) for name in others},
+    }
+
+
+def smooth_of(path: Path, rows: int) -> Array:
+    """Return polynomials of the strain, a set for each mode in the data: what a poor elastic law leaves."""
+    columns = []
+    for mode in np.unique(path.mode):
+        there = path.mode == mode
+        reach = max(float(np.max(path.stretch[there])) - 1.0, 1e-9)
+        strain = np.where(there, (path.stretch - 1.0) / reach, 0.0)
+        columns += [strain**power for power in range(1, _SMOOTH_DEGREE + 1)]
+        if mode == GENERAL:
+            other = np.where(there, path.across - 1.0, 0.0) / max(float(np.ptp(path.across[there])), 1e-9)
+            columns += [strain**m * other**n for m in range(3) for n in range(1, 3)]
+    found = np.zeros((rows, len(columns)))
+    found[: len(path.stretch)] = np.stack(columns, axis=1)
+    return found
