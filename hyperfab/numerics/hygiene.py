@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 
 #: A curve has turned where it comes back by this share of its whole way.
 TURN = 0.2
@@ -84,12 +85,25 @@ def branches(stretch: Array) -> Whole:
     >>> branches(np.array([1.0, 1.5, 2.0, 1.5, 1.1]))
     array([ 1,  1,  1, -1, -1])
     """
-    away = np.abs(np.log(np.maximum(stretch, 1e-12)))
-    found = np.ones(len(stretch), dtype=np.int64)
-    for part in turns(away):
-        if away[part][-1] < away[part][0]:
+    return sides(_away(stretch))
+
+
+def sides(way: Array, share: float = TURN) -> Whole:
+    """Return 1 for rows of a sweep in which ``way`` grows, -1 for those of one in which it falls.
+
+    >>> sides(np.array([1.0, 1.5, 1.1, 1.6]))
+    array([ 1,  1, -1,  1])
+    """
+    found = np.ones(len(way), dtype=np.int64)
+    for part in turns(way, share):
+        # From the row it turned at: a sweep may be of one row.
+        if len(way) and way[part.stop - 1] < way[max(part.start - 1, 0)]:
             found[part] = -1
     return found
+
+
+def _away(stretch: Array) -> Array:
+    return np.abs(np.log(np.maximum(stretch, 1e-12)))
 
 
 def cycles(stretch: Array, branch: Whole | None = None) -> Whole:
@@ -98,6 +112,21 @@ def cycles(stretch: Array, branch: Whole | None = None) -> Whole:
     begins = np.zeros(len(side), dtype=bool)
     begins[1:] = (side[1:] == 1) & (side[:-1] == -1)
     return np.asarray(1 + np.cumsum(begins), dtype=np.int64)
+
+
+def first_loading(stretch: Array, branch: Whole | None = None, cycle: Whole | None = None) -> Flags:
+    """Return which rows are of the first way away from rest: as stated, else by the turns, up to the farthest stretch.
+
+    >>> first_loading(np.array([1.0, 1.5, 1.1, 1.6, 2.0])).tolist()
+    [True, True, False, False, False]
+    """
+    side = branches(stretch) if branch is None else branch
+    number = cycles(stretch, side) if cycle is None else cycle
+    found = (side == 1) & (number == number.min())
+    if branch is None:
+        away = np.where(found, _away(stretch), -np.inf)
+        found &= np.arange(len(stretch)) <= int(np.argmax(away))
+    return np.asarray(found)
 
 
 def scatter(values: Array) -> float:

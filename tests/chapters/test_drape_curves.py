@@ -63,6 +63,15 @@ def test_the_way_back_is_left_out(read):
     assert any("2 rows left out: unloading" in line for line in said)
 
 
+def test_of_pulls_that_nothing_numbers_the_first_is_taken(read):
+    """The second goes farther and is softer: its rows, and the way back between both, are no law of the first."""
+    first, second = [(1.2, 0.2), (1.5, 0.6), (1.25, 0.1)], [(1.05, 0.01), (1.4, 0.2), (1.8, 0.7)]
+    curve, said = read(rows((1.0, 0.0), *first, *second))
+    assert curve.tested == 1.5
+    assert curve.law([1.2, 1.35, 1.5])[1] == pytest.approx([0.2, 0.4, 0.6], rel=1e-12)
+    assert any("4 rows left out: unloading and later pulls" in line for line in said)
+
+
 def test_specimens_are_averaged_as_far_as_all_of_them_go(read):
     """Read at 1.2, 1.4 and at 1.3, 1.5: between readings straight; beyond 1.4 one of them has no say."""
     text = "specimen,stretch [-],stress [MPa]\na,1,0\na,1.2,0.2\na,1.4,0.4\nb,1,0\nb,1.3,0.6\nb,1.5,1.0\n"

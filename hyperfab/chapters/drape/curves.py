@@ -13,6 +13,7 @@ from hyperfab.cloth.law import Floats
 from hyperfab.errors import InputError
 from hyperfab.io.csv_tests import TestData, read_tests
 from hyperfab.io.specimen import Geometry
+from hyperfab.numerics.hygiene import first_loading
 
 #: Tests further apart than this in temperature [K] are not of one curve.
 ONE_TEMPERATURE = 5.0
@@ -98,17 +99,12 @@ def _one_direction(tests: list[TestData], option: str, name: str, direction: flo
 
 def _loading(test: TestData, name: str, dropped: Counter[str]) -> tuple[Floats, Floats]:
     """Stretch and stress of the first loading, by rising stretch, from (1, 0)."""
-    keep = np.ones(len(test.stretch), bool)
+    keep = first_loading(test.stretch, test.branch, test.cycle)
+    later = np.zeros(len(keep), bool)
     if test.cycle is not None:
-        keep &= test.cycle == test.cycle.min()
-        dropped["not of the first cycle"] += int(np.count_nonzero(~keep))
-    if test.branch is not None:
-        back = keep & (test.branch == -1)
-    else:
-        turn = int(np.argmax(np.where(keep, test.stretch, -np.inf)))
-        back = keep & (np.arange(len(keep)) > turn)
-    dropped["unloading"] += int(np.count_nonzero(back))
-    keep &= ~back
+        later = test.cycle != test.cycle.min()
+        dropped["not of the first cycle"] += int(np.count_nonzero(later))
+    dropped["unloading and later pulls"] += int(np.count_nonzero(~keep & ~later))
     short = keep & (test.stretch <= 1.0)
     dropped["not stretched"] += int(np.count_nonzero(short))
     keep &= ~short

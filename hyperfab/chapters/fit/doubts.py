@@ -11,7 +11,7 @@ from hyperfab.chapters.fit.identify import Identified, Setting
 from hyperfab.chapters.fit.judge import Judged, Sets
 from hyperfab.chapters.fit.reading import Array, Reading
 from hyperfab.documents.material import Replicates
-from hyperfab.numerics.hygiene import scatter
+from hyperfab.numerics.hygiene import first_loading, scatter
 
 #: A reading so many standard deviations off is no chance; laws that fit poorly leave up to 5 at the ends of a curve.
 FAR = 6.5
@@ -153,7 +153,7 @@ def replicates(curves: Sequence[Reading]) -> list[Replicates]:
 
 
 def _loading(curve: Reading) -> tuple[Array, Array]:
-    """Return the readings up to the largest stretch, in the order of stretch."""
-    rows = np.arange(int(np.argmax(curve.stretch)) + 1)
+    """Return the readings of the first loading, in the order of stretch."""
+    rows = np.flatnonzero(first_loading(curve.stretch, curve.branch, curve.cycle))
     rows = rows[np.argsort(curve.stretch[rows], kind="stable")]
     return curve.stretch[rows], curve.stress[rows]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.materials.kinematics import Array
-from hyperfab.numerics.hygiene import turns
+from hyperfab.numerics.hygiene import sides
 
 #: Codes of the deformation modes in ``Path.mode``.
 UNIAXIAL, SHEAR, BIAXIAL, GENERAL = range(4)
@@ -50,7 +50,11 @@ class Path:
         found = np.ones(len(self.stretch), dtype=np.int64)
         for rows in self.curves:
             stated = self.branch[rows]
-            found[rows] = stated if np.all(stated != 0) else _branches(self.moved(rows))
+            if np.all(stated != 0):
+                found[rows] = stated
+            else:
+                # A test begins with loading.
+                found[rows.start + 1 : rows.stop] = sides(self.moved(rows), _TURN)[1:]
         return found
 
     def moved(self, rows: slice) -> Array:
@@ -173,13 +177,3 @@ def uniaxial_pull(stretch: Array, angle_deg: float = 0.0) -> Path:
         angle_deg=np.full_like(stretch, angle_deg),
         branch=np.zeros(len(stretch), dtype=np.int64),
     )
-
-
-def _branches(stretch: Array) -> NDArray[np.int64]:
-    """Tell loading from unloading by turns that are larger than the noise."""
-    found = np.ones(len(stretch), dtype=np.int64)
-    for part in turns(stretch, _TURN):
-        if len(stretch) and stretch[part.stop - 1] < stretch[max(part.start - 1, 0)]:
-            found[part] = -1
-    found[:1] = 1
-    return found
