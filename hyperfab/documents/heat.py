@@ -112,6 +112,45 @@ class Variations(Part):
     runs: list[Variation]
 
 
+class PieceResult(Part):
+    """One piece of a production, from the moment it is laid in to that of the next."""
+
+    number: int
+    time_s: float = Field(description="when it is laid in")
+    surface_degC: float = Field(description="mean of the faces it lies on as it is laid in")
+    lowest_degC: float = Field(description="least mean of these faces until the next")
+    dip_K: float = Field(description="the first less the second")
+    dip_max_K: float = Field(description="greatest fall at any node of these faces")
+    heat_from_mold_J: float
+    heat_from_other_J: float | None = Field(default=None, description="from what its other face meets")
+    taken_out_degC: float = Field(description="mean of the piece, by its heat capacity, as it is taken out")
+    supplied_J: float = Field(description="by the heaters until the next")
+    lost_J: float = Field(description="by the mold through all conditions until the next, the piece apart")
+
+
+class Production(Part):
+    """Pieces laid in the mold and taken out, one after the other."""
+
+    pieces: int
+    period_s: float
+    in_s: float
+    area_mm2: float = Field(description="of the faces a piece lies on")
+    piece_capacity_J_K: float
+    came_round: bool = Field(
+        description="whether what the mold would still change by, its changes from piece to piece summed on, is below "
+        "run.tolerance"
+    )
+    drift_K: float | None = Field(
+        default=None, description="greatest change of any node from one laying in to the next, at the end"
+    )
+    power_W: float = Field(description="mean of the heaters through the last period")
+    power_to_hold_W: float = Field(
+        description="what the mold lost and the piece took in the last period, over the period: with it the "
+        "mold's heat stays what it is"
+    )
+    last: PieceResult
+
+
 class HeatDocument(Document):
     """The result of ``hf mold-heat``."""
 
@@ -157,6 +196,7 @@ class HeatDocument(Document):
     heat_capacity_J_K: float | None = Field(default=None, description="heat to warm all parts by one kelvin")
     design: Design | None = None
     variations: Variations | None = None
+    production: Production | None = None
     hottest: Extreme | None = None
     coldest: Extreme | None = None
     flux_max_W_m2: float | None = None

@@ -280,6 +280,48 @@ class WorkSurfaceSection(Section):
     on: Places
 
 
+class LayerSection(Section):
+    """A layer of a piece, of a material of constants."""
+
+    material: str
+    thickness: PositiveLength
+
+
+class OtherSideSection(Section):
+    """What a piece's other face meets: the other mold, by its temperature and the conductance to it."""
+
+    h: FilmCoefficient
+    temperature: Temperature
+
+
+class ProductionSection(Section):
+    """Pieces laid on faces of the hot mold and taken out again, one every ``period``, each lying there for ``in``.
+
+    ``on`` are the work surface's faces where it is left out. Each piece comes at ``temperature``; ``h`` is the
+    conductance of its contact with the mold, ``layers`` what it is made of from there outward. The run has ``pieces``
+    of them, or as many as it takes until each finds the mold as the one before did.
+    """
+
+    model_config = ConfigDict(extra="forbid", populate_by_name=True)
+
+    on: Places | None = None
+    period: Time
+    lies: Time = Field(alias="in")
+    temperature: Temperature
+    h: FilmCoefficient
+    layers: Annotated[list[LayerSection], Field(min_length=1)]
+    other: OtherSideSection | None = None
+    pieces: Annotated[int, Field(ge=1)] | None = None
+
+    @model_validator(mode="after")
+    def _fits_its_period(self) -> ProductionSection:
+        if self.lies > self.period:
+            raise ValueError("a piece lies in the mold no longer than the period to the next")
+        if self.h == 0.0:
+            raise ValueError("h is the conductance from the mold to the piece: more than zero")
+        return self
+
+
 class EarlierField(Section):
     """The final temperatures of an earlier run."""
 
@@ -334,6 +376,7 @@ class MoldDocument(HandWritten):
     contact: list[ContactSection] = Field(default_factory=list)
     probe: list[ProbeSection] = Field(default_factory=list)
     work_surface: WorkSurfaceSection | None = None
+    production: ProductionSection | None = None
     run: RunSection
 
     def places(self) -> list[tuple[str, Place]]:
@@ -352,6 +395,8 @@ class MoldDocument(HandWritten):
             for place in section.on or []
         ]
         work = self.work_surface.on if self.work_surface is not None else []
+        pieces = self.production.on if self.production is not None else None
+        found += [("production.on", place) for place in pieces or []]
         return found + [("work_surface.on", place) for place in work]
 
     @model_validator(mode="after")
@@ -382,6 +427,30 @@ class MoldDocument(HandWritten):
             raise ValueError("a thermostat's probe has no lag here: leave its lag out, or widen the band")
         if self.run.target is not None and self.work_surface is None:
             raise ValueError("run.target waits for the mean of [work_surface]; add that table")
-        if self.run.until is None and self.run.target is None and not self.run.steady:
+        if self.production is not None:
+            self._production_fits(self.production)
+        elif self.run.until is None and self.run.target is None and not self.run.steady:
             raise ValueError('[run] has no end: give until = "3600 s", target, or steady = true')
         return self
+
+    def _production_fits(self, production: ProductionSection) -> None:
+        if self.run.steady or self.run.until is not None or self.run.target is not None:
+            raise ValueError(
+                "[production] ends with its pieces and begins hot: take steady, until and target out of [run], "
+                'and give start = "200 degC" or start = { document = "heat.json" }, that of the warm-up'
+            )
+        if production.on is None and self.work_surface is None:
+            raise ValueError("[production] needs the faces the pieces lie on: give on, or add [work_surface]")
+        for layer in production.layers:
+            if layer.material not in self.material:
+                known = ", ".join(self.material)
+                raise ValueError(
+                    f"a layer is of {layer.material!r}, which is no [material]; there is {known}"
+                )
+            stuff = self.material[layer.material]
+            if not (isinstance(stuff.conductivity, float) and isinstance(stuff.specific_heat, float)):
+                raise ValueError(f"a layer is of {layer.material!r}, which has tables: pieces have constants")
+        if production.pieces is None and any(heater.control is not None for heater in self.heater):
+            raise ValueError(
+                "a thermostat never brings the mold quite back: say how many, production.pieces = 20"
+            )

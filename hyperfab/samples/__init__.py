@@ -13,6 +13,7 @@ _KEPT = {
     "film.csv": "specimens",
     "original.toml": "molds",
     "proposed.toml": "molds",
+    "production.toml": "molds",
     "study-heat.toml": "molds",
     "study-press.toml": "molds",
 }

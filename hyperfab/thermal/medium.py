@@ -24,9 +24,14 @@ CHUNK = 8192
 
 
 class Medium:
-    """The parts of ``mesh`` with one material each (``materials[i]`` is part i's); ``pattern`` holds all matrices."""
+    """The parts of ``mesh`` with one material each (``materials[i]`` is part i's); ``pattern`` holds all matrices.
 
-    def __init__(self, mesh: HeatMesh, materials: Sequence[ThermalMaterial], pattern: Pattern) -> None:
+    ``loose`` (k,) [J/K] is the heat capacity of each loose node of the mesh.
+    """
+
+    def __init__(
+        self, mesh: HeatMesh, materials: Sequence[ThermalMaterial], pattern: Pattern, loose: Array
+    ) -> None:
         self.mesh = mesh
         self.materials = tuple(materials)
         self.pattern = pattern
@@ -46,6 +51,7 @@ class Medium:
             k = elements.stiffness(found, conductivity[chunk][:, None])
             pattern.scatter(nodes, k, self._conducting)
             pattern.scatter(nodes, elements.mass(found, capacity[chunk][:, None]), self._storing)
+        pattern.scatter(mesh.solid + np.arange(len(loose))[:, None], loose[:, None, None], self._storing)
         self._metrics: dict[tuple[int, int], elements.Metric] = {}
         self._k_last: tuple[Array, Array] | None = None
         self._k_elements = np.flatnonzero(varying_k)

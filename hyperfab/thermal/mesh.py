@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,7 +47,7 @@ class HeatMesh:
 
     ``points`` (n, 3): first the ``vertices`` vertices, then the edge nodes; ``elements`` (m, 10); ``parts`` (m,)
     the part of each element; ``edge_ends`` (n - vertices, 2) the vertices an edge node lies between; ``curved``
-    (m,) whether an edge node lies off the middle of its edge.
+    (m,) whether an edge node lies off the middle of its edge. Points after those are in no element: ``with_loose``.
     """
 
     points: Array
@@ -57,6 +57,15 @@ class HeatMesh:
     edge_ends: Index
     curved: NDArray[np.bool_]
     facets: Facets
+
+    @property
+    def solid(self) -> int:
+        """Number of nodes of the elements; loose ones come after them."""
+        return self.vertices + len(self.edge_ends)
+
+    def with_loose(self, points: Array) -> HeatMesh:
+        """Return the mesh with nodes (k, 3) [m] more that are in no element: what lies on the mold for a while."""
+        return replace(self, points=np.concatenate([self.points, points]))
 
     def facet_nodes(self, which: NDArray[np.bool_] | Index, other_side: bool = False) -> Index:
         """Return the six nodes of facets (f, 6); of the ``other_side`` they are paired with the first ones."""

@@ -54,18 +54,22 @@ class Work:
 
 @dataclass
 class HeatModel:
-    """A mesh, its materials (one a part), and what happens on faces, in volumes and at joints."""
+    """A mesh, its materials (one a part), and what happens on faces, in volumes and at joints.
+
+    ``loose`` [J/K] is the heat capacity of the mesh's loose nodes.
+    """
 
     mesh: HeatMesh
     materials: Sequence[ThermalMaterial]
     conditions: Sequence[Condition]
     prescribed: Sequence[Prescribed] = ()
+    loose: Array = field(default_factory=lambda: np.zeros(0))
     work: Work = field(default_factory=Work)
 
     def __post_init__(self) -> None:
         groups = [c.nodes for c in self.conditions if len(c.nodes) and c.nodes.shape[1] != 6]
         self.pattern = Pattern(len(self.mesh.points), [self.mesh.elements, *groups])
-        self.medium = Medium(self.mesh, self.materials, self.pattern)
+        self.medium = Medium(self.mesh, self.materials, self.pattern, self.loose)
         self.free = np.ones(len(self.mesh.points), dtype=bool)
         for held in self.prescribed:
             self.free[held.nodes] = False
@@ -184,8 +188,17 @@ class HeatModel:
         return self.solve_stage(time, 1.0, np.zeros(self.size), guess, storage=0.0)
 
     def capacity_norm(self, field: Array) -> float:
-        """Return the root of the mean square of a nodal field, weighted with the heat capacity."""
-        return float(np.sqrt(max(dot(field, self._capacity @ field), 0.0) / self._total_capacity))
+        """Return the root of the mean square of a nodal field, weighted with the heat capacity.
+
+        Loose nodes have a mean of their own, and the larger one counts: a light piece on a heavy mold counts.
+        """
+        whole, loose = dot(field, self._capacity @ field), 0.0
+        if len(self.loose):
+            mine, weight = field[self.mesh.solid :], float(self.loose.sum())
+            loose = dot(mine, self.loose * mine)
+            whole -= loose
+            return float(np.sqrt(max(whole / (self._total_capacity - weight), loose / weight, 0.0)))
+        return float(np.sqrt(max(whole, 0.0) / self._total_capacity))
 
     def solve(self, matrix: sparse.csr_matrix, right: Array, tolerance: float) -> Array:
         """Solve with the step's matrix by preconditioned conjugate gradients."""
@@ -202,6 +215,10 @@ class HeatModel:
     def steady_matrix(self, time: float, temperature: Array) -> sparse.csr_matrix:
         """Return minus the flow's derivative [W/K] and make ``solve`` ready for it."""
         return self._stage_matrix(time, 1.0, 0.0, temperature)
+
+    def changed(self) -> None:
+        """Forget the matrices: a condition was switched."""
+        self._prepared = None
 
     def _residual(
         self, time: float, interval: float, storage: float, target: Array, temperature: Array
@@ -245,10 +262,10 @@ class HeatModel:
 
 
 def _degree_two_on_one(mesh: HeatMesh, free: NDArray[np.bool_]) -> sparse.csr_matrix:
-    """Return the prolongation from free vertices to free nodes: edge nodes are the mean of their ends."""
-    n, v = len(mesh.points), mesh.vertices
-    rows = np.concatenate([np.arange(v), np.repeat(np.arange(v, n), 2)])
-    columns = np.concatenate([np.arange(v), mesh.edge_ends.ravel()])
-    entries = np.concatenate([np.ones(v), np.full(2 * (n - v), 0.5)])
-    whole = sparse.csr_matrix((entries * free[rows], (rows, columns)), shape=(n, v))
-    return sparse.csr_matrix(whole[:, np.flatnonzero(free[:v])])
+    """Return the prolongation from free vertices and loose nodes to free nodes: edges' are means of their ends."""
+    n, v, loose = mesh.solid, mesh.vertices, len(mesh.points) - mesh.solid
+    rows = np.concatenate([np.arange(v), np.repeat(np.arange(v, n), 2), n + np.arange(loose)])
+    columns = np.concatenate([np.arange(v), mesh.edge_ends.ravel(), v + np.arange(loose)])
+    entries = np.concatenate([np.ones(v), np.full(2 * (n - v), 0.5), np.ones(loose)])
+    whole = sparse.csr_matrix((entries * free[rows], (rows, columns)), shape=(n + loose, v + loose))
+    return sparse.csr_matrix(whole[:, np.flatnonzero(np.concatenate([free[:v], free[n:]]))])

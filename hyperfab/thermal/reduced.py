@@ -287,7 +287,7 @@ def _by_part(model: HeatModel, basis: Array) -> tuple[Array, Array, Array]:
             )
             for number, material in enumerate(model.materials)
         ]
-        medium = Medium(model.mesh, chosen, model.pattern)
+        medium = Medium(model.mesh, chosen, model.pattern, model.loose)
         capacity = model.pattern.matrix(medium.capacity(zero))
         mass.append(basis.T @ (capacity @ basis))
         stiffness.append(basis.T @ (model.pattern.matrix(medium.conduction(zero)) @ basis))

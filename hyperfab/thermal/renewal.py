@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.thermal.switched import Switched
+
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
@@ -15,14 +17,19 @@ Index = NDArray[np.int64]
 class Renewal:
     """At each of ``times`` [s] the nodes (k,), which no other part shares, are set to ``temperature`` [degC].
 
-    The heat that the old piece carries out, less what the new one brings, counts as lost.
+    The heat that the old piece carries out, less what the new one brings, counts as lost. Then the conditions ``on``
+    begin and those of ``off`` end.
     """
 
     name: str
     nodes: Index
     temperature: float
     times: tuple[float, ...]
+    on: tuple[Switched, ...] = ()
+    off: tuple[Switched, ...] = ()
 
     def apply(self, temperature: Array) -> None:
         """Put in the fresh part: set the nodal temperatures in place."""
         temperature[self.nodes] = self.temperature
+        for condition in (*self.on, *self.off):
+            condition.on = condition in self.on

@@ -80,12 +80,13 @@ def run(
     target: Target | None = None,
     thermostats: Sequence[Thermostat] = (),
     renewals: Sequence[Renewal] = (),
+    finished: Callable[[History], bool] = lambda history: False,
     advance: Callable[[float, Array], None] = lambda time, temperature: None,
 ) -> History:
     """Follow the temperatures from ``start`` (n,) [degC] at time 0.
 
-    ``advance`` is told time and temperatures after every step. Raises NotConverged where the step falls below any
-    use or more than ``most_steps`` are taken.
+    ``finished`` is asked at every corner whether to stop there; ``advance`` is told time and temperatures after every
+    step. Raises NotConverged where the step falls below any use or more than ``most_steps`` are taken.
     """
     state = initial_state(model, 0.0, start)
     history = History([state], [None], Ledger.begin(model, state.stored, [r.name for r in renewals]))
@@ -116,6 +117,8 @@ def run(
             history.reached = len(history.states) - 1
             if end is None:
                 break
+        if stop is not None and state.time == stop and finished(history):
+            break
         jump = bool(events) or (stop is not None and state.time == stop)
         for event in events:
             event.switch()
@@ -151,6 +154,7 @@ def _after_jump(model: HeatModel, state: State, renewals: Sequence[Renewal], led
             renewal.apply(temperature)
             stored = model.medium.stored(temperature)
             ledger.exchange(renewal.name, stored)
+            model.changed()
     return State(state.time, temperature, stored, model.flow(state.time, temperature))
 
 

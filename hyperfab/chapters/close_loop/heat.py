@@ -55,6 +55,13 @@ def run(job: Job, given: Given) -> int:
             key="run.steady",
             remedy="give until instead",
         )
+    if document.production is not None:
+        raise InputError(
+            "close-loop does not follow pieces laid in and taken out",
+            file=given.name,
+            key="production",
+            remedy="measure the mold without pieces, and take the table out",
+        )
     probes = [probe.name for probe in document.probe]
     read = read_thermocouples(job, given.measured[0], probes, given.layout)
     if any(heater.control is not None for heater in document.heater) and read.power is None:

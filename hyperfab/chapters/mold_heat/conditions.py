@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.prescribed import Prescribed
 from hyperfab.thermal.radiation import Radiation
+from hyperfab.thermal.switched import Switched
 from hyperfab.thermal.tables import Table
 
 Mask = NDArray[np.bool_]
@@ -57,6 +58,9 @@ class Placing:
         self.joints = joints
         self.functions = functions
         self.areas: dict[str, float] = {}
+        #: Facets that pieces of a production cover, and the films on them, which act while they are bare.
+        self.covered = np.zeros(len(faces.mesh.facets.element), dtype=bool)
+        self.bare: list[Switched] = []
         self.refuse_overlap([(f"contact.{i}.between", joint.mask) for i, joint in enumerate(joints)])
 
     def prescribed(self) -> list[Prescribed]:
@@ -118,16 +122,25 @@ class Placing:
             conditions.append(self._heater(number, heater, by_key))
         for number, convection in enumerate(document.convection):
             key = f"convection.{number}.on"
-            operator = self._with_exposed(key, convection.on, by_key)
             film, ambient = self.functions[f"convection.{number}"], self.functions[f"{key[:-3]}.ambient"]
-            conditions.append(Convection(self._name("convection", convection.on), operator, film, ambient))
-            self._use(conditions[-1].name, operator.area)
+            mask = self._with_exposed(key, convection.on, by_key)
+
+            def blown(
+                name: str, facets: FacetOperator, film: Table = film, ambient: Table = ambient
+            ) -> Condition:
+                return Convection(name, facets, film, ambient)
+
+            conditions += self._films(f"convection {_label(convection.on)}", mask, blown)
         for number, radiation in enumerate(document.radiation):
-            operator = self._with_exposed(f"radiation.{number}.on", radiation.on, by_key)
-            ambient = self.functions[f"radiation.{number}.ambient"]
-            name = self._name("radiation", radiation.on)
-            conditions.append(Radiation(name, operator, radiation.emissivity, ambient))
-            self._use(name, operator.area)
+            sky = self.functions[f"radiation.{number}.ambient"]
+            mask = self._with_exposed(f"radiation.{number}.on", radiation.on, by_key)
+
+            def shining(
+                name: str, facets: FacetOperator, grey: float = radiation.emissivity, sky: Table = sky
+            ) -> Condition:
+                return Radiation(name, facets, grey, sky)
+
+            conditions += self._films(f"radiation {_label(radiation.on)}", mask, shining)
         for number, (contact, joint) in enumerate(zip(document.contact, self.joints, strict=True)):
             near = FacetOperator(self.mesh.points, self.mesh.facet_nodes(joint.mask))
             far = FacetOperator(self.mesh.points, self.mesh.facet_nodes(joint.mask, other_side=True))
@@ -136,6 +149,23 @@ class Placing:
             conditions.append(Contact(name, near, far, contact.h, closed))
             self._use(name, near.area)
         return conditions
+
+    def _films(
+        self, base: str, mask: Mask, made: Callable[[str, FacetOperator], Condition]
+    ) -> list[Condition]:
+        """Return a condition on faces that see the air; where pieces lie it acts between them alone."""
+        found: list[Condition] = []
+        for name, mine in ((base, mask & ~self.covered), (f"{base}, between pieces", mask & self.covered)):
+            if not mine.any():
+                continue
+            operator = FacetOperator(self.mesh.points, self.mesh.facet_nodes(mine))
+            condition = made(self._named(name), operator)
+            if mine[self.covered].any():
+                condition = Switched(condition, on=False)
+                self.bare.append(condition)
+            found.append(condition)
+            self._use(condition.name, operator.area)
+        return found
 
     def fill_volume_heaters(self, model: HeatModel) -> None:
         """Spread the heaters in volumes, which needs the assembled medium."""
@@ -182,7 +212,7 @@ class Placing:
         power = power or Table.constant(section.power or 0.0)
         return Heater(name, operator.load(1.0) / operator.area, power)
 
-    def _with_exposed(self, key: str, places: list[Place], by_key: dict[str, FaceSet]) -> FacetOperator:
+    def _with_exposed(self, key: str, places: list[Place], by_key: dict[str, FaceSet]) -> Mask:
         mask = np.zeros(len(self.mesh.facets.element), dtype=bool)
         if key in by_key:
             mask |= by_key[key].mask
@@ -195,7 +225,7 @@ class Placing:
                     remedy="take the table out, or name its faces",
                 )
             mask |= self.exposed
-        return FacetOperator(self.mesh.points, self.mesh.facet_nodes(mask))
+        return mask
 
     def refuse_overlap(self, masks: list[tuple[str, Mask]]) -> None:
         """Refuse two conditions of a kind on one facet."""
@@ -233,8 +263,10 @@ class Placing:
                     )
 
     def _name(self, kind: str, places: list[Place]) -> str:
-        name = base = f"{kind} {_label(places)}"
-        count = 2
+        return self._named(f"{kind} {_label(places)}")
+
+    def _named(self, base: str) -> str:
+        name, count = base, 2
         while name in self.areas:
             name, count = f"{base} ({count})", count + 1
         self.areas[name] = 0.0

@@ -20,6 +20,13 @@ Array = NDArray[np.float64]
 
 def check(case: MoldCase, document: MoldDocument) -> None:
     """Refuse aids that this mold cannot have."""
+    if document.production is not None and (case.share_power or case.warmup_in is not None):
+        raise InputError(
+            "the powers are chosen for the warm-up, before the first piece",
+            file=case.mold,
+            key="production",
+            remedy='choose them without it, then start = { document = "heat.json" } here',
+        )
     if not document.heater and (case.share_power or case.warmup_in is not None):
         raise InputError("has no heater whose power could be chosen", file=case.mold, key="heater")
     if case.warmup_in is not None and (document.run.target is None or document.run.steady):

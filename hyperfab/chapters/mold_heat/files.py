@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.chapters.mold_heat.problem import Problem
+from hyperfab.chapters.mold_heat.production import pieces_csv
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
 from hyperfab.io.vtu import collection, unstructured
@@ -50,6 +51,8 @@ def write_fields(out: Output, problem: Problem, history: History, target: float 
     heads = ["time_s", *(f"{name}_degC" for name in curves)]
     out.add(".csv", csv_bytes(heads, list(zip(times, *curves.values(), strict=True))))
     out.add(".history.csv", _history(problem, history))
+    if problem.pieces is not None:
+        out.add(".pieces.csv", pieces_csv(problem.pieces, history))
     shown = dict(curves)
     if problem.work_surface is not None:
         mean = problem.work_surface.load(1.0) / problem.work_surface.area
@@ -74,8 +77,12 @@ def _field(problem: Problem, temperature: Array, flux: Array | None) -> bytes:
     if flux is not None:
         cells["heat_flux_W_m2"] = flux
         cells["temperature_gradient_K_m"] = problem.model.medium.gradient(temperature)
+    solid = mesh.solid
     return unstructured(
-        mesh.points * 1e3, {"tetra10": mesh.elements}, {"temperature_degC": temperature}, cells
+        mesh.points[:solid] * 1e3,
+        {"tetra10": mesh.elements},
+        {"temperature_degC": temperature[:solid]},
+        cells,
     )
 
 

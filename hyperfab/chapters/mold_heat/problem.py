@@ -12,6 +12,7 @@ from hyperfab.chapters.mold_heat.conditions import Placing, at_key
 from hyperfab.chapters.mold_heat.geometry import geometry_of
 from hyperfab.chapters.mold_heat.meshing import mesh_mold
 from hyperfab.chapters.mold_heat.names import refuse_exposed, refuse_unknown_names
+from hyperfab.chapters.mold_heat.production import Pieces, pieces_of
 from hyperfab.chapters.mold_heat.start import earlier_field, start_from
 from hyperfab.chapters.mold_heat.tables import Tables
 from hyperfab.documents.mold import EarlierField, MoldDocument
@@ -50,6 +51,7 @@ class Problem:
     renewals: list[Renewal]
     areas: dict[str, float]
     notes: list[str] = field(default_factory=list)
+    pieces: Pieces | None = None
 
     @property
     def mesh(self) -> HeatMesh:
@@ -95,9 +97,17 @@ class MoldBuilder:
             split |= joints[-1].mask
         mesh = split_contacts(mesh, split)
         placing = Placing(document, self.name, Faces(mesh, geometry), joints, self.functions)
+        laid = pieces_of(document, placing)
+        if laid is not None:
+            mesh = placing.mesh = laid[0]
         prescribed = placing.prescribed()
         materials = [self.materials[part.material] for part in document.part]
-        model = HeatModel(mesh, materials, placing.conditions(), prescribed)
+        conditions = placing.conditions()
+        pieces = None if laid is None else laid[1](placing, mesh)
+        if pieces is not None:
+            conditions.append(pieces.lying)
+        loose = np.zeros(0) if pieces is None else pieces.piece.capacity
+        model = HeatModel(mesh, materials, conditions, prescribed, loose)
         meshed = model.medium.masses / [material.density for material in materials]
         for part, volume, exact in zip(document.part, meshed, raw.volumes * 1e-9, strict=True):
             if abs(volume / exact - 1.0) > COARSE:
@@ -125,9 +135,10 @@ class MoldBuilder:
             work_surface=work,
             thermostats=thermostats,
             corners=sorted(self.corners),
-            renewals=self._renewals(mesh),
+            renewals=self._renewals(mesh) + (pieces.turns(placing.bare) if pieces is not None else []),
             areas=placing.areas,
             notes=notes,
+            pieces=pieces,
         )
 
     def _renewals(self, mesh: HeatMesh) -> list[Renewal]:
@@ -156,10 +167,14 @@ class MoldBuilder:
     def start_field(self, problem: Problem) -> Array:
         """Return the temperatures at the start (n,) [degC]."""
         start = self.document.run.start
+        field = np.zeros(problem.model.size)
+        if problem.pieces is not None:
+            problem.pieces.fresh(field)
         if isinstance(start, EarlierField):
             assert self.earlier is not None
-            return start_from(self.earlier, problem.mesh, self.name)
-        field = np.full(problem.model.size, start)
+            field[: problem.mesh.solid] = start_from(self.earlier, problem.mesh, self.name)
+            return field
+        field[: problem.mesh.solid] = start
         for number, part in enumerate(self.document.part):
             if part.start is not None:
                 field[np.unique(problem.mesh.elements[problem.mesh.parts == number])] = part.start

@@ -36,7 +36,8 @@ def run(job: Job, case: MoldCase) -> int:
     """Heat the mold of the case; 0, or 4 where the account of heat does not close."""
     mold = case.mold
     out = job.opened(
-        job.target, (".vtu", ".[0-9]*.vtu", ".csv", ".history.csv", ".variations.csv", ".png", ".pvd")
+        job.target,
+        (".vtu", ".[0-9]*.vtu", ".csv", ".history.csv", ".variations.csv", ".pieces.csv", ".png", ".pvd"),
     )
     document = read_document(job.inputs, mold, MoldDocument)
     check(case, document)
@@ -87,9 +88,9 @@ def run(job: Job, case: MoldCase) -> int:
 
 def _note_ranges(job: Job, name: str, builder: MoldBuilder, problem: Problem, history: History) -> None:
     """Note between which temperatures the tables were used: films on the outer faces, the rest anywhere."""
-    outer = np.unique(problem.mesh.facet_nodes(problem.mesh.facets.outer))
+    outer: NDArray[np.int64] | slice = np.unique(problem.mesh.facet_nodes(problem.mesh.facets.outer))
     for (kind, table), known in builder.tables.tabulated.items():
-        where = outer if kind == "film-coefficient" else slice(None)
+        where = outer if kind == "film-coefficient" else slice(problem.mesh.solid)
         met = [
             end
             for state in history.states
@@ -110,7 +111,9 @@ def _transient(
     first = 0.0 if target is None else dot(target.sensor, start)
 
     def progress(time: float, temperature: Array) -> None:
-        if settings.until is not None:
+        if problem.pieces is not None:
+            done = time / (problem.pieces.section.period * problem.pieces.count)
+        elif settings.until is not None:
             done = time / settings.until
         else:
             assert target is not None
@@ -125,6 +128,7 @@ def _transient(
         target=target,
         thermostats=problem.thermostats,
         renewals=problem.renewals,
+        finished=(lambda history: False) if problem.pieces is None else problem.pieces.finished,
         advance=progress,
     )
 
@@ -167,6 +171,13 @@ def _say(job: Job, result: HeatDocument) -> None:
     if result.design is not None and result.design.steady_spread_K is not None:
         before, after = result.design.steady_spread_before_K, result.design.steady_spread_K
         console.note(f"steady spread of the work surface: {before:.3g} K before, {after:.3g} K with them")
+    if result.production is not None:
+        made = result.production
+        console.note(
+            f"piece {made.pieces}: the work surface dips by {made.last.dip_K:.2f} K from "
+            f"{made.last.surface_degC:.2f} degC, the piece takes {made.last.heat_from_mold_J:.1f} J, "
+            f"{made.power_to_hold_W:.1f} W would hold the mold"
+        )
     if result.variations is not None:
         varied = result.variations
         console.note(

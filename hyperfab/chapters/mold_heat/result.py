@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.chapters.mold_heat.problem import Problem
+from hyperfab.chapters.mold_heat.production import describe
 from hyperfab.documents.heat import Energy, Evenness, Extreme, FaceUse, HeatDocument, ProbeResult, WorkSurface
 from hyperfab.documents.mold import MoldDocument
 from hyperfab.numerics.vectors import dot
@@ -55,6 +56,8 @@ def transient_document(document: MoldDocument, problem: Problem, history: Histor
     result.status = _status(converged, imbalance, document, result)
     result.probes = _probes(problem, history)
     result.efficiency = _efficiency(energy)
+    if problem.pieces is not None:
+        result.production = describe(problem.pieces, history)
     if problem.work_surface is not None and reached is not None and result.work_surface is not None:
         found = surface.evenness(problem.work_surface, history.states[reached].temperature)
         result.work_surface.at_warmup = _evenness(found)
@@ -89,6 +92,7 @@ def steady_document(problem: Problem, history: History) -> HeatDocument:
 
 def _common(problem: Problem, history: History, energy: Energy, converged: bool) -> HeatDocument:
     model, last = problem.model, history.states[-1]
+    solid = last.temperature[: problem.mesh.solid]
     masses = model.medium.masses
     parts = [part.name for part in problem.geometry.parts]
     powers = _powers(problem, last)
@@ -109,9 +113,9 @@ def _common(problem: Problem, history: History, energy: Energy, converged: bool)
         },
         mass_kg=float(masses.sum()),
         mass_by_part_kg=dict(zip(parts, masses.tolist(), strict=True)),
-        heat_capacity_J_K=model.total_capacity(last.temperature),
-        hottest=_extreme(problem, last, int(np.argmax(last.temperature))),
-        coldest=_extreme(problem, last, int(np.argmin(last.temperature))),
+        heat_capacity_J_K=model.total_capacity(last.temperature) - float(model.loose.sum()),
+        hottest=_extreme(problem, last, int(np.argmax(solid))),
+        coldest=_extreme(problem, last, int(np.argmin(solid))),
         flux_max_W_m2=float(flux.max()),
     )
     if problem.work_surface is not None:

@@ -34,11 +34,11 @@ def start_from(grid: Grid, mesh: HeatMesh, mold: str) -> Array:
     temperature = grid.point_data["temperature_degC"].astype(np.float64)
     points, elements = grid.points / 1e3, grid.cells["tetra10"]
     parts = np.asarray(grid.cell_data.get("part", np.zeros(len(elements))), dtype=np.int64)
-    same = len(points) == len(mesh.points) and np.array_equal(elements, mesh.elements)
-    if same and np.allclose(points, mesh.points, atol=1e-9):
+    same = len(points) == mesh.solid and np.array_equal(elements, mesh.elements)
+    if same and np.allclose(points, mesh.points[: mesh.solid], atol=1e-9):
         return temperature
     together = parts.max() != mesh.parts.max()
-    result = np.full(len(mesh.points), np.nan)
+    result = np.full(mesh.solid, np.nan)
     for part in range(int(mesh.parts.max()) + 1):
         theirs = np.ones(len(elements), dtype=bool) if together else parts == part
         mine = np.unique(mesh.elements[mesh.parts == part])

@@ -164,6 +164,8 @@ def _refuse_unfit(document: MoldDocument, name: str) -> None:
         why = ("temperature", "held temperatures")
     if any(contact.fresh is not None for contact in document.contact):
         why = ("contact", "parts that come fresh")
+    if document.production is not None:
+        why = ("production", "pieces laid in and taken out")
     if document.run.steady:
         why = ("run.steady", "a steady state")
     if why is not None:
