@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from hyperfab.loop.catalogue import catalogue
-from hyperfab.loop.catalogue.contact.scene import Scene
+from hyperfab.loop.catalogue.contact import Scene
 from hyperfab.loop.emulator import Emulator
 from hyperfab.loop.known import known, known_curve, sure, without_prior
 from hyperfab.loop.problem import Array, Constant, Curve, Extra, Problem

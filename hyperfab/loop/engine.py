@@ -8,10 +8,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from hyperfab.errors import NotConverged
-from hyperfab.loop.bic import common_bic
 from hyperfab.loop.dependence import dependence, suggestion
 from hyperfab.loop.design import NextMeasurement, next_measurement
 from hyperfab.loop.fitting import Fit, fit, least_misfits
+from hyperfab.loop.judge import common_bic
 from hyperfab.loop.mimic import Rival, indistinguishable, rivals
 from hyperfab.loop.noise import Noise, estimate_noise, replicates
 from hyperfab.loop.problem import Array, Problem

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.loop.catalogue import catalogue
-from hyperfab.loop.catalogue.fabric.scene import Scene
+from hyperfab.loop.catalogue.fabric import Scene
 from hyperfab.loop.fabric_extras import menu
 from hyperfab.loop.fabric_tests import FabricTest, curves_of, path_of, smooth_of, states_of
 from hyperfab.loop.problem import HAS_IT, Array, Constant, Extra, Problem

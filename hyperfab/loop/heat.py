@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.loop.catalogue import catalogue
+from hyperfab.loop.catalogue.heat import Scene
 from hyperfab.loop.catalogue.heat.ambient_drift import FARTHEST_K, FASTEST_K_S
-from hyperfab.loop.catalogue.heat.scene import Scene
 from hyperfab.loop.problem import Array, Constant, Curve, Extra, Form, Problem, split
 from hyperfab.thermal.reduced import ReducedMold
 from hyperfab.thermal.sensors import lagging

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import chdtrc
 
-from hyperfab.loop.bic import common_bic
 from hyperfab.loop.fitting import Fit, fit
+from hyperfab.loop.judge import common_bic
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Array, Problem
 from hyperfab.loop.score import orthonormal, projected

@@ -11,12 +11,10 @@ from scipy.interpolate import PchipInterpolator
 from scipy.special import ndtr
 
 from hyperfab.loop.catalogue import catalogue
-from hyperfab.loop.catalogue.press.scene import Scene
+from hyperfab.loop.catalogue.press import Scene
 from hyperfab.loop.known import known, known_curve, sure, without_prior
-from hyperfab.loop.press_float import found_tilt, loads
-from hyperfab.loop.press_reading import UNITS, Kind, Reading, Setting
-from hyperfab.loop.press_table import Moved, PressTable
-from hyperfab.loop.press_variation import variation
+from hyperfab.loop.press_reading import UNITS, Kind, Reading, Setting, variation
+from hyperfab.loop.press_table import Moved, PressTable, found_tilt, loads
 from hyperfab.loop.problem import Array, Constant, Curve, Extra, Problem
 from hyperfab.loop.scatter import patches
 
@@ -310,7 +308,6 @@ def press_problem(
         curves.append(Curve(name, row, row + size, abscissa, channel=kinds.index(part.kind)))
         row += size
     curves.append(known_curve(priors, row, len(kinds)))
-    deep = summed.law.stress(0.5)
     travel = max(float(summed.first_touch - setting.opening), 0.2)
     scene = Scene(
         half_mm=half_mm,
@@ -321,7 +318,6 @@ def press_problem(
         time_s=max((float(np.max(p.time_s)) for p in parts if p.time_s is not None), default=1.0),
         floats=setting.floating,
         forced=setting.force is not None,
-        pressure_MPa=float(deep),
     )
     first = [part for part in parts if part.kind == kinds[0]]
     return PressProblem(

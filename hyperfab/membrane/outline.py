@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -200,11 +200,6 @@ class Square:
         """Whether points lie inside by ``margin``."""
         found = np.max(np.abs(points), axis=1) <= self.side / 2 - margin
         return _in_quarter(found, points, margin) if self.quarter else np.asarray(found)
-
-
-def quarter_of(outline: Disc | Square) -> Disc | Square:
-    """Return the quarter x, y >= 0 of an outline that is symmetric about both axes."""
-    return replace(outline, quarter=True)
 
 
 def _in_quarter(found: NDArray[np.bool_], points: Array, margin: Array | float) -> NDArray[np.bool_]:

@@ -1,6 +1,8 @@
-"""How much thinner the stretched sandwich is at each place of the mold it was draped on."""
+"""How thick the sandwich is at each place of the mold: a sheet that was stretched, a foam that varies over the plan."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,3 +38,22 @@ def thinning_at(points: Array, nodes: Array, quads: Ints, factor: Array) -> Arra
     wc = (np.cross(b - a, near.point - a) * normal).sum(axis=1) / double
     weights = np.stack([1.0 - wb - wc, wb, wc], axis=1)
     return np.asarray((weights * at_node[corner]).sum(axis=1))
+
+
+def thickness_factor(points: Array, terms: Mapping[str, float]) -> Array:
+    """Return the foam's thickness (n,) at ``points`` (n, 3) [mm], as a share of its nominal one.
+
+    ``terms`` are the coefficients of a polynomial in the coordinates, each scaled to -1 to 1 over the points: a term
+    is named by its coordinates, as ``x`` or ``xy``.
+
+    >>> import numpy as np
+    >>> thickness_factor(np.array([[0, 0, 0], [10, 4, 0.0]]), {"x": 0.05, "xy": -0.01}).tolist()
+    [0.94, 1.04]
+    """
+    low, high = points.min(axis=0), points.max(axis=0)
+    half = 0.5 * (high - low)
+    scaled = (points - 0.5 * (low + high)) / np.where(half > 0.0, half, 1.0)
+    factor = np.ones(len(points))
+    for name, coefficient in terms.items():
+        factor += coefficient * np.prod([scaled[:, "xyz".index(axis)] for axis in name], axis=0)
+    return factor

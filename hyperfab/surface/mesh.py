@@ -131,22 +131,6 @@ class Surface:
         """Facets at vertex v: ``facets[first[v] : first[v + 1]]`` of (first, facets)."""
         return incidence(self.faces, len(self.vertices))
 
-    def cone(self, face: int, feature: int) -> Floats:
-        """Normals of the facets that meet at a feature, (k, 3): the generators of its cone of normals.
-
-        >>> cube_corner = Surface([[0, 0, 0], [-1, 0, 0], [0, -1, 0], [0, 0, -1]], [[0, 1, 2], [0, 2, 3], [0, 3, 1]])
-        >>> cube_corner.cone(0, 4).tolist()
-        [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
-        """
-        if feature == 0:
-            return self.normals[face : face + 1]
-        if feature <= 3:
-            other = self.twins[face, feature - 1]
-            return self.normals[[face] if other < 0 else [face, other]]
-        vertex = self.faces[face, feature - 4]
-        first, incident = self.incident
-        return self.normals[incident[first[vertex] : first[vertex + 1]]]
-
     @cached_property
     def _oriented(self) -> Floats:
         return oriented_boxes(self.corners, self.bounds, self.right, self.start, self.count)

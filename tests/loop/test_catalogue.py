@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 import hyperfab.loop.catalogue as catalogue
-from hyperfab.loop.catalogue.contact.scene import Scene as ContactScene
-from hyperfab.loop.catalogue.drape.scene import Scene as DrapeScene
-from hyperfab.loop.catalogue.fabric.scene import Scene as FabricScene
-from hyperfab.loop.catalogue.heat.scene import Scene as HeatScene
-from hyperfab.loop.catalogue.press.scene import Scene as PressScene
+from hyperfab.loop.catalogue.contact import Scene as ContactScene
+from hyperfab.loop.catalogue.drape import Scene as DrapeScene
+from hyperfab.loop.catalogue.fabric import Scene as FabricScene
+from hyperfab.loop.catalogue.heat import Scene as HeatScene
+from hyperfab.loop.catalogue.press import Scene as PressScene
 from hyperfab.loop.fabric import fabric_problem
 from hyperfab.loop.fabric_extras import menu
 from hyperfab.loop.fabric_tests import FabricTest
@@ -91,7 +91,7 @@ SCENES = {
     ),
     "contact": ContactScene((20.0, 60.0), 20.0, (0.05, 0.2), 0.5, 10.0, 2.0),
     "drape": DrapeScene((0.05, 0.2), 0.5, 0.1, 300.0),
-    "press": PressScene(60.0, 500.0, 5.0, 0.05, True, True, 600.0, True, True),
+    "press": PressScene(60.0, 500.0, 5.0, True, True, 600.0, True, True),
 }
 
 

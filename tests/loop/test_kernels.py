@@ -14,11 +14,17 @@ from scipy.stats import chi2 as chi_squared
 from scipy.stats import f as fisher
 from scipy.stats import norm
 
-from hyperfab.loop.bic import common_bic, prior_misfit, scaled_chi2
 from hyperfab.loop.dependence import dependence, suggestion
 from hyperfab.loop.fitting import fit, inverse
 from hyperfab.loop.heldout import HeldOut, Help, forecast, help_of, leave_curves_out
-from hyperfab.loop.judge import autocorrelation, correlation_time, judge
+from hyperfab.loop.judge import (
+    autocorrelation,
+    common_bic,
+    correlation_time,
+    judge,
+    prior_misfit,
+    scaled_chi2,
+)
 from hyperfab.loop.noise import Noise, estimate_noise
 from hyperfab.loop.problem import Array, Constant, Curve, Effect, Form, Problem
 from hyperfab.loop.score import greatest_by_chance, orthonormal, points_at, signatures

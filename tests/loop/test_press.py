@@ -11,11 +11,11 @@ from loop import blind_press
 from loop.generators import press as caps
 
 from hyperfab.chapters.close_loop.press import pose
-from hyperfab.loop.catalogue.press.scene import Scene
+from hyperfab.loop.catalogue.press import Scene
 from hyperfab.loop.catalogue.press.thickness_variation import entry
 from hyperfab.loop.press import PressProblem
+from hyperfab.loop.press_reading import variation
 from hyperfab.loop.press_table import PressTable
-from hyperfab.loop.press_variation import variation
 from hyperfab.pressing.growth import guide_line
 from hyperfab.pressing.pose import Pose
 
@@ -100,7 +100,7 @@ def test_a_thickness_varies_by_a_polynomial_alike_along_both_axes() -> None:
     found = variation(plan, {"variation.x": 0.1, "variation.xyy": 0.02, "tilt": 7.0})
     np.testing.assert_allclose(found, [0.05 + 0.02 * 2.0, -0.15 - 0.02 * 13.5])
     assert variation(plan, {"tilt": 7.0}) == 0
-    scene = Scene(60.0, 500.0, 5.0, 0.05, True, True, 600.0, True, True)
+    scene = Scene(60.0, 500.0, 5.0, True, True, 600.0, True, True)
     for form in entry(scene).forms:
         names = [one.name for one in form.constants]
         turned = {"".join(sorted(name.translate({120: 121, 121: 120}))) for name in names}

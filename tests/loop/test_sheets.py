@@ -7,8 +7,7 @@ import pytest
 from scipy.special import gamma, kv
 
 from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_problem
-from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem
-from hyperfab.loop.drape_places import places
+from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem, places
 from hyperfab.loop.emulator import Axis, emulate
 from hyperfab.loop.kriging import _LENGTH, _matern, krige
 

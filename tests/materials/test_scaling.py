@@ -7,10 +7,10 @@ import pytest
 from laws.constants import CONSTANTS
 
 from hyperfab.chapters.close_loop.contact import _known
-from hyperfab.chapters.close_loop.extended import _weft
 from hyperfab.chapters.close_loop.softer import scaled_material, soften
 from hyperfab.documents.material import AtTemperature, Direction, MaterialDocument
 from hyperfab.materials import bind, laws
+from hyperfab.materials.effects.anisotropy import FORMS
 from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.path import uniaxial_pull
 
@@ -74,7 +74,7 @@ def test_softening_is_written_as_the_stress_it_was_found_in(name: str) -> None:
 @pytest.mark.parametrize("name", ISOTROPIC)
 def test_a_ratio_of_directions_is_written_as_the_stress_it_was_found_in(name: str) -> None:
     plain = constants(name)
-    weft = _weft(laws()[name], plain, "ratio", np.array([0.6]))
+    weft = FORMS["ratio"].weft(laws()[name], plain, np.array([0.6]))
     np.testing.assert_allclose(stresses(name, weft), 0.6 * stresses(name, plain), rtol=1e-13)
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from hyperfab.membrane.mesh import halved, interpolate, sheet_mesh
 from hyperfab.membrane.meshing import Triangles, _joined, graded, triangulate, uniform
-from hyperfab.membrane.outline import Disc, Square, quarter_of
+from hyperfab.membrane.outline import Disc, Square
 
 OUTLINES = [Disc(100.0), Disc(100.0, quarter=True), Square(200.0), Square(200.0, quarter=True)]
 
@@ -39,7 +39,7 @@ def test_triangles_are_well_shaped(outline):
 def test_elements_are_fine_where_asked():
     angle = np.linspace(0, np.pi / 2, 200)
     curve = 30.0 * np.column_stack([np.cos(angle), np.sin(angle)])
-    found = triangulate(quarter_of(Disc(100.0)), graded(curve, 1.0, 10.0, 0.25))
+    found = triangulate(Disc(100.0, quarter=True), graded(curve, 1.0, 10.0, 0.25))
     edges = _edges(found.points, found.triangles).mean(axis=1)
     middle = np.linalg.norm(found.points[found.triangles].mean(axis=1), axis=1)
     assert np.median(edges[np.abs(middle - 30.0) < 1.0]) == pytest.approx(1.0, rel=0.25)
@@ -66,7 +66,7 @@ def test_quadratic_fields_are_interpolated_exactly():
 
 
 def test_halved_triangles_keep_the_outline_and_their_corners():
-    outline = quarter_of(Disc(100.0))
+    outline = Disc(100.0, quarter=True)
     coarse = triangulate(outline, uniform(20.0))
     fine = halved(outline, coarse)
     np.testing.assert_array_equal(fine.points[: len(coarse.points)], coarse.points)

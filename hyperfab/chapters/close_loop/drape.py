@@ -29,8 +29,7 @@ from hyperfab.errors import InputError, NotConverged
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.layout import Layout
-from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem, settings_of
-from hyperfab.loop.drape_places import places, reached
+from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem, places, reached, settings_of
 from hyperfab.loop.emulator import Axis as Setting
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.kriging import krige

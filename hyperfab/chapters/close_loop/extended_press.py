@@ -25,7 +25,7 @@ from hyperfab.io.toml_io import load_toml
 from hyperfab.io.units import quantity
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.press import PressProblem
-from hyperfab.loop.press_variation import VARIATION
+from hyperfab.loop.press_reading import VARIATION
 
 #: Where the new sandwich is written.
 FOAM = ".model.foam.toml"

@@ -23,7 +23,7 @@ from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
 from hyperfab.io.units import quantity
 from hyperfab.loop.catalogue import catalogue
-from hyperfab.loop.catalogue.fabric.scene import Scene
+from hyperfab.loop.catalogue.fabric import Scene
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
 from hyperfab.loop.fitting import Fit

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from hyperfab.chapters.mold_heat.names import EXPOSED
+from hyperfab.chapters.mold_heat.tables import EXPOSED
 from hyperfab.documents.mold import FacesInBox, HeaterSection, MoldDocument, Place
 from hyperfab.errors import InputError
 from hyperfab.thermal.condition import Condition

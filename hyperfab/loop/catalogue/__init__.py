@@ -18,7 +18,5 @@ def catalogue(domain: str, scene: Any) -> tuple[Effect, ...]:
     folder = importlib.import_module(f"{__name__}.{domain}")
     found = []
     for module in sorted(pkgutil.iter_modules(folder.__path__), key=lambda module: module.name):
-        if module.name == "scene":
-            continue
         found.append(importlib.import_module(f"{folder.__name__}.{module.name}").entry(scene))
     return tuple(found)

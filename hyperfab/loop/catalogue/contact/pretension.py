@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.contact.scene import Scene
+from hyperfab.loop.catalogue.contact import Scene
 from hyperfab.loop.problem import Constant, Effect, Form
 
 

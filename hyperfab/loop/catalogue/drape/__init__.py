@@ -1,1 +1,14 @@
 """What the model of a draped sheet lacks on markers."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Scene:
+    """How far the effects may go: added prestretch (down, up), coefficient of friction, shear modulus [MPa], mass per
+    area [g/m^2]."""
+
+    prestretch: tuple[float, float]
+    friction: float
+    shear: float
+    mass: float

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.drape.scene import Scene
+from hyperfab.loop.catalogue.drape import Scene
 from hyperfab.loop.problem import Constant, Effect, Form
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hyperfab.loop.catalogue.fabric.scene import Scene
+from hyperfab.loop.catalogue.fabric import Scene
 from hyperfab.loop.problem import Constant, Effect, Form
 
 _ALL = {"C20_MPa", "C30_MPa"}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.fabric.scene import Scene
+from hyperfab.loop.catalogue.fabric import Scene
 from hyperfab.loop.problem import Constant, Effect, Form
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.heat.scene import Scene
+from hyperfab.loop.catalogue.heat import Scene
 from hyperfab.loop.problem import Constant, Effect, Form
 
 #: What the air of a room does: so far over a shift, with its doors, and so fast when it is heated or aired.

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.press.scene import Scene
-from hyperfab.loop.press_variation import VARIATION
+from hyperfab.loop.catalogue.press import Scene
+from hyperfab.loop.press_reading import VARIATION
 from hyperfab.loop.problem import Constant, Effect, Form
 
 

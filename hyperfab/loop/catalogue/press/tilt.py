@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from hyperfab.loop.catalogue.press.scene import Scene
+from hyperfab.loop.catalogue.press import Scene
 from hyperfab.loop.problem import Constant, Effect, Form
 
 

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable
 
 from hyperfab.errors import HyperfabError
 from hyperfab.report.page.parts import Section, Source
-
-Builder = Callable[[Source], Section]
 
 #: Kinds of document that have a section of their own.
 KINDS = ("material", "contact", "drape", "heat", "press", "loop", "sweep")
