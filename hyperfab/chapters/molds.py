@@ -6,16 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from hyperfab.arrays import Ints
 from hyperfab.chapters.job import Job
 from hyperfab.errors import InputError
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.stl import SurfaceMesh, read_stl
 from hyperfab.surface import Soundness, Surface, consistently_wound
-
-Ints = npt.NDArray[np.int64]
-
 
 #: Which coordinates of a file become x, y and z where an axis of its own points up: turned, not mirrored.
 TURNED = {"x": [1, 2, 0], "y": [2, 0, 1], "z": [0, 1, 2]}

@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from hyperfab.arrays import Array
+
 from .cuts import Cut, cut
-from .law import Floats, SpringLaw
+from .law import SpringLaw
 from .membrane import Cells, cells_of
 from .mold import FREE, Mold
 from .net import Sheet
@@ -29,21 +31,21 @@ class Answers:
     membrane the sides of its cells stand for springs; stresses, thickness and slack are its law's, in the ``cells``.
     """
 
-    stretch_warp: Floats  # (n - 1, m) springs
-    stretch_weft: Floats  # (n, m - 1)
-    stress_warp: Floats  # (n, m) MPa
-    stress_weft: Floats  # (n, m) MPa
-    cell_stretch_warp: Floats  # (n - 1, m - 1)
-    cell_stretch_weft: Floats
-    cell_shear: Floats  # degrees off the right angle
-    cell_thickness: Floats  # mm
+    stretch_warp: Array  # (n - 1, m) springs
+    stretch_weft: Array  # (n, m - 1)
+    stress_warp: Array  # (n, m) MPa
+    stress_weft: Array  # (n, m) MPa
+    cell_stretch_warp: Array  # (n - 1, m - 1)
+    cell_stretch_weft: Array
+    cell_shear: Array  # degrees off the right angle
+    cell_thickness: Array  # mm
     cell_slack: npt.NDArray[np.bool_]
     cell_on_edge: npt.NDArray[np.bool_]  # a taut spring of the cell runs over a sharp edge of the mold
     contact_edges: int  # taut springs that a sharp edge of the mold carries
     slack_springs: int  # of a membrane: cells without tension in one direction or both
     touching: npt.NDArray[np.bool_]  # (n, m) nodes on the mold
-    contact_force: Floats  # (n, m, 3) N, of the mold on the sheet
-    reaction: Floats  # (n, m, 3) N, of the clamps on the sheet
+    contact_force: Array  # (n, m, 3) N, of the mold on the sheet
+    reaction: Array  # (n, m, 3) N, of the clamps on the sheet
     spring_energy: float  # N mm
     press_force: float  # N, along z
     imbalance: float  # N, clamp reactions + contact forces + weight
@@ -51,14 +53,14 @@ class Answers:
     cells: Cells | None = None  # of a membrane
 
     @property
-    def cell_stretch(self) -> Floats:
+    def cell_stretch(self) -> Array:
         """(n - 1, m - 1) the larger stretch: of a cell's springs, the mean of two; of a membrane the principal one."""
         if self.cells is not None:
             return self.cells.stretch
         return np.maximum(self.cell_stretch_warp, self.cell_stretch_weft)
 
     @property
-    def stretched(self) -> tuple[Floats, ...]:
+    def stretched(self) -> tuple[Array, ...]:
         """Stretches of all springs by direction, or of a membrane's cells."""
         return (self.stretch_warp, self.stretch_weft) if self.cells is None else (self.cells.stretch,)
 
@@ -161,13 +163,13 @@ def answers(sheet: Sheet, mold: Mold, found: Equilibrium) -> Answers:
     )
 
 
-def on_mold(x: Floats, sheet: Sheet, mold: Mold, state: State) -> npt.NDArray[np.bool_]:
+def on_mold(x: Array, sheet: Sheet, mold: Mold, state: State) -> npt.NDArray[np.bool_]:
     """(n, m) nodes on the mold, also those that lie on a flat of it without pressing."""
     skin = np.full(x.shape[:2], TOUCHES)
     return settled(x, mold, sheet, skin, (state.clear.copy(), state.slot.copy())).contact != FREE
 
 
-def _at_nodes(law: SpringLaw, stretch: Floats, axis: int) -> Floats:
+def _at_nodes(law: SpringLaw, stretch: Array, axis: int) -> Array:
     stress = law(stretch)[1]
     pad = [(0, 0), (0, 0)]
     pad[axis] = (1, 1)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from hyperfab.arrays import Array, Ints
+
 from .contact import move, settle
 from .energy import ROWS
-from .law import Floats
 from .membrane import energy_of
-from .mold import Ints, Mold
+from .mold import Mold
 from .net import Sheet
 from .state import Equilibrium, State, Step
 
@@ -26,10 +27,10 @@ class Balance:
         n, m = sheet.n, sheet.m
         self.size, self.fixed, self.tolerance = (n, m), sheet.fixed, tolerance
         self.model = energy_of(sheet, mold)
-        self.f: Floats = np.zeros((n, m, 3))
-        self.r: Floats = np.zeros((n, m, 3))
-        self.q: Floats = np.zeros((n, m, 6))
-        self.press: Floats = np.zeros((n, m))
+        self.f: Array = np.zeros((n, m, 3))
+        self.r: Array = np.zeros((n, m, 3))
+        self.q: Array = np.zeros((n, m, 6))
+        self.press: Array = np.zeros((n, m))
         self.before: Ints = np.full((n, m), -1)  # facet of each node before its last step
         self.stiffness = stiffness_scale(sheet)
         self.unstretched = RELAXED * self.stiffness * float(self.model.net.rest.max())
@@ -75,12 +76,12 @@ class Balance:
                 return
             self.forces(now)
 
-    def laid(self) -> tuple[Ints, Floats, Ints]:
+    def laid(self) -> tuple[Ints, Array, Ints]:
         """Springs laid over sharp edges at the place of the last forces, their ways, and those of each node."""
         return self.model.springs, self.model.ways, self.model.hinges()
 
     def move(
-        self, now: State, d: Floats, alpha: float, out: State, laid: tuple[Ints, Floats, Ints] | None = None
+        self, now: State, d: Array, alpha: float, out: State, laid: tuple[Ints, Array, Ints] | None = None
     ) -> None:
         """``out`` = nodes at ``now.x + alpha d``, back on the mold where they touch it; ``laid`` as at ``now``."""
         laid = laid or self.laid()

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.kernels import kernel, part
 
-from .law import Floats
-from .mold import Ints
 from .net import Arrays
 
 #: Place of the nearer Gauss point along a side of length 1.
@@ -23,7 +22,7 @@ PAIRS = np.array(
 
 
 @part
-def _longer(scale: Floats, i: int, j: int) -> tuple[float, float, float, float]:
+def _longer(scale: Array, i: int, j: int) -> tuple[float, float, float, float]:
     """How much longer than straight the four sides of a cell are, in the order of ``SIDES``."""
     if scale.shape[0] == 0:
         return 1.0, 1.0, 1.0, 1.0
@@ -31,7 +30,7 @@ def _longer(scale: Floats, i: int, j: int) -> tuple[float, float, float, float]:
 
 
 @kernel
-def strains(x: Floats, scale: Floats, rest: Floats, first: int, last: int, out: Floats) -> None:
+def strains(x: Array, scale: Array, rest: Array, first: int, last: int, out: Array) -> None:
     """C11, C22, C12 at the four Gauss points of the cells of rows ``first:last`` into ``out`` (k, m - 1, 4, 3).
 
     ``scale`` (n, m, 2): how much longer than straight each side is; empty where none is laid over an edge.
@@ -63,7 +62,7 @@ def strains(x: Floats, scale: Floats, rest: Floats, first: int, last: int, out: 
 
 
 @kernel
-def side_pulls(x: Floats, scale: Floats, net: Arrays, stress: Floats, pull: Floats) -> float:
+def side_pulls(x: Array, scale: Array, net: Arrays, stress: Array, pull: Array) -> float:
     """What the cells under ``stress`` (n - 1, m - 1, 4, 3) pull their sides with, into ``pull`` (n, m, 2, 3) N.
 
     Returns the largest force in N that a cell passes on along warp or weft.
@@ -106,7 +105,7 @@ def side_pulls(x: Floats, scale: Floats, net: Arrays, stress: Floats, pull: Floa
 
 
 @kernel
-def node_forces(x: Floats, net: Arrays, pull: Floats, f: Floats) -> float:
+def node_forces(x: Array, net: Arrays, pull: Array, f: Array) -> float:
     """Weight, and the pulls of all sides as if straight, on their nodes into ``f``; the energy of the weight in N mm.
 
     Where ``net.tension`` has room, it becomes the pull along each side.
@@ -141,7 +140,7 @@ def node_forces(x: Floats, net: Arrays, pull: Floats, f: Floats) -> float:
 
 
 @kernel
-def lay_forces(x: Floats, springs: Ints, ways: Floats, pull: Floats, f: Floats, push: Floats) -> None:
+def lay_forces(x: Array, springs: Ints, ways: Array, pull: Array, f: Array, push: Array) -> None:
     """Lay the listed sides over the edges: correct ``f``, and add the edges' push on the sheet to ``push`` (3).
 
     A laid side counts as its chord made as long as its way: what pulls along it pulls its nodes along the way.
@@ -169,15 +168,15 @@ def lay_forces(x: Floats, springs: Ints, ways: Floats, pull: Floats, f: Floats, 
 
 @part
 def _moduli(
-    f1: Floats,
-    f2: Floats,
-    stress: Floats,
-    d: Floats,
+    f1: Array,
+    f2: Array,
+    stress: Array,
+    d: Array,
     w: float,
     least: float,
-    a11: Floats,
-    a22: Floats,
-    a12: Floats,
+    a11: Array,
+    a22: Array,
+    a12: Array,
 ) -> None:
     """How the forces on a point of volume ``w`` along warp and weft change with F1 and F2: (3, 3) each, a21 = a12'."""
     s11, s22, s12 = stress[0], stress[1], stress[2]
@@ -197,7 +196,7 @@ def _moduli(
 
 
 @part
-def _is_bent(scale: Floats, i: int, j: int) -> bool:
+def _is_bent(scale: Array, i: int, j: int) -> bool:
     """Is a side of this cell laid over an edge?"""
     low, high, left, right = _longer(scale, i, j)
     return low * high * left * right != 1.0
@@ -205,14 +204,14 @@ def _is_bent(scale: Floats, i: int, j: int) -> bool:
 
 @kernel
 def cell_stiffness(
-    x: Floats,
-    scale: Floats,
+    x: Array,
+    scale: Array,
     net: Arrays,
-    stress: Floats,
-    moduli: Floats,
+    stress: Array,
+    moduli: Array,
     least: float,
-    diag: Floats,
-    off: Floats,
+    diag: Array,
+    off: Array,
 ) -> None:
     """Add the tangent of all cells without laid sides.
 
@@ -266,16 +265,16 @@ def cell_stiffness(
 
 @kernel
 def bent_stiffness(
-    x: Floats,
-    scale: Floats,
+    x: Array,
+    scale: Array,
     laid: Ints,
-    ways: Floats,
+    ways: Array,
     net: Arrays,
-    stress: Floats,
-    moduli: Floats,
+    stress: Array,
+    moduli: Array,
     least: float,
-    diag: Floats,
-    off: Floats,
+    diag: Array,
+    off: Array,
 ) -> None:
     """Add the tangent of the cells with laid sides, but for how their ways bend; ``laid`` (n, m, 2): 1 + a side's way.
 
@@ -355,7 +354,7 @@ def bent_stiffness(
 
 
 @kernel
-def straighten(x: Floats, springs: Ints, ways: Floats, net: Arrays, diag: Floats, off: Floats) -> None:
+def straighten(x: Array, springs: Ints, ways: Array, net: Arrays, diag: Array, off: Array) -> None:
     """Take out how the pull along the listed sides would turn with their chords: it turns with their ways."""
     for b in range(springs.shape[0]):
         i, j, d = springs[b, 0], springs[b, 1], springs[b, 2]

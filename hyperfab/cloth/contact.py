@@ -10,13 +10,13 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.kernels import kernel, part
 from hyperfab.surface.bvh import DEPTH, nearest_one, ray_one
 
 from .creases import over_edge
 from .features import beside, copy, decide, dot, edge_reached, outward, sharp_edge_at, unfold, valley
-from .law import Floats
-from .mold import FREE, ON_FACE, SHARP, Ints, Mold, States
+from .mold import FREE, ON_FACE, SHARP, Mold, States
 from .net import Arrays
 from .pinning import pinned
 
@@ -28,21 +28,21 @@ MOST_FACETS = 65536
 
 @kernel
 def move(
-    x: Floats,
-    d: Floats,
+    x: Array,
+    d: Array,
     alpha: float,
     mold: Mold,
     state: States,
     slot: Ints,
-    clear: Floats,
-    xt: Floats,
+    clear: Array,
+    xt: Array,
     state_t: States,
     slot_t: Ints,
-    clear_t: Floats,
+    clear_t: Array,
     crossed: States,
     crossed_t: States,
     bent: Ints,
-    ways: Floats,
+    ways: Array,
     hinges: Ints,
     first: int,
     last: int,
@@ -160,7 +160,7 @@ def move(
 
 
 @part
-def _projector(bits: int, normals: Floats, count: int, q: Floats) -> None:
+def _projector(bits: int, normals: Array, count: int, q: Array) -> None:
     """q (6): projector off the fixed axes and off the first ``count`` of ``normals`` (overwritten)."""
     q[0], q[1], q[2], q[3], q[4], q[5] = 1.0, 0.0, 0.0, 1.0, 0.0, 1.0
     v = np.empty(3)
@@ -191,22 +191,22 @@ def _projector(bits: int, normals: Floats, count: int, q: Floats) -> None:
 
 @kernel
 def settle(
-    x: Floats,
-    f: Floats,
+    x: Array,
+    f: Array,
     mold: Mold,
     net: Arrays,
     bent: Ints,
-    ways: Floats,
+    ways: Array,
     hinges: Ints,
     fixed: npt.NDArray[np.uint8],
     slack: float,
     state: States,
     slot: Ints,
     before: Ints,
-    clear: Floats,
-    q: Floats,
-    r: Floats,
-    press: Floats,
+    clear: Array,
+    q: Array,
+    r: Array,
+    press: Array,
 ) -> tuple[float, int, int, int, int]:
     """Decide the contact of every node under the forces f.
 

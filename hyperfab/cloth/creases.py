@@ -12,12 +12,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.kernels import kernel, part
 from hyperfab.surface import bvh
 
 from .features import ON_EDGE
-from .law import Floats, evaluate
-from .mold import Creases, Ints
+from .law import evaluate
+from .mold import Creases
 from .net import Arrays
 
 
@@ -40,7 +41,7 @@ def law_of(net: Arrays, i: int, j: int, d: int, length: float) -> tuple[float, f
 
 @kernel
 def bend_forces(
-    x: Floats, net: Arrays, springs: Ints, ways: Floats, f: Floats, push: Floats
+    x: Array, net: Arrays, springs: Ints, ways: Array, f: Array, push: Array
 ) -> tuple[float, float]:
     """Lay the listed springs over the edges: correct ``f`` and add the edges' push on the sheet to ``push`` (3).
 
@@ -71,7 +72,7 @@ def bend_forces(
 
 
 @kernel
-def unjoin(springs: Ints, diag: Floats, off: Floats) -> None:
+def unjoin(springs: Ints, diag: Array, off: Array) -> None:
     """Take the straight springs' tangent of the listed ones out of ``diag`` and ``off``."""
     for b in range(springs.shape[0]):
         i, j, d = springs[b, 0], springs[b, 1], springs[b, 2]
@@ -91,10 +92,10 @@ def unjoin(springs: Ints, diag: Floats, off: Floats) -> None:
 def bend_stiffness(
     net: Arrays,
     springs: Ints,
-    ways: Floats,
+    ways: Array,
     floor: float,
-    diag: Floats,
-    off: Floats,
+    diag: Array,
+    off: Array,
 ) -> None:
     """Add the tangent of the listed springs."""
     t, n1, n2 = np.empty(3), np.empty(3), np.empty(3)
@@ -141,7 +142,7 @@ def bend_stiffness(
 
 
 @part
-def _cross(a: Floats, b: Floats, out: Floats) -> None:
+def _cross(a: Array, b: Array, out: Array) -> None:
     out[0], out[1], out[2] = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
@@ -162,7 +163,7 @@ def hinge_nodes(springs: Ints, hinges: Ints) -> None:
 
 @part
 def over_edge(
-    springs: Ints, ways: Floats, creases: Creases, hinge: Ints, x: Floats, y: Floats, stop: bool
+    springs: Ints, ways: Array, creases: Creases, hinge: Ints, x: Array, y: Array, stop: bool
 ) -> int:
     """A node stepping from x to y past the sharp edge that bends one of its springs goes on along that spring.
 

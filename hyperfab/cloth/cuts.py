@@ -12,12 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.kernels import kernel, part
 from hyperfab.surface import Surface
 from hyperfab.surface.bvh import DEPTH, closest_on_triangle, nearest_one
 
-from .law import Floats
-from .mold import Ints, Mold
+from .mold import Mold
 from .net import Sheet
 from .state import State
 
@@ -40,7 +40,7 @@ class Cut:
 
 
 @part
-def _depth(mold: Mold, p: Floats, hint: int, stack: Ints, stack_d: Floats) -> tuple[float, int]:
+def _depth(mold: Mold, p: Array, hint: int, stack: Ints, stack_d: Array) -> tuple[float, int]:
     """Depth of a point, negative outside, and the facet nearest to it."""
     cx, cy, cz, near, feature = nearest_one(
         p[0], p[1], p[2], hint, mold.corners, mold.bounds, mold.right, mold.start, mold.number, stack, stack_d
@@ -51,13 +51,13 @@ def _depth(mold: Mold, p: Floats, hint: int, stack: Ints, stack_d: Floats) -> tu
 
 
 @part
-def _to(mold: Mold, slot: int, p: Floats) -> float:
+def _to(mold: Mold, slot: int, p: Array) -> float:
     cx, cy, cz, _ = closest_on_triangle(mold.corners[slot], p[0], p[1], p[2])
     return np.sqrt((p[0] - cx) ** 2 + (p[1] - cy) ** 2 + (p[2] - cz) ** 2)
 
 
 @part
-def _above(mold: Mold, slot: int, a: Floats, b: Floats) -> bool:
+def _above(mold: Mold, slot: int, a: Array, b: Array) -> bool:
     """Does the way from a to b run straight above a facet, less than THIN off it?"""
     corner, normal = mold.corners[slot, 0], mold.normals[slot, 0]
     for side in range(2):
@@ -72,7 +72,7 @@ def _above(mold: Mold, slot: int, a: Floats, b: Floats) -> bool:
 
 @kernel
 def deepest(
-    starts: Floats, ends: Floats, slots: Ints, mold: Mold, best: float, sure: float
+    starts: Array, ends: Array, slots: Ints, mold: Mold, best: float, sure: float
 ) -> tuple[float, int, float]:
     """Deepest point in the mold of the segments ``starts`` to ``ends`` (k, 3), beyond ``best`` mm and to ``sure`` mm.
 
@@ -124,7 +124,7 @@ def deepest(
     return best, where, share
 
 
-def cut(x: Floats, sheet: Sheet, mold: Mold, state: State, bent: Ints, bent_at: Floats) -> Cut:
+def cut(x: Array, sheet: Sheet, mold: Mold, state: State, bent: Ints, bent_at: Array) -> Cut:
     """How deep the net at ``x`` (n, m, 3) mm is in the mold, its springs to SURE mm.
 
     Springs laid over a sharp edge (``bent`` (k, 4), at ``bent_at`` (k, 3) mm) are taken as they run: two straight
@@ -166,13 +166,13 @@ def cut(x: Floats, sheet: Sheet, mold: Mold, state: State, bent: Ints, bent_at: 
     )
 
 
-def _share(start: Floats, over: Floats, end: Floats) -> float:
+def _share(start: Array, over: Array, end: Array) -> float:
     """Share of the way from ``start`` over a point to ``end`` that lies before the point."""
     one, two = float(np.linalg.norm(over - start)), float(np.linalg.norm(end - over))
     return one / max(one + two, 1e-300)
 
 
-def stands_out(x: Floats, sheet: Sheet, surface: Surface, shift: Floats) -> tuple[float, Floats, Floats]:
+def stands_out(x: Array, sheet: Sheet, surface: Surface, shift: Array) -> tuple[float, Array, Array]:
     """How far in mm the mold's corners stand out through the net, between its nodes; where, draped and flat.
 
     The net at ``x`` (n, m, 3) mm is taken as triangles, four a cell about its middle (either diagonal alone would
@@ -214,7 +214,7 @@ def stands_out(x: Floats, sheet: Sheet, surface: Surface, shift: Floats) -> tupl
     return float(depth[k]), high[k], np.asarray(weights @ flat)
 
 
-def _with_middles(x: Floats) -> Floats:
+def _with_middles(x: Array) -> Array:
     """Nodes (n, m, 3) and then the middles of the cells, row by row, as (k, 3)."""
     middle = 0.25 * (x[:-1, :-1] + x[1:, :-1] + x[1:, 1:] + x[:-1, 1:])
     return np.concatenate([x.reshape(-1, 3), middle.reshape(-1, 3)])

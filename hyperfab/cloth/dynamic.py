@@ -12,10 +12,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.numerics.kernels import kernel
 
 from .balance import Balance
-from .law import Floats
 from .linear import Tangent
 from .march import march
 from .mold import Mold
@@ -33,7 +33,7 @@ HEAVIEST = 1e12
 
 
 @kernel
-def _push(r: Floats, q: Floats, mass: Floats, v: Floats) -> float:
+def _push(r: Array, q: Array, mass: Array, v: Array) -> float:
     """v += r / mass, kept in the allowed subspaces; the kinetic energy."""
     total = 0.0
     for i in range(v.shape[0]):
@@ -85,7 +85,7 @@ def swing(
         begin(now)
         last = np.inf
 
-    def velocity(now: State) -> Floats:
+    def velocity(now: State) -> Array:
         nonlocal last, heavier
         if not mass.size:
             begin(now)
@@ -101,7 +101,7 @@ def swing(
     return march(balance, start, velocity, largest, EVERY, report, unfinished, take_back)
 
 
-def _masses(balance: Balance, now: State, tangent: Tangent) -> Floats:
+def _masses(balance: Balance, now: State, tangent: Tangent) -> Array:
     """Mass of each node for a time step of 1: half the stiffness of its springs, taut or about to be (Gershgorin)."""
     balance.model.tangent(now.x, balance.stiffness / 3.0, tangent)
     # Pieces that push instead of pulling, as an angle's may, take off the trace, not off the stiffness.

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from hyperfab.arrays import Array, Ints
+
 from .creases import bend_forces, bend_stiffness, hinge_nodes, unjoin
-from .law import Floats
 from .laying import find_bends
 from .linear import Tangent
-from .mold import Ints, Mold
+from .mold import Mold
 from .net import Sheet, forces, stiffness
 from .shear import shear_forces, shear_stiffness
 from .state import State
@@ -27,8 +28,8 @@ class Energy:
         self.directions = 4 if self.net.sheared else 2  # forward neighbours that a node's forces hang on
         self.mold = mold
         self.springs: Ints = np.zeros((0, 4), np.int64)  # laid over edges at the last place
-        self.ways: Floats = np.zeros((0, 13))
-        self.push: Floats = np.zeros(3)  # N, of the edges on the sheet
+        self.ways: Array = np.zeros((0, 13))
+        self.push: Array = np.zeros(3)  # N, of the edges on the sheet
         corners = mold.creases.corners
         self.highest = float(corners[:, :, 2].max()) if len(corners) else -np.inf  # of the sharp edges, mm
         self.straight = np.zeros((sheet.n, sheet.m, 2), np.bool_)  # springs not to be laid over edges
@@ -62,7 +63,7 @@ class Energy:
         out[self.springs[:, 0], self.springs[:, 1], self.springs[:, 2]] = True
         return out
 
-    def _lengths(self, at: State) -> Floats:
+    def _lengths(self, at: State) -> Array:
         """(n, m, 2) mm: all springs, bent ones along their ways."""
         out = np.zeros(self.straight.shape)
         out[:-1, :, 0] = np.linalg.norm(np.diff(at.x, axis=0), axis=2)
@@ -71,7 +72,7 @@ class Energy:
         out[self.springs[:, 0], self.springs[:, 1], self.springs[:, 2]] = self.ways[:, 12]
         return out
 
-    def forces(self, x: Floats, clear: Floats, f: Floats) -> tuple[float, float]:
+    def forces(self, x: Array, clear: Array, f: Array) -> tuple[float, float]:
         """Forces on the nodes at x into ``f``; (energy N mm, largest spring force N)."""
         energy, largest = forces(x, self.net, f)
         if self.net.sheared:
@@ -82,7 +83,7 @@ class Energy:
         change, bent = bend_forces(x, self.net, self.springs, self.ways, f, self.push)
         return energy + change, max(largest, bent)
 
-    def _lay(self, x: Floats, clear: Floats) -> None:
+    def _lay(self, x: Array, clear: Array) -> None:
         self.push = np.zeros(3)
         if x[:, :, 2].min() > self.highest:  # no spring reaches down to a sharp edge
             self.springs, self.ways = self.springs[:0], self.ways[:0]
@@ -101,7 +102,7 @@ class Energy:
             room = found
         self.springs, self.ways = springs[:found], ways[:found]
 
-    def over(self, x: Floats) -> Floats:
+    def over(self, x: Array) -> Array:
         """(k, 3) mm: where the bent springs run over their edges."""
         w = self.ways
         share = w[:, 9] / np.maximum(w[:, 9] + w[:, 10], 1e-300) * w[:, 11]
@@ -115,7 +116,7 @@ class Energy:
             hinge_nodes(self.springs, found)
         return found
 
-    def tangent(self, x: Floats, floor: float, out: Tangent) -> None:
+    def tangent(self, x: Array, floor: float, out: Tangent) -> None:
         """Tangent at x, where ``forces`` was called last; slack springs keep the stiffness ``floor`` N/mm."""
         out.diag[:], out.off[:] = 0.0, 0.0
         stiffness(x, self.net, floor, out.diag, out.off)

@@ -8,9 +8,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
+from hyperfab.arrays import Array
 from hyperfab.materials.material import Uniaxial
 
-from .law import Floats, SpringLaw, tabulate
+from .law import SpringLaw, tabulate
 
 #: Largest stretch a table goes to; beyond its end the curve continues straight.
 LARGEST = 5.0
@@ -46,7 +47,7 @@ def spring_law(material: Pulled) -> SpringLaw:
     if count < 10:
         raise ValueError("the law has no stiffness in tension at rest")
 
-    def law(at: Floats) -> tuple[Floats, Floats]:
+    def law(at: Array) -> tuple[Array, Array]:
         answer = material.uniaxial(at)
         return answer.P, answer.A
 

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.kernels import part
 
-from .law import Floats
-from .mold import FREE, ON_FACE, SHARP, Ints, Mold
+from .mold import FREE, ON_FACE, SHARP, Mold
 
 #: How far in mm a node that lands on a sharp edge or corner is put beside it, onto one of the facets.
 BESIDE = 1e-6
@@ -20,17 +20,17 @@ ON_EDGE = 3e-7
 
 
 @part
-def dot(a: Floats, b: Floats) -> Any:
+def dot(a: Array, b: Array) -> Any:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @part
-def copy(a: Floats, b: Floats) -> None:
+def copy(a: Array, b: Array) -> None:
     b[0], b[1], b[2] = a[0], a[1], a[2]
 
 
 @part
-def outward(mold: Mold, slot: int, edge: int, out: Floats) -> None:
+def outward(mold: Mold, slot: int, edge: int, out: Array) -> None:
     """Unit vector in the facet's plane across an edge, away from the facet."""
     a, b, n = mold.corners[slot, edge], mold.corners[slot, (edge + 1) % 3], mold.normals[slot, 0]
     x, y, z = b[0] - a[0], b[1] - a[1], b[2] - a[2]
@@ -42,7 +42,7 @@ def outward(mold: Mold, slot: int, edge: int, out: Floats) -> None:
 
 
 @part
-def edge_reached(mold: Mold, slot: int, x: Floats, y: Floats, u: Floats) -> tuple[int, float]:
+def edge_reached(mold: Mold, slot: int, x: Array, y: Array, u: Array) -> tuple[int, float]:
     """First edge that the way from x to y in a facet's plane crosses: (edge or -1, fraction of the way)."""
     found, least = -1, 2.0
     for e in range(3):
@@ -58,7 +58,7 @@ def edge_reached(mold: Mold, slot: int, x: Floats, y: Floats, u: Floats) -> tupl
 
 
 @part
-def _in_cone(mold: Mold, slots: Ints, count: int, r: Floats, rest: Floats) -> bool:
+def _in_cone(mold: Mold, slots: Ints, count: int, r: Array, rest: Array) -> bool:
     """Does -r lie in the cone of the facets' normals? ``rest``: r + sum of the nearest combination of normals.
 
     Non-negative least squares by active sets (Lawson and Hanson): in space three normals at a time are enough, so that
@@ -101,7 +101,7 @@ def _in_cone(mold: Mold, slots: Ints, count: int, r: Floats, rest: Floats) -> bo
 
 
 @part
-def _combined(mold: Mold, active: Ints, held: int, r: Floats, wanted: Floats) -> bool:
+def _combined(mold: Mold, active: Ints, held: int, r: Array, wanted: Array) -> bool:
     """Weights of one to three normals whose sum is nearest to -r; False where they lie in one plane or line."""
     a = mold.normals[active[0], 0]
     if held == 1:
@@ -148,7 +148,7 @@ def _facets_at(mold: Mold, slot: int, state: int, out: Ints) -> int:
 
 
 @part
-def _follow(mold: Mold, slots: Ints, count: int, x: Floats, r: Floats, t: Floats, u: Floats) -> int:
+def _follow(mold: Mold, slots: Ints, count: int, x: Array, r: Array, t: Array, u: Array) -> int:
     """Facet along which a node at x, on the rim of all of them, can follow the force r best; -1: none."""
     best, found = 0.0, -1
     for c in range(count):
@@ -179,7 +179,7 @@ def _follow(mold: Mold, slots: Ints, count: int, x: Floats, r: Floats, t: Floats
 
 @part
 def decide(
-    mold: Mold, x: Floats, r: Floats, slot: int, state: int, slots: Ints, t: Floats, u: Floats
+    mold: Mold, x: Array, r: Array, slot: int, state: int, slots: Ints, t: Array, u: Array
 ) -> tuple[int, int]:
     """State and slot of a node on an edge or vertex under the force r."""
     count = _facets_at(mold, slot, state, slots)
@@ -210,7 +210,7 @@ def decide(
 
 
 @part
-def valley(mold: Mold, x: Floats, r: Floats, slot: int, before: int, u: Floats, t: Floats) -> int:
+def valley(mold: Mold, x: Array, r: Array, slot: int, before: int, u: Array, t: Array) -> int:
     """Edge of a valley just crossed, if the force pushes back to it from both sides; -1 else."""
     for e in range(3):
         if mold.twins[slot, e] == before and mold.turn[slot, e] < -1e-9:
@@ -232,7 +232,7 @@ def valley(mold: Mold, x: Floats, r: Floats, slot: int, before: int, u: Floats, 
 
 
 @part
-def unfold(mold: Mold, slot: int, edge: int, x: Floats, y: Floats, s: float) -> int:
+def unfold(mold: Mold, slot: int, edge: int, x: Array, y: Array, s: float) -> int:
     """Way from x to y, in a facet's plane, that crosses an edge at the fraction s: the rest of it is turned into the
     plane of the facet beyond, y becomes its end. Returns that facet.
     """
@@ -258,7 +258,7 @@ def unfold(mold: Mold, slot: int, edge: int, x: Floats, y: Floats, s: float) -> 
 
 
 @part
-def beside(mold: Mold, slot: int, feature: int, x: Floats) -> bool:
+def beside(mold: Mold, slot: int, feature: int, x: Array) -> bool:
     """Put a node on a sharp edge or corner a little beside it, onto the facet; False where the feature is not sharp."""
     sharp = False
     if 1 <= feature <= 3:
@@ -279,7 +279,7 @@ def beside(mold: Mold, slot: int, feature: int, x: Floats) -> bool:
 
 
 @part
-def sharp_edge_at(mold: Mold, slot: int, x: Floats) -> int:
+def sharp_edge_at(mold: Mold, slot: int, x: Array) -> int:
     """Sharp edge of a facet on which a node of the facet lies but for rounding; -1: none."""
     u = np.empty(3)
     for e in range(3):

@@ -14,10 +14,10 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.kernels import kernel
 
-from .law import Floats
-from .mold import FREE, Ints, States
+from .mold import FREE, States
 
 #: A node that slid less than this share of the spacing still counts as being where it stuck.
 STUCK = 1e-5
@@ -36,16 +36,16 @@ class Friction:
     """
 
     mu: float
-    holder: Floats
-    anchor: Floats
+    holder: Array
+    anchor: Array
     anchored: npt.NDArray[np.bool_]
     contact: States
     slot: Ints
     near: float
     rubs: States = field(init=False)
-    most: Floats = field(init=False)  # (n, m) N, the largest friction
-    way: Floats = field(init=False)  # (n, m, 3) the way slid, of length 1; shorter where a node sticks
-    slid: Floats = field(init=False)  # (n, m) mm
+    most: Array = field(init=False)  # (n, m) N, the largest friction
+    way: Array = field(init=False)  # (n, m, 3) the way slid, of length 1; shorter where a node sticks
+    slid: Array = field(init=False)  # (n, m) mm
     blocked: npt.NDArray[np.bool_] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -54,7 +54,7 @@ class Friction:
         self.way, self.slid = np.zeros((n, m, 3)), np.zeros((n, m))
         self.blocked = np.zeros((n, m), np.bool_)
 
-    def resist(self, x: Floats, contact: States, press: Floats, q: Floats, r: Floats) -> tuple[float, int]:
+    def resist(self, x: Array, contact: States, press: Array, q: Array, r: Array) -> tuple[float, int]:
         """Take friction off the unbalanced forces ``r`` and the directions ``q`` a node can move in.
 
         Returns the largest unbalanced force left and its node (flat index).
@@ -77,11 +77,11 @@ class Friction:
             self.slid,
         )
 
-    def stiffen(self, q: Floats, extra: Floats) -> None:
+    def stiffen(self, q: Array, extra: Array) -> None:
         """Add to the nodes' own stiffness that the friction of a sliding node turns with its way."""
         _stiffen(q, self.rubs, self.most, self.way, self.slid, extra)
 
-    def catch(self, x: Floats, contact: States, slot: Ints, clear: Floats) -> bool:
+    def catch(self, x: Array, contact: States, slot: Ints, clear: Array) -> bool:
         """Stop nodes at their anchors that slid back to where they came from; True where there are such."""
         return bool(
             _catch(
@@ -98,32 +98,32 @@ class Friction:
             )
         )
 
-    def cost(self, x: Floats, trial: Floats, q: Floats) -> float:
+    def cost(self, x: Array, trial: Array, q: Array) -> float:
         """Work in N mm that rubbing takes, at the present largest forces, on the way from ``x`` to ``trial``."""
         return float(_cost(x, trial, q, self.rubs, self.most, self.way, self.slid))
 
-    def forces(self) -> Floats:
+    def forces(self) -> Array:
         """(n, m, 3) N: friction on each node."""
         return np.where((self.rubs > NONE)[:, :, None], -self.most[:, :, None] * self.way, 0.0)
 
 
 @kernel
 def _resist(
-    x: Floats,
+    x: Array,
     contact: States,
-    press: Floats,
+    press: Array,
     mu: float,
-    holder: Floats,
-    anchor: Floats,
+    holder: Array,
+    anchor: Array,
     anchored: npt.NDArray[np.bool_],
     near: float,
     blocked: npt.NDArray[np.bool_],
-    q: Floats,
-    r: Floats,
+    q: Array,
+    r: Array,
     rubs: States,
-    most: Floats,
-    way: Floats,
-    slid: Floats,
+    most: Array,
+    way: Array,
+    slid: Array,
 ) -> tuple[float, int]:
     n, m = x.shape[0], x.shape[1]
     s = np.empty(3)
@@ -175,7 +175,7 @@ def _resist(
 
 
 @kernel
-def _stiffen(q: Floats, rubs: States, most: Floats, way: Floats, slid: Floats, extra: Floats) -> None:
+def _stiffen(q: Array, rubs: States, most: Array, way: Array, slid: Array, extra: Array) -> None:
     for i in range(q.shape[0]):
         for j in range(q.shape[1]):
             if rubs[i, j] == SLIDES:
@@ -190,15 +190,15 @@ def _stiffen(q: Floats, rubs: States, most: Floats, way: Floats, slid: Floats, e
 
 @kernel
 def _catch(
-    x: Floats,
+    x: Array,
     contact: States,
     slot: Ints,
-    clear: Floats,
-    anchor: Floats,
+    clear: Array,
+    anchor: Array,
     anchor_contact: States,
     anchor_slot: Ints,
     rubs: States,
-    way: Floats,
+    way: Array,
     blocked: npt.NDArray[np.bool_],
 ) -> bool:
     caught = False
@@ -221,9 +221,7 @@ def _catch(
 
 
 @kernel
-def _cost(
-    x: Floats, trial: Floats, q: Floats, rubs: States, most: Floats, way: Floats, slid: Floats
-) -> float:
+def _cost(x: Array, trial: Array, q: Array, rubs: States, most: Array, way: Array, slid: Array) -> float:
     total = 0.0
     for i in range(x.shape[0]):
         for j in range(x.shape[1]):

@@ -5,12 +5,10 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.kernels import inlined, kernel
 
-from .law import Floats
-
 Singles = npt.NDArray[np.float32]
-Ints = npt.NDArray[np.int64]
 
 # Offsets of the stored (forward) neighbours: next in x, next in y, and the two diagonals.
 OX = np.array([1, 0, 1, 1])
@@ -18,7 +16,7 @@ OY = np.array([0, 1, 1, -1])
 
 
 @inlined
-def _sandwich(q: Floats, b: Floats, r: Floats, out: Singles) -> None:
+def _sandwich(q: Array, b: Array, r: Array, out: Singles) -> None:
     """out (9) = Q B R with symmetric Q, R (6) and full B (3, 3)."""
     if q[0] + q[3] + q[5] == 3.0 and r[0] + r[3] + r[5] == 3.0:  # two free nodes
         for k in range(9):
@@ -36,7 +34,7 @@ def _sandwich(q: Floats, b: Floats, r: Floats, out: Singles) -> None:
 
 
 @kernel
-def invert(diag: Singles, q: Floats, inverse: Singles) -> None:
+def invert(diag: Singles, q: Array, inverse: Singles) -> None:
     """Pseudo-inverse of each diagonal block on its node's subspace."""
     n, m = q.shape[0], q.shape[1]
     for i in range(n):
@@ -152,7 +150,7 @@ def halve(diag: Singles, off: Singles, places: Ints, cd: Singles, co: Singles, f
 
 
 @kernel
-def sandwich_all(q: Floats, diag: Singles, off: Singles) -> None:
+def sandwich_all(q: Array, diag: Singles, off: Singles) -> None:
     """Put the projectors of the nodes around an operator."""
     n, m = q.shape[0], q.shape[1]
     b = np.empty((3, 3))

@@ -14,9 +14,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from hyperfab.arrays import Array
 from hyperfab.numerics.kernels import inlined
-
-Floats = npt.NDArray[np.float64]
 
 ERROR = 1e-9
 PIECES = 512
@@ -32,13 +31,13 @@ class SpringLaw:
     the law's stress stops rising, where it does; the table ends there.
     """
 
-    knots: Floats
-    pieces: Floats
+    knots: Array
+    pieces: Array
     buckets: npt.NDArray[np.int64]
     softens: float | None = None
 
     @property
-    def arrays(self) -> tuple[Floats, Floats, npt.NDArray[np.int64]]:
+    def arrays(self) -> tuple[Array, Array, npt.NDArray[np.int64]]:
         """What the compiled kernels take."""
         return self.knots, self.pieces, self.buckets
 
@@ -47,7 +46,7 @@ class SpringLaw:
         """Where the table ends; beyond it the curve goes on straight."""
         return float(self.knots[-1])
 
-    def __call__(self, stretch: object) -> tuple[Floats, Floats, Floats]:
+    def __call__(self, stretch: object) -> tuple[Array, Array, Array]:
         """Energy density (MPa), nominal stress (MPa) and its slope (MPa) at the stretches."""
         lam = np.atleast_1d(np.asarray(stretch, dtype=float))
         piece = np.maximum(np.searchsorted(self.knots, lam, side="right") - 1, 0)
@@ -60,7 +59,7 @@ class SpringLaw:
         return w * taut, p * taut, a * taut
 
 
-def _law(knots: Floats, values: Floats, slopes_left: Floats, slopes_right: Floats) -> SpringLaw:
+def _law(knots: Array, values: Array, slopes_left: Array, slopes_right: Array) -> SpringLaw:
     """Hermite pieces from the values at the knots and the slopes at both ends of each piece."""
     h = np.diff(knots)
     k = len(h)
@@ -80,7 +79,7 @@ def _law(knots: Floats, values: Floats, slopes_left: Floats, slopes_right: Float
 
 
 def tabulate(
-    law: Callable[[Floats], tuple[Floats, Floats]], largest_stretch: float, pieces: int = PIECES
+    law: Callable[[Array], tuple[Array, Array]], largest_stretch: float, pieces: int = PIECES
 ) -> SpringLaw:
     """Table of a smooth law ``stretch -> (P, dP/dstretch)`` from 1 to ``largest_stretch``.
 
@@ -121,7 +120,7 @@ def piecewise_linear(stretch: object, stress: object) -> SpringLaw:
 
 
 @inlined
-def evaluate(lam: float, knots: Floats, pieces: Floats, buckets: npt.NDArray[np.int64]) -> Any:
+def evaluate(lam: float, knots: Array, pieces: Array, buckets: npt.NDArray[np.int64]) -> Any:
     """Energy density, nominal stress and slope at one stretch above 1."""
     last = knots.shape[0] - 1
     k = last

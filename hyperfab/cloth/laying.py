@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.kernels import kernel, part
 from hyperfab.surface import bvh
 
-from .law import Floats
-from .mold import Creases, Ints
+from .mold import Creases
 
 #: What a crease is to the straight way of a spring.
 CLEAR, CUT, BURIED = 0, 1, 2
@@ -18,7 +18,7 @@ ON_FACET = 1e-9
 
 
 @part
-def _on(creases: Creases, c: int, p: Floats, q: Floats, h: Floats) -> tuple[float, float]:
+def _on(creases: Creases, c: int, p: Array, q: Array, h: Array) -> tuple[float, float]:
     """Shortest way from p to q over the line of crease ``c``: place on it from its first end, within it; its length.
 
     ``h`` becomes the line's direction. A place on an end may stand for one beyond.
@@ -43,7 +43,7 @@ def _on(creases: Creases, c: int, p: Floats, q: Floats, h: Floats) -> tuple[floa
 
 
 @part
-def _over(creases: Creases, c: int, p: Floats, q: Floats, h: Floats) -> tuple[int, float, float]:
+def _over(creases: Creases, c: int, p: Array, q: Array, h: Array) -> tuple[int, float, float]:
     """Shortest way from p to q over the line of creases around ``c``: (crease, place on it, its length)."""
     s, length = 0.0, 0.0
     came = -1
@@ -59,7 +59,7 @@ def _over(creases: Creases, c: int, p: Floats, q: Floats, h: Floats) -> tuple[in
 
 
 @part
-def _parted(creases: Creases, c: int, p: Floats, q: Floats, g: Floats, h: Floats) -> int:
+def _parted(creases: Creases, c: int, p: Array, q: Array, g: Array, h: Array) -> int:
     """Does the straight way from p to q lead through the mold's wedge at a crease, which runs along h through g?
 
     CUT where p and q, seen from the crease, stand more than half a turn apart, measured outside the wedge, else CLEAR;
@@ -93,7 +93,7 @@ def _parted(creases: Creases, c: int, p: Floats, q: Floats, g: Floats, h: Floats
 
 
 @part
-def _crossed(creases: Creases, c: int, p: Floats, q: Floats, g: Floats, h: Floats) -> int:
+def _crossed(creases: Creases, c: int, p: Array, q: Array, g: Array, h: Array) -> int:
     """Crease near ``c`` over which the way from p to q is bent, at the place g of its line along h; -1: none.
 
     Near a corner where creases meet it is the one with the shortest way, so that the length of the way does not jump
@@ -134,24 +134,24 @@ def _crossed(creases: Creases, c: int, p: Floats, q: Floats, g: Floats, h: Float
 
 
 @part
-def _distance(p: Floats, q: Floats) -> float:
+def _distance(p: Array, q: Array) -> float:
     return np.sqrt((p[0] - q[0]) ** 2 + (p[1] - q[1]) ** 2 + (p[2] - q[2]) ** 2)
 
 
 @part
-def _place(creases: Creases, c: int, s: float, h: Floats, g: Floats) -> None:
+def _place(creases: Creases, c: int, s: float, h: Array, g: Array) -> None:
     for r in range(3):
         g[r] = creases.corners[c, 0, r] + s * h[r]
 
 
 @kernel
 def find_bends(
-    x: Floats,
-    clear: Floats,
+    x: Array,
+    clear: Array,
     creases: Creases,
     straight: npt.NDArray[np.bool_],
     springs: Ints,
-    ways: Floats,
+    ways: Array,
     first: int,
     last: int,
     found: int,
@@ -204,7 +204,7 @@ def find_bends(
 
 
 @part
-def _ways(p: Floats, q: Floats, g: Floats, h: Floats, way: Floats) -> None:
+def _ways(p: Array, q: Array, g: Array, h: Array, way: Array) -> None:
     """Frames on both sides of a crossing g of the crease along h: to it from p (w1), from it to q (w2), axis."""
     # The axis of unfolding is the crease where the way crosses it inside, else square to both ways (at a corner).
     dp, dq, sp, sq = 0.0, 0.0, 0.0, 0.0

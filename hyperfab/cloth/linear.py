@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.numerics.kernels import kernel
 
-from .law import Floats
 from .multigrid import Multigrid, ahead, behind, project
 
 
@@ -16,12 +16,12 @@ from .multigrid import Multigrid, ahead, behind, project
 class Tangent:
     """Blocks of the nodes and of each with its forward neighbours (as in galerkin.py), and the projectors."""
 
-    diag: Floats  # (n, m, 6)
-    off: Floats  # (n, m, 2 or 4, 9)
-    q: Floats  # (n, m, 6)
+    diag: Array  # (n, m, 6)
+    off: Array  # (n, m, 2 or 4, 9)
+    q: Array  # (n, m, 6)
 
     @classmethod
-    def empty(cls, n: int, m: int, directions: int, q: Floats | None = None) -> Tangent:
+    def empty(cls, n: int, m: int, directions: int, q: Array | None = None) -> Tangent:
         """Room for an n by m grid; ``directions``: 2 forward neighbours, or 4 with those across cells.
 
         ``q`` are projectors kept elsewhere.
@@ -32,7 +32,7 @@ class Tangent:
 
 
 @kernel
-def _apply(diag: Floats, off: Floats, q: Floats, u: Floats, out: Floats) -> float:
+def _apply(diag: Array, off: Array, q: Array, u: Array, out: Array) -> float:
     total = 0.0
     s = np.empty(3)
     for i in range(u.shape[0]):
@@ -51,13 +51,13 @@ def _apply(diag: Floats, off: Floats, q: Floats, u: Floats, out: Floats) -> floa
     return total
 
 
-def apply(k: Tangent, u: Floats, out: Floats) -> float:
+def apply(k: Tangent, u: Array, out: Array) -> float:
     """out = Q K u for u = Q u; returns u . out."""
     return float(_apply(k.diag, k.off, k.q, u, out))
 
 
 @kernel
-def dot(a: Floats, b: Floats) -> float:
+def dot(a: Array, b: Array) -> float:
     """Sum of products, row by row."""
     total = 0.0
     for i in range(a.shape[0]):
@@ -69,7 +69,7 @@ def dot(a: Floats, b: Floats) -> float:
 
 
 @kernel
-def combine(a: float, x: Floats, b: float, y: Floats) -> None:
+def combine(a: float, x: Array, b: float, y: Array) -> None:
     """y = a x + b y."""
     for i in range(x.shape[0]):
         for j in range(x.shape[1]):
@@ -85,7 +85,7 @@ class Solver:
         self.work = np.zeros((4, n, m, 3))
         self.iterations = 0
 
-    def __call__(self, k: Tangent, right: Floats, d: Floats, tolerance: float, largest: int = 80) -> bool:
+    def __call__(self, k: Tangent, right: Array, d: Array, tolerance: float, largest: int = 80) -> bool:
         """Solve K d = right until the preconditioned residual falls by ``tolerance``.
 
         False: a direction of negative curvature was met, and ``d`` is what was found before it (or the
@@ -96,7 +96,7 @@ class Solver:
         project(k.q, d)  # the preconditioner's single precision leaves d a little off the subspaces
         return found
 
-    def _solve(self, k: Tangent, right: Floats, d: Floats, tolerance: float, largest: int) -> bool:
+    def _solve(self, k: Tangent, right: Array, d: Array, tolerance: float, largest: int) -> bool:
         r, z, p, ap = self.work
         r[:] = right
         d[:] = 0.0

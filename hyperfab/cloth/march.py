@@ -6,12 +6,13 @@ from collections.abc import Callable
 
 import numpy as np
 
+from hyperfab.arrays import Array
+
 from .balance import Balance
-from .law import Floats
 from .state import Equilibrium, State, Step
 
 #: Finds the step (n, m, 3) of all nodes at a place whose forces and contact are known.
-Direction = Callable[[State], Floats]
+Direction = Callable[[State], Array]
 
 #: All springs at this stretch store more than any sheet on its way to rest.
 APART = 100.0

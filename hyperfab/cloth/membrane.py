@@ -15,6 +15,8 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from hyperfab.arrays import Array
+
 from .cells import (
     bent_stiffness,
     cell_stiffness,
@@ -26,7 +28,6 @@ from .cells import (
 )
 from .creases import bend_stiffness
 from .energy import Energy
-from .law import Floats
 from .linear import Tangent
 from .mold import Mold
 from .net import Sheet
@@ -43,15 +44,15 @@ class MembraneLaw(Protocol):
     taut.
     """
 
-    def __call__(self, strain: Floats) -> Any:
+    def __call__(self, strain: Array) -> Any:
         """Energy, stress and stiffness."""
         ...
 
-    def principal(self, strain: Floats) -> Any:
+    def principal(self, strain: Array) -> Any:
         """``stretch`` (k, 2), larger first, ``cauchy`` (k, 2) stresses, and ``thickness`` stretch (k,)."""
         ...
 
-    def margin(self, strain: Floats) -> Floats:
+    def margin(self, strain: Array) -> Array:
         """(k,) below zero where the law is unstable."""
         ...
 
@@ -71,7 +72,7 @@ class Membrane(Energy):
         self.pull = np.zeros((sheet.n, sheet.m, 2, 3))
         self.scale, self.laid = np.zeros((0, 0, 0)), np.zeros((0, 0, 0), np.int64)
 
-    def forces(self, x: Floats, clear: Floats, f: Floats) -> tuple[float, float]:
+    def forces(self, x: Array, clear: Array, f: Array) -> tuple[float, float]:
         """Forces on the nodes at x into ``f``; (energy N mm, largest force N along warp or weft of a cell)."""
         self._lay(x, clear)
         self._scale(x)
@@ -94,7 +95,7 @@ class Membrane(Energy):
             lay_forces(x, self.springs, self.ways, self.pull, f, self.push)
         return 0.25 * self.net.cell_volume * float(np.sum(sums)) + weigh, largest
 
-    def _scale(self, x: Floats) -> None:
+    def _scale(self, x: Array) -> None:
         """Find how much longer the laid sides are than straight."""
         if not len(self.springs):
             self.scale, self.laid = np.zeros((0, 0, 0)), np.zeros((0, 0, 0), np.int64)
@@ -105,7 +106,7 @@ class Membrane(Energy):
         self.scale[i, j, d] = self.ways[:, 12] / chord
         self.laid[i, j, d] = 1 + np.arange(len(i))
 
-    def tangent(self, x: Floats, floor: float, out: Tangent) -> None:
+    def tangent(self, x: Array, floor: float, out: Tangent) -> None:
         """Tangent at x, where ``forces`` was called last; what is slack keeps the stiffness ``floor`` N/mm."""
         out.diag[:], out.off[:] = 0.0, 0.0
         parts = (self.net, self.stress, self.moduli, floor / self.thickness, out.diag, out.off)
@@ -128,16 +129,16 @@ class Cells:
     Stresses by direction are nominal: the pull along the draped warp (or weft) on the undeformed section across it.
     """
 
-    stretch: Floats  # the larger principal one
-    cauchy: Floats  # MPa, the larger principal stress
-    thickness: Floats  # stretch
-    margin: Floats  # of the law's stability
+    stretch: Array  # the larger principal one
+    cauchy: Array  # MPa, the larger principal stress
+    thickness: Array  # stretch
+    margin: Array  # of the law's stability
     wrinkled: npt.NDArray[np.bool_]  # no tension in one direction, or none at all
-    stress_warp: Floats  # (n, m) MPa
-    stress_weft: Floats
+    stress_warp: Array  # (n, m) MPa
+    stress_weft: Array
 
 
-def cells_of(sheet: Sheet, x: Floats, along: Floats, across: Floats) -> Cells:
+def cells_of(sheet: Sheet, x: Array, along: Array, across: Array) -> Cells:
     """What a membrane at ``x`` (n, m, 3) mm answers; its sides along warp and weft are ``along`` and ``across`` mm."""
     law, rest = sheet.membrane, sheet.arrays.rest
     assert law is not None
@@ -163,7 +164,7 @@ def cells_of(sheet: Sheet, x: Floats, along: Floats, across: Floats) -> Cells:
     )
 
 
-def _at_nodes(cells: Floats) -> Floats:
+def _at_nodes(cells: Array) -> Array:
     """Mean of the cells at each node."""
     padded = np.pad(cells, 1, mode="edge")
     return np.asarray(0.25 * (padded[1:, 1:] + padded[:-1, 1:] + padded[1:, :-1] + padded[:-1, :-1]))

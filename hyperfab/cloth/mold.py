@@ -7,11 +7,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.surface import Surface, bvh
 
-from .law import Floats
-
-Ints = npt.NDArray[np.int64]
 States = npt.NDArray[np.int8]
 
 # State of a node: free, or 1 + the feature it lies on (0 face, 1-3 edges, 4-6 vertices).
@@ -24,12 +22,12 @@ SHARP = 0.45
 class Creases(NamedTuple):
     """Sharp convex edges of a mold in the order of their search tree."""
 
-    corners: Floats  # (c, 3, 3): the two ends, the second twice
-    bounds: Floats
+    corners: Array  # (c, 3, 3): the two ends, the second twice
+    bounds: Array
     right: Ints
     start: Ints
     number: Ints
-    normals: Floats  # (c, 2, 3) of the two facets
+    normals: Array  # (c, 2, 3) of the two facets
     beyond: Ints  # (c, 2) the crease that goes on at each end, or -1
     meeting: Ints  # (c, 2, 4) creases that meet it at a corner of several, or -1
     convex: npt.NDArray[np.bool_]  # (c, 2) no edge at that end turns inward
@@ -39,14 +37,14 @@ class Creases(NamedTuple):
 class Mold(NamedTuple):
     """A surface as the kernels take it, facets in the order of the search tree."""
 
-    corners: Floats
-    bounds: Floats
+    corners: Array
+    bounds: Array
     right: Ints
     start: Ints
     number: Ints
-    normals: Floats  # (k, 7, 3) of face, edges and vertices
+    normals: Array  # (k, 7, 3) of face, edges and vertices
     twins: Ints
-    turn: Floats
+    turn: Array
     vertex: Ints
     incident_first: Ints
     incident: Ints

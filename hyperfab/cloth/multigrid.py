@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.kernels import inlined, kernel
 
-from .galerkin import OX, OY, Ints, Singles, halve, invert, sandwich_all
-from .law import Floats
+from .galerkin import OX, OY, Singles, halve, invert, sandwich_all
 
 SMALLEST = 4  # grids of at most this many nodes a side are not coarsened further
 
@@ -25,12 +25,12 @@ SMALLEST = 4  # grids of at most this many nodes a side are not coarsened furthe
 class Level:
     """Operator of one grid: projectors, diagonal blocks, forward blocks, inverse diagonals, and the way up."""
 
-    q: Floats  # (n, m, 6)
+    q: Array  # (n, m, 6)
     diag: Singles  # (n, m, 6)
     off: Singles  # (n, m, 2 or 4, 9)
     inverse: Singles  # (n, m, 6)
-    parents: tuple[Ints, Floats, Ints, Floats]  # per fine row: coarse rows and weights, then columns
-    vectors: Floats  # (3, n, m, 3) right side, solution, residual
+    parents: tuple[Ints, Array, Ints, Array]  # per fine row: coarse rows and weights, then columns
+    vectors: Array  # (3, n, m, 3) right side, solution, residual
 
 
 def coarse_size(n: int) -> int:
@@ -42,7 +42,7 @@ def coarse_size(n: int) -> int:
     return n if n <= SMALLEST else n // 2 + 1
 
 
-def parents_of(n: int) -> tuple[Ints, Floats]:
+def parents_of(n: int) -> tuple[Ints, Array]:
     """Coarse neighbours (n, 2) of each fine node of a line, and their weights."""
     nc = coarse_size(n)
     index, weight = np.zeros((n, 2), np.int64), np.zeros((n, 2))
@@ -64,21 +64,21 @@ def injected(n: int) -> Ints:
 
 
 @inlined
-def _add(a: Singles, u: Floats, s: Floats) -> None:
+def _add(a: Singles, u: Array, s: Array) -> None:
     s[0] -= a[0] * u[0] + a[1] * u[1] + a[2] * u[2]
     s[1] -= a[3] * u[0] + a[4] * u[1] + a[5] * u[2]
     s[2] -= a[6] * u[0] + a[7] * u[1] + a[8] * u[2]
 
 
 @inlined
-def _add_t(a: Singles, u: Floats, s: Floats) -> None:
+def _add_t(a: Singles, u: Array, s: Array) -> None:
     s[0] -= a[0] * u[0] + a[3] * u[1] + a[6] * u[2]
     s[1] -= a[1] * u[0] + a[4] * u[1] + a[7] * u[2]
     s[2] -= a[2] * u[0] + a[5] * u[1] + a[8] * u[2]
 
 
 @inlined
-def ahead(off: Singles, u: Floats, i: int, j: int, s: Floats) -> None:
+def ahead(off: Singles, u: Array, i: int, j: int, s: Array) -> None:
     """s -= sum over the neighbours of (i, j) that come after it of their block times u."""
     n, m = u.shape[0], u.shape[1]
     if i + 1 < n:
@@ -93,7 +93,7 @@ def ahead(off: Singles, u: Floats, i: int, j: int, s: Floats) -> None:
 
 
 @inlined
-def behind(off: Singles, u: Floats, i: int, j: int, s: Floats) -> None:
+def behind(off: Singles, u: Array, i: int, j: int, s: Array) -> None:
     """s -= sum over the neighbours of (i, j) that come before it of their block times u."""
     m = u.shape[1]
     if i > 0:
@@ -108,14 +108,14 @@ def behind(off: Singles, u: Floats, i: int, j: int, s: Floats) -> None:
 
 
 @inlined
-def _solve(d: Singles, s: Floats, u: Floats) -> None:
+def _solve(d: Singles, s: Array, u: Array) -> None:
     u[0] = d[0] * s[0] + d[1] * s[1] + d[2] * s[2]
     u[1] = d[1] * s[0] + d[3] * s[1] + d[4] * s[2]
     u[2] = d[2] * s[0] + d[4] * s[1] + d[5] * s[2]
 
 
 @kernel
-def sweep_from_zero(inverse: Singles, off: Singles, b: Floats, u: Floats) -> None:
+def sweep_from_zero(inverse: Singles, off: Singles, b: Array, u: Array) -> None:
     """One Gauss-Seidel sweep over the nodes in order from u = 0, whatever u holds."""
     s = np.empty(3)
     for i in range(u.shape[0]):
@@ -126,7 +126,7 @@ def sweep_from_zero(inverse: Singles, off: Singles, b: Floats, u: Floats) -> Non
 
 
 @kernel
-def sweep_back(inverse: Singles, off: Singles, b: Floats, u: Floats) -> None:
+def sweep_back(inverse: Singles, off: Singles, b: Array, u: Array) -> None:
     """One Gauss-Seidel sweep over the nodes in reverse."""
     s = np.empty(3)
     for i in range(u.shape[0] - 1, -1, -1):
@@ -138,7 +138,7 @@ def sweep_back(inverse: Singles, off: Singles, b: Floats, u: Floats) -> None:
 
 
 @kernel
-def left(off: Singles, u: Floats, r: Floats) -> None:
+def left(off: Singles, u: Array, r: Array) -> None:
     """r = b - A u after a forward sweep from zero: each node's own equation held until the nodes after it moved."""
     s = np.empty(3)
     for i in range(u.shape[0]):
@@ -149,7 +149,7 @@ def left(off: Singles, u: Floats, r: Floats) -> None:
 
 
 @kernel
-def project(q: Floats, v: Floats) -> None:
+def project(q: Array, v: Array) -> None:
     """v = Q v at every node."""
     for i in range(v.shape[0]):
         for j in range(v.shape[1]):
@@ -160,7 +160,7 @@ def project(q: Floats, v: Floats) -> None:
 
 
 @kernel
-def restrict(r: Floats, pi: Ints, wi: Floats, pj: Ints, wj: Floats, out: Floats) -> None:
+def restrict(r: Array, pi: Ints, wi: Array, pj: Ints, wj: Array, out: Array) -> None:
     """out += P^T r."""
     for i in range(r.shape[0]):
         for j in range(r.shape[1]):
@@ -173,7 +173,7 @@ def restrict(r: Floats, pi: Ints, wi: Floats, pj: Ints, wj: Floats, out: Floats)
 
 
 @kernel
-def prolong(e: Floats, pi: Ints, wi: Floats, pj: Ints, wj: Floats, q: Floats, u: Floats) -> None:
+def prolong(e: Array, pi: Ints, wi: Array, pj: Ints, wj: Array, q: Array, u: Array) -> None:
     """u += Q P e."""
     s = np.empty(3)
     for i in range(u.shape[0]):
@@ -217,9 +217,9 @@ class Multigrid:
             if max(n, m) <= SMALLEST:
                 break
             n, m = coarse_size(n), coarse_size(m)
-        self.direct: Floats = np.zeros((0, 0))
+        self.direct: Array = np.zeros((0, 0))
 
-    def build(self, diag: Floats, off: Floats, q: Floats) -> None:
+    def build(self, diag: Array, off: Array, q: Array) -> None:
         """Set up all levels for the finest operator (diagonal and forward blocks) and its projectors."""
         top = self.levels[0]
         top.q[:], top.diag[:], top.off[:] = q, diag, off
@@ -238,7 +238,7 @@ class Multigrid:
             invert(coarse.diag, coarse.q, coarse.inverse)
         self.direct = _dense_inverse(self.levels[-1])
 
-    def __call__(self, r: Floats, out: Floats) -> None:
+    def __call__(self, r: Array, out: Array) -> None:
         """out = approximate inverse of the operator applied to r: one symmetric V-cycle."""
         self.levels[0].vectors[0] = r
         self._cycle(0)
@@ -268,7 +268,7 @@ def _in_chunks(diag: Singles, off: Singles, places: Ints, coarse_diag: Singles, 
         halve(diag, off, places, coarse_diag, coarse_off, i, min(i + chunk, len(places)))
 
 
-def _dense_inverse(level: Level) -> Floats:
+def _dense_inverse(level: Level) -> Array:
     """Pseudo-inverse of the coarsest operator."""
     n, m = level.q.shape[:2]
     a = np.zeros((n, m, 3, n, m, 3))

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from hyperfab.arrays import Array
 from hyperfab.numerics.kernels import inlined, kernel
 
-from .law import Floats, SpringLaw, evaluate, piecewise_linear
+from .law import SpringLaw, evaluate, piecewise_linear
 
 if TYPE_CHECKING:
     from .membrane import MembraneLaw
@@ -28,16 +29,16 @@ GRAVITY = 9.80665
 class Arrays(NamedTuple):
     """A sheet as the kernels take it: rest lengths, cross-sections, laws, load per node."""
 
-    rest: Floats  # (2,) warp, weft
-    warp_area: Floats  # (m,) by row of nodes
-    weft_area: Floats  # (n,)
+    rest: Array  # (2,) warp, weft
+    warp_area: Array  # (m,) by row of nodes
+    weft_area: Array  # (n,)
     cell_volume: float  # mm^3, undeformed
     warp: Any
     weft: Any
     shear: Any
     sheared: bool
-    weight: Floats  # (n, m) N, downward
-    tension: Floats  # (n, m, 2) N of each side of a membrane's cells, in place of the springs' laws; empty for springs
+    weight: Array  # (n, m) N, downward
+    tension: Array  # (n, m, 2) N of each side of a membrane's cells, in place of the springs' laws; empty for springs
 
 
 @dataclass(frozen=True)
@@ -86,7 +87,7 @@ class Sheet:
         return out
 
     @property
-    def holder_force(self) -> Floats:
+    def holder_force(self) -> Array:
         """(n, m) N that the blank holder's friction on each node can reach; none where a node is held in the plane."""
         hx, hy = self.spacing
         out = np.zeros((self.n, self.m))
@@ -97,7 +98,7 @@ class Sheet:
             side += force * share
         return np.where((self.fixed & (X | Y)) == (X | Y), 0.0, out)
 
-    def flat(self) -> Floats:
+    def flat(self) -> Array:
         """Positions (n, m, 3) of the nodes in the flat sheet, centred at the origin."""
         out = np.zeros((self.n, self.m, 3))
         out[:, :, 0] = np.linspace(-0.5, 0.5, self.n)[:, None] * self.size[0]
@@ -128,7 +129,7 @@ class Sheet:
         return replace(self, n=n, m=m)
 
 
-def _shares(n: int) -> Floats:
+def _shares(n: int) -> Array:
     out = np.ones(n)
     out[[0, -1]] = 0.5
     return out
@@ -139,7 +140,7 @@ NO_FORCE = piecewise_linear([1.0, 2.0], [0.0, 0.0])
 
 
 @inlined
-def _spring(x: Floats, f: Floats, i: int, j: int, k: int, l: int, rest: float, area: float, law: Any) -> Any:
+def _spring(x: Array, f: Array, i: int, j: int, k: int, l: int, rest: float, area: float, law: Any) -> Any:
     """Add a spring's force to its two nodes; (energy, force)."""
     dx, dy, dz = x[k, l, 0] - x[i, j, 0], x[k, l, 1] - x[i, j, 1], x[k, l, 2] - x[i, j, 2]
     length = np.sqrt(dx * dx + dy * dy + dz * dz)
@@ -158,7 +159,7 @@ def _spring(x: Floats, f: Floats, i: int, j: int, k: int, l: int, rest: float, a
 
 
 @kernel
-def forces(x: Floats, net: Arrays, f: Floats) -> tuple[float, float]:
+def forces(x: Array, net: Arrays, f: Array) -> tuple[float, float]:
     """Spring forces and weight on every node into ``f`` (n, m, 3) N; (energy in N mm, largest spring force in N)."""
     n, m = x.shape[0], x.shape[1]
     total, comp, largest = 0.0, 0.0, 0.0
@@ -189,7 +190,7 @@ def forces(x: Floats, net: Arrays, f: Floats) -> tuple[float, float]:
 
 @inlined
 def _join(
-    x: Floats,
+    x: Array,
     i: int,
     j: int,
     d: int,
@@ -197,8 +198,8 @@ def _join(
     area: float,
     law: Any,
     floor: float,
-    diag: Floats,
-    off: Floats,
+    diag: Array,
+    off: Array,
 ) -> None:
     """Add the stiffness of the spring from a node to its next along ``d``; at least ``floor`` along and across."""
     k, l = (i + 1, j) if d == 0 else (i, j + 1)
@@ -226,7 +227,7 @@ def _join(
 
 
 @kernel
-def stiffness(x: Floats, net: Arrays, floor: float, diag: Floats, off: Floats) -> None:
+def stiffness(x: Array, net: Arrays, floor: float, diag: Array, off: Array) -> None:
     """Tangent of all springs; ``diag`` and ``off`` come with zeros."""
     n, m = x.shape[0], x.shape[1]
     for i in range(n):

@@ -12,9 +12,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from hyperfab.arrays import Array
+
 from .cascade import drape
 from .friction import STUCK, Friction
-from .law import Floats
 from .mold import FREE, Mold, raised
 from .net import FIXED, Sheet
 from .newton import equilibrium
@@ -49,7 +50,7 @@ class Rest:
     steps: int
 
 
-def load_steps(depths: Sequence[float], steps: int) -> Floats:
+def load_steps(depths: Sequence[float], steps: int) -> Array:
     """Heights of the mold at which a sheet that rubs comes to rest: about equal steps that meet all rising ``depths``.
 
     >>> load_steps([20.0, 60.0], 4).tolist()
@@ -71,10 +72,10 @@ def load_steps(depths: Sequence[float], steps: int) -> Floats:
 def follow(
     sheet: Sheet,
     mold: Mold,
-    heights: Floats,
+    heights: Array,
     mu: float,
     tolerance: float = 1e-6,
-    wanted: Floats | None = None,
+    wanted: Array | None = None,
     report: Callable[[Step], None] | None = None,
     enough: float = 0.0,
 ) -> Iterator[Rest]:

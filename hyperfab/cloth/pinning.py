@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.kernels import part
 
 from .creases import law_of
 from .features import BESIDE, dot, outward
-from .law import Floats
-from .mold import FREE, ON_FACE, Ints, Mold
+from .mold import FREE, ON_FACE, Mold
 from .net import Arrays
 
 DIRECTIONS = 73
@@ -22,7 +22,7 @@ DIRECTIONS = 73
 
 @part
 def _pull(
-    net: Arrays, x: Floats, i: int, j: int, side: int, ways: Floats, hinge: Ints, bent: Ints, out: Floats
+    net: Arrays, x: Array, i: int, j: int, side: int, ways: Array, hinge: Ints, bent: Ints, out: Array
 ) -> bool:
     """Force of one of the four springs of a node (0, 1 warp; 2, 3 weft) on it; False at the border."""
     n, m = x.shape[0], x.shape[1]
@@ -71,14 +71,14 @@ def hinges_to(hinge: int, bent: Ints, i: int, j: int, side: int) -> bool:
 def pinned(
     mold: Mold,
     net: Arrays,
-    x: Floats,
-    f: Floats,
+    x: Array,
+    f: Array,
     i: int,
     j: int,
     slot: Ints,
     state: int,
     bent: Ints,
-    ways: Floats,
+    ways: Array,
     hinges: Ints,
     slack: float,
 ) -> int:

@@ -11,10 +11,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.numerics.kernels import kernel
 
 from .balance import Balance
-from .law import Floats
 from .march import march
 from .mold import Mold
 from .net import Arrays, Sheet
@@ -25,7 +25,7 @@ EVERY = 10
 
 
 @kernel
-def _steps(x: Floats, net: Arrays, r: Floats, c: float, d: Floats) -> None:
+def _steps(x: Array, net: Arrays, r: Array, c: float, d: Array) -> None:
     """d = direction of the unbalanced force r times the sum of the node's elongations over c."""
     n, m = x.shape[0], x.shape[1]
     for i in range(n):
@@ -71,7 +71,7 @@ def relax(
     balance = Balance(sheet, mold, tolerance)
     d = np.zeros((sheet.n, sheet.m, 3))
 
-    def step(now: State) -> Floats:
+    def step(now: State) -> Array:
         _steps(now.x, balance.model.net, balance.r, c, d)
         return d
 

@@ -10,9 +10,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import brentq
 
+from hyperfab.arrays import Array
 from hyperfab.numerics.kernels import kernel, part
 
-from .law import Floats, SpringLaw, evaluate, piecewise_linear
+from .law import SpringLaw, evaluate, piecewise_linear
 from .net import Arrays
 
 #: Largest shear angle [rad] that a law is asked for: cells of a net cannot fold further.
@@ -77,7 +78,7 @@ def _stretch_at(law: SpringLaw, stress: float) -> float:
 
 
 @part
-def _angle(x: Floats, i: int, j: int, u: Floats, v: Floats) -> tuple[float, float, float]:
+def _angle(x: Array, i: int, j: int, u: Array, v: Array) -> tuple[float, float, float]:
     """Unit mean sides of cell (i, j) into ``u`` and ``v``; their lengths, and the cosine between them."""
     lu, lv = 0.0, 0.0
     for r in range(3):
@@ -108,7 +109,7 @@ def _energy(c: float, net: Arrays) -> tuple[float, float, float]:
 
 
 @kernel
-def shear_forces(x: Floats, net: Arrays, f: Floats) -> float:
+def shear_forces(x: Array, net: Arrays, f: Array) -> float:
     """Add the forces of all cells on their nodes to ``f`` (n, m, 3) N; their energy in N mm."""
     n, m = x.shape[0], x.shape[1]
     u, v = np.empty(3), np.empty(3)
@@ -132,7 +133,7 @@ def shear_forces(x: Floats, net: Arrays, f: Floats) -> float:
 
 
 @kernel
-def shear_stiffness(x: Floats, net: Arrays, diag: Floats, off: Floats) -> None:
+def shear_stiffness(x: Array, net: Arrays, diag: Array, off: Array) -> None:
     """Add the tangent of all cells: their diagonals p (to (i + 1, j + 1)) and q (to (i + 1, j)) with themselves
     (``one``, ``two``) and with each other (``cross``).
     """

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csr_array
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.kernels import kernel
 from hyperfab.surface.bvh import DEPTH, nearest_one, ray_many
 
 from .energy import ROWS
 from .features import beside
-from .law import Floats
-from .mold import FREE, ON_FACE, Ints, Mold, States
+from .mold import FREE, ON_FACE, Mold, States
 from .net import Sheet, Z
 from .state import State
 
@@ -21,13 +21,13 @@ ON_TOP = 1e-9
 
 @kernel
 def place(
-    x: Floats,
+    x: Array,
     mold: Mold,
-    skin: Floats,
+    skin: Array,
     fixed: np.ndarray,
     contact: States,
     slot: Ints,
-    clear: Floats,
+    clear: Array,
     first: int,
     last: int,
 ) -> tuple[int, float]:
@@ -86,11 +86,11 @@ class HeldNodeInside(Exception):
 
 
 def settled(
-    x: Floats,
+    x: Array,
     mold: Mold,
     sheet: Sheet,
-    skin: Floats | None = None,
-    known: tuple[Floats, Ints] | None = None,
+    skin: Array | None = None,
+    known: tuple[Array, Ints] | None = None,
 ) -> State:
     """State of nodes at ``x``, put onto the mold where they are in it or nearer than ``skin`` (n, m)."""
     n, m = x.shape[:2]

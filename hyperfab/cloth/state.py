@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from .law import Floats
-from .mold import Ints, States
+from hyperfab.arrays import Array, Ints
+
+from .mold import States
 
 
 @dataclass
 class State:
     """Where the nodes are, and how each stands to the mold."""
 
-    x: Floats  # (n, m, 3) mm
+    x: Array  # (n, m, 3) mm
     contact: States  # (n, m) FREE, or 1 + feature
     slot: Ints  # (n, m) facet on or near
-    clear: Floats  # (n, m) mm, free of the mold at least this far
+    clear: Array  # (n, m) mm, free of the mold at least this far
     crossed: States  # (n, m) 1: its last step led over a sharp edge
 
     def assign(self, other: State) -> None:
@@ -54,13 +55,13 @@ class Equilibrium:
     residual_max: float  # N
     residual_relative: float
     worst: tuple[int, int]
-    press: Floats  # (n, m) N
-    force: Floats  # (n, m, 3) N spring forces and weight
-    residual: Floats  # (n, m, 3) N
+    press: Array  # (n, m) N
+    force: Array  # (n, m, 3) N spring forces and weight
+    residual: Array  # (n, m, 3) N
     largest_force: float
     bent: Ints  # (k, 4) springs laid over sharp edges: node, direction, crease
-    bent_length: Floats  # (k,) mm
-    bent_at: Floats  # (k, 3) mm, where they run over the edge
-    push: Floats  # (3,) N, of the sharp edges on the springs laid over them
+    bent_length: Array  # (k,) mm
+    bent_at: Array  # (k, 3) mm, where they run over the edge
+    push: Array  # (3,) N, of the sharp edges on the springs laid over them
     status: str = ""
     history: list[Step] = field(default_factory=list)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.errors import InputError
 from hyperfab.io.csv_dialect import Sheet, open_sheets
 from hyperfab.io.csv_numbers import numbers, quantities, seconds, settle_decimal, words
@@ -35,7 +36,6 @@ TESTS = (
 _DEGREES = {"warp": 0.0, "weft": 90.0}
 _SIDES = {"load": 1, "unload": -1}
 
-Array = NDArray[np.float64]
 
 #: Beyond these no fabric or rubber was ever tested: a wrong unit or a wrong column. The stress is the largest of a
 #: test, in MPa or N/mm.

@@ -8,14 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.errors import InputError
 from hyperfab.io.csv_dialect import Sheet
 from hyperfab.io.csv_numbers import quantities
 from hyperfab.io.layout import filled_in
 from hyperfab.io.roles import STRESSES, STRETCHES, Column, Roles, missing, unitless
 from hyperfab.io.stated import amount, conflicting, stated
-
-Array = NDArray[np.float64]
 
 #: A strain without a unit beyond this is a percentage somebody forgot to mark: no fabric stretches twenty-fold, and
 #: few test machines export a strain of more than three without its per cent.

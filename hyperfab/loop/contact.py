@@ -8,11 +8,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from hyperfab.arrays import Array
 from hyperfab.loop.catalogue import catalogue
 from hyperfab.loop.catalogue.contact import Scene
 from hyperfab.loop.emulator import Emulator
 from hyperfab.loop.known import known, known_curve, sure, without_prior
-from hyperfab.loop.problem import Array, Constant, Curve, Extra, Problem
+from hyperfab.loop.problem import Constant, Curve, Extra, Problem
 from hyperfab.materials.effects.thermal_softening import factor
 
 #: What is known of the depth's zero [mm].

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from hyperfab.loop.problem import Array
+from hyperfab.arrays import Array
 
 _BINS = 8
 

@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.noise import Noise
-from hyperfab.loop.problem import Array, Extra, Problem
+from hyperfab.loop.problem import Extra, Problem
 from hyperfab.loop.thresholds import DECISIVE
 
 _MOST_RIVALS = 3

@@ -10,12 +10,13 @@ from typing import ClassVar
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
 
+from hyperfab.arrays import Array
 from hyperfab.loop.catalogue import catalogue
 from hyperfab.loop.catalogue.drape import Scene
 from hyperfab.loop.emulator import Axis
 from hyperfab.loop.known import known, known_curve, sure, without_prior
 from hyperfab.loop.kriging import Kriged
-from hyperfab.loop.problem import Array, Constant, Curve, Extra, Problem
+from hyperfab.loop.problem import Constant, Curve, Extra, Problem
 from hyperfab.loop.scatter import patches
 
 #: What is known of how far the mold was pushed up [mm].

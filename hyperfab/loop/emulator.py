@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hyperfab.loop.problem import Array
+from hyperfab.arrays import Array
 
 #: Places of an axis in the order they are taken, of its whole reach; an axis of two sides and one of one side.
 _TWO_SIDED = (0.0, 1.0, -1.0, 0.5, -0.5)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
 from hyperfab.loop.dependence import dependence, suggestion
 from hyperfab.loop.design import NextMeasurement, next_measurement
@@ -14,7 +15,7 @@ from hyperfab.loop.fitting import Fit, fit, least_misfits
 from hyperfab.loop.judge import common_bic
 from hyperfab.loop.mimic import Rival, indistinguishable, rivals
 from hyperfab.loop.noise import Noise, estimate_noise, replicates
-from hyperfab.loop.problem import Array, Problem
+from hyperfab.loop.problem import Problem
 from hyperfab.loop.search import Evidence, Search, State
 from hyperfab.loop.thresholds import ENOUGH, EXPLAINED, MARGIN, MOST_SCATTER, ONE_CLOTH, SMALL
 

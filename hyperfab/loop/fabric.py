@@ -10,11 +10,12 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.loop.catalogue import catalogue
 from hyperfab.loop.catalogue.fabric import Scene
 from hyperfab.loop.fabric_extras import menu
 from hyperfab.loop.fabric_tests import FabricTest, curves_of, path_of, smooth_of, states_of
-from hyperfab.loop.problem import HAS_IT, Array, Constant, Extra, Problem
+from hyperfab.loop.problem import HAS_IT, Constant, Extra, Problem
 from hyperfab.loop.thresholds import MACHINE
 from hyperfab.materials.effects import anisotropy
 from hyperfab.materials.effects.fabric import Fabric

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from hyperfab.loop.problem import Array, Curve
+from hyperfab.arrays import Array
+from hyperfab.loop.problem import Curve
 from hyperfab.loop.thresholds import SAME_WAY
 from hyperfab.materials.effects.path import GENERAL, MODE_NAMES, UNIAXIAL, Path, held, moving
 

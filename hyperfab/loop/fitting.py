@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.loop.noise import Noise
-from hyperfab.loop.problem import Array, Constant, Form, Problem, split
+from hyperfab.loop.problem import Constant, Form, Problem, split
 
 #: A step is accepted as the last one where it lowers chi-squared by less than this share, or this much; coarser where
 #: fits are only compared: the gain is then below a tenth of what one constant has to earn.

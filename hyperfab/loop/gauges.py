@@ -8,8 +8,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.loop.known import SURE
-from hyperfab.loop.problem import Array, Curve
+from hyperfab.loop.problem import Curve
 from hyperfab.loop.thresholds import FEWEST_TOGETHER, ONE_CLOTH
 
 #: How much faster one of two tests led alike may be: with another gauge length it seems to be.

@@ -9,10 +9,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.loop.catalogue import catalogue
 from hyperfab.loop.catalogue.heat import Scene
 from hyperfab.loop.catalogue.heat.ambient_drift import FARTHEST_K, FASTEST_K_S
-from hyperfab.loop.problem import Array, Constant, Curve, Extra, Form, Problem, split
+from hyperfab.loop.problem import Constant, Curve, Extra, Form, Problem, split
 from hyperfab.thermal.reduced import ReducedMold
 from hyperfab.thermal.sensors import lagging
 from hyperfab.thermal.settings import Settings

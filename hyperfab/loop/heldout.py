@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.noise import Noise
-from hyperfab.loop.problem import Array, Curve, Problem
+from hyperfab.loop.problem import Curve, Problem
 from hyperfab.loop.thresholds import DETERMINED, SEEN, TEST_NOISE, TOLD
 
 Rows = slice | NDArray[np.int64]

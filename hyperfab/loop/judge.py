@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtrc, fdtrc
 
+from hyperfab.arrays import Array
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.noise import Noise
-from hyperfab.loop.problem import Array, Curve, Problem
+from hyperfab.loop.problem import Curve, Problem
 from hyperfab.loop.score import Signature, greatest_by_chance
 from hyperfab.loop.thresholds import ALPHA, FEWEST_TOGETHER, SMALL
 

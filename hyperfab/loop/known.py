@@ -11,7 +11,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from hyperfab.loop.problem import Array, Constant, Curve
+from hyperfab.arrays import Array
+from hyperfab.loop.problem import Constant, Curve
 
 #: Standard deviations a constant may be off.
 SURE = 3.0

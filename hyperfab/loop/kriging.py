@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.loop.emulator import Axis
-from hyperfab.loop.problem import Array
 
 #: Length of the correlation, in reaches of the axes: on sheets over balls and torsos 1 to 3 did equally well.
 _LENGTH = 2.0

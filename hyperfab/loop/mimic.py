@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import chdtrc
 
+from hyperfab.arrays import Array
 from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.judge import common_bic
 from hyperfab.loop.noise import Noise
-from hyperfab.loop.problem import Array, Problem
+from hyperfab.loop.problem import Problem
 from hyperfab.loop.score import orthonormal, projected
 from hyperfab.loop.search import Search, State
 from hyperfab.loop.thresholds import (

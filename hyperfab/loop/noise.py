@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtrc
 
-from hyperfab.loop.problem import Array, Curve, Problem
+from hyperfab.arrays import Array
+from hyperfab.loop.problem import Curve, Problem
 from hyperfab.loop.thresholds import (
     ASSUMED,
     BEYOND,

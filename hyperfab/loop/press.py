@@ -10,12 +10,13 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 from scipy.special import ndtr
 
+from hyperfab.arrays import Array
 from hyperfab.loop.catalogue import catalogue
 from hyperfab.loop.catalogue.press import Scene
 from hyperfab.loop.known import known, known_curve, sure, without_prior
 from hyperfab.loop.press_reading import UNITS, Kind, Reading, Setting, variation
 from hyperfab.loop.press_table import Moved, PressTable, found_tilt, loads
-from hyperfab.loop.problem import Array, Constant, Curve, Extra, Problem
+from hyperfab.loop.problem import Constant, Curve, Extra, Problem
 from hyperfab.loop.scatter import patches
 
 #: A place reads half contact half open over this much of a gap [mm]: a film's or a paste's own thickness.

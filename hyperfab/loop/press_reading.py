@@ -6,13 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
-from hyperfab.loop.problem import Array
+from hyperfab.arrays import Array, Ints
 
 Kind = Literal["pressure", "contact", "thickness", "force"]
-Ints = NDArray[np.int64]
 
 #: Units the readings are told in.
 UNITS: dict[str, str] = {"pressure": "MPa", "contact": "-", "thickness": "mm", "force": "N"}

@@ -10,15 +10,12 @@ from functools import cached_property
 from math import isqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.loop.problem import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.pressing.closing import Closed
 from hyperfab.pressing.foam_law import FoamLaw
 from hyperfab.pressing.gap import vertex_areas
 from hyperfab.pressing.growth import guide_line
-
-Ints = NDArray[np.int64]
 
 #: Openings between the deepest and the first touch, and places the force is summed over, at most.
 _KNOTS, _PLACES = 25, 800

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from hyperfab.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from hyperfab.arrays import Array
 from hyperfab.loop.noise import MAD, third_differences
-from hyperfab.loop.problem import Array, Curve
+from hyperfab.loop.problem import Curve
 from hyperfab.loop.thresholds import ASSUMED, EARNS, FEWEST_TOGETHER
 
 #: Neighbours a plane is laid through.

@@ -8,11 +8,12 @@ from functools import cached_property
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.loop.fitting import Fit, fit, inverse
 from hyperfab.loop.heldout import Forecast, HeldOut, Help, forecast, help_of, leave_curves_out
 from hyperfab.loop.judge import Judgement, correlation_time, judge, prior_misfit, scaled_chi2
 from hyperfab.loop.noise import Noise, with_misfit
-from hyperfab.loop.problem import Array, Effect, Form, Problem
+from hyperfab.loop.problem import Effect, Form, Problem
 from hyperfab.loop.score import Signature, points_at, signatures
 from hyperfab.loop.thresholds import FIRST_SHARE, HELPED, HELPED_OF_THREE, MARGIN, NEXT_SHARE, TAKEN, WRONG
 

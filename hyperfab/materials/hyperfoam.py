@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Array = NDArray[np.float64]
+from hyperfab.arrays import Array
 
 #: The models by name, and their number of terms.
 ORDERS = {f"hyperfoam-{n}": n for n in (1, 2, 3)}

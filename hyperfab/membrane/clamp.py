@@ -8,12 +8,9 @@ Compliance zero is the rigid clamp.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.membrane.mesh import SheetMesh
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 #: Gauss's rule of three points on the unit interval: exact for the squares of the shape functions.
 _AT = 0.5 + np.sqrt(0.15) * np.array([-1.0, 0.0, 1.0])
@@ -54,7 +51,7 @@ class Clamp:
         return np.asarray(places[self._nodes, :2] - self._rest[self._nodes])
 
 
-def rim_edges(mesh: SheetMesh) -> tuple[Indices, Indices, Indices]:
+def rim_edges(mesh: SheetMesh) -> tuple[Ints, Ints, Ints]:
     """Return for each element edge on the rim its element (k,), nodes (k, 2 or 3), and their places in the element."""
     local = np.array([[0, 1, 3], [1, 2, 4], [2, 0, 5]])[:, : mesh.order + 1]
     nodes = mesh.elements[:, local]

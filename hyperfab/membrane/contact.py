@@ -12,14 +12,10 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.membrane.memory import Memory
 from hyperfab.membrane.sphere import Nearness
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Indices = NDArray[np.int64]
 
 #: Stiff spring of a touching node relative to its own stiffness: large enough to hold the node, and far from the
 #: 1e16 at which the solver would lose the sheet.
@@ -47,7 +43,7 @@ class Terms:
 class Grip(Protocol):
     """How the punch holds touching nodes along its surface during one load step."""
 
-    def terms(self, nodes: Indices, places: Array, pull: Array, near: Nearness, spring: Array) -> Terms:
+    def terms(self, nodes: Ints, places: Array, pull: Array, near: Nearness, spring: Array) -> Terms:
         """Return the contact terms.
 
         ``nodes`` (k,) touch; ``places`` and ``pull`` (k, 3) are their places relative to the punch [mm] and the
@@ -107,7 +103,7 @@ class _Sliding:
     sticking: Flags
     settled = True
 
-    def terms(self, nodes: Indices, places: Array, pull: Array, near: Nearness, spring: Array) -> Terms:
+    def terms(self, nodes: Ints, places: Array, pull: Array, near: Nearness, spring: Array) -> Terms:
         """Return the contact terms of free sliding."""
         normal = near.normal
         pressure = (pull * normal).sum(axis=1)

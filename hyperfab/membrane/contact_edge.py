@@ -11,10 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.membrane.contact_front import ContactFront, contact_front
 from hyperfab.membrane.equilibrium import Press, State
-
-Array = NDArray[np.float64]
 
 #: Nodes out to this many edge lengths beyond the last touching one take part.
 _WINDOW = 4.0

@@ -10,14 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.membrane.mesh import SheetMesh
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Indices = NDArray[np.int64]
 
 #: Where the gaps do not say where an edge is crossed: half-way between the last touching node and the next.
 _MIDDLE, _LATE = 0.5, 0.75
@@ -82,7 +78,7 @@ def contact_front(mesh: SheetMesh, place: Array, touching: Flags, gap: Array) ->
     return ContactFront(at[crossed], place, inside, mesh.copies * _area(place[corners], flags, part))
 
 
-def _crossing(root: Array, touching: Flags, far: Indices, middle: Indices | None) -> Array:
+def _crossing(root: Array, touching: Flags, far: Ints, middle: Ints | None) -> Array:
     """Return where (0 at the touching end, 1 at the other) edges leave the punch."""
     if middle is None:
         return np.full(len(far), _MIDDLE)

@@ -14,12 +14,10 @@ from dataclasses import dataclass
 
 import numba as nb
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.membrane.sheet import Sheet
 from hyperfab.membrane.tension_field import Response
-
-Array = NDArray[np.float64]
 
 #: Directions in half a turn that are looked at.
 _DIRECTIONS = 36

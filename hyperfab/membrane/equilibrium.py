@@ -5,17 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.membrane.contact import STIFF, Frictionless, Grip, Tangential, Terms
 from hyperfab.membrane.memory import Memory, landings, mounted, remembered
 from hyperfab.membrane.sheet import Assembled, Sheet
 from hyperfab.membrane.sphere import Nearness, Punch
 from hyperfab.numerics.linear import Factor, SingularMatrixError
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Indices = NDArray[np.int64]
 
 #: Largest way of a node in one iteration, relative to the distance from the punch's axis to the rim.
 _LARGEST_STEP = 0.15
@@ -65,7 +61,7 @@ class _Linearised:
 
     sheet: Assembled
     near: Nearness
-    nodes: Indices
+    nodes: Ints
     terms: Terms
     spring: Array
     unbalanced: Array
@@ -186,7 +182,7 @@ class Press:
         grip: Grip,
         support: float,
         everywhere: bool,
-        facet: Indices | None = None,
+        facet: Ints | None = None,
     ) -> _Linearised:
         found = self.sheet.assemble(places, support, everywhere)
         near = self.punch.near(places, depth).along(self.sheet.pattern.free)

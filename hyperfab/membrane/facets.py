@@ -11,14 +11,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.membrane.sphere import Nearness
 from hyperfab.surface import Surface
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Indices = NDArray[np.int64]
 
 #: Closer to an edge or corner than this part of the punch's size the direction to it is lost in rounding.
 _CLOSE = 1e-9
@@ -38,7 +34,7 @@ class Facets:
 
     surface: Surface
     shift: Array
-    _seen: dict[int, Indices] = field(default_factory=dict, repr=False, compare=False)
+    _seen: dict[int, Ints] = field(default_factory=dict, repr=False, compare=False)
 
     def near(self, places: Array, depth: float) -> Nearness:
         """Return how the points (n, 3) lie to the facets pushed in by ``depth`` [mm]."""

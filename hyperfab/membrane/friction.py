@@ -10,15 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.membrane.contact import Terms
 from hyperfab.membrane.memory import Memory
 from hyperfab.membrane.sphere import Nearness
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Indices = NDArray[np.int64]
 
 #: A slip shorter than this [mm] has no direction of its own.
 _NO_WAY = 1e-9
@@ -59,7 +55,7 @@ class _Sticking:
     sticking: Flags
     settled = True
 
-    def terms(self, nodes: Indices, places: Array, pull: Array, near: Nearness, spring: Array) -> Terms:
+    def terms(self, nodes: Ints, places: Array, pull: Array, near: Nearness, spring: Array) -> Terms:
         away = places - self.anchors[nodes]
         across = away - (away * near.normal).sum(axis=1)[:, None] * near.normal
         up = np.zeros_like(pull)
@@ -83,7 +79,7 @@ class _Rubbing:
         self.changes = np.zeros(len(self.sticking), int)
         self.settled = True
 
-    def terms(self, nodes: Indices, places: Array, pull: Array, near: Nearness, spring: Array) -> Terms:
+    def terms(self, nodes: Ints, places: Array, pull: Array, near: Nearness, spring: Array) -> Terms:
         normal = near.normal
         pressure = (pull * normal).sum(axis=1)
         drag = pull - pressure[:, None] * normal
@@ -126,7 +122,7 @@ class _Rubbing:
             mix=mix,
         )
 
-    def _decide(self, nodes: Indices, pressure: Array, drag: Array, slip: Array) -> None:
+    def _decide(self, nodes: Ints, pressure: Array, drag: Array, slip: Array) -> None:
         """Let nodes go that would need more friction than there is, and hold those that slip backwards."""
         stuck = self.sticking[nodes]
         needed = np.linalg.norm(drag, axis=1)

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import numba as nb
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from hyperfab.arrays import Array, Ints
 
 
 @nb.njit(cache=True)
-def strains(places: Array, elements: Indices, gradients: Array) -> Array:
+def strains(places: Array, elements: Ints, gradients: Array) -> Array:
     """Return C11, C22, C12 (m q, 3) of the right Cauchy–Green tensor for nodal places (n, 3)."""
     count, points, shapes, _ = gradients.shape
     result = np.empty((count * points, 3))
@@ -36,13 +34,13 @@ def strains(places: Array, elements: Indices, gradients: Array) -> Array:
 @nb.njit(cache=True)
 def assemble(
     places: Array,
-    elements: Indices,
+    elements: Ints,
     gradients: Array,
     weights: Array,
     stress: Array,
     stiffness: Array,
     support: Array,
-    block_of: Indices,
+    block_of: Ints,
     blocks: int,
 ) -> tuple[Array, Array]:
     """Return nodal forces (n, 3) and the stiffness as 3 × 3 blocks (blocks, 3, 3).

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.membrane.contact import Frictionless
 from hyperfab.membrane.equilibrium import Press, State
 from hyperfab.membrane.facets import Facets
@@ -14,8 +15,6 @@ from hyperfab.membrane.mesh import shape_functions
 from hyperfab.membrane.recovery import recovered_strain
 from hyperfab.membrane.sheet import Sheet
 from hyperfab.membrane.tension_field import TAUT, Principal
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -6,16 +6,13 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.errors import InputError
 from hyperfab.membrane.meshing import Triangles
 from hyperfab.membrane.outline import Outline
 from hyperfab.numerics.blocks import BlockPattern
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 #: Dunavant's rules of degree 4 (six points) and 1, in area coordinates (Int. J. Numer. Meth. Engng 21 (1985) 1129).
 _A, _B = 0.445948490915965, 0.091576213509771
@@ -47,10 +44,10 @@ class SheetMesh:
 
     order: int
     nodes: Array
-    elements: Indices
+    elements: Ints
     corners: int
-    rim: Indices
-    symmetric: tuple[Indices, Indices]
+    rim: Ints
+    symmetric: tuple[Ints, Ints]
     gradients: Array = field(repr=False)
     weights: Array = field(repr=False)
     copies: int
@@ -166,7 +163,7 @@ def interpolate(mesh: SheetMesh, values: Array, points: Array) -> Array:
     return np.einsum("pa,pak->pk", shape_functions(mesh.order, area), values[mesh.elements[element]])
 
 
-def _containing(corners: Array, centres: cKDTree, points: Array, count: int) -> tuple[Indices, Array]:
+def _containing(corners: Array, centres: cKDTree, points: Array, count: int) -> tuple[Ints, Array]:
     """Return which of the ``count`` nearest elements holds each point best, and its area coordinates (p, 3) there."""
     _, near = centres.query(points, k=min(count, len(corners)))
     near = near.reshape(len(points), -1)
@@ -183,14 +180,14 @@ def _cross(u: Array, v: Array) -> Array:
     return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
 
 
-def _edge_middles(elements: Indices, corners: int) -> tuple[Indices, Indices]:
+def _edge_middles(elements: Ints, corners: int) -> tuple[Ints, Ints]:
     """Number the edges: their end nodes (k, 2), and for each element its three edges (m, 3)."""
     ends = np.sort(elements[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     keys, inverse = np.unique(ends[:, 0] * corners + ends[:, 1], return_inverse=True)
     return np.column_stack([keys // corners, keys % corners]), inverse.reshape(-1, 3)
 
 
-def _lookup(middles: Indices, edges: Indices) -> Indices:
+def _lookup(middles: Ints, edges: Ints) -> Ints:
     corners = int(max(middles.max(), edges.max())) + 1
     keys = middles[:, 0] * corners + middles[:, 1]
     wanted = np.sort(edges, axis=1)
@@ -207,7 +204,7 @@ def _on_arcs(outline: Outline, triangles: Triangles) -> Array:
     return np.asarray(middle)
 
 
-def _gradients(nodes: Array, elements: Indices, order: int) -> tuple[Array, Array]:
+def _gradients(nodes: Array, elements: Ints, order: int) -> tuple[Array, Array]:
     area, weight = quadrature(order)
     if order == 1:
         local = np.array([[[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]]])

@@ -11,15 +11,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import Delaunay, cKDTree
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.errors import InputError
 from hyperfab.membrane.kernels import polygon_distance
 from hyperfab.membrane.outline import Outline
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 #: Wanted edge length [mm] at points (n, 2).
 SizeField = Callable[[Array], Array]
 
@@ -40,9 +38,9 @@ class Triangles:
     """Corner points (n, 2) [mm], triangles (m, 3) anticlockwise, and boundary edges (k, 2) with their arc (k,)."""
 
     points: Array
-    triangles: Indices
-    edges: Indices
-    edge_arc: Indices
+    triangles: Ints
+    edges: Ints
+    edge_arc: Ints
 
 
 def triangulate(outline: Outline, size: SizeField, *, seed: int = 0, jitter: float = 0.0) -> Triangles:
@@ -92,7 +90,7 @@ def _has_rim(found: Triangles) -> bool:
     return np.array_equal(keys[count == 1], np.unique(rim[:, 0] * len(found.points) + rim[:, 1]))
 
 
-def _within(outline: Outline, points: Array, rim: int) -> Indices:
+def _within(outline: Outline, points: Array, rim: int) -> Ints:
     """Return the Delaunay triangles inside of the outline, whose first ``rim`` points go around it."""
     triangles = _delaunay(points)
     if outline.convex:
@@ -117,7 +115,7 @@ def uniform(length: float) -> SizeField:
     return lambda points: np.full(len(points), length)
 
 
-def _boundary(outline: Outline, size: SizeField) -> tuple[Array, Indices, Indices]:
+def _boundary(outline: Outline, size: SizeField) -> tuple[Array, Ints, Ints]:
     """Place points on the boundary so that each edge has about its wanted length; corners are kept."""
     pieces, arc_of = [], []
     for number, arc in enumerate(outline.arcs):
@@ -196,7 +194,7 @@ def _thinned(points: Array, size: SizeField, count: int) -> Array:
     return np.concatenate([points[:count], points[count:][~drop]])
 
 
-def _delaunay(points: Array) -> Indices:
+def _delaunay(points: Array) -> Ints:
     """Return the Delaunay triangles, anticlockwise, without the slivers between points on a straight edge."""
     triangles = Delaunay(points).simplices.astype(np.int64)
     a, b, c = (points[triangles[:, i]] for i in range(3))

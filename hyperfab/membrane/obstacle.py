@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Flags
 from hyperfab.membrane.sheet import Sheet
 from hyperfab.membrane.sphere import Punch
 from hyperfab.numerics.blocks import BlockPattern
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 _MAX_ROUNDS = 40
 

@@ -19,14 +19,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.materials import Material
 from hyperfab.materials.orthotropic.energy import Answer
 from hyperfab.membrane.relaxed import RelaxedSheet
 from hyperfab.membrane.tension_field import IsotropicSheet, SheetLaw
-
-Array = NDArray[np.float64]
 
 #: Laws with the share of each.
 Mixture = tuple[tuple[float, Material], ...]

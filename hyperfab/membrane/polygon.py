@@ -7,13 +7,10 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Flags
 from hyperfab.membrane.kernels import polygon_distance
 from hyperfab.membrane.outline import Arc
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 #: A polyline that turns by more than this (radians) at a point has a corner there: a node of the mesh.
 CORNER = 0.35

@@ -9,13 +9,9 @@ from __future__ import annotations
 
 import numba as nb
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.membrane.mesh import SheetMesh
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Indices = NDArray[np.int64]
 
 #: Weights of the corners' polynomials at the element's nodes: an own or adjacent corner counts, others stand in
 #: where those lie on the rim and have no polynomial.
@@ -62,12 +58,12 @@ def _recovered(mesh: SheetMesh, places: Array) -> Array:
 
 @nb.njit(cache=True)
 def _sums(
-    elements: Indices,
+    elements: Ints,
     nodes: Array,
     places: Array,
     size: Array,
     on_line: Flags,
-    powers: Indices,
+    powers: Ints,
     mirrors: Array,
 ) -> tuple[Array, Array]:
     """Return the normal equations (corners, terms, terms) and (corners, terms, 3) of the polynomials.
@@ -102,12 +98,12 @@ def _sums(
 
 @nb.njit(cache=True)
 def _strains(
-    elements: Indices,
+    elements: Ints,
     nodes: Array,
     size: Array,
     inner: Flags,
     polynomials: Array,
-    powers: Indices,
+    powers: Ints,
     shares: Array,
     total: Array,
 ) -> Array:

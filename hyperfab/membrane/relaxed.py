@@ -18,11 +18,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.materials.orthotropic.energy import Answer
 from hyperfab.materials.orthotropic.stability import least_modulus
 from hyperfab.membrane.tension_field import SLACK, WRINKLED, Principal, Response, principal_directions
-
-Array = NDArray[np.float64]
 
 #: Stress on n, over the larger stress of the sheet, that counts as none.
 _CLOSED = 1e-11

@@ -11,12 +11,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.membrane.equilibrium import NoEquilibriumError, Press
 from hyperfab.membrane.sphere_test import Solved, SphereTest, press_on
 
-Array = NDArray[np.float64]
 #: The test, and how deep it goes [mm], with a number of it changed by so much.
 Change = Callable[[float], tuple[SphereTest, float]]
 

@@ -6,14 +6,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.membrane.clamp import Clamp, rim_edges
 from hyperfab.membrane.kernels import assemble, strains
 from hyperfab.membrane.mesh import SheetMesh
 from hyperfab.membrane.tension_field import TAUT, Principal, Response, SheetLaw
-
-Array = NDArray[np.float64]
 
 #: A clamp this much stiffer than the sheet holds: its force could not be told from the rounding of its slip.
 _RIGID = 1e-6

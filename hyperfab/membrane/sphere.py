@@ -8,8 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from hyperfab.arrays import Array, Ints
 
 
 @dataclass(frozen=True)
@@ -24,7 +23,7 @@ class Nearness:
     gap: Array
     normal: Array
     turning: Array
-    facet: Indices | None = None
+    facet: Ints | None = None
 
     def along(self, free: NDArray[np.bool_]) -> Nearness:
         """Return the same as seen by points that may only move in their ``free`` directions (n, 3).
@@ -43,7 +42,7 @@ class Nearness:
         turning[held] = np.where(both, turning[held], 0.0)
         return Nearness(gap, normal, turning, self.facet)
 
-    def at(self, nodes: Indices, before: Indices | None = None) -> Nearness:
+    def at(self, nodes: Ints, before: Ints | None = None) -> Nearness:
         """Return the same for some ``nodes`` (k,). Those still on the facet ``before`` (n,) see no turning normal."""
         turning = self.turning[nodes]
         if self.facet is None:

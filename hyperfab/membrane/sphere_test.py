@@ -12,8 +12,8 @@ from dataclasses import dataclass, field, replace
 from math import ceil, log
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.membrane.contact import Frictionless, Tangential
 from hyperfab.membrane.contact_edge import ContactEdge, contact_edge
 from hyperfab.membrane.contact_front import ContactFront
@@ -27,8 +27,6 @@ from hyperfab.membrane.sheet import Sheet
 from hyperfab.membrane.sphere import Sphere
 from hyperfab.membrane.tension_field import SheetLaw
 from hyperfab.membrane.work import doubtful
-
-Array = NDArray[np.float64]
 
 #: How fast elements grow with distance [mm/mm].
 _GROWTH = 0.25

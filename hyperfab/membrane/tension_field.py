@@ -13,10 +13,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.materials import Material
 from hyperfab.materials.stability import margin
-
-Array = NDArray[np.float64]
 
 TAUT, WRINKLED, SLACK = 0, 1, 2
 

@@ -5,16 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.membrane.equilibrium import NoEquilibriumError, Press, State
 from hyperfab.membrane.measures import fields
 from hyperfab.membrane.path import cold_start
 from hyperfab.membrane.recovery import recovered_strain
 from hyperfab.membrane.sphere_test import Outcome, Solved
 from hyperfab.membrane.work import work as path_work
-
-Array = NDArray[np.float64]
 
 _SEARCH_ROUNDS = 30
 #: The depth of the first instability is found to this part of itself.

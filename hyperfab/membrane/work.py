@@ -10,10 +10,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
-Array = NDArray[np.float64]
+from hyperfab.arrays import Array
 
 #: Depths and forces [mm], [N] in order of depth.
 Trace = Sequence[tuple[float, float]]

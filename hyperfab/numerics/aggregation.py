@@ -8,13 +8,10 @@ from __future__ import annotations
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from hyperfab.arrays import Ints
 from hyperfab.numerics.multilevel import Direct, Preconditioner, TwoLevel, largest_eigenvalue
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 #: Couplings below this share of the geometric mean of the diagonals are weak.
 STRONG = 0.08
@@ -48,7 +45,7 @@ def hierarchy(matrix: sparse.csr_matrix, coarsest: int = COARSEST) -> Preconditi
     return TwoLevel(matrix, prolongation, hierarchy(coarse, coarsest), free)
 
 
-def aggregates(matrix: sparse.csr_matrix) -> tuple[Index, int]:
+def aggregates(matrix: sparse.csr_matrix) -> tuple[Ints, int]:
     """Return the aggregate of each unknown (n,) and their number."""
     found, count = _aggregate(matrix.indptr, matrix.indices, matrix.data, matrix.diagonal(), STRONG)
     return found, int(count)

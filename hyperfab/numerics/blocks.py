@@ -12,12 +12,11 @@ import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.dissection import dissect
 from hyperfab.numerics.linear import DirectSolver
 from hyperfab.numerics.multifrontal import Elimination
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 Index = NDArray[np.int32]
 
 
@@ -38,7 +37,7 @@ class BlockPattern:
     """
 
     def __init__(
-        self, elements: Indices, nodes: int, free: NDArray[np.bool_], points: Array | None = None
+        self, elements: Ints, nodes: int, free: NDArray[np.bool_], points: Array | None = None
     ) -> None:
         self._elements, self._points = elements, points
         count, shapes = elements.shape
@@ -46,9 +45,9 @@ class BlockPattern:
         columns = np.tile(elements, (1, shapes)).ravel()
         keys, inverse = np.unique(rows * nodes + columns, return_inverse=True)
         self.blocks = len(keys)
-        self.rows: Indices = keys // nodes
-        self.block_of: Indices = inverse.reshape(count, shapes, shapes).astype(np.int64)
-        self.diagonal: Indices = np.searchsorted(keys, np.arange(nodes) * (nodes + 1)).astype(np.int64)
+        self.rows: Ints = keys // nodes
+        self.block_of: Ints = inverse.reshape(count, shapes, shapes).astype(np.int64)
+        self.diagonal: Ints = np.searchsorted(keys, np.arange(nodes) * (nodes + 1)).astype(np.int64)
         self.free = free
         self.size = free.shape[1]
         self._index(self.rows, keys % nodes, nodes)
@@ -75,7 +74,7 @@ class BlockPattern:
         """Free the memory of the elimination; it is planned anew where it is needed again."""
         self.__dict__.pop("elimination", None)
 
-    def _index(self, rows: Indices, columns: Indices, nodes: int) -> None:
+    def _index(self, rows: Ints, columns: Ints, nodes: int) -> None:
         """Find, for each entry of the compressed columns, its place in the array of blocks."""
         number = np.where(self.free, np.cumsum(self.free.ravel()).reshape(self.free.shape) - 1, -1)
         by_column = np.argsort(columns, kind="stable")
@@ -102,8 +101,8 @@ class BlockPattern:
 
 @nb.njit(cache=True)
 def _compressed(
-    rows: Indices, columns: Indices, blocks: Indices, number: Indices, unknowns: int, entries: int
-) -> tuple[Indices, Index, Index]:
+    rows: Ints, columns: Ints, blocks: Ints, number: Ints, unknowns: int, entries: int
+) -> tuple[Ints, Index, Index]:
     """Return source, row and start of the compressed columns for ``blocks`` (k,) in order of column, then row.
 
     ``number`` (nodes, size) of the unknowns, -1 where there is none.

@@ -14,8 +14,7 @@ import numba as nb
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from hyperfab.arrays import Array, Ints
 
 #: Elements that are not divided any more.
 _LEAF = 16
@@ -31,9 +30,9 @@ class Front:
 
     first: int
     pivots: int
-    rest: Indices
+    rest: Ints
     children: tuple[int, ...]
-    places: tuple[Indices, ...]
+    places: tuple[Ints, ...]
 
 
 @dataclass(frozen=True)
@@ -43,11 +42,11 @@ class Dissection:
     ``fronts``: children before parents; together their pivots are all unknowns, in order.
     """
 
-    order: Indices
+    order: Ints
     fronts: tuple[Front, ...]
 
 
-def dissect(elements: Indices, points: Array, free: NDArray[np.bool_]) -> Dissection:
+def dissect(elements: Ints, points: Array, free: NDArray[np.bool_]) -> Dissection:
     """Dissect a mesh of ``elements`` (m, a) between nodes at ``points`` (n, d); ``free`` (n, s) are the unknowns.
 
     >>> free = np.ones((3, 1), bool)
@@ -92,7 +91,7 @@ def dissect(elements: Indices, points: Array, free: NDArray[np.bool_]) -> Dissec
     return Dissection(order, tuple(fronts))
 
 
-def _pieces(elements: Indices, points: Array, levels: int) -> Indices:
+def _pieces(elements: Ints, points: Array, levels: int) -> Ints:
     """Return the piece of each element: halved ``levels`` times across the direction of largest spread."""
     centres = points[elements].mean(axis=1)
     piece = np.zeros(len(centres), np.int64)
@@ -115,7 +114,7 @@ def _pieces(elements: Indices, points: Array, levels: int) -> Indices:
 
 
 @nb.njit(cache=True)
-def _straighten(elements: Indices, half: Indices, between: NDArray[np.bool_]) -> None:
+def _straighten(elements: Ints, half: Ints, between: NDArray[np.bool_]) -> None:
     """Let elements change ``half`` (m,) where fewer nodes then lie between halves, and mark those in ``between`` (n,).
 
     Nodes that are marked already lie between larger pieces and count no more.
@@ -144,13 +143,13 @@ def _straighten(elements: Indices, half: Indices, between: NDArray[np.bool_]) ->
             between[node] = True
 
 
-def _sums(piece: Indices, values: Array, pieces: int) -> Array:
+def _sums(piece: Ints, values: Array, pieces: int) -> Array:
     return np.column_stack([np.bincount(piece, column, pieces) for column in values.T])
 
 
-def _children_first(levels: int) -> Indices:
+def _children_first(levels: int) -> Ints:
     """Return the branches of a binary tree (1 the root, 2 k and 2 k + 1 below k), children before parents."""
-    walk: Indices = np.array([1], np.int64)
+    walk: Ints = np.array([1], np.int64)
     for _ in range(levels):
         # A branch at the end of each of its halves' walks: shift the walk below the root into both halves.
         depth = np.frexp(walk.astype(float))[1] - 1

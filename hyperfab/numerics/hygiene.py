@@ -13,9 +13,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Whole = NDArray[np.int64]
-Flags = NDArray[np.bool_]
+from hyperfab.arrays import Array, Flags, Ints
 
 #: A curve has turned where it comes back by this share of its whole way.
 TURN = 0.2
@@ -79,7 +77,7 @@ def turns(way: Array, share: float = TURN) -> list[slice]:
     return [slice(a, b) for a, b in pairwise(edges) if b > a]
 
 
-def branches(stretch: Array) -> Whole:
+def branches(stretch: Array) -> Ints:
     """Return 1 for rows on the way away from stretch 1 and -1 for rows on the way back to it.
 
     >>> branches(np.array([1.0, 1.5, 2.0, 1.5, 1.1]))
@@ -88,7 +86,7 @@ def branches(stretch: Array) -> Whole:
     return sides(_away(stretch))
 
 
-def sides(way: Array, share: float = TURN) -> Whole:
+def sides(way: Array, share: float = TURN) -> Ints:
     """Return 1 for rows of a sweep in which ``way`` grows, -1 for those of one in which it falls.
 
     >>> sides(np.array([1.0, 1.5, 1.1, 1.6]))
@@ -106,7 +104,7 @@ def _away(stretch: Array) -> Array:
     return np.abs(np.log(np.maximum(stretch, 1e-12)))
 
 
-def cycles(stretch: Array, branch: Whole | None = None) -> Whole:
+def cycles(stretch: Array, branch: Ints | None = None) -> Ints:
     """Return the number of the cycle, from 1, that each row belongs to: a new one begins with each new loading."""
     side = branches(stretch) if branch is None else branch
     begins = np.zeros(len(side), dtype=bool)
@@ -114,7 +112,7 @@ def cycles(stretch: Array, branch: Whole | None = None) -> Whole:
     return np.asarray(1 + np.cumsum(begins), dtype=np.int64)
 
 
-def first_loading(stretch: Array, branch: Whole | None = None, cycle: Whole | None = None) -> Flags:
+def first_loading(stretch: Array, branch: Ints | None = None, cycle: Ints | None = None) -> Flags:
     """Return which rows are of the first way away from rest: as stated, else by the turns, up to the farthest stretch.
 
     >>> first_loading(np.array([1.0, 1.5, 1.1, 1.6, 2.0])).tolist()
@@ -145,8 +143,8 @@ def look(
     *,
     stretch2: Array | None = None,
     time: Array | None = None,
-    branch: Whole | None = None,
-    cycle: Whole | None = None,
+    branch: Ints | None = None,
+    cycle: Ints | None = None,
 ) -> list[Doubt]:
     """Return what is odd about one specimen's curve, gravest first. Arrays have one entry a row, in file order."""
     if len(stretch) < 3 or not np.any(stress):
@@ -292,7 +290,7 @@ def _offset(stretch: Array, stress: Array, stretch2: Array | None) -> Iterator[D
         )
 
 
-def _unloading(way: Array, stress: Array, side: Whole) -> Iterator[Doubt]:
+def _unloading(way: Array, stress: Array, side: Ints) -> Iterator[Doubt]:
     if not ((side == 1).any() and (side == -1).any()):
         return
     size = _apart(way, stress, side == 1, side == -1)
@@ -307,7 +305,7 @@ def _unloading(way: Array, stress: Array, side: Whole) -> Iterator[Doubt]:
         )
 
 
-def _cycles(way: Array, stress: Array, side: Whole, number: Whole) -> Iterator[Doubt]:
+def _cycles(way: Array, stress: Array, side: Ints, number: Ints) -> Iterator[Doubt]:
     first, last = int(number.min()), int(number.max())
     if first == last:
         return

@@ -13,14 +13,12 @@ from typing import Protocol
 
 import numpy as np
 import scipy.sparse as sparse
-from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
+from hyperfab.arrays import Array
 from hyperfab.errors import HyperfabError
 from hyperfab.numerics import pardiso
 from hyperfab.numerics.multifrontal import CholeskyFactor, Elimination, NotPositiveDefiniteError
-
-Array = NDArray[np.float64]
 
 
 class SingularMatrixError(HyperfabError):

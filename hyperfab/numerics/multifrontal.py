@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 from scipy.linalg.blas import dsyrk, dtrsm
 from scipy.linalg.lapack import dpotrf
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.dissection import Dissection
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 Numbers = NDArray[np.int32] | NDArray[np.int64]
 
 
@@ -59,7 +58,7 @@ class Elimination:
         return np.empty(self.size)
 
     @cached_property
-    def firsts(self) -> Indices:
+    def firsts(self) -> Ints:
         """First pivot of each front."""
         return np.concatenate([[0], np.cumsum(self.pivots)])[:-1]
 
@@ -116,14 +115,14 @@ class CholeskyFactor:
 def _places(
     rows: Numbers,
     columns: Numbers,
-    number: Indices,
-    owner: Indices,
-    firsts: Indices,
-    pivots: Indices,
-    starts: Indices,
-    rest_starts: Indices,
-    all_rests: Indices,
-) -> tuple[Indices, Indices]:
+    number: Ints,
+    owner: Ints,
+    firsts: Ints,
+    pivots: Ints,
+    starts: Ints,
+    rest_starts: Ints,
+    all_rests: Ints,
+) -> tuple[Ints, Ints]:
     """Return which entries lie on or below the diagonal in the new order, and where they stand in the factor."""
     source, target = np.empty(len(rows), np.int64), np.empty(len(rows), np.int64)
     count = 0
@@ -145,7 +144,7 @@ def _places(
 
 
 @nb.njit(cache=True)
-def _add(top: Array, low: Array, left: Array, remainder: Array, place: Indices) -> None:
+def _add(top: Array, low: Array, left: Array, remainder: Array, place: Ints) -> None:
     """Add a child's remainder (lower triangle) to the three parts of its parent's front."""
     p, count = top.shape[0], len(place)
     for j in range(count):
@@ -166,12 +165,12 @@ def _add(top: Array, low: Array, left: Array, remainder: Array, place: Indices) 
 def _substitute(
     factor: Array,
     values: Array,
-    firsts: Indices,
-    pivots: Indices,
-    rests: Indices,
-    starts: Indices,
-    rest_starts: Indices,
-    all_rests: Indices,
+    firsts: Ints,
+    pivots: Ints,
+    rests: Ints,
+    starts: Ints,
+    rest_starts: Ints,
+    all_rests: Ints,
 ) -> None:
     """Solve with the factor and its transpose, in place."""
     for f in range(len(firsts)):

@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
 from hyperfab.numerics.vectors import dot, norm
-
-Array = NDArray[np.float64]
 
 
 class Preconditioner(Protocol):

@@ -12,9 +12,8 @@ from dataclasses import dataclass
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from hyperfab.arrays import Array
 
 #: Probability that an interval is to hold the value.
 LEVEL = 0.95

@@ -7,12 +7,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
 from hyperfab.pressing.contact import Contact, stiffness
 from hyperfab.pressing.pose import Pose
 from hyperfab.pressing.press import Press
-
-Array = NDArray[np.float64]
 
 #: A floating mold that turns further than this has tipped over.
 TIPPED_DEG = 10.0

@@ -9,12 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.kernels import kernel
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # Six points of degree 4 on the triangle: D. A. Dunavant, Int. J. Numer. Meth. Eng. 21 (1985) 1129.
 _A, _B = 0.445948490915965, 0.091576213509771

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Flags
 from hyperfab.pressing.balance import balance
 from hyperfab.pressing.contact import Contact
 from hyperfab.pressing.gap import (
@@ -22,9 +22,6 @@ from hyperfab.pressing.placement import Clearance, clearance
 from hyperfab.pressing.pose import Pose
 from hyperfab.pressing.press import Press
 from hyperfab.pressing.sandwich import Sandwich
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

@@ -6,14 +6,11 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.pressing.clip import Quadrature, positive_part
 from hyperfab.pressing.gap import Front, Gap
 from hyperfab.pressing.sandwich import Sandwich
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

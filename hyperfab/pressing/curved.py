@@ -12,10 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.surface import Surface
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 CREASE_DEG = 25.0
 

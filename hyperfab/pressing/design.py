@@ -7,14 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.errors import InputError
 from hyperfab.pressing.curved import smooth_normals
 from hyperfab.pressing.gap import nearest_gap
 from hyperfab.pressing.mold import Mold
 from hyperfab.surface import Surface
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 #: The male must look up by at least this much, or it cannot be drawn out of the part.
 _DRAFT = 0.0

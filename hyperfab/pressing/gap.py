@@ -5,16 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.pressing.curved import CREASE_DEG, smooth_normals
 from hyperfab.pressing.foot import smooth_gap
 from hyperfab.pressing.mold import Mold
 from hyperfab.surface import Surface
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 
 #: Beyond this angle between the male's normal and the direction to the nearest point the three gaps part company.
 OBLIQUE_DEG = 30.0

@@ -7,12 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.errors import InputError
 from hyperfab.pressing.mold import LOOKING, Mold, PressFrame, mold
 from hyperfab.surface import Surface
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 #: How many places of the male are tried when the closing direction is looked for.
 _PROBES = 1500

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.errors import InputError
 from hyperfab.pressing.clip import Quadrature, positive_part
 from hyperfab.pressing.contact import Contact, contact
@@ -18,9 +18,6 @@ from hyperfab.pressing.mold import Mold
 from hyperfab.pressing.pose import UPRIGHT, Pose
 from hyperfab.pressing.sandwich import Sandwich
 from hyperfab.surface.curve import along_a_curve
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 #: Positions are solved to this [mm]; forces follow to about 1e-9 of their stiffness.
 _POSITION_TOLERANCE = 1e-9

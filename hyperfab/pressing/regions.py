@@ -6,18 +6,15 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.pressing.clip import positive_part
 from hyperfab.pressing.contact import Contact
 from hyperfab.pressing.gap import Front
 from hyperfab.pressing.sandwich import Sandwich
 from hyperfab.surface import Surface
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

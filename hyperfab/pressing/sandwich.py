@@ -9,9 +9,8 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.pressing.foam_law import FoamLaw
-
-Array = NDArray[np.float64]
 
 
 class State(IntEnum):

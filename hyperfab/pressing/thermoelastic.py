@@ -8,16 +8,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.errors import NotConverged
 from hyperfab.numerics.multilevel import Direct, Preconditioner, TwoLevel, conjugate_gradients
 from hyperfab.pressing.tetra import EDGES, TetraMesh, boundary, samples
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 
 POISSON = 0.33
 _BLOCK = 4000

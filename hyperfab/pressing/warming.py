@@ -15,10 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.numerics.kernels import kernel, part
 from hyperfab.numerics.threads import in_blocks
-
-Array = NDArray[np.float64]
 
 #: Points of the contour: an error of 1e-7 of the temperature difference.
 _POINTS = 12

@@ -15,7 +15,7 @@ from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from hyperfab.arrays import Array
 
 _COLOURS = ("#0072B2", "#D55E00")
 

@@ -16,8 +16,7 @@ from matplotlib.colors import LightSource, ListedColormap, Normalize
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-Floats = npt.NDArray[np.float64]
-Flags = npt.NDArray[np.bool_]
+from hyperfab.arrays import Array, Flags
 
 MOST_LINES = 60  # of the net in the picture, a side
 MOST_FACETS = 4000  # of the mold in the picture; one of more is drawn from corners put together
@@ -33,19 +32,19 @@ class Draped:
     on the flat sheet and as draped. ``mold``: corners (k, 3) mm and facets (f, 3) in the frame of ``points``.
     """
 
-    points: Floats
-    flat: Floats
-    stretch_warp: Floats
-    stretch_weft: Floats
-    stretch_larger: Floats
-    stress_warp: Floats
-    stress_weft: Floats
-    thickness: Floats
-    shear: Floats
+    points: Array
+    flat: Array
+    stretch_warp: Array
+    stretch_weft: Array
+    stretch_larger: Array
+    stress_warp: Array
+    stress_weft: Array
+    thickness: Array
+    shear: Array
     contact: Flags
     slack: Flags
     peak: tuple[float, Sequence[float], Sequence[float]]
-    mold: tuple[Floats, npt.NDArray[np.int64]]
+    mold: tuple[Array, npt.NDArray[np.int64]]
 
 
 def drape_figure(draped: Draped, force_depth: Sequence[tuple[float, float]] | None = None) -> bytes:
@@ -113,7 +112,7 @@ def _label(axes: Any, title: str) -> None:
     axes.tick_params(labelsize=7)
 
 
-def _scene(scene: Any, draped: Draped, field: Floats, scale: Normalize) -> None:
+def _scene(scene: Any, draped: Draped, field: Array, scale: Normalize) -> None:
     """The net, see-through, on the mold."""
     points = draped.points
     pick = [
@@ -156,7 +155,7 @@ def _scene(scene: Any, draped: Draped, field: Floats, scale: Normalize) -> None:
     scene.view_init(30.0, -58.0)
 
 
-def _facets(corners: Floats, faces: npt.NDArray[np.int64], lowest: float) -> Floats:
+def _facets(corners: Array, faces: npt.NDArray[np.int64], lowest: float) -> Array:
     """(f, 3, 3) facets that reach above ``lowest``, of corners put together where they are too many to draw."""
     faces = faces[corners[faces][..., 2].max(1) > lowest + 1e-9]
     cells = 60

@@ -10,12 +10,10 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.report.labels import AFTER, BEFORE, DATA, title, value_names
 from hyperfab.report.panels import clusters, kinds_of_test
-
-Array = NDArray[np.float64]
 
 _MOST_PANELS, _MOST_STATES, _MOST_ENTRIES = 12, 5, 10
 #: A state of no more values than this is shown value by value, under its own names.

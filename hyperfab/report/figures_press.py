@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from hyperfab.arrays import Array
 
 _LIGHT = np.array([-0.35, 0.45, 0.82])
 _STEEL = np.array([0.80, 0.81, 0.82])

@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.report.labels import value_names
-
-Array = NDArray[np.float64]
 
 #: States that tell tests apart, in the order they are named, and what they may wander by within a test; one that moves
 #: more does not.

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from hyperfab.arrays import Array
+
 Faces = NDArray[np.int64]
 
 A_MM, B_MM, H_MM = 90.0, 80.0, 70.0

@@ -13,10 +13,11 @@ from typing import Any
 
 import numpy as np
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.kernels import kernel, part
 from hyperfab.numerics.threads import in_blocks
 
-from .bvh import DEPTH, Floats, Ints, closest_on_triangle
+from .bvh import DEPTH, closest_on_triangle
 
 #: Rounding of a distance, as a share of the coordinates it is made of: no box that may be nearer is left out.
 ROUNDING = 1e-14
@@ -26,7 +27,7 @@ ROUNDING = 1e-14
 _PATCH = 1024
 
 
-def oriented_boxes(corners: Floats, bounds: Floats, right: Ints, start: Ints, count: Ints) -> Floats:
+def oriented_boxes(corners: Array, bounds: Array, right: Ints, start: Ints, count: Ints) -> Array:
     """Boxes (k, 15) around the nodes' triangles: their middle, half sizes, and the three axes.
 
     The first axis is the mean normal of the triangles, the second lies along the coordinate axis that the normal
@@ -42,12 +43,12 @@ def oriented_boxes(corners: Floats, bounds: Floats, right: Ints, start: Ints, co
 
 @kernel
 def _fit(
-    corners: Floats,
-    bounds: Floats,
+    corners: Array,
+    bounds: Array,
     start: Ints,
     count: Ints,
     room: float,
-    boxes: Floats,
+    boxes: Array,
     first: int,
     last: int,
 ) -> None:
@@ -84,7 +85,7 @@ def _fit(
 
 
 @part
-def _add_normal(tri: Floats, out: Floats) -> None:
+def _add_normal(tri: Array, out: Array) -> None:
     """Add the normal of a triangle, twice its area long."""
     ux, uy, uz = tri[1, 0] - tri[0, 0], tri[1, 1] - tri[0, 1], tri[1, 2] - tri[0, 2]
     vx, vy, vz = tri[2, 0] - tri[0, 0], tri[2, 1] - tri[0, 1], tri[2, 2] - tri[0, 2]
@@ -94,7 +95,7 @@ def _add_normal(tri: Floats, out: Floats) -> None:
 
 
 @part
-def _axes(normal: Floats, axes: Floats) -> None:
+def _axes(normal: Array, axes: Array) -> None:
     """Three unit axes, the first along ``normal`` (3,), or z where that is zero."""
     size = np.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
     n = axes[0]
@@ -113,7 +114,7 @@ def _axes(normal: Floats, axes: Floats) -> None:
 
 
 @part
-def _beyond(boxes: Floats, node: int, x: float, y: float, z: float) -> Any:
+def _beyond(boxes: Array, node: int, x: float, y: float, z: float) -> Any:
     """Squared distance to an oriented box."""
     x, y, z = x - boxes[node, 0], y - boxes[node, 1], z - boxes[node, 2]
     a = abs(boxes[node, 6] * x + boxes[node, 7] * y + boxes[node, 8] * z) - boxes[node, 3]
@@ -127,14 +128,14 @@ def _beyond(boxes: Floats, node: int, x: float, y: float, z: float) -> Any:
 
 @kernel
 def nearest_in_turn(
-    points: Floats,
+    points: Array,
     hints: Ints,
-    corners: Floats,
-    boxes: Floats,
+    corners: Array,
+    boxes: Array,
     right: Ints,
     start: Ints,
     count: Ints,
-    closest: Floats,
+    closest: Array,
     slots: Ints,
     features: Ints,
 ) -> None:

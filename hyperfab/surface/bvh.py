@@ -12,12 +12,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.kernels import kernel, part
 from hyperfab.numerics.threads import in_blocks
 
-Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
-Ints = npt.NDArray[np.int64]
 
 LEAF = 4
 DEPTH = 64
@@ -72,7 +71,7 @@ def _widest(centres: Singles, lo: int, hi: int) -> Any:
 
 
 @kernel
-def _boxes(corners: Floats, order: Ints, right: Ints, start: Ints, count: Ints) -> Floats:
+def _boxes(corners: Array, order: Ints, right: Ints, start: Ints, count: Ints) -> Array:
     """Bounds (k, 6) of the nodes, from the leaves up."""
     bounds = np.empty((len(right), 6))
     for node in range(len(right) - 1, -1, -1):
@@ -92,7 +91,7 @@ def _boxes(corners: Floats, order: Ints, right: Ints, start: Ints, count: Ints) 
     return bounds
 
 
-def build(corners: Floats) -> tuple[Ints, Floats, Ints, Ints, Ints]:
+def build(corners: Array) -> tuple[Ints, Array, Ints, Ints, Ints]:
     """Tree over triangles ``corners`` (m, 3, 3): (order, bounds (k, 6), right, start, count)."""
     m = len(corners)
     order, centres = np.arange(m), _centres(corners)
@@ -104,7 +103,7 @@ def build(corners: Floats) -> tuple[Ints, Floats, Ints, Ints, Ints]:
 
 
 @kernel
-def _centres(corners: Floats) -> Singles:
+def _centres(corners: Array) -> Singles:
     """Three times the middles (m, 3), as precise as sorting asks for."""
     centres = np.empty((corners.shape[0], 3), np.float32)
     for f in range(corners.shape[0]):
@@ -163,7 +162,7 @@ def _nodes(m: int) -> tuple[Ints, Ints, Ints]:
 
 
 @part
-def _box_distance2(bounds: Floats, node: int, x: float, y: float, z: float) -> Any:
+def _box_distance2(bounds: Array, node: int, x: float, y: float, z: float) -> Any:
     dx = max(max(bounds[node, 0] - x, x - bounds[node, 3]), 0.0)
     dy = max(max(bounds[node, 1] - y, y - bounds[node, 4]), 0.0)
     dz = max(max(bounds[node, 2] - z, z - bounds[node, 5]), 0.0)
@@ -171,7 +170,7 @@ def _box_distance2(bounds: Floats, node: int, x: float, y: float, z: float) -> A
 
 
 @part
-def closest_on_triangle(tri: Floats, x: float, y: float, z: float) -> tuple[float, float, float, int]:
+def closest_on_triangle(tri: Array, x: float, y: float, z: float) -> tuple[float, float, float, int]:
     """Nearest point of triangle ``tri`` (3, 3) to (x, y, z) and the feature it lies on.
 
     Regions of the triangle's Voronoi diagram, after Ericson, Real-Time Collision Detection (2005), section 5.1.5.
@@ -222,13 +221,13 @@ def nearest_one(
     y: float,
     z: float,
     hint: int,
-    corners: Floats,
-    bounds: Floats,
+    corners: Array,
+    bounds: Array,
     right: Ints,
     start: Ints,
     count: Ints,
     stack: Ints,
-    stack_d: Floats,
+    stack_d: Array,
 ) -> tuple[float, float, float, int, int]:
     """Nearest point to (x, y, z) over all triangles: (cx, cy, cz, slot, feature).
 
@@ -271,7 +270,7 @@ def nearest_one(
 
 
 @part
-def _hit(tri: Floats, o: Floats, d: Floats) -> float:
+def _hit(tri: Array, o: Array, d: Array) -> float:
     """Distance along the ray to a triangle, in lengths of d; -1: none.
 
     Moller and Trumbore's test (J. Graphics Tools 2, 1997), its edges widened by 1e-12 so that no ray slips between
@@ -301,7 +300,7 @@ def _reciprocal(x: float) -> float:
 
 @part
 def _met(
-    bounds: Floats, node: int, x: float, y: float, z: float, u: float, v: float, w: float, best: float
+    bounds: Array, node: int, x: float, y: float, z: float, u: float, v: float, w: float, best: float
 ) -> Any:
     """Where a ray from (x, y, z) enters a node's box, in its lengths; inf: nowhere, or beyond ``best``.
 
@@ -323,11 +322,11 @@ def _met(
 
 @part
 def ray_one(
-    o: Floats,
-    d: Floats,
+    o: Array,
+    d: Array,
     hint: int,
-    corners: Floats,
-    bounds: Floats,
+    corners: Array,
+    bounds: Array,
     right: Ints,
     start: Ints,
     count: Ints,
@@ -371,14 +370,14 @@ def ray_one(
 
 @kernel
 def ray_many(
-    origins: Floats,
-    directions: Floats,
-    corners: Floats,
-    bounds: Floats,
+    origins: Array,
+    directions: Array,
+    corners: Array,
+    bounds: Array,
     right: Ints,
     start: Ints,
     count: Ints,
-    hit: Floats,
+    hit: Array,
     slots: Ints,
 ) -> None:
     """First hit along each ray into ``hit`` and ``slots``; see ``ray_one``. Best in an order of neighbours."""

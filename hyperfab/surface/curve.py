@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.kernels import kernel
-
-from .bvh import Floats, Ints
 
 #: The curve fills a cube of 2^BITS cells a side.
 BITS = 12
@@ -14,7 +13,7 @@ BITS = 12
 _DIGIT = 12
 
 
-def along_a_curve(points: Floats) -> Ints:
+def along_a_curve(points: Array) -> Ints:
     """Return the order (n,) of ``points`` (n, 3) along Hilbert's curve, so that each is near the one before.
 
     >>> along_a_curve(np.array([[0.0, 0, 0], [9, 0, 0], [1, 0, 0], [8, 0, 0]])).tolist()

@@ -7,11 +7,11 @@ from functools import cached_property
 
 import numpy as np
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.threads import in_blocks
 
 from . import bvh
 from .batch import nearest_in_turn, oriented_boxes
-from .bvh import Floats, Ints
 from .curve import along_a_curve
 from .soundness import Soundness, soundness
 from .topology import corner_angles, face_geometry, incidence, signed, twin_edges
@@ -29,9 +29,9 @@ class Nearest:
     index of a facet; ``feature`` (n,) 0 in the face, 1 2 3 on its edge ab, bc, ca, 4 5 6 at its vertex a, b, c.
     """
 
-    distance: Floats
-    point: Floats
-    normal: Floats
+    distance: Array
+    point: Array
+    normal: Array
     face: Ints
     feature: Ints
 
@@ -56,7 +56,7 @@ class Surface:
     """
 
     def __init__(self, vertices: object, faces: object) -> None:
-        self.vertices: Floats = np.ascontiguousarray(vertices, dtype=float)
+        self.vertices: Array = np.ascontiguousarray(vertices, dtype=float)
         self.faces: Ints = np.ascontiguousarray(faces, dtype=np.int64)
         if self.vertices.ndim != 2 or self.vertices.shape[1] != 3:
             raise ValueError("vertices must be an array of shape (n, 3)")
@@ -64,22 +64,22 @@ class Surface:
             raise ValueError("faces must be a non-empty array of shape (m, 3)")
         corners = np.ascontiguousarray(self.vertices[self.faces])
         self.order, self.bounds, self.right, self.start, self.count = bvh.build(corners)
-        self.corners: Floats = np.ascontiguousarray(corners[self.order])
+        self.corners: Array = np.ascontiguousarray(corners[self.order])
         self.slot_of_face: Ints = np.empty(len(self.order), np.int64)
         self.slot_of_face[self.order] = np.arange(len(self.order))
 
     @property
-    def tree(self) -> tuple[Floats, Floats, Ints, Ints, Ints]:
+    def tree(self) -> tuple[Array, Array, Ints, Ints, Ints]:
         """Arrays the compiled searches take: corners in tree order, boxes, right children, leaf ranges."""
         return self.corners, self.bounds, self.right, self.start, self.count
 
     @cached_property
-    def normals(self) -> Floats:
+    def normals(self) -> Array:
         """Unit normals of the facets, (m, 3); zero for a facet without area."""
         return face_geometry(self.vertices, self.faces)[0]
 
     @cached_property
-    def areas(self) -> Floats:
+    def areas(self) -> Array:
         """Areas of the facets, (m,) mm^2."""
         return face_geometry(self.vertices, self.faces)[1]
 
@@ -89,7 +89,7 @@ class Surface:
         return twin_edges(self.faces, self.incident)[0]
 
     @cached_property
-    def vertex_normals(self) -> Floats:
+    def vertex_normals(self) -> Array:
         """Angle-weighted mean normals of the vertices, (n, 3), unit.
 
         With them the sign of the distance is exact at vertices too (Baerentzen and Aanaes, IEEE TVCG 11, 2005).
@@ -101,7 +101,7 @@ class Surface:
         return _unit(total)
 
     @cached_property
-    def feature_normals(self) -> Floats:
+    def feature_normals(self) -> Array:
         """(m, 7, 3) unit mean normal of each facet's face, three edges and three vertices (order of ``feature``)."""
         out = np.empty((len(self.faces), 7, 3))
         out[:, 0] = self.normals
@@ -113,7 +113,7 @@ class Surface:
         return out
 
     @cached_property
-    def edge_turn(self) -> Floats:
+    def edge_turn(self) -> Array:
         """(m, 3) angle in radians by which the normal turns across each edge: positive where the surface is convex."""
         out = np.zeros((len(self.faces), 3))
         for e in range(3):
@@ -132,7 +132,7 @@ class Surface:
         return incidence(self.faces, len(self.vertices))
 
     @cached_property
-    def _oriented(self) -> Floats:
+    def _oriented(self) -> Array:
         return oriented_boxes(self.corners, self.bounds, self.right, self.start, self.count)
 
     def nearest(self, points: object, *, hint: Ints | None = None, order: Ints | None = None) -> Nearest:
@@ -168,7 +168,7 @@ class Surface:
         back[order] = np.arange(n)
         return Nearest(distance[back], closest[back], normal[back], face[back], features[back])
 
-    def ray(self, origins: object, directions: object, *, order: Ints | None = None) -> tuple[Floats, Ints]:
+    def ray(self, origins: object, directions: object, *, order: Ints | None = None) -> tuple[Array, Ints]:
         """First facet hit by each ray, from either side.
 
         Returns t (n,), with origin + t direction on the surface, and the facet (n,); inf and -1 where none is hit.
@@ -190,7 +190,7 @@ class Surface:
         t, slots = t[back], slots[back]
         return t, np.where(slots >= 0, self.order[slots], -1)
 
-    def along(self, points: Floats, directions: Floats, *, order: Ints | None = None) -> tuple[Floats, Ints]:
+    def along(self, points: Array, directions: Array, *, order: Ints | None = None) -> tuple[Array, Ints]:
         """Distance (n,) along ``directions`` (n, 3) to the first facet, if it is met from its front.
 
         Points behind the surface get a negative distance, to the front that the opposite ray leaves through first.
@@ -203,16 +203,14 @@ class Surface:
             ahead[missed], face[missed] = -back, behind
         return ahead, face
 
-    def _met(
-        self, points: Floats, directions: Floats, side: float, order: Ints | None
-    ) -> tuple[Floats, Ints]:
+    def _met(self, points: Array, directions: Array, side: float, order: Ints | None) -> tuple[Array, Ints]:
         t, face = self.ray(points, directions, order=order)
         a, b, c = (self.vertices[self.faces[face, k]] for k in range(3))
         right = (face >= 0) & (side * (np.cross(b - a, c - a) * directions).sum(axis=1) < 0.0)
         return np.where(right, t, np.nan), np.where(right, face, -1)
 
     @cached_property
-    def curvature(self) -> Floats:
+    def curvature(self) -> Array:
         """(m, 3, 3) mean shape operator over each facet, 1/mm: d normal = curvature @ d point, positive where convex.
 
         Least-squares fit of the vertex normals' change along the three sides (Rusinkiewicz, 3DPVT 2004).
@@ -247,6 +245,6 @@ class Surface:
         return soundness(self.vertices, self.faces)
 
 
-def _unit(v: Floats) -> Floats:
+def _unit(v: Array) -> Array:
     length = np.linalg.norm(v, axis=-1, keepdims=True)
     return np.asarray(v / np.where(length == 0.0, 1.0, length))

@@ -8,7 +8,8 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
-from .bvh import Floats, Ints
+from hyperfab.arrays import Array, Ints
+
 from .topology import face_geometry, twin_edges
 
 
@@ -53,7 +54,7 @@ class Soundness:
         )
 
 
-def soundness(vertices: Floats, faces: Ints) -> Soundness:
+def soundness(vertices: Array, faces: Ints) -> Soundness:
     """Examine a mesh of ``vertices`` (n, 3) and ``faces`` (m, 3).
 
     >>> corner = soundness(np.eye(3), np.array([[0, 1, 2]]))
@@ -82,7 +83,7 @@ def soundness(vertices: Floats, faces: Ints) -> Soundness:
     )
 
 
-def consistently_wound(vertices: Floats, faces: Ints) -> tuple[Ints, Ints]:
+def consistently_wound(vertices: Array, faces: Ints) -> tuple[Ints, Ints]:
     """Faces with one winding in every connected piece, and the facets turned to get there.
 
     In each piece the fewer facets are turned; which side is then outside is left to the caller (the sign of

@@ -6,12 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.kernels import kernel, part
 
-from .bvh import Floats, Ints
 
-
-def face_geometry(vertices: Floats, faces: Ints) -> tuple[Floats, Floats]:
+def face_geometry(vertices: Array, faces: Ints) -> tuple[Array, Array]:
     """Unit normals (m, 3), zero where a facet has no area, and areas (m,)."""
     a, b, c = vertices[faces[:, 0]], vertices[faces[:, 1]], vertices[faces[:, 2]]
     cross = np.cross(b - a, c - a)
@@ -19,7 +18,7 @@ def face_geometry(vertices: Floats, faces: Ints) -> tuple[Floats, Floats]:
     return cross / np.where(double == 0.0, 1.0, double)[:, None], 0.5 * double
 
 
-def corner_angles(vertices: Floats, faces: Ints) -> Floats:
+def corner_angles(vertices: Array, faces: Ints) -> Array:
     """Angles (m, 3) in radians at the corners of each facet."""
     out = np.empty(faces.shape)
     for k in range(3):
@@ -104,7 +103,7 @@ def across(faces: Ints, first: Ints, facets: Ints, f: int, k: int) -> Any:
 
 
 @part
-def feature_normal(vertices: Floats, faces: Ints, first: Ints, facets: Ints, f: int, feature: int) -> Any:
+def feature_normal(vertices: Array, faces: Ints, first: Ints, facets: Ints, f: int, feature: int) -> Any:
     """Mean normal of a feature of facet ``f`` (see ``Nearest``), not of unit length.
 
     That of the face, the mean of the edge's two, or the angle-weighted mean around the vertex, with which the sign of
@@ -129,7 +128,7 @@ def feature_normal(vertices: Floats, faces: Ints, first: Ints, facets: Ints, f: 
 
 
 @part
-def _unit_normal(vertices: Floats, faces: Ints, f: int, corner: int) -> Any:
+def _unit_normal(vertices: Array, faces: Ints, f: int, corner: int) -> Any:
     """Unit normal of facet ``f``, zero where it has no area, and its angle at a corner."""
     a, b, c = faces[f, corner], faces[f, (corner + 1) % 3], faces[f, (corner + 2) % 3]
     ux, uy, uz = (
@@ -151,17 +150,17 @@ def _unit_normal(vertices: Floats, faces: Ints, f: int, corner: int) -> Any:
 
 @kernel
 def signed(
-    points: Floats,
-    closest: Floats,
+    points: Array,
+    closest: Array,
     face: Ints,
     feature: Ints,
-    vertices: Floats,
+    vertices: Array,
     faces: Ints,
     first: Ints,
     facets: Ints,
     touching: float,
-    distance: Floats,
-    normal: Floats,
+    distance: Array,
+    normal: Array,
 ) -> None:
     """Fill signed ``distance`` (n,) and ``normal`` (n, 3) of points whose nearest points are known (see ``Nearest``).
 

@@ -6,11 +6,9 @@ from collections.abc import Sequence
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from hyperfab.arrays import Array, Ints
 
 
 class Pattern:
@@ -26,7 +24,7 @@ class Pattern:
            [0., 1., 1.]])
     """
 
-    def __init__(self, size: int, blocks: Sequence[Index]) -> None:
+    def __init__(self, size: int, blocks: Sequence[Ints]) -> None:
         self.size = size
         pieces = []
         for block in blocks:
@@ -45,7 +43,7 @@ class Pattern:
         """Number of stored entries."""
         return len(self.indices)
 
-    def scatter(self, nodes: Index, blocks: Array, out: Array | None = None) -> Array:
+    def scatter(self, nodes: Ints, blocks: Array, out: Array | None = None) -> Array:
         """Add the matrices ``blocks`` (m, k, k) of the node lists (m, k) to a data array (``out``, or zeros)."""
         data = np.zeros(self.entries) if out is None else out
         _scatter(self.indptr, self.indices, nodes.astype(np.int64), np.ascontiguousarray(blocks), data)

@@ -4,11 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from hyperfab.arrays import Array, Ints
 
 
 class Condition(Protocol):
@@ -21,7 +17,7 @@ class Condition(Protocol):
     name: str
 
     @property
-    def nodes(self) -> Index:
+    def nodes(self) -> Ints:
         """Return the node groups (m, k) coupled by the condition."""
 
     @property

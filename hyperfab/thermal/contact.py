@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.tables import Table
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 
 class Contact:
@@ -32,7 +29,7 @@ class Contact:
         self._unit = np.concatenate([upper, -upper], axis=1)
 
     @property
-    def nodes(self) -> Index:
+    def nodes(self) -> Ints:
         """Return near and far nodes of each facet (f, 12)."""
         return np.concatenate([self.near.nodes, self.far.nodes], axis=1)
 

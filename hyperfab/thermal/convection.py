@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.tables import Table
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 
 class Convection:
@@ -25,7 +22,7 @@ class Convection:
         self.ambient = ambient
 
     @property
-    def nodes(self) -> Index:
+    def nodes(self) -> Ints:
         """Return the facets' nodes."""
         return self.facets.nodes
 

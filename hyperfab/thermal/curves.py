@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.numerics.vectors import dot
 from hyperfab.thermal.transient import History
-
-Array = NDArray[np.float64]
 
 
 def curve_times(history: History, rows: int = 200) -> Array:

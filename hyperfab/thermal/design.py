@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linprog
 
+from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
 from hyperfab.numerics.vectors import dot
 from hyperfab.thermal.facet_operator import FacetOperator
@@ -16,8 +16,6 @@ from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.surface import evenness
 from hyperfab.thermal.tables import Table
-
-Array = NDArray[np.float64]
 
 #: The wanted warm-up time is met to this share.
 TIME_TOLERANCE = 1e-4

@@ -12,12 +12,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.errors import InputError
 from hyperfab.thermal.elements import facet_weights
 from hyperfab.thermal.geometry import DIRECTIONS, Body, Box, Geometry, Shape, Stl
 from hyperfab.thermal.mesh import HeatMesh
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 #: A face looks a way where its normal has at least this component in it (edge-on faces do not).

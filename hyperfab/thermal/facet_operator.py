@@ -7,13 +7,10 @@ their factorisation.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.thermal.elements import TRIANGLE, facet_weights
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 
 class FacetOperator:
@@ -22,7 +19,7 @@ class FacetOperator:
     ``weights`` (f, q) sum to the area [m^2].
     """
 
-    def __init__(self, points: Array, nodes: Index) -> None:
+    def __init__(self, points: Array, nodes: Ints) -> None:
         self.nodes = nodes
         self.weights = facet_weights(points[nodes])
         values, _ = TRIANGLE.tables

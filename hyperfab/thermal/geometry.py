@@ -12,9 +12,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.surface import Surface
 
-Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
 
 #: Directions by name: ``x-`` is (-1, 0, 0).

@@ -7,9 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.thermal.tables import Table
-
-Array = NDArray[np.float64]
 
 #: The first step after a jump, as a share of the whole, and by how much each next one is longer.
 _FIRST, _LONGER = 1e-4, 1.3

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.thermal.tables import Table
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 
 class Heater:
@@ -26,7 +23,7 @@ class Heater:
         self.on = True
 
     @property
-    def nodes(self) -> Index:
+    def nodes(self) -> Ints:
         """A heater couples no nodes."""
         return np.zeros((0, 1), dtype=np.int64)
 

@@ -8,10 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.model import HeatModel
-
-Array = NDArray[np.float64]
 
 #: A body that changes by less [K] has turned no heat over that an error could be measured by.
 LEAST_CHANGE = 1e-4

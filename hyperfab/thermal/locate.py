@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.thermal.elements import TETRAHEDRON
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 #: Reference coordinates may be this far outside and still count as inside: curved faces are found to a hair.
 OUTSIDE = 0.02
@@ -20,12 +17,12 @@ CHUNK = 1024
 class Locator:
     """Finds points in ten-node tetrahedra ``elements`` (m, 10) with nodes at ``points`` (n, 3)."""
 
-    def __init__(self, points: Array, elements: Index) -> None:
+    def __init__(self, points: Array, elements: Ints) -> None:
         self._points = points
         self._elements = elements
         self._tree = cKDTree(points[elements[:, :4]].mean(axis=1))
 
-    def find(self, places: Array) -> tuple[Index, Array, Array]:
+    def find(self, places: Array) -> tuple[Ints, Array, Array]:
         """Return nodes (p, 10), weights (p, 10) and how far outside each place (p, 3) is.
 
         The last is in reference coordinates: 0 inside, 1 about an element away. Places outside get the weights of
@@ -44,7 +41,7 @@ class Locator:
         np.add.at(row, nodes[0], weights[0])
         return row
 
-    def _find(self, places: Array) -> tuple[Index, Array, Array]:
+    def _find(self, places: Array) -> tuple[Ints, Array, Array]:
         count = min(CANDIDATES, len(self._elements))
         _, near = self._tree.query(places, k=count)
         candidates = near.reshape(len(places), count)
@@ -60,7 +57,7 @@ class Locator:
         values, _ = TETRAHEDRON.tabulate(chosen)
         return self._elements[candidates[rows, best]], values, outside
 
-    def _reference(self, elements: Index, places: Array) -> Array:
+    def _reference(self, elements: Ints, places: Array) -> Array:
         """Return the reference coordinates of places (c, 3) in one element each, by Newton's method."""
         nodes = self._points[self._elements[elements]]
         edges = np.stack([nodes[:, i] - nodes[:, 0] for i in (1, 2, 3)], axis=2)

@@ -7,7 +7,7 @@ import heapq
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from hyperfab.arrays import Array
 
 
 def lumped(rows: Array, weights: Array, count: int) -> tuple[Array, Array]:

@@ -9,15 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.thermal import elements
 from hyperfab.thermal.assembly import Pattern
 from hyperfab.thermal.material import ThermalMaterial
 from hyperfab.thermal.mesh import HeatMesh
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 #: Elements integrated at a time: keeps the temporary arrays below some 100 MB.
 CHUNK = 8192
@@ -132,9 +129,7 @@ class Medium:
             k[mine] = material.conductivity(at[mine])
         return -k[:, None] * self.gradient(temperature)
 
-    def _points(
-        self, chosen: Index, temperature: Array
-    ) -> Iterator[tuple[int, Index, elements.Metric, Array]]:
+    def _points(self, chosen: Ints, temperature: Array) -> Iterator[tuple[int, Ints, elements.Metric, Array]]:
         """Yield part, nodes, metric and temperatures at quadrature points, some elements at a time.
 
         The metrics are kept: they are the larger part of the work.
@@ -149,5 +144,5 @@ class Medium:
                 yield part, nodes, self._metrics[key], temperature[nodes] @ values.T
 
     @staticmethod
-    def _chunks(chosen: Index) -> list[Index]:
+    def _chunks(chosen: Ints) -> list[Ints]:
         return [chosen[start : start + CHUNK] for start in range(0, len(chosen), CHUNK)]

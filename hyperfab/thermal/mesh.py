@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from hyperfab.arrays import Array, Ints
 
 #: Local vertex numbers of the six edges, in the order of the edge nodes 4 to 9 (VTK's and scikit-fem's order).
 EDGES = np.array([[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]])
@@ -29,11 +28,11 @@ class Facets:
     geometric faces they lie on.
     """
 
-    element: Index
-    local: Index
-    other: Index
-    other_local: Index
-    face: Index
+    element: Ints
+    local: Ints
+    other: Ints
+    other_local: Ints
+    face: Ints
 
     @property
     def outer(self) -> NDArray[np.bool_]:
@@ -51,10 +50,10 @@ class HeatMesh:
     """
 
     points: Array
-    elements: Index
-    parts: Index
+    elements: Ints
+    parts: Ints
     vertices: int
-    edge_ends: Index
+    edge_ends: Ints
     curved: NDArray[np.bool_]
     facets: Facets
 
@@ -67,7 +66,7 @@ class HeatMesh:
         """Return the mesh with nodes (k, 3) [m] more that are in no element: what lies on the mold for a while."""
         return replace(self, points=np.concatenate([self.points, points]))
 
-    def facet_nodes(self, which: NDArray[np.bool_] | Index, other_side: bool = False) -> Index:
+    def facet_nodes(self, which: NDArray[np.bool_] | Ints, other_side: bool = False) -> Ints:
         """Return the six nodes of facets (f, 6); of the ``other_side`` they are paired with the first ones."""
         f = self.facets
         nodes = self.elements[f.element[which][:, None], FACETS[f.local[which]]]
@@ -80,10 +79,10 @@ class HeatMesh:
 
 def build_mesh(
     points: Array,
-    elements: Index,
-    parts: Index,
-    surface: Index | None = None,
-    surface_face: Index | None = None,
+    elements: Ints,
+    parts: Ints,
+    surface: Ints | None = None,
+    surface_face: Ints | None = None,
 ) -> HeatMesh:
     """Number the nodes, straighten what curves too far, find outer facets and interfaces.
 
@@ -133,7 +132,7 @@ def split_contacts(mesh: HeatMesh, contact: NDArray[np.bool_]) -> HeatMesh:
     )
 
 
-def _oriented(points: Array, elements: Index) -> Index:
+def _oriented(points: Array, elements: Ints) -> Ints:
     """Turn elements of negative volume over."""
     a, b, c, d = (points[elements[:, i]] for i in range(4))
     volume = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a)
@@ -141,7 +140,7 @@ def _oriented(points: Array, elements: Index) -> Index:
     return np.where((volume < 0)[:, None], flipped, elements)
 
 
-def _renumber(points: Array, elements: Index) -> tuple[Index, Array, int, Index]:
+def _renumber(points: Array, elements: Ints) -> tuple[Ints, Array, int, Ints]:
     """Put vertices first and drop points no element uses."""
     vertex_ids = np.unique(elements[:, :4])
     edge_ids = np.setdiff1d(np.unique(elements[:, 4:]), vertex_ids)
@@ -152,14 +151,14 @@ def _renumber(points: Array, elements: Index) -> tuple[Index, Array, int, Index]
     return renumbered, points[order], len(vertex_ids), _edge_ends(renumbered, len(order), len(vertex_ids))
 
 
-def _edge_ends(elements: Index, count: int, vertices: int) -> Index:
+def _edge_ends(elements: Ints, count: int, vertices: int) -> Ints:
     ends = np.zeros((count - vertices, 2), dtype=np.int64)
     ends[elements[:, 4:].ravel() - vertices] = elements[:, EDGES].reshape(-1, 2)
     return np.sort(ends, axis=1)
 
 
 def _straightened(
-    points: Array, elements: Index, edge_ends: Index, vertices: int
+    points: Array, elements: Ints, edge_ends: Ints, vertices: int
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Move edge nodes back to the middle where a curved element would turn inside out."""
     middle = points[edge_ends].mean(axis=1)
@@ -194,14 +193,14 @@ def _twisted(nodes: Array) -> NDArray[np.bool_]:
     return least
 
 
-def _interior_pairs(elements: Index) -> Index:
+def _interior_pairs(elements: Ints) -> Ints:
     """Return (element, local facet, other element, its local facet) of all facets between two elements."""
     owner, local, _, start, count = _sorted_facets(elements)
     two = start[count == 2]
     return np.stack([owner[two], local[two], owner[two + 1], local[two + 1]], axis=1)
 
 
-def _sorted_facets(elements: Index) -> tuple[Index, Index, Index, Index, Index]:
+def _sorted_facets(elements: Ints) -> tuple[Ints, Ints, Ints, Ints, Ints]:
     m = len(elements)
     corners = np.sort(elements[:, FACETS[:, :3]].reshape(-1, 3), axis=1)
     order = np.lexsort((corners[:, 2], corners[:, 1], corners[:, 0]))
@@ -215,7 +214,7 @@ def _sorted_facets(elements: Index) -> tuple[Index, Index, Index, Index, Index]:
     return owner, local, corners, start, count
 
 
-def _facets(elements: Index, parts: Index) -> Facets:
+def _facets(elements: Ints, parts: Ints) -> Facets:
     owner, local, _, start, count = _sorted_facets(elements)
     one = start[count == 1]
     two = start[count == 2]
@@ -232,14 +231,14 @@ def _facets(elements: Index, parts: Index) -> Facets:
     )
 
 
-def _vertex_map(points: Array, elements: Index, surface: Index) -> Index:
+def _vertex_map(points: Array, elements: Ints, surface: Ints) -> Ints:
     """The mesher's vertices are all used and come first, so their order is kept."""
     if surface.max() >= elements[:, :4].max() + 1:
         raise ValueError("the mesher's vertices do not come first")
     return surface
 
 
-def _with_faces(facets: Facets, elements: Index, surface: Index, face: Index) -> Facets:
+def _with_faces(facets: Facets, elements: Ints, surface: Ints, face: Ints) -> Facets:
     corners = np.sort(elements[facets.element[:, None], FACETS[facets.local][:, :3]], axis=1)
     known = np.sort(surface, axis=1)
     size = int(max(corners.max(), known.max())) + 1
@@ -253,18 +252,18 @@ def _with_faces(facets: Facets, elements: Index, surface: Index, face: Index) ->
     return Facets(facets.element, facets.local, facets.other, facets.other_local, number)
 
 
-def _pair_key(pairs: Index, size: int) -> Index:
+def _pair_key(pairs: Ints, size: int) -> Ints:
     low = np.sort(pairs, axis=1)
     return low[:, 0] * size + low[:, 1]
 
 
-def _pairing(near: Array, far: Array) -> Index:
+def _pairing(near: Array, far: Array) -> Ints:
     """For each near corner (f, 3, 3) the number of the far corner at the same place."""
     gap = np.linalg.norm(near[:, :, None, :] - far[:, None, :, :], axis=3)
     return np.argmin(gap, axis=2)
 
 
-def _edge_of(corner: Index) -> Index:
+def _edge_of(corner: Ints) -> Ints:
     """Numbers of the edge nodes 3, 4, 5 (edges 01, 12, 20) for corners permuted as ``corner`` (f, 3)."""
     table = np.array([[-1, 3, 5], [3, -1, 4], [5, 4, -1]])
     following = np.roll(corner, -1, axis=1)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
 from hyperfab.numerics.aggregation import hierarchy
 from hyperfab.numerics.multilevel import Direct, Preconditioner, TwoLevel, conjugate_gradients
@@ -25,8 +26,6 @@ from hyperfab.thermal.material import ThermalMaterial
 from hyperfab.thermal.medium import Medium
 from hyperfab.thermal.mesh import HeatMesh
 from hyperfab.thermal.prescribed import Prescribed
-
-Array = NDArray[np.float64]
 
 #: Below this number of unknowns a factorisation of the whole matrix is cheaper than the two-level cycle.
 SMALL = 2000

@@ -10,12 +10,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.thermal.facet_operator import FacetOperator
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 #: Cells through the whole thickness, about; shared among the layers by the time that heat takes through each.
 CELLS = 16
@@ -105,7 +102,7 @@ class Piece:
         self._matrices = self.area[:, None, None] * unit
 
     @property
-    def nodes(self) -> Index:
+    def nodes(self) -> Ints:
         """Return the nodes of each facet and its column (f, 6 + n)."""
         return self._nodes
 

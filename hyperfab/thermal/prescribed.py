@@ -4,13 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from hyperfab.arrays import Array, Ints
 from hyperfab.thermal.tables import Table
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -18,7 +13,7 @@ class Prescribed:
     """Nodes (k,) held at ``value`` [degC] against time."""
 
     name: str
-    nodes: Index
+    nodes: Ints
     value: Table
 
     def apply(self, time: float, temperature: Array) -> None:

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.tables import Table
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 #: Stefan-Boltzmann constant [W/m^2/K^4] (CODATA 2018, exact).
 SIGMA = 5.670374419e-8
@@ -28,7 +25,7 @@ class Radiation:
         self.linear = emissivity == 0.0
 
     @property
-    def nodes(self) -> Index:
+    def nodes(self) -> Ints:
         """Return the facets' nodes."""
         return self.facets.nodes
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.thermal.contact import Contact
 from hyperfab.thermal.convection import Convection
 from hyperfab.thermal.facet_operator import FacetOperator
@@ -27,8 +28,6 @@ from hyperfab.thermal.radiation import Radiation
 from hyperfab.thermal.settings import POINTS, Film, Patch, Settings, patch
 from hyperfab.thermal.step import GAMMA
 from hyperfab.thermal.tables import Table
-
-Array = NDArray[np.float64]
 
 #: Directions whose share of the capacity norm is smaller add nothing.
 _DROP = 1e-7

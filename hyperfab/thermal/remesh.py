@@ -14,13 +14,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.errors import NotConverged
 from hyperfab.surface import Surface
 from hyperfab.thermal.geometry import Body, Geometry, Stl
 from hyperfab.thermal.mesher import RawMesh, mesh_surface
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 #: Rounds of refinement where the new surface strays, and the longest edges tried first, as shares of mesh_size: the
 #: mesher gives up on some edge lengths and not on others.
@@ -137,7 +135,7 @@ def standing_for(geometry: Geometry, coarser: Callable[[Stl], Stl]) -> Geometry:
     return Geometry(tuple(map(body, geometry.parts)), tuple(map(body, geometry.cavities)), geometry.patches)
 
 
-def _unspoiled(raw: RawMesh, points: Array, moved: NDArray[np.bool_], ends: Index, middles: Index) -> Array:
+def _unspoiled(raw: RawMesh, points: Array, moved: NDArray[np.bool_], ends: Ints, middles: Ints) -> Array:
     """Put vertices back where elements would be squashed; edge nodes between them then follow the chord."""
     before = _volumes(raw.points, raw.elements)
     back = np.zeros(len(points), dtype=bool)
@@ -156,19 +154,19 @@ def _unspoiled(raw: RawMesh, points: Array, moved: NDArray[np.bool_], ends: Inde
     return points
 
 
-def _volumes(points: Array, elements: Index) -> Array:
+def _volumes(points: Array, elements: Ints) -> Array:
     a, b, c, d = (points[elements[:, i]] for i in range(4))
     return np.abs(np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a))
 
 
-def _edge_nodes(raw: RawMesh) -> tuple[Index, Index]:
+def _edge_nodes(raw: RawMesh) -> tuple[Ints, Ints]:
     """Return the ends (e, 2), sorted, and the middle nodes (e,) of all edges."""
     ends = np.sort(raw.elements[:, _EDGES].reshape(-1, 2), axis=1)
     middles, first = np.unique(raw.elements[:, 4:].ravel(), return_index=True)
     return ends[first], middles
 
 
-def _on(ends: Index, triangles: Index) -> NDArray[np.bool_]:
+def _on(ends: Ints, triangles: Ints) -> NDArray[np.bool_]:
     """Whether an edge is one of the triangles'."""
     size = int(ends.max()) + 1
     sides = np.sort(triangles[:, [[0, 1], [1, 2], [0, 2]]].reshape(-1, 2), axis=1)
@@ -176,7 +174,7 @@ def _on(ends: Index, triangles: Index) -> NDArray[np.bool_]:
     return found
 
 
-def _curved(vertices: Array, triangles: Index, onto: Surface) -> Surface:
+def _curved(vertices: Array, triangles: Ints, onto: Surface) -> Surface:
     """Return the six-node facets with their edge nodes on a surface, each cut into PIECES squared flat ones."""
     count = len(triangles)
     sides = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)

@@ -4,13 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from hyperfab.arrays import Array, Ints
 from hyperfab.thermal.switched import Switched
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -22,7 +17,7 @@ class Renewal:
     """
 
     name: str
-    nodes: Index
+    nodes: Ints
     temperature: float
     times: tuple[float, ...]
     on: tuple[Switched, ...] = ()

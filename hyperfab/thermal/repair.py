@@ -16,12 +16,10 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.errors import InputError
 from hyperfab.surface import Soundness, Surface, consistently_wound, soundness
 from hyperfab.surface.topology import twin_edges
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 #: Welding distances tried, as shares of the surface's size.
 WELDS = (0.0, 1e-7, 1e-6, 1e-5, 1e-4, 5e-4)
@@ -36,12 +34,12 @@ class Repaired:
     """A closed surface: ``vertices`` (n, 3) [mm], ``triangles`` (m, 3) outward, and what was done to get there."""
 
     vertices: Array
-    triangles: Index
+    triangles: Ints
     deviation_mm: float
     notes: tuple[str, ...]
 
 
-def repaired(vertices: Array, triangles: Index, name: str) -> Repaired:
+def repaired(vertices: Array, triangles: Ints, name: str) -> Repaired:
     """Return a closed, outward surface; InputError naming facet and place where it has holes or crossings.
 
     >>> corner = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
@@ -63,7 +61,7 @@ def repaired(vertices: Array, triangles: Index, name: str) -> Repaired:
     raise _refusal(vertices, triangles, soundness(vertices, triangles), name)
 
 
-def pieces(vertices: Array, triangles: Index) -> list[tuple[Array, Index]]:
+def pieces(vertices: Array, triangles: Ints) -> list[tuple[Array, Ints]]:
     """Return the closed pieces whose union a closed surface means, each with the voids inside it.
 
     A piece that faces inward is a void of the smallest piece around it; where there is none it is turned over.
@@ -81,7 +79,7 @@ def pieces(vertices: Array, triangles: Index) -> list[tuple[Array, Index]]:
         return [(vertices, triangles)]
     parts = [triangles[label == number] for number in range(count)]
     volumes = [soundness(vertices, part).volume_mm3 for part in parts]
-    solid: dict[int, list[Index]] = {i: [parts[i]] for i in range(count) if volumes[i] > 0.0}
+    solid: dict[int, list[Ints]] = {i: [parts[i]] for i in range(count) if volumes[i] > 0.0}
     outer = {i: Surface(*_used(vertices, parts[i])) for i in solid}
     for i in range(count):
         if i in solid:
@@ -95,7 +93,7 @@ def pieces(vertices: Array, triangles: Index) -> list[tuple[Array, Index]]:
     return [_used(vertices, np.concatenate(faces)) for faces in solid.values()]
 
 
-def crossing(vertices: Array, triangles: Index) -> tuple[int, Array] | None:
+def crossing(vertices: Array, triangles: Ints) -> tuple[int, Array] | None:
     """Return a facet that goes through another one and the place, or None: edges are followed as rays.
 
     >>> flat = np.array([[0, 0, 0], [2, 0, 0], [0, 2, 0], [0.5, 0.5, -1], [0.5, 0.5, 1], [9, 9, 0.0]])
@@ -122,21 +120,21 @@ def crossing(vertices: Array, triangles: Index) -> tuple[int, Array] | None:
     return int(owner[edge]), start[edge] + t[edge] * way[edge]
 
 
-def _rim(vertices: Array, triangles: Index) -> NDArray[np.bool_]:
+def _rim(vertices: Array, triangles: Ints) -> NDArray[np.bool_]:
     """Whether a vertex lies on an open edge."""
     found = np.zeros(len(vertices), dtype=bool)
     found[_open_edges(triangles)[1].ravel()] = True
     return found
 
 
-def _open_edges(triangles: Index) -> tuple[Index, Index]:
+def _open_edges(triangles: Ints) -> tuple[Ints, Ints]:
     """Return the facets of open edges (e,), and the ends of these (e, 2) in the facet's sense."""
     _, number, _ = twin_edges(triangles)
     face, side = np.nonzero(number == 1)
     return face, np.stack([triangles[face, side], triangles[face, (side + 1) % 3]], axis=1)
 
 
-def _stitched(points: Array, faces: Index, distance: float) -> tuple[Index, float, int]:
+def _stitched(points: Array, faces: Ints, distance: float) -> tuple[Ints, float, int]:
     """Split facets at corners of others that lie on their open edges, within ``distance``.
 
     Returns the facets, how far such a corner lay from its edge at most, and how many edges were split.
@@ -177,14 +175,14 @@ def _stitched(points: Array, faces: Index, distance: float) -> tuple[Index, floa
     return faces, strayed, split
 
 
-def _used(vertices: Array, triangles: Index) -> tuple[Array, Index]:
+def _used(vertices: Array, triangles: Ints) -> tuple[Array, Ints]:
     used, small = np.unique(triangles, return_inverse=True)
     return vertices[used], small.reshape(-1, 3).astype(np.int64)
 
 
 def _welded(
-    vertices: Array, triangles: Index, distance: float, where: NDArray[np.bool_]
-) -> tuple[Array, Index, float]:
+    vertices: Array, triangles: Ints, distance: float, where: NDArray[np.bool_]
+) -> tuple[Array, Ints, float]:
     """Make one of the vertices ``where`` that are chained by steps of ``distance``."""
     if distance > 0.0:
         chosen = np.flatnonzero(where)
@@ -220,7 +218,7 @@ def _said(distance: float, moved: float, dropped: int, strayed: float, split: in
     return notes
 
 
-def _outward(points: Array, faces: Index, moved: float, notes: list[str], found: Soundness) -> Repaired:
+def _outward(points: Array, faces: Ints, moved: float, notes: list[str], found: Soundness) -> Repaired:
     if not found.consistent:
         faces, turned = consistently_wound(points, faces)
         notes.append(f"{len(turned)} facets wound the other way were turned")
@@ -231,7 +229,7 @@ def _outward(points: Array, faces: Index, moved: float, notes: list[str], found:
     return Repaired(*_used(points, faces), moved, tuple(notes))
 
 
-def _refusal(vertices: Array, triangles: Index, found: Soundness, name: str) -> InputError:
+def _refusal(vertices: Array, triangles: Ints, found: Soundness, name: str) -> InputError:
     crowded = len(found.crowded_facets) > 0 and found.open_edges == 0
     facet = int((found.crowded_facets if crowded else found.open_facets)[0])
     x, y, z = vertices[triangles[facet]].mean(axis=0)

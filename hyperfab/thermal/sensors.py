@@ -6,9 +6,8 @@ from collections.abc import Sequence
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from hyperfab.arrays import Array
 
 
 def lagging(times: Array, values: Array, lag_s: Array) -> Array:

@@ -6,12 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.thermal.lumping import lumped
 from hyperfab.thermal.tables import Table
-
-Array = NDArray[np.float64]
 
 #: Points that stand for a face or a joint.
 POINTS = 48

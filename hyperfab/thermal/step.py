@@ -10,12 +10,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.numerics.vectors import norm
 from hyperfab.thermal.model import HeatModel
-
-Array = NDArray[np.float64]
 
 GAMMA = 1.0 - 1.0 / math.sqrt(2.0)
 

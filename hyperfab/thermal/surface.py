@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.thermal.facet_operator import FacetOperator
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

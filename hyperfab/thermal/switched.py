@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.thermal.condition import Condition
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 
 class Switched:
@@ -20,7 +17,7 @@ class Switched:
         self.on = on
 
     @property
-    def nodes(self) -> Index:
+    def nodes(self) -> Ints:
         """Return the condition's node groups, on or off: the pattern of the matrices stays."""
         return self.condition.nodes
 

@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from hyperfab.arrays import Array
 from hyperfab.numerics.vectors import dot
 from hyperfab.thermal.heater import Heater
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

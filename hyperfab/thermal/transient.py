@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
 from hyperfab.numerics.vectors import dot
 from hyperfab.thermal.ledger import Ledger
@@ -16,8 +16,6 @@ from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.renewal import Renewal
 from hyperfab.thermal.step import State, Step, initial_state, take_step
 from hyperfab.thermal.thermostat import Thermostat
-
-Array = NDArray[np.float64]
 
 #: Step-size control: the error of a step falls with the third power of its length.
 ORDER = 3

@@ -18,6 +18,7 @@ from loop.generators import heat as truths
 from loop.generators import other_heat
 from loop.trials import Case, Trials, main
 
+from hyperfab.arrays import Array
 from hyperfab.chapters.close_loop import heat
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.mold_heat.problem import MoldBuilder
@@ -28,7 +29,7 @@ from hyperfab.io.toml_io import load_toml
 from hyperfab.loop.design import NextMeasurement
 from hyperfab.loop.heat import HeatProblem, Run, heat_problem
 from hyperfab.loop.noise import estimate_noise
-from hyperfab.loop.problem import Array, Problem
+from hyperfab.loop.problem import Problem
 
 #: Standard deviation of a reading [K], and readings of a probe.
 NOISE, ROWS = 0.3, 200

@@ -8,10 +8,11 @@ from itertools import pairwise
 import numpy as np
 from scipy.optimize import lsq_linear
 
+from hyperfab.arrays import Array
 from hyperfab.loop.fitting import fit
 from hyperfab.loop.judge import judge
 from hyperfab.loop.noise import Noise
-from hyperfab.loop.problem import Array, Constant, Curve, Problem
+from hyperfab.loop.problem import Constant, Curve, Problem
 
 
 class Powers(Problem):

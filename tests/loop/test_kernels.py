@@ -14,6 +14,7 @@ from scipy.stats import chi2 as chi_squared
 from scipy.stats import f as fisher
 from scipy.stats import norm
 
+from hyperfab.arrays import Array
 from hyperfab.loop.dependence import dependence, suggestion
 from hyperfab.loop.fitting import fit, inverse
 from hyperfab.loop.heldout import HeldOut, Help, forecast, help_of, leave_curves_out
@@ -26,7 +27,7 @@ from hyperfab.loop.judge import (
     scaled_chi2,
 )
 from hyperfab.loop.noise import Noise, estimate_noise
-from hyperfab.loop.problem import Array, Constant, Curve, Effect, Form, Problem
+from hyperfab.loop.problem import Constant, Curve, Effect, Form, Problem
 from hyperfab.loop.score import greatest_by_chance, orthonormal, points_at, signatures
 from hyperfab.loop.search import Search, State
 

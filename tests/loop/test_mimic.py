@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from hyperfab.arrays import Array
 from hyperfab.loop.engine import close
 from hyperfab.loop.mimic import is_strained
-from hyperfab.loop.problem import Array, Constant, Curve, Effect, Form, Problem
+from hyperfab.loop.problem import Constant, Curve, Effect, Form, Problem
 
 PLACE = np.linspace(0.0, 1.0, 60)
 

@@ -11,12 +11,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from loop.blind import in_answer, label
 
+from hyperfab.arrays import Array
 from hyperfab.chapters.close_loop.closing import close_rounds
 from hyperfab.loop.design import NextMeasurement
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.fitting import fit
 from hyperfab.loop.noise import Noise
-from hyperfab.loop.problem import Array, Problem
+from hyperfab.loop.problem import Problem
 
 #: An effect is worth naming where it raises the rms to this many times the noise, the own constants refitted.
 WORTH = 1.5

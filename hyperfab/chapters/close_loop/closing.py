@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.cases.case import Case
 from hyperfab.cases.options import words
 from hyperfab.chapters.close_loop.describe import column, describe, errors_of, lowered, say
@@ -28,7 +29,7 @@ from hyperfab.loop.dependence import dependence
 from hyperfab.loop.engine import Apart, Finding, close
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.noise import Noise
-from hyperfab.loop.problem import Array, Problem
+from hyperfab.loop.problem import Problem
 
 #: Files the extended model may have beside it.
 MODEL_SUFFIXES = (".model.json", ".model.vtu", ".model.csv", ".model.png")

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from hyperfab.arrays import Array
 from hyperfab.cases.contact import ContactCase
 from hyperfab.cases.like import earlier
 from hyperfab.chapters.close_loop.closing import MODEL_SUFFIXES, Axis, finish, stated
@@ -33,7 +34,7 @@ from hyperfab.loop.emulator import Axis as Setting
 from hyperfab.loop.emulator import emulate
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.noise import Noise
-from hyperfab.loop.problem import Array, Problem
+from hyperfab.loop.problem import Problem
 from hyperfab.loop.scatter import Guess, guess_of_curve
 from hyperfab.materials.registry import bind
 from hyperfab.membrane.equilibrium import NoEquilibriumError

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.chapters.close_loop.words import doubts, strength, summary
 from hyperfab.console import Console
 from hyperfab.documents.loop import (
@@ -27,7 +28,7 @@ from hyperfab.io.csv_write import csv_bytes
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.fabric import FabricProblem
 from hyperfab.loop.judge import Judgement
-from hyperfab.loop.problem import Array, Problem
+from hyperfab.loop.problem import Problem
 
 
 def describe(

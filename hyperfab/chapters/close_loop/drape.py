@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.cases.drape import DrapeCase
 from hyperfab.cases.like import earlier
 from hyperfab.chapters.close_loop.closing import MODEL_SUFFIXES, Axis, finish, stated
@@ -34,7 +35,7 @@ from hyperfab.loop.emulator import Axis as Setting
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.kriging import krige
 from hyperfab.loop.noise import Noise
-from hyperfab.loop.problem import Array, Problem
+from hyperfab.loop.problem import Problem
 from hyperfab.loop.scatter import Guess, cloud_noise
 
 #: Nodes a side of the loop's own grid, its load steps where it rubs, and the residual it is brought to.

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.chapters.close_loop.softer import soften
 from hyperfab.chapters.fabric import ORTHOTROPIC
 from hyperfab.chapters.tested import tested_by
@@ -15,7 +16,7 @@ from hyperfab.errors import InputError
 from hyperfab.loop.fabric import FabricProblem
 from hyperfab.loop.fabric_tests import FabricTest
 from hyperfab.loop.fitting import Fit
-from hyperfab.loop.problem import Array, Constant, Form
+from hyperfab.loop.problem import Constant, Form
 from hyperfab.materials.effects import anisotropy, elastic_law
 from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.path import MODE_NAMES, uniaxial_pull

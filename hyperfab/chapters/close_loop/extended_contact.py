@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.cases.contact import STICK, ContactCase
 from hyperfab.cases.place import applied
 from hyperfab.chapters.close_loop.closing import Extension
@@ -17,7 +18,6 @@ from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
 from hyperfab.loop.contact import ContactProblem
 from hyperfab.loop.engine import Finding
-from hyperfab.loop.problem import Array
 
 #: Where the refitted fabric is written.
 FABRIC = ".model.fabric.json"

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 import tomli_w
 
+from hyperfab.arrays import Array
 from hyperfab.documents.mold import MoldDocument
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.heat import HeatProblem
-from hyperfab.loop.problem import Array
 from hyperfab.thermal.tables import Table
 
 _UNEVEN = "{}, for which a mold document has no key; the extended model has the mean throughout"

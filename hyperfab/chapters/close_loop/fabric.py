@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.chapters.close_loop.closing import Axis, picture, ticking
 from hyperfab.chapters.close_loop.describe import curves_csv, describe, errors_of, say
 from hyperfab.chapters.close_loop.domain import Given
@@ -28,7 +29,6 @@ from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.gauges import misread
-from hyperfab.loop.problem import Array
 from hyperfab.materials.effects.path import MODE_NAMES
 from hyperfab.materials.registry import law_of, stiffness_at_rest
 

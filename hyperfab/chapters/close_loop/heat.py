@@ -9,6 +9,7 @@ from typing import TypeGuard
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.chapters.close_loop.closing import Axis, picture, ticking
 from hyperfab.chapters.close_loop.describe import describe, say
 from hyperfab.chapters.close_loop.domain import Given
@@ -26,7 +27,6 @@ from hyperfab.io.output import Output
 from hyperfab.io.units import quantity
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.heat import HeatProblem, heat_problem
-from hyperfab.loop.problem import Array
 from hyperfab.thermal.contact import Contact
 from hyperfab.thermal.convection import Convection
 from hyperfab.thermal.facet_operator import FacetOperator

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from hyperfab.arrays import Array
 from hyperfab.cases.like import earlier
 from hyperfab.cases.press import PressCase
 from hyperfab.chapters.close_loop.closing import MODEL_SUFFIXES, Axis, finish, stated
@@ -28,7 +29,7 @@ from hyperfab.loop.noise import Noise
 from hyperfab.loop.press import PressProblem, press_problem
 from hyperfab.loop.press_reading import Kind, Reading, Setting
 from hyperfab.loop.press_table import press_table
-from hyperfab.loop.problem import Array, Problem
+from hyperfab.loop.problem import Problem
 from hyperfab.loop.scatter import Guess, guess_of_cloud, guess_of_curve
 from hyperfab.surface import Surface
 

@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtrc
 
+from hyperfab.arrays import Array
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.job import Job
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_table import Table, read_table
 from hyperfab.io.layout import Layout
 from hyperfab.loop.noise import Noise
-from hyperfab.loop.problem import Array, Problem
+from hyperfab.loop.problem import Problem
 from hyperfab.loop.scatter import Guess, proportional
 from hyperfab.loop.thresholds import BY_CHANCE, FEWEST_READ
 

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.cases.fit import FitCase
 from hyperfab.cases.like import asked
 from hyperfab.chapters.close_loop.domain import How
@@ -23,7 +24,6 @@ from hyperfab.errors import InputError
 from hyperfab.io.csv_tests import TestData, read_tests
 from hyperfab.io.layout import PLAIN, Layout
 from hyperfab.loop.fabric_tests import FabricTest
-from hyperfab.loop.problem import Array
 from hyperfab.materials.effects.path import BIAXIAL, GENERAL, SHEAR, UNIAXIAL, moving
 from hyperfab.numerics.hygiene import look
 

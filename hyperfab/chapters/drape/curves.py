@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.chapters.job import Job
 from hyperfab.cloth import SpringLaw, piecewise_linear
-from hyperfab.cloth.law import Floats
 from hyperfab.errors import InputError
 from hyperfab.io.csv_tests import TestData, read_tests
 from hyperfab.io.specimen import Geometry
@@ -97,7 +97,7 @@ def _one_direction(tests: list[TestData], option: str, name: str, direction: flo
         raise InputError("mixes stress and force per width", file=name, remedy="state the thickness of all")
 
 
-def _loading(test: TestData, name: str, dropped: Counter[str]) -> tuple[Floats, Floats]:
+def _loading(test: TestData, name: str, dropped: Counter[str]) -> tuple[Array, Array]:
     """Stretch and stress of the first loading, by rising stretch, from (1, 0)."""
     keep = first_loading(test.stretch, test.branch, test.cycle)
     later = np.zeros(len(keep), bool)
@@ -117,7 +117,7 @@ def _loading(test: TestData, name: str, dropped: Counter[str]) -> tuple[Floats, 
     return np.concatenate([[1.0], stretch]), np.concatenate([[0.0], stress])
 
 
-def _averaged(curves: list[tuple[Floats, Floats]], dropped: Counter[str]) -> tuple[Floats, Floats]:
+def _averaged(curves: list[tuple[Array, Array]], dropped: Counter[str]) -> tuple[Array, Array]:
     """Mean of the specimens at all their stretches, as far as each of them goes."""
     if len(curves) == 1:
         return curves[0]
@@ -129,7 +129,7 @@ def _averaged(curves: list[tuple[Floats, Floats]], dropped: Counter[str]) -> tup
     return at, np.mean([np.interp(at, stretch, stress) for stretch, stress in curves], axis=0)
 
 
-def _rising(stress: Floats) -> Floats:
+def _rising(stress: Array) -> Array:
     """Nearest curve that does not fall: neighbours that do are pooled (pool adjacent violators)."""
     blocks: list[tuple[float, int]] = []
     for value in stress:

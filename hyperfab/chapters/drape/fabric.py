@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.cases.drape import DrapeCase
 from hyperfab.chapters.drape.curves import read_curve
 from hyperfab.chapters.fabric import read_fabric_document
@@ -14,7 +15,6 @@ from hyperfab.chapters.fabric_contact.fabric import sheet_of
 from hyperfab.chapters.job import Job
 from hyperfab.cloth import SpringLaw
 from hyperfab.cloth.fabric import Pulled, spring_law
-from hyperfab.cloth.law import Floats
 from hyperfab.documents.drape import SpringUse
 from hyperfab.errors import InputError, UsageError
 from hyperfab.materials.orthotropic.specimen import Along
@@ -163,7 +163,7 @@ def _end(model: str, law: SpringLaw, largest: float) -> float | None:
     return law.largest_stretch if passed else None
 
 
-def use_of(fabric: Fabric, stretch_warp: Floats, stretch_weft: Floats) -> tuple[SpringUse, SpringUse]:
+def use_of(fabric: Fabric, stretch_warp: Array, stretch_weft: Array) -> tuple[SpringUse, SpringUse]:
     """How far each law was used, and whether it was tested and rising there.
 
     A membrane is not judged by the curves of its springs, but by the margin of its own law.
@@ -196,7 +196,7 @@ def use_of(fabric: Fabric, stretch_warp: Floats, stretch_weft: Floats) -> tuple[
     return uses[0], uses[1]
 
 
-def note_ranges(job: Job, fabric: Fabric, stretch_warp: Floats, stretch_weft: Floats) -> None:
+def note_ranges(job: Job, fabric: Fabric, stretch_warp: Array, stretch_weft: Array) -> None:
     """Note where the law of each direction was used; springs below 1 are slack, and ask it nothing."""
     for way, source, tested, stretch in zip(
         ("warp", "weft"), fabric.sources, fabric.tested, (stretch_warp, stretch_weft), strict=True

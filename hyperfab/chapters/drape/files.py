@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.chapters.drape.model import Model
 from hyperfab.chapters.drape.result import peak
 from hyperfab.chapters.drape.states import State
 from hyperfab.cloth import Sheet
 from hyperfab.cloth.friction import SLIDES, STARTS, STICKS
-from hyperfab.cloth.law import Floats
-from hyperfab.cloth.mold import Ints
 from hyperfab.io import vtu
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
@@ -103,7 +102,7 @@ def history(states: list[State]) -> bytes:
     return csv_bytes(HISTORY, rows)
 
 
-def picture(sheet: Sheet, states: list[State], mold: tuple[Floats, Ints]) -> bytes:
+def picture(sheet: Sheet, states: list[State], mold: tuple[Array, Ints]) -> bytes:
     """The sheet draped on the mold (corners, facets), and on the flat sheet its stretch and what follows from it."""
     from hyperfab.report.figures_drape import (
         Draped,

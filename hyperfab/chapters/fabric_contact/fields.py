@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.io.vtu import unstructured
 from hyperfab.membrane.measures import fields
 from hyperfab.membrane.sphere_test import Solved
-
-Array = NDArray[np.float64]
 
 
 def vtu(solved: Solved, difference: Array | None) -> bytes:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.cases.contact import ContactCase
 from hyperfab.chapters.fabric_contact.fabric import read_fabric
 from hyperfab.chapters.fabric_contact.result import row
@@ -19,8 +19,6 @@ from hyperfab.errors import NotConverged
 from hyperfab.membrane.equilibrium import NoEquilibriumError
 from hyperfab.membrane.sensitivity import Neighbourhood
 from hyperfab.membrane.sphere_test import Outcome, Solved, SphereTest
-
-Array = NDArray[np.float64]
 
 #: Options that leave the mesh as it is.
 _ON_THE_MESH = (

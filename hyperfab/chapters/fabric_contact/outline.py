@@ -7,6 +7,7 @@ import os
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.molds import read_mesh
 from hyperfab.errors import InputError, UsageError
@@ -14,9 +15,6 @@ from hyperfab.io.csv_table import read_table
 from hyperfab.io.mesh_file import SUFFIXES, read_mesh_file
 from hyperfab.io.units import column_factor
 from hyperfab.membrane.polygon import Polygon, crossing_sides, signed_area
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 #: Heights within this part of the size count as one plane; points this close count as one.
 _FLAT, _SAME = 1e-5, 1e-7
@@ -72,14 +70,14 @@ def _flat(points: Array, name: str) -> Array:
     return points[:, :2]
 
 
-def _lonely(faces: Indices) -> Indices:
+def _lonely(faces: Ints) -> Ints:
     """Return the edges (k, 2) of exactly one face."""
     sides = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     _, inverse, count = np.unique(np.sort(sides, axis=1), axis=0, return_inverse=True, return_counts=True)
     return np.asarray(sides[count[inverse.ravel()] == 1])
 
 
-def _loop(points: Array, edges: Indices, name: str) -> Array:
+def _loop(points: Array, edges: Ints, name: str) -> Array:
     """Join edges (k, 2) to one closed loop of points (k, 2)."""
     used, ends = np.unique(edges, return_inverse=True)
     ends = ends.reshape(-1, 2)

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.chapters.fabric_contact.fields import mirrors_of
 from hyperfab.membrane.measures import fields
 from hyperfab.membrane.sphere_test import Outcome, Solved
 from hyperfab.report.figures_contact import Curve, Surface, contact_figure
-
-Array = NDArray[np.float64]
 
 
 def picture(

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.chapters.fit.identify import Identified, Setting
 from hyperfab.chapters.fit.judge import Judged, Sets
-from hyperfab.chapters.fit.reading import Array, Reading
+from hyperfab.chapters.fit.reading import Reading
 from hyperfab.documents.material import Replicates
 from hyperfab.numerics.hygiene import first_loading, scatter
 

@@ -7,7 +7,6 @@ from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hyperfab.chapters.fit.describe import document_of
 from hyperfab.chapters.fit.identify import Setting, reference_of, temperatures_of
@@ -26,8 +25,6 @@ from hyperfab.documents.material import (
 from hyperfab.errors import InputError
 from hyperfab.materials.hyperfoam import FoamTest, Hyperfoam, Rows, identify
 from hyperfab.report.figures_fit import fit_figure
-
-Array = NDArray[np.float64]
 
 #: A Poisson's ratio this near to what bounds it was not found by the tests.
 _EDGE = 0.005

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.chapters.fit.reading import Reading
 from hyperfab.chapters.tested import tested_by
 from hyperfab.documents.material import Tested
@@ -17,8 +17,6 @@ from hyperfab.materials.identification.quality import Certainty, Figures, certai
 from hyperfab.materials.law import Law
 from hyperfab.materials.modes import MODES, nominal_stress
 from hyperfab.materials.stability import Range, stable_over, stable_ranges
-
-Array = NDArray[np.float64]
 
 #: The temperature [degC] a material is described at, where tests were made at several.
 ROOM = 23.0

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.chapters.fit.describe import document_of
 from hyperfab.chapters.fit.doubts import replicates
 from hyperfab.chapters.fit.identify import NOISY, Setting, reference_of, temperatures_of, tested
@@ -27,8 +27,6 @@ from hyperfab.materials.orthotropic import Orthotropic
 from hyperfab.materials.orthotropic.identify import SheetTest, identify
 from hyperfab.materials.orthotropic.specimen import stable_range, stress
 from hyperfab.report.figures_fit import fit_figure
-
-Array = NDArray[np.float64]
 
 NAME = "orthotropic"
 #: Below this share of its test's largest stress a reading counts by its absolute error: the slack start of a knit is

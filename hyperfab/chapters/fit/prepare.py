@@ -8,16 +8,13 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.cases.reading import ReadingCase
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_tests import TestData
 from hyperfab.io.units import quantity
 from hyperfab.numerics.hygiene import branches, cycles
-
-Array = NDArray[np.float64]
-Whole = NDArray[np.int64]
 
 #: What a preload may be stated as, and what an error shows.
 _PRELOADS = ("stress", "membrane-stress", "force")
@@ -148,12 +145,12 @@ def _select(
     return found
 
 
-def _branch(curve: TestData) -> Whole:
+def _branch(curve: TestData) -> Ints:
     """Return 1 on loading and -1 on unloading: as the file says, else by the turns of the stretch."""
     return branches(curve.stretch) if curve.branch is None else curve.branch
 
 
-def _numbered(curve: TestData) -> Whole:
+def _numbered(curve: TestData) -> Ints:
     """Return the cycle of each row: as the file says, else counted by the turns of the stretch."""
     return cycles(curve.stretch, _branch(curve)) if curve.cycle is None else curve.cycle
 
@@ -239,7 +236,7 @@ def _means(curve: TestData, points: int) -> TestData:
     def mean(column: Array | None) -> Array | None:
         return None if column is None else np.array([column[number == k].mean() for k in used])
 
-    def first(column: Whole | None) -> Whole | None:
+    def first(column: Ints | None) -> Ints | None:
         return None if column is None else np.array([column[number == k][0] for k in used])
 
     stretch, stress, lines = mean(curve.stretch), mean(curve.stress), first(curve.lines)

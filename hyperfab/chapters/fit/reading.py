@@ -5,11 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
-Whole = NDArray[np.int64]
+from hyperfab.arrays import Array, Ints
 
 
 @dataclass(frozen=True)
@@ -30,9 +26,9 @@ class Reading:
     stretch2: Array | None = None
     stress2: Array | None = None
     sd: Array | None = None
-    lines: Whole | None = None
-    branch: Whole | None = None
-    cycle: Whole | None = None
+    lines: Ints | None = None
+    branch: Ints | None = None
+    cycle: Ints | None = None
 
     def take(self, rows: Any) -> Reading:
         """Return the same curve with some of its rows."""

@@ -8,9 +8,10 @@ from itertools import compress
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.chapters.fit.identify import Identified, Setting, predict
 from hyperfab.chapters.fit.judge import Judged, Sets
-from hyperfab.chapters.fit.reading import Array, Reading
+from hyperfab.chapters.fit.reading import Reading
 from hyperfab.chapters.fit.whole import Answer
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.materials.modes import MODES, nominal_stress

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.chapters.fit.identify import Setting, nearest
 from hyperfab.chapters.fit.reading import Reading
 from hyperfab.chapters.fit.readings import Readings
@@ -25,7 +25,6 @@ from hyperfab.documents.material import (
 from hyperfab.errors import InputError
 from hyperfab.materials.identification.quality import Figures, figures
 
-Array = NDArray[np.float64]
 #: The stresses at the rows of a curve along both of its axes, and the stretch across of a uniaxial test.
 Answer = tuple[Array, Array | None, Array | None]
 

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-from numpy.typing import NDArray
-
+from hyperfab.arrays import Array
 from hyperfab.cases.mold import MoldCase
 from hyperfab.chapters.mold_heat.problem import Problem
 from hyperfab.documents.heat import Design
@@ -14,8 +12,6 @@ from hyperfab.documents.mold import MoldDocument
 from hyperfab.errors import InputError
 from hyperfab.thermal.design import scale_for_warmup, scaled, share_power
 from hyperfab.thermal.routes import without_route
-
-Array = NDArray[np.float64]
 
 
 def check(case: MoldCase, document: MoldDocument) -> None:

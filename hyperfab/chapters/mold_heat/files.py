@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.chapters.mold_heat.problem import Problem
 from hyperfab.chapters.mold_heat.production import pieces_csv
 from hyperfab.io.csv_write import csv_bytes
@@ -15,8 +16,6 @@ from hyperfab.thermal import surface
 from hyperfab.thermal.curves import curve, curve_times
 from hyperfab.thermal.sensors import as_shown
 from hyperfab.thermal.transient import History
-
-Array = NDArray[np.float64]
 
 #: Frames of the time series, and bytes they may take together; where there are more steps they are thinned evenly.
 FRAMES, SERIES_BYTES = 40, 50e6

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.chapters.field import read_field
 from hyperfab.chapters.molds import read_mesh
 from hyperfab.documents.base import read_document
@@ -72,8 +72,6 @@ class _Reader:
         self.questions.extend(f"{file}: {note}" for note in found.notes)
         return [Stl(*piece, name) for piece in pieces(found.vertices, found.triangles)]
 
-
-Array = NDArray[np.float64]
 
 #: A node further than this many elements outside the earlier mold has no temperature there.
 BEYOND = 1.5

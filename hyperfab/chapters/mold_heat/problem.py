@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.chapters.mold_heat.conditions import Placing, at_key
 from hyperfab.chapters.mold_heat.geometry import earlier_field, geometry_of, start_from
 from hyperfab.chapters.mold_heat.meshing import mesh_mold
@@ -27,8 +27,6 @@ from hyperfab.thermal.plausibility import doubts
 from hyperfab.thermal.renewal import Renewal
 from hyperfab.thermal.tables import Table
 from hyperfab.thermal.thermostat import Thermostat
-
-Array = NDArray[np.float64]
 
 #: A mesh whose volume is off by more than this share follows the curves of a part too coarsely.
 COARSE = 0.005

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.chapters.mold_heat.conditions import Placing
 from hyperfab.documents.heat import PieceResult, Production
 from hyperfab.documents.mold import MoldDocument, ProductionSection
@@ -20,8 +20,6 @@ from hyperfab.thermal.piece import Layer, Piece, column
 from hyperfab.thermal.renewal import Renewal
 from hyperfab.thermal.switched import Switched
 from hyperfab.thermal.transient import History
-
-Array = NDArray[np.float64]
 
 #: Pieces after which a mold that has not come round is told as it is.
 MOST_PIECES = 1000

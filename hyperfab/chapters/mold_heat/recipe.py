@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.cases.mold import MoldCase
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.mold_heat.design import check, design
@@ -25,8 +26,6 @@ from hyperfab.thermal.routes import without_route
 from hyperfab.thermal.step import initial_state
 from hyperfab.thermal.transient import History, Schedule, Target
 from hyperfab.thermal.transient import run as follow
-
-Array = NDArray[np.float64]
 
 #: Share of the progress line that meshing takes.
 MESHING = 0.1

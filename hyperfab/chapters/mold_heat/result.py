@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hyperfab.chapters.mold_heat.problem import Problem
 from hyperfab.chapters.mold_heat.production import describe
@@ -17,8 +16,6 @@ from hyperfab.thermal.ledger import LEAST_CHANGE
 from hyperfab.thermal.sensors import as_shown
 from hyperfab.thermal.step import State
 from hyperfab.thermal.transient import History
-
-Array = NDArray[np.float64]
 
 #: The account of heat must close to this share, or the command ends with exit status 4.
 IMBALANCE_ALLOWED = 1e-8

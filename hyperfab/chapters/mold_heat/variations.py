@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.chapters.mold_heat.problem import Problem
 from hyperfab.documents.heat import Variation, Variations
 from hyperfab.documents.mold import MoldDocument
@@ -19,8 +20,6 @@ from hyperfab.thermal.reduced import ReducedMold, reduce
 from hyperfab.thermal.sensors import as_shown
 from hyperfab.thermal.settings import Settings
 from hyperfab.thermal.transient import History
-
-Array = NDArray[np.float64]
 
 #: Columns of the table, each a factor on what the document says.
 FACTORS = ("film", "power", "conductivity", "specific heat")

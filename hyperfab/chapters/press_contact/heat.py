@@ -6,8 +6,8 @@ import re
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.cases.press import PressCase
 from hyperfab.chapters.field import read_field
 from hyperfab.chapters.job import Job
@@ -20,9 +20,6 @@ from hyperfab.pressing.growth import Expansion, FieldGrowth, Growth, even_growth
 from hyperfab.pressing.mold import Mold, PressFrame
 from hyperfab.pressing.tetra import TetraMesh, at_boundary, boundary, merged, samples
 from hyperfab.pressing.thermoelastic import deform, mounting
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 #: A heat model is of this mold where it covers its surface this well: the share of the mold's size, and [mm].
 _COVERS = (0.002, 0.5)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.chapters.press_contact.heat import Grown
 from hyperfab.documents.press import (
     DesignPart,
@@ -31,8 +32,6 @@ from hyperfab.pressing.mold import Mold, PressFrame
 from hyperfab.pressing.regions import regions
 from hyperfab.pressing.sandwich import State
 from hyperfab.pressing.sensitivity import Tooling, levers
-
-Array = NDArray[np.float64]
 
 _CURVE_HEADER = ("stroke_mm", "force_N", "pressed_area_mm2", "gap_min_mm", "energy_J")
 _SIGNS = {1: "+", -1: "-"}

@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.cases.place import put
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import rerun
@@ -20,7 +20,6 @@ from hyperfab.errors import HyperfabError
 from hyperfab.numerics import propagation
 from hyperfab.numerics.propagation import LEVEL, Source
 
-Array = NDArray[np.float64]
 Figures = dict[str, float]
 #: What numbers of sources change by, by the number of the source.
 Changes = Mapping[int, Sequence[float] | Array]

@@ -26,11 +26,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from hyperfab.arrays import Array
 from hyperfab.errors import InputError
-
-Array = NDArray[np.float64]
 
 #: The constants the energy is linear in, all stresses, then the others.
 LINEAR = ("C10_MPa", "C20_MPa", "C30_MPa", "C2_MPa", "k1_warp_MPa", "k1_weft_MPa", "k1_bias_MPa", "G_MPa")

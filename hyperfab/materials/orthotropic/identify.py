@@ -18,10 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares, nnls
 
+from hyperfab.arrays import Array
 from hyperfab.materials.orthotropic.energy import ABSENT, LINEAR, NAMES, Orthotropic
 from hyperfab.materials.orthotropic.specimen import Frame, held, solved, strip
-
-Array = NDArray[np.float64]
 
 _GRID = {"nu": (0.02, 0.2, 0.35, 0.5), "bias_deg": (20.0, 35.0, 45.0, 55.0, 70.0)}
 #: Upturn of a thread over the data, as k2 times the square of the largest strain I - 1.

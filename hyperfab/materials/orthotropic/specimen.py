@@ -11,11 +11,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.materials.material import Uniaxial
 from hyperfab.materials.orthotropic.energy import Answer, Orthotropic
 from hyperfab.materials.orthotropic.stability import least_modulus
-
-Array = NDArray[np.float64]
 
 _STEPS = 60
 #: Residual stress across a strip, over the stress along it, that counts as none.

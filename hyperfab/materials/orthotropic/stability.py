@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.materials.orthotropic.energy import Answer
-
-Array = NDArray[np.float64]
 
 
 def least_modulus(own: Answer, C: Array) -> Array:

@@ -9,12 +9,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image, ImageColor, ImageDraw
 
+from hyperfab.arrays import Array
 from hyperfab.report.page.parts import Scene
-
-Array = NDArray[np.float64]
 
 #: Pixels of the picture; it is drawn at twice the size and made smaller, for smooth edges.
 WIDTH, HEIGHT, FINER = 880, 560, 2
