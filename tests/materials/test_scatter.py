@@ -11,7 +11,11 @@ from conftest import Run
 from scipy.stats import t as student
 
 from hyperfab.chapters.fit.identify import Identified, Setting, identify
+from hyperfab.chapters.fit.orthotropic import fit_sheet
 from hyperfab.chapters.fit.reading import Reading
+from hyperfab.documents.material import FitUncertainty
+from hyperfab.materials.orthotropic import Orthotropic
+from hyperfab.materials.orthotropic.specimen import strip
 from hyperfab.materials.registry import law
 from trials.coverage import trial
 
@@ -52,6 +56,67 @@ def test_each_temperature_has_the_scatter_of_its_own_specimens() -> None:
         assert sure.scatter.covariance[0, 0] == pytest.approx(
             np.var(0.1 * gains, ddof=1) / len(gains), rel=1e-9
         )
+
+
+#: Of a sheet: what each of its specimens is stiffer than the mean.
+SHEET = {"C10_MPa": 0.05, "C20_MPa": 0.02, "C30_MPa": 0.01, "k1_warp_MPa": 0.08, "k2_warp": 0.3, "k1_weft_MPa": 0.03,
+         "k2_weft": 0.5}  # fmt: skip
+
+
+def sheet(warp: np.ndarray, weft: np.ndarray, temperature: float | None = None) -> list[Reading]:
+    own, lam = Orthotropic.of(SHEET), np.linspace(1.05, 1.6, 25)
+    return [
+        Reading(mode="uniaxial", source="a.csv", specimen=f"{way} {number} {temperature}", direction=way,
+                temperature=temperature, stretch=lam, stress=gain * strip(own, angle, lam).stress)
+        for way, angle, gains in (("warp", 0.0, warp), ("weft", 90.0, weft))
+        for number, gain in enumerate(gains)
+    ]  # fmt: skip
+
+
+def sure_of_sheet(curves: list[Reading], setting: Setting) -> FitUncertainty | None:
+    fit = fit_sheet(curves, setting).direction("warp").fit
+    return None if fit is None else fit.uncertainty
+
+
+def test_the_constants_of_a_sheet_scatter_as_its_specimens_do() -> None:
+    """All specimens of one kind stiffer by the same share: so are the stresses of the law, and nothing else."""
+    setting = Setting(("uniaxial",), False, False, 1.0)
+    found = sure_of_sheet(sheet(GAINS, GAINS), setting)
+    assert found is not None
+    assert (found.source, found.specimens, found.degrees_of_freedom) == ("specimens", 8, 6)
+    assert set(found.order) == set(SHEET)
+    # The law's stress at one stretch along the warp: that of the mean of four, in its own direction alone.
+    lam = np.array([1.4])
+    rates = []
+    for name in found.order:
+        more, less = (Orthotropic.of(SHEET | {name: SHEET[name] * (1.0 + d)}) for d in (1e-5, -1e-5))
+        rates.append((strip(more, 0.0, lam).stress - strip(less, 0.0, lam).stress)[0] / (2e-5 * SHEET[name]))
+    sd = np.sqrt(np.array(rates) @ np.array(found.covariance) @ np.array(rates))
+    expected = strip(Orthotropic.of(SHEET), 0.0, lam).stress[0] * np.sqrt(np.var(GAINS, ddof=1) / 4)
+    assert expected <= sd * (1.0 + 1e-6)  # widened where directions weigh differently
+    assert sd == pytest.approx(expected, rel=0.15)
+
+
+def test_each_direction_and_temperature_of_a_sheet_says_how_sure_it_is() -> None:
+    fit = fit_sheet(
+        [*sheet(GAINS, GAINS, 23.0), *sheet(GAINS**2, GAINS, 80.0)], Setting(("uniaxial",), True, False, 1.0)
+    )
+    warp, weft = fit.direction("warp").fit, fit.direction("weft").fit
+    assert warp is not None
+    assert weft is not None
+    assert warp.parameters_sd is not None
+    assert weft.parameters_sd is not None
+    assert warp.parameters_sd["k1_warp_MPa"] == weft.parameters_sd["k1_weft_MPa"]
+    rows = fit.direction("weft").temperatures
+    assert rows is not None
+    for row in rows:
+        assert row.fit is not None
+        assert row.fit.uncertainty is not None
+        assert row.fit.uncertainty.specimens == 8
+    # With one specimen of a kind nothing shows how they scatter.
+    alone = sure_of_sheet(sheet(GAINS[:1], GAINS[:1]), Setting(("uniaxial",), True, False, 1.0))
+    assert alone is not None
+    assert (alone.source, alone.covariance) == ("readings", None)
 
 
 def test_what_the_law_misses_in_all_specimens_is_no_scatter() -> None:

@@ -47,8 +47,8 @@ def fit_figures(found: Identified, reach: Reach) -> FitFigures:
     return FitFigures(
         **vars(found.total),
         correlation=correlation,
-        parameters_sd=_deviations(sure),
-        uncertainty=uncertainty(sure, found),
+        parameters_sd=deviations(sure),
+        uncertainty=uncertainty(sure, found.specimens),
         condition_number=sure.condition_number if math.isfinite(sure.condition_number) else None,
         tests=tests,
     )
@@ -69,13 +69,13 @@ def document_of(readings: Readings, setting: Setting, **own: Any) -> MaterialDoc
     )
 
 
-def uncertainty(sure: Certainty, found: Identified) -> FitUncertainty:
+def uncertainty(sure: Certainty, specimens: int) -> FitUncertainty:
     """Return how sure the constants are, and what that is known from."""
     one = sure.scatter
     return FitUncertainty(
         order=list(sure.names),
         covariance=None if one is None else one.covariance.tolist(),
-        specimens=found.specimens if one is None else one.specimens,
+        specimens=specimens if one is None else one.specimens,
         degrees_of_freedom=0 if one is None else one.freedom,
         source="readings" if one is None else "specimens",
     )
@@ -133,11 +133,12 @@ def temperatures(found: Identified) -> list[AtTemperature] | None:
 
 def _at_temperature(total: Figures, sure: Certainty, found: Identified) -> FitFigures:
     return FitFigures(
-        **vars(total), parameters_sd=_deviations(sure), uncertainty=uncertainty(sure, found)
+        **vars(total), parameters_sd=deviations(sure), uncertainty=uncertainty(sure, found.specimens)
     )  # fmt: skip
 
 
-def _deviations(sure: Certainty) -> dict[str, float] | None:
+def deviations(sure: Certainty) -> dict[str, float] | None:
+    """Return the standard deviations that are known, None where none is."""
     known = zip(sure.names, sure.sd, strict=True)
     return {name: float(value) for name, value in known if math.isfinite(value)} or None
 

@@ -98,7 +98,7 @@ def identify(law: Law, curves: Sequence[Reading], setting: Setting) -> Identifie
     if setting.stable and not stable_over(ranges, reach(curves)):
         return "no constants in its box could be shown to be stable over the data"
     per_temperature = [figures(measured[rows.group == g], model[rows.group == g]) for g in range(rows.groups)]
-    sure = [certainty(fit, g, [_specimen(one) for one in used], [_kind(one) for one in used])
+    sure = [certainty(fit, g, [specimen_of(one) for one in used], [kind_of(one) for one in used])
             for g in range(rows.groups)]  # fmt: skip
     found = Identified(
         law=law,
@@ -112,7 +112,7 @@ def identify(law: Law, curves: Sequence[Reading], setting: Setting) -> Identifie
         certainties=tuple(sure),
         ranges=ranges,
         stable=stable_over(ranges, reach(curves)),
-        specimens=len({_specimen(one) for one in used}),
+        specimens=len({specimen_of(one) for one in used}),
     )
     found.tests.update({mode: _test(found, mode, curves, setting) for mode in _modes(curves)})
     return found
@@ -220,11 +220,11 @@ def nearest(temperatures: Sequence[float | None], wanted: float | None, otherwis
     return min(known)[1] if known else otherwise
 
 
-def _specimen(curve: Reading) -> tuple[str, str | None]:
+def specimen_of(curve: Reading) -> tuple[str, str | None]:
     return curve.source, curve.specimen
 
 
-def _kind(curve: Reading) -> tuple[str, str | None, float | None]:
+def kind_of(curve: Reading) -> tuple[str, str | None, float | None]:
     """Specimens of one test, direction and temperature are replicates."""
     return curve.mode, curve.direction, curve.temperature
 

@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.chapters.fit.describe import document_of
+from hyperfab.chapters.fit.describe import deviations, document_of, uncertainty
 from hyperfab.chapters.fit.doubts import replicates
-from hyperfab.chapters.fit.identify import NOISY, Setting, reference_of, temperatures_of, tested
+from hyperfab.chapters.fit.identify import (
+    NOISY,
+    Setting,
+    kind_of,
+    reference_of,
+    specimen_of,
+    temperatures_of,
+    tested,
+)
 from hyperfab.chapters.fit.reading import Reading
 from hyperfab.chapters.fit.readings import Readings
 from hyperfab.chapters.fit.siblings import curves_csv, grid_of, line
@@ -23,8 +31,9 @@ from hyperfab.documents.material import (
     StableRange,
     Undetermined,
 )
+from hyperfab.materials.identification.quality import Certainty, sure_of
 from hyperfab.materials.orthotropic import Orthotropic
-from hyperfab.materials.orthotropic.identify import SheetTest, identify
+from hyperfab.materials.orthotropic.identify import Found, SheetTest, identify
 from hyperfab.materials.orthotropic.specimen import stable_range, stress
 from hyperfab.report.figures_fit import fit_figure
 
@@ -34,10 +43,20 @@ NAME = "orthotropic"
 _FLOOR = 0.1
 _MODES = ("uniaxial", "shear", "biaxial")
 _NAMED = {"warp": 0.0, "weft": 90.0}
+#: The constants that change places in a sheet turned by a quarter.
+_TURNED = {
+    "k1_warp_MPa": "k1_weft_MPa",
+    "k1_weft_MPa": "k1_warp_MPa",
+    "k2_warp": "k2_weft",
+    "k2_weft": "k2_warp",
+}
 
 
+@dataclass(frozen=True)
 class SheetFit(WholeFit[Orthotropic]):
-    """The energy of a sheet; a direction is a view of it."""
+    """The energy of a sheet; a direction is a view of it. ``optima`` are the fits at each temperature."""
+
+    optima: tuple[Found, ...] = ()
 
     @property
     def directions(self) -> list[str]:
@@ -67,10 +86,12 @@ class SheetFit(WholeFit[Orthotropic]):
         own = [curve for curve in self.curves if curve.direction in (name, None)]
         return Direction(
             parameters=self._seen(self.law, name),
-            fit=self._figures(own),
+            fit=self._figures(own, turned=name == "weft"),
             stability=self._stability(name, own),
             tested=tested(own, self.setting),
-            temperatures=self.constants(lambda law: self._seen(law, name)),
+            temperatures=self.constants(
+                lambda law: self._seen(law, name), lambda number: self._at(number, turned=name == "weft")
+            ),
         )
 
     def _seen(self, law: Orthotropic, name: str) -> Parameters:
@@ -80,11 +101,36 @@ class SheetFit(WholeFit[Orthotropic]):
         """Return nominal stresses [MPa] along and across, and the lateral stretch of a uniaxial test."""
         return _predict(self.law_at(curve.temperature), curve)
 
-    def _figures(self, curves: Sequence[Reading]) -> FitFigures:
+    def _figures(self, curves: Sequence[Reading], turned: bool = False) -> FitFigures:
         groups = {
             mode: [c for c in curves if c.mode == mode] for mode in dict.fromkeys(c.mode for c in curves)
         }
-        return self.figures_of(curves, groups, (1.0,))
+        figures = self.figures_of(curves, groups, (1.0,))
+        self._sure(figures, self.reference, turned)
+        return figures
+
+    def _at(self, number: int, turned: bool) -> FitFigures | None:
+        """Return the figures at one of the temperatures."""
+        total = self.error(self._fitted_at(number))
+        if total is None:
+            return None
+        figures = FitFigures(**vars(total))
+        self._sure(figures, number, turned)
+        return figures
+
+    def _fitted_at(self, number: int) -> list[Reading]:
+        return [c for c in self.used(self.curves) if c.temperature in (self.temperatures[number], None)]
+
+    def _sure(self, figures: FitFigures, number: int, turned: bool) -> None:
+        """Note how sure the constants at one of the temperatures are."""
+        curves = self._fitted_at(number)
+        sure = _certainty(self.optima[number], curves, turned)
+        figures.parameters_sd = deviations(sure)
+        figures.uncertainty = uncertainty(sure, len({specimen_of(curve) for curve in curves}))
+        if np.isfinite(sure.correlation).all():
+            figures.correlation = sure.correlation.tolist()
+        if np.isfinite(sure.condition_number):
+            figures.condition_number = sure.condition_number
 
     def _weighted(self, curves: Sequence[Reading]) -> float:
         if not self.setting.relative:
@@ -123,7 +169,9 @@ class SheetFit(WholeFit[Orthotropic]):
             parameters=dict(self.law.parameters),
             temperature_degC=self.temperatures[self.reference],
             directions={name: self.direction(name) for name in self.directions} or None,
-            temperatures=self.constants(lambda law: dict(law.parameters)),
+            temperatures=self.constants(
+                lambda law: dict(law.parameters), lambda number: self._at(number, turned=False)
+            ),
             fit=self._figures(self.curves),
             stability=self._stability(None, self.curves),
             stable=self.stable,
@@ -174,14 +222,29 @@ def fit_sheet(curves: Sequence[Reading], setting: Setting) -> SheetFit:
     temperatures = temperatures_of(used)
     reference = reference_of(temperatures)
     first = identify(_tests(used, temperatures[reference], setting))
-    laws = [
-        first.law if k == reference else identify(_tests(used, t, setting), near=first.law).law
+    optima = [
+        first if k == reference else identify(_tests(used, t, setting), near=first.law)
         for k, t in enumerate(temperatures)
     ]
+    laws = tuple(one.law for one in optima)
     unknown = [Undetermined(constant=one.name, value=one.value, test=one.test) for one in first.unknown]
-    fit = SheetFit(tuple(laws), temperatures, reference, curves, setting, unknown)
+    fit = SheetFit(laws, temperatures, reference, curves, setting, unknown, tuple(optima))
     fit.refuse_unstable(NAME, "fit a smaller range of stretch")
     return fit
+
+
+def _certainty(found: Found, curves: Sequence[Reading], turned: bool) -> Certainty:
+    """Return how sure the constants are, of the sheet ``turned`` by a quarter where wanted.
+
+    Those the tests hold at the end of their range, as threads of no stress, are left out.
+    """
+    moving = np.flatnonzero(np.abs(found.optimum.jacobian).max(axis=0) > 0.0)
+    names = [found.sought[k] for k in moving]
+    signs = [-1.0 if turned and name == "bias_deg" else 1.0 for name in names]
+    optimum = replace(found.optimum, jacobian=found.optimum.jacobian[:, moving] * signs)
+    specimens, kinds = [specimen_of(curve) for curve in curves], [kind_of(curve) for curve in curves]
+    seen = [_TURNED.get(name, name) if turned else name for name in names]
+    return sure_of(optimum, seen, np.eye(len(names)), specimens, kinds)
 
 
 def _tests(curves: Sequence[Reading], temperature: float | None, setting: Setting) -> list[SheetTest]:

@@ -84,11 +84,15 @@ class WholeFit(ABC, Generic[EnergyT]):
         """Return the curves that take part in the fit."""
         return [curve for curve in curves if curve.mode in self.setting.fit_on]
 
-    def constants(self, seen: Callable[[EnergyT], Parameters]) -> list[AtTemperature] | None:
-        """Return the constants at each temperature of the tests, where there are several."""
+    def constants(
+        self,
+        seen: Callable[[EnergyT], Parameters],
+        figures: Callable[[int], FitFigures | None] = lambda number: None,
+    ) -> list[AtTemperature] | None:
+        """Return the constants at each temperature of the tests, where there are several, and their ``figures``."""
         rows = [
-            AtTemperature(temperature_degC=t, parameters=seen(law))
-            for t, law in zip(self.temperatures, self.laws, strict=True)
+            AtTemperature(temperature_degC=t, parameters=seen(law), fit=figures(number))
+            for number, (t, law) in enumerate(zip(self.temperatures, self.laws, strict=True))
             if t is not None
         ]
         return rows if len(rows) > 1 else None

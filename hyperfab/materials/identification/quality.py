@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hyperfab.materials.identification.fit import Fit
-from hyperfab.materials.identification.scatter import Scatter, by_specimen
+from hyperfab.materials.identification.scatter import Scatter, Weighed, by_specimen
 from hyperfab.materials.kinematics import Array
 
 
@@ -81,6 +81,18 @@ def certainty(
     ``specimens`` and ``kinds`` are those of ``scatter.by_specimen``. Without replicates the standard deviations are
     from the curvature at the optimum, as if each reading erred by itself: how specimens scatter is not in them.
     """
+    found = Weighed(fit.jacobian, fit.residual, fit.problem.b - fit.residual, fit.problem.rows.curve)
+    return sure_of(found, fit.material.law.names, _by_parameter(fit, group), specimens, kinds)
+
+
+def sure_of(
+    fit: Weighed,
+    names: Sequence[str],
+    change: Array,
+    specimens: Sequence[Hashable] | None = None,
+    kinds: Sequence[Hashable] | None = None,
+) -> Certainty:
+    """Return how sure constants ``names`` are that move by ``change`` (p, q) with the columns of a Jacobian."""
     J = fit.jacobian
     rows, count = J.shape
     length = np.sqrt((J * J).sum(axis=0))
@@ -89,10 +101,10 @@ def certainty(
     kept = s > 1e-14 * s[0] if len(s) else s > 0
     inverse = np.where(kept, 1.0 / np.where(kept, s, 1.0), 0.0)
     freedom = max(rows - count, 1)
-    variance = fit.sse / freedom if rows > count else np.nan
+    sse = float(fit.residual @ fit.residual)
+    variance = sse / freedom if rows > count else np.nan
     root = (Vt.T * inverse) / length[:, None]
     leverage = (U[:, kept] ** 2).sum(axis=1)
-    change = _by_parameter(fit, group)
     spread = change @ root
     covariance = spread @ spread.T * variance
     scatter = by_specimen(fit, change, specimens, kinds) if specimens and kinds else None
@@ -102,12 +114,12 @@ def certainty(
     with np.errstate(all="ignore"):
         correlation = covariance / np.outer(sd, sd)
     return Certainty(
-        names=fit.material.law.names,
+        names=tuple(names),
         sd=sd,
         correlation=correlation,
         condition_number=float(s[0] / s[-1]) if len(s) and s[-1] > 0.0 else np.inf,
         leverage=leverage,
-        studentised=_studentised(fit.residual, leverage, fit.sse, freedom),
+        studentised=_studentised(fit.residual, leverage, sse, freedom),
         scatter=scatter,
     )
 

@@ -12,9 +12,9 @@ from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import stdtrit
 
-from hyperfab.materials.identification.fit import Fit
 from hyperfab.materials.kinematics import Array
 
 #: Where intervals are to cover: both tails of 95 %.
@@ -32,8 +32,21 @@ class Scatter:
     specimens: int
 
 
+@dataclass(frozen=True)
+class Weighed:
+    """A least-squares optimum: ``jacobian`` (rows, q) and ``residual`` (rows,) of the weighted equations.
+
+    ``model`` (rows,) is the weighted stress the law gives, zero in rows that are none; ``curve`` each row's curve.
+    """
+
+    jacobian: Array
+    residual: Array
+    model: Array
+    curve: NDArray[np.int64]
+
+
 def by_specimen(
-    fit: Fit, change: Array, specimens: Sequence[Hashable], kinds: Sequence[Hashable]
+    fit: Weighed, change: Array, specimens: Sequence[Hashable], kinds: Sequence[Hashable]
 ) -> Scatter | None:
     """Return the scatter of constants that move by ``change`` (p, columns of the Jacobian); None without replicates.
 
@@ -41,14 +54,14 @@ def by_specimen(
     kind with one specimen scatters in stiffness as those of the other kinds do. Where kinds weigh differently in the
     constants, the covariance is widened so that each constant's interval has its own degrees of freedom.
     """
-    J, curve = fit.jacobian, fit.problem.rows.curve
+    J, curve = fit.jacobian, fit.curve
     length = np.sqrt((J * J).sum(axis=0))
     length = np.where(length > 0.0, length, 1.0)
     U, s, Vt = np.linalg.svd(J / length, full_matrices=False)
     kept = s > 1e-14 * s[0]
     # What a residual of one in a row does to each constant.
     influence = (change / length) @ (Vt.T[:, kept] / s[kept]) @ U[:, kept].T
-    model = fit.problem.b - fit.residual
+    model = fit.model
     every = [(name, np.isin(curve, [k for k, one in enumerate(specimens) if one == name]))
              for name in dict.fromkeys(specimens)]  # fmt: skip
     # Specimens of another temperature may have no say in these constants.

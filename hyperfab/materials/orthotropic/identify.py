@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares, nnls
 
 from hyperfab.arrays import Array
+from hyperfab.materials.identification.scatter import Weighed
 from hyperfab.materials.orthotropic.energy import ABSENT, LINEAR, NAMES, Orthotropic
 from hyperfab.materials.orthotropic.specimen import Frame, held, solved, strip
 
@@ -91,17 +92,14 @@ class Unknown:
 class Found:
     """The law, the square sum of weighted errors, the constants that were sought and those left open.
 
-    ``jacobian`` (rows, sought) and ``residual`` (rows,) are the weighted equations at the optimum; ``curve`` is the
-    number of each row's test.
+    ``optimum``: the weighted equations there, by the constants sought; each row's curve is the number of its test.
     """
 
     law: Orthotropic
     sse: float
     sought: tuple[str, ...]
     unknown: tuple[Unknown, ...]
-    jacobian: Array = field(repr=False)
-    residual: Array = field(repr=False)
-    curve: NDArray[np.int64] = field(repr=False)
+    optimum: Weighed = field(repr=False)
 
 
 def sought_by(tests: Sequence[SheetTest]) -> tuple[tuple[str, ...], tuple[Unknown, ...]]:
@@ -177,7 +175,8 @@ def identify(tests: Sequence[SheetTest], near: Orthotropic | None = None) -> Fou
     rows = _Gathered.of(tests)
     residual, jacobian = free.equations(rows, z)
     full = free.full(jacobian, z, names)
-    return Found(law, float(residual @ residual), names, unknown, full, residual, rows.curve)
+    optimum = Weighed(full, residual, np.nan_to_num(residual + rows.stresses), rows.curve)
+    return Found(law, float(residual @ residual), names, unknown, optimum)
 
 
 @dataclass(frozen=True)
@@ -239,6 +238,15 @@ class _Gathered:
         """The number of each equation's test."""
         parts = [(rows.curve, rows.curve[rows.second]) for rows in (self.strips, self.held)]
         return np.concatenate([part for pair in parts for part in pair])
+
+    @property
+    def stresses(self) -> Array:
+        """The weighted measured stress of each equation; no number where it is one of width."""
+        s, h = self.strips, self.held
+        across = (h.stress2 * h.weight2)[h.second]
+        return np.concatenate(
+            [s.stress * s.weight, np.full(int(s.second.sum()), np.nan), h.stress * h.weight, across]
+        )
 
 
 @dataclass(frozen=True)
