@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from hyperfab import __version__
 from hyperfab.cases.export import ExportCase
-from hyperfab.chapters.fabric import FabricDocument, read_fabric_document
+from hyperfab.chapters.fabric import ORTHOTROPIC, FabricDocument, read_fabric_document
 from hyperfab.chapters.job import Job
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.output import check_place, write_single
 from hyperfab.materials import bind
 from hyperfab.materials.export import NoCard, Settings, format_called
+from hyperfab.materials.orthotropic import Orthotropic
 
 
 def run(job: Job, case: ExportCase) -> int:
@@ -20,7 +21,7 @@ def run(job: Job, case: ExportCase) -> int:
     direction = case.direction
     fabric = read_fabric_document(job, case.document, case.temperature)
     source = fabric.document
-    if source.directions and direction is None:
+    if source.directions and direction is None and source.model != ORTHOTROPIC:
         ways = ", ".join(source.directions)
         job.console.warn(f"the material has directions ({ways}); the card has the constants of both together")
     if direction is not None and not source.directions:
@@ -28,8 +29,9 @@ def run(job: Job, case: ExportCase) -> int:
     _warn(job, fabric, direction)
     fabric.used_at(job)
     job.judge_ranges()
+    constants = fabric.constants(direction)
     try:
-        material = bind(source.model, fabric.constants(direction))
+        law = Orthotropic.of(constants) if source.model == ORTHOTROPIC else bind(source.model, constants)
     except InputError as error:
         raise InputError(error.message, file=case.document, key=error.key, remedy=error.remedy) from None
     settings = Settings(
@@ -39,9 +41,11 @@ def run(job: Job, case: ExportCase) -> int:
         comments=_comments(fabric, direction),
     )
     try:
-        card = chosen.card(material, settings)
+        card = (
+            chosen.sheet_card(law, settings) if isinstance(law, Orthotropic) else chosen.card(law, settings)
+        )
     except NoCard as error:
-        raise UsageError(f"--to {case.to}: {error}; fit one of these") from None
+        raise UsageError(f"--to {case.to}: {error}") from None
     write_single(job.target, card.encode(), job.inputs)
     return 0
 

@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from hyperfab.materials.material import Material
+from hyperfab.materials.orthotropic import Orthotropic
+from hyperfab.materials.registry import bind
 
 
 class NoCard(Exception):
@@ -29,25 +31,89 @@ class Settings:
 
 #: Writes the card's lines for a law.
 Writer = Callable[[Material, Settings], list[str]]
+#: Writes the card's lines for an orthotropic sheet with threads.
+SheetWriter = Callable[[Orthotropic, Settings], list[str]]
 
 
 @dataclass(frozen=True)
 class Format:
-    """A solver's card format: its name, the ending of its files, how it marks comments, a writer for each law."""
+    """A solver's card format: its name, the ending of its files, how it marks comments, a writer for each law.
+
+    ``sheet`` writes an orthotropic sheet, where the solver has a law of threads.
+    """
 
     name: str
     suffix: str
     comment: Callable[[str], str]
     writers: Mapping[str, Writer]
+    sheet: SheetWriter | None = None
 
     def card(self, material: Material, settings: Settings) -> str:
         """Return the card as text; NoCard where the solver has no such law."""
         writer = self.writers.get(material.law.name)
         if writer is None:
             known = ", ".join(self.writers)
-            raise NoCard(f"{self.name} has no law like {material.law.name}; it has {known}")
-        comments = [self.comment(line) for line in settings.comments]
-        return "\n".join([*comments, *writer(material, settings)]) + "\n"
+            raise NoCard(f"{self.name} has no law like {material.law.name}; it has {known}; fit one of these")
+        return self._text(writer(material, settings), settings)
+
+    def sheet_card(self, law: Orthotropic, settings: Settings) -> str:
+        """Return the card of a sheet as text; NoCard with the reasons where the solver cannot hold it."""
+        refuse(self.name, law)
+        if not families(law):
+            return self.card(ground(law), settings)
+        if self.sheet is None:
+            raise NoCard(
+                f"{self.name} has no law of threads that bear tension alone; its fabrics take the curves of warp, weft "
+                "and shear each by itself, not one energy of the sheet"
+            )
+        return self._text(self.sheet(law, settings), settings)
+
+    def _text(self, lines: Sequence[str], settings: Settings) -> str:
+        return "\n".join([*(self.comment(line) for line in settings.comments), *lines]) + "\n"
+
+
+@dataclass(frozen=True)
+class Family:
+    """Threads that bear tension alone, ``angle_deg`` from the warp: k1/(2 k2) (exp(k2 <I - 1>^2) - 1)."""
+
+    angle_deg: float
+    k1: float
+    k2: float
+
+
+def families(law: Orthotropic) -> list[Family]:
+    """Return the threads there are: along warp and weft, and at both sides of the warp."""
+    p = law.parameters
+    every = [
+        Family(0.0, p["k1_warp_MPa"], p["k2_warp"]),
+        Family(90.0, p["k1_weft_MPa"], p["k2_weft"]),
+        Family(p["bias_deg"], p["k1_bias_MPa"], p["k2_bias"]),
+        Family(-p["bias_deg"], p["k1_bias_MPa"], p["k2_bias"]),
+    ]
+    return [one for one in every if one.k1 > 0.0]
+
+
+def ground(law: Orthotropic) -> Material:
+    """Return a sheet's ground as Yeoh's law: all of it where it keeps its volume and has no term of I2."""
+    return bind("yeoh-3", {name: law.parameters[name] for name in ("C10_MPa", "C20_MPa", "C30_MPa")})
+
+
+def refuse(name: str, law: Orthotropic, also: Mapping[str, str] | None = None) -> None:
+    """Raise NoCard, with all reasons, where a sheet has parts that solver ``name`` cannot hold.
+
+    ``also`` are further constants it has no place for, and why.
+    """
+    p = law.parameters
+    missing = {
+        "C2_MPa": "no ground with ln I2",
+        "G_MPa": "no energy of the angle between warp and weft alone",
+        **(also or {}),
+    }
+    why = [f"{constant} {p[constant]:g}: {text}" for constant, text in missing.items() if p[constant] > 0.0]
+    if p["nu"] < 0.5:
+        why.append(f"nu {p['nu']:g}: its ground keeps its volume (0.5)")
+    if why:
+        raise NoCard(f"{name} cannot hold this orthotropic sheet: {'; '.join(why)}")
 
 
 def cij(material: Material, *names: str) -> list[float]:

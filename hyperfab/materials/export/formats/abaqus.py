@@ -2,6 +2,9 @@
 
 Conventions that differ from ours: Ogden's energy is ``sum 2 mu/alpha^2 (...)``, so mu = our mu alpha/2; D1 = 2/K, and
 0 keeps the volume. Laws of I1 that Abaqus lacks go in as Marlow's law: a uniaxial curve, which is exact for them.
+
+An orthotropic sheet goes in as the law of Holzapfel, Gasser and Ogden without dispersion (kappa 0), whose ground is
+neo-Hookean and whose families of threads are all alike; their directions stand in the section's orientation.
 """
 
 from __future__ import annotations
@@ -10,15 +13,28 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hyperfab.materials.export.card import Format, NoCard, Settings, Writer, cij, number, pairs
+from hyperfab.materials.export.card import (
+    Format,
+    NoCard,
+    Settings,
+    Writer,
+    cij,
+    families,
+    number,
+    pairs,
+    refuse,
+)
 from hyperfab.materials.kinematics import Array
 from hyperfab.materials.material import Material
+from hyperfab.materials.orthotropic import Orthotropic
 
 #: Values a data line takes.
 _PER_LINE = 8
 _MARLOW_POINTS = 60
 #: A curve ends at this part of the way from rest to the stretch at which chains lock.
 _TO_LIMIT = 0.98
+#: The exponent k2 of threads must be above zero; this one adds a millionth at a squared stretch of 2.
+_LEAST = 1e-6
 
 
 def _lines(values: Sequence[float]) -> list[str]:
@@ -104,6 +120,29 @@ def _poisson(material: Material, settings: Settings) -> str:
     return number((3.0 * K - 2.0 * mu) / (6.0 * K + 2.0 * mu))
 
 
+def _sheet(law: Orthotropic, settings: Settings) -> list[str]:
+    why = "the ground of *ANISOTROPIC HYPERELASTIC, HOLZAPFEL is neo-Hookean"
+    refuse("abaqus", law, {"C20_MPa": why, "C30_MPa": why})
+    threads = families(law)
+    if len({(one.k1, one.k2) for one in threads}) > 1:
+        raise NoCard(
+            "abaqus cannot hold this orthotropic sheet: all threads of *ANISOTROPIC HYPERELASTIC, HOLZAPFEL have one "
+            "k1 and k2, and *FABRIC takes the curves of warp, weft and shear each by itself, not one energy"
+        )
+    angles = np.deg2rad([one.angle_deg for one in threads])
+    ways = [f"{number(np.cos(one))}, {number(np.sin(one))}, 0." for one in angles]
+    values = [law.parameters["C10_MPa"], *_d(settings, 1), threads[0].k1, max(threads[0].k2, _LEAST), 0.0]
+    keyword = f"*ANISOTROPIC HYPERELASTIC, HOLZAPFEL, LOCAL DIRECTIONS={len(threads)}"
+    return [
+        "** the section takes ORIENTATION=" + f"{settings.name}-axes; its x is the warp, its y the weft",
+        f"*ORIENTATION, NAME={settings.name}-axes, LOCAL DIRECTIONS={len(threads)}",
+        "1., 0., 0., 0., 1., 0.",
+        "3, 0.",
+        *ways,
+        *_card(keyword, values, settings),
+    ]
+
+
 def _way(material: Material, end: float) -> Array:
     """Return stretches from rest to ``end``, or most of the way to where the law's chains lock."""
     if np.isfinite(material.uniaxial(end).P):
@@ -122,6 +161,7 @@ def _way(material: Material, end: float) -> Array:
 FORMAT = Format(
     name="abaqus",
     suffix=".inp",
+    sheet=_sheet,
     comment=lambda line: f"** {line}",
     writers={
         "neo-hookean": _reduced(1),

@@ -4,6 +4,11 @@ Conventions: Ogden's energy is ``sum c/m^2 (...)``, so c = our mu alpha; Yeoh's 
 Jm. The Arruda-Boyce series is written as the Yeoh polynomial it is: FEBio's own law takes the series' coefficients
 times their order, and would be too stiff. The bulk modulus is always needed: a thousand shear moduli where none is
 known.
+
+An orthotropic sheet is an uncoupled mixture of Yeoh's law and of threads ``fiber-exp-pow-uncoupled``, whose energy
+``ksi/(alpha beta) (exp(alpha (I - 1)^beta) - 1)`` is ours with ksi = k1, alpha = k2, beta = 2, in tension alone;
+theta is their angle from the first material axis, the warp. Versions differ in whether the mixture's bulk modulus is
+its own or that of its parts: it stands at both.
 """
 
 from __future__ import annotations
@@ -12,8 +17,18 @@ import re
 from collections.abc import Sequence
 from xml.sax.saxutils import escape, quoteattr
 
-from hyperfab.materials.export.card import Format, Settings, number, pairs, series_as_powers, shear_modulus
+from hyperfab.materials.export.card import (
+    Format,
+    Settings,
+    families,
+    ground,
+    number,
+    pairs,
+    series_as_powers,
+    shear_modulus,
+)
 from hyperfab.materials.material import Material
+from hyperfab.materials.orthotropic import Orthotropic
 
 _STIFF = 1000.0
 
@@ -30,6 +45,36 @@ def _material(
         *(f"  <{tag}>{number(value)}</{tag}>" for tag, value in rows),
         "</material>",
     ]
+
+
+def _sheet(law: Orthotropic, settings: Settings) -> list[str]:
+    base = ground(law)
+    bulk = settings.bulk_modulus
+    if bulk is None:
+        bulk = _STIFF * (shear_modulus(base) + sum(one.k1 for one in families(law)))
+    rows = [
+        f'<material id="{settings.number}" name={quoteattr(settings.name)} type="uncoupled solid mixture">',
+        f"  <density>{number(settings.density)}</density>",
+        f"  <k>{number(bulk)}</k>",
+        '  <solid type="Yeoh">',
+        f"    <density>{number(settings.density)}</density>",
+        *(f"    <c{k}>{number(c)}</c{k}>" for k, c in enumerate(base.c, 1)),
+        f"    <k>{number(bulk)}</k>",
+        "  </solid>",
+    ]
+    for one in families(law):
+        rows += [
+            '  <solid type="fiber-exp-pow-uncoupled">',
+            f"    <ksi>{number(one.k1)}</ksi>",
+            f"    <alpha>{number(one.k2)}</alpha>",
+            "    <beta>2</beta>",
+            '    <mat_axis type="angles">',
+            f"      <theta>{number(one.angle_deg)}</theta>",
+            "      <phi>90</phi>",
+            "    </mat_axis>",
+            "  </solid>",
+        ]
+    return [*rows, "</material>"]
 
 
 def _mooney(material: Material, settings: Settings) -> list[str]:
@@ -62,6 +107,7 @@ def _gent(material: Material, settings: Settings) -> list[str]:
 FORMAT = Format(
     name="febio",
     suffix=".feb",
+    sheet=_sheet,
     comment=lambda line: f"<!-- {re.sub('-(?=-)', '- ', escape(line))} -->",
     writers={
         **dict.fromkeys(("neo-hookean", "yeoh-1", "mooney-rivlin-2"), _mooney),
