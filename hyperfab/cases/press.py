@@ -49,6 +49,13 @@ class PressCase(Case):
     male_heat: str | None = file("HEAT.json", "The male mold's temperature.", over=("temperature",))
     female_heat: str | None = file("HEAT.json", "The female mold's temperature.", over=("temperature",))
     drape: str | None = file("DRAPE.json", "Fabric thickness from hf drape.")
+    dwell: float | None = amount(
+        "time", "TIME", "How long the press stays closed: also tells the sandwich's temperature.", example="60s",
+        above=0.0,
+    )  # fmt: skip
+    target: float | None = amount(
+        "temperature", "T", "With --dwell: when the foam's middle reaches this.", example="180degC"
+    )
     mounted: str = choice(
         "HOW",
         "Mounting faces are held flat, or free to warp with the heat: flat or free.",
@@ -104,6 +111,8 @@ class PressCase(Case):
             raise UsageError(f"--male and --female name the same file, {self.male}")
         if self.temperature is not None and (self.male_heat or self.female_heat):
             raise UsageError("--temperature and heat documents exclude each other; give one of them")
+        if self.target is not None and self.dwell is None:
+            raise UsageError("--target is what the middle should reach: say within which --dwell")
         if self.tilt is not None:
             from hyperfab.documents.press_terms import MOST_TILT_DEG  # pydantic is not for the help page
 

@@ -17,7 +17,16 @@ from pydantic import (
 
 from hyperfab.documents.base import HandWritten
 from hyperfab.documents.press_terms import Poisson, PressSection, Relaxation, Variation
-from hyperfab.documents.quantity import PositiveLength, Time, parsed, written
+from hyperfab.documents.quantity import (
+    ConstantConductivity,
+    ConstantSpecificHeat,
+    Density,
+    PositiveLength,
+    Temperature,
+    Time,
+    parsed,
+    written,
+)
 from hyperfab.io.units import KINDS, worded
 
 Terms = Annotated[list[float], Field(min_length=1, max_length=9)]
@@ -49,24 +58,34 @@ class TableFile(Section):
     table: str
 
 
-class TableLaw(TableFile):
+class Law(Section):
+    """A compression law; ``temperature`` is the one it was measured at."""
+
+    temperature: Temperature | None = None
+
+
+class TableLaw(Law, TableFile):
     """Measured compression: strain [-], stress [MPa]."""
 
 
-class MaterialLaw(Section):
-    """A material document of ``hf fit --model hyperfoam-N``, its sides held; at the temperature of the press."""
+class MaterialLaw(Law):
+    """A material document of ``hf fit --model hyperfoam-N``, its sides held; at the temperature of the press.
+
+    All its stresses are multiplied by ``factor``.
+    """
 
     material: str
+    factor: Annotated[float, Field(gt=0.0)] = 1.0
 
 
-class LinearLaw(Section):
+class LinearLaw(Law):
     """Stress proportional to strain."""
 
     law: Literal["linear"]
     modulus: Stress
 
 
-class PlateauLaw(Section):
+class PlateauLaw(Law):
     """Plateau and densification: s (1 - exp(-E e / s)) + B (e / (1 - e))^m."""
 
     law: Literal["plateau"]
@@ -76,7 +95,7 @@ class PlateauLaw(Section):
     power: Annotated[float, Field(ge=1.0, le=20.0)] = 2.0
 
 
-class HyperfoamLaw(Section):
+class HyperfoamLaw(Law):
     """Ogden-Storakers foam, its sides held: one mu, alpha and nu a term."""
 
     law: Literal["hyperfoam"]
@@ -93,7 +112,7 @@ class HyperfoamLaw(Section):
         return self
 
 
-LAWS: dict[str, type[Section]] = {"linear": LinearLaw, "plateau": PlateauLaw, "hyperfoam": HyperfoamLaw}
+LAWS: dict[str, type[Law]] = {"linear": LinearLaw, "plateau": PlateauLaw, "hyperfoam": HyperfoamLaw}
 
 
 def _compression(value: object) -> object:
@@ -119,6 +138,20 @@ Compression = Annotated[
 ]
 
 
+def _compressions(value: object) -> object:
+    """Choose the kind of law, of several by temperature the kind of each, coldest first."""
+    if not isinstance(value, list):
+        return _compression(value)
+    laws = [law for law in map(_compression, value) if isinstance(law, Law)]
+    known = {law.temperature for law in laws} - {None}
+    if not laws or len(known) < len(value):
+        raise ValueError('of several laws each has a temperature of its own, as temperature = "180 degC"')
+    return sorted(laws, key=lambda law: law.temperature or 0.0)
+
+
+Compressions = Annotated[Compression | list[Compression], BeforeValidator(_compressions)]
+
+
 def _layer(value: object) -> object:
     if isinstance(value, str) and value.endswith(".json"):
         return value
@@ -134,10 +167,18 @@ Layer = Annotated[
 
 
 class Fabric(Section):
-    """The fabric layers: above the foam (female side) and below it (male side)."""
+    """The fabric layers: above the foam (female side) and below it (male side).
+
+    ``compression`` is how both give way across; without it a layer that is a hyperfoam's document does so by its law,
+    any other is rigid. What carries and stores heat is the foam's where it is left out.
+    """
 
     above: Layer = 0.0
     below: Layer = 0.0
+    compression: Compression | None = None
+    conductivity: ConstantConductivity | None = None
+    specific_heat: ConstantSpecificHeat | None = None
+    density: Density | None = None
 
 
 def _coefficient(value: object) -> object:
@@ -203,6 +244,28 @@ class Shrinkage(Section):
         return self
 
 
+Conductance = Annotated[
+    float | TableFile,
+    BeforeValidator(
+        lambda v: (
+            TableFile.model_validate(v) if isinstance(v, dict) else parsed("film-coefficient", 0.0, True)(v)
+        )
+    ),
+    PlainSerializer(
+        lambda v: v.model_dump() if isinstance(v, TableFile) else f"{v!r} W/m^2/K", return_type=Any
+    ),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {"type": "string", "examples": ["500 W/m^2/K"]},
+                {"type": "object", "properties": {"table": {"type": "string"}}, "required": ["table"]},
+            ],
+            "description": "between mold and sandwich, or a table: pressure [MPa], conductance [W/m^2/K]",
+        }
+    ),
+]
+
+
 class ExpansionSection(Section):
     """Linear thermal expansion of the molds; where left out, that of aluminium 6061."""
 
@@ -224,7 +287,14 @@ class FoamDocument(HandWritten):
     KIND: ClassVar[str] = "foam"
 
     thickness: PositiveLength
-    compression: Compression
+    compression: Compressions
+    conductivity: ConstantConductivity | None = None
+    specific_heat: ConstantSpecificHeat | None = None
+    density: Density | None = None
+    temperature: Temperature | None = Field(
+        default=None, description="as the sandwich is laid in; left out: expansion.reference"
+    )
+    contact_conductance: Conductance | None = None
     fabric: Fabric = Fabric()
     shrinkage: Shrinkage = Shrinkage()
     relaxation: Relaxation = Relaxation()
@@ -232,6 +302,11 @@ class FoamDocument(HandWritten):
     expansion: ExpansionSection = ExpansionSection()
     poisson: Poisson = Poisson()
     press: PressSection = PressSection()
+
+    @property
+    def laws(self) -> list[Law]:
+        """Compression laws of the foam: one, or one a temperature, rising."""
+        return list(self.compression) if isinstance(self.compression, list) else [self.compression]
 
     @model_validator(mode="after")
     def _dwell_is_known(self) -> FoamDocument:

@@ -98,6 +98,28 @@ class DesignPart(Part):
     facets: int
 
 
+class WarmingPart(Part):
+    """Temperature of the sandwich while the press stays closed: of the foam's middle, over the molding surface."""
+
+    dwell_s: float
+    start_degC: float = Field(description="as the sandwich was laid in")
+    middle_min_degC: float = Field(description="at the end of the dwell")
+    middle_mean_degC: float
+    middle_max_degC: float
+    middle_spread_K: float = Field(description="greatest less least")
+    middle_sd_K: float = Field(description="standard deviation over the area")
+    coldest_at_mm: Place
+    over_time: list[tuple[float, float, float, float]] = Field(
+        description="[time_s, least, mean, greatest degC] from the closing on"
+    )
+    target_degC: float | None = None
+    reached_first_s: float | None = Field(default=None, description="when the first place passes the target")
+    reached_last_s: float | None = Field(
+        default=None, description="when all have; absent where some do not within the dwell"
+    )
+    reached_fraction: float | None = Field(default=None, description="area that passes it within the dwell")
+
+
 class PressDocument(Document):
     """The result of ``hf press-contact``."""
 
@@ -120,6 +142,15 @@ class PressDocument(Document):
     molding_area_mm2: float = Field(description="male surface that faces the female, without the flat flange")
     flange_area_mm2: float
     force_N: float = Field(description="closing force: the part of all pressure along the axis")
+    bearing_area_ratio: float | None = Field(
+        default=None,
+        description="area of the female over that of the male where the sandwich bears, by pressure: forces count the "
+        "pressure on the male's area",
+    )
+    force_beside_fraction: float | None = Field(
+        default=None,
+        description="share of all pressure beside the touching area: borne by the nearest gap, not met by the normal",
+    )
     pressure_max_MPa: float
     pressure_mean_MPa: float = Field(description="over the touching area, of the pressure that acts on it")
     stroke_mm: float = Field(
@@ -157,11 +188,15 @@ class PressDocument(Document):
     foam_relaxation: float = Field(
         default=0.0, description="share of the foam's stress lost by the end of the dwell"
     )
+    foam_thinning: str | None = Field(
+        default=None, description="how foam thins where it is draped: by which Poisson's ratio, or by its law"
+    )
     frame_stiffness_N_mm: float | None = Field(default=None, description="of the press; absent: rigid")
     final_thickness: ThicknessRange | None = Field(
         default=None,
         description="of the sandwich when the press has opened; absent where no recovery of the foam is given",
     )
+    warming: WarmingPart | None = Field(default=None, description="temperature of the sandwich (--dwell)")
     chord_error_mm: float = Field(
         description="how far the facets stand off the smooth molds (95 % of the area)"
     )

@@ -63,11 +63,20 @@ class PressSection(_Section):
     stiffness: Stiffness | None = None
 
 
-class Poisson(_Section):
-    """Poisson's ratio of the molds, for their deformation by an uneven temperature."""
+class PoissonRatios(_Section):
+    """Poisson's ratios: of the foam, for its thinning where a drape stretches it; of the molds, for their deformation
+    by an uneven temperature. A number alone is the foam's."""
 
+    foam: Annotated[float, Field(gt=-1.0, le=0.5)] | None = None
     male: Annotated[float, Field(ge=0.0, le=0.49)] = 0.33
     female: Annotated[float, Field(ge=0.0, le=0.49)] = 0.33
+
+
+def _of_foam(value: object) -> object:
+    return {"foam": value} if isinstance(value, int | float) and not isinstance(value, bool) else value
+
+
+Poisson = Annotated[PoissonRatios, BeforeValidator(_of_foam)]
 
 
 def _list(value: object) -> object:

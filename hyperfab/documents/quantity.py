@@ -98,6 +98,9 @@ HeatFlux = _field("heat-flux", 0.0)
 FilmCoefficient = _field("film-coefficient", 0.0)
 Density = _field("density", 0.0, open_end=True)
 
+ConstantConductivity = _field("conductivity", 0.0, open_end=True)
+ConstantSpecificHeat = _field("specific-heat", 0.0, open_end=True)
+
 Conductivity = _value_or_table("conductivity", 0.0, True)
 SpecificHeat = _value_or_table("specific-heat", 0.0, True)
 Film = _value_or_table("film-coefficient", 0.0)

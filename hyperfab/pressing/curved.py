@@ -31,12 +31,12 @@ class Curving:
 
     def height(self, face: Ints, points: Array) -> Array:
         """How far (n,) [mm] the smooth surface stands off the facets ``face`` (n,) at ``points`` (n, 3) on them."""
-        weights = _barycentric(self.surface, face, points)
+        weights = barycentric(self.surface, face, points)
         return np.asarray((weights * np.roll(weights, -1, axis=1) * self.rise[face]).sum(axis=1))
 
     def normal(self, face: Ints, points: Array, facet: Array) -> Array:
         """Unit normals (n, 3) of the smooth surface there; beside a crease those of the ``facet`` (n, 3)."""
-        weights = _barycentric(self.surface, face, points)
+        weights = barycentric(self.surface, face, points)
         corners = self.normals[self.surface.faces[face]]
         mean = (weights[..., None] * corners).sum(axis=1)
         mean = mean / np.linalg.norm(mean, axis=1, keepdims=True)
@@ -94,7 +94,8 @@ def smooth_normals(surface: Surface) -> Array:
     return np.asarray(total / np.where(length > 0.0, length, 1.0))
 
 
-def _barycentric(surface: Surface, face: Ints, points: Array) -> Array:
+def barycentric(surface: Surface, face: Ints, points: Array) -> Array:
+    """Return the weights (n, 3) of the corners of facets ``face`` (n,) at ``points`` (n, 3) on them."""
     a, b, c = (surface.vertices[surface.faces[face, k]] for k in range(3))
     normal = np.cross(b - a, c - a)
     double = (normal * normal).sum(axis=1)

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hyperfab.arrays import Array
+from hyperfab.materials.hyperfoam import Hyperfoam
+
+#: Strains at which a smooth law is sampled where layers share a closing: 1e-6 of its stress.
+_SAMPLES = 1025
 
 
 @dataclass(frozen=True)
@@ -17,7 +21,8 @@ class FoamLaw:
 
     ``raw_stress`` [MPa], ``raw_slope`` [MPa] and ``raw_energy`` [MPa, that is mJ/mm^3] take strains in 0..limit.
     Beyond the limit the stress goes on along its last slope, so that a force can still be balanced; how much area
-    is there is for the caller to say.
+    is there is for the caller to say. ``bends`` are the strains between which the law is straight, None where it is
+    smooth; ``free`` is the thickness over that at rest of foam whose area is stretched (n,), where the law tells it.
 
     >>> law = linear(0.05)
     >>> law.stress(np.array([-0.1, 0.0, 0.5])).tolist(), float(law.energy(np.array(0.5)))
@@ -29,6 +34,13 @@ class FoamLaw:
     raw_stress: Callable[[Array], Array]
     raw_slope: Callable[[Array], Array]
     raw_energy: Callable[[Array], Array]
+    bends: Array | None = None
+    free: Callable[[Array], Array] | None = None
+
+    @property
+    def knots(self) -> Array:
+        """Strains (k,) between which the law is straight, or near enough: they reach from 0 to the limit."""
+        return np.linspace(0.0, self.limit, _SAMPLES) if self.bends is None else self.bends
 
     def stress(self, strain: ArrayLike) -> Array:
         """Nominal stress [MPa]; zero where the foam is not compressed."""
@@ -54,18 +66,65 @@ class FoamLaw:
         """
         if factor == 1.0:
             return self
-        return FoamLaw(
-            self.name,
-            self.limit,
-            lambda e: factor * self.raw_stress(e),
-            lambda e: factor * self.raw_slope(e),
-            lambda e: factor * self.raw_energy(e),
+        return replace(
+            self,
+            raw_stress=lambda e: factor * self.raw_stress(e),
+            raw_slope=lambda e: factor * self.raw_slope(e),
+            raw_energy=lambda e: factor * self.raw_energy(e),
         )
+
+    def thinning(self, area: ArrayLike, poisson: float | None) -> Array:
+        """Return the foam's thickness over that at rest where a drape stretches its ``area`` (n,) by this factor.
+
+        By ``poisson`` where it is given: the logarithmic strains of the three directions are in its ratio, so that the
+        thickness goes with ``area^(-nu / (1 - nu))``; this is also what a hyperfoam of one term does. Else the law says
+        where no stress acts across. Raises ValueError where neither does, or no such state is.
+
+        >>> linear(0.05).thinning([1.0, 1.5], 0.5).round(9).tolist()
+        [1.0, 0.666666667]
+        >>> hyperfoam([0.01], [4.0], [0.3]).thinning(1.5, None).round(9).item(), round(1.5 ** (-0.3 / 0.7), 9)
+        (0.840485037, 0.840485037)
+        """
+        area = np.asarray(area, dtype=float)
+        if poisson is not None:
+            return np.asarray(area ** (-poisson / (1.0 - poisson)))
+        if self.free is None:
+            raise ValueError("neither the law nor a Poisson's ratio tells how stretched foam thins")
+        found = self.free(area)
+        if not np.all(np.isfinite(found)):
+            raise ValueError(f"no thickness of the foam balances an area stretched by {area.max():.3g}")
+        return found
 
     def _split(self, strain: ArrayLike) -> tuple[Array, Array]:
         strain = np.asarray(strain, dtype=float)
         inside = np.clip(strain, 0.0, self.limit)
         return inside, np.maximum(strain - self.limit, 0.0)
+
+
+def between(low: FoamLaw, high: FoamLaw, share: float) -> FoamLaw:
+    """Return the law whose stresses lie ``share`` of the way from ``low`` to ``high`` at every strain.
+
+    As foam between two temperatures it was tested at. Bottomed where the first of the two is.
+
+    >>> between(linear(0.05), linear(0.03), 0.25).stress(1.0).round(9).item()
+    0.045
+    """
+    a, b, t = low, high, share
+
+    def mixed(one: Callable[[Array], Array], two: Callable[[Array], Array]) -> Callable[[Array], Array]:
+        return lambda e: np.asarray((1.0 - t) * one(e) + t * two(e))
+
+    limit = min(a.limit, b.limit)
+    bends = np.union1d(a.knots, b.knots)
+    return FoamLaw(
+        a.name if a.name == b.name else f"{a.name} and {b.name}",
+        limit,
+        mixed(a.raw_stress, b.raw_stress),
+        mixed(a.raw_slope, b.raw_slope),
+        mixed(a.raw_energy, b.raw_energy),
+        None if a.bends is None or b.bends is None else np.append(bends[bends < limit], limit),
+        None if a.free is None or b.free is None else mixed(a.free, b.free),
+    )
 
 
 def linear(modulus: float) -> FoamLaw:
@@ -76,6 +135,7 @@ def linear(modulus: float) -> FoamLaw:
         lambda e: modulus * e,
         lambda e: modulus + 0.0 * e,
         lambda e: 0.5 * modulus * e * e,
+        np.array([0.0, 1.0]),
     )
 
 
@@ -117,6 +177,7 @@ def table(strain: ArrayLike, stress: ArrayLike) -> FoamLaw:
         lambda e: np.interp(e, x, y),
         lambda e: np.asarray(slopes[segment(e)]),
         energy,
+        x,
     )
 
 
@@ -169,7 +230,13 @@ def hyperfoam(mu: ArrayLike, alpha: ArrayLike, nu: ArrayLike) -> FoamLaw:
         )
         return np.asarray(sum(pieces))
 
-    return FoamLaw("hyperfoam", 0.95, stress, slope, energy)
+    law = Hyperfoam(*(tuple(float(one) for one in term) for term in terms))
+
+    def free(area: Array) -> Array:
+        # No stress across: the law feels the sides by the area alone.
+        return law.lateral("biaxial", np.sqrt(np.atleast_1d(area))).reshape(np.shape(area))
+
+    return FoamLaw("hyperfoam", 0.95, stress, slope, energy, free=free)
 
 
 def relaxed(shares: ArrayLike, times: ArrayLike, dwell: float) -> float:

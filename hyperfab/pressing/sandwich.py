@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hyperfab.arrays import Array
 from hyperfab.pressing.foam_law import FoamLaw
+from hyperfab.pressing.series import Series, Shared
 
 
 class State(IntEnum):
@@ -26,7 +28,8 @@ class State(IntEnum):
 class Sandwich:
     """Foam of thickness ``foam`` [mm] with fabric of ``fabric`` [mm] in all on its two sides; numbers or (n,) arrays.
 
-    Fabric counts as incompressible through its thickness: it is thin and some hundred times stiffer than foam.
+    Fabric without a law of its own counts as rigid through its thickness; with one, ``fabric_law`` of both layers
+    together, it carries the foam's pressure and gives way to it.
 
     >>> from hyperfab.pressing.foam_law import linear
     >>> s = Sandwich(foam=4.0, fabric=1.0, law=linear(0.02))
@@ -37,6 +40,14 @@ class Sandwich:
     foam: float | Array
     fabric: float | Array
     law: FoamLaw
+    fabric_law: FoamLaw | None = None
+
+    @cached_property
+    def _series(self) -> Series | None:
+        return None if self.fabric_law is None else Series(self.law, self.fabric_law)
+
+    def _shared(self, series: Series, gap: ArrayLike) -> Shared:
+        return series.at(self.thickness - np.asarray(gap, dtype=float), self.foam, self.fabric)
 
     @property
     def thickness(self) -> float | Array:
@@ -50,19 +61,42 @@ class Sandwich:
 
     def strain(self, gap: ArrayLike) -> Array:
         """Engineering compression of the foam in a ``gap`` [mm]; zero where it is not touched."""
+        if self._series is not None:
+            return self._shared(self._series, gap).strain
         return np.maximum((self.thickness - np.asarray(gap, dtype=float)) / self.foam, 0.0)
 
     def pressure(self, gap: ArrayLike) -> Array:
         """Pressure [MPa] of the sandwich in a ``gap`` [mm]."""
+        if self._series is not None:
+            return self._shared(self._series, gap).pressure
         return self.law.stress(self.strain(gap))
 
     def stiffness(self, gap: ArrayLike) -> Array:
         """Pressure gained per gap closed [MPa/mm]."""
+        if self._series is not None:
+            return self._shared(self._series, gap).stiffness
         return self.law.slope(self.strain(gap)) / self.foam
 
     def energy(self, gap: ArrayLike) -> Array:
         """Energy stored per area [N/mm] in a ``gap`` [mm]."""
+        if self._series is not None:
+            return self._shared(self._series, gap).energy
         return self.law.energy(self.strain(gap)) * self.foam
+
+    def pressed(self, gap: ArrayLike) -> tuple[Array, Array]:
+        """Thickness [mm] of the foam and of both fabrics in a ``gap`` [mm].
+
+        >>> from hyperfab.pressing.foam_law import linear
+        >>> [part.item() for part in Sandwich(3.0, 3.0, linear(0.02), linear(0.06)).pressed(4.0)]
+        [1.5, 2.5]
+        """
+        gap = np.asarray(gap, dtype=float)
+        fabric = np.broadcast_to(np.asarray(self.fabric, dtype=float), gap.shape)
+        if self._series is None:
+            return np.clip(gap - fabric, 0.0, self.foam), fabric
+        shared = self._shared(self._series, gap)
+        foam = np.broadcast_to(np.asarray(self.foam, dtype=float), gap.shape)
+        return foam * (1.0 - np.minimum(shared.strain, 1.0)), fabric * (1.0 - np.minimum(shared.second, 1.0))
 
     def state(self, gap: ArrayLike) -> NDArray[np.int64]:
         """State of each point: open, touching, bottomed (the law's last strain) or interfering (metal in metal)."""
@@ -72,17 +106,14 @@ class Sandwich:
         state = np.where(strain >= self.law.limit, int(State.BOTTOMED), state)
         return np.where(gap <= 0.0, int(State.INTERFERING), state)
 
-    def thinned(self, factor: Array) -> Sandwich:
-        """The sandwich with all layers thinner by ``factor`` (n,), as stretching over the mold leaves them."""
-        return Sandwich(self.foam * factor, self.fabric * factor, self.law)
+    def thinned(self, foam: Array, fabric: Array) -> Sandwich:
+        """The sandwich with its foam and its fabrics thinner by these factors (n,), as stretching over the mold
+        leaves them."""
+        return replace(self, foam=self.foam * foam, fabric=self.fabric * fabric)
 
     def of_vertices(self, chosen: NDArray[np.int64]) -> Sandwich:
         """The sandwich at some of the vertices it is given for."""
-
-        def pick(value: float | Array) -> float | Array:
-            return value if np.ndim(value) == 0 else np.asarray(value)[chosen]
-
-        return Sandwich(pick(self.foam), pick(self.fabric), self.law)
+        return self.at(lambda values: values[chosen])
 
     def at(self, interpolate: Callable[[Array], Array]) -> Sandwich:
         """The sandwich elsewhere, given what carries values at its vertices there."""
@@ -90,4 +121,7 @@ class Sandwich:
         def carry(value: float | Array) -> float | Array:
             return value if np.ndim(value) == 0 else interpolate(np.asarray(value))
 
-        return Sandwich(carry(self.foam), carry(self.fabric), self.law)
+        found = replace(self, foam=carry(self.foam), fabric=carry(self.fabric))
+        # The laws stay as they are, and so does what was worked out of them.
+        found.__dict__["_series"] = self._series
+        return found

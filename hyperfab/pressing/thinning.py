@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from hyperfab.arrays import Array, Ints
+from hyperfab.pressing.curved import barycentric
 from hyperfab.surface import Surface
 
 
@@ -27,14 +28,8 @@ def thinning_at(points: Array, nodes: Array, quads: Ints, factor: Array) -> Arra
     triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
     sheet = Surface(nodes, triangles)
     near = sheet.nearest(points)
-    corner = triangles[near.face]
-    a, b, c = (nodes[corner[:, k]] for k in range(3))
-    normal = np.cross(b - a, c - a)
-    double = np.maximum((normal * normal).sum(axis=1), 1e-300)
-    wb = (np.cross(near.point - a, c - a) * normal).sum(axis=1) / double
-    wc = (np.cross(b - a, near.point - a) * normal).sum(axis=1) / double
-    weights = np.stack([1.0 - wb - wc, wb, wc], axis=1)
-    return np.asarray((weights * at_node[corner]).sum(axis=1))
+    weights = barycentric(sheet, near.face, near.point)
+    return np.asarray((weights * at_node[triangles[near.face]]).sum(axis=1))
 
 
 def thickness_factor(points: Array, terms: Mapping[str, float]) -> Array:

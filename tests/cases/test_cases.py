@@ -39,7 +39,7 @@ FULL: dict[str, list[str]] = {
         "1.json", "--female-heat", "2.json", "--drape", "d.json", "--mounted", "free", "--zero", "hot", "--float",
         "--force-at", "1cm,-2mm", "--frame-stiffness", "50kN/mm", "--strokes", "7", "--min-spotted", "80",
         "--design-gap", "2mm", "--facets", "flat", "--uncertainty", "linear",
-        "--stl-unit", "m",
+        "--dwell", "40s", "--target", "180degC", "--stl-unit", "m",
     ],
     "fit": [
         "a.csv", "b.xlsx:warp", "--uniaxial", "u.csv", "--shear", "s.csv", "--biaxial", "b.csv", "--volumetric",

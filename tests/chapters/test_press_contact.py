@@ -192,8 +192,31 @@ def test_a_draped_sheet_thins_the_sandwich(shop, monkeypatch):
     (shop / "drape.json").write_text(json.dumps(_drape()))
     _, plain = press(shop, monkeypatch, gap="3mm")
     _, draped = press(shop, monkeypatch, gap="3mm", drape="drape.json")
-    assert draped["sandwich_mm"] == pytest.approx(4.5 * 0.8)
+    # The usual ratio where nothing tells it.
+    assert draped["sandwich_mm"] == pytest.approx(4.5 * 0.8 ** (0.3 / 0.7))
+    assert "0.3, as is usual" in draped["foam_thinning"]
     assert draped["contact_area_mm2"] < plain["contact_area_mm2"]
+    for given, left in (
+        ("poisson = 0.5", 0.8),
+        ("poisson = { foam = 0 }", 1.0),
+        ("poisson = -0.2", 0.8 ** (-0.2 / 1.2)),
+    ):
+        (shop / "ratio.toml").write_text(FOAM + given)
+        _, found = press(shop, monkeypatch, gap="3mm", drape="drape.json", foam="ratio.toml")
+        assert found["sandwich_mm"] == pytest.approx(4.5 * left, rel=1e-12)
+
+
+def test_drape_thins_incompressible_foam_as_all_layers_before(shop, monkeypatch):
+    """With a ratio of 0.5 the press is that of a sandwich of the thinned layers, to the last figures."""
+    test_a_draped_sheet_thins_the_sandwich(shop, monkeypatch)
+    layers = 'fabric = {{ above = "{0} mm", below = "{0} mm" }}\n'
+    (shop / "whole.toml").write_text(FOAM + layers.format(0.5) + "poisson = 0.5\n")
+    thin = FOAM.replace('"4.5 mm"', '"3.6 mm"') + layers.format(0.4)
+    (shop / "thin.toml").write_text(thin)
+    _, draped = press(shop, monkeypatch, gap="3mm", drape="drape.json", foam="whole.toml")
+    _, plain = press(shop, monkeypatch, gap="3mm", foam="thin.toml")
+    for key in ("force_N", "contact_area_mm2", "pressure_max_MPa", "energy_J", "sandwich_mm"):
+        assert draped[key] == pytest.approx(plain[key], rel=1e-9)
 
 
 def test_shrunk_foam_touches_less_and_stays_thinner(shop, monkeypatch):

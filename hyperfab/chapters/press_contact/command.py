@@ -18,12 +18,16 @@ from hyperfab.chapters.press_contact.result import (
     grid_of,
     picture_of,
 )
+from hyperfab.chapters.press_contact.warmth import warmed
 from hyperfab.chapters.uncertainty import carry
 from hyperfab.chapters.uncertainty.sources import Origins, origins
 from hyperfab.console import NEGATIVE_VERDICT
-from hyperfab.documents.foam import FoamDocument, TableFile, TableLaw
+from hyperfab.documents.base import read_document
+from hyperfab.documents.foam import FoamDocument, MaterialLaw, TableFile, TableLaw
+from hyperfab.documents.material import MaterialDocument
 from hyperfab.documents.press import PressDocument
 from hyperfab.errors import UsageError
+from hyperfab.io.inputs import Inputs
 from hyperfab.pressing.closing import Closed, close_press
 from hyperfab.pressing.mold import PressFrame
 
@@ -39,6 +43,7 @@ def run(job: Job, case: PressCase) -> int:
         out.refuse_inputs(job.inputs)
         advance(0.3, "closing")
         told = solve(model)
+        told = replace(told, warmed=warmed(job, model, told.closed))
         _note_ranges(job, model, told.closed)
         _tell_overlap(job, told.closed, told.frame)
         advance(0.6, "design")
@@ -70,27 +75,27 @@ def _origins(job: Job, case: PressCase) -> Origins:
 
 def solve(model: Model) -> Told:
     """Close the press, and follow it from the first touch."""
-    files = model.files
     closed = close_press(model.closing)
-    return Told(
-        closed,
-        files.frame,
-        _curve(closed, model.case.strokes),
-        files.document.expansion.reference,
-        files.expansions,
-        model.grown,
-        model.foam,
-    )
+    return Told(model, closed, _curve(closed, model.case.strokes))
 
 
 def _note_ranges(job: Job, model: Model, closed: Closed) -> None:
     """Note where the tables of foam.toml were used, beside the rows they have."""
     document, sandwich, foam = model.files.document, closed.press.sandwich, model.case.foam
-    if isinstance(document.compression, TableLaw):
-        strain = sandwich.strain(closed.contact.gap)
+    strain = sandwich.strain(closed.contact.gap)
+    if any(isinstance(law, TableLaw) for law in document.laws):
         job.ranges.used(
             "strain", strain, known=(0.0, sandwich.law.limit), source=foam, then="it counts as bottomed there"
         )
+    for law in document.laws:
+        if isinstance(law, MaterialLaw):
+            path = Inputs.beside(foam, law.material)
+            tested = read_document(job.inputs, path, MaterialDocument).tested_stretch()
+            job.ranges.used("stretch", 1.0 - strain, known=tested, source=path)
+    if sandwich.fabric_law is not None:
+        across = 1.0 - sandwich.pressed(closed.contact.gap)[1] / sandwich.fabric
+        known = (0.0, sandwich.fabric_law.limit)
+        job.ranges.used("fabric.compression", across, known=known, source=foam, then="its last slope goes on")
     tables = (document.expansion.male, document.expansion.female)
     sides = zip(("male", "female"), tables, model.files.expansions, model.grown, strict=True)
     for side, given, rows, grown in sides:

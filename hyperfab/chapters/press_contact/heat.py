@@ -40,13 +40,22 @@ class HeatInput:
 
 @dataclass(frozen=True)
 class Grown:
-    """A mold's growth, the mean temperature [degC] and thermal strain behind it, and how they are known."""
+    """A mold's growth, the mean temperature [degC] and thermal strain behind it, and how they are known; ``celsius``
+    is its field at the nodes of the growth's mesh, None where it is equally hot."""
 
     growth: Growth
     temperature: float
     strain: float
     known_from: str
     even: bool
+    celsius: Array | None = None
+
+    def surface(self, points: Array) -> Array:
+        """Return the temperature (n,) [degC] at cold ``points`` (n, 3) of the mold's surface."""
+        if self.celsius is None:
+            return np.full(len(points), self.temperature)
+        assert isinstance(self.growth, FieldGrowth)
+        return at_boundary(self.growth.mesh, self.growth.faces, self.celsius, points)[0]
 
 
 def read_heat(inputs: Inputs, case: PressCase, reference: float) -> tuple[HeatInput, HeatInput]:
@@ -106,7 +115,7 @@ def grow(
         poisson,
     )
     known = f"field of {named}the heat document, thermoelastic"
-    return Grown(FieldGrowth(found.mesh, found.faces, moved), mean, strain, known, False)
+    return Grown(FieldGrowth(found.mesh, found.faces, moved), mean, strain, known, False, found.celsius)
 
 
 @dataclass(frozen=True)

@@ -10,25 +10,13 @@ from hyperfab.cases.press import PressCase
 from hyperfab.chapters.field import read_field
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.molds import MoldFile, read_mold
-from hyperfab.console import Console
-from hyperfab.documents.base import document_class, read_document
+from hyperfab.documents.base import read_document
 from hyperfab.documents.drape import DrapeDocument
-from hyperfab.documents.foam import (
-    FoamDocument,
-    HyperfoamLaw,
-    LinearLaw,
-    MaterialLaw,
-    PlateauLaw,
-    TableFile,
-    TableLaw,
-)
+from hyperfab.documents.foam import FoamDocument, TableFile
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import InputError
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.inputs import Inputs
-from hyperfab.materials.hyperfoam import ORDERS, Hyperfoam
-from hyperfab.pressing import foam_law
-from hyperfab.pressing.foam_law import FoamLaw
 from hyperfab.pressing.growth import Expansion
 from hyperfab.pressing.mold import PressFrame
 from hyperfab.pressing.placement import closing_frame
@@ -39,8 +27,6 @@ from hyperfab.surface import Surface
 ALUMINIUM = ((100.0, 300.0), (23.6e-6, 25.2e-6))
 #: A surface of which more than this share of the edges is open is a heap of facets.
 _TORN = 0.8
-#: Strain and stress of a foam test that go back by less than this share of their largest value only jitter.
-_JITTER = 0.02
 #: What is done beyond a table's rows.
 _END_ROWS = "its end rows hold there"
 _REFERENCE_RANGE = (-50.0, 60.0)
@@ -92,16 +78,6 @@ def read_foam(inputs: Inputs, name: str) -> FoamDocument:
     return read_document(inputs, name, FoamDocument)
 
 
-def compression_law(job: Job, name: str, document: FoamDocument, temperature: float) -> tuple[FoamLaw, float]:
-    """Return the law at a temperature [degC] and the end of the dwell, and the share of stress relaxed by then."""
-    left = 1.0
-    dwell = document.relaxation.dwell or document.shrinkage.dwell
-    if dwell is not None:
-        left = foam_law.relaxed(document.relaxation.share, document.relaxation.time, dwell)
-    law = _law(job, name, document, temperature)
-    return law.scaled(left), 1.0 - left
-
-
 def variation(name: str, document: FoamDocument, axis: str, vertices: np.ndarray) -> np.ndarray | float:
     """Return the foam's thickness at the male's ``vertices`` (n, 3), as drawn, over its nominal one; 1 if even."""
     terms = document.variation.terms()
@@ -136,72 +112,7 @@ def in_plan(frame: PressFrame, degrees: np.ndarray) -> tuple[float, float]:
     return float(first), float(second)
 
 
-def _law(job: Job, name: str, document: FoamDocument, temperature: float) -> FoamLaw:
-    given = document.compression
-    if isinstance(given, LinearLaw):
-        return foam_law.linear(given.modulus)
-    if isinstance(given, PlateauLaw):
-        return foam_law.plateau(given.plateau, given.modulus, given.densification, given.power)
-    if isinstance(given, HyperfoamLaw):
-        return foam_law.hyperfoam(given.mu, given.alpha, given.nu)
-    if isinstance(given, MaterialLaw):
-        return _fitted_law(job, Inputs.beside(name, given.material), temperature)
-    return _table_law(job.inputs, Inputs.beside(name, given.table), given, job.console)
-
-
-def _fitted_law(job: Job, path: str, temperature: float) -> FoamLaw:
-    """Return the law of a material document at a temperature, linear between those of its tests."""
-    document = read_document(job.inputs, path, MaterialDocument)
-    if document.model not in ORDERS:
-        raise InputError(
-            f"{document.model} is no law of a foam",
-            file=path,
-            key="model",
-            remedy=f"fit the foam's tests with --model {', '.join(ORDERS)}",
-        )
-    try:
-        law = Hyperfoam.of(document.constants(None, temperature))
-    except (KeyError, ValueError) as error:
-        raise InputError(f"no constants of {document.model}: {error}", file=path, key="parameters") from None
-    known = [row.temperature_degC for row in document.temperatures or []]
-    if not known and document.temperature_degC is not None:
-        known = [document.temperature_degC]
-    then = "the constants of the nearest test are taken" if known else "its tests state no temperature"
-    job.ranges.used("temperature_degC", temperature, known=known or None, source=path, then=then)
-    found = foam_law.hyperfoam(law.mu, law.alpha, law.nu)
-    strain = np.linspace(0.0, found.limit, 400)
-    falling = np.flatnonzero(np.diff(found.raw_stress(strain)) < 0.0)
-    if len(falling):
-        raise InputError(
-            f"its stress between plates falls from a strain of {strain[falling[0]]:.2g} on",
-            file=path,
-            key="parameters",
-            remedy="fit with fewer terms, or give a confined compression test too",
-        )
-    return found
-
-
-def fabric_thickness(inputs: Inputs, name: str, document: FoamDocument) -> float:
-    """Return the thickness [mm] of both fabric layers together; a material document gives its own."""
-    total = 0.0
-    for side, layer in (("above", document.fabric.above), ("below", document.fabric.below)):
-        if isinstance(layer, str):
-            material = read_document(inputs, Inputs.beside(name, layer), document_class("material"))
-            thickness = getattr(material, "thickness_mm", None)
-            if thickness is None:
-                raise InputError(
-                    f"the material document {layer} states no thickness",
-                    file=name,
-                    key=f"fabric.{side}",
-                    remedy='write the thickness itself, as "0.5 mm"',
-                )
-            total += float(thickness)
-        else:
-            total += layer
-    return total
-
-
-def shrinkage(job: Job, name: str, document: FoamDocument, temperature: float) -> float:
+def shrinkage(job: Job, name: str, document: FoamDocument, temperature: float, dwell: float | None) -> float:
     """Return the share of the foam's thickness that is lost at ``temperature`` [degC] by the end of the dwell."""
     given = document.shrinkage
     if isinstance(given.amount, TableFile):
@@ -222,9 +133,10 @@ def shrinkage(job: Job, name: str, document: FoamDocument, temperature: float) -
         job.ranges.used("shrinkage", temperature, known=rows, source=name, unit="degC", then=_END_ROWS)
     else:
         amount = float(given.amount)
-    if given.time is None or given.dwell is None:
+    dwell = dwell or given.dwell
+    if given.time is None or dwell is None:
         return amount
-    return amount * -float(np.expm1(-given.dwell / given.time))
+    return amount * -float(np.expm1(-dwell / given.time))
 
 
 def expansions(inputs: Inputs, name: str, document: FoamDocument) -> tuple[Expansion, Expansion]:
@@ -264,69 +176,6 @@ def _read_mold(job: Job, name: str, stl_unit: str) -> MoldFile:
             remedy="repair the surface in the CAD program",
         )
     return body
-
-
-def _without_jitter(stress: np.ndarray) -> np.ndarray:
-    """Return the never falling stress (n,) nearest to one that falls by no more than jitter; another one as it is."""
-    if (np.maximum.accumulate(stress) - stress).max() > _JITTER * stress.max():
-        return stress
-    from scipy.optimize import isotonic_regression
-
-    return np.asarray(isotonic_regression(stress).x)
-
-
-def _table_law(inputs: Inputs, path: str, given: TableLaw, console: Console) -> FoamLaw:
-    table = read_table(inputs.read(path), path, {"strain": "dimensionless", "stress": "stress"})
-    strain, stress = table["strain"], table["stress"]
-    # A test as the machine wrote it: the way down to the largest strain is the law, rows that only jitter are left out.
-    down = slice(0, int(np.argmax(strain)) + 1)
-    highest = np.maximum.accumulate(strain[down])
-    back = highest - strain[down]
-    if (back > _JITTER * highest[-1]).any():
-        row = int(np.argmax(back > _JITTER * highest[-1]))
-        raise InputError(
-            f"the strain goes back from {highest[row]:g} to {strain[row]:g} before its largest value, {highest[-1]:g}",
-            file=path,
-            line=int(table.lines[row]),
-            column="strain",
-            remedy="keep one loading of one specimen, in the order in which it was measured",
-        )
-    rising = np.flatnonzero(np.diff(highest, prepend=-np.inf) > 0.0)
-    # Before the plates touch the foam, strain and stress jitter about zero.
-    rising = rising[
-        strain[rising] >= (0.0 if strain[0] < 0.0 and strain[0] > -_JITTER * highest[-1] else -np.inf)
-    ]
-    lines = table.lines[rising]
-    strain, stress = strain[rising], _without_jitter(stress[rising])
-    stress = np.where((stress < 0.0) & (stress > -_JITTER * stress.max()), 0.0, stress)
-    if len(rising) < len(table["strain"]):
-        console.note(
-            f"{path}: {len(rising)} rows of the loading are the law; {len(table['strain']) - down.stop} of the way "
-            f"back and {down.stop - len(rising)} in which the strain does not rise are left out"
-        )
-
-    def refuse(row: int, message: str, remedy: str, column: str = "strain") -> None:
-        raise InputError(message, file=path, line=int(lines[row]), column=column, remedy=remedy)
-
-    if len(strain) < 2:
-        refuse(0, "one row is no curve", "give at least two rows")
-    if strain[0] < 0.0:
-        refuse(0, "compression strain is negative", "give compression as positive strain and stress")
-    if strain[-1] >= 1.0:
-        refuse(
-            len(strain) - 1, "foam cannot be compressed by 100 % or more", "give strain as a fraction below 1"
-        )
-    if stress[0] < 0.0:
-        refuse(
-            0, "compression stress is negative", "give compression as positive strain and stress", "stress"
-        )
-    falling = np.flatnonzero(np.diff(stress) < 0.0)
-    if len(falling):
-        message = f"stress falls from {stress[falling[0]]:g} to {stress[falling[0] + 1]:g} MPa"
-        refuse(int(falling[0]) + 1, message, "smooth the curve so that stress never falls", "stress")
-    if stress[-1] <= 0.0:
-        refuse(len(strain) - 1, "the foam bears nothing", "check the column and its unit", "stress")
-    return foam_law.table(strain, stress)
 
 
 def _expansion(inputs: Inputs, name: str, value: float | TableFile | None, reference: float) -> Expansion:

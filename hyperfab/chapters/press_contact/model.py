@@ -10,7 +10,7 @@ from hyperfab.cases.press import PressCase
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact import inputs as read
 from hyperfab.chapters.press_contact.heat import Grown, HeatInput, grow, read_heat
-from hyperfab.chapters.press_contact.result import Foam
+from hyperfab.chapters.press_contact.laws import Fabrics, compression_law, fabrics, thinning
 from hyperfab.documents.foam import FoamDocument
 from hyperfab.errors import UsageError
 from hyperfab.pressing.closing import Case as Closing
@@ -27,9 +27,10 @@ class Files:
     """What the files of a case hold.
 
     law         of the foam at the end of the dwell, and the share of its stress that is ``relaxed`` by then
-    fabric      thickness of the layers [mm]
+    fabrics     the layers below and above the foam
     uneven      the foam's thickness at the male's vertices over its nominal one
-    thinned     how much thinner a draped sheet is there, None where none is given
+    thinned     how much thinner a draped sheet is there, and how much its foam; None where none is given
+    thinning    by which rule the foam thins; empty where none is draped
     expansions  of the male and the female
     heat        how hot the male and the female are
     surfaces    of the male and the female, as drawn
@@ -40,14 +41,28 @@ class Files:
     document: FoamDocument
     law: FoamLaw
     relaxed: float
-    fabric: float
+    fabrics: Fabrics
     uneven: np.ndarray | float
-    thinned: np.ndarray | None
+    thinned: tuple[np.ndarray, np.ndarray] | None
+    thinning: str
     expansions: tuple[Expansion, Expansion]
     heat: tuple[HeatInput, HeatInput]
     surfaces: tuple[Surface, Surface]
     frame: PressFrame
     tilt: np.ndarray
+
+
+@dataclass(frozen=True)
+class Foam:
+    """The shares of its thickness and of its stress that the foam has lost by the end of the dwell, how much of its
+    compression it gives back (None: not known), whether the sandwich is not equally thick everywhere, and the
+    thickness [mm] that is left of the nominal one."""
+
+    lost: float
+    relaxed: float
+    recovery: float | None
+    uneven: bool
+    thickness: float
 
 
 @dataclass(frozen=True)
@@ -67,16 +82,22 @@ def read_files(job: Job, case: PressCase) -> Files:
     document = read.read_foam(job.inputs, case.foam)
     heat = read_heat(job.inputs, case, document.expansion.reference)
     warm = 0.5 * (heat[0].temperature + heat[1].temperature)
-    law, relaxed = read.compression_law(job, case.foam, document, warm)
-    fabric = read.fabric_thickness(job.inputs, case.foam, document)
+    law, relaxed = compression_law(job, case.foam, document, warm, case.dwell)
+    layers = fabrics(job, case.foam, document, warm)
     expansions = read.expansions(job.inputs, case.foam, document)
     one, two, frame = read.read_molds(job, case)
     uneven = read.variation(case.foam, document, case.axis, one.vertices)
     tilt = read.tilt(case.foam, document, case.axis)
     if case.floating and tilt.any():
         raise UsageError("a floating mold finds its tilt by itself: leave out --float, or the tilt")
-    thinned = None if case.drape is None else read.thinning(job, case.drape, case.male, one.vertices)
-    return Files(document, law, relaxed, fabric, uneven, thinned, expansions, heat, (one, two), frame, tilt)
+    thinned, rule = None, ""
+    if case.drape is not None:
+        fabric = read.thinning(job, case.drape, case.male, one.vertices)
+        foam, rule = thinning(law, document, case.foam, fabric)
+        thinned = fabric, foam
+    return Files(
+        document, law, relaxed, layers, uneven, thinned, rule, expansions, heat, (one, two), frame, tilt
+    )
 
 
 def model_of(job: Job, case: PressCase, files: Files) -> Model:
@@ -90,11 +111,13 @@ def model_of(job: Job, case: PressCase, files: Files) -> Model:
             molds, files.heat, files.expansions, (document.poisson.male, document.poisson.female), strict=True
         )
     )
-    lost = read.shrinkage(job, case.foam, document, 0.5 * (male.temperature + female.temperature))
+    warm = 0.5 * (male.temperature + female.temperature)
+    lost = read.shrinkage(job, case.foam, document, warm, case.dwell)
     thickness = document.thickness * (1.0 - lost)
-    sandwich = Sandwich(thickness * files.uneven, files.fabric, files.law)
+    sandwich = Sandwich(thickness * files.uneven, files.fabrics.thickness, files.law, files.fabrics.law)
     if files.thinned is not None:
-        sandwich = sandwich.thinned(files.thinned)
+        fabric, foamed = files.thinned
+        sandwich = sandwich.thinned(foamed, fabric)
     closing = Closing(
         molds[0],
         molds[1],

@@ -9,6 +9,9 @@ from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
 from hyperfab.chapters.press_contact.heat import Grown
+from hyperfab.chapters.press_contact.model import Foam, Model
+from hyperfab.chapters.press_contact.warmth import Warmed, left_out, part_of
+from hyperfab.documents.foam import MaterialLaw
 from hyperfab.documents.press import (
     DesignPart,
     GapRange,
@@ -34,34 +37,45 @@ from hyperfab.pressing.sandwich import State
 from hyperfab.pressing.sensitivity import Tooling, levers
 
 _CURVE_HEADER = ("stroke_mm", "force_N", "pressed_area_mm2", "gap_min_mm", "energy_J")
+#: Molds within this [K] of the drawing's temperature are cold.
+_COLD = 1.0
 _SIGNS = {1: "+", -1: "-"}
 
 
 @dataclass(frozen=True)
-class Foam:
-    """The shares of its thickness and of its stress that the foam has lost by the end of the dwell, how much of its
-    compression it gives back (None: not known), whether the sandwich is not equally thick everywhere, and the
-    thickness [mm] that is left of the nominal one."""
-
-    lost: float
-    relaxed: float
-    recovery: float | None
-    uneven: bool
-    thickness: float
-
-
-@dataclass(frozen=True)
 class Told:
-    """All that the outputs tell: the closed press and what was assumed of it."""
+    """All that the outputs tell: the model, the closed press, its ``curve``, what the dwell does and the design."""
 
+    model: Model
     closed: Closed
-    frame: PressFrame
     curve: Array
-    reference: float
-    expansions: tuple[Expansion, Expansion]
-    grown: tuple[Grown, Grown]
-    foam: Foam
+    warmed: Warmed | None = None
     design: DesignPart | None = None
+
+    @property
+    def frame(self) -> PressFrame:
+        """How the molds close."""
+        return self.model.files.frame
+
+    @property
+    def reference(self) -> float:
+        """Temperature [degC] at which the drawing holds."""
+        return self.model.files.document.expansion.reference
+
+    @property
+    def expansions(self) -> tuple[Expansion, Expansion]:
+        """Of the male and the female."""
+        return self.model.files.expansions
+
+    @property
+    def grown(self) -> tuple[Grown, Grown]:
+        """How the male and the female have grown."""
+        return self.model.grown
+
+    @property
+    def foam(self) -> Foam:
+        """What of the foam is lost and given back."""
+        return self.model.foam
 
 
 def document_of(told: Told) -> PressDocument:
@@ -95,6 +109,8 @@ def document_of(told: Told) -> PressDocument:
         molding_area_mm2=float(front.areas[molding].sum()),
         flange_area_mm2=float(front.areas[~molding].sum()),
         force_N=contact.closing_force,
+        bearing_area_ratio=_bearing_area_ratio(closed),
+        force_beside_fraction=max(1.0 - on_touching / contact.load, 0.0) if contact.load > 0.0 else None,
         pressure_max_MPa=float(contact.pressure.max()),
         pressure_mean_MPa=on_touching / touching if touching > 0.0 else 0.0,
         stroke_mm=closed.stroke,
@@ -131,8 +147,10 @@ def document_of(told: Told) -> PressDocument:
         sandwich_max_mm=float(thickness[molded].max()) if told.foam.uneven else None,
         foam_shrinkage=told.foam.lost,
         foam_relaxation=told.foam.relaxed,
+        foam_thinning=told.model.files.thinning or None,
         frame_stiffness_N_mm=closed.case.frame,
         final_thickness=None if final is None else _range(final, area),
+        warming=None if told.warmed is None else part_of(told.warmed, closed, frame.outward(closed.cold)),
         chord_error_mm=_chord_error(closed.case.male) + _chord_error(closed.case.female),
         search="exact tree: every distance is proven the least",
         border_area_fraction=float(area[closed.at_border].sum() / area.sum()),
@@ -150,6 +168,7 @@ def grid_of(told: Told) -> bytes:
     closed = told.closed
     front, contact, sandwich = closed.front, closed.contact, closed.press.sandwich
     final = _final_thickness(told)
+    reached = None if told.warmed is None else told.warmed.reached
     return vtu.unstructured(
         told.frame.outward(closed.cold),
         {"triangle": front.faces},
@@ -161,6 +180,8 @@ def grid_of(told: Told) -> bytes:
             "compression": sandwich.strain(contact.gap),
             "pressure_MPa": contact.pressure,
             **({} if final is None else {"final_thickness_mm": final}),
+            **({} if told.warmed is None else {"middle_degC": told.warmed.middle}),
+            **({} if reached is None else {"target_s": reached}),
             "contact": (closed.touch < sandwich.thickness).astype(np.uint8),
             "at_border": closed.at_border.astype(np.uint8),
             "oblique": closed.oblique.astype(np.uint8),
@@ -313,8 +334,20 @@ def _final_thickness(told: Told) -> Array | None:
         return None
     sandwich, gap = told.closed.press.sandwich, told.closed.contact.gap
     foam = np.broadcast_to(np.asarray(sandwich.foam), gap.shape)
-    pressed = np.clip(gap - sandwich.fabric, 0.0, foam)
+    pressed, _ = sandwich.pressed(gap)
     return np.asarray(sandwich.fabric + pressed + told.foam.recovery * (foam - pressed))
+
+
+def _bearing_area_ratio(closed: Closed) -> float | None:
+    """Area of the places nearest on the female over that of the male's facets, weighted by the pressure there."""
+    front, contact = closed.front, closed.contact
+    load = (front.areas * contact.pressure[front.faces].mean(axis=1)).sum()
+    if load <= 0.0:
+        return None
+    feet = front.vertices - contact.gap[:, None] * contact.direction
+    a, b, c = (feet[front.faces[:, k]] for k in range(3))
+    across = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    return float((across * contact.pressure[front.faces].mean(axis=1)).sum() / load)
 
 
 def _place(frame: PressFrame, point: Array) -> tuple[float, float, float]:
@@ -364,4 +397,16 @@ def _left_out(told: Told) -> list[str]:
     out = ["tilt: the molds are guided and stay parallel (--float, --tilt)"] if guided else []
     if any(grown.even and "mean" in grown.known_from for grown in told.grown):
         out.append("uneven temperature: each mold grows with one mean temperature")
+    document, fabrics = told.model.files.document, told.model.files.fabrics
+    if fabrics.thickness > 0.0 and fabrics.law is None:
+        out.append("compression of the fabric: it is rigid across (fabric.compression)")
+    hot = max(abs(grown.temperature - told.reference) for grown in told.grown)
+    if hot > _COLD and all(
+        not isinstance(law, MaterialLaw) and law.temperature is None for law in document.laws
+    ):
+        out.append("stiffness of the foam against temperature: its law is taken as it stands")
+    if told.warmed is not None:
+        out += left_out(document)
+    elif hot > _COLD:
+        out.append("temperature in the sandwich (--dwell)")
     return out

@@ -1,0 +1,231 @@
+"""The compression laws of a sandwich: of its foam at a temperature, and of its fabrics across."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hyperfab.chapters.job import Job
+from hyperfab.documents.base import read_document
+from hyperfab.documents.foam import (
+    FoamDocument,
+    HyperfoamLaw,
+    Law,
+    LinearLaw,
+    MaterialLaw,
+    PlateauLaw,
+    TableLaw,
+)
+from hyperfab.documents.material import MaterialDocument
+from hyperfab.errors import InputError
+from hyperfab.io.csv_table import read_table
+from hyperfab.io.inputs import Inputs
+from hyperfab.materials.hyperfoam import ORDERS, Hyperfoam
+from hyperfab.pressing import foam_law
+from hyperfab.pressing.foam_law import FoamLaw
+from hyperfab.pressing.series import together
+
+#: Strain and stress of a foam test that go back by less than this share of their largest value only jitter.
+_JITTER = 0.02
+#: Poisson's ratio of stretched foam where nothing tells it: flexible polyurethane has 0.3 to 0.4 in tension,
+#: 0.5 to 0 in compression (R. D. Widdle, A. K. Bajaj, P. Davies, Int. J. Eng. Sci. 46 (2008) 31).
+USUAL_POISSON = 0.3
+
+
+@dataclass(frozen=True)
+class Fabrics:
+    """The fabrics ``below`` (on the male) and ``above`` the foam [mm], and how both together give way across, None
+    where they are rigid."""
+
+    below: float
+    above: float
+    law: FoamLaw | None
+
+    @property
+    def thickness(self) -> float:
+        """Of both [mm]."""
+        return self.above + self.below
+
+
+def compression_law(
+    job: Job, name: str, document: FoamDocument, temperature: float, dwell: float | None
+) -> tuple[FoamLaw, float]:
+    """Return the law at a temperature [degC] and the end of the dwell, and the share of stress relaxed by then."""
+    left = 1.0
+    dwell = dwell or document.relaxation.dwell or document.shrinkage.dwell
+    if dwell is not None:
+        left = foam_law.relaxed(document.relaxation.share, document.relaxation.time, dwell)
+    law = _at_temperature(job, name, document.laws, temperature)
+    return law.scaled(left), 1.0 - left
+
+
+def _at_temperature(job: Job, name: str, laws: list[Law], temperature: float) -> FoamLaw:
+    """Return the law at ``temperature`` [degC]: between those measured below and above it, else the nearest."""
+    known = [law.temperature for law in laws if law.temperature is not None]
+    if known:
+        then = "the law of the nearest is taken"
+        job.ranges.used("compression", temperature, known=known, source=name, unit="degC", then=then)
+    after = int(np.searchsorted(known, temperature))
+    low, high = laws[max(after - 1, 0)], laws[min(after, len(laws) - 1)]
+    if low is high:
+        return _law(job, name, low, temperature)
+    one, two = (_law(job, name, law, temperature) for law in (low, high))
+    return foam_law.between(one, two, (temperature - known[after - 1]) / (known[after] - known[after - 1]))
+
+
+def thinning(law: FoamLaw, document: FoamDocument, name: str, fabric: np.ndarray) -> tuple[np.ndarray, str]:
+    """Return how much thinner the foam is (n,) where a drape thins the fabric by ``fabric`` (n,), and by which rule.
+
+    The fabric is incompressible: its area is stretched by as much as it has become thinner, and the foam's with it.
+    """
+    given = document.poisson.foam
+    ratio = USUAL_POISSON if given is None and law.free is None else given
+    try:
+        found = law.thinning(1.0 / fabric, ratio)
+    except ValueError as error:
+        raise InputError(
+            str(error), file=name, key="compression", remedy="give poisson = 0.3, the foam's Poisson's ratio"
+        ) from None
+    if ratio is None:
+        return found, "plane stress of the foam's law"
+    return (
+        found,
+        f"Poisson's ratio {ratio:g}, {'as is usual: none is given' if given is None else 'as given'}",
+    )
+
+
+def _law(job: Job, name: str, given: Law, temperature: float) -> FoamLaw:
+    if isinstance(given, LinearLaw):
+        return foam_law.linear(given.modulus)
+    if isinstance(given, PlateauLaw):
+        return foam_law.plateau(given.plateau, given.modulus, given.densification, given.power)
+    if isinstance(given, HyperfoamLaw):
+        return foam_law.hyperfoam(given.mu, given.alpha, given.nu)
+    if isinstance(given, MaterialLaw):
+        own = temperature if given.temperature is None else given.temperature
+        return _fitted_law(job, Inputs.beside(name, given.material), own).scaled(given.factor)
+    assert isinstance(given, TableLaw)
+    return _table_law(job, Inputs.beside(name, given.table))
+
+
+def _fitted_law(job: Job, path: str, temperature: float) -> FoamLaw:
+    """Return the law of a material document at a temperature, linear between those of its tests."""
+    document = read_document(job.inputs, path, MaterialDocument)
+    if document.model not in ORDERS:
+        raise InputError(
+            f"{document.model} is no law of a foam",
+            file=path,
+            key="model",
+            remedy=f"fit the foam's tests with --model {', '.join(ORDERS)}",
+        )
+    try:
+        law = Hyperfoam.of(document.constants(None, temperature))
+    except (KeyError, ValueError) as error:
+        raise InputError(f"no constants of {document.model}: {error}", file=path, key="parameters") from None
+    known = [row.temperature_degC for row in document.temperatures or []]
+    if not known and document.temperature_degC is not None:
+        known = [document.temperature_degC]
+    then = "the constants of the nearest test are taken" if known else "its tests state no temperature"
+    job.ranges.used("temperature_degC", temperature, known=known or None, source=path, then=then)
+    found = foam_law.hyperfoam(law.mu, law.alpha, law.nu)
+    strain = np.linspace(0.0, found.limit, 400)
+    falling = np.flatnonzero(np.diff(found.raw_stress(strain)) < 0.0)
+    if len(falling):
+        raise InputError(
+            f"its stress between plates falls from a strain of {strain[falling[0]]:.2g} on",
+            file=path,
+            key="parameters",
+            remedy="fit with fewer terms, or give a confined compression test too",
+        )
+    return found
+
+
+def fabrics(job: Job, name: str, document: FoamDocument, temperature: float) -> Fabrics:
+    """Return both fabric layers; a material document gives its own thickness, and a foam's how it gives way across."""
+    given = document.fabric
+    across = None if given.compression is None else _law(job, name, given.compression, temperature)
+    thickness: dict[str, float] = {}
+    layers: list[tuple[float, FoamLaw | None]] = []
+    for side, layer in (("above", given.above), ("below", given.below)):
+        law = across
+        if isinstance(layer, str):
+            path = Inputs.beside(name, layer)
+            material = read_document(job.inputs, path, MaterialDocument)
+            if material.thickness_mm is None:
+                raise InputError(
+                    f"the material document {layer} states no thickness",
+                    file=name,
+                    key=f"fabric.{side}",
+                    remedy='write the thickness itself, as "0.5 mm"',
+                )
+            thickness[side] = material.thickness_mm
+            if law is None and material.model in ORDERS:
+                law = _fitted_law(job, path, temperature)
+        else:
+            thickness[side] = layer
+        layers.append((thickness[side], law))
+    return Fabrics(thickness["below"], thickness["above"], together(layers))
+
+
+def _without_jitter(stress: np.ndarray) -> np.ndarray:
+    """Return the never falling stress (n,) nearest to one that falls by no more than jitter; another one as it is."""
+    if (np.maximum.accumulate(stress) - stress).max() > _JITTER * stress.max():
+        return stress
+    from scipy.optimize import isotonic_regression
+
+    return np.asarray(isotonic_regression(stress).x)
+
+
+def _table_law(job: Job, path: str) -> FoamLaw:
+    table = read_table(job.inputs.read(path), path, {"strain": "dimensionless", "stress": "stress"})
+    strain, stress = table["strain"], table["stress"]
+    # A test as the machine wrote it: the way down to the largest strain is the law, rows that only jitter are left out.
+    down = slice(0, int(np.argmax(strain)) + 1)
+    highest = np.maximum.accumulate(strain[down])
+    back = highest - strain[down]
+    if (back > _JITTER * highest[-1]).any():
+        row = int(np.argmax(back > _JITTER * highest[-1]))
+        raise InputError(
+            f"the strain goes back from {highest[row]:g} to {strain[row]:g} before its largest value, {highest[-1]:g}",
+            file=path,
+            line=int(table.lines[row]),
+            column="strain",
+            remedy="keep one loading of one specimen, in the order in which it was measured",
+        )
+    rising = np.flatnonzero(np.diff(highest, prepend=-np.inf) > 0.0)
+    # Before the plates touch the foam, strain and stress jitter about zero.
+    rising = rising[
+        strain[rising] >= (0.0 if strain[0] < 0.0 and strain[0] > -_JITTER * highest[-1] else -np.inf)
+    ]
+    lines = table.lines[rising]
+    strain, stress = strain[rising], _without_jitter(stress[rising])
+    stress = np.where((stress < 0.0) & (stress > -_JITTER * stress.max()), 0.0, stress)
+    if len(rising) < len(table["strain"]):
+        job.console.note(
+            f"{path}: {len(rising)} rows of the loading are the law; {len(table['strain']) - down.stop} of the way "
+            f"back and {down.stop - len(rising)} in which the strain does not rise are left out"
+        )
+
+    def refuse(row: int, message: str, remedy: str, column: str = "strain") -> None:
+        raise InputError(message, file=path, line=int(lines[row]), column=column, remedy=remedy)
+
+    if len(strain) < 2:
+        refuse(0, "one row is no curve", "give at least two rows")
+    if strain[0] < 0.0:
+        refuse(0, "compression strain is negative", "give compression as positive strain and stress")
+    if strain[-1] >= 1.0:
+        refuse(
+            len(strain) - 1, "foam cannot be compressed by 100 % or more", "give strain as a fraction below 1"
+        )
+    if stress[0] < 0.0:
+        refuse(
+            0, "compression stress is negative", "give compression as positive strain and stress", "stress"
+        )
+    falling = np.flatnonzero(np.diff(stress) < 0.0)
+    if len(falling):
+        message = f"stress falls from {stress[falling[0]]:g} to {stress[falling[0] + 1]:g} MPa"
+        refuse(int(falling[0]) + 1, message, "smooth the curve so that stress never falls", "stress")
+    if stress[-1] <= 0.0:
+        refuse(len(strain) - 1, "the foam bears nothing", "check the column and its unit", "stress")
+    return foam_law.table(strain, stress)
