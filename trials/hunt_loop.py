@@ -17,7 +17,7 @@ from loop.generators import fabric as truths
 from numpy.typing import NDArray
 
 from hyperfab.chapters.close_loop.fabric import pose
-from hyperfab.chapters.close_loop.tests_in import read_measured
+from hyperfab.chapters.close_loop.measured_tests import read_measured
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.documents.base import parse_document

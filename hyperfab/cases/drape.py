@@ -245,13 +245,13 @@ class DrapeCase(Case):
             raise UsageError(f"--blank-holder: {loose[0]} is not held; name it in --clamp too")
         if self.shear_modulus is not None and self.shear_law is not None:
             raise UsageError("--shear-modulus and --shear-law both say what resists shear; give one of them")
-        if self.solver != "newton" and self.rubs:
+        if self.solver != "newton" and self.has_friction:
             raise UsageError(
                 f"--solver {self.solver} knows no friction; leave out --friction and --blank-holder"
             )
         if self.sheet == "membrane":
             self._check_membrane()
-        if self.load_steps is not None and not self.rubs:
+        if self.load_steps is not None and not self.has_friction:
             raise UsageError(
                 f"--load-steps {self.load_steps}: only where --friction or --blank-holder makes the way matter"
             )
@@ -297,6 +297,6 @@ class DrapeCase(Case):
         return {side: force for side, force in found.items() if force is not None}
 
     @property
-    def rubs(self) -> bool:
+    def has_friction(self) -> bool:
         """Does the sheet remember the way it was draped?"""
         return self.friction > 0.0 or bool(self.blank_holder)

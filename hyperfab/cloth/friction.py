@@ -42,7 +42,7 @@ class Friction:
     contact: States
     slot: Ints
     near: float
-    rubs: States = field(init=False)
+    stick_slip: States = field(init=False)
     most: Array = field(init=False)  # (n, m) N, the largest friction
     way: Array = field(init=False)  # (n, m, 3) the way slid, of length 1; shorter where a node sticks
     slid: Array = field(init=False)  # (n, m) mm
@@ -50,7 +50,7 @@ class Friction:
 
     def __post_init__(self) -> None:
         n, m = self.holder.shape
-        self.rubs, self.most = np.zeros((n, m), np.int8), np.zeros((n, m))
+        self.stick_slip, self.most = np.zeros((n, m), np.int8), np.zeros((n, m))
         self.way, self.slid = np.zeros((n, m, 3)), np.zeros((n, m))
         self.blocked = np.zeros((n, m), np.bool_)
 
@@ -71,7 +71,7 @@ class Friction:
             self.blocked,
             q,
             r,
-            self.rubs,
+            self.stick_slip,
             self.most,
             self.way,
             self.slid,
@@ -79,7 +79,7 @@ class Friction:
 
     def stiffen(self, q: Array, extra: Array) -> None:
         """Add to the nodes' own stiffness that the friction of a sliding node turns with its way."""
-        _stiffen(q, self.rubs, self.most, self.way, self.slid, extra)
+        _stiffen(q, self.stick_slip, self.most, self.way, self.slid, extra)
 
     def catch(self, x: Array, contact: States, slot: Ints, clear: Array) -> bool:
         """Stop nodes at their anchors that slid back to where they came from; True where there are such."""
@@ -92,7 +92,7 @@ class Friction:
                 self.anchor,
                 self.contact,
                 self.slot,
-                self.rubs,
+                self.stick_slip,
                 self.way,
                 self.blocked,
             )
@@ -100,11 +100,11 @@ class Friction:
 
     def cost(self, x: Array, trial: Array, q: Array) -> float:
         """Work in N mm that rubbing takes, at the present largest forces, on the way from ``x`` to ``trial``."""
-        return float(_cost(x, trial, q, self.rubs, self.most, self.way, self.slid))
+        return float(_cost(x, trial, q, self.stick_slip, self.most, self.way, self.slid))
 
     def forces(self) -> Array:
         """(n, m, 3) N: friction on each node."""
-        return np.where((self.rubs > NONE)[:, :, None], -self.most[:, :, None] * self.way, 0.0)
+        return np.where((self.stick_slip > NONE)[:, :, None], -self.most[:, :, None] * self.way, 0.0)
 
 
 @kernel
@@ -120,7 +120,7 @@ def _resist(
     blocked: npt.NDArray[np.bool_],
     q: Array,
     r: Array,
-    rubs: States,
+    stick_slip: States,
     most: Array,
     way: Array,
     slid: Array,
@@ -135,7 +135,7 @@ def _resist(
             c = holder[i, j]
             if contact[i, j] != FREE:
                 c += mu * press[i, j]
-            rubs[i, j], most[i, j], slid[i, j] = NONE, 0.0, 0.0
+            stick_slip[i, j], most[i, j], slid[i, j] = NONE, 0.0, 0.0
             if c > 0.0 and anchored[i, j] and p[0] + p[3] + p[5] > 0.5:
                 most[i, j] = c
                 a, b, d = (
@@ -148,12 +148,12 @@ def _resist(
                 s[2] = p[2] * a + p[4] * b + p[5] * d
                 length = np.sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2])
                 if length >= near:
-                    rubs[i, j], slid[i, j] = SLIDES, length
+                    stick_slip[i, j], slid[i, j] = SLIDES, length
                     for k in range(3):
                         way[i, j, k] = s[k] / length
                         v[k] -= c * way[i, j, k]
                 elif size <= c or blocked[i, j]:
-                    rubs[i, j] = STICKS
+                    stick_slip[i, j] = STICKS
                     for k in range(6):
                         p[k] = 0.0
                     excess = max(size - c, 0.0) / size if size > 0.0 else 0.0
@@ -161,7 +161,7 @@ def _resist(
                         way[i, j, k] = (1.0 - excess) * v[k] / c
                         v[k] *= excess
                 else:
-                    rubs[i, j] = STARTS
+                    stick_slip[i, j] = STARTS
                     for k in range(3):
                         way[i, j, k] = v[k] / size
                         v[k] *= 1.0 - c / size
@@ -175,10 +175,10 @@ def _resist(
 
 
 @kernel
-def _stiffen(q: Array, rubs: States, most: Array, way: Array, slid: Array, extra: Array) -> None:
+def _stiffen(q: Array, stick_slip: States, most: Array, way: Array, slid: Array, extra: Array) -> None:
     for i in range(q.shape[0]):
         for j in range(q.shape[1]):
-            if rubs[i, j] == SLIDES:
+            if stick_slip[i, j] == SLIDES:
                 k, w, p, e = most[i, j] / slid[i, j], way[i, j], q[i, j], extra[i, j]
                 e[0] += k * (p[0] - w[0] * w[0])
                 e[1] += k * (p[1] - w[0] * w[1])
@@ -197,7 +197,7 @@ def _catch(
     anchor: Array,
     anchor_contact: States,
     anchor_slot: Ints,
-    rubs: States,
+    stick_slip: States,
     way: Array,
     blocked: npt.NDArray[np.bool_],
 ) -> bool:
@@ -205,14 +205,14 @@ def _catch(
     for i in range(x.shape[0]):
         for j in range(x.shape[1]):
             blocked[i, j] = False
-            if rubs[i, j] < STARTS:
+            if stick_slip[i, j] < STARTS:
                 continue
             ahead = 0.0
             for k in range(3):
                 ahead += (x[i, j, k] - anchor[i, j, k]) * way[i, j, k]
             if ahead > 0.0:
                 continue
-            blocked[i, j] = rubs[i, j] == STARTS
+            blocked[i, j] = stick_slip[i, j] == STARTS
             caught = caught or blocked[i, j]
             for k in range(3):
                 x[i, j, k] = anchor[i, j, k]
@@ -221,11 +221,13 @@ def _catch(
 
 
 @kernel
-def _cost(x: Array, trial: Array, q: Array, rubs: States, most: Array, way: Array, slid: Array) -> float:
+def _cost(
+    x: Array, trial: Array, q: Array, stick_slip: States, most: Array, way: Array, slid: Array
+) -> float:
     total = 0.0
     for i in range(x.shape[0]):
         for j in range(x.shape[1]):
-            if rubs[i, j] < STARTS:
+            if stick_slip[i, j] < STARTS:
                 continue
             p, w = q[i, j], way[i, j]
             a, b, d = trial[i, j, 0] - x[i, j, 0], trial[i, j, 1] - x[i, j, 1], trial[i, j, 2] - x[i, j, 2]

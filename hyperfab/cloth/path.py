@@ -216,7 +216,7 @@ def _spent(
 ) -> tuple[float, float]:
     """Energy in N mm that rubbing on the mold and under the blank holder took in a step."""
     way = found.state.x - after.anchor
-    slid = np.where(after.rubs > 0, np.linalg.norm(way, axis=2), 0.0)
+    slid = np.where(after.stick_slip > 0, np.linalg.norm(way, axis=2), 0.0)
     holder = sheet.holder_force
     on_mold = np.where(found.state.contact != FREE, np.maximum(after.most - holder, 0.0), 0.0)
     first = np.where(old.contact != FREE, np.maximum(before.most - holder, 0.0), 0.0)

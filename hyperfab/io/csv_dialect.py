@@ -42,14 +42,14 @@ from hyperfab.io.tables import (
 )
 from hyperfab.io.xlsx import is_workbook, split_sheet, worksheets
 
-__all__ = ["MAX_ROWS", "Heading", "Sheet", "open_sheet", "open_sheets"]
+__all__ = ["MAX_ROWS", "CsvSheet", "Heading", "open_sheet", "open_sheets"]
 
 #: Rows from which the head of a long file is told.
 _WINDOW = 400
 
 
 @dataclass(frozen=True)
-class Sheet:
+class CsvSheet:
     """A table in cells: all rows have the header's number of columns, blank rows are counted and gone.
 
     ``columns`` holds the cells by column; ``lines`` the source line of each row. ``left_out`` counts rows that are no
@@ -118,7 +118,7 @@ class Sheet:
             )
         return entries[0] if entries else None
 
-    def without(self, rows: Sequence[int], reason: str) -> Sheet:
+    def without(self, rows: Sequence[int], reason: str) -> CsvSheet:
         """Return the sheet less some rows, counted under ``reason``."""
         gone = set(rows)
         keep = [row for row in range(len(self.lines)) if row not in gone]
@@ -130,7 +130,7 @@ class Sheet:
         )
 
 
-def open_sheets(data: bytes, name: str, fits: Fits, layout: Layout = PLAIN) -> list[Sheet]:
+def open_sheets(data: bytes, name: str, fits: Fits, layout: Layout = PLAIN) -> list[CsvSheet]:
     """Split a file into its tables whose headings ``fits``: several where specimens stand one under another.
 
     Comma, semicolon, tab, bar or white space; UTF-8, UTF-16, Windows and other code pages, any line ends;
@@ -177,7 +177,7 @@ def open_sheets(data: bytes, name: str, fits: Fits, layout: Layout = PLAIN) -> l
     return [_sheet(block, name, separator, metadata, fits, layout) for block in understood(blocks, name)]
 
 
-def open_sheet(data: bytes, name: str, layout: Layout = PLAIN, fits: Fits = lambda heads: True) -> Sheet:
+def open_sheet(data: bytes, name: str, layout: Layout = PLAIN, fits: Fits = lambda heads: True) -> CsvSheet:
     """Return the one table of a file; InputError where it has several."""
     sheets = open_sheets(data, name, fits, layout)
     if len(sheets) > 1:
@@ -189,8 +189,8 @@ def open_sheet(data: bytes, name: str, layout: Layout = PLAIN, fits: Fits = lamb
     return sheets[0]
 
 
-def _of_workbook(data: bytes, name: str, picked: str | None, fits: Fits, layout: Layout) -> list[Sheet]:
-    found: list[Sheet] = []
+def _of_workbook(data: bytes, name: str, picked: str | None, fits: Fits, layout: Layout) -> list[CsvSheet]:
+    found: list[CsvSheet] = []
     for title, rows in worksheets(data, name, picked):
         skipped = [row for row in rows if row[0] > (layout.skip_rows or 0) and any(row[1])]
         blocks = find(skipped, fits, layout)
@@ -383,7 +383,7 @@ def _headless(rows: list[Row], name: str) -> InputError:
 
 def _sheet(
     block: Block, name: str, separator: str, metadata: Mapping[str, list[Entry]], fits: Fits, layout: Layout
-) -> Sheet:
+) -> CsvSheet:
     """Return a block as a sheet, its rows judged one by one."""
     everything: dict[str, list[Entry]] = {key: list(entries) for key, entries in metadata.items()}
     for key, entries in block.metadata.items():
@@ -405,7 +405,7 @@ def _sheet(
         if unit is not None and heads[index].unit in (None, unit):
             heads[index] = replace(heads[index], unit=unit)
             columns[index] = [cell.removesuffix(unit).rstrip() for cell in cells]
-    return Sheet(
+    return CsvSheet(
         name,
         separator,
         tuple(heads),

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.errors import InputError, UsageError
-from hyperfab.io.csv_dialect import Sheet
+from hyperfab.io.csv_dialect import CsvSheet
 from hyperfab.io.headings import Heading
 from hyperfab.io.layout import filled_in
 from hyperfab.io.unit_table import UnitError
@@ -35,7 +35,7 @@ _SPACES = re.compile(r"(?<=\d)[ \u00a0\u202f'](?=\d{3}(?:\D|$))", re.ASCII)
 _OTHER = {".": ",", ",": "."}
 
 
-def settle_decimal(sheet: Sheet, headings: Iterable[Heading], given: str | None = None) -> str:
+def settle_decimal(sheet: CsvSheet, headings: Iterable[Heading], given: str | None = None) -> str:
     """Return the decimal mark, ``.`` or ``,``, of the numbers under ``headings``.
 
     ``given`` (the option ``--decimal``) decides; otherwise the cells do. Raises InputError where they disagree, or
@@ -82,7 +82,7 @@ def settle_decimal(sheet: Sheet, headings: Iterable[Heading], given: str | None 
 
 
 def _verdict(
-    sheet: Sheet, seen: dict[str, tuple[str, int, Heading]], undecided: dict[str, tuple[str, int, Heading]]
+    sheet: CsvSheet, seen: dict[str, tuple[str, int, Heading]], undecided: dict[str, tuple[str, int, Heading]]
 ) -> str:
     if "," in seen and "." in seen:
         comma, dot = seen[","], seen["."]
@@ -143,7 +143,7 @@ def _mark_in(cell: str) -> str:
 
 
 def numbers(
-    sheet: Sheet, heading: Heading, decimal: str, shift: int = 0, gaps: bool = False
+    sheet: CsvSheet, heading: Heading, decimal: str, shift: int = 0, gaps: bool = False
 ) -> NDArray[np.float64]:
     """Return the cells under ``heading``, times ten to the power ``shift``, each the nearest double to what is written.
 
@@ -180,7 +180,7 @@ def numbers(
 
 
 def quantities(
-    sheet: Sheet, heading: Heading, kind: str, decimal: str, gaps: bool = False, name: str | None = None
+    sheet: CsvSheet, heading: Heading, kind: str, decimal: str, gaps: bool = False, name: str | None = None
 ) -> NDArray[np.float64]:
     """Return the numbers under ``heading`` in the unit of ``kind`` (see ``hyperfab.io.units.KINDS``), ``gaps`` as nan.
 
@@ -220,7 +220,7 @@ def _all_percent(cells: Sequence[str]) -> bool:
     return bool(cells) and cells[0].endswith("%") and all(cell.endswith("%") for cell in cells if cell)
 
 
-def seconds(sheet: Sheet, heading: Heading) -> NDArray[np.float64]:
+def seconds(sheet: CsvSheet, heading: Heading) -> NDArray[np.float64]:
     """Return a column of times of day, durations or moments as seconds from its first row, past midnight too.
 
     Raises InputError naming the cell that is none.
@@ -271,7 +271,7 @@ def _is_gap(cell: str) -> bool:
     return not cell or cell.casefold().strip("+-") in _NO_READING
 
 
-def _number(cell: str, sheet: Sheet, heading: Heading, row: int, decimal: str, shift: int) -> float:
+def _number(cell: str, sheet: CsvSheet, heading: Heading, row: int, decimal: str, shift: int) -> float:
     """The slow way, for cells with thousands separators or worse."""
     text = _SPACES.sub("", cell.replace("\N{MINUS SIGN}", "-"))
     text = text[:-1].rstrip() if text.endswith("%") else text
@@ -291,7 +291,7 @@ def _number(cell: str, sheet: Sheet, heading: Heading, row: int, decimal: str, s
     raise _bad_cell("is no number", cell, sheet, heading, row)
 
 
-def _bad_cell(what: str, cell: str, sheet: Sheet, heading: Heading, row: int) -> InputError:
+def _bad_cell(what: str, cell: str, sheet: CsvSheet, heading: Heading, row: int) -> InputError:
     shown = cell if len(cell) <= 40 else cell[:37] + "..."
     return InputError(
         f"{shown or 'the cell'} {what}",
@@ -302,6 +302,6 @@ def _bad_cell(what: str, cell: str, sheet: Sheet, heading: Heading, row: int) ->
     )
 
 
-def words(sheet: Sheet, heading: Heading) -> Sequence[str]:
+def words(sheet: CsvSheet, heading: Heading) -> Sequence[str]:
     """Return the cells under ``heading`` as they are written."""
     return sheet.columns[heading.index]

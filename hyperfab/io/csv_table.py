@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.errors import InputError
-from hyperfab.io.csv_dialect import Sheet, open_sheet
+from hyperfab.io.csv_dialect import CsvSheet, open_sheet
 from hyperfab.io.csv_numbers import quantities, seconds, settle_decimal
 from hyperfab.io.headings import Heading, meaning, suffixed
 from hyperfab.io.layout import Layout
@@ -111,7 +111,7 @@ def _kind(asked: str) -> str:
     return by_unit[asked]
 
 
-def _others(sheet: Sheet, taken: set[int], kind: str) -> Sequence[Heading]:
+def _others(sheet: CsvSheet, taken: set[int], kind: str) -> Sequence[Heading]:
     found = []
     for heading in sheet.headings:
         if heading.index in taken or not heading.name:
@@ -125,7 +125,7 @@ def _others(sheet: Sheet, taken: set[int], kind: str) -> Sequence[Heading]:
     return found
 
 
-def _missing(sheet: Sheet, column: str, columns: Mapping[str, str]) -> InputError:
+def _missing(sheet: CsvSheet, column: str, columns: Mapping[str, str]) -> InputError:
     titles = ", ".join(heading.title or '""' for heading in sheet.headings[:8])
     unit = KINDS[_kind(columns[column])].unit
     return InputError(
@@ -136,7 +136,7 @@ def _missing(sheet: Sheet, column: str, columns: Mapping[str, str]) -> InputErro
     )
 
 
-def _check_increasing(sheet: Sheet, heading: Heading, values: NDArray[np.float64]) -> None:
+def _check_increasing(sheet: CsvSheet, heading: Heading, values: NDArray[np.float64]) -> None:
     back = np.flatnonzero(np.diff(values) <= 0.0)
     if back.size:
         row = int(back[0]) + 1

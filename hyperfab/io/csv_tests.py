@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
 from hyperfab.errors import InputError
-from hyperfab.io.csv_dialect import Sheet, open_sheets
+from hyperfab.io.csv_dialect import CsvSheet, open_sheets
 from hyperfab.io.csv_numbers import numbers, quantities, seconds, settle_decimal, words
 from hyperfab.io.headings import Heading, is_of, kind_named, word_for
 from hyperfab.io.layout import Choice, Layout, filled_in, layout
@@ -147,7 +147,7 @@ def read_tests(
 
 
 def _read_sheet(
-    sheet: Sheet, test: str | None, geometry: Geometry, decimal: str | None, clock: bool, label: str
+    sheet: CsvSheet, test: str | None, geometry: Geometry, decimal: str | None, clock: bool, label: str
 ) -> list[TestData]:
     columns = roles(sheet)
     sheet = _with_readings(sheet, columns)
@@ -240,7 +240,7 @@ _OF_A_ROW = {
 _ODD = re.compile(r"^$|[^\d\s.,+\-eE%']|^[^\d]*$", re.MULTILINE)
 
 
-def _with_readings(sheet: Sheet, columns: Roles) -> Sheet:
+def _with_readings(sheet: CsvSheet, columns: Roles) -> CsvSheet:
     """Leave out rows where a machine or a spreadsheet wrote that there is no reading, each counted by reason."""
     reasons: dict[str, list[int]] = {}
     seen: set[int] = set()
@@ -295,7 +295,7 @@ def _declared_test(test: str | None, name: str) -> str | None:
     return "uniaxial" if found == "compression" else found
 
 
-def _tests_of_rows(sheet: Sheet, columns: Roles, given: str | None) -> tuple[list[str], bool]:
+def _tests_of_rows(sheet: CsvSheet, columns: Roles, given: str | None) -> tuple[list[str], bool]:
     """Return the test each row belongs to, and whether it is told to be a compression.
 
     The command line, the column and the metadata must agree; a file that does not say is recognised by its columns, by
@@ -340,7 +340,7 @@ def _tests_of_rows(sheet: Sheet, columns: Roles, given: str | None) -> tuple[lis
     return ["uniaxial" if compression else guess] * count, compression
 
 
-def _recognised(sheet: Sheet, columns: Roles) -> str | None:
+def _recognised(sheet: CsvSheet, columns: Roles) -> str | None:
     """Return the test that columns, words above the table or the file's name tell, the surest first."""
     names = columns.columns
     if "shear stress" in names or "shear strain" in names:
@@ -371,7 +371,7 @@ def _refined(kind: str, reading: Reading) -> str:
     return kind
 
 
-def _directions(sheet: Sheet, columns: Roles) -> list[float | None]:
+def _directions(sheet: CsvSheet, columns: Roles) -> list[float | None]:
     column = columns.columns.get("direction")
     if column is None:
         entry = stated(sheet, "direction")
@@ -400,7 +400,7 @@ def _degrees(text: str) -> float | None:
     return float(match[1]) if match and abs(float(match[1])) <= 360.0 else None
 
 
-def _direction(text: str, column: Heading | None, sheet: Sheet, line: int) -> float:
+def _direction(text: str, column: Heading | None, sheet: CsvSheet, line: int) -> float:
     found = _degrees(text)
     if found is not None:
         return found
@@ -415,7 +415,7 @@ def _direction(text: str, column: Heading | None, sheet: Sheet, line: int) -> fl
     )
 
 
-def _words_or_stated(sheet: Sheet, columns: Roles, name: str) -> list[str | None]:
+def _words_or_stated(sheet: CsvSheet, columns: Roles, name: str) -> list[str | None]:
     column = columns.columns.get(name)
     if column is not None:
         return [text or None for text in words(sheet, column.heading)]
@@ -433,7 +433,7 @@ def _groups(
 
 
 def _of_each_row(
-    sheet: Sheet, columns: Roles, sizes: Geometry, decimal: str, clock: bool, notes: list[str]
+    sheet: CsvSheet, columns: Roles, sizes: Geometry, decimal: str, clock: bool, notes: list[str]
 ) -> dict[str, Any]:
     """Return what else is known of each row, from a column or from what the file states."""
     return {
@@ -445,7 +445,7 @@ def _of_each_row(
     }
 
 
-def _times(sheet: Sheet, columns: Roles, decimal: str, clock: bool, notes: list[str]) -> Array | None:
+def _times(sheet: CsvSheet, columns: Roles, decimal: str, clock: bool, notes: list[str]) -> Array | None:
     column = columns.columns.get("time")
     if column is None:
         return None
@@ -461,7 +461,7 @@ def _times(sheet: Sheet, columns: Roles, decimal: str, clock: bool, notes: list[
         return None
 
 
-def _temperature(sheet: Sheet, columns: Roles, decimal: str, notes: list[str]) -> Array | None:
+def _temperature(sheet: CsvSheet, columns: Roles, decimal: str, notes: list[str]) -> Array | None:
     column = columns.columns.get("temperature") or columns.columns.get("chamber")
     if column is None:
         value = amount(sheet, "temperature", "temperature", decimal, notes)
@@ -478,7 +478,7 @@ def _temperature(sheet: Sheet, columns: Roles, decimal: str, notes: list[str]) -
     return quantities(sheet, column.heading, "temperature", decimal, name="temperature")
 
 
-def _rate(sheet: Sheet, columns: Roles, sizes: Geometry, decimal: str, notes: list[str]) -> Array | None:
+def _rate(sheet: CsvSheet, columns: Roles, sizes: Geometry, decimal: str, notes: list[str]) -> Array | None:
     """Return the strain rate of each row: as stated, or the speed of the crosshead over the gauge length."""
     column = columns.columns.get("rate")
     length = sizes.gauge_length
@@ -511,7 +511,7 @@ def _rate(sheet: Sheet, columns: Roles, sizes: Geometry, decimal: str, notes: li
     return quantities(sheet, head, "rate", decimal, name="rate")
 
 
-def _cycles(sheet: Sheet, columns: Roles, decimal: str) -> NDArray[np.int64] | None:
+def _cycles(sheet: CsvSheet, columns: Roles, decimal: str) -> NDArray[np.int64] | None:
     column = columns.columns.get("cycle")
     entry = stated(sheet, "cycle")
     if column is not None:
@@ -540,7 +540,7 @@ def _cycles(sheet: Sheet, columns: Roles, decimal: str) -> NDArray[np.int64] | N
     return values.astype(np.int64)
 
 
-def _branches(sheet: Sheet, columns: Roles) -> NDArray[np.int64] | None:
+def _branches(sheet: CsvSheet, columns: Roles) -> NDArray[np.int64] | None:
     texts = _words_or_stated(sheet, columns, "branch")
     if all(text is None for text in texts):
         return None
@@ -563,7 +563,7 @@ def _branches(sheet: Sheet, columns: Roles) -> NDArray[np.int64] | None:
     return np.array([known[text] for text in texts], dtype=np.int64)
 
 
-def _check(found: TestData, sheet: Sheet, columns: Roles, clock: bool) -> None:
+def _check(found: TestData, sheet: CsvSheet, columns: Roles, clock: bool) -> None:
     """Refuse what no test can have shown; what is merely odd is the fit's to judge."""
     if found.test in ("volumetric", "simple-shear"):
         return

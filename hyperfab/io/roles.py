@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hyperfab.errors import InputError
-from hyperfab.io.csv_dialect import Sheet
+from hyperfab.io.csv_dialect import CsvSheet
 from hyperfab.io.headings import KIND, Heading, Meaning, heading, is_of, meaning, plain, suffixed, unit_of
 from hyperfab.io.layout import filled_in
 from hyperfab.io.tables import is_number, shape
@@ -92,7 +92,7 @@ def _by_unit(head: Heading) -> str | None:
     return next((name for kind, name in _BY_KIND.items() if is_of(head.unit, kind)), None)
 
 
-def specimens(sheet: Sheet) -> list[Sheet]:
+def specimens(sheet: CsvSheet) -> list[CsvSheet]:
     """Return the tables of the specimens that stand side by side, each with the columns all share; else the sheet.
 
     They are told by their titles, equal to the letter and repeated, by ``Probe 1``, ``Specimen 2`` before a
@@ -159,7 +159,7 @@ def specimens(sheet: Sheet) -> list[Sheet]:
     return found
 
 
-def roles(sheet: Sheet) -> Roles:
+def roles(sheet: CsvSheet) -> Roles:
     """Return which column is what; InputError with the option that settles it where two could be one thing."""
     found: dict[str, list[tuple[int, Column]]] = {}
     aside: list[str] = []
@@ -182,7 +182,7 @@ def roles(sheet: Sheet) -> Roles:
     return Roles(_axes(sheet, columns), tuple(aside))
 
 
-def _still_out(sheet: Sheet, found: dict[str, list[tuple[int, Column]]], aside: list[str]) -> None:
+def _still_out(sheet: CsvSheet, found: dict[str, list[tuple[int, Column]]], aside: list[str]) -> None:
     """Set columns of a strain aside that stand still in every row while another column of that name moves."""
     names = [name for name in found if name.split(" ")[0] in ("strain", "stretch", "extension")]
     for base in ("strain", "stretch", "extension"):
@@ -200,7 +200,7 @@ def _still_out(sheet: Sheet, found: dict[str, list[tuple[int, Column]]], aside: 
         del found[name]
 
 
-def _one_of(sheet: Sheet, name: str, found: list[tuple[int, Column]]) -> Column:
+def _one_of(sheet: CsvSheet, name: str, found: list[tuple[int, Column]]) -> Column:
     """Return the best told of columns that are one thing; columns with the same cells are one."""
     best = min(rank for rank, _ in found)
     ones = [column for rank, column in found if rank == best]
@@ -210,7 +210,7 @@ def _one_of(sheet: Sheet, name: str, found: list[tuple[int, Column]]) -> Column:
     return ones[0]
 
 
-def _axes(sheet: Sheet, columns: dict[str, Column]) -> dict[str, Column]:
+def _axes(sheet: CsvSheet, columns: dict[str, Column]) -> dict[str, Column]:
     """Turn the axes x and y of image correlation into first and second: the axis of the one stress comes first."""
     lettered = {name: name[-1] for name in columns if name.endswith((" x", " y"))}
     if not lettered:
@@ -233,7 +233,7 @@ def _axes(sheet: Sheet, columns: dict[str, Column]) -> dict[str, Column]:
     return found
 
 
-def _pulled(sheet: Sheet, columns: dict[str, Column]) -> str:
+def _pulled(sheet: CsvSheet, columns: dict[str, Column]) -> str:
     """Refuse to guess which of two strains is the loading direction, with the likelier one filled in."""
     pair = [
         (name[-1], column)
@@ -258,7 +258,7 @@ def _pulled(sheet: Sheet, columns: dict[str, Column]) -> str:
     )
 
 
-def no_test(sheet: Sheet, tests: Sequence[str]) -> InputError:
+def no_test(sheet: CsvSheet, tests: Sequence[str]) -> InputError:
     """Return the error that a file does not say which test it is, with the option that does."""
     return InputError(
         "does not say which test it is",
@@ -269,7 +269,7 @@ def no_test(sheet: Sheet, tests: Sequence[str]) -> InputError:
     )
 
 
-def missing(sheet: Sheet, found: Roles, what: str, names: str) -> InputError:
+def missing(sheet: CsvSheet, found: Roles, what: str, names: str) -> InputError:
     """Return the error that no column gives ``what``, with the option filled in as the units suggest."""
     titles = ", ".join(one.title or '""' for one in sheet.headings[:8])
     return InputError(
@@ -280,7 +280,7 @@ def missing(sheet: Sheet, found: Roles, what: str, names: str) -> InputError:
     )
 
 
-def proposed(sheet: Sheet, found: Roles) -> list[tuple[str, str]]:
+def proposed(sheet: CsvSheet, found: Roles) -> list[tuple[str, str]]:
     """Return what the columns most likely are, for a message: known ones as known, others by unit, then by place."""
     entries: dict[int, tuple[str, str]] = {}
     have: set[str] = set()
@@ -313,7 +313,7 @@ def proposed(sheet: Sheet, found: Roles) -> list[tuple[str, str]]:
     return [entries[index] for index in sorted(entries)]
 
 
-def unitless(sheet: Sheet, columns: Sequence[Column]) -> str:
+def unitless(sheet: CsvSheet, columns: Sequence[Column]) -> str:
     """Return the option that gives every column of ``columns`` that has no unit its likely one."""
     entries = [
         (one.heading.title, f"{one.name} [{_likely_unit(sheet, one)}]")
@@ -323,7 +323,7 @@ def unitless(sheet: Sheet, columns: Sequence[Column]) -> str:
     return filled_in(entries)
 
 
-def _likely_unit(sheet: Sheet, column: Column) -> str:
+def _likely_unit(sheet: CsvSheet, column: Column) -> str:
     if column.name in ("temperature", "chamber"):
         cell = next((one for one in sheet.columns[column.heading.index] if is_number(one)), "0").replace(
             ",", "."

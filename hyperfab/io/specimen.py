@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
 from hyperfab.errors import InputError
-from hyperfab.io.csv_dialect import Sheet
+from hyperfab.io.csv_dialect import CsvSheet
 from hyperfab.io.csv_numbers import quantities
 from hyperfab.io.layout import filled_in
 from hyperfab.io.roles import STRESSES, STRETCHES, Column, Roles, missing, unitless
@@ -68,7 +68,7 @@ class Reading:
         )
 
 
-def read_geometry(sheet: Sheet, options: Geometry, decimal: str, notes: list[str]) -> Geometry:
+def read_geometry(sheet: CsvSheet, options: Geometry, decimal: str, notes: list[str]) -> Geometry:
     """Return the specimen's sizes: those given as options, else those the file states in one way.
 
     What a machine's preamble states without a unit, or twice, is not taken, and ``notes`` says so.
@@ -95,7 +95,7 @@ def read_geometry(sheet: Sheet, options: Geometry, decimal: str, notes: list[str
 
 
 def read_loading(
-    sheet: Sheet,
+    sheet: CsvSheet,
     roles: Roles,
     test: str,
     sizes: Geometry,
@@ -171,7 +171,7 @@ def _signed(values: Array, column: Column, notes: list[str]) -> Array:
 
 
 def _stretch(
-    sheet: Sheet,
+    sheet: CsvSheet,
     roles: Roles,
     place: str,
     test: str,
@@ -236,7 +236,7 @@ def _stretch(
 
 
 def _from_lengths(
-    sheet: Sheet,
+    sheet: CsvSheet,
     roles: Roles,
     column: Column,
     name: str,
@@ -274,7 +274,7 @@ def _from_lengths(
     return 1.0 + values / length
 
 
-def no_unit(sheet: Sheet, column: Column, roles: Roles) -> InputError:
+def no_unit(sheet: CsvSheet, column: Column, roles: Roles) -> InputError:
     """Return the error that a column lacks its unit, with the option that gives it."""
     return InputError(
         "has no unit",
@@ -287,7 +287,7 @@ def no_unit(sheet: Sheet, column: Column, roles: Roles) -> InputError:
 
 
 def _stress(
-    sheet: Sheet,
+    sheet: CsvSheet,
     roles: Roles,
     place: str,
     test: str,
@@ -351,7 +351,7 @@ def _stress(
     return found, per_width, sd
 
 
-def _over(sheet: Sheet, column: Column, test: str, sizes: Geometry) -> tuple[float, bool]:
+def _over(sheet: CsvSheet, column: Column, test: str, sizes: Geometry) -> tuple[float, bool]:
     """Return what a force is divided by, and whether that is a width [mm] and no area [mm^2]."""
     if test.startswith("biaxial") and sizes.diameter is not None:
         return math.pi * sizes.diameter, True
@@ -371,7 +371,7 @@ def _over(sheet: Sheet, column: Column, test: str, sizes: Geometry) -> tuple[flo
 
 
 def _deviation(
-    sheet: Sheet, column: Column, kind: str, decimal: str, stress: Array, stretch: Array | None
+    sheet: CsvSheet, column: Column, kind: str, decimal: str, stress: Array, stretch: Array | None
 ) -> Array:
     """Return standard deviations; one of zero at rest, where a reading was zeroed, is the smallest of the others."""
     values = quantities(sheet, column.heading, kind, decimal, name="stress sd")

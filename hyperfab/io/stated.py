@@ -5,12 +5,12 @@ from __future__ import annotations
 import re
 
 from hyperfab.errors import InputError
-from hyperfab.io.csv_dialect import Sheet
+from hyperfab.io.csv_dialect import CsvSheet
 from hyperfab.io.tables import Entry
 from hyperfab.io.units import quantity
 
 
-def stated(sheet: Sheet, key: str) -> Entry | None:
+def stated(sheet: CsvSheet, key: str) -> Entry | None:
     """Return what the file says under ``key``: a line ``# key: value`` first, else the only value of a preamble.
 
     InputError where two lines of the contract's form gainsay each other.
@@ -24,7 +24,7 @@ def stated(sheet: Sheet, key: str) -> Entry | None:
     return entries[0] if len({entry.value for entry in entries}) == 1 else None
 
 
-def amount(sheet: Sheet, key: str, kind: str, decimal: str, notes: list[str]) -> float | None:
+def amount(sheet: CsvSheet, key: str, kind: str, decimal: str, notes: list[str]) -> float | None:
     """Return a stated quantity in the unit of its ``kind``, or None; ``notes`` tells what was not taken and why.
 
     InputError where a line of the contract's own form, ``# key: value``, cannot be read.
@@ -49,7 +49,7 @@ def amount(sheet: Sheet, key: str, kind: str, decimal: str, notes: list[str]) ->
         return None
 
 
-def conflicting(sheet: Sheet, decimal: str) -> None:
+def conflicting(sheet: CsvSheet, decimal: str) -> None:
     """InputError where a gauge length and another distance of the grips are stated: which one an extension is over?"""
     gauge, grips = (amount(sheet, key, "length", decimal, []) for key in ("gauge length", "grip distance"))
     if gauge is None or grips is None or abs(gauge - grips) <= 0.01 * gauge:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from hyperfab.io.csv_dialect import Sheet
+from hyperfab.io.csv_dialect import CsvSheet
 from hyperfab.io.headings import heading
 from hyperfab.io.roles import Column
 from hyperfab.io.specimen import Reading
 
 
-def understood(sheet: Sheet, readings: Iterable[Reading], others: Iterable[Column]) -> str:
+def understood(sheet: CsvSheet, readings: Iterable[Reading], others: Iterable[Column]) -> str:
     """Return what was understood of a table, without the file's name: files read alike say the same."""
     columns = {column.heading.index: column for reading in readings for column in reading.used}
     columns |= {column.heading.index: column for column in others}

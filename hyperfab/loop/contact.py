@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 
 from hyperfab.arrays import Array
 from hyperfab.loop.catalogue import catalogue
-from hyperfab.loop.catalogue.contact import Scene
+from hyperfab.loop.catalogue.contact import DataContext
 from hyperfab.loop.emulator import Emulator
 from hyperfab.loop.known import known, known_curve, sure, without_prior
 from hyperfab.loop.problem import Constant, Curve, Extra, Problem
@@ -51,8 +51,8 @@ class Sheet:
 
     ``correction`` (k,) is what finer meshes say of the force at the knots, over the emulated one. The law's constants
     are factors; those that are ``linear`` scale the whole force where they are alike, and the emulated settings are the
-    ratios of the rest to the first. ``anchor`` (k,) is what of the correction came from a run at a finding. ``rubs``
-    and ``slip`` [mm per N/mm] are what the model has already.
+    ratios of the rest to the first. ``anchor`` (k,) is what of the correction came from a run at a finding.
+    ``coefficient`` of friction and ``slip`` [mm per N/mm] are what the model has already.
     """
 
     emulator: Emulator
@@ -62,7 +62,7 @@ class Sheet:
     linear: tuple[bool, ...]
     anchor: Array
     friction: bool = True
-    rubs: float = 0.0
+    coefficient: float = 0.0
     slip: float = 0.0
 
     def force(self, own: Array, effects: Array, depth: Array, soft: Array | None = None) -> Array:
@@ -173,7 +173,7 @@ class ContactProblem(Problem):
                 soft = soft * one.softened
             here = effects
             if one.friction is not None:
-                here = np.array([effects[0], one.friction - self.sheet.rubs, *effects[2:]])
+                here = np.array([effects[0], one.friction - self.sheet.coefficient, *effects[2:]])
             force = self.sheet.force(law, here, one.depth - zero, soft)
             found.append(force * scale)
         found.insert(self.measured_files, known(self.priors, own))
@@ -197,15 +197,15 @@ class ContactProblem(Problem):
             )
             menu.append((text, np.linspace(0.05, 1.0, 60), 0.0, 1.0, 0.0))
         found = []
-        for text, shares, warmer, finer, rubs in menu:
+        for text, shares, warmer, finer, coefficient in menu:
             depth = deepest * shares
             temperature = np.full(len(depth), usual)
             if warmer:
                 temperature[::2] += warmer
-            test = ForceDepth(text, depth, np.zeros(len(depth)), temperature, friction=rubs)
+            test = ForceDepth(text, depth, np.zeros(len(depth)), temperature, friction=coefficient)
             details: dict[str, object] = {"depth_mm": [float(depth[0]), float(depth[-1])]}
-            if rubs is not None:
-                details["friction"] = rubs
+            if coefficient is not None:
+                details["friction"] = coefficient
             found.append(Extra(text, details, self.with_reading(test, finer)))
         return found
 
@@ -253,7 +253,7 @@ def contact_problem(
     known_T = [one.temperature for one in files if one.temperature is not None]
     temperatures = np.unique(np.round(np.concatenate(known_T))) if known_T else np.empty(0)
     axes = {axis.name: axis for axis in sheet.emulator.axes}
-    scene = Scene(
+    context = DataContext(
         temperatures=tuple(float(v) for v in temperatures),
         reference_degC=reference_degC,
         prestretch=(axes["prestretch"].down, axes["prestretch"].up),
@@ -270,7 +270,7 @@ def contact_problem(
         measured=measured,
         curves=tuple(curves),
         own=without_prior(priors),
-        effects=catalogue("contact", scene),
+        effects=catalogue("contact", context),
         states=states,
         units=("N",),
         sheet=sheet,

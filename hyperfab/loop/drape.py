@@ -12,7 +12,7 @@ from scipy.interpolate import RectBivariateSpline
 
 from hyperfab.arrays import Array
 from hyperfab.loop.catalogue import catalogue
-from hyperfab.loop.catalogue.drape import Scene
+from hyperfab.loop.catalogue.drape import DataContext
 from hyperfab.loop.emulator import Axis
 from hyperfab.loop.known import known, known_curve, sure, without_prior
 from hyperfab.loop.kriging import Kriged
@@ -198,7 +198,7 @@ def drape_problem(
     curves.append(known_curve(priors, row, 1))
     places = [at_markers(draped, part.flat) for part in parts]
     axes = {axis.name: axis for axis in draped.kriged.axes}
-    scene = Scene(
+    context = DataContext(
         prestretch=(axes["prestretch"].down, axes["prestretch"].up),
         friction=axes["friction"].up if axes["friction"].up > 1e-3 else 0.0,
         shear=axes["shear"].up,
@@ -213,7 +213,7 @@ def drape_problem(
         measured=measured,
         curves=tuple(curves),
         own=without_prior(priors),
-        effects=catalogue("drape", scene),
+        effects=catalogue("drape", context),
         states={
             "x0_mm": state([part.flat[:, 0] for part in parts]),
             "y0_mm": state([part.flat[:, 1] for part in parts]),

@@ -9,14 +9,14 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
+from hyperfab.loop.confounding import Rival, indistinguishable, rivals
 from hyperfab.loop.dependence import dependence, suggestion
 from hyperfab.loop.design import NextMeasurement, next_measurement
 from hyperfab.loop.fitting import Fit, fit, least_misfits
 from hyperfab.loop.judge import common_bic
-from hyperfab.loop.mimic import Rival, indistinguishable, rivals
 from hyperfab.loop.noise import Noise, estimate_noise, replicates
 from hyperfab.loop.problem import Problem
-from hyperfab.loop.search import Evidence, Search, State
+from hyperfab.loop.search import Candidate, Evidence, Search
 from hyperfab.loop.thresholds import ENOUGH, EXPLAINED, MARGIN, MOST_SCATTER, ONE_CLOTH, SMALL
 
 #: Terms added at most, and models carried along at each number of terms.
@@ -44,8 +44,8 @@ class Finding:
 
     verdict: str
     noise: Noise
-    before: State
-    after: State
+    before: Candidate
+    after: Candidate
     added: dict[str, Evidence]
     tried: dict[str, Evidence]
     scores: dict[str, float]
@@ -85,7 +85,7 @@ def close(
     worth = search.worth(before)
 
     def finding(
-        verdict: str, after: State, added: dict[str, Evidence], tried: dict[str, Evidence]
+        verdict: str, after: Candidate, added: dict[str, Evidence], tried: dict[str, Evidence]
     ) -> Finding:
         left = problem.measured - after.fit.predicted
         first = problem.channel == 0
@@ -137,13 +137,13 @@ def close(
     return replace(found, verdict=verdict, rivals=others, indistinguishable=sets, measurements=measurements)
 
 
-def _grow(search: Search, base: State) -> tuple[State, dict[str, Evidence]]:
+def _grow(search: Search, base: Candidate) -> tuple[Candidate, dict[str, Evidence]]:
     """Add terms one by one, a few models side by side; return the best and what each first term would be worth."""
     beam, best = [base], base
     tried: dict[str, Evidence] = {}
     for depth in range(_DEPTH):
-        grown: dict[frozenset[str], State] = {}
-        idle: dict[frozenset[str], State] = {}
+        grown: dict[frozenset[str], Candidate] = {}
+        idle: dict[frozenset[str], Candidate] = {}
         accepted: set[frozenset[str]] = set()
         for state in beam:
             for larger, evidence in search.candidates(state):
@@ -173,12 +173,12 @@ def _grow(search: Search, base: State) -> tuple[State, dict[str, Evidence]]:
     return best, tried
 
 
-def _outdoes(larger: State, smaller: State) -> bool:
+def _outdoes(larger: Candidate, smaller: Candidate) -> bool:
     """Whether a model with more terms, these or others, pays where the smaller one explains what was there."""
     return larger.judgement.is_small and larger.excess - 1.0 <= 0.5 * (smaller.excess - 1.0)
 
 
-def _worth_a_name(base: State, smaller: State, larger: State, evidence: Evidence) -> bool:
+def _worth_a_name(base: Candidate, smaller: Candidate, larger: Candidate, evidence: Evidence) -> bool:
     """Where little is left a term is named only if it explains all of that."""
     if base.judgement.is_small:
         return larger.judgement.is_noise
@@ -191,14 +191,14 @@ def _worth_a_name(base: State, smaller: State, larger: State, evidence: Evidence
     return True
 
 
-def explains(base: State, state: State) -> bool:
+def explains(base: Candidate, state: Candidate) -> bool:
     """Whether what a model leaves is noise, or so little beside what was there that its terms are what was lacking."""
     left = state.judgement
     most = min(ENOUGH, np.sqrt(1.0 - EXPLAINED) * base.judgement.structured)
     return left.is_small or left.structured <= most
 
 
-def _undoubted(search: Search, best: State) -> State:
+def _undoubted(search: Search, best: Candidate) -> Candidate:
     """Take out terms that specimens which scatter more than the few replicates show could explain as well.
 
     The scatter is fitted anew with and without the term, to all specimens: of many that follow a term few need be
@@ -214,7 +214,7 @@ def _undoubted(search: Search, best: State) -> State:
     return best
 
 
-def _surprise(search: Search, state: State, best: State | None = None) -> tuple[float, float]:
+def _surprise(search: Search, state: Candidate, best: Candidate | None = None) -> tuple[float, float]:
     """Return minus twice the logarithm of a model's likelihood for the likeliest scatter of specimens, and that.
 
     What ``best`` (the model itself by default) leaves though every specimen has a stiffness of its own counts as noise.
@@ -224,7 +224,7 @@ def _surprise(search: Search, state: State, best: State | None = None) -> tuple[
     most = MOST_SCATTER * search.noise.gain_doubt or np.inf
     scatters = [scatter for scatter in _SCATTERS if scatter <= most] or [most]
 
-    def misfits(one: State) -> tuple[Array, Array]:
+    def misfits(one: Candidate) -> tuple[Array, Array]:
         metrics = [search.noise.among(one.fit.predicted, scatter) for scatter in scatters]
         entropy = np.array([metric.entropy for metric in metrics])
         return least_misfits(search.problem, metrics, one.fit), entropy
@@ -236,7 +236,7 @@ def _surprise(search: Search, state: State, best: State | None = None) -> tuple[
     return float(surprise[likeliest]), scatters[likeliest]
 
 
-def _without_names(search: Search, before: State, doubted: bool) -> tuple[str, float]:
+def _without_names(search: Search, before: Candidate, doubted: bool) -> tuple[str, float]:
     """Return the verdict where nothing is named, and the scatter of specimens it rests on.
 
     It is noise if specimens that scatter more than was seen could be all there is: where effects were ``doubted`` for
@@ -257,7 +257,7 @@ def _without_names(search: Search, before: State, doubted: bool) -> tuple[str, f
     return ("noise", assumed) if small else ("unexplained", 0.0)
 
 
-def _pruned(search: Search, best: State) -> State:
+def _pruned(search: Search, best: Candidate) -> Candidate:
     """Take out every term that no longer pays now that the others are there, the last one too."""
     while best.ids:
         worth = {name: search.without(best, name) for name in best.ids}
@@ -269,7 +269,7 @@ def _pruned(search: Search, best: State) -> State:
     return best
 
 
-def _no_worse(search: Search, base: State, best: State, apart: Apart | None) -> State:
+def _no_worse(search: Search, base: Candidate, best: Candidate, apart: Apart | None) -> Candidate:
     """Take out terms until the model misses no more than without any: the data, each test left out, those set apart.
 
     What is left then has to pay anew.
@@ -281,7 +281,7 @@ def _no_worse(search: Search, base: State, best: State, apart: Apart | None) -> 
     return best
 
 
-def is_no_worse(base: State, state: State, apart: Apart | None = None) -> bool:
+def is_no_worse(base: Candidate, state: Candidate, apart: Apart | None = None) -> bool:
     """Whether a model misses no more than another, plainly and everywhere."""
     pairs = [(base.fit.predicted, state.fit.predicted), (base.forecast.predicted, state.forecast.predicted)]
     first, measured = state.problem.channel == 0, state.problem.measured
@@ -292,7 +292,7 @@ def is_no_worse(base: State, state: State, apart: Apart | None = None) -> bool:
     return apart is None or apart(state.fit) <= apart(base.fit)
 
 
-def _ordered(search: Search, base: State, best: State) -> State:
+def _ordered(search: Search, base: Candidate, best: Candidate) -> Candidate:
     """Put the terms in the order of what they take from the error, the largest first, and fit them to the end."""
     first = search.problem.channel == 0
     worth = {name: float(np.sum(search.without(best, name).fit.residual[first] ** 2)) for name in best.ids}
@@ -300,8 +300,8 @@ def _ordered(search: Search, base: State, best: State) -> State:
     forms = {name: best.fit.forms[name] for name in order}
     x = np.concatenate([best.fit.x[: best.fit.own], *(best.fit.x[best.fit.place(name)] for name in order)])
     again = fit(search.problem, search.noise, forms, x)
-    return State(search.problem, search.noise, again)
+    return Candidate(search.problem, search.noise, again)
 
 
-def _worth_of_each(search: Search, best: State) -> dict[str, Evidence]:
+def _worth_of_each(search: Search, best: Candidate) -> dict[str, Evidence]:
     return {name: search.evidence(search.without(best, name), best) for name in best.ids}

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
 from hyperfab.loop.catalogue import catalogue
-from hyperfab.loop.catalogue.fabric import Scene
+from hyperfab.loop.catalogue.fabric import DataContext
 from hyperfab.loop.fabric_extras import menu
 from hyperfab.loop.fabric_tests import FabricTest, curves_of, path_of, smooth_of, states_of
 from hyperfab.loop.problem import HAS_IT, Constant, Extra, Problem
@@ -71,11 +71,11 @@ class FabricProblem(Problem):
     @property
     def look_alikes(self) -> Sequence[frozenset[str]]:
         """Effects that only second pulls, or several rates and holds, tell apart: all of them make one loop."""
-        scene = Scene(self.law, (), self.fabric.path, self.measured)
-        if not scene.unloads or scene.pulls_again:
+        context = DataContext(self.law, (), self.fabric.path, self.measured)
+        if not context.unloads or context.pulls_again:
             return ()
         same = {"hysteresis", "mullins", "permanent-set"}
-        return (frozenset(same if scene.several_rates else {*same, "rate"}),)
+        return (frozenset(same if context.several_rates else {*same, "rate"}),)
 
     def forbidden(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Mapping[str, float]:
         """Return by how much the modulus at rest along each direction tested falls short of what a sheet has.
@@ -161,10 +161,10 @@ def fabric_problem(
     for _, constants in held.values():
         own += constants
     curves, rows, measured = curves_of(path, tests, stress)
-    scene = Scene(law, tuple(warp), path, stress, weft is not None, len(rows) > 0)
+    context = DataContext(law, tuple(warp), path, stress, weft is not None, len(rows) > 0)
     effects = tuple(
         replace(effect, not_sought=HAS_IT) if effect.id in held else effect
-        for effect in catalogue("fabric", scene)
+        for effect in catalogue("fabric", context)
     )
     stated = None
     if all(test.stress_sd is not None for test in tests):

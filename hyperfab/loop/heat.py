@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
 from hyperfab.loop.catalogue import catalogue
-from hyperfab.loop.catalogue.heat import Scene
+from hyperfab.loop.catalogue.heat import DataContext
 from hyperfab.loop.catalogue.heat.ambient_drift import FARTHEST_K, FASTEST_K_S
 from hyperfab.loop.problem import Constant, Curve, Extra, Form, Problem, split
 from hyperfab.thermal.reduced import ReducedMold
@@ -253,7 +253,7 @@ def heat_problem(
     kept = np.flatnonzero(np.isfinite(readings.T.ravel()))
     curves = tuple(_curve(names[i], i * rows, times, kept, jumps) for i in range(count))
     air = mold.films[0].ambient if mold.films else None
-    scene = Scene(
+    context = DataContext(
         duration_s=float(times[-1] - times[0]),
         rise_K=max(float(np.ptp(readings.T.ravel()[kept])), 1.0),
         power_W=max((float(np.max(np.abs(table.y))) for _, table in mold.heaters), default=1.0) or 1.0,
@@ -280,7 +280,7 @@ def heat_problem(
         measured=measured,
         curves=curves,
         own=constants,
-        effects=catalogue("heat", scene),
+        effects=catalogue("heat", context),
         states=states,
         units=("K",),
         runs=[Run(replace(mold, probes=mold.probes[list(probes)]), times, kept)],

@@ -12,7 +12,7 @@ from scipy.special import ndtr
 
 from hyperfab.arrays import Array
 from hyperfab.loop.catalogue import catalogue
-from hyperfab.loop.catalogue.press import Scene
+from hyperfab.loop.catalogue.press import DataContext
 from hyperfab.loop.known import known, known_curve, sure, without_prior
 from hyperfab.loop.press_reading import UNITS, Kind, Reading, Setting, variation
 from hyperfab.loop.press_table import Moved, PressTable, found_tilt, loads
@@ -47,15 +47,15 @@ class PressProblem(Problem):
         amounts = self.amounts(terms)
         guided = self._moved(value, amounts)
         now, found = guided, []
-        hung: dict[float, Moved] = {}
+        self_aligned: dict[float, Moved] = {}
         set_to: float | None = None
         for reading, scale in zip(self.readings, self.scale, strict=True):
             factor = guided.factor * _relaxed(amounts, reading)
             if self.setting.floating:
                 mean = float(np.mean(factor))
-                if mean not in hung:
-                    hung[mean], set_to = self._floated(guided, mean, value), None
-                now = hung[mean]
+                if mean not in self_aligned:
+                    self_aligned[mean], set_to = self._floated(guided, mean, value), None
+                now = self_aligned[mean]
             if reading.kind == "force":
                 found.append(self._force(now, factor, reading, value.get("stroke.zero", 0.0)) * scale)
                 continue
@@ -84,7 +84,7 @@ class PressProblem(Problem):
         shift = float(np.dot(self.setting.zero_rate, strains))
         return Moved(tables[0], tables[1], value["foam.compression"], compliance, shift, np.zeros(2))
 
-    def hung(self, value: Mapping[str, float], terms: Mapping[str, tuple[str, Array]]) -> Array:
+    def self_aligned(self, value: Mapping[str, float], terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return the tilt (2,) [rad] a floating female adds to the model's own; ``value`` has the own constants."""
         guided = self._moved(value, self.amounts(terms))
         return self._floated(guided, guided.factor, value).turn
@@ -310,7 +310,7 @@ def press_problem(
         row += size
     curves.append(known_curve(priors, row, len(kinds)))
     travel = max(float(summed.first_touch - setting.opening), 0.2)
-    scene = Scene(
+    context = DataContext(
         half_mm=half_mm,
         force_N=max(float(summed.force(np.array([summed.openings[1]]))[0]), 1e-6),
         travel_mm=travel,
@@ -325,7 +325,7 @@ def press_problem(
         measured=np.concatenate([*(part.values for part in parts), np.zeros(curves[-1].stop - row)]),
         curves=tuple(curves),
         own=without_prior(priors),
-        effects=catalogue("press", scene),
+        effects=catalogue("press", context),
         states=_states(first),
         units=tuple(UNITS[kind] for kind in kinds),
         summed=summed,

@@ -150,13 +150,13 @@ def press_table(closed: Closed, plan: Array, travel: float) -> tuple[PressTable,
         up = np.array([0.0, 0.0, float(opening)])
         # The gap's gradient is taken at the male; the female moving by v shifts it by -v.
         lever = front.vertices - pivot - up
-        foot = front.vertices - found.gap[:, None] * found.direction
+        projection = front.vertices - found.gap[:, None] * found.direction
         female_fixed = np.array([line[0], line[1], press.female.mount]) + up
         ways = (
             -np.cross([1.0, 0.0, 0.0], lever),
             -np.cross([0.0, 1.0, 0.0], lever),
             front.vertices - male_fixed,
-            -(foot - female_fixed),
+            -(projection - female_fixed),
         )
         shifts.append(np.stack([np.sum(found.direction * way, axis=1) for way in ways], axis=1))
     n = len(front.vertices)

@@ -74,7 +74,7 @@ class Effect:
 
     ``rides_on`` names the state variables the effect shows against; ``shown_by`` the measurement that would tell it
     from its look-alikes; ``smooth`` whether a too poor smooth law could pass for it (its score is then taken
-    off a space of smooth curves). A rival that reproduces more than ``mimic_share`` of an effect's imprint cannot
+    off a space of smooth curves). A rival that reproduces more than ``confounded_share`` of an effect's imprint cannot
     be told from it: less for laws that only describe, more where the law is physics; one that misses it by more than
     ``mimic_left`` standard deviations of the noise (rms) is told from it. ``not_sought`` says why an entry is left out:
     the model has it, or the data lack what it shows on.
@@ -87,7 +87,7 @@ class Effect:
     source: str
     forms: tuple[Form, ...]
     smooth: bool = True
-    mimic_share: float = 0.85
+    confounded_share: float = 0.85
     mimic_left: float = 1.5
     not_sought: str = ""
 

@@ -26,7 +26,7 @@ _FORMS, _RICH = 3, 3
 
 
 @dataclass
-class State:
+class Candidate:
     """A model with some terms, fitted; judged when asked."""
 
     problem: Problem
@@ -108,10 +108,10 @@ class Search:
     tick: Callable[[str], None] = lambda text: None
     refit: int = 6
     _fits: dict[tuple[tuple[str, str], ...], Fit] = field(default_factory=dict)
-    _states: dict[tuple[tuple[str, str], ...], State] = field(default_factory=dict)
-    _own_optimum: State | None = None
+    _states: dict[tuple[tuple[str, str], ...], Candidate] = field(default_factory=dict)
+    _own_optimum: Candidate | None = None
 
-    def base(self) -> State:
+    def base(self) -> Candidate:
         """Return the model as it is, with its own constants refitted."""
         given = np.array([constant.value for constant in self.problem.own])
         fits = [fit(self.problem, self.noise, {}, start) for start in (given, *self.problem.starts)]
@@ -123,21 +123,21 @@ class Search:
         wrong = with_misfit(self.noise, self.problem.measured - best.predicted, self.problem.curves)
         near = fit(self.problem, wrong, {}, best.x)
         own = min(best, fit(self.problem, self.noise, {}, near.x), key=lambda one: one.cost)
-        self._own_optimum = State(self.problem, self.noise, own)
-        state = State(
+        self._own_optimum = Candidate(self.problem, self.noise, own)
+        state = Candidate(
             self.problem, self.noise, fit(self.problem, self.noise, {}, near.x, iterations=0), wrong
         )
         self._states[()] = state
         return state
 
-    def state(self, fitted: Fit) -> State:
+    def state(self, fitted: Fit) -> Candidate:
         """Judge a fit."""
         key = tuple(sorted((name, form.name) for name, form in fitted.forms.items()))
         if key not in self._states:
-            self._states[key] = State(self.problem, self.noise, fitted)
+            self._states[key] = Candidate(self.problem, self.noise, fitted)
         return self._states[key]
 
-    def ranking(self, state: State) -> list[tuple[Effect, float]]:
+    def ranking(self, state: Candidate) -> list[tuple[Effect, float]]:
         """Return the entries not in the model, the one the residual points at most first."""
         best: dict[str, float] = {}
         for signature in state.found:
@@ -146,7 +146,7 @@ class Search:
         order = sorted(best, key=lambda name: -best[name])
         return [(self.problem.effect(name), best[name]) for name in order]
 
-    def worth(self, state: State) -> dict[str, float]:
+    def worth(self, state: Candidate) -> dict[str, float]:
         """Return what each entry not in the model would lower BIC by, to first order: along its best signature."""
         time = correlation_time(state.fit.residual, self.problem.curves)
         penalty = float(np.log(max(len(state.fit.residual) / time, 3.0)))
@@ -158,7 +158,7 @@ class Search:
             best[name] = max(best.get(name, -np.inf), gain)
         return best
 
-    def with_term(self, state: State, effect: Effect, families: int = 1, most: int = 99) -> Fit | None:
+    def with_term(self, state: Candidate, effect: Effect, families: int = 1, most: int = 99) -> Fit | None:
         """Return the best joint fit of the model with ``effect``: its forms, then those that refine them.
 
         ``families`` are the simple forms that are refined, the best first of those that have richer ones; ``most``
@@ -207,7 +207,7 @@ class Search:
             best = better
         return best
 
-    def without(self, state: State, name: str) -> State:
+    def without(self, state: Candidate, name: str) -> Candidate:
         """Return the model without one of its terms, refitted from where it is."""
         forms = {key: form for key, form in state.fit.forms.items() if key != name}
         key = tuple(sorted((one, form.name) for one, form in forms.items()))
@@ -217,7 +217,7 @@ class Search:
         keep[state.fit.place(name)] = False
         return self.state(fit(self.problem, self.noise, forms, state.fit.x[keep]))
 
-    def polished(self, state: State) -> State:
+    def polished(self, state: Candidate) -> Candidate:
         """Return the model with each term in the form that suits it best now that the others are there."""
         if len(state.ids) < 2:
             return state
@@ -228,7 +228,7 @@ class Search:
                 state = self.state(again)
         return state
 
-    def enriched(self, state: State) -> State:
+    def enriched(self, state: Candidate) -> Candidate:
         """Return the model with its terms in richer forms, each step the one that takes most, while they pay by AIC.
 
         For names that stand already: where much is left of what they are to explain, the simplest law is not the aim.
@@ -311,7 +311,7 @@ class Search:
         self._fits[key] = best
         return best
 
-    def evidence(self, smaller: State, larger: State) -> Evidence:
+    def evidence(self, smaller: Candidate, larger: Candidate) -> Evidence:
         """Return what the terms of ``larger`` that ``smaller`` lacks are worth, both at their own optimum."""
         if not smaller.ids and self._own_optimum is not None:
             smaller = self._own_optimum
@@ -334,7 +334,7 @@ class Search:
             restores=back >= max(MARGIN, 0.5 * gone) and larger.judgement.is_noise,
         )
 
-    def _certain(self, smaller: State, larger: State) -> bool:
+    def _certain(self, smaller: Candidate, larger: Candidate) -> bool:
         """Whether each new term is two standard deviations from null: some constant of it, or all of them together.
 
         Constants of a weft of its own can each be unsure though the weft is not. Offsets of each specimen are one
@@ -357,7 +357,7 @@ class Search:
                 return False
         return True
 
-    def candidates(self, state: State) -> list[tuple[State, Evidence]]:
+    def candidates(self, state: Candidate) -> list[tuple[Candidate, Evidence]]:
         """Return the models with one term more, those of lowest BIC first; the best of them in their richest form."""
         simple = []
         for effect, _ in self.ranking(state)[: self.refit]:

@@ -11,7 +11,7 @@ import numpy as np
 from hyperfab.membrane.contact_edge import contact_edge
 from hyperfab.membrane.equilibrium import Press, State
 from hyperfab.membrane.path import Path, Watch, follow
-from hyperfab.membrane.sphere_test import Outcome, Solved, SphereTest, fitted_mesh, press_on, rough_path
+from hyperfab.membrane.sphere_contact import Outcome, Solved, SphereTest, fitted_mesh, press_on, rough_path
 
 #: Load steps of a path with friction, at least. Coulomb's force hangs little on it, full stick is of first order.
 LOAD_STEPS = 40

@@ -14,7 +14,7 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.membrane.equilibrium import NoEquilibriumError, Press
-from hyperfab.membrane.sphere_test import Solved, SphereTest, press_on
+from hyperfab.membrane.sphere_contact import Solved, SphereTest, press_on
 
 #: The test, and how deep it goes [mm], with a number of it changed by so much.
 Change = Callable[[float], tuple[SphereTest, float]]

@@ -11,7 +11,7 @@ from hyperfab.membrane.equilibrium import NoEquilibriumError, Press, State
 from hyperfab.membrane.measures import fields
 from hyperfab.membrane.path import cold_start
 from hyperfab.membrane.recovery import recovered_strain
-from hyperfab.membrane.sphere_test import Outcome, Solved
+from hyperfab.membrane.sphere_contact import Outcome, Solved
 from hyperfab.membrane.work import work as path_work
 
 _SEARCH_ROUNDS = 30

@@ -8,8 +8,8 @@ import numpy as np
 
 from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.pressing.curved import CREASE_DEG, smooth_normals
-from hyperfab.pressing.foot import smooth_gap
 from hyperfab.pressing.mold import Mold
+from hyperfab.pressing.projection import smooth_gap
 from hyperfab.surface import Surface
 
 #: Beyond this angle between the male's normal and the direction to the nearest point the three gaps part company.

@@ -20,11 +20,11 @@ from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.grading import graded
 from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.lumping import lumped
-from hyperfab.thermal.march import NUMBERS, march
 from hyperfab.thermal.material import ThermalMaterial
 from hyperfab.thermal.medium import Medium
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.radiation import Radiation
+from hyperfab.thermal.reduced_steps import NUMBERS, march
 from hyperfab.thermal.settings import POINTS, Film, Patch, Settings, patch
 from hyperfab.thermal.step import GAMMA
 from hyperfab.thermal.tables import Table

@@ -11,7 +11,7 @@ import pytest
 from conftest import Run
 from loop.generators import fabric as truths
 
-from hyperfab.chapters.close_loop.tests_in import read_measured
+from hyperfab.chapters.close_loop.measured_tests import read_measured
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.documents.base import schema

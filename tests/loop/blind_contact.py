@@ -68,8 +68,8 @@ def posed(truth: truths.Truth, noise: float, protocols: Sequence[str], seed: int
     for number, protocol in enumerate(protocols):
         random = np.random.default_rng([seed, number, 1])
         for depth, force, temperature in truths.measure(truth, random, noise, protocol):
-            rubs = 0.0 if protocol == "oiled" else None
-            files.append(ForceDepth(f"{len(files)}.csv", depth, force, temperature, friction=rubs))
+            coefficient = 0.0 if protocol == "oiled" else None
+            files.append(ForceDepth(f"{len(files)}.csv", depth, force, temperature, friction=coefficient))
             finer = 0.1 / 0.2 if protocol == "begin" else 1.0
             even = np.full(len(depth), 0.002 * noise * finer * float(force.max()))
             loud.append(0.01 * noise * np.abs(force) if protocol == "share" else even)

@@ -13,7 +13,7 @@ from laws.constants import CONSTANTS
 
 from hyperfab.chapters.close_loop.extended import extend
 from hyperfab.chapters.close_loop.fabric import pose
-from hyperfab.chapters.close_loop.tests_in import Measured
+from hyperfab.chapters.close_loop.measured_tests import Measured
 from hyperfab.documents.base import parse_document
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.loop.fabric import FabricProblem

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 import hyperfab.loop.catalogue as catalogue
-from hyperfab.loop.catalogue.contact import Scene as ContactScene
-from hyperfab.loop.catalogue.drape import Scene as DrapeScene
-from hyperfab.loop.catalogue.fabric import Scene as FabricScene
-from hyperfab.loop.catalogue.heat import Scene as HeatScene
-from hyperfab.loop.catalogue.press import Scene as PressScene
+from hyperfab.loop.catalogue.contact import DataContext as ContactContext
+from hyperfab.loop.catalogue.drape import DataContext as DrapeContext
+from hyperfab.loop.catalogue.fabric import DataContext as FabricContext
+from hyperfab.loop.catalogue.heat import DataContext as HeatContext
+from hyperfab.loop.catalogue.press import DataContext as PressContext
 from hyperfab.loop.fabric import fabric_problem
 from hyperfab.loop.fabric_extras import menu
 from hyperfab.loop.fabric_tests import FabricTest
@@ -26,9 +26,7 @@ from hyperfab.materials.effects.path import UNIAXIAL
 from hyperfab.materials.effects.path import Path as Way
 
 ENTRIES = sorted(
-    path
-    for path in Path(catalogue.__file__).parent.glob("*/*.py")
-    if path.name not in ("__init__.py", "scene.py")
+    path for path in Path(catalogue.__file__).parent.glob("*/*.py") if path.name != "__init__.py"
 )
 DOCS = Path(__file__).parents[2] / "docs"
 #: Names that are put together from others: written out on the page.
@@ -52,7 +50,7 @@ def test_the_tables_of_entries_are_whole(path: Path) -> None:
     assert f"| `{path.stem.replace('_', '-')}` |" in (DOCS / page).read_text()
 
 
-def fabric_scene(stress: float = 1.0, pace: float = 1.0) -> FabricScene:
+def fabric_context(stress: float = 1.0, pace: float = 1.0) -> FabricContext:
     """Two loops at rates ten apart, along the warp and at 45 degrees, cold and warm, in units of stress and time."""
     up = np.linspace(1.0, 1.5, 20)
     lam = np.tile(np.concatenate([up, up[-2::-1]]), 4)
@@ -71,12 +69,12 @@ def fabric_scene(stress: float = 1.0, pace: float = 1.0) -> FabricScene:
     )
     law = laws()["yeoh-2"]
     own = tuple(law.scaled(dict(zip(law.names, (0.2, 0.05), strict=True)), stress).values())
-    return FabricScene(law, own, way, stress * (lam - 1.0), directions=True, transverse=True)
+    return FabricContext(law, own, way, stress * (lam - 1.0), directions=True, transverse=True)
 
 
-SCENES = {
-    "fabric": fabric_scene(),
-    "heat": HeatScene(
+CONTEXTS = {
+    "fabric": fabric_context(),
+    "heat": HeatContext(
         duration_s=3600.0,
         rise_K=80.0,
         power_W=500.0,
@@ -89,20 +87,20 @@ SCENES = {
         emits=True,
         typical_film=15.0,
     ),
-    "contact": ContactScene((20.0, 60.0), 20.0, (0.05, 0.2), 0.5, 10.0, 2.0),
-    "drape": DrapeScene((0.05, 0.2), 0.5, 0.1, 300.0),
-    "press": PressScene(60.0, 500.0, 5.0, True, True, 600.0, True, True),
+    "contact": ContactContext((20.0, 60.0), 20.0, (0.05, 0.2), 0.5, 10.0, 2.0),
+    "drape": DrapeContext((0.05, 0.2), 0.5, 0.1, 300.0),
+    "press": PressContext(60.0, 500.0, 5.0, True, True, 600.0, True, True),
 }
 
 
-def forms(kind: str, name: str, scene: object) -> dict[str, Form]:
-    effect: Effect = import_module(f"hyperfab.loop.catalogue.{kind}.{name}").entry(scene)
+def forms(kind: str, name: str, context: object) -> dict[str, Form]:
+    effect: Effect = import_module(f"hyperfab.loop.catalogue.{kind}.{name}").entry(context)
     return {form.name: form for form in effect.forms}
 
 
 @pytest.mark.parametrize("path", ENTRIES, ids=lambda path: f"{path.parent.name}/{path.stem}")
 def test_null_starts_and_probes_are_within_bounds_and_a_probe_is_no_null(path: Path) -> None:
-    for name, form in forms(path.parent.name, path.stem, SCENES[path.parent.name]).items():
+    for name, form in forms(path.parent.name, path.stem, CONTEXTS[path.parent.name]).items():
         low, high = (np.array([getattr(one, end) for one in form.constants]) for end in ("low", "high"))
         for values in (form.null, *form.starts, *form.probes):
             assert len(values) == len(low), name
@@ -122,8 +120,8 @@ def unit(name: str) -> tuple[int, int]:
 )
 def test_where_a_search_starts_hangs_on_no_unit(path: Path) -> None:
     """Stress in Pa and time in hours: every start, probe and step goes with the unit of its constant."""
-    plain = forms("fabric", path.stem, fabric_scene())
-    other = forms("fabric", path.stem, fabric_scene(1e6, 1.0 / 3600.0))
+    plain = forms("fabric", path.stem, fabric_context())
+    other = forms("fabric", path.stem, fabric_context(1e6, 1.0 / 3600.0))
     assert plain.keys() == other.keys()
     for name, form in plain.items():
         powers = np.array([unit(one.name) for one in form.constants]).T
@@ -136,8 +134,8 @@ def test_where_a_search_starts_hangs_on_no_unit(path: Path) -> None:
 
 
 def test_what_is_probed_at_the_bench_goes_with_the_films_of_the_mold() -> None:
-    scenes = [SimpleNamespace(**{**vars(SCENES["heat"]), "typical_film": film}) for film in (15.0, 150.0)]
-    one, ten = (forms("heat", "base_conduction", scene) for scene in scenes)
+    contexts = [SimpleNamespace(**{**vars(CONTEXTS["heat"]), "typical_film": film}) for film in (15.0, 150.0)]
+    one, ten = (forms("heat", "base_conduction", context) for context in contexts)
     for name, form in one.items():
         for here, there in zip(form.probes, ten[name].probes, strict=True):
             assert there[0] == pytest.approx(10.0 * here[0])

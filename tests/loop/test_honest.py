@@ -17,7 +17,7 @@ from hyperfab.loop.fabric import FabricProblem, fabric_problem
 from hyperfab.loop.fabric_tests import FabricTest
 from hyperfab.loop.fitting import fit
 from hyperfab.loop.noise import Noise, estimate_noise
-from hyperfab.loop.search import Search, State
+from hyperfab.loop.search import Candidate, Search
 from hyperfab.materials.effects.path import GENERAL, UNIAXIAL
 from hyperfab.materials.registry import law
 
@@ -104,7 +104,7 @@ def test_a_term_is_not_paid_for_what_the_base_alone_would_gain() -> None:
     problem = posed([quiet, loud], "neo-hookean")
     search = Search(problem, estimate_noise(problem))
     base = search.base()
-    again = State(problem, search.noise, fit(problem, search.noise, {}, base.fit.x))
+    again = Candidate(problem, search.noise, fit(problem, search.noise, {}, base.fit.x))
     assert search.evidence(base, again).delta_bic < 1.0
 
 
@@ -309,7 +309,7 @@ def test_a_constant_at_its_bound_is_said_to_be() -> None:
     again = fit(
         problem, noise, {"thermal-softening": tight}, [*found.before.fit.x, *(1e-5 for _ in form.constants)]
     )
-    [told] = _at_bounds(problem, replace(found, after=State(problem, noise, again)))
+    [told] = _at_bounds(problem, replace(found, after=Candidate(problem, noise, again)))
     assert told.startswith(f"{form.constants[0].name} of thermal-softening is at its bound 0.0001")
 
 

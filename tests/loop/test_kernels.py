@@ -29,7 +29,7 @@ from hyperfab.loop.judge import (
 from hyperfab.loop.noise import Noise, estimate_noise
 from hyperfab.loop.problem import Constant, Curve, Effect, Form, Problem
 from hyperfab.loop.score import greatest_by_chance, orthonormal, points_at, signatures
-from hyperfab.loop.search import Search, State
+from hyperfab.loop.search import Candidate, Search
 
 COUNT, SD = 60, 0.05
 X = np.linspace(0.0, 1.0, COUNT)
@@ -360,7 +360,7 @@ def test_a_term_gains_what_it_spares_the_readings_and_what_is_known_less_its_pri
     old = fit(problem, WHITE, {}, [1.0, 2.0])
     new = fit(problem, WHITE, {"bump": problem.effects[0].forms[0]}, [1.0, 2.0, 0.8])
     asked = SimpleNamespace(_own_optimum=None, problem=problem, _certain=lambda *_: True)
-    found = Search.evidence(asked, State(problem, WHITE, old), State(problem, WHITE, new))
+    found = Search.evidence(asked, Candidate(problem, WHITE, old), Candidate(problem, WHITE, new))
     level = max(new.chi2 / COUNT, 1.0)  # what the richer one leaves counts as noise
     spared, known = old.chi2 - new.chi2, (old.cost - old.chi2) - (new.cost - new.chi2)
     assert abs(known) > 10.0

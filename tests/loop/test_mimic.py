@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from hyperfab.arrays import Array
+from hyperfab.loop.confounding import is_strained
 from hyperfab.loop.engine import close
-from hyperfab.loop.mimic import is_strained
 from hyperfab.loop.problem import Constant, Curve, Effect, Form, Problem
 
 PLACE = np.linspace(0.0, 1.0, 60)

@@ -11,7 +11,7 @@ from loop import blind_press
 from loop.generators import press as caps
 
 from hyperfab.chapters.close_loop.press import pose
-from hyperfab.loop.catalogue.press import Scene
+from hyperfab.loop.catalogue.press import DataContext
 from hyperfab.loop.catalogue.press.thickness_variation import entry
 from hyperfab.loop.press import PressProblem
 from hyperfab.loop.press_reading import variation
@@ -87,8 +87,8 @@ def test_a_floating_female_turns_in_the_loop_as_it_does_in_the_press() -> None:
     problem = pose(level, [(one, None) for one in read], 0.1, [])
     own = {one.name: one.value for one in problem.own}
     wedge = {"thickness-variation": ("wedge", np.array([0.08, -0.03]))}
-    tilt = problem.hung(own, wedge)
-    assert np.abs(problem.hung(own, {})).max() < 1e-12
+    tilt = problem.self_aligned(own, wedge)
+    assert np.abs(problem.self_aligned(own, {})).max() < 1e-12
     assert np.abs(tilt - turned.pose.tilt).max() < 0.05 * np.hypot(*turned.pose.tilt)
     plain = problem.predict(np.array(list(own.values())), {})
     given = problem.predict(np.array(list(own.values())), {"tilt": ("rotation", np.array([0.1, 0.0]))})
@@ -100,8 +100,8 @@ def test_a_thickness_varies_by_a_polynomial_alike_along_both_axes() -> None:
     found = variation(plan, {"variation.x": 0.1, "variation.xyy": 0.02, "tilt": 7.0})
     np.testing.assert_allclose(found, [0.05 + 0.02 * 2.0, -0.15 - 0.02 * 13.5])
     assert variation(plan, {"tilt": 7.0}) == 0
-    scene = Scene(60.0, 500.0, 5.0, True, True, 600.0, True, True)
-    for form in entry(scene).forms:
+    context = DataContext(60.0, 500.0, 5.0, True, True, 600.0, True, True)
+    for form in entry(context).forms:
         names = [one.name for one in form.constants]
         turned = {"".join(sorted(name.translate({120: 121, 121: 120}))) for name in names}
         assert len(set(names)) == len(names)

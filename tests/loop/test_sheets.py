@@ -16,9 +16,9 @@ KNOTS = np.linspace(5.0, 60.0, 12)
 
 def spring(settings: np.ndarray) -> np.ndarray:
     """Force over depth and the rim's pull of a sheet that is a spring in series with its clamp."""
-    ratio, stretch, rubs, slip = settings
+    ratio, stretch, coefficient, slip = settings
     pull = 2e-3 * KNOTS * (1.0 + ratio) / (1.0 + 0.02 * slip) + 3.0 * stretch
-    return np.concatenate([pull * (1.0 + 0.1 * rubs), pull])
+    return np.concatenate([pull * (1.0 + 0.1 * coefficient), pull])
 
 
 def contact(slip: float = 0.0) -> ContactProblem:

@@ -19,7 +19,7 @@ from scipy.stats import chi2, norm
 from hyperfab.chapters.close_loop import readings
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.errors import InputError
-from hyperfab.loop import engine, fabric, heldout, judge, mimic, noise, scatter, thresholds
+from hyperfab.loop import confounding, engine, fabric_tests, heldout, judge, noise, scatter, thresholds
 from hyperfab.loop.design import NextMeasurement
 from hyperfab.loop.fabric_tests import FabricTest
 from hyperfab.loop.heldout import HeldOut, Help, help_of
@@ -166,7 +166,7 @@ def cloth(share: float) -> str:
 
 
 def led_alike(share: float) -> bool:
-    return fabric._is_same_way(np.array([[0.4, 0.0]]), np.array([[0.4 * (1.0 - share), 0.0]]))
+    return fabric_tests._is_same_way(np.array([[0.4, 0.0]]), np.array([[0.4 * (1.0 - share), 0.0]]))
 
 
 def counts(sd: float) -> bool:
@@ -203,19 +203,19 @@ def strained(p: float, call: Callable[..., bool] | None = None) -> bool:
     problem = SimpleNamespace(own=own, well_known=True)
     found = SimpleNamespace(x=np.array([away]))
     if call is None:
-        return mimic.is_strained(problem, found, thresholds.STRAINED)  # type: ignore[arg-type]
+        return confounding.is_strained(problem, found, thresholds.STRAINED)  # type: ignore[arg-type]
     return call(problem, SimpleNamespace(state=SimpleNamespace(fit=found)))
 
 
 def stands_in(share: float) -> bool:
     """Whether a rival that reproduces so much passes where the constants are strained."""
-    effect = SimpleNamespace(mimic_share=0.995, mimic_left=1.5, not_sought="")
+    effect = SimpleNamespace(confounded_share=0.995, mimic_left=1.5, not_sought="")
     problem = SimpleNamespace(
         own=[Constant("a", 0.0, prior_sd=1.0)], look_alikes=(), well_known=False, effect=lambda name: effect
     )
     best = SimpleNamespace(ids=("one",), fit=SimpleNamespace(x=np.array([9.0])))
-    rival = mimic.Rival("other", "one", share, 0.1, 99.0, None)
-    return bool(mimic.indistinguishable(problem, [rival], best))  # type: ignore[arg-type]
+    rival = confounding.Rival("other", "one", share, 0.1, 99.0, None)
+    return bool(confounding.indistinguishable(problem, [rival], best))  # type: ignore[arg-type]
 
 
 def rivals_asked(monkeypatch: pytest.MonkeyPatch, constants: int, cosine: float) -> list[int]:
@@ -230,9 +230,9 @@ def rivals_asked(monkeypatch: pytest.MonkeyPatch, constants: int, cosine: float)
     )  # fmt: skip
     form = SimpleNamespace(constants=range(constants))
     best = SimpleNamespace(ids=("one",), fit=SimpleNamespace(forms={"one": form}))
-    monkeypatch.setattr(mimic, "_misfit", lambda *given: 1.0)
-    monkeypatch.setattr(mimic, "_alike", lambda *given: {"one": 1.0, "other": cosine})
-    mimic.rivals(search, best)  # type: ignore[arg-type]
+    monkeypatch.setattr(confounding, "_misfit", lambda *given: 1.0)
+    monkeypatch.setattr(confounding, "_alike", lambda *given: {"one": 1.0, "other": cosine})
+    confounding.rivals(search, best)  # type: ignore[arg-type]
     return asked
 
 
@@ -279,7 +279,7 @@ CASES: dict[str, tuple[Callable[[pytest.MonkeyPatch], Any], Any]] = {
     "ALIKE": (lambda patch: [rivals_asked(patch, 3, one) for one in (0.15, 0.3)], [[], [3]]),
     "STRAINED": (lambda _: [strained(p) for p in (0.0007, 0.0015)], [True, False]),
     "SHARE_WHERE_STRAINED": (lambda _: [stands_in(share) for share in (0.93, 0.97)], [False, True]),
-    "IMPOSSIBLE": (lambda _: [strained(p, mimic._is_impossible) for p in (0.7e-6, 1.5e-6)], [True, False]),
+    "IMPOSSIBLE": (lambda _: [strained(p, confounding._is_impossible) for p in (0.7e-6, 1.5e-6)], [True, False]),
     "DECISIVE": (lambda _: [NextMeasurement("", {}, one).decisive for one in (15.0, 30.0)], [False, True]),
     "PRIOR": (lambda _: Given("", {}, [], SimpleNamespace(prior=None), None, None).surely, 0.1),  # type: ignore[arg-type]
     "WRONG": (lambda _: [wrong(times) for times in (3.0, 6.0)], [False, True]),

@@ -12,7 +12,7 @@ import numpy as np
 from loop.blind import in_answer, label
 
 from hyperfab.arrays import Array
-from hyperfab.chapters.close_loop.closing import close_rounds
+from hyperfab.chapters.close_loop.finalise import close_rounds
 from hyperfab.loop.design import NextMeasurement
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.fitting import fit

@@ -7,7 +7,7 @@ import pytest
 from laws.constants import CONSTANTS
 
 from hyperfab.chapters.close_loop.contact import _known
-from hyperfab.chapters.close_loop.softer import scaled_material, soften
+from hyperfab.chapters.close_loop.softening import scaled_material, soften
 from hyperfab.documents.material import AtTemperature, Direction, MaterialDocument
 from hyperfab.materials import bind, laws
 from hyperfab.materials.effects.anisotropy import FORMS

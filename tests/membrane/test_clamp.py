@@ -12,7 +12,7 @@ from hyperfab.membrane.measures import mounted_energy
 from hyperfab.membrane.mesh import sheet_mesh
 from hyperfab.membrane.meshing import triangulate, uniform
 from hyperfab.membrane.sheet import Sheet
-from hyperfab.membrane.sphere_test import SphereTest, run
+from hyperfab.membrane.sphere_contact import SphereTest, run
 from hyperfab.membrane.tension_field import IsotropicSheet
 from hyperfab.membrane.verdict import work
 from tests.membrane.axisymmetric import pressed_disc

@@ -12,7 +12,7 @@ from hyperfab.membrane import outline
 from hyperfab.membrane.ellipticity import acoustic
 from hyperfab.membrane.equilibrium import NoEquilibriumError
 from hyperfab.membrane.path import Footing, cold_start
-from hyperfab.membrane.sphere_test import SphereTest, rough_path
+from hyperfab.membrane.sphere_contact import SphereTest, rough_path
 from hyperfab.membrane.tension_field import IsotropicSheet
 
 #: Fitted to Treloar's uniaxial test alone: stiff where it is stretched both ways, until it gives way to shear.

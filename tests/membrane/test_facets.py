@@ -13,7 +13,7 @@ from hyperfab.membrane.facets import Facets, placed
 from hyperfab.membrane.friction import Coulomb
 from hyperfab.membrane.measures import cut
 from hyperfab.membrane.sphere import Sphere
-from hyperfab.membrane.sphere_test import SphereTest, rough_path, run
+from hyperfab.membrane.sphere_contact import SphereTest, rough_path, run
 from hyperfab.membrane.tension_field import IsotropicSheet
 from hyperfab.surface import Surface
 from tests.membrane.references import DISC, NEO_HOOKEAN

@@ -15,7 +15,7 @@ from hyperfab.membrane.friction_path import run_with_friction
 from hyperfab.membrane.measures import fields
 from hyperfab.membrane.memory import Memory
 from hyperfab.membrane.path import follow
-from hyperfab.membrane.sphere_test import Outcome, Solved, SphereTest, rough_path
+from hyperfab.membrane.sphere_contact import Outcome, Solved, SphereTest, rough_path
 from hyperfab.membrane.tension_field import IsotropicSheet
 from hyperfab.membrane.verdict import work
 from tests.membrane.references import DISC, NEO_HOOKEAN

@@ -12,7 +12,7 @@ from hyperfab.membrane.equilibrium import Press
 from hyperfab.membrane.measures import fields
 from hyperfab.membrane.outline import Disc
 from hyperfab.membrane.sensitivity import Neighbourhood
-from hyperfab.membrane.sphere_test import Solved, SphereTest, run
+from hyperfab.membrane.sphere_contact import Solved, SphereTest, run
 from hyperfab.membrane.tension_field import IsotropicSheet
 
 DEPTH = 45.0

@@ -16,7 +16,7 @@ from hyperfab.membrane.meshing import triangulate, uniform
 from hyperfab.membrane.path import cold_start
 from hyperfab.membrane.sheet import Sheet
 from hyperfab.membrane.sphere import Sphere
-from hyperfab.membrane.sphere_test import Outcome, SphereTest, fitted_mesh, run
+from hyperfab.membrane.sphere_contact import Outcome, SphereTest, fitted_mesh, run
 from hyperfab.membrane.tension_field import IsotropicSheet
 from hyperfab.membrane.verdict import first_instability, stress_difference, work
 from tests.membrane.references import DISC, NEO_HOOKEAN, SQUARE, YEOH

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from hyperfab.thermal.march import NUMBERS, march
+from hyperfab.thermal.reduced_steps import NUMBERS, march
 
 GAMMA = 1.0 - 0.5 * np.sqrt(2.0)
 END = 400.0

@@ -12,11 +12,11 @@ from scipy.interpolate import CubicSpline
 from hyperfab.arrays import Array
 from hyperfab.cases.contact import ContactCase
 from hyperfab.cases.like import earlier
-from hyperfab.chapters.close_loop.closing import MODEL_SUFFIXES, Axis, finish, stated
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_contact import FABRIC, PLACES, contact_applied, extend
+from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, Axis, finish, stated
 from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, read_files, spread, widened
-from hyperfab.chapters.close_loop.softer import linear_of, scaled_material
+from hyperfab.chapters.close_loop.softening import linear_of, scaled_material
 from hyperfab.chapters.fabric_contact.fabric import read_fabric
 from hyperfab.chapters.fabric_contact.setup import read_geometry, setup_of
 from hyperfab.chapters.job import Job
@@ -40,7 +40,7 @@ from hyperfab.materials.registry import bind
 from hyperfab.membrane.equilibrium import NoEquilibriumError
 from hyperfab.membrane.friction import Coulomb, Stick
 from hyperfab.membrane.sheet import Sheet as SheetAlone
-from hyperfab.membrane.sphere_test import SphereTest, rough_path
+from hyperfab.membrane.sphere_contact import SphereTest, rough_path
 
 #: Depths the force is emulated at; the mesh of the loop, relative to half the sheet, and the order of its elements.
 _KNOTS, _MESH, _ORDER = 12, 0.16, 1
@@ -97,13 +97,13 @@ def read_force_depth(job: Job, name: str, layout: Layout | None) -> tuple[ForceD
         given = quantity(table.metadata["temperature"], "temperature", key="temperature", file=name)
         temperature = np.full(len(order), given)
     sd = spread(table, "force")
-    rubs = table.metadata.get("friction")
+    friction = table.metadata.get("friction")
     reading = ForceDepth(
         name,
         table["depth"][order],
         table["force"][order],
         None if temperature is None else temperature[order],
-        friction=None if rubs is None else quantity(rubs, "dimensionless", key="friction", file=name),
+        friction=None if friction is None else quantity(friction, "dimensionless", key="friction", file=name),
     )
     return reading, None if sd is None else sd[order]
 
@@ -135,10 +135,10 @@ def pose_sheet(
     slips = 0.06 * test.outline.reach / max(tension, 1e-9)
     sticks = isinstance(test.friction, Stick)
     # Down to none: a test may tell that its punch was oiled.
-    rubs = test.friction.coefficient if isinstance(test.friction, Coulomb) else 0.0
+    coefficient = test.friction.coefficient if isinstance(test.friction, Coulomb) else 0.0
     axes += [
         Setting("prestretch", 0.0, _MOST_STRETCH, down),
-        Setting("friction", 0.0, _MOST_FRICTION, rubs, level=0 if sticks else 2, mixes=not sticks),
+        Setting("friction", 0.0, _MOST_FRICTION, coefficient, level=0 if sticks else 2, mixes=not sticks),
         Setting("slip", 0.0, slips),
     ]
 
@@ -159,7 +159,7 @@ def pose_sheet(
     correction = _finer(document, knots, base)
     return Sheet(
         emulator, knots, correction, names, linear, np.ones_like(knots),
-        friction=not sticks, rubs=rubs, slip=test.rim_slip,
+        friction=not sticks, coefficient=coefficient, slip=test.rim_slip,
     )  # fmt: skip
 
 

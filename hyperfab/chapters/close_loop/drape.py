@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from hyperfab.arrays import Array
 from hyperfab.cases.drape import DrapeCase
 from hyperfab.cases.like import earlier
-from hyperfab.chapters.close_loop.closing import MODEL_SUFFIXES, Axis, finish, stated
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_contact import FABRIC
 from hyperfab.chapters.close_loop.extended_drape import THREADS, drape_applied, extend
+from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, Axis, finish, stated
 from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, spread, widened
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
-from hyperfab.chapters.close_loop.softer import linear_of, scaled_material
+from hyperfab.chapters.close_loop.softening import linear_of, scaled_material
 from hyperfab.chapters.drape.fabric import read_fabric
 from hyperfab.chapters.drape.model import Model, model_of, read_files
 from hyperfab.chapters.job import Job
@@ -156,7 +156,7 @@ class Forward:
         model = self.model(settings, grid)
         rise = model.case.wanted[-1]
         try:
-            if model.case.rubs:
+            if model.case.has_friction:
                 heights = load_steps([rise], _STEPS)
                 path = follow(model.sheet, model.mold, heights, model.case.friction, _TOLERANCE, enough=_NEAR)
                 rest = list(path)[-1]

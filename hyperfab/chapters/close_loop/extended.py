@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.chapters.close_loop.softer import soften
+from hyperfab.chapters.close_loop.softening import soften
 from hyperfab.chapters.fabric import ORTHOTROPIC
 from hyperfab.chapters.tested import tested_by
 from hyperfab.documents.material import Direction, MaterialDocument

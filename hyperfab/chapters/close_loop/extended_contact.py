@@ -10,8 +10,8 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.cases.contact import STICK, ContactCase
 from hyperfab.cases.place import applied
-from hyperfab.chapters.close_loop.closing import Extension
-from hyperfab.chapters.close_loop.softer import scaled_material, soften
+from hyperfab.chapters.close_loop.finalise import Extension
+from hyperfab.chapters.close_loop.softening import scaled_material, soften
 from hyperfab.chapters.close_loop.tentative import mark
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.io.json_io import dump_json

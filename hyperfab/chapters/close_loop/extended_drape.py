@@ -10,9 +10,9 @@ import numpy as np
 
 from hyperfab.cases.drape import DrapeCase
 from hyperfab.cases.place import applied
-from hyperfab.chapters.close_loop.closing import Extension
 from hyperfab.chapters.close_loop.extended_contact import FABRIC
-from hyperfab.chapters.close_loop.softer import scaled_material
+from hyperfab.chapters.close_loop.finalise import Extension
+from hyperfab.chapters.close_loop.softening import scaled_material
 from hyperfab.cloth import Sheet
 from hyperfab.cloth.law import SpringLaw
 from hyperfab.documents.material import MaterialDocument

@@ -13,7 +13,7 @@ import numpy as np
 import tomli_w
 
 from hyperfab.cases.press import PressCase
-from hyperfab.chapters.close_loop.closing import Extension
+from hyperfab.chapters.close_loop.finalise import Extension
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact.inputs import ALUMINIUM
 from hyperfab.chapters.press_contact.result import Told

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.chapters.close_loop.closing import Axis, picture, ticking
 from hyperfab.chapters.close_loop.describe import curves_csv, describe, errors_of, say
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended import extend, held_terms
+from hyperfab.chapters.close_loop.finalise import Axis, picture, ticking
+from hyperfab.chapters.close_loop.measured_tests import Measured, given_as, read_measured
 from hyperfab.chapters.close_loop.tentative import mark
-from hyperfab.chapters.close_loop.tests_in import Measured, given_as, read_measured
 from hyperfab.chapters.fabric import ORTHOTROPIC
 from hyperfab.chapters.job import Job
 from hyperfab.console import NEGATIVE_VERDICT
@@ -24,7 +24,7 @@ from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
 from hyperfab.io.units import quantity
 from hyperfab.loop.catalogue import catalogue
-from hyperfab.loop.catalogue.fabric import Scene
+from hyperfab.loop.catalogue.fabric import DataContext
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
 from hyperfab.loop.fitting import Fit
@@ -117,7 +117,9 @@ def pose(
     if document.effects:
         bare = fabric_problem(law, constants, tests.tests, weft=weft)
         stress = np.concatenate([test.stress for test in tests.tests])
-        scene = Scene(law, tuple(constants), bare.fabric.path, stress, False, len(bare.transverse_rows) > 0)
+        scene = DataContext(
+            law, tuple(constants), bare.fabric.path, stress, False, len(bare.transverse_rows) > 0
+        )
         held = held_terms(document, name, {effect.id: effect for effect in catalogue("fabric", scene)})
     known = set(law.names) | {f"warp {key}" for key in law.names} | {f"weft {key}" for key in law.names}
     known |= {constant.name for _, constants_ in held.values() for constant in constants_}

@@ -10,10 +10,10 @@ from typing import TypeGuard
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.chapters.close_loop.closing import Axis, picture, ticking
 from hyperfab.chapters.close_loop.describe import describe, say
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_mold import TABLES, extend
+from hyperfab.chapters.close_loop.finalise import Axis, picture, ticking
 from hyperfab.chapters.close_loop.readings import Thermocouples, read_thermocouples
 from hyperfab.chapters.close_loop.tentative import caution, noted
 from hyperfab.chapters.job import Job

@@ -12,9 +12,9 @@ from scipy.spatial import cKDTree
 from hyperfab.arrays import Array
 from hyperfab.cases.like import earlier
 from hyperfab.cases.press import PressCase
-from hyperfab.chapters.close_loop.closing import MODEL_SUFFIXES, Axis, finish, stated
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_press import FOAM, extend
+from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, Axis, finish, stated
 from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, spread, widened
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
 from hyperfab.chapters.job import Job

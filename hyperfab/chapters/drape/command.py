@@ -65,7 +65,7 @@ def _drape(job: Job, model: Model) -> list[State]:
             a, b = step.nodes
             share = float(np.log(max(step.residual, tolerance)) / np.log(tolerance))
             way = (sum(p * q for p, q in sizes if p * q < a * b) + max(share, 0.0) * a * b) / total
-            if wanted[-1] > 0.0 and (model.case.rubs or len(wanted) > 1):
+            if wanted[-1] > 0.0 and (model.case.has_friction or len(wanted) > 1):
                 way = depth / wanted[-1]
             advance(way, f"{depth:.3g} mm, {a}x{b} nodes, residual {step.residual:.1e}")
 

@@ -64,8 +64,8 @@ def field(sheet: Sheet, state: State, max_stretch: float | None) -> bytes:
     }
     if state.rest is not None:
         points["friction_N"] = state.rest.friction.forces().reshape(-1, 3)
-        points["sliding"] = np.isin(state.rest.friction.rubs, (STARTS, SLIDES)).ravel()
-        points["sticking"] = (state.rest.friction.rubs == STICKS).ravel()
+        points["sliding"] = np.isin(state.rest.friction.stick_slip, (STARTS, SLIDES)).ravel()
+        points["sticking"] = (state.rest.friction.stick_slip == STICKS).ravel()
     cells = {
         "thickness_mm": fields.cell_thickness.ravel(),
         "stretch_warp": fields.cell_stretch_warp.ravel(),

@@ -149,7 +149,7 @@ def _state(sheet: Sheet, state: State, loose: list[str]) -> DrapeState:
 def _rubbing(state: State) -> Rubbing:
     rest = state.rest
     assert rest is not None
-    rubs = rest.friction.rubs[state.found.state.contact != FREE]
+    stick_slip = rest.friction.stick_slip[state.found.state.contact != FREE]
     stored = state.found.energy - rest.unstressed
     return Rubbing(
         load_steps=rest.steps,
@@ -157,8 +157,8 @@ def _rubbing(state: State) -> Rubbing:
         rubbed_J=rest.rubbed * 1e-3,
         drawn_J=rest.drawn * 1e-3,
         balance_relative=(rest.work - stored - rest.rubbed - rest.drawn) / rest.work if rest.work else 0.0,
-        sticking_nodes=int(np.count_nonzero(rubs == STICKS)),
-        sliding_nodes=int(np.count_nonzero((rubs == STARTS) | (rubs == SLIDES))),
+        sticking_nodes=int(np.count_nonzero(stick_slip == STICKS)),
+        sliding_nodes=int(np.count_nonzero((stick_slip == STARTS) | (stick_slip == SLIDES))),
     )
 
 

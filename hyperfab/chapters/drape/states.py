@@ -32,7 +32,7 @@ def at_depths(model: Model, report: Callable[[float, Step], None]) -> Iterator[S
     Without friction each depth is computed on its own: the equilibrium does not hang on the way there.
     Raises HeldNodeInside where the mold reaches a clamped node.
     """
-    if model.case.rubs:
+    if model.case.has_friction:
         yield from _rubbing(model, report)
         return
     for depth in model.case.wanted:

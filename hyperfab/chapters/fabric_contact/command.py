@@ -21,8 +21,8 @@ from hyperfab.io.output import Output
 from hyperfab.membrane.equilibrium import State
 from hyperfab.membrane.friction_path import LOAD_STEPS, run_with_friction
 from hyperfab.membrane.measures import fields
-from hyperfab.membrane.sphere_test import Outcome, Solved
-from hyperfab.membrane.sphere_test import run as press
+from hyperfab.membrane.sphere_contact import Outcome, Solved
+from hyperfab.membrane.sphere_contact import run as press
 from hyperfab.membrane.verdict import first_instability, stress_difference
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.io.vtu import unstructured
 from hyperfab.membrane.measures import fields
-from hyperfab.membrane.sphere_test import Solved
+from hyperfab.membrane.sphere_contact import Solved
 
 
 def vtu(solved: Solved, difference: Array | None) -> bytes:

@@ -18,7 +18,7 @@ from hyperfab.chapters.uncertainty.sources import Origins, Setting, origins
 from hyperfab.errors import NotConverged
 from hyperfab.membrane.equilibrium import NoEquilibriumError
 from hyperfab.membrane.sensitivity import Neighbourhood
-from hyperfab.membrane.sphere_test import Outcome, Solved, SphereTest
+from hyperfab.membrane.sphere_contact import Outcome, Solved, SphereTest
 
 #: Options that leave the mesh as it is.
 _ON_THE_MESH = (

@@ -9,7 +9,7 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.chapters.fabric_contact.fields import mirrors_of
 from hyperfab.membrane.measures import fields
-from hyperfab.membrane.sphere_test import Outcome, Solved
+from hyperfab.membrane.sphere_contact import Outcome, Solved
 from hyperfab.report.figures_contact import Curve, Surface, contact_figure
 
 

@@ -13,7 +13,7 @@ from hyperfab.membrane.contact_edge import contact_edge
 from hyperfab.membrane.friction import Coulomb
 from hyperfab.membrane.measures import cut, fields, mounted_energy, wrinkled_fraction
 from hyperfab.membrane.path import Limit
-from hyperfab.membrane.sphere_test import Outcome, Solved
+from hyperfab.membrane.sphere_contact import Outcome, Solved
 from hyperfab.membrane.verdict import Instability, stress_difference, work
 
 #: N mm in a joule.

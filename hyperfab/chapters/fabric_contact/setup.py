@@ -18,7 +18,7 @@ from hyperfab.membrane.facets import Facets
 from hyperfab.membrane.friction import Coulomb, Stick
 from hyperfab.membrane.outline import Disc, Outline, Square
 from hyperfab.membrane.polygon import Polygon
-from hyperfab.membrane.sphere_test import SphereTest
+from hyperfab.membrane.sphere_contact import SphereTest
 
 _ORDERS = {"P1": 1, "P2": 2}
 #: The sheet and the sphere [mm] where their options are not given.

@@ -132,13 +132,16 @@ class Placing:
 
             conditions += self._films(f"convection {_label(convection.on)}", mask, blown)
         for number, radiation in enumerate(document.radiation):
-            sky = self.functions[f"radiation.{number}.ambient"]
+            surroundings = self.functions[f"radiation.{number}.ambient"]
             mask = self._with_exposed(f"radiation.{number}.on", radiation.on, by_key)
 
             def shining(
-                name: str, facets: FacetOperator, grey: float = radiation.emissivity, sky: Table = sky
+                name: str,
+                facets: FacetOperator,
+                grey: float = radiation.emissivity,
+                surroundings: Table = surroundings,
             ) -> Condition:
-                return Radiation(name, facets, grey, sky)
+                return Radiation(name, facets, grey, surroundings)
 
             conditions += self._films(f"radiation {_label(radiation.on)}", mask, shining)
         for number, (contact, joint) in enumerate(zip(document.contact, self.joints, strict=True)):

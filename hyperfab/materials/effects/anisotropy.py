@@ -124,7 +124,7 @@ class Fibres(Directions):
         return ground[0] + stress, ground[1] + energy
 
 
-class Sheet(Directions):
+class WholeSheet(Directions):
     """Threads in a ground, as one energy of the whole sheet: Orthotropic."""
 
     told_by = "model"
@@ -141,7 +141,7 @@ class Sheet(Directions):
         return {**ground, **both}
 
 
-SHEET = Sheet()
+SHEET = WholeSheet()
 #: The forms in which warp and weft differ.
 FORMS: Mapping[str, Directions] = {
     "ratio": Ratio(),

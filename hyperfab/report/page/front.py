@@ -31,7 +31,7 @@ class FrontPicture:
 
 
 @dataclass(frozen=True)
-class Front:
+class FrontPage:
     """What stands on the first screen; figures and pictures with the number of their section."""
 
     sentence: str
@@ -39,11 +39,11 @@ class Front:
     pictures: list[FrontPicture]
 
 
-def front(told: Sequence[tuple[Source, Section]]) -> Front:
+def front(told: Sequence[tuple[Source, Section]]) -> FrontPage:
     """Return the first screen of sections: the last document of each kind speaks for it."""
     last = {source.kind: number for number, (source, section) in enumerate(told) if section.figures}
     ranked = [last[kind] for kind in WEIGHT if kind in last]
-    return Front(_sentence(told, last), _figures(told, ranked), _pictures(told))
+    return FrontPage(_sentence(told, last), _figures(told, ranked), _pictures(told))
 
 
 def _sentence(told: Sequence[tuple[Source, Section]], last: dict[str, int]) -> str:

@@ -15,7 +15,7 @@ from plotly.offline import get_plotlyjs
 
 from hyperfab import __version__
 from hyperfab.report.labels import title as words_of
-from hyperfab.report.page.front import Front, front
+from hyperfab.report.page.front import FrontPage, front
 from hyperfab.report.page.parts import (
     Cases,
     Cell,
@@ -176,7 +176,7 @@ def _value(value: Any) -> str:
     return "" if value is None else repr(value) if isinstance(value, (int, float)) else str(value)
 
 
-def _front(given: Front, items: Sequence[dict[str, Any]]) -> dict[str, Any]:
+def _front(given: FrontPage, items: Sequence[dict[str, Any]]) -> dict[str, Any]:
     pictures = [
         {
             **vars(picture),

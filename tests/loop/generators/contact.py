@@ -133,9 +133,9 @@ def measure(truth: Truth, random: Generator, noise: float, protocol: str) -> lis
         rise = size.get("thermal-softening", 0.0) * warmer / 60.0
         weak = 1.0 - 0.30 * rise + 0.05 * rise**2
         made = weak if slips else 1.0
-        rubs = 0.0 if protocol == "oiled" else min(0.45 * size.get("friction", 0.0), 0.7)
+        coefficient = 0.0 if protocol == "oiled" else min(0.45 * size.get("friction", 0.0), 0.7)
         depth, force = _curve(
-            C10 * truth.soft[0] * made, C20 * truth.soft[1] * made, rubs,
+            C10 * truth.soft[0] * made, C20 * truth.soft[1] * made, coefficient,
             1.0 + min(0.03 * size.get("pretension", 0.0), 0.08), slips,
         )  # fmt: skip
         # Without a clamp that gives, the force goes with the modulus.

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Scene:
+class DataContext:
     """The temperatures met [degC], how far prestretch (down, up), friction and slip
     [mm per N/mm] may go, and the pull of the rim [N/mm] at the deepest."""
 

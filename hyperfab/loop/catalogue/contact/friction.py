@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.contact import Scene
+from hyperfab.loop.catalogue.contact import DataContext
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: a coefficient, added to the model's own."""
-    mu = Constant("mu", 0.0, 0.0, max(scene.friction, 1e-9), 0.05, places=("friction",))
+    mu = Constant("mu", 0.0, 0.0, max(context.friction, 1e-9), 0.05, places=("friction",))
     return Effect(
         id="friction",
         title="the sheet rubs on the punch",
-        not_sought="" if scene.friction else "the model's sheet sticks to the punch where it touches",
+        not_sought="" if context.friction else "the model's sheet sticks to the punch where it touches",
         rides_on=("depth_mm",),
         shown_by="the same test with the punch oiled, or powdered",
         source="Coulomb's law",
-        forms=(Form("Coulomb", (mu,), ((0.2,), (0.5,)), ((0.1,),)),) if scene.friction else (),
+        forms=(Form("Coulomb", (mu,), ((0.2,), (0.5,)), ((0.1,),)),) if context.friction else (),
         smooth=False,
-        mimic_share=0.95,
+        confounded_share=0.95,
         mimic_left=0.5,
     )

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.contact import Scene
+from hyperfab.loop.catalogue.contact import DataContext
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: stretch of the rim, added to the model's own."""
-    down, up = scene.prestretch
+    down, up = context.prestretch
     added = Constant("added_stretch", 0.0, -down, up, 0.005, places=("prestretch",))
     return Effect(
         id="pretension",
@@ -18,6 +18,6 @@ def entry(scene: Scene) -> Effect:
         source="a rim held at a multiple of its place",
         forms=(Form("even", (added,), ((0.01,), (0.04,)), ((0.003,),)),),
         smooth=False,
-        mimic_share=0.95,
+        confounded_share=0.95,
         mimic_left=0.5,
     )

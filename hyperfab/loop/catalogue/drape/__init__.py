@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Scene:
+class DataContext:
     """How far the effects may go: added prestretch (down, up), coefficient of friction, shear modulus [MPa], mass per
     area [g/m^2]."""
 

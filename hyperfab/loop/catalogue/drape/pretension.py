@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.drape import Scene
+from hyperfab.loop.catalogue.drape import DataContext
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect | None:
+def entry(context: DataContext) -> Effect | None:
     """Return the effect: stretch of the mounted sheet, alike along warp and weft, or not."""
-    down, up = scene.prestretch
+    down, up = context.prestretch
     both = Constant("added_stretch", 0.0, -down, up, 0.005, places=("prestretch",))
     more = Constant("weft_more", 0.0, -up, up, 0.005, places=("weft more",))
     return Effect(
@@ -22,6 +22,6 @@ def entry(scene: Scene) -> Effect | None:
             Form("each way", (both, more), ((0.03, 0.0),), ((0.0, 0.005),), refines="even"),
         ),
         smooth=False,
-        mimic_share=0.95,
+        confounded_share=0.95,
         mimic_left=0.5,
     )

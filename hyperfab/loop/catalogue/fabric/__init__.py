@@ -10,7 +10,7 @@ from hyperfab.materials.law import Law
 
 
 @dataclass(frozen=True)
-class Scene:
+class DataContext:
     """A law, its constants as they stand, and the measured curves; ``transverse``: contraction was measured."""
 
     law: Law

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from hyperfab.loop.catalogue.fabric import Scene
+from hyperfab.loop.catalogue.fabric import DataContext
 from hyperfab.loop.problem import Constant, Effect, Form
 
 _ALL = {"C20_MPa", "C30_MPa"}
 
 
-def entry(scene: Scene) -> Effect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: higher powers of I1 - 3, ln(I2/3), an Ogden term, an exponential."""
-    size = scene.peak_stress
-    far = (1.0 + scene.reach) ** 2 + 2.0 / (1.0 + scene.reach) - 3.0
+    size = context.peak_stress
+    far = (1.0 + context.reach) ** 2 + 2.0 / (1.0 + context.reach) - 3.0
     free = [
         Constant(name, 0.0, scale=0.1 * size / far**power)
         for name, power in (("C20_MPa", 1), ("C30_MPa", 2), ("C2_MPa", 0), ("C40_MPa", 3))
@@ -29,7 +29,7 @@ def entry(scene: Scene) -> Effect:
         Constant("C11_MPa", 0.0, scale=0.1 * size / far),
     )
     forms = []
-    if not set(scene.law.linear) >= _ALL:
+    if not set(context.law.linear) >= _ALL:
         forms += [
             Form("powers", (square, cube), _starts(square, cube), _singles(square, cube)),
             Form("powers-log", (square, cube, log), _starts(square, cube, log), refines="powers"),

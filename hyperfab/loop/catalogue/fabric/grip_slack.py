@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.fabric import Scene
+from hyperfab.loop.catalogue.fabric import DataContext
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: strain that only takes up play, with or without a rounded end."""
-    reach = scene.reach
+    reach = context.reach
     slack = Constant("slack", 0.0, -0.1 * reach, 0.6 * reach, 0.02 * reach)
-    count = len(scene.path.curves)
+    count = len(context.path.curves)
     each = []
     if count > 1:
         own = [
@@ -36,5 +36,5 @@ def entry(scene: Scene) -> Effect:
                 refines="play",
             ),
         ),
-        mimic_share=0.93,
+        confounded_share=0.93,
     )

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.fabric import Scene
+from hyperfab.loop.catalogue.fabric import DataContext
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: friction that grows with the load, constant friction, a pseudo-elastic or a bent way down."""
-    reach, peak, energy = scene.reach, scene.peak_stress, scene.energy
+    reach, peak, energy = context.reach, context.peak_stress, context.energy
     turn = Constant("turn_strain", 0.1 * reach, 0.002 * reach, 2.0 * reach, 0.1 * reach)
     again = Constant("turn_strain_2", 0.3 * reach, 0.002 * reach, 5.0 * reach, 0.1 * reach)
     return Effect(
         id="hysteresis",
         title="loading and unloading differ, whatever the rate",
-        not_sought="" if scene.unloads else "no test unloads",
+        not_sought="" if context.unloads else "no test unloads",
         rides_on=("branch",),
         shown_by="three cycles to one amplitude at two rates: a loop of the same width every time",
         source="Dahl (1968), TOR-158; Ogden & Roxburgh (1999), doi:10.1098/rspa.1999.0431",

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.fabric import Scene
+from hyperfab.loop.catalogue.fabric import DataContext
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: a constant stress, and one that drifts with time."""
-    peak = scene.peak_stress
+    peak = context.peak_stress
     offset = Constant("offset_MPa", 0.0, -0.5 * peak, 0.5 * peak, 0.01 * peak)
     forms = [Form("constant", (offset,), ((0.02 * peak,), (-0.02 * peak,)), ((0.01 * peak,),))]
-    if scene.path.knows_time:
-        whole = scene.times[1]
+    if context.path.knows_time:
+        whole = context.times[1]
         drift = Constant("drift_MPa_s", 0.0, -peak / whole, peak / whole, 0.01 * peak / whole)
         forms.append(
             Form("drift", (offset, drift), ((0.01 * peak, 0.01 * peak / whole),), refines="constant")
@@ -27,7 +27,7 @@ def entry(scene: Scene) -> Effect:
                 refines="constant",
             )
         )
-    count = len(scene.path.curves)
+    count = len(context.path.curves)
     if count > 1:
         own = [
             Constant(f"of_test_{k}_MPa", 0.0, -0.5 * peak, 0.5 * peak, 0.01 * peak)
@@ -49,5 +49,5 @@ def entry(scene: Scene) -> Effect:
         shown_by="readings at rest, before the pull and after full unloading",
         source="ASTM E4 (zero of a testing machine)",
         forms=tuple(forms),
-        mimic_share=0.995,
+        confounded_share=0.995,
     )

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.fabric import Scene
+from hyperfab.loop.catalogue.fabric import DataContext
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: Ogden and Roxburgh's factor, with their beta, or damage by the largest stretch."""
-    energy, reach = scene.energy, scene.reach
+    energy, reach = context.energy, context.reach
     amount = Constant("one_over_r", 0.0, 0.0, 0.98, 0.1)
     scale = Constant("m_MPa", 0.3 * energy, 0.002 * energy, 10.0 * energy, 0.3 * energy)
     return Effect(
         id="mullins",
         title="softer after a first pull, up to the stretch it reached",
-        not_sought="" if scene.unloads else "no test unloads",
+        not_sought="" if context.unloads else "no test unloads",
         rides_on=("cycle", "branch"),
         shown_by="two pulls to one stretch, then one beyond it: the second follows the first's way down",
         source="Ogden & Roxburgh (1999), doi:10.1098/rspa.1999.0431; Simo (1987), doi:10.1016/0045-7825(87)90107-1",

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.fabric import Scene
+from hyperfab.loop.catalogue.fabric import DataContext
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: a set seen on the way down, plastic flow as it happens, or a set from the second pull on."""
     share = Constant("set_share", 0.0, 0.0, 0.9, 0.02)
 
@@ -16,7 +16,7 @@ def entry(scene: Scene) -> Effect:
     power = Constant("power", 1.0, 0.2, 5.0, 0.3)
     plain = [form(name) for name in ("returned", "flow", "next-pull")]
     curved = [Form(f"{one.name}-power", (share, power), ((0.1, 1.4),), refines=one.name) for one in plain]
-    reach = scene.reach
+    reach = context.reach
     bend = Constant("bend", 0.0, -4.0 / reach, 8.0 / reach, 0.5 / reach)
     curved += [
         Form(f"{one.name}-bent", (share, bend), ((0.1, 1.0 / reach),), refines=one.name) for one in plain[:2]
@@ -44,7 +44,7 @@ def entry(scene: Scene) -> Effect:
     return Effect(
         id="permanent-set",
         title="part of the strain stays",
-        not_sought="" if scene.unloads else "no test unloads",
+        not_sought="" if context.unloads else "no test unloads",
         rides_on=("cycle", "branch"),
         shown_by="unloading to zero force, a wait, and a second pull: the stretch at which force begins",
         source="ASTM D412 (tension set); Andrews, Tobolsky & Hanson (1946), doi:10.1063/1.1707724",

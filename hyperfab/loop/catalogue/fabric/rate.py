@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from hyperfab.loop.catalogue.fabric import Scene
+from hyperfab.loop.catalogue.fabric import DataContext
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: one Maxwell branch, two, or stiffness with the logarithm of the rate."""
-    step, whole = scene.times
-    peak = scene.peak_stress
+    step, whole = context.times
+    peak = context.peak_stress
     low, high = 0.2 * step, 20.0 * whole
     times = [float(t) for t in np.geomspace(2.0 * step, 0.5 * whole, 4)]
 
@@ -25,8 +25,8 @@ def entry(scene: Scene) -> Effect:
     level = Constant("flow_MPa", 0.1 * peak, 0.1 * peak, 0.1 * peak, 0.1 * peak)
     bend = Constant("bend", 0.0, -8.0, 8.0, 1.0)
     one, two = branch(1, times[1]), branch(2, times[2])
-    reason = "" if scene.shows_rate else "the tests have one rate, no hold and no way back"
-    if not scene.path.knows_time:
+    reason = "" if context.shows_rate else "the tests have one rate, no hold and no way back"
+    if not context.path.knows_time:
         reason = "not every test states its times or its rate"
     return Effect(
         id="rate",

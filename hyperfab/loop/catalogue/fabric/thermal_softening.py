@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from hyperfab.loop.catalogue.fabric import Scene
+from hyperfab.loop.catalogue.fabric import DataContext
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: exponential in temperature; with three also its curvature, with four a step towards glass."""
-    several = len(scene.temperatures) > 1
-    span = float(np.ptp(scene.temperatures)) if several else 30.0
+    several = len(context.temperatures) > 1
+    span = float(np.ptp(context.temperatures)) if several else 30.0
     linear = Constant("softening_1_K", 0.0, -5.0 / span, 5.0 / span, 0.1 / span)
     forms = [Form("exponential", (linear,), ((0.2 / span,), (-0.2 / span,)), ((0.02 / span,),))]
-    if len(scene.temperatures) > 2:
+    if len(context.temperatures) > 2:
         bend = Constant("softening_1_K2", 0.0, -5.0 / span**2, 5.0 / span**2, 0.1 / span**2)
         forms.append(Form("curved", (linear, bend), ((0.2 / span, 0.05 / span**2),), refines="exponential"))
-    if len(scene.temperatures) > 3:
-        low, high = float(np.min(scene.temperatures)), float(np.max(scene.temperatures))
+    if len(context.temperatures) > 3:
+        low, high = float(np.min(context.temperatures)), float(np.max(context.temperatures))
         glass = (
             linear,
             Constant("step", 0.0, 0.0, 8.0, 0.2),
@@ -35,6 +35,6 @@ def entry(scene: Scene) -> Effect:
         shown_by="the same pull at two temperatures 30 K or more apart",
         source="Ferry (1980), Viscoelastic Properties of Polymers, ch. 11",
         forms=tuple(forms),
-        mimic_share=0.95,
+        confounded_share=0.95,
         smooth=False,
     )

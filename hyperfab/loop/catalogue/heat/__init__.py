@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Scene:
+class DataContext:
     """Length of the experiment, its rise of temperature, and what the mold has.
 
     ``opened`` counts joints that conduct perfectly in the model, ``declared`` the others; ``bench`` says whether

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.heat import Scene
+from hyperfab.loop.catalogue.heat import DataContext
 from hyperfab.loop.problem import Constant, Effect, Form
 
 #: What the air of a room does: so far over a shift, with its doors, and so fast when it is heated or aired.
 FARTHEST_K, FASTEST_K_S = 20.0, 0.01
 
 
-def entry(scene: Scene) -> Effect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: ambient linear in time, quadratic, cubic."""
-    whole = scene.duration_s
+    whole = context.duration_s
     most = min(FARTHEST_K / whole, FASTEST_K_S)
     slope = Constant("drift_K_s", 0.0, -4.0 * most, 4.0 * most, 2.0 / whole, places=("ambient_per_s",))
     bend = Constant(
@@ -28,7 +28,7 @@ def entry(scene: Scene) -> Effect:
     return Effect(
         id="ambient-drift",
         title="the ambient changes with time",
-        not_sought="" if scene.films else "no face has a film",
+        not_sought="" if context.films else "no face has a film",
         rides_on=("time_s",),
         shown_by="a thermometer in the air, away from the mold",
         source="Newton's law of cooling with a moving ambient",
@@ -38,5 +38,5 @@ def entry(scene: Scene) -> Effect:
             Form("cubic", (slope, bend, twist), ((8.0 / whole, 0.0, 0.0),), refines="quadratic"),
         ),
         smooth=False,
-        mimic_share=0.98,
+        confounded_share=0.98,
     )

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.heat import Scene
+from hyperfab.loop.catalogue.heat import DataContext
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: a resistance of the joints that conduct perfectly in the model, or in series with its joints.
 
     One for all, of each its own, closing as the mold warms up, or greater in places.
     """
-    joints = scene.opened + scene.declared
+    joints = context.opened + context.declared
     places = [f"resistance.{k}" for k in range(joints)]
     # A film of air of a few hundredths of a millimetre: 1e-3 m^2 K/W.
-    all_of_them = tuple(places[: scene.opened] or places)
+    all_of_them = tuple(places[: context.opened] or places)
     resistance = Constant("resistance_m2K_W", 0.0, 0.0, 0.1, 2e-4, places=all_of_them)
     forms = [Form("gap", (resistance,), ((3e-4,), (3e-3,)), ((5e-5,), (5e-4,)))]
     if joints > 1:
@@ -24,12 +24,12 @@ def entry(scene: Scene) -> Effect:
         ]
         probes = [tuple(5e-4 if i == k else 0.0 for i in range(joints)) for k in range(joints)]
         forms.append(Form("each", tuple(each), ((1e-3,) * joints, (1e-4,) * joints), tuple(probes)))
-    if scene.opened:
+    if context.opened:
         uneven = [
             Constant(name, 0.0, -2.0, 2.0, 0.1, 0.5, (f"joint_{name}",))
             for name in ("from_middle", "along_x", "along_y")
         ]
-        rise = scene.rise_K
+        rise = context.rise_K
         warm = Constant("closing_per_K", 0.0, -0.9 / rise, 5.0 / rise, 0.05 / rise, places=("joint_per_K",))
         forms.append(Form("closing with warmth", (resistance, warm), ((1e-3, 0.0),), refines="gap"))
         if joints > 1:
@@ -51,5 +51,5 @@ def entry(scene: Scene) -> Effect:
         source="Yovanovich (2005), doi:10.1109/TCAPT.2005.848483",
         forms=tuple(forms),
         smooth=False,
-        mimic_share=0.98,
+        confounded_share=0.98,
     )

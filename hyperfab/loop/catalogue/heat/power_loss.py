@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.heat import Scene
+from hyperfab.loop.catalogue.heat import DataContext
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: a share lost, constant or growing with the heater's temperature, or out of its back.
 
     A wire that resists more when hot draws less at the same voltage.
     """
     share = Constant("lost_share", 0.0, -0.3, 0.9, 0.05, places=("lost",))
-    rise, loss = scene.rise_K, scene.power_W / scene.rise_K
+    rise, loss = context.rise_K, context.power_W / context.rise_K
     warm = Constant("lost_share_per_K", 0.0, -0.5 / rise, 0.9 / rise, 0.05 / rise, places=("lost_per_K",))
     bend = Constant(
         "lost_share_per_K2", 0.0, -0.9 / rise**2, 0.9 / rise**2, 0.05 / rise**2, places=("lost_per_K2",)
@@ -23,7 +23,7 @@ def entry(scene: Scene) -> Effect:
     return Effect(
         id="power-loss",
         title="part of the power does not reach the mold",
-        not_sought="" if scene.heaters else "the model has no heater",
+        not_sought="" if context.heaters else "the model has no heater",
         rides_on=("power_W", "temperature_degC"),
         shown_by="a power meter at the heaters at two plateaus",
         source="energy balance of a resistance heater",
@@ -32,25 +32,25 @@ def entry(scene: Scene) -> Effect:
             Form(
                 "with temperature",
                 (share, warm),
-                ((0.1, 0.1 / scene.rise_K), (0.02, 0.2 / scene.rise_K)),
-                ((0.03, 0.0), (0.0, 0.03 / scene.rise_K)),
+                ((0.1, 0.1 / context.rise_K), (0.02, 0.2 / context.rise_K)),
+                ((0.03, 0.0), (0.0, 0.03 / context.rise_K)),
             ),
             Form(
                 "through the back",
                 (share, back),
-                ((0.02, 0.1 * scene.power_W / scene.rise_K),),
-                ((0.0, 0.03 * scene.power_W / scene.rise_K),),
+                ((0.02, 0.1 * context.power_W / context.rise_K),),
+                ((0.0, 0.03 * context.power_W / context.rise_K),),
             ),
             # A straight decline passes for a film: where there is one body alone, only the bend shows.
             Form(
                 "wire",
                 (wire,),
-                ((0.1 / scene.rise_K,), (0.5 / scene.rise_K,)),
-                ((0.05 / scene.rise_K,), (0.5 / scene.rise_K,)),
+                ((0.1 / context.rise_K,), (0.5 / context.rise_K,)),
+                ((0.05 / context.rise_K,), (0.5 / context.rise_K,)),
             ),
             Form("wire and share", (share, wire), ((0.0, 0.0),), refines="wire"),
             Form("bent", (share, warm, bend), ((0.0, 0.0, 0.0),), refines=("with temperature", "wire")),
         ),
         smooth=False,
-        mimic_share=0.98,
+        confounded_share=0.98,
     )

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.heat import Scene
+from hyperfab.loop.catalogue.heat import DataContext
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: specific heat, conductivity or both linear in temperature, then with a bend."""
-    rise = scene.rise_K
+    rise = context.rise_K
     c = Constant("specific_heat_per_K", 0.0, -0.5 / rise, 2.0 / rise, 0.05 / rise, places=("capacity_per_K",))
     k = Constant(
         "conductivity_per_K", 0.0, -0.7 / rise, 2.0 / rise, 0.05 / rise, places=("conductivity_per_K",)
@@ -31,24 +31,24 @@ def entry(scene: Scene) -> Effect:
             Form(
                 "specific heat",
                 (c,),
-                ((0.2 / scene.rise_K,), (-0.1 / scene.rise_K,)),
-                ((0.03 / scene.rise_K,),),
+                ((0.2 / context.rise_K,), (-0.1 / context.rise_K,)),
+                ((0.03 / context.rise_K,),),
             ),
             Form(
                 "conductivity",
                 (k,),
-                ((0.2 / scene.rise_K,), (-0.3 / scene.rise_K,)),
-                ((0.03 / scene.rise_K,),),
+                ((0.2 / context.rise_K,), (-0.3 / context.rise_K,)),
+                ((0.03 / context.rise_K,),),
             ),
             Form(
                 "both",
                 (c, k),
-                ((0.1 / scene.rise_K, -0.1 / scene.rise_K), (0.0, -0.3 / scene.rise_K)),
-                ((0.0, 0.03 / scene.rise_K),),
+                ((0.1 / context.rise_K, -0.1 / context.rise_K), (0.0, -0.3 / context.rise_K)),
+                ((0.0, 0.03 / context.rise_K),),
             ),
             Form("bent", (c, bend), ((0.0, 0.0),), refines="specific heat"),
             Form("bent both", (c, bend, k), ((0.0, 0.0, 0.0),), refines=("bent", "both")),
         ),
         smooth=False,
-        mimic_share=0.98,
+        confounded_share=0.98,
     )

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.heat import Scene
+from hyperfab.loop.catalogue.heat import DataContext
 from hyperfab.loop.problem import HAS_IT, Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: a grey emissivity of the faces that have a film, to surroundings as warm as the air or not."""
-    reason = HAS_IT if scene.emits else "" if scene.films else "no face has a film"
+    reason = HAS_IT if context.emits else "" if context.films else "no face has a film"
     emissivity = Constant("emissivity", 0.0, 0.0, 1.0, 0.1, places=("emissivity",))
-    sky = Constant("surroundings_K", 0.0, -40.0, 40.0, 2.0, 8.0, ("surroundings_K",))
+    surroundings = Constant("surroundings_K", 0.0, -40.0, 40.0, 2.0, 8.0, ("surroundings_K",))
     return Effect(
         id="radiation",
         title="the mold radiates to its surroundings",
@@ -20,8 +20,8 @@ def entry(scene: Scene) -> Effect:
         source="Stefan-Boltzmann law",
         forms=(
             Form("grey", (emissivity,), ((0.3,), (0.8,)), ((0.1,),)),
-            Form("other surroundings", (emissivity, sky), ((0.3, 0.0),), refines="grey"),
+            Form("other surroundings", (emissivity, surroundings), ((0.3, 0.0),), refines="grey"),
         ),
         smooth=False,
-        mimic_share=0.98,
+        confounded_share=0.98,
     )

@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.heat import Scene
+from hyperfab.loop.catalogue.heat import DataContext
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: a first-order lag of all probes; one each; or two in a row, of sheath and sensor."""
-    lag = Constant("lag_s", 0.0, 0.0, 0.2 * scene.duration_s, 0.01 * scene.duration_s, places=("lag_s",))
-    starts = ((0.01 * scene.duration_s,), (0.04 * scene.duration_s,))
-    most, step = 0.2 * scene.duration_s, 0.005 * scene.duration_s
+    lag = Constant("lag_s", 0.0, 0.0, 0.2 * context.duration_s, 0.01 * context.duration_s, places=("lag_s",))
+    starts = ((0.01 * context.duration_s,), (0.04 * context.duration_s,))
+    most, step = 0.2 * context.duration_s, 0.005 * context.duration_s
     second = Constant("second_lag_s", 0.0, 0.0, most, step, places=("second_lag_s",))
     own = [
         Constant(f"of_probe_{k}_s", 0.0, -most, most, step, places=(f"lag_s.{k - 1}",))
-        for k in range(2, scene.probes + 1)
+        for k in range(2, context.probes + 1)
     ]
-    richer = [Form("two-stage", (lag, second), ((0.01 * scene.duration_s,) * 2,), refines="first-order")]
+    richer = [Form("two-stage", (lag, second), ((0.01 * context.duration_s,) * 2,), refines="first-order")]
     if own:
-        start = (0.01 * scene.duration_s, *(0.0 for _ in own))
+        start = (0.01 * context.duration_s, *(0.0 for _ in own))
         richer.append(Form("each", (lag, *own), (start,), refines="first-order"))
     return Effect(
         id="sensor-lag",
@@ -27,9 +27,11 @@ def entry(scene: Scene) -> Effect:
         shown_by="a step of power sampled closely, with a probe of known quick response beside",
         source="first-order lag; ASTM E839",
         forms=(
-            Form("first-order", (lag,), starts, ((0.002 * scene.duration_s,), (0.02 * scene.duration_s,))),
+            Form(
+                "first-order", (lag,), starts, ((0.002 * context.duration_s,), (0.02 * context.duration_s,))
+            ),
             *richer,
         ),
         smooth=False,
-        mimic_share=0.98,
+        confounded_share=0.98,
     )

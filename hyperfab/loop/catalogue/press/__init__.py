@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Scene:
+class DataContext:
     """Half the male's width [mm], the largest force [N], the travel from the first touch [mm]; whether strokes and
     times were read, and the longest time [s]; whether the female floats, and whether the press was set by its force.
     """

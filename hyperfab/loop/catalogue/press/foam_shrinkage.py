@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.press import Scene
+from hyperfab.loop.catalogue.press import DataContext
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: a share of the foam's thickness."""
     amount = Constant("amount", 0.0, 0.0, 0.8, 0.02, places=("foam.lost",))
     return Effect(
@@ -17,6 +17,6 @@ def entry(scene: Scene) -> Effect:
         source="ASTM D2126: response of rigid cellular plastics to heat",
         forms=(Form("share", (amount,), ((0.05,), (0.2,)), ((0.02,),)),),
         smooth=False,
-        mimic_share=0.95,
+        confounded_share=0.95,
         mimic_left=0.35,
     )

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.press import Scene
+from hyperfab.loop.catalogue.press import DataContext
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: the frame opens in proportion to the force."""
-    whole = 1e3 * scene.travel_mm / scene.force_N
+    whole = 1e3 * context.travel_mm / context.force_N
     reason = (
-        "the press is set by its force, and no stroke was read" if scene.forced and not scene.strokes else ""
+        "the press is set by its force, and no stroke was read"
+        if context.forced and not context.strokes
+        else ""
     )
     compliance = Constant(
         "compliance_mm_kN", 0.0, 0.0, 20.0 * whole, 0.02 * whole, places=("compliance_mm_kN",)
@@ -29,6 +31,6 @@ def entry(scene: Scene) -> Effect:
             ),
         ),
         smooth=False,
-        mimic_share=0.95,
+        confounded_share=0.95,
         mimic_left=0.35,
     )  # fmt: skip

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.press import Scene
+from hyperfab.loop.catalogue.press import DataContext
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: thermal strain of both molds, or of each, beyond what the model has."""
     # 23e-6 1/K: aluminium, 100 K.
     strain = Constant("strain", 0.0, -0.03, 0.03, 2e-4, places=("strain.male", "strain.female"))
@@ -22,6 +22,6 @@ def entry(scene: Scene) -> Effect:
             Form("each mold", (strain, more), ((2e-3, 0.0),), ((0.0, 2e-4),), refines="both molds"),
         ),
         smooth=False,
-        mimic_share=0.95,
+        confounded_share=0.95,
         mimic_left=0.35,
     )

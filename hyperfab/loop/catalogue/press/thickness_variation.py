@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.press import Scene
+from hyperfab.loop.catalogue.press import DataContext
 from hyperfab.loop.press_reading import VARIATION
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: a wedge, a bowl, or both, or bent ones, over the plan of the male."""
 
     def terms(*names: str) -> tuple[Constant, ...]:
@@ -35,6 +35,6 @@ def entry(scene: Scene) -> Effect:
             ),
         ),
         smooth=False,
-        mimic_share=0.95,
+        confounded_share=0.95,
         mimic_left=0.35,
     )  # fmt: skip

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 
-from hyperfab.loop.catalogue.press import Scene
+from hyperfab.loop.catalogue.press import DataContext
 from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(scene: Scene) -> Effect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: a rotation about each of the two axes across the closing axis."""
-    edge = math.degrees(0.1 / scene.half_mm)
+    edge = math.degrees(0.1 / context.half_mm)
     about_x, about_y = (
         Constant(f"tilt_{name}_deg", 0.0, -5.0, 5.0, 0.5 * edge, places=(f"tilt_deg.{name}",))
         for name in "xy"
@@ -19,12 +19,12 @@ def entry(scene: Scene) -> Effect:
     return Effect(
         id="tilt",
         title="the molds are not parallel",
-        not_sought="a floating female finds its own tilt" if scene.floats else "",
+        not_sought="a floating female finds its own tilt" if context.floats else "",
         rides_on=("x_mm", "y_mm"),
         shown_by="pressure or thickness on opposite sides of the mold",
         source="rigid rotation, Rodrigues' formula",
         forms=(Form("rotation", (about_x, about_y), starts, ((edge, 0.0), (0.0, edge))),),
         smooth=False,
-        mimic_share=0.95,
+        confounded_share=0.95,
         mimic_left=0.35,
     )

@@ -14,7 +14,7 @@ from hyperfab.numerics.kernels import kernel, part
 def smooth_gap(
     points: Array,
     distance: Array,
-    foot: Array,
+    projection: Array,
     away: Array,
     face: Ints,
     border: Flags,
@@ -27,7 +27,7 @@ def smooth_gap(
 ) -> tuple[Array, Array]:
     """Return distance (n,) and direction (n, 3) of ``points`` (n, 3) from the smooth surface.
 
-    The points' ``distance`` (n,) from the facets, their ``foot`` (n, 3) on facet ``face`` (n,), the unit vector
+    The points' ``distance`` (n,) from the facets, their ``projection`` (n, 3) on facet ``face`` (n,), the unit vector
     ``away`` (n, 3) from it; ``border`` says where the foot lies on an open edge. Of the surface: ``vertices``,
     ``faces``, the ``normals`` at the vertices, ``rise`` and ``smooth`` of ``Curving``; ``least`` is the cosine of the
     angle between ``away`` and the facet's normal up to which the foot counts as lying under the point.
@@ -40,7 +40,7 @@ def smooth_gap(
             for a in range(3):
                 corner[k, a] = vertices[faces[f, k], a]
         n, double = _normal(corner)
-        weight = _weights(corner, n, double, foot[i])
+        weight = _weights(corner, n, double, projection[i])
         height = weight[0] * weight[1] * rise[f, 0] + weight[1] * weight[2] * rise[f, 1]
         height += weight[2] * weight[0] * rise[f, 2]
         size = np.sqrt(double) if double > 0.0 else 1.0
@@ -58,9 +58,9 @@ def smooth_gap(
             length = np.sqrt(mx * mx + my * my + mz * mz)
             mx, my, mz = mx / length, my / length, mz / length
             out[i] = (
-                (points[i, 0] - foot[i, 0] - height * away[i, 0]) * mx
-                + (points[i, 1] - foot[i, 1] - height * away[i, 1]) * my
-                + (points[i, 2] - foot[i, 2] - height * away[i, 2]) * mz
+                (points[i, 0] - projection[i, 0] - height * away[i, 0]) * mx
+                + (points[i, 1] - projection[i, 1] - height * away[i, 1]) * my
+                + (points[i, 2] - projection[i, 2] - height * away[i, 2]) * mz
             )
             direction[i, 0], direction[i, 1], direction[i, 2] = mx, my, mz
         else:

@@ -48,7 +48,7 @@ def march(  # type: ignore[no-untyped-def]
     """
     n, r = len(grid), len(start)
     reference, capacity_rate, capacity_bend, conduction_rate, exponent, lost, lost_rate = numbers[:7]
-    lost_bend, back, joint_rate, sky, bench_share, bench_time, wire_rate = numbers[7:]
+    lost_bend, back, joint_rate, surroundings, bench_share, bench_time, wire_rate = numbers[7:]
     states, slopes = np.zeros((n, r)), np.zeros((n, r))
     states[0] = start
     slope = np.zeros(r)
@@ -147,7 +147,7 @@ def march(  # type: ignore[no-untyped-def]
                 loss = h * away
                 rate = h * (1.0 + max(exponent, 0.0))
                 if grey[face] != 0.0:
-                    hot, cold = at + 273.15, air[number, stage, face] + sky + 273.15
+                    hot, cold = at + 273.15, air[number, stage, face] + surroundings + 273.15
                     loss += grey[face] * 5.670374419e-8 * (hot**4 - cold**4)
                     rate += 4.0 * grey[face] * 5.670374419e-8 * hot**3
                 _add(flow, -loss * weights[q], rows[q])

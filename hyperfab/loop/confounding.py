@@ -14,7 +14,7 @@ from hyperfab.loop.judge import common_bic
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.score import orthonormal, projected
-from hyperfab.loop.search import Search, State
+from hyperfab.loop.search import Candidate, Search
 from hyperfab.loop.thresholds import (
     ALIKE,
     FEWEST_CONSTANTS,
@@ -39,7 +39,7 @@ class Rival:
     share: float
     left: float
     delta_bic: float
-    state: State | None
+    state: Candidate | None
 
     def passes(self, limit: float, most_left: float) -> bool:
         """Whether the data cannot tell it from the found effect."""
@@ -47,7 +47,7 @@ class Rival:
         return (self.share >= limit and self.left <= most_left) or close
 
 
-def rivals(search: Search, best: State) -> list[Rival]:
+def rivals(search: Search, best: Candidate) -> list[Rival]:
     """Return every entry that could stand in place of each effect of ``best``, with how well it would."""
     found = []
     for name in best.ids:
@@ -78,7 +78,7 @@ def rivals(search: Search, best: State) -> list[Rival]:
     return sorted(found, key=lambda rival: -rival.share)
 
 
-def _rival(search: Search, best: State, name: str, effect: str, fitted: Fit, imprint: float) -> Rival:
+def _rival(search: Search, best: Candidate, name: str, effect: str, fitted: Fit, imprint: float) -> Rival:
     left = _misfit(search.problem, search.noise, best.fit, fitted)
     share = 1.0 - left / imprint if imprint > 0.0 else 0.0
     state = search.state(fitted)
@@ -86,14 +86,14 @@ def _rival(search: Search, best: State, name: str, effect: str, fitted: Fit, imp
     return Rival(effect, name, share, rest, _gap(search, best, state), state)
 
 
-def _gap(search: Search, best: State, state: State) -> float:
+def _gap(search: Search, best: Candidate, state: Candidate) -> float:
     """Return how much worse a model does on the data than the best by BIC, infinitely where it leaves much more."""
     bic = common_bic([best.fit, state.fit], search.problem)
     small = np.sqrt(max(state.excess - 1.0, 0.0)) < 0.6 + np.sqrt(max(best.excess - 1.0, 0.0))
     return float(bic[state.ids] - bic[best.ids]) if small else np.inf
 
 
-def _alike(search: Search, best: State, without: State) -> dict[str, float]:
+def _alike(search: Search, best: Candidate, without: Candidate) -> dict[str, float]:
     """Return how far the imprint of a found effect lies in what each entry can do: the greatest squared cosine.
 
     What one form does with all its constants together counts: a turn about one axis is little like one about both.
@@ -114,7 +114,7 @@ def _alike(search: Search, best: State, without: State) -> dict[str, float]:
     return found
 
 
-def indistinguishable(problem: Problem, found: Sequence[Rival], best: State) -> list[list[str]]:
+def indistinguishable(problem: Problem, found: Sequence[Rival], best: Candidate) -> list[list[str]]:
     """Return, for each found effect, the set of it and the rivals the data cannot tell from it."""
     sets = []
     strained = is_strained(problem, best.fit)
@@ -129,7 +129,7 @@ def indistinguishable(problem: Problem, found: Sequence[Rival], best: State) -> 
             rival.effect
             for rival in found
             if rival.instead_of == name
-            and rival.passes(min(effect.mimic_share, most), effect.mimic_left)
+            and rival.passes(min(effect.confounded_share, most), effect.mimic_left)
             and (strained or not _is_impossible(problem, rival))
         ]
         same += [other for other in alike if other not in same and not problem.effect(other).not_sought]
