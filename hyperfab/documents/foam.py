@@ -59,8 +59,9 @@ class TableFile(Section):
 
 
 class Law(Section):
-    """A compression law; ``temperature`` is the one it was measured at."""
+    """A compression law, measured at ``temperature``; its stresses are multiplied by ``factor``."""
 
+    factor: Annotated[float, Field(gt=0.0)] = 1.0
     temperature: Temperature | None = None
 
 
@@ -69,13 +70,9 @@ class TableLaw(Law, TableFile):
 
 
 class MaterialLaw(Law):
-    """A material document of ``hf fit --model hyperfoam-N``, its sides held; at the temperature of the press.
-
-    All its stresses are multiplied by ``factor``.
-    """
+    """A material document of ``hf fit --model hyperfoam-N``, its sides held; at the temperature of the press."""
 
     material: str
-    factor: Annotated[float, Field(gt=0.0)] = 1.0
 
 
 class LinearLaw(Law):

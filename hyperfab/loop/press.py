@@ -183,18 +183,17 @@ class PressProblem(Problem):
 
         at = np.array([opening])
         gap = there(table.at(at, table.gap)[0])
-        foam, fabric = there(table.foam), there(table.fabric)
-        whole = foam + fabric
+        sandwich = table.sandwich.at(there)
         if reading.kind == "contact":
             touch = there(table.at(at, table.touch)[0])
-            return np.asarray(ndtr((whole - touch) / CONTACT_BLUR))
+            return np.asarray(ndtr((sandwich.thickness - touch) / CONTACT_BLUR))
         if reading.kind == "thickness":
-            pressed = np.clip(gap - fabric, 0.0, foam)
+            pressed, fabric = sandwich.pressed(gap)
             back = self.setting.recovery
-            left = pressed if back is None else pressed + back * (foam - pressed)
-            return np.asarray(fabric + left)
-        strain = np.maximum((whole - gap) / foam, 0.0)
-        return np.asarray(factor * table.law.stress(strain))
+            if back is None:
+                return np.asarray(fabric + pressed)
+            return np.asarray(sandwich.fabric + pressed + back * (sandwich.foam - pressed))
+        return np.asarray(factor * sandwich.pressure(gap))
 
     @cached_property
     def largest_force(self) -> float:

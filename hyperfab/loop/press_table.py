@@ -16,6 +16,7 @@ from hyperfab.pressing.closing import Closed
 from hyperfab.pressing.foam_law import FoamLaw
 from hyperfab.pressing.gap import vertex_areas
 from hyperfab.pressing.growth import guide_line
+from hyperfab.pressing.sandwich import Sandwich
 
 #: Openings between the deepest and the first touch, and places the force is summed over, at most.
 _KNOTS, _PLACES = 25, 800
@@ -33,9 +34,10 @@ class PressTable:
 
     ``gap`` and ``touch`` (k, n) [mm]; ``shift`` (k, n, 4) is what the gap gains per radian of tilt about the two axes
     across and per thermal strain of male and female. ``area`` (n,) [mm^2] is each vertex' share of the area, ``push``
-    (k, n) that times how squarely it meets the axis. ``foam`` and ``fabric`` (n,) [mm], ``plan`` (n, 2) the
-    coordinates of thickness variation, -1 to 1 over the male. ``bend`` (n, 2, 2) [mm/rad^2] is how the gains by tilt
-    change with tilt where a female floats: the pressure has other arms when it has turned.
+    (k, n) that times how squarely it meets the axis. ``foam`` and ``fabric`` (n,) [mm] with their laws are the
+    ``sandwich``, ``plan`` (n, 2) the coordinates of thickness variation, -1 to 1 over the male. ``bend`` (n, 2, 2)
+    [mm/rad^2] is how the gains by tilt change with tilt where a female floats: the pressure has other arms when it has
+    turned.
     """
 
     openings: Array
@@ -49,6 +51,12 @@ class PressTable:
     plan: Array
     law: FoamLaw
     bend: Array
+    fabric_law: FoamLaw | None = None
+
+    @property
+    def sandwich(self) -> Sandwich:
+        """What is pressed at the vertices."""
+        return Sandwich(self.foam, self.fabric, self.law, self.fabric_law)
 
     def of(self, chosen: Ints) -> PressTable:
         """Return the table of some of the vertices."""
@@ -91,19 +99,15 @@ class PressTable:
         weights = (-b * c * d / 6.0, a * c * d / 2.0, -a * b * d / 2.0, a * b * c / 6.0)
         return np.asarray(sum(w * values[first + i] for i, w in enumerate(weights)))
 
-    def strain(self, gap: Array) -> Array:
-        """Return the compression of the foam in ``gap`` (..., n)."""
-        return np.maximum((self.foam + self.fabric - gap) / self.foam, 0.0)
-
     def force(self, openings: Array) -> Array:
         """Return the closing force (m,) [N] at ``openings``, of the law as it is."""
-        pressure = self.law.stress(self.strain(self.at(openings, self.gap)))
+        pressure = self.sandwich.pressure(self.at(openings, self.gap))
         return np.asarray(np.sum(pressure * self.at(openings, self.push), axis=1))
 
     @cached_property
     def first_touch(self) -> float:
         """The opening [mm] at which the sandwich is first touched."""
-        above = self.gap - (self.foam + self.fabric)
+        above = self.gap - self.sandwich.thickness
         over = above > 0.0
         index = np.clip(np.argmax(over, axis=0), 1, len(self.openings) - 1)
         n = np.arange(above.shape[1])
@@ -170,8 +174,9 @@ def press_table(closed: Closed, plan: Array, travel: float) -> tuple[PressTable,
         area=area,
         foam=np.broadcast_to(np.asarray(sandwich.foam, dtype=np.float64), (n,)).copy(),
         fabric=np.broadcast_to(np.asarray(sandwich.fabric, dtype=np.float64), (n,)).copy(),
-        plan=plan,
         law=sandwich.law,
+        fabric_law=sandwich.fabric_law,
+        plan=plan,
         bend=_bend(closed) if closed.case.floating else np.zeros((n, 2, 2)),
     )
     few = _summed(table)
@@ -202,7 +207,7 @@ def _bend(closed: Closed) -> Array:
 
 def _summed(table: PressTable) -> PressTable:
     """Return the vertices that ever bear, thinned to what the sum needs; their areas stand for those left out."""
-    bears = np.flatnonzero(np.min(table.gap, axis=0) < 1.3 * (table.foam + table.fabric))
+    bears = np.flatnonzero(np.min(table.gap, axis=0) < 1.3 * table.sandwich.thickness)
     if len(bears) <= _PLACES:
         return table.of(bears)
     # Band by band of height and around each band, so that every height and every side keep their share: a tilt that
@@ -230,7 +235,7 @@ def loads(table: PressTable, opening: float, tilt: Array) -> Array:
     at = np.array([opening])
     turns = np.stack([table.at(at, table.shift[:, :, i])[0] for i in (0, 1)], axis=1)
     bent = turns + 0.5 * table.bend @ tilt
-    pressure = table.law.stress(table.strain(table.at(at, table.gap)[0] + bent @ tilt))
+    pressure = table.sandwich.pressure(table.at(at, table.gap)[0] + bent @ tilt)
     force = float(pressure @ table.at(at, table.push)[0])
     # By virtual work: the pressure acts on how the gap changes with the turn.
     return np.array([force, *((pressure * table.area) @ (turns + table.bend @ tilt))])

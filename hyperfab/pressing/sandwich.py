@@ -106,9 +106,9 @@ class Sandwich:
         state = np.where(strain >= self.law.limit, int(State.BOTTOMED), state)
         return np.where(gap <= 0.0, int(State.INTERFERING), state)
 
-    def thinned(self, foam: Array, fabric: Array) -> Sandwich:
-        """The sandwich with its foam and its fabrics thinner by these factors (n,), as stretching over the mold
-        leaves them."""
+    def thinned(self, foam: Array | float, fabric: Array | float) -> Sandwich:
+        """The sandwich with its foam and its fabrics thinner by these factors, (n,) or numbers, as stretching over
+        the mold leaves them."""
         return replace(self, foam=self.foam * foam, fabric=self.fabric * fabric)
 
     def of_vertices(self, chosen: NDArray[np.int64]) -> Sandwich:

@@ -17,9 +17,6 @@ from hyperfab.chapters.close_loop.finalise import Extension
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact.inputs import ALUMINIUM
 from hyperfab.chapters.press_contact.result import Told
-from hyperfab.io.csv_table import read_table
-from hyperfab.io.csv_write import csv_bytes
-from hyperfab.io.inputs import Inputs
 from hyperfab.io.output import Output
 from hyperfab.io.toml_io import load_toml
 from hyperfab.io.units import quantity
@@ -29,7 +26,6 @@ from hyperfab.loop.press_reading import VARIATION
 
 #: Where the new sandwich is written.
 FOAM = ".model.foam.toml"
-_TABLE = ".model.foam.csv"
 
 
 def extend(
@@ -43,7 +39,7 @@ def extend(
     amounts = problem.amounts(fit.terms)
     files: dict[str, bytes] = {}
     _relocate(foam, os.path.dirname(name), str(out.path("").parent))
-    _stiffen(foam, job, name, own["foam.compression"], files, out)
+    _stiffen(foam, own["foam.compression"])
     thickness = quantity(foam["thickness"], "length") * own["foam.thickness"]
     foam["thickness"] = f"{thickness!r} mm"
     if case.gap is not None:
@@ -105,25 +101,12 @@ def _vary(foam: dict[str, Any], told: Told, amounts: Mapping[str, float]) -> Non
             section[term] = float(section.get(term, 0.0)) + coefficient
 
 
-def _stiffen(
-    foam: dict[str, Any], job: Job, name: str, factor: float, files: dict[str, bytes], out: Output
-) -> None:
-    """Scale the compression law, as a table of its own or by its moduli."""
-    law = foam["compression"]
-    if "table" in law:
-        # Named by its place as seen from the new document.
-        original = dict(load_toml(job.inputs.read(name), name))["compression"]["table"]
-        path = Inputs.beside(name, original)
-        table = read_table(job.inputs.read(path), path, {"strain": "dimensionless", "stress": "stress"})
-        rows = list(zip(table["strain"], factor * table["stress"], strict=True))
-        files[_TABLE] = csv_bytes(["strain [-]", "stress [MPa]"], rows)
-        law["table"] = out.path(_TABLE).name
-        return
-    for key in ("modulus", "plateau", "densification"):
-        if key in law:
-            law[key] = f"{factor * quantity(law[key], 'stress')!r} MPa"
-    if "mu" in law:
-        law["mu"] = [f"{factor * quantity(one, 'stress')!r} MPa" for one in law["mu"]]
+def _stiffen(foam: dict[str, Any], factor: float) -> None:
+    """Multiply what the sandwich answers to a closing: the stresses of all its laws."""
+    given = foam["compression"]
+    fabric = foam.get("fabric", {}).get("compression")
+    for law in [*(given if isinstance(given, list) else [given]), *([fabric] if fabric else [])]:
+        law["factor"] = factor * law.get("factor", 1.0)
 
 
 def _relaxation(

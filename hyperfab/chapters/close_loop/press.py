@@ -46,7 +46,7 @@ _OFF = 0.03
 
 def run(job: Job, given: Given) -> int:
     """Close the loop on a press document."""
-    out = job.opened(job.target, (*MODEL_SUFFIXES, FOAM, ".model.foam.csv", ".png", ".csv"))
+    out = job.opened(job.target, (*MODEL_SUFFIXES, FOAM, ".png", ".csv"))
     level = stated(given.noise, tuple(_KINDS))
     made = unchanged(earlier(PressCase, given.data, given.name))
     files = read_measured(given, lambda name: read_press(job, name, given.layout))

@@ -96,6 +96,10 @@ def thinning(law: FoamLaw, document: FoamDocument, name: str, fabric: np.ndarray
 
 
 def _law(job: Job, name: str, given: Law, temperature: float) -> FoamLaw:
+    return _plain_law(job, name, given, temperature).scaled(given.factor)
+
+
+def _plain_law(job: Job, name: str, given: Law, temperature: float) -> FoamLaw:
     if isinstance(given, LinearLaw):
         return foam_law.linear(given.modulus)
     if isinstance(given, PlateauLaw):
@@ -104,7 +108,7 @@ def _law(job: Job, name: str, given: Law, temperature: float) -> FoamLaw:
         return foam_law.hyperfoam(given.mu, given.alpha, given.nu)
     if isinstance(given, MaterialLaw):
         own = temperature if given.temperature is None else given.temperature
-        return _fitted_law(job, Inputs.beside(name, given.material), own).scaled(given.factor)
+        return _fitted_law(job, Inputs.beside(name, given.material), own)
     assert isinstance(given, TableLaw)
     return _table_law(job, Inputs.beside(name, given.table))
 
