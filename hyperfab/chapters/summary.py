@@ -11,6 +11,7 @@ from hyperfab.documents.base import document_class, parse_document
 from hyperfab.errors import InputError
 from hyperfab.io.json_io import load_json
 from hyperfab.io.output import write_stdout
+from hyperfab.report.bands import banded, made_of
 
 Plain = Mapping[str, Any]
 
@@ -24,7 +25,7 @@ def run(job: Job, case: SummaryCase) -> int:
         data = parse_document(loaded, name, document_class(kind)).to_json()
         job.ranges.taken(name, data)
         lines.append(f"{name} ({kind})")
-        lines += [f"  {line}" for line in _PARAGRAPHS[kind](data)]
+        lines += [f"  {line}" for line in paragraph(data)]
         pictures = [job.inputs.beside(name, file) for file in data.get("files", []) if file.endswith(".png")]
         lines += [f"  picture: {picture}" for picture in pictures]
     write_stdout(("\n".join(lines) + "\n").encode())
@@ -34,7 +35,7 @@ def run(job: Job, case: SummaryCase) -> int:
 
 def paragraph(data: Plain) -> list[str]:
     """Return what the document ``data`` says, a few lines."""
-    return list(_PARAGRAPHS[_kind(data, "-")](data))
+    return [*_PARAGRAPHS[_kind(data, "-")](data), *made_of(data)]
 
 
 def _kind(loaded: object, name: str) -> str:
@@ -77,8 +78,9 @@ def _misfit(data: Plain, figures: Plain) -> str:
 def _contact(data: Plain) -> Iterator[str]:
     if data["converged"]:
         yield (
-            f"force {data['force_N']:.4g} N, contact radius {data['contact_radius_mm']:.4g} mm, "
-            f"stretch up to {data['stretch_max']:.3f}, stress up to {data['stress_max_MPa']:.3g} MPa"
+            f"force {banded(data, 'force_N', 'N')}, contact radius {banded(data, 'contact_radius_mm', 'mm')}, "
+            f"stretch up to {banded(data, 'stretch_max', form='.3f')}, "
+            f"stress up to {banded(data, 'stress_max_MPa', 'MPa', form='.3g')}"
         )
     else:
         yield f"not converged: {data['status']}"
@@ -99,18 +101,19 @@ def _drape(data: Plain) -> Iterator[str]:
     slack = "slack springs" if data.get("sheet", "net") == "net" else "cells wrinkled or slack"
     yield f"stretched to {most:.3f} at most, along {along}{where}"
     yield (
-        f"{state}: {data['contact_nodes']} nodes on the mold{edges}, press force {data['force_N']:.4g} N, "
-        f"thinnest {data['thickness_min_mm']:.3f} mm, {data['slack_springs']} {slack}"
+        f"{state}: {data['contact_nodes']} nodes on the mold{edges}, press force {banded(data, 'force_N', 'N')}, "
+        f"thinnest {banded(data, 'thickness_min_mm', 'mm', form='.3f')}, {data['slack_springs']} {slack}"
     )
     yield (
-        f"stress up to {data['stress_warp_max_MPa']:.3g} MPa (warp), {data['stress_weft_max_MPa']:.3g} MPa (weft); "
+        f"stress up to {banded(data, 'stress_warp_max_MPa', 'MPa', form='.3g')} (warp), "
+        f"{banded(data, 'stress_weft_max_MPa', 'MPa', form='.3g')} (weft); "
         f"residual {data['residual_relative']:.1e}, deepest penetration {data['penetration_max_mm']:.2g} mm"
     )
 
 
 def _heat(data: Plain) -> Iterator[str]:
     if "warmup_time_s" in data:
-        yield f"warm-up in {data['warmup_time_s'] / 60:.1f} min"
+        yield f"warm-up in {banded(data, 'warmup_time_s', 'min', 1.0 / 60.0, '.1f')}"
     surface = data.get("work_surface", {})
     for moment, words in (("at_warmup", "at warm-up"), ("at_end", "at the end")):
         if moment in surface:
@@ -119,17 +122,19 @@ def _heat(data: Plain) -> Iterator[str]:
                 f"work surface {words}: {figures['mean_degC']:.1f} degC, "
                 f"spread ±{figures['spread_K'] / 2:.2f} K"
             )
-    energy = data["energy"]
+    data["energy"]
     yield (
-        f"energy {energy['supplied_J'] / 1e6:.2f} MJ, lost {energy['lost_J'] / 1e6:.2f} MJ, "
+        f"energy {banded(data, 'energy.supplied_J', 'MJ', 1e-6, '.2f')}, "
+        f"lost {banded(data, 'energy.lost_J', 'MJ', 1e-6, '.2f')}, "
         f"mass {data['mass_kg']:.1f} kg"
     )
 
 
 def _press(data: Plain) -> Iterator[str]:
     yield (
-        f"the molds touch on {100 * data['contact_fraction']:.1f} % ({data['contact_area_mm2']:.0f} mm2), "
-        f"force {data['force_N']:.4g} N, pressure up to {1e3 * data['pressure_max_MPa']:.3g} kPa"
+        f"the molds touch on {banded(data, 'contact_fraction', '%', 100.0, '.1f')} "
+        f"({banded(data, 'contact_area_mm2', 'mm2', form='.0f')}), "
+        f"force {banded(data, 'force_N', 'N')}, pressure up to {banded(data, 'pressure_max_MPa', 'kPa', 1e3, '.3g')}"
     )
     hot = any(
         data[mold]["temperature_degC"] != data["reference_temperature_degC"] for mold in ("male", "female")

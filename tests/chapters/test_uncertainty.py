@@ -159,9 +159,35 @@ def test_samples_agree_with_the_linear_answer_where_that_holds(made: Any) -> Non
 
 
 def test_a_drape_goes_with_all_stiffness(made: Any) -> None:
-    found = made(DRAPE, fabric_json=material(scaled(0.03)))
+    found = made(
+        (*DRAPE, "--tolerance", "1e-10", "--uncertainty", "linear"), fabric_json=material(scaled(0.03))
+    )
     for key in ("force_N", "energy_J", "stress_warp_max_MPa"):
-        assert relative(found, key) == pytest.approx(0.03, rel=1e-4)
+        assert relative(found, key) == pytest.approx(0.03, rel=1e-6)
+    slopes = found["uncertainty"]["quantities"]["force_N"]["sensitivities"]
+    total = sum(value * slopes[f"fabric.json: parameters.{name}"] for name, value in CONSTANTS.items())
+    assert total == pytest.approx(found["force_N"], rel=1e-6)
+
+
+@pytest.mark.parametrize("sheet", ["net", "membrane"])
+def test_the_sensitivities_of_a_drape_are_those_of_drapes_found_anew(made: Any, sheet: str) -> None:
+    words = (*DRAPE, "--tolerance", "1e-10", "--sheet", sheet)
+    found = made((*words, "--uncertainty", "linear"), fabric_json=material(scaled(0.03)))
+    bands = found["uncertainty"]["quantities"]
+    for name, value in CONSTANTS.items():
+        up, down = (
+            made(
+                (*words, "--uncertainty", "none"),
+                fabric_json=material(parameters=CONSTANTS | {name: value * by}),
+            )
+            for by in (1.005, 0.995)
+        )
+        for key in ("force_N", "energy_J"):
+            again = (up[key] - down[key]) / (0.01 * value)
+            # Nodes that come to the mold or leave it between the two are a difference's own error.
+            assert bands[key]["sensitivities"][f"fabric.json: parameters.{name}"] == pytest.approx(
+                again, rel=2e-3
+            )
 
 
 def test_warp_and_weft_are_sources_of_their_own(made: Any) -> None:

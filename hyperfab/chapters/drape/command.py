@@ -10,6 +10,7 @@ from hyperfab.cases.drape import DrapeCase
 from hyperfab.chapters.drape import files
 from hyperfab.chapters.drape.fabric import note_ranges
 from hyperfab.chapters.drape.model import Model, model_of, read_files
+from hyperfab.chapters.drape.nearby import beside
 from hyperfab.chapters.drape.result import document_of, judge, say, tears
 from hyperfab.chapters.drape.states import State, at_depths
 from hyperfab.chapters.job import Job
@@ -37,7 +38,13 @@ def run(job: Job, case: DrapeCase) -> int:
     if out.wants_files:
         files.write(out, model, found)
     if document.converged:
-        document.uncertainty = carry(job, case, document, lambda: _origins(job, case))
+        document.uncertainty = carry(
+            job,
+            case,
+            document,
+            lambda: _origins(job, case),
+            lambda origins: beside(job, model, found[-1], origins),
+        )
     job.write(out, document, case, thickness_mm=model.sheet.thickness)
     if document.converged:
         say(job, document)

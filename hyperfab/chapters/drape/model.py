@@ -128,9 +128,14 @@ def question(job: Job, case: DrapeCase, placed: PlacedMold) -> None:
 
 def model_of(case: DrapeCase, files: Files) -> Model:
     """Return the sheet and the mold that a case describes, with what its files hold."""
+    return Model(case, files, sheet_of(case, files), mold_of(files.placed.surface, files.placed.touching))
+
+
+def sheet_of(case: DrapeCase, files: Files) -> Sheet:
+    """Return the flat sheet that a case describes."""
     n, m = case.grid
     fabric = files.fabric
-    sheet = Sheet(
+    return Sheet(
         n,
         m,
         case.size,
@@ -144,7 +149,6 @@ def model_of(case: DrapeCase, files: Files) -> Model:
         holder=_holder(case),
         membrane=None if fabric.whole is None else fabric.whole.law,
     )
-    return Model(case, files, sheet, mold_of(files.placed.surface, files.placed.touching))
 
 
 def _shear(case: DrapeCase, files: Files) -> SpringLaw | None:

@@ -44,6 +44,8 @@ def origins_of(job: Job, case: ContactCase) -> Origins:
 class Beside:
     """What the figures become beside an equilibrium without friction, on its mesh."""
 
+    samples = 400
+
     def __init__(
         self, job: Job, case: ContactCase, geometry: Geometry, solved: Solved, origins: Origins
     ) -> None:

@@ -12,13 +12,13 @@ from hyperfab.arrays import Array
 from hyperfab.cases.place import put
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import rerun
-from hyperfab.chapters.uncertainty.shown import figure, shares
 from hyperfab.chapters.uncertainty.sources import Origins
 from hyperfab.documents.base import Document
 from hyperfab.documents.uncertainty import Band, Share, Uncertainty
 from hyperfab.errors import HyperfabError
 from hyperfab.numerics import propagation
 from hyperfab.numerics.propagation import LEVEL, Source
+from hyperfab.report.bands import figure, shares
 
 Figures = dict[str, float]
 #: What numbers of sources change by, by the number of the source.
@@ -43,14 +43,19 @@ FIGURES: dict[str, tuple[str, ...]] = {
 }  # fmt: skip
 #: Figures with less than this of themselves as standard deviation do not hang on the inputs.
 _NOTHING = 1e-7
-#: Runs drawn: where they are computed from an equilibrium near by, and where each is a run of its own.
-_NEAR, _WHOLE = 400, 64
+#: Runs drawn where each is a run of its own.
+_WHOLE = 64
 #: Samples of which more than this part fails say nothing of the rest.
 _FAILED = 0.1
 
 
 class Nearby(Protocol):
-    """A result whose neighbours are known without another run."""
+    """A result whose neighbours are known without another run; so many ``samples`` of them are drawn."""
+
+    @property
+    def samples(self) -> int:
+        """How many are drawn."""
+        ...
 
     def gradient(self) -> Mapping[str, Array]:
         """Return what each figure changes by with each number, source by source; figures it cannot say are absent."""
@@ -138,7 +143,7 @@ class Carried:
                     for name, band in bands.items()
                     if self._counts(name, band) and propagation.bent(band.sd, effects[name], bends[name])
                 ]
-                if not curved or self.case.uncertainty == "linear":
+                if not curved or self.near is None or self.case.uncertainty == "linear":
                     left_out += [
                         f"{name}: bends within one standard deviation; --uncertainty sampled"
                         for name in curved
@@ -178,7 +183,7 @@ class Carried:
         return effects, bends, slopes
 
     def _sampled(self, reason: str | None, left_out: list[str]) -> Uncertainty | None:
-        count = _NEAR if self.near is not None else _WHOLE
+        count = self.near.samples if self.near is not None else _WHOLE
         blocks = propagation.directions(self.sources)
         drawn = propagation.draws(self.sources, count)
         rows, kept = [], []

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 
 from hyperfab.errors import HyperfabError
+from hyperfab.report.page import sure
 from hyperfab.report.page.parts import Section, Source
 
 #: Kinds of document that have a section of their own.
@@ -26,6 +27,7 @@ def build(source: Source) -> Section:
     module = importlib.import_module(f"{__name__}.{source.kind}")
     try:
         section: Section = module.section(source)
+        section.parts += sure.parts(source)
     except (HyperfabError, KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
         reason = str(error) if isinstance(error, HyperfabError) else f"{type(error).__name__}: {error}"
         return Section("", None, f"Cannot be shown: {reason}. Make the document again with this hf.")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from hyperfab.report.bands import banded
 from hyperfab.report.page.charts import chart, line
 from hyperfab.report.page.parts import Figure, Section, Source, Table, facts, number, percent, setup
 from hyperfab.report.page.scenes import Field, views
@@ -41,11 +42,11 @@ def section(source: Source) -> Section:
         )
     )
     found.figures = [
-        Figure(number(data.get("force_N"), "N", 3).text, f"force on the {_punch(data)}"),
+        Figure(_force(data), f"force on the {_punch(data)}"),
         Figure(number(data.get("stretch_max"), "", 4).text, "greatest stretch of the sheet"),
     ]
     if data["converged"]:
-        found.claim = f"{number(data.get('force_N'), 'N', 3).text} push the {_punch(data)} into the sheet"
+        found.claim = f"{_force(data)} push the {_punch(data)} into the sheet"
     traces = [line("A", *_curve(data["force_depth"]), 0)]
     if other and other.get("force_depth"):
         traces.append(line("B", *_curve(other["force_depth"]), 1, dash="dash"))
@@ -99,3 +100,7 @@ def _number(data: Any, key: str, unit: str) -> Any:
 
 def _curve(pairs: list[Any]) -> tuple[list[float], list[float]]:
     return [pair[0] for pair in pairs], [pair[1] for pair in pairs]
+
+
+def _force(data: Any) -> str:
+    return "not computed" if data.get("force_N") is None else banded(data, "force_N", "N", form=".3g")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from hyperfab.report.bands import banded
 from hyperfab.report.page.charts import chart, line
 from hyperfab.report.page.parts import (
     Cell,
@@ -66,7 +67,7 @@ def section(source: Source) -> Section:
     most = number(100.0 * (_stretch(data) - 1.0), "%", 2).text
     found.figures = [
         Figure(most, f"greatest stretch, along {_way(data)}"),
-        Figure(number(data["thickness_min_mm"], "mm", 2).text, "thinnest place of the fabric"),
+        Figure(banded(data, "thickness_min_mm", "mm", form=".2g"), "thinnest place of the fabric"),
     ]
     if data["converged"]:
         found.claim = f"the draped fabric stretches by {most} at most"

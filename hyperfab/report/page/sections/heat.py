@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from hyperfab.report.bands import banded
 from hyperfab.report.page.charts import bars, chart, line
 from hyperfab.report.page.parts import Figure, Section, Source, columns, facts, floats, number, percent, setup
 from hyperfab.report.page.scenes import Field, views
@@ -53,9 +54,10 @@ def section(source: Source) -> Section:
         )
     )
     if minutes is not None:
-        found.figures.append(Figure(number(minutes, "min", 3).text, "warm-up of the mold"))
+        warmup = banded(data, "warmup_time_s", "min", 1.0 / 60.0, ".3g")
+        found.figures.append(Figure(warmup, "warm-up of the mold"))
         target = f" at {number(data['target_degC'], '°C').text}" if "target_degC" in data else " warm"
-        found.claim = f"the mold is{target} after {number(minutes, 'min', 3).text}"
+        found.claim = f"the mold is{target} after {warmup}"
     spread = warm.get("spread_K", surface.get("spread_K"))
     if spread is not None:
         found.figures.append(Figure(f"±{number(spread / 2, 'K', 2).text}", "evenness of the work surface"))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Any
 
+from hyperfab.report.bands import banded
 from hyperfab.report.page.charts import bars, chart, line
 from hyperfab.report.page.parts import (
     Figure,
@@ -38,14 +39,16 @@ def section(source: Source) -> Section:
     data = source.data
     found = Section("", *_verdict(data))
     hot = ", hot" if _is_hot(data) else ""
-    share = percent(data["contact_fraction"]).text
+    share = banded(data, "contact_fraction", "%", 100.0, ".3g")
     found.figures = [
         Figure(share, "of the molding surface touches"),
-        Figure(number(data["force_N"], "N", 3).text, "closing force"),
-        Figure(number(1000.0 * data["pressure_max_MPa"], "kPa", 2).text, "greatest pressure"),
+        Figure(banded(data, "force_N", "N", form=".3g"), "closing force"),
+        Figure(banded(data, "pressure_max_MPa", "kPa", 1000.0, ".2g"), "greatest pressure"),
     ]
     if data["converged"]:
-        found.claim = f"{share} of the molding surface touches under {number(data['force_N'], 'N', 3).text}"
+        found.claim = (
+            f"{share} of the molding surface touches under {banded(data, 'force_N', 'N', form='.3g')}"
+        )
     found.parts += views(
         source, "The male mold, as blue paint would show it.", "The male mold coloured by contact.", _FIELDS
     )

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from math import floor, log10
 from typing import Any
+
+from hyperfab.report.labels import title
 
 
 def figure(value: float, sd: float) -> str:
@@ -36,16 +38,28 @@ def shares(budget: Sequence[Any], most: int = 3) -> str:
     return ", ".join(f"{source} {100.0 * share:.0f} %" for source, share in parts[:most] if share >= 0.01)
 
 
-def banded(data: Mapping[str, Any], key: str, factor: float = 1.0, form: str = ".4g") -> str:
-    """Return a figure of a document for a sentence: rounded by its uncertainty where it has one.
+def banded(data: Mapping[str, Any], key: str, unit: str = "", factor: float = 1.0, form: str = ".4g") -> str:
+    """Return a figure of a document for a sentence, rounded by its uncertainty where it has one, with its unit.
 
-    >>> banded({"force_N": 41.76324}, "force_N")
-    '41.76'
-    >>> banded({"force_N": 41.76324, "uncertainty": {"quantities": {"force_N": {"sd": 1.5}}}}, "force_N")
-    '41.8 ± 1.5'
+    >>> banded({"force_N": 41.76324}, "force_N", "N")
+    '41.76 N'
+    >>> banded({"force_N": 41.76324, "uncertainty": {"quantities": {"force_N": {"sd": 1.5}}}}, "force_N", "N")
+    '41.8 ± 1.5 N'
     """
     value: Any = data
     for step in key.split("."):
         value = value[step]
-    band = data.get("uncertainty", {}).get("quantities", {}).get(key)
-    return format(factor * value, form) if band is None else figure(factor * value, factor * band["sd"])
+    band = _bands(data).get(key)
+    text = format(factor * value, form) if band is None else figure(factor * value, factor * band["sd"])
+    return f"{text} {unit}".strip()
+
+
+def made_of(data: Mapping[str, Any]) -> Iterator[str]:
+    """Yield a line on what the first figure's uncertainty is made of; none where the document has no uncertainty."""
+    for key, band in list(_bands(data).items())[:1]:
+        yield f"uncertainty of {title(key)}: {shares(band['budget'])} ({data['uncertainty']['method']}, ± one sd)"
+
+
+def _bands(data: Mapping[str, Any]) -> Mapping[str, Any]:
+    found: Mapping[str, Any] = (data.get("uncertainty") or {}).get("quantities", {})
+    return found

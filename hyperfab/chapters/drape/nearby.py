@@ -1,0 +1,98 @@
+"""The neighbours of a draped sheet, for how sure its figures are."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from hyperfab.cases.drape import DrapeCase
+from hyperfab.chapters.drape.fabric import read_fabric
+from hyperfab.chapters.drape.model import Model, sheet_of
+from hyperfab.chapters.drape.states import State
+from hyperfab.chapters.job import Job
+from hyperfab.chapters.rerun import Listener, Overlay
+from hyperfab.chapters.uncertainty.carry import Changes, Figures
+from hyperfab.chapters.uncertainty.sources import Origins, Setting
+from hyperfab.cloth import Sheet
+from hyperfab.cloth.law import Floats
+from hyperfab.cloth.sensitivity import Neighbourhood
+
+#: Options that change the sheet's law alone.
+_OF_THE_LAW = ("thickness_mm", "shear_modulus_MPa", "temperature_degC", "mass_g_m2")
+#: Steps of differences, over a standard deviation.
+_STEP = 0.05
+
+
+class Beside:
+    """What the figures become beside an equilibrium without friction: nodes move along the tangent there."""
+
+    samples = 100
+
+    def __init__(self, job: Job, model: Model, state: State, origins: Origins) -> None:
+        self._job, self._model, self._origins = job, model, origins
+        self._near = Neighbourhood(model.sheet, state.mold, state.found)
+        self._moves: list[Floats] = []
+
+    def gradient(self) -> Mapping[str, Floats]:
+        """Return what each figure changes by with each number, source by source."""
+        slopes: dict[str, list[float]] = {}
+        self._moves = []
+        for index, one in enumerate(self._origins.found):
+            sd = np.sqrt(np.diag(one.source.covariance))
+            for place in range(len(one.numbers)):
+                unit, step = np.eye(len(one.numbers))[place], _STEP * float(sd[place])
+
+                def sheet(change: float, index: int = index, unit: Floats = unit) -> Sheet:
+                    return self._sheet({index: change * unit})
+
+                move = self._near.move(sheet, step)
+                self._moves.append(move)
+                up, down = (self._figures(sheet(way * step), way * step * move) for way in (1.0, -1.0))
+                for name in up:
+                    slopes.setdefault(name, []).append((up[name] - down[name]) / (2.0 * step))
+        return {name: np.array(values) for name, values in slopes.items()}
+
+    def at(self, changes: Changes) -> Figures:
+        """Return the figures with numbers changed."""
+        if not self._moves:
+            self.gradient()
+        amounts = np.concatenate(
+            [
+                np.asarray(changes.get(k, np.zeros(len(one.numbers))))
+                for k, one in enumerate(self._origins.found)
+            ]
+        )
+        moved = np.tensordot(amounts, np.array(self._moves), axes=1)
+        return self._figures(self._sheet(changes), moved)
+
+    def _sheet(self, changes: Changes) -> Sheet:
+        inputs = self._job.inputs
+        moved = self._origins.changed(self._model.case, inputs, {k: list(v) for k, v in changes.items()})
+        case: DrapeCase = moved.case  # type: ignore[assignment]
+        given = dict(moved.files)
+        if case.material == "-":
+            given.setdefault("-", inputs.read("-"))
+        fabric = read_fabric(Job(self._job.command, (), Listener(), Overlay(given)), case)
+        return sheet_of(case, replace(self._model.files, fabric=fabric))
+
+    def _figures(self, sheet: Sheet, moved: Floats) -> Figures:
+        fields = self._near.answers(sheet, moved)
+        found = {
+            "force_N": fields.press_force,
+            "stress_warp_max_MPa": float(fields.stress_warp.max()),
+            "stress_weft_max_MPa": float(fields.stress_weft.max()),
+            "stretch_max": fields.stretch_max,
+            "thickness_min_mm": float(fields.cell_thickness.min()),
+            "energy_J": 1e-3 * fields.spring_energy,
+        }
+        return found if fields.cells is None else found | {"stress_max_MPa": float(fields.cells.cauchy.max())}
+
+
+def beside(job: Job, model: Model, state: State, origins: Origins) -> Beside | None:
+    """Return the neighbours of the last state; None where they hang on the way there, or on the mold's place."""
+    settings = [number.path for number in origins.numbers if isinstance(number, Setting)]
+    if model.case.rubs or not set(settings) <= set(_OF_THE_LAW):
+        return None
+    return Beside(job, model, state, origins)

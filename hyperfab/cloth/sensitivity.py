@@ -1,0 +1,68 @@
+"""What a draped sheet changes by with its law: the tangent at the answer, and one solve a number.
+
+At the answer the forces that the mold leaves to each node are zero, r = Q f(x; p) = 0. Other constants leave Q df/dp,
+and the nodes move by K dx/dp = Q df/dp with the tangent K there, each node in the subspace Q that its contact allows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from .answers import Answers, answers
+from .balance import Balance
+from .law import Floats
+from .linear import Solver, Tangent
+from .mold import Mold
+from .multigrid import project
+from .net import Sheet
+from .state import Equilibrium
+
+#: The tangent's systems are solved so well: figures are then right to about as much.
+_SOLVED, _MOST = 1e-9, 400
+#: Slack springs keep this part of the stiffest spring's stiffness, so that their nodes have some.
+_FLOOR = 1e-9
+
+
+class Neighbourhood:
+    """An equilibrium without friction on a ``mold``, and those beside it with the same contact."""
+
+    def __init__(self, sheet: Sheet, mold: Mold, found: Equilibrium) -> None:
+        self._mold, self._found = mold, found
+        self._balance = Balance(sheet, mold, 1e-6)
+        state = found.state.copy()
+        self._balance.before = state.slot.copy()
+        self._balance.forces(state)
+        self._balance.settle(state)
+        self._tangent = Tangent.empty(sheet.n, sheet.m, self._balance.model.directions, self._balance.q)
+        self._balance.model.tangent(state.x, _FLOOR * self._balance.stiffness, self._tangent)
+        self._solver = Solver(sheet.n, sheet.m, self._balance.model.directions)
+
+    def move(self, sheet: Callable[[float], Sheet], step: float) -> Floats:
+        """Return how the nodes move (n, m, 3) with a number; ``sheet`` gives the sheet with the number changed."""
+        up, down = (self._forces(sheet(way * step), self._found.state.x) for way in (1.0, -1.0))
+        right = (up.f - down.f) / (2.0 * step)
+        project(self._balance.q, right)
+        moved = np.zeros_like(right)
+        self._solver(self._tangent, right, moved, _SOLVED, _MOST)
+        return moved
+
+    def answers(self, sheet: Sheet, moved: Floats) -> Answers:
+        """Return what another sheet answers with its nodes moved (n, m, 3), as balanced."""
+        x = self._found.state.x + moved
+        there = self._forces(sheet, x)
+        project(
+            self._balance.q, there.f
+        )  # what the contact leaves of them is none: the rest is of mold and clamps
+        unbalanced = there.f.copy()
+        there.forces(replace(self._found.state.copy(), x=x))
+        there.r = unbalanced
+        return answers(sheet, self._mold, there.ended(replace(self._found.state.copy(), x=x), "", []))
+
+    def _forces(self, sheet: Sheet, x: Floats) -> Balance:
+        found = Balance(sheet, self._mold, 1e-6)
+        found.model.straight = self._balance.model.straight
+        found.forces(replace(self._found.state.copy(), x=x))
+        return found

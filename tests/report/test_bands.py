@@ -1,0 +1,61 @@
+"""Figures with their uncertainty, as people read them: rounded by it, and what it is made of."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from hyperfab.chapters.summary import paragraph
+from hyperfab.errors import InputError
+from hyperfab.report.bands import figure
+from hyperfab.report.page.parts import Chart, Source, Table
+from hyperfab.report.page.sections import build
+
+CONTACT: dict[str, Any] = {
+    "format": "hyperfab.contact/1", "converged": True, "force_N": 41.76324, "contact_radius_mm": 30.12, "energy_J": 0.4,
+    "stretch_max": 1.5, "stress_max_MPa": 0.31, "force_depth": [[0.0, 0.0], [60.0, 41.76324]],
+    "stability": {"stable": True}, "setup": {}, "newton_iterations": 5, "unknowns": 900,
+    "uncertainty": {
+        "level": 0.95, "method": "linear", "left_out": ["the comparison with --against"],
+        "quantities": {
+            "force_N": {"sd": 1.4987, "low": 38.83, "high": 44.7, "budget": [
+                {"source": "fabric.json: constants of warp, 3 specimens", "share": 0.9},
+                {"source": "thickness_mm", "share": 0.1},
+            ]},
+        },
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("value", "sd", "shown"),
+    [(41.76324, 1.4987, "41.8 ± 1.5"), (41.76324, 3.2, "42 ± 3"), (3021.7, 64.0, "3020 ± 60"),
+     (0.30751, 0.00955, "0.308 ± 0.010"),
+     (0.30751, 0.0096, "0.308 ± 0.010"), (12.0, 0.0, "12")],
+)  # fmt: skip
+def test_a_figure_is_rounded_by_its_standard_deviation(value: float, sd: float, shown: str) -> None:
+    assert figure(value, sd) == shown
+
+
+def test_the_summary_tells_the_band_and_what_it_is_made_of() -> None:
+    lines = paragraph(CONTACT)
+    assert "force 41.8 ± 1.5 N, contact radius 30.12 mm" in lines[0]
+    assert "constants of warp, 3 specimens 90 %, thickness_mm 10 %" in lines[-1]
+    bare = {key: value for key, value in CONTACT.items() if key != "uncertainty"}
+    assert "force 41.76 N" in paragraph(bare)[0]
+    assert not any("uncertainty" in line for line in paragraph(bare))
+
+
+def test_the_page_shows_bands_and_budget() -> None:
+    def gone(name: str) -> bytes:
+        raise InputError("is gone", file=name)
+
+    section = build(Source("contact.json", "contact", "0" * 64, CONTACT, gone))
+    assert section.figures[0].text == "41.8 ± 1.5 N"
+    table = next(
+        one for one in section.parts if isinstance(one, Table) and one.caption.startswith("How sure")
+    )
+    assert [cell.text for cell in table.rows[0]][:2] == ["force, N", "41.8 ± 1.5 N"]
+    picture = next(one for one in section.parts if isinstance(one, Chart) and "made of" in one.caption)
+    assert [trace["y"] for trace in picture.data] == [[90.0], [pytest.approx(10.0)]]
