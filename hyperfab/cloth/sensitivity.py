@@ -11,9 +11,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from hyperfab.arrays import Array
+
 from .answers import Answers, answers
 from .balance import Balance
-from .law import Floats
 from .linear import Solver, Tangent
 from .mold import Mold
 from .multigrid import project
@@ -40,7 +41,7 @@ class Neighbourhood:
         self._balance.model.tangent(state.x, _FLOOR * self._balance.stiffness, self._tangent)
         self._solver = Solver(sheet.n, sheet.m, self._balance.model.directions)
 
-    def move(self, sheet: Callable[[float], Sheet], step: float) -> Floats:
+    def move(self, sheet: Callable[[float], Sheet], step: float) -> Array:
         """Return how the nodes move (n, m, 3) with a number; ``sheet`` gives the sheet with the number changed."""
         up, down = (self._forces(sheet(way * step), self._found.state.x) for way in (1.0, -1.0))
         right = (up.f - down.f) / (2.0 * step)
@@ -49,7 +50,7 @@ class Neighbourhood:
         self._solver(self._tangent, right, moved, _SOLVED, _MOST)
         return moved
 
-    def answers(self, sheet: Sheet, moved: Floats) -> Answers:
+    def answers(self, sheet: Sheet, moved: Array) -> Answers:
         """Return what another sheet answers with its nodes moved (n, m, 3), as balanced."""
         x = self._found.state.x + moved
         there = self._forces(sheet, x)
@@ -61,7 +62,7 @@ class Neighbourhood:
         there.r = unbalanced
         return answers(sheet, self._mold, there.ended(replace(self._found.state.copy(), x=x), "", []))
 
-    def _forces(self, sheet: Sheet, x: Floats) -> Balance:
+    def _forces(self, sheet: Sheet, x: Array) -> Balance:
         found = Balance(sheet, self._mold, 1e-6)
         found.model.straight = self._balance.model.straight
         found.forces(replace(self._found.state.copy(), x=x))

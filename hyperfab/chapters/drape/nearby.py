@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.cases.drape import DrapeCase
 from hyperfab.chapters.drape.fabric import read_fabric
 from hyperfab.chapters.drape.model import Model, sheet_of
@@ -16,7 +17,6 @@ from hyperfab.chapters.rerun import Listener, Overlay
 from hyperfab.chapters.uncertainty.carry import Changes, Figures
 from hyperfab.chapters.uncertainty.sources import Origins, Setting
 from hyperfab.cloth import Sheet
-from hyperfab.cloth.law import Floats
 from hyperfab.cloth.sensitivity import Neighbourhood
 
 #: Options that change the sheet's law alone.
@@ -33,9 +33,9 @@ class Beside:
     def __init__(self, job: Job, model: Model, state: State, origins: Origins) -> None:
         self._job, self._model, self._origins = job, model, origins
         self._near = Neighbourhood(model.sheet, state.mold, state.found)
-        self._moves: list[Floats] = []
+        self._moves: list[Array] = []
 
-    def gradient(self) -> Mapping[str, Floats]:
+    def gradient(self) -> Mapping[str, Array]:
         """Return what each figure changes by with each number, source by source."""
         slopes: dict[str, list[float]] = {}
         self._moves = []
@@ -44,7 +44,7 @@ class Beside:
             for place in range(len(one.numbers)):
                 unit, step = np.eye(len(one.numbers))[place], _STEP * float(sd[place])
 
-                def sheet(change: float, index: int = index, unit: Floats = unit) -> Sheet:
+                def sheet(change: float, index: int = index, unit: Array = unit) -> Sheet:
                     return self._sheet({index: change * unit})
 
                 move = self._near.move(sheet, step)
@@ -77,7 +77,7 @@ class Beside:
         fabric = read_fabric(Job(self._job.command, (), Listener(), Overlay(given)), case)
         return sheet_of(case, replace(self._model.files, fabric=fabric))
 
-    def _figures(self, sheet: Sheet, moved: Floats) -> Figures:
+    def _figures(self, sheet: Sheet, moved: Array) -> Figures:
         fields = self._near.answers(sheet, moved)
         found = {
             "force_N": fields.press_force,
@@ -93,6 +93,6 @@ class Beside:
 def beside(job: Job, model: Model, state: State, origins: Origins) -> Beside | None:
     """Return the neighbours of the last state; None where they hang on the way there, or on the mold's place."""
     settings = [number.path for number in origins.numbers if isinstance(number, Setting)]
-    if model.case.rubs or not set(settings) <= set(_OF_THE_LAW):
+    if model.case.has_friction or not set(settings) <= set(_OF_THE_LAW):
         return None
     return Beside(job, model, state, origins)
