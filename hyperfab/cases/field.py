@@ -58,7 +58,7 @@ class Setting:
         if not isinstance(kind, File) or value is None:
             return []
         names = [value] if isinstance(value, str) else value
-        return [kind.parted(name)[0] for name in names if name not in kind.besides]
+        return [kind.parted(name)[0] for name in names if kind.names(name)]
 
     @property
     def spoken(self) -> str:

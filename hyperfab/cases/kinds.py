@@ -193,6 +193,36 @@ class File(Text):
         found = re.fullmatch(r"(.+\.(?:json|xlsx))(:[^/\\:]+)", name)
         return (name, "") if found is None else (found[1], found[2])
 
+    def names(self, text: str) -> bool:
+        """Return whether a value is the name of a file."""
+        return text not in self.besides
+
+
+@dataclass(frozen=True)
+class AmountOrFile(File):
+    """A quantity, ``4mm``, or the file that says it place by place.
+
+    >>> kind = AmountOrFile(item=Amount("length", "4mm", above=0.0))
+    >>> kind.names("wanted.csv"), kind.names("0.4 cm"), kind.amount("0.4 cm", "--wanted")
+    (True, False, 4.0)
+    """
+
+    item: Amount = Amount("length", "4mm")
+
+    def read(self, text: Any, option: str) -> str:
+        """Return the text; a quantity must be one of the right kind."""
+        if not self.names(str(text)):
+            self.amount(text, option)
+        return str(text)
+
+    def names(self, text: str) -> bool:
+        """Return whether it is the name of a file: a quantity begins with a number and has no ending of a file."""
+        return re.match(r"\s*[-+]?\.?\d", text) is None or text.lower().endswith((".csv", ".xlsx"))
+
+    def amount(self, text: str, option: str) -> float | None:
+        """Return the quantity; None where it is a file's name."""
+        return None if self.names(text) else self.item.read(text, option)
+
 
 @dataclass(frozen=True)
 class Flag(Kind):

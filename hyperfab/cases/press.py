@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 
 from hyperfab.cases.case import Case
-from hyperfab.cases.field import amount, choice, file, flag, series, stl_unit, uncertainty, whole
-from hyperfab.cases.kinds import Amount
+from hyperfab.cases.field import amount, choice, file, flag, series, setting, stl_unit, uncertainty, whole
+from hyperfab.cases.kinds import Amount, AmountOrFile
 from hyperfab.errors import UsageError
 
 
@@ -91,6 +91,14 @@ class PressCase(Case):
         "length", "LENGTH", "Also write the male that leaves this hot gap everywhere, as STL.", example="2mm",
         above=0.0,
     )  # fmt: skip
+    wanted: str | None = setting(
+        AmountOrFile(item=Amount("length", "3mm", above=0.0)), "LENGTH|FILE.csv",
+        "Formed thickness that is wanted: a length, or x, y, z [mm] and thickness [mm] in a file; needs --dwell.",
+    )  # fmt: skip
+    within: float = amount(
+        "length", "LENGTH", "The area that misses the wanted thickness by more is told.", "0.1mm", above=0.0
+    )
+    compensate: bool = flag("Change the male until what is formed is what is wanted, and write it as STL.")
     facets: str = choice(
         "KIND",
         "STL facets stand for a smooth surface, or are flat: smooth or flat.",
@@ -118,6 +126,12 @@ class PressCase(Case):
 
             if math.hypot(*self.tilt) > MOST_TILT_DEG:
                 raise UsageError(f"--tilt: a press does not tilt by more than {MOST_TILT_DEG:g} deg")
+        if self.wanted is not None and self.dwell is None:
+            raise UsageError(
+                "--wanted is the formed thickness, which needs the time the press stays closed: give --dwell"
+            )
+        if self.compensate and self.wanted is None:
+            raise UsageError("--compensate needs what is wanted: give --wanted 3mm")
         if self.force_at is not None and not self.floating:
             raise UsageError("--force-at says where a floating mold is pushed: add --float")
         if self.floating and self.tilt is not None and any(self.tilt):

@@ -149,6 +149,14 @@ def _compressions(value: object) -> object:
 Compressions = Annotated[Compression | list[Compression], BeforeValidator(_compressions)]
 
 
+def _molar(value: object) -> float:
+    """Return an energy a mole [J/mol], above 0."""
+    words = value.replace(" ", "") if isinstance(value, str) else ""
+    if not words.endswith("/mol"):
+        raise ValueError(f'{value} is no energy a mole; write "95 kJ/mol"')
+    return parsed("energy", 0.0, open_end=True)(words.removesuffix("/mol"))
+
+
 def _layer(value: object) -> object:
     if isinstance(value, str) and value.endswith(".json"):
         return value
@@ -263,6 +271,43 @@ Conductance = Annotated[
 ]
 
 
+class MeasuredSet(Section):
+    """Tests of the foam's set: temperature [degC], dwell [s] and set [-], or before, pressed and after [mm]; the two
+    constants of an Arrhenius law are identified from them."""
+
+    measured: str
+
+
+class ArrheniusSet(Section):
+    """1 - exp(-integral of rate exp(-activation / R T) dt)."""
+
+    rate: Annotated[float, PlainValidator(parsed("rate", 0.0, open_end=True)), written("rate")]
+    activation: Annotated[
+        float,
+        PlainValidator(_molar),
+        PlainSerializer(lambda v: f"{v!r} J/mol", return_type=str),
+        WithJsonSchema({"type": "string", "description": "an energy a mole", "examples": ["95 kJ/mol"]}),
+    ]
+
+
+_SETS: dict[str, type[Section]] = {
+    "table": TableFile, "measured": MeasuredSet, "rate": ArrheniusSet, "activation": ArrheniusSet
+}  # fmt: skip
+
+
+def _set(value: object) -> object:
+    """Choose the kind of set law by its key, so that the message speaks of that law alone."""
+    if not isinstance(value, dict):
+        return value
+    key = next((key for key in _SETS if key in value), None)
+    if key is None:
+        raise ValueError(
+            'write 0.7, { table = "set.csv" }, { measured = "set.csv" } or '
+            '{ rate = "3e8 1/s", activation = "95 kJ/mol" }'
+        )
+    return _SETS[key].model_validate(value)
+
+
 class ExpansionSection(Section):
     """Linear thermal expansion of the molds; where left out, that of aluminium 6061."""
 
@@ -293,6 +338,10 @@ class FoamDocument(HandWritten):
     )
     contact_conductance: Conductance | None = None
     fabric: Fabric = Fabric()
+    set: Annotated[
+        Annotated[float, Field(ge=0.0, le=1.0)] | TableFile | MeasuredSet | ArrheniusSet | None,
+        BeforeValidator(_set),
+    ] = None
     shrinkage: Shrinkage = Shrinkage()
     relaxation: Relaxation = Relaxation()
     variation: Variation = Variation()
@@ -304,6 +353,14 @@ class FoamDocument(HandWritten):
     def laws(self) -> list[Law]:
         """Compression laws of the foam: one, or one a temperature, rising."""
         return list(self.compression) if isinstance(self.compression, list) else [self.compression]
+
+    @model_validator(mode="after")
+    def _one_thing_stays(self) -> FoamDocument:
+        if self.set is not None and self.shrinkage.recovery is not None:
+            raise ValueError(
+                "set and shrinkage.recovery both say what stays when the press opens: give one of them"
+            )
+        return self
 
     @model_validator(mode="after")
     def _dwell_is_known(self) -> FoamDocument:

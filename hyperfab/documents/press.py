@@ -120,6 +120,70 @@ class WarmingPart(Part):
     reached_fraction: float | None = Field(default=None, description="area that passes it within the dwell")
 
 
+class SetPart(Part):
+    """How much of the foam's strain stays."""
+
+    law: str = Field(description="share, table or arrhenius")
+    source: str
+    rate_1_s: float | None = None
+    activation_J_mol: float | None = None
+    rms: float | None = Field(
+        default=None, description="of the measured shares about the law identified from them"
+    )
+    share_min: float = Field(description="over the area where the sandwich is pressed")
+    share_mean: float
+    share_max: float
+
+
+class FormedPart(Part):
+    """The sandwich when the press has opened, over the molding surface."""
+
+    thickness_min_mm: float
+    thickness_mean_mm: float
+    thickness_max_mm: float
+    thinnest_at_mm: Place
+    springback_mean_mm: float = Field(description="formed thickness less that in the closed press")
+    springback_max_mm: float
+    set: SetPart
+
+
+class WantedPart(Part):
+    """The formed thickness beside the wanted one, over the molding surface."""
+
+    wanted_min_mm: float
+    wanted_max_mm: float
+    worst_mm: float = Field(description="formed less wanted where they differ most")
+    worst_at_mm: Place
+    rms_mm: float
+    tolerance_mm: float
+    outside_area_fraction: float = Field(description="area that misses by more than the tolerance")
+
+
+class CompensationStep(Part):
+    """One male that was tried."""
+
+    worst_mm: float
+    rms_mm: float
+
+
+class CompensationPart(Part):
+    """The male that was changed until the product is what is wanted, and written as STL."""
+
+    converged: bool
+    iterations: int
+    history: list[CompensationStep] = Field(
+        description="formed less wanted: of the male as given, of that of a constant gap, then after each iteration"
+    )
+    wanted: WantedPart = Field(description="with the last male")
+    clearance_to_set_mm: float = Field(description="cold, with which the female stands where it stood: --gap")
+    gap_min_mm: float
+    gap_max_mm: float
+    facets: int
+    unreached_area_fraction: float = Field(
+        description="area where no gap forms what is wanted: it is thicker than the sandwich, or too little sets"
+    )
+
+
 class PressDocument(Document):
     """The result of ``hf press-contact``."""
 
@@ -196,6 +260,13 @@ class PressDocument(Document):
         default=None,
         description="of the sandwich when the press has opened; absent where no recovery of the foam is given",
     )
+    formed: FormedPart | None = Field(
+        default=None, description="of the sandwich after --dwell; absent where no set of the foam is given"
+    )
+    wanted: WantedPart | None = Field(
+        default=None, description="what was asked for (--wanted), and what is formed"
+    )
+    compensation: CompensationPart | None = None
     warming: WarmingPart | None = Field(default=None, description="temperature of the sandwich (--dwell)")
     chord_error_mm: float = Field(
         description="how far the facets stand off the smooth molds (95 % of the area)"

@@ -16,8 +16,9 @@ from hyperfab.surface import Surface
 
 #: The male must look up by at least this much, or it cannot be drawn out of the part.
 _DRAFT = 0.0
-#: An offset that comes nearer to the female than asked for, by this share, has folded over itself.
-_FOLDED = 0.01
+#: An offset that comes nearer to the female than asked for, by this share, has folded over itself; of a gap that
+#: changes from place to place, more: it is less than what is asked for along the normal, by its slope.
+_FOLDED, _FOLDED_UNEVEN = 0.01, 0.1
 
 
 @dataclass(frozen=True)
@@ -30,8 +31,8 @@ class Design:
     spread: float
 
 
-def constant_gap(female: Mold, gap: float) -> Design:
-    """Return the male that leaves ``gap`` [mm] to the (hot) female everywhere.
+def constant_gap(female: Mold, gap: float | Array) -> Design:
+    """Return the male that leaves ``gap`` [mm] to the (hot) female everywhere, or (n,) at each vertex of its front.
 
     Every vertex of the female's front is moved by the gap along the smooth surface's normal. Raises InputError with
     the place where the offset folds over itself (the female is hollowed more sharply than the gap allows) or would
@@ -39,14 +40,19 @@ def constant_gap(female: Mold, gap: float) -> Design:
     """
     used, faces = np.unique(female.front.faces, return_inverse=True)
     front = Surface(female.vertices[used], faces.reshape(-1, 3))
-    vertices = front.vertices + gap * smooth_normals(front)
+    each = np.broadcast_to(np.asarray(gap, dtype=float), len(used))
+    vertices = front.vertices + each[:, None] * smooth_normals(front)
     male = Surface(vertices, front.faces[:, ::-1])
     turned = (male.normals * front.normals).sum(axis=1) >= 0.0
     _refuse(turned, front, "folds over itself")
     _refuse(male.normals[:, 2] <= _DRAFT, front, "is undercut")
     found = nearest_gap(vertices, female).nearest
-    near = (found < (1.0 - _FOLDED) * gap)[front.faces].any(axis=1)
-    _refuse(np.asarray(near), front, f"comes nearer to the female than {gap:g} mm and would cut into itself")
+    folded = _FOLDED if np.ndim(gap) == 0 else _FOLDED_UNEVEN
+    near = (found < (1.0 - folded) * each)[front.faces].any(axis=1)
+    least = float(each.min())
+    _refuse(
+        np.asarray(near), front, f"comes nearer to the female than {least:g} mm and would cut into itself"
+    )
     return Design(vertices, male.faces, float(np.ptp(found)))
 
 

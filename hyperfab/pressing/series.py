@@ -16,6 +16,8 @@ from hyperfab.pressing.foam_law import FoamLaw
 _LEVEL = 1e-9
 #: How far beyond its limit a law is followed along its last slope [-]; two bare molds are nowhere near.
 _BEYOND = 10.0
+#: Strain near which layers without any resistance count as flat.
+_NEARLY_FLAT = 0.998
 
 
 @dataclass(frozen=True)
@@ -86,6 +88,8 @@ def together(layers: Sequence[tuple[float, FoamLaw | None]]) -> FoamLaw | None:
     >>> stack = together([(1.0, foam_law.linear(0.1)), (3.0, None)])
     >>> round(stack.stress(0.125).item(), 8)
     0.05
+    >>> round(together([(1.0, foam_law.linear(0.1)), (2.0, foam_law.linear(0.1))]).stress(0.5).item(), 8)
+    0.05
     """
     soft = [(_straight(law), thick) for thick, law in layers if law is not None and thick > 0.0]
     if not soft:
@@ -94,9 +98,13 @@ def together(layers: Sequence[tuple[float, FoamLaw | None]]) -> FoamLaw | None:
     last = max(one[1][-2] for one, _ in soft)
     pressure = np.unique(np.concatenate([one[1] for one, _ in soft]))
     pressure = pressure[pressure <= last]
-    strain = sum(thick / whole * np.interp(pressure, one[1], one[0]) for one, thick in soft)
-    kept = np.append(True, np.diff(strain) > 0.0) & (np.asarray(strain) < 1.0)
-    return foam_law.table(np.asarray(strain)[kept], pressure[kept])
+    strain = np.asarray(sum(thick / whole * np.interp(pressure, one[1], one[0]) for one, thick in soft))
+    kept = np.append(True, np.diff(strain) > 0.0) & (strain < 1.0)
+    if strain[-1] >= 1.0:  # laws that go down to nothing: a table ends a little before
+        end = 0.5 * (1.0 + max(float(strain[kept][-1]), _NEARLY_FLAT))
+        pressure = np.append(pressure[kept], np.interp(end, strain, pressure))
+        return foam_law.table(np.append(strain[kept], end), pressure)
+    return foam_law.table(strain[kept], pressure[kept])
 
 
 def _straight(law: FoamLaw) -> tuple[Array, Array]:

@@ -106,3 +106,52 @@ def _force(axes: Any, curve: Array) -> None:
     axes.set_xlabel("stroke from first touch [mm]")
     axes.set_ylabel("closing force [N]")
     axes.grid(alpha=0.3)
+
+
+@dataclass(frozen=True)
+class FormedMold:
+    """What stays when the press opens, in the press frame: ``vertices`` (n, 3), ``faces`` (m, 3) that mold, the formed
+    ``thickness`` (n,) [mm] and, where one is wanted, by how much it is ``off`` (n,) [mm]."""
+
+    vertices: Array
+    faces: NDArray[np.int64]
+    thickness: Array
+    off: Array | None
+    axes: tuple[str, str]
+
+
+def formed_map(mold: FormedMold, title: str) -> bytes:
+    """Return a PNG: the formed thickness seen along the closing axis, and what it misses the wanted one by."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from matplotlib.tri import Triangulation
+
+    shown: list[tuple[str, Array, str, float | None]] = [
+        ("formed thickness [mm]", mold.thickness, "viridis", None)
+    ]
+    used = np.unique(mold.faces)
+    if mold.off is not None:
+        farthest = max(float(np.abs(mold.off[used]).max()), 1e-6)
+        shown.append(("formed less wanted [mm]", mold.off, "RdBu_r", farthest))
+    figure = Figure(figsize=(5.8 * len(shown), 5.2), dpi=110, layout="constrained")
+    FigureCanvasAgg(figure)
+    order = np.argsort(mold.vertices[mold.faces, 2].mean(axis=1), kind="stable")
+    plan = Triangulation(mold.vertices[:, 0], mold.vertices[:, 1], mold.faces[order])
+    for axes, (label, values, colours, most) in zip(
+        figure.subplots(1, len(shown), squeeze=False)[0], shown, strict=True
+    ):
+        low, high = (float(values[used].min()), float(values[used].max())) if most is None else (-most, most)
+        drawn = axes.tripcolor(
+            plan, values, shading="gouraud", cmap=colours, vmin=low, vmax=max(high, low + 1e-6)
+        )
+        figure.colorbar(drawn, ax=axes, label=label, shrink=0.8)
+        across = mold.vertices[used]
+        axes.set_xlim(across[:, 0].min(), across[:, 0].max())
+        axes.set_ylim(across[:, 1].min(), across[:, 1].max())
+        axes.set_aspect("equal")
+        axes.set_xlabel(f"{mold.axes[0]} [mm]")
+        axes.set_ylabel(f"{mold.axes[1]} [mm]")
+    figure.suptitle(title, fontsize=11)
+    target = io.BytesIO()
+    figure.savefig(target, format="png", metadata={"Software": None})
+    return target.getvalue()

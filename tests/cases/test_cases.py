@@ -40,6 +40,7 @@ FULL: dict[str, list[str]] = {
         "--force-at", "1cm,-2mm", "--frame-stiffness", "50kN/mm", "--strokes", "7", "--min-spotted", "80",
         "--design-gap", "2mm", "--facets", "flat", "--uncertainty", "linear",
         "--dwell", "40s", "--target", "180degC", "--stl-unit", "m",
+        "--wanted", "wanted.csv", "--within", "0.05mm", "--compensate",
     ],
     "fit": [
         "a.csv", "b.xlsx:warp", "--uniaxial", "u.csv", "--shear", "s.csv", "--biaxial", "b.csv", "--volumetric",

@@ -10,8 +10,10 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 from hyperfab.errors import InputError
+from hyperfab.io.stl_write import stl_bytes
 from hyperfab.io.vtu_read import read_vtu
 from tests.chapters.test_mold_heat import FILM, HEAD, HEATER, PROBE, heat
+from tests.chapters.test_press_contact import FOAM, press
 
 AREA = 0.1 * 0.08
 #: A thousand times the conductivity of metals costs the account of heat three of its digits to rounding.
@@ -177,3 +179,20 @@ def test_aids_that_know_no_pieces_say_so(tmp_path):
     for options in ({"variations": str(tmp_path / "factors.csv")}, {"share_power": True}):
         with pytest.raises(InputError, match=r"production|pieces"):
             heat(tmp_path, text, **options)
+
+
+def test_the_press_closes_on_the_mold_as_the_production_leaves_it(tmp_path, monkeypatch):
+    """The male's temperature in the press is that of the field when the next piece is due."""
+    for name, low in (("male", 0.0), ("female", 30.0)):
+        corner, far = np.array([0.0, 0.0, low]), np.array([100.0, 80.0, low + 20.0])
+        x, y, z = np.meshgrid(*np.stack([corner, far], axis=1), indexing="ij")
+        quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+        faces = np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
+        (tmp_path / f"{name}.stl").write_bytes(
+            stl_bytes(np.stack([x.ravel(), y.ravel(), z.ravel()], axis=1), faces)
+        )
+    (tmp_path / "foam.toml").write_text(FOAM)
+    _, made = heat(tmp_path, mold(PIECE + "pieces = 2\n", 180.0), "made")[:2]
+    _, document = press(tmp_path, monkeypatch, gap="3mm", male_heat="made.json")
+    assert document["male"]["temperature_degC"] == pytest.approx(made["work_surface"]["mean_degC"], abs=0.05)
+    assert "heat document, thermoelastic" in document["male"]["temperature_from"]

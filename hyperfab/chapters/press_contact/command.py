@@ -9,12 +9,16 @@ import numpy as np
 
 from hyperfab.cases.press import PressCase
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.press_contact.compensation import compensate
+from hyperfab.chapters.press_contact.formed import Wanted, formed, read_setting
+from hyperfab.chapters.press_contact.formed import note_ranges as note_set_ranges
 from hyperfab.chapters.press_contact.model import Model, model_of, read_files
 from hyperfab.chapters.press_contact.result import (
     Told,
     curve_csv,
     design_of,
     document_of,
+    formed_picture,
     grid_of,
     picture_of,
 )
@@ -26,7 +30,7 @@ from hyperfab.documents.base import read_document
 from hyperfab.documents.foam import FoamDocument, MaterialLaw, TableFile, TableLaw
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.documents.press import PressDocument
-from hyperfab.errors import UsageError
+from hyperfab.errors import InputError, NotConverged, UsageError
 from hyperfab.io.inputs import Inputs
 from hyperfab.pressing.closing import Closed, close_press
 from hyperfab.pressing.mold import PressFrame
@@ -34,16 +38,35 @@ from hyperfab.pressing.mold import PressFrame
 
 def run(job: Job, case: PressCase) -> int:
     """Read, place, heat, close, judge, write. Returns 1 where the molds collide or too little is spotted."""
-    out = job.opened(job.target, (".vtu", ".csv", ".png", ".design.stl"))
+    out = job.opened(job.target, (".vtu", ".csv", ".png", ".formed.png", ".design.stl", ".compensated.stl"))
     if case.design_gap is not None and not out.wants_files:
         raise UsageError("--design-gap writes an STL beside the document: name it with -o press.json")
+    if case.compensate and not out.wants_files:
+        raise UsageError("--compensate writes an STL beside the document: name it with -o press.json")
     files = read_files(job, case)
+    setting = read_setting(job, case.foam, files.document)
+    if case.wanted is not None and setting is None:
+        raise InputError(
+            "--wanted is the formed thickness, and nothing says what stays when the press opens",
+            file=case.foam,
+            key="set",
+            remedy='add set = { measured = "set.csv" } or { rate = "3e8 1/s", activation = "95 kJ/mol" }',
+        )
+    if case.compensate and (case.floating or (case.tilt is not None and any(case.tilt)) or files.tilt.any()):
+        raise UsageError(
+            "--compensate is for a press that closes in parallel: leave out --float and the tilt"
+        )
+    wanted = None if case.wanted is None else Wanted(job, case, files.frame)
     with job.console.progress("Closing the press") as advance:
         model = model_of(job, case, files)
         out.refuse_inputs(job.inputs)
         advance(0.3, "closing")
         told = solve(model)
         told = replace(told, warmed=warmed(job, model, told.closed))
+        if setting is not None and told.warmed is not None:
+            stays = formed(setting, told.warmed.column, told.warmed.dwell, told.closed)
+            note_set_ranges(job, stays, told.warmed.dwell, told.closed)
+            told = replace(told, formed=stays, wanted=wanted)
         _note_ranges(job, model, told.closed)
         _tell_overlap(job, told.closed, told.frame)
         advance(0.6, "design")
@@ -51,14 +74,25 @@ def run(job: Job, case: PressCase) -> int:
         if case.design_gap is not None:
             stl, design = design_of(told.closed, told.frame, case.design_gap, model.grown[0].growth)
             told = replace(told, design=design)
+        compensated = b""
+        if case.compensate and setting is not None and told.beside is not None and wanted is not None:
+            compensated, found = compensate(
+                job, model, told.closed, setting, wanted, told.beside,
+                lambda share: advance(0.6 + 0.2 * share, "compensating"),
+            )  # fmt: skip
+            told = replace(told, compensation=found)
         result = document_of(told)
         advance(0.8, "pictures")
         if out.wants_files:
             out.add(".vtu", grid_of(told))
             out.add(".csv", curve_csv(told.curve))
             out.add(".png", picture_of(told, result))
+            if told.formed is not None:
+                out.add(".formed.png", formed_picture(told))
         if stl:
             out.add(".design.stl", stl)
+        if compensated:
+            out.add(".compensated.stl", compensated)
     result.uncertainty = carry(job, case, result, lambda: _origins(job, case))
     job.write(out, result, case)
     return _judge(job, result, told.closed, case.min_spotted)
@@ -138,6 +172,28 @@ def _judge(job: Job, result: PressDocument, closed: Closed, min_spotted: float |
         f"{result.gap_max_mm:.3f} mm, force {result.force_N:.4g} N"
     )
     status = 0
+    if result.formed is not None:
+        made = result.formed
+        job.console.note(
+            f"formed {made.thickness_min_mm:.3f} to {made.thickness_max_mm:.3f} mm, mean "
+            f"{made.thickness_mean_mm:.3f} mm; it springs back by {made.springback_mean_mm:.3f} mm"
+        )
+    for name, beside in (
+        ("the product", result.wanted),
+        ("with the compensated male the product", result.compensation and result.compensation.wanted),
+    ):
+        if beside:
+            job.console.note(
+                f"{name} misses the wanted thickness by {beside.worst_mm:+.3f} mm at most, {beside.rms_mm:.3f} mm rms; "
+                f"{100 * beside.outside_area_fraction:.1f} % of its area by more than {beside.tolerance_mm:g} mm"
+            )
+    if result.compensation is not None and not result.compensation.converged:
+        job.console.warn(
+            f"{100 * result.compensation.unreached_area_fraction:.1f} % of the area is formed as wanted by no gap"
+            if result.compensation.unreached_area_fraction > 0.0
+            else f"the compensation still moves after {result.compensation.iterations} iterations"
+        )
+        status = NotConverged.exit_status
     if result.gap_min_mm <= 0.0 and closed.case.force is None:
         at = ", ".join(f"{value:.1f}" for value in result.gap_min_at_mm)
         apart = closed.press.metal_contact() - closed.pose.opening

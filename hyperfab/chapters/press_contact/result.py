@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
+from hyperfab.chapters.press_contact.formed import Formed, Wanted
+from hyperfab.chapters.press_contact.formed import part_of as formed_part
 from hyperfab.chapters.press_contact.heat import Grown
 from hyperfab.chapters.press_contact.model import Foam, Model
 from hyperfab.chapters.press_contact.warmth import Warmed, left_out, part_of
 from hyperfab.documents.foam import MaterialLaw
 from hyperfab.documents.press import (
+    CompensationPart,
     DesignPart,
     GapRange,
     Histogram,
@@ -22,13 +26,14 @@ from hyperfab.documents.press import (
     RegionPart,
     StateAreas,
     ThicknessRange,
+    WantedPart,
 )
 from hyperfab.errors import InputError
 from hyperfab.io import vtu
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.stl_write import stl_bytes
 from hyperfab.pressing.closing import Closed
-from hyperfab.pressing.design import DesignRefused, constant_gap, with_back
+from hyperfab.pressing.design import Design, DesignRefused, constant_gap, with_back
 from hyperfab.pressing.gap import vertex_areas
 from hyperfab.pressing.growth import Expansion, Growth, guide_line, ungrown
 from hyperfab.pressing.mold import Mold, PressFrame
@@ -51,6 +56,16 @@ class Told:
     curve: Array
     warmed: Warmed | None = None
     design: DesignPart | None = None
+    formed: Formed | None = None
+    wanted: Wanted | None = None
+    compensation: CompensationPart | None = None
+
+    @property
+    def beside(self) -> WantedPart | None:
+        """By how much what is formed misses what is wanted."""
+        if self.formed is None or self.wanted is None:
+            return None
+        return self.wanted.beside(self.formed, self.closed, self.frame)
 
     @property
     def frame(self) -> PressFrame:
@@ -150,6 +165,9 @@ def document_of(told: Told) -> PressDocument:
         foam_thinning=told.model.files.thinning or None,
         frame_stiffness_N_mm=closed.case.frame,
         final_thickness=None if final is None else _range(final, area),
+        formed=None if told.formed is None else formed_part(told.formed, closed, frame.outward(closed.cold)),
+        wanted=told.beside,
+        compensation=told.compensation,
         warming=None if told.warmed is None else part_of(told.warmed, closed, frame.outward(closed.cold)),
         chord_error_mm=_chord_error(closed.case.male) + _chord_error(closed.case.female),
         search="exact tree: every distance is proven the least",
@@ -182,6 +200,7 @@ def grid_of(told: Told) -> bytes:
             **({} if final is None else {"final_thickness_mm": final}),
             **({} if told.warmed is None else {"middle_degC": told.warmed.middle}),
             **({} if reached is None else {"target_s": reached}),
+            **_formed_fields(told),
             "contact": (closed.touch < sandwich.thickness).astype(np.uint8),
             "at_border": closed.at_border.astype(np.uint8),
             "oblique": closed.oblique.astype(np.uint8),
@@ -190,6 +209,16 @@ def grid_of(told: Told) -> bytes:
         },
         {"contact_share": closed.touching / front.areas, "flange": front.flange},
     )
+
+
+def _formed_fields(told: Told) -> dict[str, Array]:
+    if told.formed is None:
+        return {}
+    found = {"formed_thickness_mm": told.formed.thickness, "set": told.formed.share}
+    found["springback_mm"] = told.formed.springback
+    if told.wanted is not None:
+        found["off_wanted_mm"] = told.formed.thickness - told.wanted.at(told.closed.cold)
+    return found
 
 
 def curve_csv(curve: Array) -> bytes:
@@ -222,20 +251,47 @@ def picture_of(told: Told, document: PressDocument) -> bytes:
     return spotting(mold, told.curve[:, :2], title)
 
 
+def formed_picture(told: Told) -> bytes:
+    """Return the picture of what is formed, and of what it misses by."""
+    from hyperfab.report.figures_press import FormedMold, formed_map
+
+    assert told.formed is not None
+    front = told.closed.front
+    turned = told.frame.inward(np.arange(3.0))
+    fields = _formed_fields(told)
+    mold = FormedMold(
+        vertices=front.vertices,
+        faces=front.faces[~front.flange],
+        thickness=fields["formed_thickness_mm"],
+        off=fields.get("off_wanted_mm"),
+        axes=("xyz"[abs(int(turned[0]))], "xyz"[abs(int(turned[1]))]),
+    )
+    beside = "" if told.beside is None else f", off by {told.beside.worst_mm:+.2f} mm at most"
+    part = formed_part(told.formed, told.closed, told.closed.cold)
+    return formed_map(
+        mold, f"formed thickness {part.thickness_min_mm:.2f} to {part.thickness_max_mm:.2f} mm{beside}"
+    )
+
+
 def design_of(closed: Closed, frame: PressFrame, gap: float, growth: Growth) -> tuple[bytes, DesignPart]:
     """Return the STL of the cold male whose hot gap is constant; refused with the place where there is none."""
-    try:
-        found = constant_gap(closed.female, gap)
-    except DesignRefused as error:
-        at = ", ".join(f"{value:.1f}" for value in frame.outward(np.array(error.at)))
-        raise InputError(
-            f"--design-gap {gap:g} mm: the surface {error.what} near ({at}) mm, on {error.faces} facets",
-            remedy="ask for a smaller gap, or give the female a larger radius or more draft there",
-        ) from None
+    found = place_of_design(frame, lambda: constant_gap(closed.female, gap), f"--design-gap {gap:g} mm")
     cold = ungrown(found.vertices, growth)
     vertices, faces = with_back(cold, found.faces, closed.case.male.mount)
     data = stl_bytes(frame.outward(vertices), faces)
     return data, DesignPart(gap_mm=gap, spread_mm=found.spread, facets=len(faces))
+
+
+def place_of_design(frame: PressFrame, made: Callable[[], Design], asked: str = "--compensate") -> Design:
+    """Return what ``made`` gives; refused with the place in the drawing where there is none."""
+    try:
+        return made()
+    except DesignRefused as error:
+        at = ", ".join(f"{value:.1f}" for value in frame.outward(np.array(error.at)))
+        raise InputError(
+            f"{asked}: the surface {error.what} near ({at}) mm, on {error.faces} facets",
+            remedy="ask for a smaller gap, or give the female a larger radius or more draft there",
+        ) from None
 
 
 def _tilt_vector(told: Told) -> tuple[float, float, float] | None:
