@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from builders import plate
 
 from hyperfab.cases.mold import MoldCase
 from hyperfab.chapters import mold_heat
@@ -21,17 +22,7 @@ from hyperfab.documents.base import schema
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.vtu_read import read_vtu
 
-HEAD = """
-format = "hyperfab.mold/1"
-[material.aluminium]
-density = "2702 kg/m^3"
-conductivity = "237 W/m/K"
-specific_heat = "903 J/kg/K"
-[[part]]
-name = "plate"
-material = "aluminium"
-box = { origin = ["0 mm", "0 mm", "0 mm"], size = ["100 mm", "80 mm", "20 mm"] }
-"""
+HEAD = plate(100, 80, 20)
 HEATER = """
 [[heater]]
 on = "plate.z-"

@@ -10,6 +10,7 @@ import jsonschema
 import numpy as np
 import pytest
 import trimesh
+from builders import PLATE
 
 from hyperfab.cases.options import read
 from hyperfab.cases.registry import case_class
@@ -17,7 +18,6 @@ from hyperfab.chapters.rerun import rerun
 from hyperfab.documents.base import schema
 from hyperfab.io.stl_write import stl_bytes
 from hyperfab.samples import cup
-from tests.heated_plate import PLATE
 
 CONSTANTS = {"C10_MPa": 0.06, "C20_MPa": 0.02, "C30_MPa": 0.017}
 CONTACT = (

@@ -8,10 +8,10 @@ from typing import Any
 
 import jsonschema
 import pytest
+from builders import FILM, PLATE
 from conftest import Run
 
 from hyperfab.documents.base import schema
-from tests.heated_plate import FILM, PLATE
 
 UNIAXIAL = "specimens/treloar-1944/uniaxial.csv"
 FIT = ["fit", "--uniaxial", UNIAXIAL, "--model", "yeoh-3"]

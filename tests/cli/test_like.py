@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 import trimesh
+from builders import plate
 from conftest import ROOT, Run
 
 from hyperfab.io.stl_write import stl_bytes
@@ -46,17 +47,9 @@ RUNS: dict[str, tuple[list[str], tuple[str, str], str]] = {
         "strokes",
     ),
 }  # fmt: skip
-MOLD = """
-format = "hyperfab.mold/1"
-[material.aluminium]
-density = "2702 kg/m^3"
-conductivity = "237 W/m/K"
-specific_heat = "903 J/kg/K"
-[[part]]
-name = "plate"
-material = "aluminium"
-box = { origin = ["0 mm", "0 mm", "0 mm"], size = ["40 mm", "30 mm", "10 mm"] }
-[[heater]]
+MOLD = (
+    plate(40, 30, 10)
+    + """[[heater]]
 on = "plate.z-"
 power = "100 W"
 [work_surface]
@@ -67,6 +60,7 @@ target = "60 degC"
 until = "200 s"
 mesh_size = "10 mm"
 """
+)
 #: Neo-Hooke, and a little that is not.
 TEST = "# test: uniaxial\nstretch [-],stress [MPa]\n" + "".join(
     f"{lam},{0.4 * (lam - lam**-2) + 0.002 * ((7 * k) % 5 - 2)}\n"

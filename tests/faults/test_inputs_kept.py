@@ -11,20 +11,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from builders import plate
 
 Run = Callable[..., object]
 
-PLATE = """
-format = "hyperfab.mold/1"
-[material.aluminium]
-density = "2702 kg/m^3"
-conductivity = "237 W/m/K"
-specific_heat = "903 J/kg/K"
-[[part]]
-name = "plate"
-material = "aluminium"
-box = { origin = ["0 mm", "0 mm", "0 mm"], size = ["60 mm", "40 mm", "10 mm"] }
-[[heater]]
+PLATE = (
+    plate(60, 40, 10)
+    + """[[heater]]
 on = "plate.z-"
 POWER
 [[convection]]
@@ -44,6 +37,7 @@ start = "25 degC"
 until = "60 s"
 mesh_size = "20 mm"
 """
+)
 FILM = "temperature [degC],h [W/m^2/K]\n0,10\n100,12\n300,20\n"
 SCHEDULE = "time [s],power [W]\n0,0\n10,100\n60,100\n"
 

@@ -10,8 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
-
-from tests.heated_plate import PLATE
+from builders import PLATE
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from builders import plate
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -47,17 +48,9 @@ def test_a_row_of_another_length_is_no_table() -> None:
 
 
 NAMES = ("cup, left", 'the "good" one; b', "# 7 [top]")
-MOLD = """
-format = "hyperfab.mold/1"
-[material.aluminium]
-density = "2702 kg/m^3"
-conductivity = "237 W/m/K"
-specific_heat = "903 J/kg/K"
-[[part]]
-name = "plate"
-material = "aluminium"
-box = { origin = ["0 mm", "0 mm", "0 mm"], size = ["60 mm", "40 mm", "10 mm"] }
-[[heater]]
+MOLD = (
+    plate(60, 40, 10)
+    + """[[heater]]
 on = "plate.z-"
 power = "100 W"
 [[convection]]
@@ -77,6 +70,7 @@ start = "25 degC"
 until = "120 s"
 mesh_size = "20 mm"
 """
+)
 
 
 @pytest.mark.parametrize("name", NAMES)

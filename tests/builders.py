@@ -1,8 +1,11 @@
-"""A small heated plate for tests that are about the command and not about the heat."""
+"""What many tests need: a small heated plate, for tests that are about the command and not about the heat."""
 
 from __future__ import annotations
 
-PLATE = """
+
+def plate(x: float, y: float, z: float) -> str:
+    """Return the head of a mold.toml: an aluminium plate of these sizes [mm], a corner at the origin."""
+    return f"""
 format = "hyperfab.mold/1"
 [material.aluminium]
 density = "2702 kg/m^3"
@@ -11,8 +14,13 @@ specific_heat = "903 J/kg/K"
 [[part]]
 name = "plate"
 material = "aluminium"
-box = { origin = ["0 mm", "0 mm", "0 mm"], size = ["60 mm", "60 mm", "20 mm"] }
-[[heater]]
+box = {{ origin = ["0 mm", "0 mm", "0 mm"], size = ["{x} mm", "{y} mm", "{z} mm"] }}
+"""
+
+
+PLATE = (
+    plate(60, 60, 20)
+    + """[[heater]]
 on = "plate.z-"
 power = "3000 W"
 [[convection]]
@@ -26,5 +34,6 @@ mesh_size = "20 mm"
 [work_surface]
 on = "plate.z+"
 """
+)
 #: The film coefficient the plate's table names.
 FILM = b"temperature [degC],h [W/m^2/K]\n25,5\n100,9\n250,13\n"
