@@ -49,7 +49,7 @@ class MembraneLaw(Protocol):
         ...
 
     def principal(self, strain: Array) -> Any:
-        """``stretch`` (k, 2), larger first, ``cauchy`` (k, 2) stresses, and ``thickness`` stretch (k,)."""
+        """``stretch`` (k, 2), ``cauchy`` (k, 2), ``thickness`` stretch (k,), ``nominal`` (k,); the larger first."""
         ...
 
     def margin(self, strain: Array) -> Array:
@@ -131,6 +131,7 @@ class Cells:
 
     stretch: Array  # the larger principal one
     cauchy: Array  # MPa, the larger principal stress
+    nominal: Array  # MPa, the larger principal nominal stress
     thickness: Array  # stretch
     margin: Array  # of the law's stability
     wrinkled: npt.NDArray[np.bool_]  # no tension in one direction, or none at all
@@ -156,6 +157,7 @@ def cells_of(sheet: Sheet, x: Array, along: Array, across: Array) -> Cells:
     return Cells(
         principal.stretch[:, 0].reshape(shape),
         principal.cauchy[:, 0].reshape(shape),
+        principal.nominal.reshape(shape),
         principal.thickness.reshape(shape),
         margin.reshape(shape),
         (found.state != 0).reshape(shape),

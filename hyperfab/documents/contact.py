@@ -123,6 +123,9 @@ class ContactDocument(Document):
     contact_radius_undeformed_mm: float | None = None
     stretch_max: float | None = None
     stress_max_MPa: float | None = Field(default=None, description="largest Cauchy principal stress")
+    stress_nominal_max_MPa: float | None = Field(
+        default=None, description="largest nominal principal stress: force per undeformed section"
+    )
     energy_J: float | None = Field(default=None, description="strain energy of the sheet")
     wrinkled_area_fraction: float | None = Field(
         default=None, description="of the undeformed area; slack included"

@@ -134,6 +134,10 @@ class DrapeDocument(Document):
     stress_max_MPa: float | None = Field(
         default=None, description="of a membrane: largest Cauchy principal stress"
     )
+    stress_nominal_max_MPa: float | None = Field(
+        default=None,
+        description="largest nominal stress, force per undeformed section: of springs, of a membrane the principal one",
+    )
     wrinkled_area_fraction: float | None = Field(
         default=None, description="of a membrane: share of the undeformed area wrinkled or slack"
     )

@@ -19,11 +19,15 @@ from hyperfab.membrane.tension_field import TAUT, Principal
 
 @dataclass(frozen=True)
 class Fields:
-    """Smooth fields at the nodes (n,): principal stretches (n, 2), Cauchy stresses (n, 2) [MPa], thickness [mm]."""
+    """Smooth fields at the nodes (n,): principal stretches (n, 2), Cauchy stresses (n, 2) [MPa], thickness [mm].
+
+    ``nominal`` (n,) is the larger principal nominal stress [MPa].
+    """
 
     stretch: Array
     cauchy: Array
     thickness: Array
+    nominal: Array
 
 
 def fields(sheet: Sheet, places: Array) -> Fields:
@@ -32,7 +36,7 @@ def fields(sheet: Sheet, places: Array) -> Fields:
     beyond = np.flatnonzero(~np.isfinite(found.cauchy).all(axis=1))
     if len(beyond):
         found = _worst_around(sheet, places, beyond, found)
-    return Fields(found.stretch, found.cauchy, sheet.thickness * found.thickness)
+    return Fields(found.stretch, found.cauchy, sheet.thickness * found.thickness, found.nominal)
 
 
 def _worst_around(sheet: Sheet, places: Array, nodes: NDArray[np.int64], smooth: Principal) -> Principal:
@@ -49,7 +53,7 @@ def _worst_around(sheet: Sheet, places: Array, nodes: NDArray[np.int64], smooth:
         mine = (near[:, None] * size + np.arange(size)).ravel()
         worst.append(mine[np.argmax(points.cauchy[mine].max(axis=1))])
     columns = {}
-    for name in ("stretch", "cauchy", "thickness"):
+    for name in ("stretch", "cauchy", "thickness", "nominal"):
         columns[name] = np.array(getattr(smooth, name))
         columns[name][nodes] = getattr(points, name)[worst]
     return replace(smooth, **columns)

@@ -74,7 +74,7 @@ class RelaxedSheet:
         cauchy = np.column_stack([0.5 * trace + spread, 0.5 * trace - spread]) * scale[:, None]
         cauchy[found.state == SLACK] = 0.0
         cauchy[found.state == WRINKLED, 1] = 0.0
-        return Principal(np.sqrt(np.column_stack([c1, c2])), cauchy, thickness)
+        return Principal(np.sqrt(np.column_stack([c1, c2])), cauchy, thickness, _nominal(S, strain))
 
     def margin(self, strain: Array) -> Array:
         """Return the stability margin at the width the sheet takes by itself.
@@ -197,6 +197,17 @@ class _Found:
     stiffness: Array
     state: NDArray[np.int8]
     natural: Array
+
+
+def _nominal(S: Array, C: Array) -> Array:
+    """Return the larger principal value (n,) of P = F S: the square root of that of P'P = S C S."""
+    s, c = (X[:, [[0, 2], [2, 1]]] for X in (S, C))
+    square = s @ c @ s
+    mean, radius = (
+        0.5 * (square[:, 0, 0] + square[:, 1, 1]),
+        np.hypot(0.5 * (square[:, 0, 0] - square[:, 1, 1]), square[:, 0, 1]),
+    )
+    return np.sqrt(np.maximum(mean + radius, 0.0))
 
 
 def _axes(angle: Array) -> tuple[Array, Array, Array]:

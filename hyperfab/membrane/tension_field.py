@@ -52,11 +52,15 @@ class SheetLaw(Protocol):
 
 @dataclass(frozen=True)
 class Principal:
-    """Principal stretches (n, 2), larger first, Cauchy stresses (n, 2) [MPa] along them, thickness stretch (n,)."""
+    """Principal stretches (n, 2), larger first, Cauchy stresses (n, 2) [MPa] along them, thickness stretch (n,).
+
+    ``nominal`` (n,) is the larger principal nominal stress [MPa]: force per undeformed section.
+    """
 
     stretch: Array
     cauchy: Array
     thickness: Array
+    nominal: Array
 
 
 @dataclass(frozen=True)
@@ -104,12 +108,14 @@ class IsotropicSheet:
         if wrinkled.any():
             along = l1[wrinkled]
             width = along ** -float(self.material.law.contraction(self.material.theta))
-            cauchy[wrinkled, 0] = np.asarray(self.material.uniaxial(along).P) / width**2
+            p1[wrinkled] = self.material.uniaxial(along).P
+            p2[wrinkled] = 0.0
+            cauchy[wrinkled, 0] = p1[wrinkled] / width**2
             cauchy[wrinkled, 1] = 0.0
             l3[wrinkled] = width
-        cauchy[slack] = 0.0
+        cauchy[slack] = p1[slack] = p2[slack] = 0.0
         l3[slack] = 1.0
-        return Principal(np.column_stack([l1, l2]), cauchy, l3)
+        return Principal(np.column_stack([l1, l2]), cauchy, l3, np.maximum(p1, p2))
 
     def margin(self, strain: Array) -> Array:
         """Return the stability margin; wrinkled and slack points are judged at their natural width."""

@@ -28,6 +28,7 @@ def sample_files() -> dict[str, bytes]:
     # numpy enters only here: the tables need none of it.
     from hyperfab.io.stl_write import stl_bytes
     from hyperfab.samples.cup import female_cup, male_cup
+    from hyperfab.samples.torso import torso
 
     samples = {f"specimens/treloar-1944/{name}": data for name, data in treloar().items()}
     samples |= {f"specimens/lycra/{name}": data for name, data in lycra().items()}
@@ -38,6 +39,6 @@ def sample_files() -> dict[str, bytes]:
         for name, folder in _KEPT.items()
         if here.joinpath(name).is_file()
     }
-    for name, cup in (("male", male_cup()), ("female", female_cup())):
-        samples[f"molds/cup-{name}.stl"] = stl_bytes(cup.vertices, cup.faces)
+    for name, mold in (("cup-male", male_cup()), ("cup-female", female_cup()), ("torso", torso())):
+        samples[f"molds/{name}.stl"] = stl_bytes(mold.vertices, mold.faces)
     return samples

@@ -42,7 +42,7 @@ def male_cup(cells_u: int = 92, cells_v: int = 84) -> Solid:
     np.float64(-40.0)
     """
     surface = _surface(cells_u, cells_v, gap=False)
-    return _solid(surface, MALE_BACK_MM, facing_up=True)
+    return closed_below(surface, MALE_BACK_MM)
 
 
 def female_cup(cells_u: int = 88, cells_v: int = 90) -> Solid:
@@ -52,7 +52,7 @@ def female_cup(cells_u: int = 88, cells_v: int = 90) -> Solid:
     np.float64(130.0)
     """
     surface = _surface(cells_u, cells_v, gap=True)
-    return _solid(surface, FEMALE_BACK_MM, facing_up=False)
+    return closed_below(surface, FEMALE_BACK_MM, facing_up=False)
 
 
 def male_point(u: Array, v: Array) -> tuple[Array, Array]:
@@ -86,8 +86,8 @@ def _lines(cells: int) -> Array:
     return np.concatenate([[-EDGE, -1.16], fine, [1.16, EDGE]])
 
 
-def _solid(surface: Array, back: float, facing_up: bool) -> Solid:
-    """Close the surface with side walls and a flat back."""
+def closed_below(surface: Array, back: float, facing_up: bool = True) -> Solid:
+    """Return a grid of points (n, m, 3) [mm] closed with side walls and a flat back at z = ``back``."""
     rows, columns = surface.shape[:2]
     number = np.arange(rows * columns).reshape(rows, columns)
     corners = [number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]]

@@ -527,7 +527,9 @@ def test_a_membrane_obeys_the_law_as_a_whole_and_says_what_it_leaves_out(drape, 
     net, whole = (json.loads((folder / name).read_text()) for name in ("net.json", "membrane.json"))
     assert (net["sheet"], whole["sheet"]) == ("net", "membrane")
     assert 1.3 < whole["force_N"] / net["force_N"] < 1.8
-    assert whole["stress_max_MPa"] > whole["stress_warp_max_MPa"] > 0.0
+    assert (
+        whole["stress_max_MPa"] > whole["stress_nominal_max_MPa"] > 0.99 * whole["stress_warp_max_MPa"] > 0.0
+    )
     assert whole["residual_relative"] <= 1e-6
     assert whole["penetration_nodes_mm"] < 1e-9
     assert any("biaxial" in text for text in net["left_out"])
@@ -600,4 +602,5 @@ def test_a_membrane_over_a_ball_agrees_with_the_elements_of_fabric_contact(drape
     sheet, elements = (json.loads((folder / name).read_text()) for name in ("sheet.json", "contact.json"))
     assert sheet["force_N"] == pytest.approx(elements["force_N"], rel=1e-3)
     assert sheet["stretch_max"] == pytest.approx(elements["stretch_max"], rel=2e-3)
-    assert sheet["stress_max_MPa"] == pytest.approx(elements["stress_max_MPa"], rel=5e-3)
+    for name in ("stress_max_MPa", "stress_nominal_max_MPa"):
+        assert sheet[name] == pytest.approx(elements[name], rel=5e-3)

@@ -60,6 +60,8 @@ def test_document_holds_the_known_force_and_valid_siblings(press, hf, tmp_path):
     # At the apex, stretched alike both ways by the known 1.2854: 2 C (l^2 - l^-4).
     apex = 0.4 * (1.2854086307**2 - 1.2854086307**-4)
     assert found["stress_max_MPa"] == pytest.approx(apex, rel=5e-3)
+    nominal = 0.4 * (1.2854086307 - 1.2854086307**-5)
+    assert found["stress_nominal_max_MPa"] == pytest.approx(nominal, rel=5e-3)
     known = {20.0: 1.7959477986, 40.0: 14.679562516, 60.0: 41.576556565}
     assert dict(found["force_depth"][1:]) == pytest.approx(known, rel=2e-4)
     # The estimate is of the size of the true error: no bound, but no stranger either.

@@ -22,6 +22,7 @@ from hyperfab.materials.orthotropic import Orthotropic
 from hyperfab.membrane.orthotropic import orthotropic_sheet
 from hyperfab.membrane.relaxed import RelaxedSheet
 from hyperfab.membrane.tension_field import IsotropicSheet
+from hyperfab.samples import torso as samples
 from hyperfab.surface import Surface
 
 RUBBER = bind("neo-hookean", {"C10_MPa": 0.2})
@@ -157,13 +158,9 @@ def test_newton_and_dynamic_relaxation_end_in_the_same_energy():
 
 
 def torso() -> Surface:
-    """A trunk of two bulges with a waist, lying on its back: smooth, closed and hollow at the sides."""
-    mesh = trimesh.creation.icosphere(subdivisions=5, radius=1.0)
-    x, y, z = mesh.vertices.T
-    round_ = 1.0 - 0.35 * np.exp(-((x / 0.35) ** 2))
-    vertices = np.column_stack([75.0 * x, 38.0 * y * round_, 30.0 * z * round_])
-    vertices[:, 2] -= vertices[:, 2].max()
-    return Surface(vertices, mesh.faces)
+    """The sample's chest, smooth, with a valley between two domes."""
+    solid = samples.torso()
+    return Surface(solid.vertices, solid.faces)
 
 
 MOLDS = {"box": block(turn=0.3), "punch": punch(64), "torso": torso(), "saddle": saddle()}

@@ -73,3 +73,20 @@ def test_no_direction_is_pressed_and_stress_and_stiffness_are_derivatives():
         np.testing.assert_allclose(slope, S[same, k], atol=1e-7 * size)
         bend = twice * (up.stress - down.stress)[same] / 2e-6
         np.testing.assert_allclose(bend, found.stiffness[same][:, columns[k]], atol=1e-6 * size)
+
+
+def test_the_nominal_stress_is_that_of_the_larger_pull_on_the_section_before():
+    """P = F S by its singular values; of an isotropic law the same from its principal axes, wrinkled and slack too."""
+    random = np.random.default_rng(7)
+    F = np.eye(2) + 0.3 * random.uniform(-1.0, 1.0, (40, 2, 2))
+    C = np.einsum("nki,nkj->nij", F, F)
+    strain = np.stack([C[:, 0, 0], C[:, 1, 1], C[:, 0, 1]], axis=1)
+    material = bind("yeoh-3", {"C10_MPa": 0.1, "C20_MPa": 0.02, "C30_MPa": 0.004})
+    own = IsotropicSheet(material)
+    state = own(strain).state
+    assert set(state) == {0, 1, 2}
+    S = own(strain).stress[:, [[0, 2], [2, 1]]]
+    expected = np.linalg.svd(F @ S, compute_uv=False)[:, 0]
+    ground = RelaxedSheet(Orthotropic.of(material.parameters))
+    np.testing.assert_allclose(own.principal(strain).nominal, expected, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(ground.principal(strain).nominal, expected, rtol=1e-6, atol=1e-9)

@@ -8,6 +8,7 @@ import pytest
 from hyperfab.samples import sample_files
 from hyperfab.samples.cup import female_cup, male_cup, male_point, normal_gap
 from hyperfab.samples.lycra import nominal_stress
+from hyperfab.samples.torso import height, torso
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -28,7 +29,7 @@ def test_the_repository_ships_exactly_what_the_generator_writes(samples):
     assert [name for name in samples if samples[name] != shipped[name]] == []
 
 
-@pytest.mark.parametrize("cup", [male_cup(), female_cup()], ids=["male", "female"])
+@pytest.mark.parametrize("cup", [male_cup(), female_cup(), torso()], ids=["male", "female", "torso"])
 def test_a_mold_is_closed_wound_outward_and_has_no_facet_without_area(cup):
     edges = np.concatenate([cup.faces[:, [0, 1]], cup.faces[:, [1, 2]], cup.faces[:, [2, 0]]])
     forward = {(int(a), int(b)) for a, b in edges}
@@ -48,6 +49,18 @@ def test_the_female_lies_at_the_stated_gap_along_the_males_normal():
     target = points + normal_gap(u, v)[:, None] * normals
     distance = [np.linalg.norm(fine - point, axis=1).min() for point in target]
     assert max(distance) < 0.5
+
+
+def test_the_torso_has_two_domes_and_a_valley_between_them():
+    x = np.linspace(-42.0, 42.0, 85)
+    ridge = height(x, np.full_like(x, -8.0))
+    assert ridge[[0, -1]] == pytest.approx(ridge.max(), rel=0.02)
+    assert ridge[42] < 0.6 * ridge.max()
+    np.testing.assert_allclose(ridge, ridge[::-1], rtol=1e-12)
+    # The file's vertices lie on it, its facets within the sagitta of their size.
+    mold = torso()
+    top = mold.vertices[mold.vertices[:, 2] > 1.0]
+    np.testing.assert_allclose(height(top[:, 0], top[:, 1]), top[:, 2], atol=2e-5)
 
 
 def test_the_normal_of_the_male_is_perpendicular_to_its_tangents():

@@ -80,6 +80,11 @@ def document_of(model: Model, states: list[State]) -> DrapeDocument:
         stands_through_mm=through,
         stands_through_at_mm=where if through > 0.0 else None,
         stress_max_MPa=None if fields.cells is None else float(fields.cells.cauchy.max()),
+        stress_nominal_max_MPa=float(
+            max(fields.stress_warp.max(), fields.stress_weft.max())
+            if fields.cells is None
+            else fields.cells.nominal.max()
+        ),
         wrinkled_area_fraction=None if fields.cells is None else float(fields.cells.wrinkled.mean()),
         slack_springs=fields.slack_springs,
         stress_warp_max_MPa=float(fields.stress_warp.max()),

@@ -113,6 +113,7 @@ def _add_last(found: ContactDocument, outcome: Outcome) -> None:
     found.energy_J = _JOULE * state.energy
     found.stretch_max = float(smooth.stretch.max())
     found.stress_max_MPa = float(smooth.cauchy.max())
+    found.stress_nominal_max_MPa = float(smooth.nominal.max())
     found.wrinkled_area_fraction = wrinkled_fraction(sheet, state.places)
     for name, deformed in (("contact_radius_mm", True), ("contact_radius_undeformed_mm", False)):
         edge = contact_edge(last.press, state, deformed=deformed)
