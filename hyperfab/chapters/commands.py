@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from hyperfab.cases.case import Case
+from hyperfab.cases.kinds import tolerances
 from hyperfab.cases.like import earlier
 from hyperfab.cases.options import given, shown
 from hyperfab.cases.registry import case_class
@@ -52,6 +53,13 @@ def run_words(job: Job, words: Sequence[str]) -> int:
 
 def run(job: Job, case: Case) -> int:
     """Run the chapter of the case's command; return its exit status."""
+    settings = case.settings()
+    if "uncertainty" not in settings:
+        stated = [one.spoken for one in settings.values() if tolerances(getattr(case, one.name), one.key)]
+        if stated:
+            job.console.warn(
+                f"hf {case.COMMAND} does not carry tolerances: that of {', '.join(stated)} is left out"
+            )
     return job.ended(chapter_of(case.COMMAND)(job, case))
 
 

@@ -14,7 +14,9 @@ from builders import PLATE
 
 from hyperfab.cases.options import read
 from hyperfab.cases.registry import case_class
-from hyperfab.chapters.rerun import rerun
+from hyperfab.chapters import commands
+from hyperfab.chapters.job import Job
+from hyperfab.chapters.rerun import Listener, rerun
 from hyperfab.documents.base import schema
 from hyperfab.io.stl_write import stl_bytes
 from hyperfab.samples import cup
@@ -231,3 +233,14 @@ def test_the_set_up_keeps_tolerances_and_gives_them_back(made: Any, folder: Path
     assert found["setup"]["tolerances"] == {"thickness_mm": pytest.approx(0.024)}
     values = case_class("fabric-contact").load(found["setup"], "contact.json")
     assert values["thickness"].sd == pytest.approx(0.024)
+
+
+def test_a_command_that_carries_no_tolerance_says_so(tmp_path: Path) -> None:
+    (tmp_path / "fabric.json").write_bytes(material())
+    case = read(
+        case_class("export"),
+        [str(tmp_path / "fabric.json"), "--to", "febio", "--density", "1.1 g/cm^3 +- 5 %"],
+    )
+    listener = Listener()
+    commands.run(Job("export", (), listener, target=str(tmp_path / "card.feb")), case)
+    assert any("does not carry tolerances: that of --density" in told for told in listener.warnings)
