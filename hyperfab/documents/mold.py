@@ -89,14 +89,44 @@ class EllipsoidSection(Section):
     half: Way | None = None
 
 
-class ShapeSection(Section):
-    """One shape, with a name where its faces are wanted."""
+class OneShape(Section):
+    """A shape; a surface (``stl``) may be placed.
 
-    name: str | None = None
+    ``origin`` is where the origin of the STL's own coordinates comes to stand, ``axis`` the one of its axes that points
+    up along z, turned and not mirrored, ``unit`` that of its numbers.
+    """
+
     box: BoxSection | None = None
     cylinder: CylinderSection | None = None
     ellipsoid: EllipsoidSection | None = None
     stl: str | None = None
+    origin: Point | None = None
+    axis: Literal["x", "y", "z"] | None = None
+    unit: Literal["mm", "cm", "m", "in", "inch"] | None = None
+
+    @field_validator("stl", mode="before")
+    @classmethod
+    def _name_of_a_file(cls, value: object) -> object:
+        if isinstance(value, dict):
+            raise ValueError(
+                'stl is the name of a file, its place stands beside it: stl = "cup.stl", '
+                'origin = ["0 mm", "0 mm", "40 mm"], axis = "z", unit = "mm"'
+            )
+        return value
+
+    @model_validator(mode="after")
+    def _placed(self) -> OneShape:
+        if self.stl is None:
+            for key in ("origin", "axis", "unit"):
+                if getattr(self, key) is not None:
+                    raise ValueError(f"{key} here places an stl; a box, cylinder or ellipsoid has its own")
+        return self
+
+
+class ShapeSection(OneShape):
+    """One shape, with a name where its faces are wanted."""
+
+    name: str | None = None
 
     @model_validator(mode="after")
     def _one_shape(self) -> ShapeSection:
@@ -105,14 +135,10 @@ class ShapeSection(Section):
         return self
 
 
-class BodySection(Section):
+class BodySection(OneShape):
     """A part or cavity: one shape, or ``shapes``, their union."""
 
     name: Annotated[str, Field(min_length=1)]
-    box: BoxSection | None = None
-    cylinder: CylinderSection | None = None
-    ellipsoid: EllipsoidSection | None = None
-    stl: str | None = None
     shapes: Annotated[list[ShapeSection], Field(min_length=1)] | None = None
 
     @field_validator("name")

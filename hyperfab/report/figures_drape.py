@@ -49,9 +49,9 @@ class Draped:
 
 def drape_figure(draped: Draped, force_depth: Sequence[tuple[float, float]] | None = None) -> bytes:
     """PNG of a draped sheet, and where given the force in N of the press against the depth in mm."""
-    figure = Figure(figsize=(18.0, 7.4), layout="constrained")
+    figure = Figure(figsize=(19.0, 6.6), layout="constrained")
     FigureCanvasAgg(figure)
-    grid = figure.add_gridspec(2, 5, width_ratios=(2.0, 1.0, 1.0, 1.0, 1.0))
+    grid = figure.add_gridspec(2, 5, width_ratios=(2.6, 1.0, 1.0, 1.0, 1.0))
     left = grid[:, 0].subgridspec(2, 1, height_ratios=(2.2, 1.0))
     larger = draped.stretch_larger
     low = float(min(1.0, draped.stretch_warp.min(), draped.stretch_weft.min()))
@@ -146,7 +146,7 @@ def _scene(scene: Any, draped: Draped, field: Array, scale: Normalize) -> None:
     scene.set_xlim(low[0], high[0])
     scene.set_ylim(low[1], high[1])
     scene.set_zlim(low[2], max(high[2], low[2] + 1e-9))
-    scene.set_box_aspect((span[0], span[1], max(span[2], 0.05 * span[0])), zoom=1.1)
+    scene.set_box_aspect((span[0], span[1], max(span[2], 0.05 * span[0])), zoom=1.25)
     scene.set_title("On the mold, and where the stretch is largest", fontsize=10)
     scene.set_xlabel("x [mm]", fontsize=8)
     scene.set_ylabel("y [mm]", fontsize=8)

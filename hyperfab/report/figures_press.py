@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 from hyperfab.arrays import Array
 
 _LIGHT = np.array([-0.35, 0.45, 0.82])
-_STEEL = np.array([0.80, 0.81, 0.82])
-_BLUE = np.array([0.05, 0.20, 0.62])
-_RED = np.array([0.80, 0.10, 0.10])
+_STEEL = (0.80, 0.81, 0.82)
+_BLUE = (0.05, 0.20, 0.62)
+_RED = (0.80, 0.10, 0.10)
+#: Least pressure to largest, as paste that is pressed away deepens.
+_PASTE = ("#bcd3f2", "#5b8fd6", "#0d3399", "#06174d")
 
 
 @dataclass(frozen=True)
@@ -34,10 +36,14 @@ class SpottedMold:
 
 
 def spotting(mold: SpottedMold, curve: Array, title: str) -> bytes:
-    """Return a PNG: the male mold as blue paste would leave it, the gap's histogram, force over stroke.
+    """Return the picture as PNG; ``curve`` (k, 2) is stroke [mm] and force [N]."""
+    target = io.BytesIO()
+    spotting_drawing(mold, curve, title).savefig(target, format="png", metadata={"Software": None})
+    return target.getvalue()
 
-    ``curve`` (k, 2) is stroke [mm] and force [N].
-    """
+
+def spotting_drawing(mold: SpottedMold, curve: Array, title: str) -> Any:
+    """Return the picture: the male mold as blue paste would leave it, the gap's histogram, force over stroke."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.gridspec import GridSpec
@@ -49,60 +55,58 @@ def spotting(mold: SpottedMold, curve: Array, title: str) -> bytes:
     _histogram(figure.add_subplot(grid[0, 1]), mold)
     _force(figure.add_subplot(grid[1, 1]), curve)
     figure.suptitle(title, fontsize=11)
-    target = io.BytesIO()
-    figure.savefig(target, format="png", metadata={"Software": None})
-    return target.getvalue()
+    return figure
 
 
 def _plan(figure: Any, axes: Any, mold: SpottedMold) -> None:
-    """The mold from above: shaded steel, blue where it touches, deeper blue where it presses harder."""
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.collections import TriMesh
-    from matplotlib.colors import ListedColormap, Normalize
+    """The mold from above: shaded steel, and where it touches its pressure alone, unshaded, over the range it has."""
+    from matplotlib.colors import LinearSegmentedColormap, Normalize
     from matplotlib.tri import Triangulation
 
     # What lies higher is drawn later.
     order = np.argsort(mold.vertices[mold.faces, 2].mean(axis=1), kind="stable")
     shade = 0.55 + 0.45 * np.clip(mold.normals @ (_LIGHT / np.linalg.norm(_LIGHT)), 0.0, 1.0)
-    top = max(float(mold.pressure.max()), 1e-30)
-    # Half the blue comes with the first touch, as with paste; the rest grows with pressure.
-    blue = np.where(mold.level > 0.0, 0.35 + 0.65 * np.sqrt(mold.pressure / top), 0.0)[:, None]
-    colour = np.outer(shade, _STEEL) * (1.0 - blue) + _BLUE * blue * (0.6 + 0.4 * shade[:, None])
-    colour[mold.gap <= 0.0] = _RED
-    plan = TriMesh(Triangulation(mold.vertices[:, 0], mold.vertices[:, 1], mold.faces[order]))
-    plan.set_facecolor(np.clip(colour, 0.0, 1.0))
-    axes.add_collection(plan)
-    if (mold.level > 0.0).any() and (mold.level < 0.0).any():
-        axes.tricontour(
-            mold.vertices[:, 0],
-            mold.vertices[:, 1],
-            mold.faces,
-            mold.level,
-            levels=[0.0],
-            colors="0.15",
-            linewidths=0.7,
-        )
+    plane = Triangulation(mold.vertices[:, 0], mold.vertices[:, 1], mold.faces[order])
+    axes.tripcolor(
+        plane, shade, shading="gouraud", cmap=LinearSegmentedColormap.from_list("steel", [(0.1, 0.1, 0.1), _STEEL]),
+        norm=Normalize(0.0, 1.0),
+    )  # fmt: skip
+    touched = mold.level > 0.0
+    if touched.any():
+        pressure = 1000.0 * mold.pressure
+        low, high = float(pressure[touched].min()), float(pressure[touched].max())
+        blue = axes.tripcolor(
+            plane, pressure, shading="gouraud", cmap=LinearSegmentedColormap.from_list("paste", _PASTE),
+            norm=Normalize(low, max(high, low + 1e-12)),
+        )  # fmt: skip
+        figure.colorbar(blue, ax=axes, label="pressure where it touches [kPa]", shrink=0.8)
+        if not touched.all():
+            # Cut along the line where the touch begins, not along the facets.
+            inside = axes.tricontourf(
+                plane, mold.level, levels=[0.0, float(mold.level.max()) + 1.0], alpha=0.0
+            )
+            blue.set_clip_path(inside.get_paths()[0], transform=axes.transData)
+            axes.tricontour(plane, mold.level, levels=[0.0], colors="0.15", linewidths=0.7)
+    if (mold.gap <= 0.0).any():
+        axes.plot(*mold.vertices[mold.gap <= 0.0, :2].T, ".", color=_RED, markersize=3)
     axes.autoscale_view()
+    axes.margins(0.02)
     axes.set_aspect("equal")
     axes.set_xlabel(f"{mold.axes[0]} [mm]")
     axes.set_ylabel(f"{mold.axes[1]} [mm]")
-    axes.set_title("Male mold, blue where it touches", fontsize=10)
-    steps = np.linspace(0.0, 1.0, 64)[:, None]
-    ramp = 0.35 + 0.65 * np.sqrt(steps)
-    bar = ScalarMappable(Normalize(0.0, 1000.0 * top), ListedColormap(_STEEL * (1.0 - ramp) + _BLUE * ramp))
-    figure.colorbar(bar, ax=axes, label="pressure [kPa]", shrink=0.8)
+    axes.set_title("Male mold, blue where it touches" + ("" if touched.any() else ": nowhere"), fontsize=10)
 
 
 def _histogram(axes: Any, mold: SpottedMold) -> None:
     finite = np.isfinite(mold.gap)
     axes.hist(mold.gap[finite], bins=60, weights=mold.areas[finite] / 100.0, color="0.6")
-    axes.axvline(mold.thickness, color=tuple(_BLUE), linewidth=1.2)
+    axes.axvline(mold.thickness, color=_BLUE, linewidth=1.2)
     axes.set_xlabel("gap [mm]; the line is the sandwich's thickness")
     axes.set_ylabel("area [cm²]")
 
 
 def _force(axes: Any, curve: Array) -> None:
-    axes.plot(curve[:, 0], curve[:, 1], color=tuple(_BLUE), marker=".", markersize=4)
+    axes.plot(curve[:, 0], curve[:, 1], color=_BLUE, marker=".", markersize=4)
     axes.set_xlabel("stroke from first touch [mm]")
     axes.set_ylabel("closing force [N]")
     axes.grid(alpha=0.3)

@@ -10,6 +10,7 @@ from hyperfab.samples.rubber import treloar
 
 #: Files that are kept as they are, and the folder each belongs to.
 _KEPT = {
+    "cup-on-plate.toml": "molds",
     "film.csv": "specimens",
     "original.toml": "molds",
     "proposed.toml": "molds",

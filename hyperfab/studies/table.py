@@ -18,6 +18,8 @@ from hyperfab.studies.store import Outcome, Store
 Cell = float | int | bool | str | None
 #: Digits of its hash that name a case in the table.
 SHOWN = 12
+#: The column of the running number of a case, which people call it by.
+NUMBER = "number"
 
 
 @dataclass
@@ -53,6 +55,7 @@ def collect(plan: Plan, store: Store, accidents: Mapping[str, Outcome]) -> Table
     names = ["case", *axes.values(), "status", *figures]
     names += ["within_limits"] if study.limit else []
     names += ["failed_step", "message", *(f"{step.name}_document" for step in study.step)]
+    names += [] if NUMBER in names else [NUMBER]  # last: what reads the table by place finds all where it was
     columns: dict[str, list[Cell]] = {name: [] for name in names}
     cache: dict[str, tuple[Outcome | None, dict[str, Cell]]] = {}
     wanted = {
@@ -62,7 +65,7 @@ def collect(plan: Plan, store: Store, accidents: Mapping[str, Outcome]) -> Table
     last: dict[str, str] = {}
     validity: list[tuple[str, Any]] = []
     for case in plan:
-        row: dict[str, Cell] = {"case": case.key[:SHOWN], "status": 0}
+        row: dict[str, Cell] = {"case": case.key[:SHOWN], NUMBER: len(columns["case"]) + 1, "status": 0}
         row |= {axes[name]: value for name, value in case.values.items()}
         for step in case.steps:
             if step.key not in cache:

@@ -423,6 +423,42 @@ def test_dirty_stl_is_welded_and_meshed_with_a_cavity(tmp_path):
     assert document["conditions"]["heater hole.all"]["area_mm2"] == pytest.approx(600.0, rel=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("axis", "lies", "unit", "mm"), [("y", (1, 2, 0), "inch", 25.4), ("x", (2, 0, 1), "m", 1e3)]
+)
+def test_an_stl_stands_where_its_part_says(tmp_path, plate, axis, lies, unit, mm):
+    """The plate, drawn about its middle, lying on a side, in another unit: the heat of the one given as a box."""
+    import trimesh
+
+    sides = np.array([100.0, 80.0, 20.0])
+    drawn = trimesh.creation.box(sides[list(lies)] / mm)
+    (tmp_path / "part.stl").write_bytes(trimesh.exchange.stl.export_stl(drawn))
+    place = f'stl = "part.stl"\norigin = ["5 cm", "40 mm", "10 mm"]\naxis = "{axis}"\nunit = "{unit}"\n'
+    status, document, _ = heat(tmp_path, PLATE.split("box =")[0] + place + HEATER + FILM + PROBE + RUN)
+    assert status == 0
+    _, given = plate
+    assert document["mass_kg"] == pytest.approx(given["mass_kg"], rel=1e-6)
+    points = read_vtu((tmp_path / "heat.vtu").read_bytes(), "heat.vtu").points
+    assert np.concatenate([points.min(0), points.max(0)]) == pytest.approx([0, 0, 0, *sides], abs=1e-4)
+    for figure in ("mean_degC", "max_degC"):
+        assert document["work_surface"][figure] == pytest.approx(given["work_surface"][figure], abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("line", "says"),
+    [
+        ('stl = { file = "part.stl", origin = ["0 mm", "0 mm", "0 mm"] }', "its place stands beside it"),
+        (
+            'box = { origin = ["0 mm", "0 mm", "0 mm"], size = ["9 mm", "9 mm", "9 mm"] }\naxis = "y"',
+            "places an stl",
+        ),
+    ],
+)
+def test_a_place_that_belongs_elsewhere_is_refused_with_the_right_form(tmp_path, line, says):
+    with pytest.raises(InputError, match=says):
+        heat(tmp_path, PLATE.split("box =")[0] + line + "\n" + HEATER + FILM + PROBE + RUN)
+
+
 @pytest.mark.parametrize("fineness", [2, 5])
 def test_a_cavity_may_be_an_stl(tmp_path, fineness):
     import trimesh

@@ -22,6 +22,7 @@ from hyperfab.errors import InputError
 from hyperfab.io.vtu import unstructured
 from hyperfab.io.vtu_read import read_vtu
 from hyperfab.report.figures_loop import loop_drawing
+from hyperfab.report.figures_press import SpottedMold, spotting_drawing
 from hyperfab.report.labels import AFTER, BEFORE, DATA
 from hyperfab.report.page.front import front
 from hyperfab.report.page.parts import Chart, Section, Source, number, rounded
@@ -382,6 +383,38 @@ def test_curves_of_a_loop_stand_in_a_panel_of_their_direction_and_temperature() 
     assert np.allclose(panels["weft, 80 °C"].lines[0].get_ydata(), given["measured"][:8])
     assert panels["warp, 23 °C"].get_ylabel() == "nominal stress [MPa]"
     assert len({axes.get_ylim() for axes in panels.values()}) == 1
+
+
+@pytest.mark.parametrize("least", [-0.5, 0.1])  # touching in part, and everywhere
+def test_pressure_is_told_from_light_where_a_mold_touches(least: float) -> None:
+    """The colour of a touching place is its pressure's alone, over the range there is; the light is the steel's."""
+    u, v = (side.ravel() for side in np.meshgrid(np.linspace(20.0, 60.0, 9), np.linspace(-30.0, 30.0, 9)))
+    k = np.arange(72).reshape(8, 9)[:, :-1].ravel()
+    faces = np.concatenate([np.stack([k, k + 1, k + 10], 1), np.stack([k, k + 10, k + 9], 1)])
+    level = least + np.linspace(0.0, 1.0, 81)
+    pressure = np.where(level > 0.0, 0.005 + 0.002 * level, 0.0)
+    normals = np.random.default_rng(3).normal(size=(81, 3))
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    mold = SpottedMold(
+        np.stack([u, v, 0.0 * u], 1),
+        faces,
+        normals,
+        3.0 - level,
+        pressure,
+        level,
+        np.ones(81),
+        3.0,
+        ("x", "y"),
+    )
+    plan = spotting_drawing(mold, np.array([[0.0, 0.0], [1.0, 9.0]]), "").axes[0]
+    _, blue = plan.collections[:2]
+    assert np.allclose(blue.get_array(), 1000.0 * pressure)
+    touched = 1000.0 * pressure[level > 0.0]
+    assert (blue.norm.vmin, blue.norm.vmax) == pytest.approx((touched.min(), touched.max()))
+    assert (blue.get_clip_path() is None) == (least > 0.0)
+    low, high = plan.get_xlim()
+    assert low > 15.0
+    assert high < 65.0
 
 
 def test_warnings_are_told_once_a_kind_under_a_heading() -> None:

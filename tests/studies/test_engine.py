@@ -155,6 +155,8 @@ def test_shared_steps_run_once_and_a_second_run_does_nothing(shop: Shop) -> None
     assert shop.finished("out") == [1] * 12
     rows = shop.table("out").decode().splitlines()
     assert rows[0].startswith("case,a,b_mm,status,sum")
+    assert rows[0].endswith(",number")
+    assert [row.rpartition(",")[2] for row in rows[1:]] == [str(n) for n in range(1, 9)]
     assert [row.split(",")[1:5] for row in rows[1:3]] == [
         ["1.0", "1.0", "0", "2.0"],
         ["1.0", "2.0", "0", "3.0"],

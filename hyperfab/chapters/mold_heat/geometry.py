@@ -6,7 +6,7 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.chapters.field import read_field
-from hyperfab.chapters.molds import read_mesh
+from hyperfab.chapters.molds import TURNED, read_mesh
 from hyperfab.documents.base import read_document
 from hyperfab.documents.heat import HeatDocument
 from hyperfab.documents.mold import BodySection, FacesInBox, MoldDocument, PartSection, ShapeSection
@@ -67,8 +67,9 @@ class _Reader:
         if section.stl is None:
             raise InputError("has no shape", file=self.name)
         file = self.inputs.beside(self.name, section.stl)
-        surface = read_mesh(self.inputs, file, self.stl_unit, self.questions.append)
-        found = repaired(surface.vertices, surface.faces, file)
+        surface = read_mesh(self.inputs, file, section.unit or self.stl_unit, self.questions.append)
+        origin = np.asarray(section.origin or (0.0, 0.0, 0.0))
+        found = repaired(surface.vertices[:, TURNED[section.axis or "z"]] + origin, surface.faces, file)
         self.questions.extend(f"{file}: {note}" for note in found.notes)
         return [Stl(*piece, name) for piece in pieces(found.vertices, found.triangles)]
 

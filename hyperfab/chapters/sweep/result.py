@@ -16,7 +16,7 @@ from hyperfab.report.figures_sweep import cases_png, effects_png
 from hyperfab.studies.effects import main_effects, pareto_front
 from hyperfab.studies.plan import Plan
 from hyperfab.studies.store import Outcome, Store
-from hyperfab.studies.table import Table, collect, to_csv, to_parquet
+from hyperfab.studies.table import NUMBER, Table, collect, to_csv, to_parquet
 
 
 def write_result(
@@ -118,7 +118,7 @@ def _senses(plan: Plan, table: Table) -> dict[str, str]:
 def _best(table: Table, senses: Mapping[str, str]) -> dict[str, dict[str, Any]]:
     """Return, for each figure, the row with its best value within the limits: the least, or the greatest if wanted."""
     found: dict[str, dict[str, Any]] = {}
-    shown = ["case", *table.axes.values(), *table.figures]
+    shown = ["case", NUMBER, *table.axes.values(), *table.figures]
     for name in table.figures:
         values = table.numbers(name)
         if values is None:

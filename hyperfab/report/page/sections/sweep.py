@@ -24,6 +24,9 @@ from hyperfab.report.page.pictures import light
 #: The page carries this many cases; the table beside the document has all.
 MAX_CASES = 2000
 
+#: What a case is called by: its running number, and the name its files have.
+_CALLED = ("number", "case")
+
 
 def section(source: Source) -> Section:
     """Return the section of a sweep document."""
@@ -77,20 +80,22 @@ def senses(data: Any) -> dict[str, str]:
 
 def _best(data: Any) -> Table:
     wanted = {name: sense for name, sense in senses(data).items() if name in data["best"]}
-    names = [name for name in next(iter(data["best"].values())) if name != "case"]
+    first = next(iter(data["best"].values()))
+    names = [name for name in first if name not in _CALLED]
+    called = [name for name in _CALLED if name in first]
     rows = [
         [
             word(f"{sense} {title(figure)}"),
             *(
                 number(row[name]) if isinstance(row.get(name), (int, float)) else word(row.get(name, ""))
-                for name in [*names, "case"]
+                for name in [*names, *called]
             ),
         ]
         for figure, sense in wanted.items()
         for row in [data["best"][figure]]
     ]
     kept = ", of those that keep to the limits" if data.get("limits") else ""
-    return Table(f"The best case by each figure{kept}", ["", *map(title, names), "case"], rows)
+    return Table(f"The best case by each figure{kept}", ["", *map(title, names), *called], rows)
 
 
 def _effects(effects: list[Any]) -> Table:
@@ -119,7 +124,8 @@ def _cases(source: Source) -> list[Part]:
     if "case" not in table:
         return []
     axes, figures = list(source.data["axes"].values()), list(source.data["figures"])
-    names = [*axes, "status", *figures, "case"]
+    called = [name for name in _CALLED if name in table and name not in (*axes, *figures)]
+    names = [*axes, "status", *figures, *called]
     names += ["within_limits"] if "within_limits" in table else []
     numbers = {name: floats(table[name]) for name in names}
     cells = [
