@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from hyperfab.cases.case import Case
-from hyperfab.cases.field import amount, choice, file, setting, stl_unit, uncertainty, whole
+from hyperfab.cases.field import amount, choice, file, flag, setting, stl_unit, uncertainty, whole
 from hyperfab.cases.kinds import Amount, File, OrName
 from hyperfab.errors import UsageError
 
@@ -51,6 +51,9 @@ class ContactCase(Case):
         "length", "LENGTH", "Radius of the rigid sphere, 40mm where not given.", example="40mm", above=0.0,
         over=("punch",),
     )  # fmt: skip
+    middle_surface: bool = flag(
+        "The sheet's middle surface meets the sphere, half a thickness off it, not the sheet's lower face."
+    )
     punch: str | None = file(
         "PUNCH.stl", "A surface in place of the sphere, its top at depth 0.", over=("sphere_radius",)
     )
@@ -95,3 +98,7 @@ class ContactCase(Case):
         super().check()
         if self.punch is not None and self.sphere_radius is not None:
             raise UsageError("--punch and --sphere-radius: one or the other is pushed in")
+        if self.punch is not None and self.middle_surface:
+            raise UsageError(
+                "--middle-surface is for the sphere; offset the punch's surface by half the thickness"
+            )

@@ -45,6 +45,23 @@ def press(hf, tmp_path):
     return run
 
 
+def test_half_the_thickness_on_the_sphere_is_offered_and_its_size_told(press):
+    """A sheet of 2 mm over 40 mm: its middle surface is that of a thin sheet over 41 mm."""
+    common = ("--thickness", "2mm", "--depth", "30mm", "--mesh-size", "15mm", "--steps", "2")
+    _, thin, _ = press(NEO_HOOKEAN, *common, "--sphere-radius", "40mm")
+    _, middle, _ = press(NEO_HOOKEAN, *common, "--sphere-radius", "40mm", "--middle-surface")
+    _, larger, _ = press(NEO_HOOKEAN, *common, "--sphere-radius", "41mm")
+    assert any("1 mm, 2.5 % of its radius" in text for text in thin["left_out"])
+    assert not any("half the sheet's thickness" in text for text in middle["left_out"])
+    assert middle["force_N"] == pytest.approx(larger["force_N"], rel=1e-9)
+    assert middle["force_N"] > 1.005 * thin["force_N"]
+    assert middle["setup"]["sphere_radius_mm"] == 40.0
+    assert middle["setup"]["middle_surface"] is True
+    status, _, err = press(NEO_HOOKEAN, "--punch", "p.stl", "--middle-surface", output="punch.json")
+    assert status == 2
+    assert "--middle-surface" in err
+
+
 def test_document_holds_the_known_force_and_valid_siblings(press, hf, tmp_path):
     status, found, _ = press(NEO_HOOKEAN, "--depth", "60mm", "--steps", "3")
     assert status == 0

@@ -44,13 +44,28 @@ def document(
         force_depth=_force_depth(outcome),
         stability=_stability(unstable, limit),
         setup=_setup(setup, fabrics[0]),
-        left_out=[*fabrics[0].left_out, "weight of the sheet", "bending stiffness of the fabric"],
+        left_out=[
+            *fabrics[0].left_out,
+            "weight of the sheet",
+            "bending stiffness of the fabric",
+            *_half_thickness(setup),
+        ],
     )
     if outcome.solved:
         _add_last(found, outcome)
     if len(outcomes) > 1:
         _compare(found, fabrics[1], outcomes, instabilities[1])
     return found
+
+
+def _half_thickness(setup: Setup) -> list[str]:
+    if setup.punch is not None or setup.lift > 0.0:
+        return []
+    half = 0.5 * setup.thickness
+    share = 100.0 * half / setup.radius
+    return [
+        f"half the sheet's thickness on the sphere: {half:g} mm, {share:.2g} % of its radius (--middle-surface)"
+    ]
 
 
 def _linear_solver(outcome: Outcome) -> str:

@@ -31,7 +31,8 @@ _MESH = 0.08
 class Setup:
     """The geometry and the settings of the test, in mm.
 
-    ``punch`` is pressed in place of a sphere; ``radius`` is the sphere's, or half the punch's width.
+    ``punch`` is pressed in place of a sphere; ``radius`` is the sphere's, or half the punch's width;
+    ``lift`` is how far off the sphere the sheet's middle surface is held.
     """
 
     outline: Outline
@@ -48,6 +49,7 @@ class Setup:
     rim_slip: float = 0.0
     punch: Facets | None = None
     punch_name: str | None = None
+    lift: float = 0.0
 
     @property
     def depth(self) -> float:
@@ -60,7 +62,7 @@ class Setup:
             self.outline,
             fabric.law,
             self.thickness,
-            self.radius,
+            self.radius + self.lift,
             self.prestretch,
             self.mesh_size,
             order=self.order,
@@ -103,6 +105,7 @@ def read_geometry(job: Job, case: ContactCase) -> Geometry:
 def setup_of(case: ContactCase, geometry: Geometry, fabric: Fabric) -> Setup:
     """Return the test that a case describes; UsageError or InputError say what cannot be meant."""
     outline, width, narrow = geometry.outline, geometry.width, geometry.narrow
+    thickness = case.thickness or fabric.thickness or 1.0
     if case.punch is None or geometry.facets is None:
         radius = case.sphere_radius or _SPHERE
         _within(radius, 5e-3 * width, 20.0 * width, f"--sphere-radius {radius:g}mm")
@@ -122,7 +125,7 @@ def setup_of(case: ContactCase, geometry: Geometry, fabric: Fabric) -> Setup:
         outline,
         os.path.basename(case.shape),
         width,
-        case.thickness or fabric.thickness or 1.0,
+        thickness,
         radius,
         [float(part) for part in np.linspace(0.0, case.depth, case.steps + 1)[1:]],
         case.prestretch,
@@ -133,6 +136,7 @@ def setup_of(case: ContactCase, geometry: Geometry, fabric: Fabric) -> Setup:
         case.rim_slip,
         geometry.facets,
         None if case.punch is None else os.path.basename(case.punch),
+        0.5 * thickness if case.middle_surface else 0.0,
     )
 
 
