@@ -151,6 +151,22 @@ class Production(Part):
     last: PieceResult
 
 
+class ReducedRun(Part):
+    """How much of a long run was followed on the mold reduced to a few unknowns, checked against the full one."""
+
+    unknowns: int = Field(description="vectors of the basis")
+    begun_s: float = Field(description="when it was first gone over to; before, the mold is followed in full")
+    stretches: int = Field(
+        description="from one switching or corner of a schedule to the next, on the reduced mold"
+    )
+    checks: int = Field(description="stretches that were gone through in full too")
+    error_bound_K: float = Field(
+        description="what probes and work surface may be off by against the full mold: differences at the ends of "
+        "checked stretches and what their shifted switching makes, summed over all, and the greatest on the way"
+    )
+    taken_back: int = Field(description="stretches that a check did not accept, gone through in full instead")
+
+
 class HeatDocument(Document):
     """The result of ``hf mold-heat``."""
 
@@ -197,6 +213,9 @@ class HeatDocument(Document):
     design: Design | None = None
     variations: Variations | None = None
     production: Production | None = None
+    reduced: ReducedRun | None = Field(
+        default=None, description="where a long run was followed on a reduced mold"
+    )
     hottest: Extreme | None = None
     coldest: Extreme | None = None
     flux_max_W_m2: float | None = None

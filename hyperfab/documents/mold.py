@@ -384,6 +384,7 @@ class RunSection(Section):
     mesh_size: PositiveLength
     steady: bool = False
     tolerance: TemperatureDifference = 0.1
+    reduced: bool | None = None
 
 
 class MoldDocument(HandWritten):

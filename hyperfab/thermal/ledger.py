@@ -33,23 +33,27 @@ class Ledger:
     moved: float = 0.0
 
     @staticmethod
-    def begin(model: HeatModel, stored: Array, exchanged: Sequence[str] = ()) -> Ledger:
+    def begin(model: HeatModel, stored: float, exchanged: Sequence[str] = ()) -> Ledger:
         """Open the account with the heat in the body; ``exchanged`` name parts that are renewed."""
         others = [*(held.name for held in model.prescribed), *exchanged]
         names = [c.name for c in model.conditions] + others
         heaters = [isinstance(c, Heater) for c in model.conditions] + [False] * len(others)
         least = LEAST_CHANGE * float(model.lumped_capacity.sum())
-        return Ledger(names, np.array(heaters, dtype=bool), float(stored.sum()), least)
+        return Ledger(names, np.array(heaters, dtype=bool), stored, least)
 
-    def add(self, heat: Array, stored: Array, moved: float) -> None:
-        """Enter one step; ``moved`` is the heat that it moved from node to node."""
+    def add(self, heat: Array, stored: float, moved: float) -> None:
+        """Enter one step: ``stored`` is in the body after it, ``moved`` went from node to node in it."""
         self.moved += moved
         self.entered.append(np.concatenate([heat, np.zeros(len(self.names) - len(heat))]))
-        self.stored.append(float(stored.sum()) - self.first_stored)
+        self.stored.append(stored - self.first_stored)
 
-    def exchange(self, name: str, stored: Array) -> None:
+    def cut(self, steps: int) -> None:
+        """Forget all but the first ``steps`` steps."""
+        del self.entered[steps:], self.stored[steps:]
+
+    def exchange(self, name: str, stored: float) -> None:
         """Enter what a renewed part brings into the body, at the time of the last step."""
-        now = float(stored.sum()) - self.first_stored
+        now = stored - self.first_stored
         self.entered[-1][self.names.index(name)] += now - self.stored[-1]
         self.stored[-1] = now
 

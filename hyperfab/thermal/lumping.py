@@ -19,6 +19,18 @@ def lumped(rows: Array, weights: Array, count: int) -> tuple[Array, Array]:
     >>> rows.ravel().round(2).tolist(), weights.tolist()
     ([0.05, 5.1], [2.0, 2.0])
     """
+    found = groups(rows, weights, count)
+    total = np.array([weights[group].sum() for group in found])
+    means = np.stack([weights[group] @ rows[group] / weights[group].sum() for group in found])
+    return means, total
+
+
+def groups(rows: Array, weights: Array, count: int) -> list[NDArray[np.int64]]:
+    """Return the points of at most ``count`` groups, by their numbers.
+
+    >>> [group.tolist() for group in groups(np.array([[0.0], [0.1], [5.0], [5.2]]), np.ones(4), 2)]
+    [[0, 1], [2, 3]]
+    """
     whole = np.arange(len(weights))
     heap: list[tuple[float, int, NDArray[np.int64], Array]] = []
     number = 0
@@ -32,14 +44,11 @@ def lumped(rows: Array, weights: Array, count: int) -> tuple[Array, Array]:
         number += 1
 
     push(whole)
-    while len(heap) < count and -heap[0][0] > 0.0:
+    while len(heap) < count and -heap[0][0] > 0.0 and len(heap[0][2]) > 1:
         _, _, group, along = heapq.heappop(heap)
         order = np.argsort(along, kind="stable")
         share = np.cumsum(weights[group[order]])
         cut = min(int(np.searchsorted(share, 0.5 * share[-1])) + 1, len(group) - 1)
         push(group[order[:cut]])
         push(group[order[cut:]])
-    groups = [group for _, _, group, _ in sorted(heap, key=lambda entry: int(entry[2].min()))]
-    total = np.array([weights[group].sum() for group in groups])
-    means = np.stack([weights[group] @ rows[group] / weights[group].sum() for group in groups])
-    return means, total
+    return [group for _, _, group, _ in sorted(heap, key=lambda entry: int(entry[2].min()))]

@@ -103,6 +103,22 @@ class HeatModel:
         """Return the heat capacity of all parts at nodal temperatures [J/K]."""
         return float(self.medium.capacity(temperature).sum())
 
+    def stored(self, temperature: Array) -> Array:
+        """Return the heat stored at each node [J]."""
+        return self.medium.stored(temperature)
+
+    def total(self, by_node: Array) -> float:
+        """Return the heat, or the flow, of the whole mold."""
+        return float(by_node.sum())
+
+    def moved(self, stored: Array) -> float:
+        """Return how much heat has changed its node, of the change of what is stored [J]."""
+        return 0.5 * float(np.abs(stored).sum())
+
+    def speed(self, rate: Array) -> float:
+        """Return how fast a change of the flow [W] heats, root of the mean square [K/s]."""
+        return self.capacity_norm(rate * self.free / self.lumped_capacity)
+
     def hold(self, time: float, temperature: Array) -> Array:
         """Return the temperatures with the held nodes set to their values at ``time``."""
         result = temperature.copy()

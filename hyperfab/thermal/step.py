@@ -7,13 +7,15 @@ the two stages and the flow at the start, filtered through the stage matrix so t
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Flags
 from hyperfab.numerics.vectors import norm
-from hyperfab.thermal.model import HeatModel
+from hyperfab.thermal.prescribed import Prescribed
 
 GAMMA = 1.0 - 1.0 / math.sqrt(2.0)
 
@@ -21,6 +23,57 @@ GAMMA = 1.0 - 1.0 / math.sqrt(2.0)
 _B1 = (1.0 / 6.0 - 0.25) / (GAMMA**2 - 0.5 * GAMMA)
 _B2 = 0.5 - GAMMA * _B1
 _ERROR = (1.0 - _B1 - _B2, _B1 - (1.0 - GAMMA), _B2 - GAMMA)
+
+
+class Flows(Protocol):
+    """A boundary condition, as a step asks it."""
+
+    def flow(self, time: float, temperature: Array) -> Array:
+        """Return the heat flow into the body [W]."""
+
+
+class Model(Protocol):
+    """What a step asks of a mold: by nodes (``HeatModel``), or by the coordinates of a basis (``ProjectedModel``)."""
+
+    free: Flags
+    last_matrix: Any
+    prescribed: Sequence[Prescribed]
+
+    @property
+    def conditions(self) -> Sequence[Flows]:
+        """Return the boundary conditions."""
+
+    def stored(self, temperature: Array) -> Array:
+        """Return the heat stored [J]."""
+
+    def flow(self, time: float, temperature: Array) -> Array:
+        """Return the heat flow [W]."""
+
+    def total(self, by_node: Array) -> float:
+        """Return heat or flow of the whole mold."""
+
+    def moved(self, stored: Array) -> float:
+        """Return how much of a change of the stored heat has changed its place [J]."""
+
+    def hold(self, time: float, temperature: Array) -> Array:
+        """Return the temperatures with those held set to their values."""
+
+    def solve_stage(
+        self, time: float, interval: float, target: Array, guess: Array, *, reference: float | None
+    ) -> tuple[Array, float]:
+        """Solve E(T) - interval f(time, T) = target."""
+
+    def solve(self, matrix: Any, right: Array, tolerance: float) -> Array:
+        """Solve with the last stage's matrix."""
+
+    def changed(self) -> None:
+        """Forget the matrices: a condition was switched."""
+
+    def capacity_norm(self, field: Array) -> float:
+        """Return the root of the mean square [K]."""
+
+    def speed(self, rate: Array) -> float:
+        """Return how fast a change of the flow heats [K/s]."""
 
 
 @dataclass(frozen=True)
@@ -42,8 +95,7 @@ class Step:
     """A step taken: the state at its end, the estimated error [K], and its account of heat [J].
 
     ``heat`` is the heat that entered through each condition, in the model's order, then through each group of
-    held nodes; ``moved`` the heat that changed its node; ``residual`` the largest residual of its stages [K];
-    ``slopes`` the rates of temperature change at the two stages [K/s].
+    held nodes; ``moved`` the heat that changed its node; ``residual`` the largest residual of its stages [K].
     """
 
     state: State
@@ -51,16 +103,15 @@ class Step:
     heat: Array
     moved: float
     residual: float
-    slopes: tuple[Array, Array]
 
 
-def initial_state(model: HeatModel, time: float, temperature: Array) -> State:
+def initial_state(model: Model, time: float, temperature: Array) -> State:
     """Return the state at the start; held nodes keep their start temperature until the first step."""
     rate = model.flow(time, temperature)
-    return State(time, temperature, model.medium.stored(temperature), rate)
+    return State(time, temperature, model.stored(temperature), rate)
 
 
-def take_step(model: HeatModel, start: State, length: float) -> Step:
+def take_step(model: Model, start: State, length: float) -> Step:
     """Advance by ``length`` [s]; raises NotConverged where a stage does not settle."""
     g = GAMMA * length
     t1, t2 = start.time + g, start.time + length
@@ -68,26 +119,26 @@ def take_step(model: HeatModel, start: State, length: float) -> Step:
     reference = g * norm(start.rate * model.free)
     guess = model.hold(t1, start.temperature + ahead)
     first, residual1 = model.solve_stage(t1, g, start.stored, guess, reference=reference or None)
-    stored1 = model.medium.stored(first)
+    stored1 = model.stored(first)
     rate1 = (stored1 - start.stored) / g
     slope1 = (first - start.temperature) / g
     target = start.stored + (length - g) * rate1
     guess = model.hold(t2, start.temperature + length * slope1)
     reference = g * norm(rate1 * model.free)
     second, residual2 = model.solve_stage(t2, g, target, guess, reference=reference or None)
-    stored2 = model.medium.stored(second)
+    stored2 = model.stored(second)
     rate2 = (stored2 - target) / g
     slope2 = (second - start.temperature - (length - g) * slope1) / g
     heat = (length - g) * _entering(model, t1, first, rate1) + g * _entering(model, t2, second, rate2)
     error = _error(model, start, length, rate1, rate2)
     state = State(t2, second, stored2, rate2, slope2)
-    moved = 0.5 * float(np.abs(stored2 - start.stored).sum())
-    return Step(state, error, heat, moved, max(residual1, residual2), (slope1, slope2))
+    moved = model.moved(stored2 - start.stored)
+    return Step(state, error, heat, moved, max(residual1, residual2))
 
 
-def _entering(model: HeatModel, time: float, temperature: Array, rate: Array) -> Array:
+def _entering(model: Model, time: float, temperature: Array, rate: Array) -> Array:
     """Return the power through each condition, and through each group of held nodes as their imbalance."""
-    through = [float(condition.flow(time, temperature).sum()) for condition in model.conditions]
+    through = [model.total(condition.flow(time, temperature)) for condition in model.conditions]
     if model.prescribed:
         reaction = rate - model.flow(time, temperature)
         done = model.free.copy()
@@ -98,7 +149,7 @@ def _entering(model: HeatModel, time: float, temperature: Array, rate: Array) ->
     return np.array(through)
 
 
-def _error(model: HeatModel, start: State, length: float, rate1: Array, rate2: Array) -> float:
+def _error(model: Model, start: State, length: float, rate1: Array, rate2: Array) -> float:
     """Return the estimated error of the step, root of the mean square over the heat capacity [K]."""
     right = length * (_ERROR[0] * start.rate + _ERROR[1] * rate1 + _ERROR[2] * rate2)
     right[~model.free] = 0.0

@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
 from hyperfab.numerics.vectors import dot
+from hyperfab.thermal.history import History
 from hyperfab.thermal.ledger import Ledger
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.renewal import Renewal
-from hyperfab.thermal.step import State, Step, initial_state, take_step
+from hyperfab.thermal.shortcut import Shortcut, View
+from hyperfab.thermal.step import Model, State, Step, initial_state, take_step
+from hyperfab.thermal.target import Target
 from hyperfab.thermal.thermostat import Thermostat
+from hyperfab.thermal.trail import Trail
 
 #: Step-size control: the error of a step falls with the third power of its length.
 ORDER = 3
@@ -34,14 +38,6 @@ LONGEST = 60 * 86400.0
 
 
 @dataclass(frozen=True)
-class Target:
-    """``sensor`` (n,) weighs nodal temperatures into the watched mean; ``value`` [degC] is waited for."""
-
-    sensor: Array
-    value: float
-
-
-@dataclass(frozen=True)
 class Schedule:
     """How long to run: to ``until`` [s], or to the target where that is None; ``corners`` are hit exactly."""
 
@@ -49,25 +45,6 @@ class Schedule:
     corners: Sequence[float] = ()
     tolerance: float = 0.1
     most_steps: int = 100_000
-
-
-@dataclass
-class History:
-    """All accepted states, the step that led to each (None for the first), and the account of heat."""
-
-    states: list[State]
-    steps: list[Step | None]
-    ledger: Ledger
-    reached: int | None = None
-    rejected: int = 0
-    settled: bool = False
-    switches: list[float] = field(default_factory=list)
-    jumps: list[int] = field(default_factory=list)
-
-    @property
-    def reached_time(self) -> float | None:
-        """Time at which the target was reached [s]."""
-        return None if self.reached is None else self.states[self.reached].time
 
 
 def run(
@@ -79,38 +56,40 @@ def run(
     thermostats: Sequence[Thermostat] = (),
     renewals: Sequence[Renewal] = (),
     finished: Callable[[History], bool] = lambda history: False,
+    shortcut: Shortcut | None = None,
     advance: Callable[[float, Array], None] = lambda time, temperature: None,
 ) -> History:
     """Follow the temperatures from ``start`` (n,) [degC] at time 0.
 
-    ``finished`` is asked at every corner whether to stop there; ``advance`` is told time and temperatures after every
-    step. Raises NotConverged where the step falls below any use or more than ``most_steps`` are taken.
+    ``finished`` is asked at every corner whether to stop there; a ``shortcut`` may see the mold by the coordinates of a
+    basis for a while; ``advance`` is told time and temperatures after every step, or every stretch of a reduced mold.
+    Raises NotConverged where the step falls below any use or more than ``most_steps`` are taken.
     """
     state = initial_state(model, 0.0, start)
-    history = History([state], [None], Ledger.begin(model, state.stored, [r.name for r in renewals]))
+    history = History(
+        Trail([state]), Ledger.begin(model, model.total(state.stored), [r.name for r in renewals])
+    )
     _preset(thermostats, start)
     corners = sorted({t for t in (*schedule.corners, *(t for r in renewals for t in r.times)) if t > 0.0})
     end = schedule.until
     length = _first_length(model, state, schedule)
     if target is not None and dot(target.sensor, start) >= target.value:
         history.reached = 0
+    view = View(model, thermostats, target)
     while end is None or state.time < end:
         stop = min([c for c in corners if c > state.time] + ([end] if end is not None else []), default=None)
         length, last = _fit(length, state.time, stop)
-        step, length, rejected = _accepted(model, state, length, schedule.tolerance)
+        step, length, rejected = _accepted(view.model, state, length, schedule.tolerance)
         last = last and rejected == 0
         history.rejected += rejected
         following = length * _factor(step.error, schedule.tolerance)
-        step, events, hit_target = _stop_at_event(
-            model, state, step, target, history.reached is None, thermostats
-        )
+        step, events, hit_target = _stop_at_event(view, state, step, history.reached is None)
         if last and stop is not None and abs(step.state.time - stop) <= EVENT_TIME * stop:
             step = replace(step, state=replace(step.state, time=stop))
         state = step.state
-        history.states.append(state)
-        history.steps.append(step)
-        history.ledger.add(step.heat, state.stored, step.moved)
-        advance(state.time, state.temperature)
+        history.states.append(state, view.lift)
+        history.residual = max(history.residual, step.residual)
+        history.ledger.add(step.heat, view.model.total(state.stored), step.moved)
         if hit_target:
             history.reached = len(history.states) - 1
             if end is None:
@@ -118,6 +97,11 @@ def run(
         if stop is not None and state.time == stop and finished(history):
             break
         jump = bool(events) or (stop is not None and state.time == stop)
+        if jump or view.lift is None:
+            advance(state.time, history.states[-1].temperature)
+        if jump and shortcut is not None and not shortcut.holds(history, view):
+            view, state, length = shortcut.back(history, view)
+            continue
         for event in events:
             event.switch()
         if events:
@@ -125,8 +109,10 @@ def run(
         if jump:
             history.jumps.append(len(history.states) - 1)
             before = state.rate
-            state = _after_jump(model, state, renewals, history.ledger)
-            following = min(following, _length_after_jump(model, before, state, schedule, following))
+            state = _after_jump(view.model, state, renewals, history.ledger)
+            following = min(following, _length_after_jump(view.model, before, state, schedule, following))
+            if shortcut is not None:
+                view, state = shortcut.turn(history, view, state, following)
         if (
             end is None
             and target is not None
@@ -143,15 +129,15 @@ def run(
     return history
 
 
-def _after_jump(model: HeatModel, state: State, renewals: Sequence[Renewal], ledger: Ledger) -> State:
+def _after_jump(model: Model, state: State, renewals: Sequence[Renewal], ledger: Ledger) -> State:
     """Return the state with which to go on: parts that come fresh now are put in, the flow is found anew."""
     temperature, stored = state.temperature, state.stored
     for renewal in renewals:
         if state.time in renewal.times:
             temperature = temperature.copy()
             renewal.apply(temperature)
-            stored = model.medium.stored(temperature)
-            ledger.exchange(renewal.name, stored)
+            stored = model.stored(temperature)
+            ledger.exchange(renewal.name, model.total(stored))
             model.changed()
     return State(state.time, temperature, stored, model.flow(state.time, temperature))
 
@@ -171,9 +157,9 @@ def _first_length(model: HeatModel, state: State, schedule: Schedule) -> float:
 
 
 def _length_after_jump(
-    model: HeatModel, before: Array, state: State, schedule: Schedule, following: float
+    model: Model, before: Array, state: State, schedule: Schedule, following: float
 ) -> float:
-    speed = model.capacity_norm((state.rate - before) * model.free / model.lumped_capacity)
+    speed = model.speed(state.rate - before)
     return 10.0 * schedule.tolerance / speed if speed > 0 else following
 
 
@@ -187,7 +173,7 @@ def _fit(length: float, time: float, stop: float | None) -> tuple[float, bool]:
     return (left / 2, False) if length > left / 2 else (length, False)
 
 
-def _accepted(model: HeatModel, state: State, length: float, tolerance: float) -> tuple[Step, float, int]:
+def _accepted(model: Model, state: State, length: float, tolerance: float) -> tuple[Step, float, int]:
     """Take a step, shorter until its error is allowed."""
     for rejected in range(40):
         step = take_step(model, state, length)
@@ -208,14 +194,10 @@ def _factor(error: float, tolerance: float) -> float:
 
 
 def _stop_at_event(
-    model: HeatModel,
-    start: State,
-    step: Step,
-    target: Target | None,
-    waiting: bool,
-    thermostats: Sequence[Thermostat],
+    view: View, start: State, step: Step, waiting: bool
 ) -> tuple[Step, list[Thermostat], bool]:
     """Shorten the step to the first event inside it: thermostats that switch, or the target reached."""
+    model, target, thermostats = view.model, view.target, view.thermostats
     due = False
     hit = False
     if target is not None and waiting:
@@ -237,7 +219,7 @@ def _stop_at_event(
     return step, [t for t in thermostats if due and t.excess(now) >= -EVENT_TEMPERATURE], hit
 
 
-def _shorten(model: HeatModel, start: State, step: Step, excess: Callable[[Array], float]) -> Step:
+def _shorten(model: Model, start: State, step: Step, excess: Callable[[Array], float]) -> Step:
     """Find the step length at which ``excess`` of the end temperatures is zero (Illinois false position)."""
     low, high = 0.0, step.state.time - start.time
     low_value, high_value = excess(start.temperature), excess(step.state.temperature)
@@ -266,7 +248,7 @@ def _never(history: History, target: Target, capacity: float) -> bool:
         return True
     if len(history.states) < 4 or (history.jumps and history.jumps[-1] > len(history.states) - 3):
         return False
-    before, now = history.states[-2:]
+    before, now = history.states[-2], history.states[-1]
     missing = target.value - dot(target.sensor, now.temperature)
     earlier, rate = (float(s.rate.sum()) / capacity for s in (before, now))
     if rate <= 0.0:

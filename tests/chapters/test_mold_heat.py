@@ -174,6 +174,31 @@ def test_thermostat_keeps_its_band(tmp_path):
     assert document["energy"]["imbalance_relative"] < 1e-12
 
 
+def test_a_long_run_tells_of_the_reduced_mold_and_its_bound(tmp_path):
+    control = 'control = { probe = "centre", set = "60 degC", band = "2 K" }'
+    text = (HEAD + HEATER + control + FILM + PROBE + RUN).replace('"12 W', '"60 W').replace("300 s", "900 s")
+    status, short, _ = heat(tmp_path, text + "reduced = true", "short")
+    assert status == 0
+    assert short["reduced"]["stretches"] >= 4
+    assert short["reduced"]["checks"] >= 2
+    assert 0.0 < short["reduced"]["error_bound_K"] < 0.05
+    assert short["energy"]["imbalance_relative"] < 1e-11
+    _, full, _ = heat(tmp_path, text + "reduced = false", "full")
+    _, small, _ = heat(tmp_path, text, "small")
+    assert "reduced" not in full
+    assert small["probes"] == full["probes"]
+    bound = short["reduced"]["error_bound_K"]
+    np.testing.assert_allclose(short["switches_s"], full["switches_s"], atol=0.01)
+    assert short["probes"]["centre"]["final_degC"] == pytest.approx(
+        full["probes"]["centre"]["final_degC"], abs=bound
+    )
+    for what in ("mean_degC", "min_degC", "max_degC"):
+        assert short["work_surface"][what] == pytest.approx(full["work_surface"][what], abs=bound)
+    again = (tmp_path / "short.history.csv").read_bytes()
+    heat(tmp_path, text + "reduced = true", "short")
+    assert (tmp_path / "short.history.csv").read_bytes() == again
+
+
 def test_zones_that_ask_one_probe_switch_together(tmp_path):
     control = 'control = { probe = "centre", set = "60 degC", band = "4 K" }\n'
     left = HEATER.replace("plate.z-", "plate.x-").replace("400 W", "200 W") + control

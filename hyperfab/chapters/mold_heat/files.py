@@ -14,8 +14,8 @@ from hyperfab.io.vtu import collection, unstructured
 from hyperfab.report.figures_heat import heat_figure
 from hyperfab.thermal import surface
 from hyperfab.thermal.curves import curve, curve_times
+from hyperfab.thermal.history import History
 from hyperfab.thermal.sensors import as_shown
-from hyperfab.thermal.transient import History
 
 #: Frames of the time series, and bytes they may take together; where there are more steps they are thinned evenly.
 FRAMES, SERIES_BYTES = 40, 50e6
@@ -26,7 +26,7 @@ def write_fields(out: Output, problem: Problem, history: History, target: float 
     last = history.states[-1]
     flux = problem.model.medium.flux(last.temperature)
     out.add(".vtu", _field(problem, last.temperature, flux))
-    if len(history.steps) == 1:  # a steady state has no curves
+    if not history.ledger.entered:  # a steady state has no curves
         out.add(
             ".png",
             heat_figure(
@@ -91,9 +91,9 @@ def _history(problem: Problem, history: History) -> bytes:
     supplied = np.cumsum([0.0, *(row[ledger.supplying].sum() for row in ledger.entered)])
     lost = np.cumsum([0.0, *(-row[~ledger.supplying].sum() for row in ledger.entered)])
     header = ["time_s", "supplied_J", "lost_J", "stored_J"]
-    columns = [np.array([s.time for s in history.states]), supplied, lost, np.array([0.0, *ledger.stored])]
+    columns = [np.array(history.states.times), supplied, lost, np.array([0.0, *ledger.stored])]
     if problem.work_surface is not None:
-        found = [surface.evenness(problem.work_surface, s.temperature) for s in history.states]
+        found = surface.of_all(problem.work_surface, history.states)
         header += [f"work_surface_{what}" for what in ("mean_degC", "min_degC", "max_degC", "spread_K")]
         columns += [
             np.array([getattr(f, name) for f in found]) for name in ("mean", "least", "greatest", "spread")

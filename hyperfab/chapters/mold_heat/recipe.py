@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
 from hyperfab.cases.mold import MoldCase
@@ -21,10 +20,14 @@ from hyperfab.documents.heat import HeatDocument
 from hyperfab.documents.mold import MoldDocument
 from hyperfab.errors import InputError, NotConverged
 from hyperfab.numerics.vectors import dot
+from hyperfab.thermal.history import History
 from hyperfab.thermal.ledger import Ledger
 from hyperfab.thermal.routes import without_route
+from hyperfab.thermal.shortcut import View, shortcut_for
 from hyperfab.thermal.step import initial_state
-from hyperfab.thermal.transient import History, Schedule, Target
+from hyperfab.thermal.target import Target
+from hyperfab.thermal.trail import Trail
+from hyperfab.thermal.transient import Schedule
 from hyperfab.thermal.transient import run as follow
 
 #: Share of the progress line that meshing takes.
@@ -87,14 +90,11 @@ def run(job: Job, case: MoldCase) -> int:
 
 def _note_ranges(job: Job, name: str, builder: MoldBuilder, problem: Problem, history: History) -> None:
     """Note between which temperatures the tables were used: films on the outer faces, the rest anywhere."""
-    outer: NDArray[np.int64] | slice = np.unique(problem.mesh.facet_nodes(problem.mesh.facets.outer))
+    outer = np.unique(problem.mesh.facet_nodes(problem.mesh.facets.outer))
+    everywhere = np.arange(problem.mesh.solid)
     for (kind, table), known in builder.tables.tabulated.items():
-        where = outer if kind == "film-coefficient" else slice(problem.mesh.solid)
-        met = [
-            end
-            for state in history.states
-            for end in (state.temperature[where].min(), state.temperature[where].max())
-        ]
+        where = outer if kind == "film-coefficient" else everywhere
+        met = history.states.extremes(where)
         job.ranges.used(table, met, known=known, source=name, unit="degC", then="its end rows hold there")
 
 
@@ -120,6 +120,15 @@ def _transient(
         advance(MESHING + (0.95 - MESHING) * max(done, 0.0), f"{time:.0f} s, {temperature.max():.1f} degC")
 
     schedule = Schedule(settings.until, problem.corners, share * settings.tolerance)
+    shortcut = None
+    if share == 1.0 and not problem.renewals:
+        nodes = np.zeros(0, dtype=np.int64)
+        if problem.work_surface is not None:
+            nodes = np.unique(problem.work_surface.nodes)
+        full = View(problem.model, problem.thermostats, target)
+        shortcut, _ = shortcut_for(
+            full, settings.until, list(problem.probes.values()), nodes, settings.reduced
+        )
     return follow(
         problem.model,
         start,
@@ -128,6 +137,7 @@ def _transient(
         thermostats=problem.thermostats,
         renewals=problem.renewals,
         finished=(lambda history: False) if problem.pieces is None else problem.pieces.finished,
+        shortcut=shortcut,
         advance=progress,
     )
 
@@ -146,7 +156,7 @@ def _steady(document: MoldDocument, name: str, problem: Problem, start: Array) -
     after = max(problem.corners, default=0.0)  # schedules and tables in time keep their last values
     state = initial_state(model, 0.0, start)
     temperature, _ = model.solve_steady(after, model.hold(after, start))
-    history = History([state], [None], Ledger.begin(model, state.stored))
+    history = History(Trail([state]), Ledger.begin(model, model.total(state.stored)))
     history.states.append(initial_state(model, after, temperature))
     return history
 

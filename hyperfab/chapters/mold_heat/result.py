@@ -6,16 +6,25 @@ import numpy as np
 
 from hyperfab.chapters.mold_heat.problem import Problem
 from hyperfab.chapters.mold_heat.production import describe
-from hyperfab.documents.heat import Energy, Evenness, Extreme, FaceUse, HeatDocument, ProbeResult, WorkSurface
+from hyperfab.documents.heat import (
+    Energy,
+    Evenness,
+    Extreme,
+    FaceUse,
+    HeatDocument,
+    ProbeResult,
+    ReducedRun,
+    WorkSurface,
+)
 from hyperfab.documents.mold import MoldDocument
 from hyperfab.numerics.vectors import dot
 from hyperfab.thermal import surface
 from hyperfab.thermal.curves import curve, curve_times
 from hyperfab.thermal.heater import Heater
+from hyperfab.thermal.history import History
 from hyperfab.thermal.ledger import LEAST_CHANGE
 from hyperfab.thermal.sensors import as_shown
-from hyperfab.thermal.step import State
-from hyperfab.thermal.transient import History
+from hyperfab.thermal.trail import Past
 
 #: The account of heat must close to this share, or the command ends with exit status 4.
 IMBALANCE_ALLOWED = 1e-8
@@ -43,13 +52,23 @@ def transient_document(document: MoldDocument, problem: Problem, history: Histor
     result = _common(problem, history, energy, converged)
     result.steps = len(history.states) - 1
     result.rejected_steps = history.rejected
-    result.residual_max_K = max((step.residual for step in history.steps if step is not None), default=0.0)
+    result.residual_max_K = history.residual
     result.end_time_s = history.states[-1].time
     result.warmup_time_s = history.reached_time
     result.target_degC = document.run.target
     if document.run.target is not None:
         result.target_reached = reached is not None
     result.switches_s = history.switches or None
+    if history.reduced is not None:
+        told = history.reduced
+        result.reduced = ReducedRun(
+            unknowns=told.unknowns,
+            begun_s=told.begun,
+            stretches=told.stretches,
+            checks=told.checks,
+            error_bound_K=told.error,
+            taken_back=told.returns,
+        )
     result.status = _status(converged, imbalance, document, result)
     result.probes = _probes(problem, history)
     result.efficiency = _efficiency(energy)
@@ -126,7 +145,7 @@ def _heater_names(problem: Problem) -> set[str]:
     return {heater.name for heater in problem.model.heaters}
 
 
-def _powers(problem: Problem, state: State) -> dict[str, float]:
+def _powers(problem: Problem, state: Past) -> dict[str, float]:
     """Return the power that enters through each condition at a state [W]."""
     model = problem.model
     powers = {
@@ -183,6 +202,6 @@ def _evenness(found: surface.Evenness) -> Evenness:
     )
 
 
-def _extreme(problem: Problem, state: State, node: int) -> Extreme:
+def _extreme(problem: Problem, state: Past, node: int) -> Extreme:
     x, y, z = (1e3 * problem.mesh.points[node]).tolist()
     return Extreme(temperature_degC=float(state.temperature[node]), at_mm=(x, y, z))

@@ -16,10 +16,10 @@ from hyperfab.errors import InputError
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.inputs import Inputs
+from hyperfab.thermal.history import History
 from hyperfab.thermal.reduced import ReducedMold, reduce
 from hyperfab.thermal.sensors import as_shown
 from hyperfab.thermal.settings import Settings
-from hyperfab.thermal.transient import History
 
 #: Columns of the table, each a factor on what the document says.
 FACTORS = ("film", "power", "conductivity", "specific heat")

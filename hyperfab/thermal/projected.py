@@ -1,0 +1,275 @@
+"""The heated mold on a basis: the same equations, sought in the basis' span and tested with it (Galerkin).
+
+Temperatures are an origin, a state that the mold has been in, and r coordinates times basis vectors. What is linear
+about the origin is projected to the last digit. What is left of a film or of radiation, of second order in how far it
+is from there, is taken at a few points of its faces. A uniform temperature is in the span, so that the account of heat
+closes as it does in the full model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from scipy import sparse
+
+from hyperfab.arrays import Array
+from hyperfab.errors import NotConverged
+from hyperfab.thermal.condition import Condition
+from hyperfab.thermal.contact import Contact
+from hyperfab.thermal.convection import Convection
+from hyperfab.thermal.heater import Heater
+from hyperfab.thermal.lumping import groups
+from hyperfab.thermal.model import HeatModel
+from hyperfab.thermal.prescribed import Prescribed
+from hyperfab.thermal.radiation import SIGMA, ZERO_CELSIUS, Radiation
+from hyperfab.thermal.trail import Lift
+
+#: Points that stand for a face in what is not linear there, and directions they are told apart by.
+POINTS, DIRECTIONS = 200, 6
+#: Newton's method ends where a step moves the mean square by less [K].
+STILL = 1e-11
+NEWTON_STEPS = 30
+
+
+class Projected(Protocol):
+    """A condition in coordinates."""
+
+    def flow(self, time: float, coordinates: Array) -> Array:
+        """Return the heat flow into each basis vector (r,) [W]."""
+
+    def tangent(self, time: float, coordinates: Array) -> Array:
+        """Return minus its derivative (r, r) [W/K]."""
+
+
+@dataclass(frozen=True)
+class _Source:
+    """A heater; the full model's own is asked whether it is on."""
+
+    heater: Heater
+    shape: Array
+
+    def flow(self, time: float, coordinates: Array) -> Array:
+        return self.heater.power_at(time) * self.shape
+
+    def tangent(self, time: float, coordinates: Array) -> Array:
+        return np.zeros((len(self.shape), len(self.shape)))
+
+
+@dataclass(frozen=True)
+class _Joint:
+    """A contact: its jump at the origin and its matrix, closed."""
+
+    contact: Contact
+    jump: Array
+    matrix: Array
+
+    def flow(self, time: float, coordinates: Array) -> Array:
+        return -self.contact.closed.at(time) * (self.jump + self.matrix @ coordinates)
+
+    def tangent(self, time: float, coordinates: Array) -> Array:
+        return self.contact.closed.at(time) * self.matrix
+
+
+class _Face:
+    """A film or a radiating face, linear about the origin but for what is seen at a few points."""
+
+    def __init__(self, condition: Convection | Radiation, lift: Lift, time: float) -> None:
+        self.condition = condition
+        self._at = condition.ambient.at(time)
+        facets = condition.facets
+        rows = facets.at_points_of(lift.basis)
+        origin, weights = facets.at_points(lift.origin).ravel(), facets.weights.ravel()
+        loss, rate, cooling = _loss(condition, origin, self._at)
+        weighted = rows * weights[:, None]
+        self._flow = -(loss @ weighted)
+        self._matrix = weighted.T @ (rate[:, None] * rows)
+        self._air = cooling @ weighted
+        if condition.linear:
+            origin, weights, rows = origin[:0], weights[:0], rows[:0]
+        elif len(weights) > POINTS:
+            chosen = groups(_spread(origin, rows, weights), weights, POINTS)
+            total = np.array([weights[group].sum() for group in chosen])
+            origin = np.array([weights[g] @ origin[g] for g in chosen]) / total
+            rows = np.stack([weights[g] @ rows[g] for g in chosen]) / total[:, None]
+            weights = total
+        self._rows, self._weighted, self._origin = rows, rows * weights[:, None], origin
+        self._base = _loss(condition, origin, self._at)
+
+    def flow(self, time: float, coordinates: Array) -> Array:
+        ambient = self.condition.ambient.at(time)
+        found = (
+            self._flow - self._matrix @ coordinates + _warmer(self.condition, self._at, ambient) * self._air
+        )
+        if len(self._origin):
+            away = self._rows @ coordinates
+            loss, rate, cooling = self._base
+            now, _, _ = _loss(self.condition, self._origin + away, ambient)
+            linear = loss + rate * away - _warmer(self.condition, self._at, ambient) * cooling
+            found -= (now - linear) @ self._weighted
+        return found
+
+    def tangent(self, time: float, coordinates: Array) -> Array:
+        if len(self._origin) == 0:
+            return self._matrix
+        at = self._origin + self._rows @ coordinates
+        _, rate, _ = _loss(self.condition, at, self.condition.ambient.at(time))
+        return self._matrix + self._weighted.T @ ((rate - self._base[1])[:, None] * self._rows)
+
+
+def _spread(origin: Array, rows: Array, weights: Array) -> Array:
+    """Return by what points of a face are told apart: their origin, and the vectors that move them most."""
+    size = weights @ rows**2
+    size[0] = 0.0  # uniform
+    main = np.argsort(-size, kind="stable")[:DIRECTIONS]
+    columns = np.column_stack([origin - origin.mean(), rows[:, main]])
+    reach = np.abs(columns).max(axis=0)
+    return np.asarray(columns / np.where(reach > 0.0, reach, 1.0))
+
+
+def _loss(condition: Convection | Radiation, at: Array, ambient: float) -> tuple[Array, Array, Array]:
+    """Return the heat lost per area at surface temperatures, its rate by them, and by the ambient's ``_warmer``."""
+    if isinstance(condition, Convection):
+        film = condition.film(at)
+        return film * (at - ambient), film + condition.film.slope(at) * (at - ambient), film
+    hot = np.maximum(at + ZERO_CELSIUS, 0.0)
+    grey = condition.emissivity * SIGMA
+    loss = grey * (hot**4 - (ambient + ZERO_CELSIUS) ** 4)
+    return loss, 4.0 * grey * hot**3, np.full_like(at, grey)
+
+
+def _warmer(condition: Convection | Radiation, before: float, now: float) -> float:
+    """Return by how much the surroundings are warmer: in kelvin to a film, in its fourth power to radiation."""
+    if isinstance(condition, Convection):
+        return now - before
+    return (now + ZERO_CELSIUS) ** 4 - (before + ZERO_CELSIUS) ** 4
+
+
+def project(condition: Condition, lift: Lift, time: float) -> Projected | None:
+    """Return a condition in coordinates; None for a kind that has none."""
+    if isinstance(condition, Heater):
+        return _Source(condition, condition.shape @ lift.basis)
+    if isinstance(condition, Contact):
+        near, far = condition.near, condition.far
+        rows = near.at_points_of(lift.basis) - far.at_points_of(lift.basis)
+        weighted = rows * (condition.conductance * near.weights.ravel())[:, None]
+        jump = (near.at_points(lift.origin) - far.at_points(lift.origin)).ravel()
+        return _Joint(condition, jump @ weighted, weighted.T @ rows)
+    if isinstance(condition, Convection | Radiation):
+        return _Face(condition, lift, time)
+    return None
+
+
+def why_not(model: HeatModel) -> str | None:
+    """Return what of a mold has no projection, in words; None where all has."""
+    if model.prescribed:
+        return "temperatures are held"
+    if not model.medium.linear:
+        return "constants change with temperature"
+    for condition in model.conditions:
+        if not isinstance(condition, Heater | Contact | Convection | Radiation):
+            return f"{condition.name} is no heater, film, radiation or contact"
+    return None
+
+
+class ProjectedModel:
+    """``model`` on the basis of ``lift``, linear about its origin at ``time``; asked as the full model is."""
+
+    prescribed: Sequence[Prescribed] = ()
+
+    def __init__(self, model: HeatModel, lift: Lift, time: float) -> None:
+        self.lift = lift
+        self.full = model
+        basis, origin = lift.basis, lift.origin
+        found = [project(condition, lift, time) for condition in model.conditions]
+        self.conditions: list[Projected] = [condition for condition in found if condition is not None]
+        capacity = model.pattern.matrix(model.medium.capacity(origin))
+        conduction = model.pattern.matrix(model.medium.conduction(origin))
+        held = capacity @ basis
+        self.mass = basis.T @ held
+        self._weights = held.sum(axis=0)
+        self._capacity = float(capacity.sum())
+        self._stored = model.medium.stored(origin) @ basis
+        conducted = conduction @ basis
+        self._conduction = basis.T @ conducted
+        level = 0.5 * (float(origin.min()) + float(origin.max()))
+        self._conducted = (origin - level) @ conducted
+        self.free = np.ones(len(self.mass), dtype=bool)
+        self.last_matrix: Array | None = None
+        shapes = [heater.shape / model.lumped_capacity for heater in model.heaters]
+        self._shapes = np.array([heater.shape @ basis for heater in model.heaters]).reshape(
+            -1, len(self.mass)
+        )
+        self._speeds = np.array(
+            [[float(one @ (capacity @ other)) for other in shapes] for one in shapes]
+        ).reshape(len(shapes), len(shapes))
+
+    def stored(self, coordinates: Array) -> Array:
+        """Return the heat stored, by basis vector [J]."""
+        return self._stored + self.mass @ coordinates
+
+    def total(self, by_vector: Array) -> float:
+        """Return the heat, or the flow, of the whole mold."""
+        return float(self._weights @ np.linalg.solve(self.mass, by_vector))
+
+    def moved(self, stored: Array) -> float:
+        """What moves inside is not counted: the account is then held against less."""
+        return 0.0
+
+    def flow(self, time: float, coordinates: Array) -> Array:
+        """Return the heat flow to each basis vector [W]."""
+        found = -(self._conducted + self._conduction @ coordinates)
+        for condition in self.conditions:
+            found = found + condition.flow(time, coordinates)
+        return found
+
+    def hold(self, time: float, coordinates: Array) -> Array:
+        """Nothing is held."""
+        return coordinates
+
+    def changed(self) -> None:
+        """No condition that this mold has is switched but heaters, which are in no matrix."""
+
+    def solve_stage(
+        self,
+        time: float,
+        interval: float,
+        target: Array,
+        guess: Array,
+        storage: float = 1.0,
+        reference: float | None = None,
+    ) -> tuple[Array, float]:
+        """Solve storage E - interval f(time) = target as ``HeatModel.solve_stage`` does."""
+        found = guess.copy()
+        for _ in range(NEWTON_STEPS):
+            residual = target + interval * self.flow(time, found) - storage * self.stored(found)
+            matrix = storage * self.mass + interval * self._conduction
+            for condition in self.conditions:
+                if not isinstance(condition, _Source):
+                    matrix += interval * condition.tangent(time, found)
+            change = np.linalg.solve(matrix, residual)
+            found += change
+            self.last_matrix = matrix
+            moved = self.capacity_norm(change)
+            if not np.isfinite(moved):
+                break
+            if moved <= STILL:
+                return found, moved
+        raise NotConverged(f"the reduced mold at {time:.6g} s did not settle", remedy="set reduced = false")
+
+    def solve(self, matrix: Array | sparse.csr_matrix, right: Array, tolerance: float) -> Array:
+        """Solve with the step's matrix."""
+        return np.linalg.solve(matrix, right)
+
+    def capacity_norm(self, coordinates: Array) -> float:
+        """Return the root of the mean square of a field, weighted with the heat capacity [K]."""
+        return float(np.sqrt(max(coordinates @ self.mass @ coordinates, 0.0) / self._capacity))
+
+    def speed(self, rate: Array) -> float:
+        """Return what ``HeatModel.speed`` says of a change of the flow [K/s]; heaters by their own, sharper shapes."""
+        powers = np.linalg.lstsq(self._shapes.T, rate, rcond=None)[0]
+        rest = np.linalg.solve(self.mass, rate - powers @ self._shapes)
+        heaters = float(powers @ self._speeds @ powers) / self._capacity
+        return float(np.sqrt(max(heaters, 0.0) + self.capacity_norm(rest) ** 2))

@@ -1,0 +1,298 @@
+"""Long runs that switch often, followed on a reduced mold between checks against the full one.
+
+A stretch lies between two jumps: a thermostat that switches, a corner of a schedule. After two stretches in full a
+basis is made of the states on the way and of what the mold answers to each heater within the lengths of their steps
+(rational Krylov vectors), and the run goes on in its coordinates, with the same steps and the same events. Some
+stretches are gone through once more in full, from the same state with the same steps. What such a stretch is off by at
+its end, and what the mold changes in the time by which its switching is off, counts for all stretches like it: heat
+conduction lets no difference grow beyond its greatest (maximum principle), so that the sum over the stretches bounds
+what has gathered. Where the sum is more than the share of ``MOST`` that is due by then, the run goes back to the end of
+the last checked stretch and on from there in full, until a new basis is made; after ``TRIES`` it stays full.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hyperfab.arrays import Array, Ints
+from hyperfab.numerics.vectors import dot
+from hyperfab.thermal.convection import Convection
+from hyperfab.thermal.heater import Heater
+from hyperfab.thermal.history import History, Reduced
+from hyperfab.thermal.model import HeatModel
+from hyperfab.thermal.projected import ProjectedModel, why_not
+from hyperfab.thermal.radiation import Radiation
+from hyperfab.thermal.step import GAMMA, Model, State, initial_state, take_step
+from hyperfab.thermal.target import Target
+from hyperfab.thermal.thermostat import Thermostat
+from hyperfab.thermal.trail import Lift
+
+#: What the reduced mold may be off by, gathered over the run [K].
+MOST = 0.05
+#: Bases tried before the run stays full.
+TRIES = 5
+#: Share of it that may be used up at the beginning; the rest comes with the time.
+HEAD_START = 0.25
+#: Smaller molds are followed in full, and so is what is left where it has fewer stretches than this.
+SMALLEST, FEWEST = 2000, 8
+#: Time scales of the answers to heaters, from the shortest stage to all that is left.
+SCALES = 9
+#: Directions in which the states differ by less, root of the mean square [K], are left out; and how many are kept.
+DROP, VECTORS = 1e-7, 120
+#: States that a basis is made of at most.
+SNAPSHOTS = 100
+#: A thermostat switches at the end of a stretch where its probe is as near as this [K].
+SWITCHES = 1e-6
+#: How sharply the answers are solved for: they are directions.
+SOLVE = 1e-6
+
+
+@dataclass(frozen=True)
+class View:
+    """A mold as the run sees it, with what watches it: by nodes, or by the coordinates of ``lift``."""
+
+    model: Model
+    thermostats: Sequence[Thermostat]
+    target: Target | None
+    lift: Lift | None = None
+
+
+@dataclass(frozen=True)
+class _Stretch:
+    """Where a stretch began: states and switchings so far, state, length of its first step, heaters that are on."""
+
+    count: int
+    switches: int
+    state: State
+    length: float
+    on: tuple[bool, ...]
+
+
+class Shortcut:
+    """Decides on which mold to go on; ``sensors`` and ``nodes`` are where the result is looked at.
+
+    ``full`` is the mold by nodes, ``until`` [s] the end; ``always`` begins with small molds and short runs too.
+    """
+
+    def __init__(
+        self,
+        full: View,
+        until: float,
+        sensors: Sequence[Array],
+        nodes: Ints,
+        *,
+        always: bool = False,
+        most: float = MOST,
+    ) -> None:
+        assert isinstance(full.model, HeatModel)
+        self.model: HeatModel = full.model
+        self.full, self.until, self.sensors, self.nodes = full, until, sensors, nodes
+        self.always, self.most = always, most
+        self._tries = self._stretches = self._checks = self._in_full = self._vectors = self._taken_back = 0
+        self._spent = self._within = self._last = self._fastest = self._begun = 0.0
+        self._stretch: _Stretch | None = None
+        self._checked: _Stretch | None = None  # where the last stretch that was checked ended
+        self._since = self._on_basis = self._next = 0
+
+    def turn(self, history: History, view: View, state: State, length: float) -> tuple[View, State]:
+        """Return how to see the mold after a jump, and the state so seen; a stretch begins."""
+        if view.lift is None:
+            self._in_full += 1
+            if self._due(history, state.time):
+                view = self._reduce(history, state)
+                state = initial_state(view.model, state.time, np.zeros(self._vectors))
+        on = tuple(heater.on for heater in self.model.heaters)
+        self._stretch = _Stretch(len(history.states), len(history.switches), state, length, on)
+        if self._since == 0:
+            self._checked = self._stretch
+        return view, state
+
+    def holds(self, history: History, view: View) -> bool:
+        """Whether the stretch that has ended may stay as it is; a full one may, a reduced one is checked at times."""
+        if view.lift is None:
+            return True
+        self._stretches += 1
+        self._on_basis += 1
+        self._since += 1
+        now = history.states[-1].time
+        if self._on_basis < self._next and now < self.until:
+            return True
+        assert self._stretch is not None
+        within, end = self._check(history, view.lift, self._stretch)
+        self._checks += 1
+        within = max(self._within, within)
+        spent = self._spent + (self._since - 1) * max(self._last, end) + end
+        share = HEAD_START + (1.0 - HEAD_START) * (now - self._begun) / (self.until - self._begun)
+        if within + spent > share * self.most:
+            return False
+        self._spent, self._within, self._last, self._since = spent, within, end, 0
+        # Odd and even stretches, a heater that has come on and one that has gone off, take turns.
+        most = max(2 * self._on_basis - 1, 1)
+        affordable = 0.5 * (share * self.most - within - spent) / end if end > 0.0 else np.inf
+        self._next = self._on_basis + int(max(1, min(most, affordable)))
+        self._tell(history)
+        return True
+
+    def back(self, history: History, view: View) -> tuple[View, State, float]:
+        """Return to the end of the last checked stretch, in full: view, state and the length of the first step."""
+        begun = self._checked
+        assert begun is not None
+        assert view.lift is not None
+        history.cut(begun.count, begun.switches)
+        for heater, on in zip(self.model.heaters, begun.on, strict=True):
+            heater.on = on
+        self._stretches -= self._since
+        self._since, self._in_full = 0, 0
+        self._taken_back += 1
+        self._tell(history)
+        temperature = view.lift.nodal(begun.state.temperature)
+        return self.full, initial_state(self.model, begun.state.time, temperature), begun.length
+
+    def _tell(self, history: History) -> None:
+        error = self._spent + self._within
+        history.reduced = Reduced(
+            self._vectors, self._begun, self._stretches, self._checks, error, self._taken_back
+        )
+
+    def _duration(self, history: History, now: float) -> float:
+        """Return how long a stretch takes, the mean of the last few [s]."""
+        before = [history.states.times[i] for i in history.jumps[-4:] if history.states.times[i] < now]
+        return (now - before[0]) / len(before)
+
+    def _due(self, history: History, now: float) -> bool:
+        # The first stretch is the warm-up; a mold that is still far from its cycle gets longer from try to try.
+        if self._in_full < (3 if self._tries == 0 else 2**self._tries) or self._tries >= TRIES:
+            return False
+        if self.always:
+            return True
+        many = self.until - now >= FEWEST * self._duration(history, now)
+        return many and int(self.model.free.sum()) >= SMALLEST
+
+    def _reduce(self, history: History, state: State) -> View:
+        """Return the mold in the coordinates of a basis about ``state``."""
+        lift = Lift(state.temperature, self._basis(history, state))
+        self._tries += 1
+        self._on_basis, self._next, self._last = 0, 1, 0.0
+        self._vectors = lift.basis.shape[1]
+        if self._tries == 1:
+            self._begun = state.time
+
+        def seen(sensor: Array) -> tuple[Array, float]:
+            return lift.sensor(sensor)
+
+        thermostats = []
+        for one in self.full.thermostats:
+            row, at_origin = seen(one.sensor)
+            thermostats.append(Thermostat(one.heater, row, one.set_point - at_origin, one.band))
+        target = self.full.target
+        if target is not None:
+            row, at_origin = seen(target.sensor)
+            target = Target(row, target.value - at_origin)
+        return View(ProjectedModel(self.model, lift, state.time), thermostats, target, lift)
+
+    def _basis(self, history: History, state: State) -> Array:
+        """Return vectors (n, r), orthonormal in the heat capacity, the first one uniform."""
+        model, origin = self.model, state.temperature
+        capacity = model.pattern.matrix(model.medium.capacity(origin))
+        total = float(capacity.sum())
+        first = max(len(history.states) - SNAPSHOTS, history.jumps[0] - 2, 1)
+        columns, lengths, times = [], [], []
+        for i in range(first, len(history.states)):
+            past = history.states[i]
+            length = past.time - history.states.times[i - 1]
+            if past.is_reduced or length <= 0.0:
+                continue
+            columns.append(past.temperature - origin)
+            if past.slope is not None:
+                columns.append(length * past.slope)
+            lengths.append(length)
+            times.append(past.time)
+        recent = lengths[-20:]
+        stretch = self._duration(history, state.time)
+        scales = np.geomspace(GAMMA * min(recent), max(self.until - state.time, stretch), SCALES)
+        loads = self._loads(state.time)
+        lost = [c.flow(state.time, origin) for c in model.conditions if not isinstance(c, Heater)]
+        drift = capacity @ (columns[0] / (times[0] - state.time))
+        for scale in scales:
+            matrix = model.step_matrix(state.time, float(scale), origin)
+            slow = [drift, *([np.sum(lost, axis=0)] if lost else [])] if scale > 0.5 * stretch else []
+            columns += [model.solve(matrix, scale * load, SOLVE) for load in (*loads, *slow)]
+        found = np.stack(columns, axis=1)
+        uniform = np.full(len(origin), 1.0 / np.sqrt(total))
+        held = capacity @ uniform
+        basis = found
+        for threshold in (DROP, 0.0):  # once more, against rounding
+            basis = basis - uniform[:, None] * (held @ basis)
+            gram = basis.T @ (capacity @ basis)
+            values, axes = np.linalg.eigh(0.5 * (gram + gram.T))
+            keep = np.flatnonzero(values > threshold**2 * total)[::-1][: VECTORS - 1]
+            basis = (basis @ axes[:, keep]) / np.sqrt(values[keep])
+        return np.ascontiguousarray(np.column_stack([uniform, basis]))
+
+    def _loads(self, time: float) -> list[Array]:
+        """Return the loads [W] that jump or follow the clock; heaters that switch together are one."""
+        together: dict[tuple[float, ...], Array] = {}
+        alone: list[Array] = []
+        asked = {id(one.heater): one for one in self.full.thermostats}
+        for heater in self.model.heaters:
+            load = float(np.abs(heater.power.y).max()) * heater.shape
+            one = asked.get(id(heater))
+            if one is None:
+                if not heater.power.is_constant:
+                    alone.append(load)
+                continue
+            key = (float(id(one.sensor)), one.set_point, one.band)
+            together[key] = together.get(key, 0.0) + load
+        for condition in self.model.conditions:
+            if isinstance(condition, Convection) and not condition.ambient.is_constant:
+                reach = float(np.ptp(condition.ambient.y))
+                alone.append(condition.facets.load(reach * condition.film.at(condition.ambient.at(time))))
+            elif isinstance(condition, Radiation) and not condition.ambient.is_constant:
+                alone.append(condition.facets.load(5.0 * float(np.ptp(condition.ambient.y))))
+        return [*together.values(), *alone]
+
+    def _check(self, history: History, lift: Lift, begun: _Stretch) -> tuple[float, float]:
+        """Go through the stretch in full: by how much watched places are off on the way, all at its end [K]."""
+        part = lift.part(self.nodes)
+        state = initial_state(self.model, begun.state.time, lift.nodal(begun.state.temperature))
+        within = end = 0.0
+        for past in history.states[begun.count :]:
+            state = replace(take_step(self.model, state, past.time - state.time).state, time=past.time)
+            coordinates = past.coordinates
+            if len(self.nodes):
+                off = np.abs(part.nodal(coordinates) - state.temperature[self.nodes])
+                within = max(within, float(off.max()))
+            for sensor in self.sensors:
+                within = max(within, abs(past.reading(sensor)[0] - dot(sensor, state.temperature)))
+            off = lift.nodal(coordinates) - state.temperature
+            end = float(np.abs(off).max())
+            assert state.slope is not None
+            self._fastest = max(self._fastest, float(np.abs(state.slope).max()))
+        assert state.slope is not None
+        for one in self.full.thermostats:
+            rate = abs(dot(one.sensor, state.slope))
+            if abs(one.excess(state.temperature + off)) <= SWITCHES and rate > 0.0:
+                later = abs(dot(one.sensor, off)) / rate
+                end += later * self._fastest
+        return within, end
+
+
+def shortcut_for(
+    full: View, until: float | None, sensors: Sequence[Array], nodes: Ints, wanted: bool | None
+) -> tuple[Shortcut | None, str | None]:
+    """Return a shortcut where one may be taken, or why it may not, in words.
+
+    ``wanted`` None leaves it to size and length, True takes it from the first, False never.
+    """
+    assert isinstance(full.model, HeatModel)
+    if wanted is False:
+        return None, "not wanted"
+    if until is None:
+        return None, "the run has no end in time"
+    why = why_not(full.model)
+    if why is not None:
+        return None, why
+    return Shortcut(full, until, sensors, nodes, always=wanted is True), None

@@ -1,0 +1,215 @@
+"""The states a run went through, kept small: older ones in a nameless file, reduced ones by coordinates."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import IO, overload
+
+import numpy as np
+
+from hyperfab.arrays import Array, Ints
+from hyperfab.numerics.vectors import dot
+from hyperfab.thermal.step import State
+
+#: Bytes of states held in memory; what is more goes to the file, oldest first.
+ROOM = 256 * 2**20
+#: States lifted at a time where all are looked through.
+BLOCK = 64
+
+
+@dataclass(frozen=True, eq=False)
+class Lift:
+    """Nodal fields from r coordinates: ``origin`` (n,) [degC] plus ``basis`` (n, r) times them."""
+
+    origin: Array
+    basis: Array
+    _rows: dict[int, tuple[Array, Array, float]] = field(default_factory=dict)
+    _parts: dict[int, tuple[Ints, Lift]] = field(default_factory=dict)
+
+    def nodal(self, coordinates: Array) -> Array:
+        """Return nodal temperatures [degC]."""
+        return self.origin + self.basis @ coordinates
+
+    def part(self, nodes: Ints) -> Lift:
+        """Return what lifts to ``nodes`` alone."""
+        # Kept with the nodes themselves: an id alone may come again for others.
+        if id(nodes) not in self._parts:
+            self._parts[id(nodes)] = (nodes, Lift(self.origin[nodes], self.basis[nodes]))
+        return self._parts[id(nodes)][1]
+
+    def sensor(self, sensor: Array) -> tuple[Array, float]:
+        """Return what a sensor (n,) weighs the coordinates with (r,), and what it reads at the origin."""
+        if id(sensor) not in self._rows:
+            felt = np.flatnonzero(sensor)
+            self._rows[id(sensor)] = (sensor, sensor[felt] @ self.basis[felt], dot(sensor, self.origin))
+        _, row, at_origin = self._rows[id(sensor)]
+        return row, at_origin
+
+
+class Past:
+    """A state gone through; ``stored`` and ``rate`` are kept of the last two alone.
+
+    ``temperature`` (n,) [degC] and ``slope`` (n,) [K/s] are read or lifted when they are asked for.
+    """
+
+    def __init__(self, trail: Trail, number: int) -> None:
+        self._trail = trail
+        self._number = number
+        self.time = trail.times[number]
+
+    @property
+    def is_reduced(self) -> bool:
+        """Whether it is known by a reduced mold's coordinates."""
+        return self._trail.entry(self._number)[0] is not None
+
+    @property
+    def temperature(self) -> Array:
+        """Nodal temperatures [degC]."""
+        lift, first, _ = self._trail.entry(self._number)
+        return first if lift is None else lift.nodal(first)
+
+    @property
+    def coordinates(self) -> Array:
+        """Its coordinates, where it is reduced."""
+        return self._trail.entry(self._number)[1]
+
+    @property
+    def slope(self) -> Array | None:
+        """How fast they change [K/s], as the step found that led here; None at the start."""
+        lift, _, second = self._trail.entry(self._number)
+        return second if lift is None or second is None else lift.basis @ second
+
+    @property
+    def stored(self) -> Array:
+        """Heat stored at each node [J]."""
+        return self._trail.whole(self._number).stored
+
+    @property
+    def rate(self) -> Array:
+        """Its rate of change [W]."""
+        return self._trail.whole(self._number).rate
+
+    def on(self, nodes: Ints) -> Array:
+        """Return the temperatures of some nodes."""
+        lift, first, _ = self._trail.entry(self._number)
+        return first[nodes] if lift is None else lift.part(nodes).nodal(first)
+
+    def reading(self, sensor: Array) -> tuple[float, float | None]:
+        """Return what a sensor (n,) reads, and how fast that changes."""
+        lift, first, second = self._trail.entry(self._number)
+        if lift is None:
+            return dot(sensor, first), None if second is None else dot(sensor, second)
+        row, at_origin = lift.sensor(sensor)
+        return at_origin + dot(row, first), None if second is None else dot(row, second)
+
+
+class Trail(Sequence[Past]):
+    """A list of states, to be appended to; ``room`` is how many bytes stay in memory.
+
+    >>> import numpy as np
+    >>> trail = Trail(room=40)
+    >>> for k in range(4):
+    ...     trail.append(State(float(k), np.full(2, 1.0 * k), np.zeros(2), np.zeros(2), np.ones(2)))
+    >>> [state.temperature.tolist() for state in trail], trail.in_memory
+    ([[0.0, 0.0], [1.0, 1.0], [2.0, 2.0], [3.0, 3.0]], 1)
+    """
+
+    def __init__(self, states: Sequence[State] = (), room: int = ROOM) -> None:
+        self.times: list[float] = []
+        self._room = room
+        self._entries: list[tuple[Lift | None, Array | int, Array | None, int]] = []
+        self._ends: list[State] = []
+        self._first = self._held = 0
+        self._file: IO[bytes] | None = None
+        for state in states:
+            self.append(state)
+
+    def append(self, state: State, lift: Lift | None = None) -> None:
+        """Add a state: nodal, or by coordinates that ``lift`` makes nodal."""
+        self.times.append(state.time)
+        self._ends = [*self._ends[-1:], state]
+        self._entries.append((lift, state.temperature, state.slope, len(state.temperature)))
+        self._held += _bytes(state.temperature, state.slope)
+        while self._held > self._room and self._first < len(self._entries) - 1:
+            self._put_away(self._first)
+            self._first += 1
+
+    def cut(self, count: int) -> None:
+        """Forget all but the first ``count`` states; those must be in memory."""
+        for _, first, second, _ in self._entries[count:]:
+            assert not isinstance(first, int)
+            self._held -= _bytes(first, second)
+        del self.times[count:], self._entries[count:]
+        self._ends = []
+
+    @property
+    def in_memory(self) -> int:
+        """How many states are in memory."""
+        return len(self._entries) - self._first
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+    @overload
+    def __getitem__(self, number: int) -> Past: ...
+    @overload
+    def __getitem__(self, number: slice) -> list[Past]: ...
+    def __getitem__(self, number: int | slice) -> Past | list[Past]:
+        if isinstance(number, slice):
+            return [Past(self, i) for i in range(*number.indices(len(self)))]
+        if not -len(self) <= number < len(self):
+            raise IndexError(number)
+        return Past(self, number % len(self))
+
+    def whole(self, number: int) -> State:
+        """Return one of the last two states with all that the step found."""
+        return self._ends[number - len(self)]
+
+    def entry(self, number: int) -> tuple[Lift | None, Array, Array | None]:
+        """Return lift, temperatures or coordinates, and their rates, of a state."""
+        lift, first, second, size = self._entries[number]
+        if not isinstance(first, int):
+            return lift, first, second
+        assert self._file is not None
+        self._file.seek(first)
+        known = second is not None  # an empty array in the place of what the file has
+        read = np.frombuffer(self._file.read(8 * size * (1 + known)))
+        return lift, read[:size], read[size:] if known else None
+
+    def extremes(self, nodes: Ints) -> tuple[float, float]:
+        """Return the least and the greatest temperature that any of ``nodes`` ever had [degC]."""
+        least, greatest = np.inf, -np.inf
+        start = 0
+        while start < len(self):
+            lift, first, _ = self.entry(start)
+            stop = start + 1
+            if lift is None:
+                found = first[nodes]
+            else:
+                columns = [first]
+                while stop < min(len(self), start + BLOCK) and self._entries[stop][0] is lift:
+                    columns.append(self.entry(stop)[1])
+                    stop += 1
+                part = lift.part(nodes)
+                found = part.origin[:, None] + part.basis @ np.stack(columns, axis=1)
+            least, greatest = min(least, float(found.min())), max(greatest, float(found.max()))
+            start = stop
+        return least, greatest
+
+    def _put_away(self, number: int) -> None:
+        lift, first, second, size = self._entries[number]
+        assert not isinstance(first, int)
+        if self._file is None:
+            self._file = tempfile.TemporaryFile()  # noqa: SIM115 - it lasts as long as the states
+        at = self._file.seek(0, 2)
+        self._file.write(first.tobytes())
+        if second is not None:
+            self._file.write(second.tobytes())
+        self._held -= _bytes(first, second)
+        self._entries[number] = (lift, at, None if second is None else np.zeros(0), size)
+
+
+def _bytes(first: Array, second: Array | None) -> int:
+    return first.nbytes + (0 if second is None else second.nbytes)

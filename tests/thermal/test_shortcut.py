@@ -1,0 +1,244 @@
+"""Long runs on a reduced mold: against the closed form, against the full mold, and where it must not be trusted."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hyperfab.thermal import shortcut as module
+from hyperfab.thermal.contact import Contact
+from hyperfab.thermal.convection import Convection
+from hyperfab.thermal.curves import curve
+from hyperfab.thermal.facet_operator import FacetOperator
+from hyperfab.thermal.heater import Heater
+from hyperfab.thermal.lumping import groups
+from hyperfab.thermal.model import HeatModel
+from hyperfab.thermal.radiation import Radiation
+from hyperfab.thermal.shortcut import View, shortcut_for
+from hyperfab.thermal.tables import Table
+from hyperfab.thermal.thermostat import Thermostat
+from hyperfab.thermal.transient import Schedule, run
+
+
+def follow(model, start, schedule, thermostats, nodes, *, wanted, sensors=()):
+    full = View(model, thermostats, None)
+    shortcut, why = shortcut_for(full, schedule.until, sensors, nodes, wanted)
+    history = run(model, start, schedule, thermostats=thermostats, shortcut=shortcut)
+    return history, why
+
+
+def point(model, node):
+    sensor = np.zeros(model.size)
+    sensor[node] = 1.0
+    return sensor
+
+
+def apart(one, other, sensors, until):
+    times = np.linspace(0.0, until, 801)
+    return max(float(np.abs(curve(one, s, times) - curve(other, s, times)).max()) for s in sensors)
+
+
+def test_relay_cycle_of_a_lump_has_the_period_of_the_closed_form(block):
+    lump = block((0.1, 0.1, 0.05), (2, 2, 2), k=1e8, rho=2700.0, cp=900.0).flux("z-", 3e4)
+    for way in ("x-", "x+", "z+"):
+        lump.film(way, 60.0, 20.0)
+    model = lump.model()
+    area = 2 * 0.1 * 0.05 + 0.1 * 0.1
+    tau = 2700.0 * 900.0 * 0.1 * 0.1 * 0.05 / (60.0 * area)
+    hot = 20.0 + 3e4 * 0.1 * 0.1 / (60.0 * area)
+    low, high = 98.0, 102.0
+    sensor = point(model, 0)
+    thermostats = [Thermostat(model.heaters[0], sensor, 100.0, 4.0)]
+    history, _ = follow(
+        model,
+        np.full(model.size, 20.0),
+        Schedule(3000.0, (), 1e-4),
+        thermostats,
+        np.arange(model.size),
+        wanted=True,
+    )
+    first = tau * np.log((hot - 20.0) / (hot - high))
+    falling = tau * np.log((high - 20.0) / (low - 20.0))
+    rising = tau * np.log((hot - low) / (hot - high))
+    found = np.array(history.switches)
+    assert len(found) >= 10
+    assert history.reduced is not None
+    assert history.reduced.begun < found[3]
+    exact = first + np.concatenate([[0.0], np.cumsum(np.resize([falling, rising], len(found) - 1))])
+    # The lump is uniform to 2e-5 K, and each step errs by 1e-4 K at most, at 4 K in a falling stretch.
+    steps = np.searchsorted(history.states.times, found)
+    assert np.all(np.abs(found - exact) < steps * 1e-4 * falling / 4.0)
+    assert np.all(np.abs(found - exact) < 2e-5 * exact)
+    np.testing.assert_allclose(np.diff(found)[2::2], falling, rtol=1e-4)
+    np.testing.assert_allclose(np.diff(found)[3::2], rising, rtol=1e-4)
+
+
+def random_mold(block, seed):
+    """A bar or plate of some metal, heated at two ends of its underside, with films of h(T) and radiation."""
+    rng = np.random.default_rng(seed)
+    size = rng.uniform([0.15, 0.1, 0.02], [0.35, 0.25, 0.06])
+    mold = block(tuple(size), (5, 3, 2), k=rng.choice([30.0, 120.0, 237.0]), rho=2700.0, cp=900.0)
+    film = Table(np.array([20.0, 100.0, 300.0]), np.sort(rng.uniform(40.0, 200.0, 3)))
+    for way in ("z+", "x-", "x+"):
+        mold.film(way, film, 25.0)
+    mold.radiate("y-", rng.uniform(0.2, 0.9), 25.0).radiate("y+", 0.3, 25.0)
+    under = mold.mesh.facet_nodes(mold.faces.named("block.z-").mask)
+    middle = mold.mesh.points[under].mean(axis=1)[:, 0]
+    power = rng.uniform(0.5, 1.5, 2) * 6e6 * float(np.prod(size)) / 2.0
+    for end, watts in zip((middle < 0.4 * size[0], middle > 0.6 * size[0]), power, strict=True):
+        facets = FacetOperator(mold.mesh.points, under[end])
+        name = f"heater {len(mold.conditions)}"
+        mold.conditions.append(Heater(name, facets.load(1.0) / facets.area, Table.constant(watts)))
+    model = mold.model()
+    probes = [
+        point(model, mold.node(x * size[0], 0.5 * size[1], z * size[2]))
+        for x, z in ((0.2, 0.5), (0.8, 0.5), (0.5, 1.0))
+    ]
+    together = rng.random() < 0.5
+    thermostats = [
+        Thermostat(heater, probes[0 if together else number], set_point, 3.0)
+        for number, (heater, set_point) in enumerate(
+            zip(model.heaters, 80.0 + (0.0 if together else 1.0) * rng.uniform(-5.0, 5.0, 2), strict=True)
+        )
+    ]
+    return mold, model, probes, thermostats
+
+
+def agrees(block, seed):
+    until = 350.0
+    found = []
+    for wanted in (True, False):
+        mold, model, probes, thermostats = random_mold(block, seed)
+        nodes = np.unique(mold.face("z+").nodes)
+        history, _ = follow(
+            model,
+            np.full(model.size, 25.0),
+            Schedule(until),
+            thermostats,
+            nodes,
+            wanted=wanted,
+            sensors=probes,
+        )
+        found.append(history)
+    reduced, full = found
+    watched = [*probes, *(point(model, node) for node in nodes[::7])]
+    assert reduced.reduced is not None
+    assert full.reduced is None
+    assert reduced.ledger.imbalance() < 1e-11
+    off = apart(reduced, full, watched, until)
+    assert off < 0.05
+    # Stages are solved to 1e-6 of what a step changes, some 10 K.
+    assert off < reduced.reduced.error + 1e-5
+    return reduced, full
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_reduced_mold_keeps_its_bound_on_a_random_mold(block, seed):
+    reduced, full = agrees(block, seed)
+    assert len(reduced.switches) == len(full.switches)
+    assert reduced.reduced.stretches >= len(full.jumps) // 3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(10, 60))
+def test_reduced_mold_keeps_its_bound_on_many_random_molds(block, seed):
+    agrees(block, seed)
+
+
+def test_schedule_that_jumps_and_surroundings_that_change(block):
+    def mold():
+        made = block((0.2, 0.1, 0.04), (5, 3, 2), k=50.0, rho=2700.0, cp=900.0)
+        corners = np.concatenate([[60.0 * k, 60.0 * k + 1e-3] for k in range(1, 30)])
+        power = np.resize([0.0, 1.0, 1.0, 0.0], len(corners))
+        face = made.face("z-")
+        made.conditions.append(Heater("timed", face.load(1.0) / face.area, Table(corners, 900.0 * power)))
+        air = Table(np.array([0.0, 1800.0]), np.array([20.0, 60.0]))
+        film = Table(np.array([20.0, 200.0]), np.array([10.0, 30.0]))
+        made.conditions.append(Convection("air", made.face("z+"), film, air))
+        made.conditions.append(Radiation("sky", made.face("x+"), 0.8, air))
+        return made.model(), tuple(corners), np.unique(made.face("z+").nodes)
+
+    found = []
+    for wanted in (True, False):
+        model, corners, nodes = mold()
+        start = np.full(model.size, 20.0)
+        found.append(follow(model, start, Schedule(1800.0, corners), [], nodes, wanted=wanted)[0])
+    reduced, full = found
+    assert reduced.reduced is not None
+    assert reduced.reduced.stretches >= 40
+    off = apart(reduced, full, [point(model, node) for node in nodes], 1800.0)
+    assert off < min(0.05, reduced.reduced.error)
+
+
+def test_basis_too_poor_is_given_up_for_the_full_mold(block, monkeypatch):
+    monkeypatch.setattr(module, "VECTORS", 2)
+    monkeypatch.setattr(module, "TRIES", 2)
+    found = []
+    for wanted in (True, False):
+        mold, model, probes, thermostats = random_mold(block, 3)
+        nodes = np.unique(mold.face("z+").nodes)
+        start = np.full(model.size, 25.0)
+        found.append(follow(model, start, Schedule(500.0), thermostats, nodes, wanted=wanted)[0])
+    poor, full = found
+    assert poor.reduced is not None
+    assert poor.reduced.returns == module.TRIES
+    assert poor.reduced.stretches == 0
+    np.testing.assert_allclose(poor.switches, full.switches, atol=1e-3)
+    assert apart(poor, full, probes, 500.0) < 1e-3
+    assert poor.ledger.imbalance() < 1e-11
+
+
+def test_points_without_any_spread_stay_together():
+    rows = np.full((30, 2), 0.1)
+    found = groups(rows, np.full(30, 0.3), 20)
+    assert sorted(np.concatenate(found).tolist()) == list(range(30))
+
+
+def test_joint_that_opens_on_a_reduced_mold(block):
+    """Both faces of a joint lose their contact by schedule: the projected joint is the full one's."""
+    from hyperfab.thermal.projected import ProjectedModel
+    from hyperfab.thermal.trail import Lift
+
+    made = block((0.1, 0.05, 0.02), (3, 2, 2), k=50.0, rho=2700.0, cp=900.0)
+    closed = Table(np.array([0.0, 10.0]), np.array([1.0, 0.2]))
+    model_conditions = [Contact("joint", made.face("z+"), made.face("z-"), 300.0, closed)]
+    made.conditions += model_conditions
+    made.film("x-", Table(np.array([0.0, 100.0]), np.array([5.0, 25.0])), 20.0).radiate("x+", 0.7, 10.0)
+    model = HeatModel(made.mesh, [made.material], made.conditions)
+    rng = np.random.default_rng(5)
+    origin, at = rng.uniform(20.0, 90.0, model.size), 6.0
+    basis = np.linalg.qr(np.column_stack([np.ones(model.size), rng.normal(size=(model.size, 6))]))[0]
+    projected = ProjectedModel(model, Lift(origin, basis), 0.0)
+    q = np.concatenate([[20.0], rng.normal(size=6) * 30.0])
+    full = model.flow(at, origin + basis @ q)
+    np.testing.assert_allclose(projected.flow(at, q), full @ basis, rtol=1e-9, atol=1e-9)
+    assert projected.total(full @ basis) == pytest.approx(full.sum(), abs=1e-9)
+    stored = model.stored(origin + basis @ q)
+    np.testing.assert_allclose(projected.stored(q), stored @ basis, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("change", "word"),
+    [
+        (lambda mold: mold.hold("y-", 25.0), "held"),
+        (
+            lambda mold: (
+                setattr(
+                    mold,
+                    "material",
+                    type(mold.material)(
+                        "warm", 1.0, Table.constant(1.0), Table(np.array([0.0, 9.0]), np.array([1.0, 2.0]))
+                    ),
+                )
+                or mold
+            ),
+            "change with temperature",
+        ),
+    ],
+)
+def test_what_has_no_projection_is_told(block, change, word):
+    mold = change(block((1.0, 1.0, 1.0), (1, 1, 1)).flux("z-", 1.0))
+    model = mold.model()
+    shortcut, why = shortcut_for(View(model, [], None), 10.0, [], np.zeros(0, dtype=int), True)
+    assert shortcut is None
+    assert word in why
