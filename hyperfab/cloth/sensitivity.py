@@ -6,7 +6,6 @@ and the nodes move by K dx/dp = Q df/dp with the tangent K there, each node in t
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -41,10 +40,10 @@ class Neighbourhood:
         self._balance.model.tangent(state.x, _FLOOR * self._balance.stiffness, self._tangent)
         self._solver = Solver(sheet.n, sheet.m, self._balance.model.directions)
 
-    def move(self, sheet: Callable[[float], Sheet], step: float) -> Array:
-        """Return how the nodes move (n, m, 3) with a number; ``sheet`` gives the sheet with the number changed."""
-        up, down = (self._forces(sheet(way * step), self._found.state.x) for way in (1.0, -1.0))
-        right = (up.f - down.f) / (2.0 * step)
+    def move(self, up: Sheet, down: Sheet, step: float) -> Array:
+        """Return how the nodes move (n, m, 3) with a number, from the sheets with it a ``step`` up and down."""
+        x = self._found.state.x
+        right = (self._forces(up, x).f - self._forces(down, x).f) / (2.0 * step)
         project(self._balance.q, right)
         moved = np.zeros_like(right)
         self._solver(self._tangent, right, moved, _SOLVED, _MOST)
@@ -54,12 +53,8 @@ class Neighbourhood:
         """Return what another sheet answers with its nodes moved (n, m, 3), as balanced."""
         x = self._found.state.x + moved
         there = self._forces(sheet, x)
-        project(
-            self._balance.q, there.f
-        )  # what the contact leaves of them is none: the rest is of mold and clamps
-        unbalanced = there.f.copy()
-        there.forces(replace(self._found.state.copy(), x=x))
-        there.r = unbalanced
+        there.r = there.f.copy()
+        project(self._balance.q, there.r)  # next to nothing: the rest is of mold and clamps
         return answers(sheet, self._mold, there.ended(replace(self._found.state.copy(), x=x), "", []))
 
     def _forces(self, sheet: Sheet, x: Array) -> Balance:

@@ -44,12 +44,13 @@ class Beside:
             for place in range(len(one.numbers)):
                 unit, step = np.eye(len(one.numbers))[place], _STEP * float(sd[place])
 
-                def sheet(change: float, index: int = index, unit: Array = unit) -> Sheet:
-                    return self._sheet({index: change * unit})
-
-                move = self._near.move(sheet, step)
+                sheets = [self._sheet({index: way * step * unit}) for way in (1.0, -1.0)]
+                move = self._near.move(sheets[0], sheets[1], step)
                 self._moves.append(move)
-                up, down = (self._figures(sheet(way * step), way * step * move) for way in (1.0, -1.0))
+                up, down = (
+                    self._figures(sheet, way * step * move)
+                    for sheet, way in zip(sheets, (1.0, -1.0), strict=True)
+                )
                 for name in up:
                     slopes.setdefault(name, []).append((up[name] - down[name]) / (2.0 * step))
         return {name: np.array(values) for name, values in slopes.items()}
