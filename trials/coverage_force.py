@@ -20,7 +20,7 @@ from hyperfab.materials import bind
 from hyperfab.materials.registry import law
 from hyperfab.membrane.outline import Disc
 from hyperfab.membrane.sensitivity import Neighbourhood
-from hyperfab.membrane.sphere_test import Solved, SphereTest, run
+from hyperfab.membrane.sphere_contact import Solved, SphereTest, run
 from hyperfab.membrane.tension_field import IsotropicSheet
 from hyperfab.numerics.propagation import Source, directions, draws, linear, sampled
 from trials.coverage import TRUTHS, lab
