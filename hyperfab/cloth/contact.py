@@ -1,8 +1,8 @@
 """Contact of the net's nodes with a mold, decided and not penalised: a node is outside or on the surface.
 
 A node on a face keeps the tangential part of its force; on an edge or vertex the cone of normals decides: it rests
-there while the force presses into the cone of the facets' normals, else it goes on to the facet that lets it follow
-the force, or leaves. A node leaves when the force points outward.
+there while the force presses into the cone of the facets' normals, however little it leans from their axis, else it
+goes on to the facet that lets it follow the force, or leaves. A node leaves when the force points outward.
 """
 
 from __future__ import annotations

@@ -13,8 +13,9 @@ from .mold import FREE, ON_FACE, SHARP, Mold
 
 #: How far in mm a node that lands on a sharp edge or corner is put beside it, onto one of the facets.
 BESIDE = 1e-6
-#: Passes over the normals of a tip, and how near to their cone a force counts as in it, as a share of it.
-PASSES, CLOSE = 60, 1e-9
+#: Passes over the normals of a tip, how near to their cone a force counts as in it, and what rounding makes of a force
+#: across a normal, both as a share of the force. Normals of a blunt tip tell what lacks only by a small angle.
+PASSES, CLOSE, ROUNDING = 60, 1e-9, 1e-13
 #: A step that ends within this many mm of a sharp edge ends on it.
 ON_EDGE = 3e-7
 
@@ -69,7 +70,9 @@ def _in_cone(mold: Mold, slots: Ints, count: int, r: Array, rest: Array) -> bool
     active, weight, wanted = np.empty(3, np.int64), np.zeros(3), np.zeros(3)
     held = 0
     for _ in range(PASSES):
-        worst, best = -CLOSE * size, -1
+        if dot(rest, rest) <= (CLOSE * size) ** 2:
+            break
+        worst, best = -ROUNDING * size, -1
         for c in range(count):
             behind = dot(rest, mold.normals[slots[c], 0])
             if behind < worst:

@@ -36,3 +36,19 @@ def test_a_force_is_borne_where_it_is_a_sum_of_normals(count: int) -> None:
             size = np.linalg.norm(force)
             assert found == (left < 1e-9 * size)
             assert np.linalg.norm(rest) == pytest.approx(left, abs=1e-9 * size)
+
+
+@pytest.mark.parametrize("count", [4, 12, 64, 1024])
+@pytest.mark.parametrize("slope", [0.01, 0.3, 1.0, 3.0])
+def test_a_force_straight_onto_a_tip_is_borne_however_little_it_leans(count: int, slope: float) -> None:
+    """Leaning by less than a facet's slope it is borne; rounding leans it by anything from nothing on."""
+    random = np.random.default_rng(count)
+    for begin in (0.0, 0.1, 0.5):
+        turned = 2.0 * np.pi * (np.arange(count) + begin) / count
+        normals = np.stack([slope * np.cos(turned), slope * np.sin(turned), np.ones(count)], axis=1)
+        normals /= np.linalg.norm(normals, axis=1)[:, None]
+        mold = Mold(np.ascontiguousarray(np.repeat(normals[:, None], 7, axis=1)))
+        for lean in np.concatenate([[0.0], np.geomspace(1e-17, 1e-3, 29)]):
+            for angle in random.uniform(0.0, 2.0 * np.pi, 8):
+                force = -np.array([lean * slope * np.cos(angle), lean * slope * np.sin(angle), 1.0])
+                assert borne(mold, np.arange(count), 3.0 * force, np.empty(3)), (begin, lean, angle)
