@@ -88,13 +88,23 @@ def test_quarter_turn_mirror_and_scale():
         np.testing.assert_allclose(strip(law.scaled(10.0), angle, LAM).stress, 10.0 * own.stress, rtol=1e-10)
 
 
+@pytest.mark.parametrize(
+    "weft", [{}, {"k1_weft_MPa": KNIT["k1_warp_MPa"], "k2_weft": KNIT["k2_warp"]}], ids=["knit", "even"]
+)
 @pytest.mark.parametrize("name", NAMES)
-def test_the_law_moves_evenly_with_each_constant(name):
-    moved = Orthotropic.of({**KNIT, name: KNIT[name] * 1.001})
-    law = Orthotropic.of(KNIT)
-    for angle in (0.0, 30.0, 90.0):
-        own = strip(law, angle, LAM).stress
-        assert np.abs(strip(moved, angle, LAM).stress / own - 1.0).max() < 3e-3
+def test_the_law_moves_evenly_with_each_constant(name, weft):
+    """Also where warp and weft are equal, and one becomes the stiffer."""
+    constants = {**KNIT, **weft}
+    law = Orthotropic.of(constants)
+    for factor in (0.999, 1.001):
+        moved = Orthotropic.of({**constants, name: constants[name] * factor})
+        for angle in (0.0, 30.0, 45.0, 90.0):
+            own = strip(law, angle, LAM).stress
+            assert np.abs(strip(moved, angle, LAM).stress / own - 1.0).max() < 3e-3
+            for one, other in zip(
+                held(moved, angle, LAM, LAM)[:2], held(law, angle, LAM, LAM)[:2], strict=True
+            ):
+                assert np.abs(one / other - 1.0).max() < 3e-3
 
 
 @pytest.mark.parametrize(
