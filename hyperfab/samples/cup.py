@@ -110,3 +110,14 @@ def closed_below(surface: Array, back: float, facing_up: bool = True) -> Solid:
     vertices = np.concatenate([points, foot, [[0.0, 0.0, back]]])
     faces = np.concatenate([top, upper, lower, floor])
     return Solid(np.round(vertices, 5), faces if facing_up else faces[:, ::-1].copy())
+
+
+def plate(low: float, high: float, half: float = 60.0) -> Solid:
+    """Return a square plate between two heights [mm], ``half`` of its side to each side of the axis.
+
+    >>> plate(-20.0, 0.0).vertices.shape, plate(-20.0, 0.0).faces.shape
+    ((8, 3), (12, 3))
+    """
+    corner = np.stack(np.meshgrid([-half, half], [-half, half], [low, high], indexing="ij"), axis=-1)
+    quads = np.array([(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
+    return Solid(corner.reshape(-1, 3), np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]))

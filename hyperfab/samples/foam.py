@@ -42,6 +42,20 @@ set = { rate = "1.8e9 1/s", activation = "95 kJ/mol" }
 # Linear thermal expansion of the molds: aluminium 6061, mean between 20 and 100 degC.
 expansion = { male = "23.6e-6 1/K", female = "23.6e-6 1/K" }
 """
+TEXTILE_TOML = b"""\
+# The textile of the report's Table 4.1, as one slab. Between the plates in molds/, 4.5 mm apart and at 200 degC, its
+# middle is at 146.69 degC after 4 s: hf press-contact --male molds/plate-male.stl --female molds/plate-female.stl
+#   --foam specimens/textile.toml --gap 4.5mm --zero hot --temperature 200degC --dwell 4s -o press.json
+format = "hyperfab.foam/1"
+thickness = "4.5 mm"
+conductivity = "0.023 W/m/K"
+specific_heat = "1045 J/kg/K"
+density = "30 kg/m^3"
+temperature = "25 degC"
+
+# The table has no mechanics: the curve of the sample foam.
+compression = { table = "foam.csv" }
+"""
 
 
 def foam_curve() -> bytes:

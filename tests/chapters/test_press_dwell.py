@@ -8,6 +8,7 @@ import pytest
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.stl_write import stl_bytes
 from hyperfab.io.vtu_read import read_vtu
+from hyperfab.samples import sample_files
 
 from .test_press_contact import heat_document, press
 
@@ -66,6 +67,18 @@ def test_the_reports_textile_between_plates_is_at_146_69_degrees_after_four_seco
     grid = read_vtu((plates / "press.vtu").read_bytes(), "press.vtu")
     assert grid.point_data["middle_degC"] == pytest.approx(146.6937, abs=1e-3)
     assert any("reaction" in line for line in document["left_out"])
+
+
+def test_the_sample_textile_between_the_sample_plates(tmp_path, monkeypatch):
+    for path, data in sample_files().items():
+        if path.split("/")[1] in ("plate-male.stl", "plate-female.stl", "textile.toml", "foam.csv"):
+            (tmp_path / path.split("/")[1]).write_bytes(data)
+    files = {"male": "plate-male.stl", "female": "plate-female.stl", "foam": "textile.toml"}
+    _, document = press(
+        tmp_path, monkeypatch, **files, gap="4.5mm", zero="hot", temperature="200degC", dwell="4s"
+    )
+    assert document["warming"]["middle_mean_degC"] == pytest.approx(146.69, abs=0.005)
+    assert document["warming"]["middle_spread_K"] == pytest.approx(0.0, abs=1e-6)
 
 
 @pytest.mark.parametrize("gap", [1.5, 3.0])

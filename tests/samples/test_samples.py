@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hyperfab.samples import sample_files
-from hyperfab.samples.cup import female_cup, male_cup, male_point, normal_gap
+from hyperfab.samples.cup import female_cup, male_cup, male_point, normal_gap, plate
 from hyperfab.samples.lycra import nominal_stress
 from hyperfab.samples.torso import height, torso
 
@@ -29,7 +29,11 @@ def test_the_repository_ships_exactly_what_the_generator_writes(samples):
     assert [name for name in samples if samples[name] != shipped[name]] == []
 
 
-@pytest.mark.parametrize("cup", [male_cup(), female_cup(), torso()], ids=["male", "female", "torso"])
+@pytest.mark.parametrize(
+    "cup",
+    [male_cup(), female_cup(), torso(), plate(-20.0, 0.0)],
+    ids=["male", "female", "torso", "plate"],
+)
 def test_a_mold_is_closed_wound_outward_and_has_no_facet_without_area(cup):
     edges = np.concatenate([cup.faces[:, [0, 1]], cup.faces[:, [1, 2]], cup.faces[:, [2, 0]]])
     forward = {(int(a), int(b)) for a, b in edges}
