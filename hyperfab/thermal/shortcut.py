@@ -280,6 +280,11 @@ class Shortcut:
         return within, end
 
 
+def is_long(model: HeatModel, history: History) -> bool:
+    """Whether a run in full had so many stretches and unknowns that a shortcut would have paid."""
+    return len(history.jumps) >= FEWEST + 3 and int(model.free.sum()) >= SMALLEST
+
+
 def shortcut_for(
     full: View, until: float | None, sensors: Sequence[Array], nodes: Ints, wanted: bool | None
 ) -> tuple[Shortcut | None, str | None]:

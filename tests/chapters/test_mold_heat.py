@@ -199,6 +199,15 @@ def test_a_long_run_tells_of_the_reduced_mold_and_its_bound(tmp_path):
     assert (tmp_path / "short.history.csv").read_bytes() == again
 
 
+def test_a_long_run_that_has_no_reduced_mold_says_why(tmp_path, monkeypatch):
+    monkeypatch.setattr("hyperfab.thermal.shortcut.SMALLEST", 10)
+    control = 'control = { probe = "centre", set = "60 degC", band = "0.5 K" }'
+    held = '[[temperature]]\non = "plate.x-"\nvalue = "50 degC"\n'
+    _, document, _ = heat(tmp_path, HEAD + HEATER + control + FILM + held + PROBE + RUN)
+    assert "reduced" not in document
+    assert document["notes"] == ["a long run, followed in full: temperatures are held"]
+
+
 def test_zones_that_ask_one_probe_switch_together(tmp_path):
     control = 'control = { probe = "centre", set = "60 degC", band = "4 K" }\n'
     left = HEATER.replace("plate.z-", "plate.x-").replace("400 W", "200 W") + control

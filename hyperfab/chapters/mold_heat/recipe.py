@@ -23,7 +23,7 @@ from hyperfab.numerics.vectors import dot
 from hyperfab.thermal.history import History
 from hyperfab.thermal.ledger import Ledger
 from hyperfab.thermal.routes import without_route
-from hyperfab.thermal.shortcut import View, shortcut_for
+from hyperfab.thermal.shortcut import View, is_long, shortcut_for
 from hyperfab.thermal.step import initial_state
 from hyperfab.thermal.target import Target
 from hyperfab.thermal.trail import Trail
@@ -120,16 +120,16 @@ def _transient(
         advance(MESHING + (0.95 - MESHING) * max(done, 0.0), f"{time:.0f} s, {temperature.max():.1f} degC")
 
     schedule = Schedule(settings.until, problem.corners, share * settings.tolerance)
-    shortcut = None
+    shortcut, why = None, "parts come fresh" if problem.renewals and settings.until is not None else None
     if share == 1.0 and not problem.renewals:
         nodes = np.zeros(0, dtype=np.int64)
         if problem.work_surface is not None:
             nodes = np.unique(problem.work_surface.nodes)
         full = View(problem.model, problem.thermostats, target)
-        shortcut, _ = shortcut_for(
+        shortcut, why = shortcut_for(
             full, settings.until, list(problem.probes.values()), nodes, settings.reduced
         )
-    return follow(
+    history = follow(
         problem.model,
         start,
         schedule,
@@ -140,6 +140,9 @@ def _transient(
         shortcut=shortcut,
         advance=progress,
     )
+    if why is not None and settings.reduced is not False and is_long(problem.model, history):
+        problem.notes.append(f"a long run, followed in full: {why}")
+    return history
 
 
 def _steady(document: MoldDocument, name: str, problem: Problem, start: Array) -> History:
@@ -173,6 +176,12 @@ def _say(job: Job, result: HeatDocument) -> None:
     if result.warmup_time_s is not None:
         console.note(
             f"warm-up {result.warmup_time_s / 60:.2f} min, {result.steps} steps, {result.unknowns} unknowns"
+        )
+    if result.reduced is not None:
+        told = result.reduced
+        console.note(
+            f"{told.stretches} stretches from {told.begun_s:.0f} s on {told.unknowns} instead of {result.unknowns} "
+            f"unknowns, within {told.error_bound_K:.2g} K"
         )
     if result.design is not None:
         chosen = ", ".join(f"{name} {power:.1f} W" for name, power in result.design.power_W.items())
