@@ -90,8 +90,8 @@ class Answers:
         return self.cut.edge
 
 
-def answers(sheet: Sheet, mold: Mold, found: Equilibrium) -> Answers:
-    """Fields and figures of an equilibrium."""
+def answers(sheet: Sheet, mold: Mold, found: Equilibrium, deepest: Cut | None = None) -> Answers:
+    """Fields and figures of an equilibrium; ``deepest`` is how deep the net is in the mold, where that is known."""
     x = found.state.x
     rest = sheet.arrays.rest
     along = np.linalg.norm(np.diff(x, axis=0), axis=2)
@@ -147,7 +147,7 @@ def answers(sheet: Sheet, mold: Mold, found: Equilibrium) -> Answers:
         found.energy - float((sheet.arrays.weight * x[:, :, 2]).sum()),
         float(contact[:, :, 2].sum() + found.push[2]),
         float(np.abs(total).max()),
-        cut(x, sheet, mold, found.state, found.bent, found.bent_at),
+        deepest or cut(x, sheet, mold, found.state, found.bent, found.bent_at),
     )
     if sheet.membrane is None:
         return said

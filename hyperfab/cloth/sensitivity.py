@@ -14,6 +14,7 @@ from hyperfab.arrays import Array
 
 from .answers import Answers, answers
 from .balance import Balance
+from .cuts import Cut
 from .linear import Solver, Tangent
 from .mold import Mold
 from .multigrid import project
@@ -29,8 +30,8 @@ _FLOOR = 1e-9
 class Neighbourhood:
     """An equilibrium without friction on a ``mold``, and those beside it with the same contact."""
 
-    def __init__(self, sheet: Sheet, mold: Mold, found: Equilibrium) -> None:
-        self._mold, self._found = mold, found
+    def __init__(self, sheet: Sheet, mold: Mold, found: Equilibrium, deepest: Cut) -> None:
+        self._mold, self._found, self._deepest = mold, found, deepest
         self._balance = Balance(sheet, mold, 1e-6)
         state = found.state.copy()
         self._balance.before = state.slot.copy()
@@ -50,12 +51,13 @@ class Neighbourhood:
         return moved
 
     def answers(self, sheet: Sheet, moved: Array) -> Answers:
-        """Return what another sheet answers with its nodes moved (n, m, 3), as balanced."""
+        """Return what another sheet answers with its nodes moved (n, m, 3), but for how deep it is in the mold."""
         x = self._found.state.x + moved
         there = self._forces(sheet, x)
         there.r = there.f.copy()
         project(self._balance.q, there.r)  # next to nothing: the rest is of mold and clamps
-        return answers(sheet, self._mold, there.ended(replace(self._found.state.copy(), x=x), "", []))
+        ended = there.ended(replace(self._found.state.copy(), x=x), "", [])
+        return answers(sheet, self._mold, ended, self._deepest)
 
     def _forces(self, sheet: Sheet, x: Array) -> Balance:
         found = Balance(sheet, self._mold, 1e-6)

@@ -32,7 +32,7 @@ class Beside:
 
     def __init__(self, job: Job, model: Model, state: State, origins: Origins) -> None:
         self._job, self._model, self._origins = job, model, origins
-        self._near = Neighbourhood(model.sheet, state.mold, state.found)
+        self._near = Neighbourhood(model.sheet, state.mold, state.found, state.fields.cut)
         self._moves: list[Array] = []
 
     def gradient(self) -> Mapping[str, Array]:
