@@ -36,13 +36,15 @@ def shop(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "sh")], ids=lambda page: page.name)
-def test_shell_blocks_run(page: Path, shop: Path) -> None:
+def test_shell_blocks_run(page: Path, shop: Path, tmp_path: Path) -> None:
+    # Who follows the README begins with nothing; the other pages are read by who has the samples.
+    folder = tmp_path if page.name == "README.md" else shop
     path = f"{shop / 'bin'}{os.pathsep}{os.environ['PATH']}"
     environment = {**os.environ, "PATH": path, "PYTHONPATH": str(ROOT)}
     for block in blocks(page, "sh"):
         done = subprocess.run(
             ["bash", "-euo", "pipefail", "-c", block],
-            cwd=shop,
+            cwd=folder,
             env=environment,
             capture_output=True,
             check=False,
