@@ -105,7 +105,7 @@ def random_mold(block, seed):
 
 
 def agrees(block, seed):
-    until = 350.0
+    until = 500.0
     found = []
     for wanted in (True, False):
         mold, model, probes, thermostats = random_mold(block, seed)
