@@ -124,6 +124,14 @@ def test_the_decimal_mark_follows_from_all_cells(text: str, answer: list[float])
     assert one(text, test="uniaxial").stretch.tolist() == answer
 
 
+@pytest.mark.parametrize("last", ["remark", "operator", "Bemerkung"])
+def test_a_row_may_end_before_columns_that_no_law_needs(last: str) -> None:
+    text = f"stretch,stress [MPa],{last}\n1.1,0.1,first\n1.2,0.2\n1.3,0.3,\n"
+    assert one(text, test="uniaxial").stress.tolist() == [0.1, 0.2, 0.3]
+    with pytest.raises(InputError, match="has 1 cells, the header has 3"):
+        one(text.replace("1.2,0.2", "1.2"), test="uniaxial")
+
+
 def test_thousands_are_read_where_the_file_shows_them() -> None:
     text = "stretch;stress [kPa]\n1,5;1.234.567,5\n2,5;2.345\n"
     assert one(text, test="uniaxial").stress.tolist() == [1234.5675, 2.345]
