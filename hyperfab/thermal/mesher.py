@@ -159,7 +159,10 @@ def _ask(job: dict[str, Any], limit: float, waiting: Callable[[float], None]) ->
 
 
 def _run(job: bytes, limit: float, waiting: Callable[[float], None]) -> tuple[int | None, bytes]:
-    """Run the worker; the status is None where it had to be stopped."""
+    """Run the worker; the status is None where it had to be stopped: after ``limit`` s of its own processor time, which
+    a busy machine does not use up, or ten times that on the clock."""
+    import psutil
+
     start = time.monotonic()
     read, write = os.pipe()
     # A thread feeds the job: communicate() forgets the rest of its input when it is asked again after a timeout.
@@ -176,14 +179,17 @@ def _run(job: bytes, limit: float, waiting: Callable[[float], None]) -> tuple[in
         os.close(read)
     with process:
         try:
+            worker = psutil.Process(process.pid)
             while True:
                 try:
                     answer, _ = process.communicate(timeout=0.2)
                     return process.returncode, answer
                 except subprocess.TimeoutExpired:
                     gone = time.monotonic() - start
-                if gone > limit:
-                    return None, b""
+                with contextlib.suppress(psutil.Error):  # it has just ended
+                    used = worker.cpu_times()
+                    if used.user + used.system > limit or gone > 10.0 * limit:
+                        return None, b""
                 waiting(gone)
         finally:
             process.kill()

@@ -108,6 +108,7 @@ def test_undeclared_effect_is_found_and_added(hf: Run, tmp_path: Path) -> None:
     assert len(extended["temperatures"]) >= 2
 
 
+@pytest.mark.slow
 def test_extended_model_leaves_nothing_to_find(hf: Run, tmp_path: Path) -> None:
     arguments = shop(tmp_path, ("anisotropy",))
     assert hf(*arguments, "-o", "loop.json", cwd=tmp_path).returncode == 0

@@ -60,6 +60,7 @@ def fabric(weft: float) -> dict[str, object]:
     }
 
 
+@pytest.mark.slow
 def test_two_directions_found_on_the_testing_machine_are_felt_by_the_drape(
     hf: Run, tmp_path: Path, root: Path
 ) -> None:

@@ -88,6 +88,7 @@ def periodic(power: float) -> tuple[float, float]:
     return at, cycle(at)[1]
 
 
+@pytest.mark.slow
 def test_a_production_comes_round_to_the_same_from_above_and_below(tmp_path):
     exact, taken = periodic(100.0)
     text = PIECE + HEATER.replace("400 W", "100 W") + FILM

@@ -90,7 +90,8 @@ def test_real_commands_run_in_warm_workers(hf: Run, tmp_path: Path) -> None:
     assert all((tmp_path / "out" / name).exists() for name in document["files"])
     # The step's document is what the command itself writes, but for the place it stands in.
     table = (tmp_path / "out" / "sweep.csv").read_text().splitlines()
-    place = tmp_path / "out" / table[1].split(",")[-1]
+    row = dict(zip(table[0].split(","), table[1].split(","), strict=True))
+    place = tmp_path / "out" / row[next(name for name in row if name.endswith("_document"))]
     alone = hf("fit", "--uniaxial", ROOT / "specimens/treloar-1944/uniaxial.csv", "--model", "neo-hookean")
     step, command = json.loads(place.read_bytes()), json.loads(alone.stdout)
     assert step["parameters"] == command["parameters"]

@@ -38,7 +38,10 @@ EXPORT = ("export", "fabric.json", "--to", "abaqus")
 @pytest.mark.parametrize("command", [CONTACT, DRAPE, EXPORT], ids=lambda words: words[0])
 @pytest.mark.parametrize(
     ("asked", "outside"),
-    [(None, False), ("60degC", False), ("105.3degC", False), ("200degC", True), ("1500degC", True), ("-40degC", True)],
+    [
+        (None, False), ("105.3degC", False), ("200degC", True), ("1500degC", True),
+        pytest.param("60degC", False, marks=pytest.mark.slow), pytest.param("-40degC", True, marks=pytest.mark.slow),
+    ],
 )  # fmt: skip
 def test_a_temperature_beyond_the_tests_is_computed_told_in_one_line_and_refused_by_strict(
     hf: Run, shop: Path, command: tuple[str, ...], asked: str | None, outside: bool

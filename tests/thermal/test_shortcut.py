@@ -132,7 +132,7 @@ def agrees(block, seed):
     return reduced, full
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(3))
 def test_reduced_mold_keeps_its_bound_on_a_random_mold(block, seed):
     reduced, full = agrees(block, seed)
     assert len(reduced.switches) == len(full.switches)
@@ -140,7 +140,7 @@ def test_reduced_mold_keeps_its_bound_on_a_random_mold(block, seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(10, 60))
+@pytest.mark.parametrize("seed", range(3, 53))
 def test_reduced_mold_keeps_its_bound_on_many_random_molds(block, seed):
     agrees(block, seed)
 
