@@ -115,12 +115,20 @@ def cycles(stretch: Array, branch: Ints | None = None) -> Ints:
 def first_loading(stretch: Array, branch: Ints | None = None, cycle: Ints | None = None) -> Flags:
     """Return which rows are of the first way away from rest: as stated, else by the turns, up to the farthest stretch.
 
+    Where no row goes away from rest (a table written from its far end, a compression from its least stretch on), the
+    first way is taken as it is.
+
     >>> first_loading(np.array([1.0, 1.5, 1.1, 1.6, 2.0])).tolist()
     [True, True, False, False, False]
+    >>> first_loading(np.array([1.6, 1.4, 1.2])).tolist()
+    [True, True, True]
     """
     side = branches(stretch) if branch is None else branch
     number = cycles(stretch, side) if cycle is None else cycle
-    found = (side == 1) & (number == number.min())
+    loading = side == 1
+    if not loading.any():
+        return np.asarray(number == number.min()) if len(number) else loading
+    found = loading & (number == number[loading].min())
     if branch is None:
         away = np.where(found, _away(stretch), -np.inf)
         found &= np.arange(len(stretch)) <= int(np.argmax(away))

@@ -403,6 +403,27 @@ def test_scatter_of_replicates_is_told(hf: Run) -> None:
     assert 0.002 < kind["scatter"] < 0.03
 
 
+@pytest.mark.parametrize(
+    "stretch", [np.linspace(1.05, 1.8, 12), np.linspace(0.4, 0.95, 12)], ids=["pulled", "pressed"]
+)
+def test_the_scatter_of_replicates_does_not_hang_on_the_order_of_rows(
+    hf: Run, tmp_path: Path, stretch: np.ndarray
+) -> None:
+    told = []
+    for turned in (slice(None), slice(None, None, -1)):
+        lines = ["test,specimen,stretch,stress [MPa]"]
+        for name, factor in (("a", 1.0), ("b", 1.1)):
+            rows = [(lam, factor * 0.2 * (lam - lam**-2)) for lam in stretch[turned]]
+            lines += [f"uniaxial,{name},{lam!r},{stress!r}" for lam, stress in np.array(rows).tolist()]
+        (tmp_path / "pulls.csv").write_text("\n".join(lines))
+        found = fit(hf, "pulls.csv", "--model", "neo-hookean", cwd=tmp_path)
+        [kind] = found["replicates"]
+        told.append(kind["scatter"])
+    # Two that differ by a tenth: a standard deviation of 0.1/sqrt(2) of a value each.
+    assert told[0] == pytest.approx(told[1], rel=1e-9)
+    assert 0.02 < told[0] < 0.08
+
+
 def test_the_orthotropic_law_carries_both_directions_with_one_set_of_constants(hf: Run, root: Path) -> None:
     files = [f"specimens/lycra/{name}-23C.csv" for name in ("warp", "weft")]
     found = fit(hf, "--uniaxial", files[0], "--uniaxial", files[1], "--model", "fabric-fibres")
