@@ -20,8 +20,8 @@ _MOST_PANELS, _MOST_STATES, _MOST_ENTRIES = 12, 5, 10
 _FEW = 8
 _VERDICTS = {
     "noise": "verdict noise: nothing is lacking that these data show",
-    "effect": "verdict effect: {} was lacking; what is left is noise",
-    "ambiguous": "verdict ambiguous: {} was lacking, or what these data cannot tell from it",
+    "effect": "verdict effect: {} added; what is left is noise",
+    "ambiguous": "verdict ambiguous: {} added, or what these data cannot tell from it",
     "unexplained": "verdict unexplained: something is lacking beside {}",
 }
 #: What a reading in this unit is.
@@ -100,7 +100,7 @@ def loop_drawing(
         rests = (measured - before) / scale, (measured - after) / scale
         _residual(axes, name, values, *rests, words.get(name, ()))
         if column == 0:
-            axes.set_ylabel("measured - model, in sd of the noise")
+            axes.set_ylabel("measured - model, in sd of a reading about its curve")
             axes.legend(fontsize=8, loc="best", markerscale=4)
     heading = _VERDICTS[verdict].format(", ".join(added) or "nothing")
     figure.suptitle(heading)
