@@ -33,6 +33,12 @@ class Table:
     def __contains__(self, name: object) -> bool:
         return name in self.columns
 
+    def refuse(self, wrong: NDArray[np.bool_], why: str, *, file: str, column: str, remedy: str) -> None:
+        """Raise InputError at the first row that is ``wrong`` (n,), if any is."""
+        rows = np.flatnonzero(wrong)
+        if len(rows):
+            raise InputError(why, file=file, line=int(self.lines[rows[0]]), column=column, remedy=remedy)
+
 
 def read_table(
     data: bytes,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -44,6 +44,21 @@ class Axis:
             else:
                 high = middle
         return 0.5 * (low + high)
+
+
+def stresses(names: Iterable[str]) -> tuple[str, ...]:
+    """Return which constants are stresses: their names end in the unit."""
+    return tuple(name for name in names if name.endswith("_MPa"))
+
+
+def scaled(parameters: Mapping[str, float], factor: float) -> dict[str, float]:
+    """Return the constants of any law ``factor`` times as stiff at every stretch.
+
+    >>> scaled({"mu_MPa": 0.4, "f": 0.0, "nu": 0.25}, 0.5)
+    {'mu_MPa': 0.2, 'f': 0.0, 'nu': 0.25}
+    """
+    every = stresses(parameters)
+    return {name: value * factor if name in every else value for name, value in parameters.items()}
 
 
 def linear_axis(low: float, high: float) -> Axis:
@@ -90,7 +105,7 @@ class Law(ABC):
     @property
     def stresses(self) -> tuple[str, ...]:
         """Names of the constants that are stresses: energy, stress and stiffness go with all of them together."""
-        return tuple(name for name in self.names if name.endswith("_MPa"))
+        return stresses(self.names)
 
     def scaled(self, parameters: Mapping[str, float], factor: float) -> dict[str, float]:
         """Return the constants of a sheet ``factor`` times as stiff at every stretch.
@@ -99,9 +114,7 @@ class Law(ABC):
         >>> law("blatz-ko").scaled({"mu_MPa": 0.4, "f": 0.0, "nu": 0.25}, 0.5)
         {'mu_MPa': 0.2, 'f': 0.0, 'nu': 0.25}
         """
-        return {
-            name: value * factor if name in self.stresses else value for name, value in parameters.items()
-        }
+        return scaled(parameters, factor)
 
     @abstractmethod
     def terms(self, sheet: Sheet, theta: Sequence[Value]) -> Sequence[Term]:

@@ -149,15 +149,11 @@ class Wanted:
             return
         columns = dict.fromkeys(("x", "y", "z", "thickness"), "length")
         rows = read_table(job.inputs.read(case.wanted), case.wanted, columns)
-        wrong = np.flatnonzero(rows["thickness"] <= 0.0)
-        if len(wrong) or len(rows.lines) == 0:
-            raise InputError(
-                "a wanted thickness is more than 0" if len(wrong) else "wants nothing anywhere",
-                file=case.wanted,
-                line=int(rows.lines[wrong[0]]) if len(wrong) else None,
-                column="thickness",
-                remedy="leave out places where nothing is wanted",
-            )
+        remedy = "leave out places where nothing is wanted"
+        if len(rows.lines) == 0:
+            raise InputError("wants nothing anywhere", file=case.wanted, column="thickness", remedy=remedy)
+        why = "a wanted thickness is more than 0"
+        rows.refuse(rows["thickness"] <= 0.0, why, file=case.wanted, column="thickness", remedy=remedy)
         self._points = frame.inward(np.stack([rows[name] for name in "xyz"], axis=1))[:, :2]
         self._values = rows["thickness"]
 
@@ -210,7 +206,9 @@ def _tests(job: Job, path: str, document: FoamDocument) -> tuple[Rows, Array, Ar
     )
     if len(rows.lines) == 0:
         raise InputError("has no test", file=path, remedy="give temperature [degC], dwell [s] and set [-]")
-    _refuse(path, rows, "dwell", rows["dwell"] <= 0.0, "a dwell is more than 0", "leave the row out")
+    rows.refuse(
+        rows["dwell"] <= 0.0, "a dwell is more than 0", file=path, column="dwell", remedy="leave the row out"
+    )
     if "set" in rows:
         share = rows["set"]
         strain = rows["strain"] if "strain" in rows else np.zeros(len(share))
@@ -219,7 +217,8 @@ def _tests(job: Job, path: str, document: FoamDocument) -> tuple[Rows, Array, Ar
         before = rows["before"] if "before" in rows else np.full(len(rows.lines), document.thickness)
         strain = 1.0 - rows["pressed"] / before
         thin = strain < _LEAST_STRAIN
-        _refuse(path, rows, "pressed", thin, "was not pressed: no strain can stay", "leave the row out")
+        why = "was not pressed: no strain can stay"
+        rows.refuse(thin, why, file=path, column="pressed", remedy="leave the row out")
         share, column = (before - rows["after"]) / (before - rows["pressed"]), "after"
     else:
         raise InputError(
@@ -229,9 +228,8 @@ def _tests(job: Job, path: str, document: FoamDocument) -> tuple[Rows, Array, Ar
             remedy="give set [-], the share of the strain that stays, or before, pressed and after [mm]",
         )
     outside = (share < -_SCATTER) | (share > 1.0 + _SCATTER)
-    _refuse(
-        path, rows, column, outside, "the share of the strain that stays is between 0 and 1", "check the row"
-    )
+    why = "the share of the strain that stays is between 0 and 1"
+    rows.refuse(outside, why, file=path, column=column, remedy="check the row")
     return rows, strain, np.clip(share, 0.0, 1.0)
 
 
@@ -266,9 +264,3 @@ def _table(path: str, rows: Rows, strain: Array, share: Array) -> Table:
             remedy='smooth the readings, or identify a law from them: set = { measured = "..." }',
         )
     return Table(axes[0], axes[1], axes[2], shares)
-
-
-def _refuse(path: str, rows: Rows, column: str, wrong: Flags, why: str, remedy: str) -> None:
-    bad = np.flatnonzero(wrong)
-    if len(bad):
-        raise InputError(why, file=path, line=int(rows.lines[bad[0]]), column=column, remedy=remedy)

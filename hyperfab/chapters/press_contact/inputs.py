@@ -119,15 +119,13 @@ def shrinkage(job: Job, name: str, document: FoamDocument, temperature: float, d
         path = Inputs.beside(name, given.amount.table)
         columns = {"temperature": "temperature", "shrinkage": "dimensionless"}
         table = read_table(job.inputs.read(path), path, columns, increasing="temperature")
-        wrong = np.flatnonzero((table["shrinkage"] < 0.0) | (table["shrinkage"] > 0.9))
-        if len(wrong):
-            raise InputError(
-                "shrinkage is a share of the thickness, between 0 and 0.9",
-                file=path,
-                line=int(table.lines[wrong[0]]),
-                column="shrinkage",
-                remedy="give 0.05 for five percent",
-            )
+        table.refuse(
+            (table["shrinkage"] < 0.0) | (table["shrinkage"] > 0.9),
+            "shrinkage is a share of the thickness, between 0 and 0.9",
+            file=path,
+            column="shrinkage",
+            remedy="give 0.05 for five percent",
+        )
         amount = float(np.interp(temperature, table["temperature"], table["shrinkage"]))
         rows = table["temperature"]
         job.ranges.used("shrinkage", temperature, known=rows, source=name, unit="degC", then=_END_ROWS)

@@ -166,15 +166,13 @@ def _contact(job: Job, document: FoamDocument, name: str, pressure: Array) -> Ar
     path = Inputs.beside(name, given.table)
     columns = {"pressure": "stress", "conductance": "film-coefficient"}
     table = read_table(job.inputs.read(path), path, columns, increasing="pressure")
-    wrong = np.flatnonzero(table["conductance"] <= 0.0)
-    if len(wrong):
-        raise InputError(
-            "a conductance is above 0",
-            file=path,
-            line=int(table.lines[wrong[0]]),
-            column="conductance",
-            remedy="leave out what does not touch: air conducts there by itself",
-        )
+    table.refuse(
+        table["conductance"] <= 0.0,
+        "a conductance is above 0",
+        file=path,
+        column="conductance",
+        remedy="leave out what does not touch: air conducts there by itself",
+    )
     then = "its end rows hold there"
     job.ranges.used(
         "contact_conductance", pressure, known=table["pressure"], source=name, unit="MPa", then=then

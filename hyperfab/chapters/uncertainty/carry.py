@@ -172,10 +172,7 @@ class Carried:
         # One run where the first figure is one standard deviation up: the most probable such place.
         first = next(iter(effects.values()))
         way = first / max(float(np.linalg.norm(first)), 1e-300)
-        changes = {number: np.zeros(len(one.numbers)) for number, one in enumerate(self.origins.found)}
-        for share, (number, column) in zip(way, blocks, strict=True):
-            changes[number] = changes[number] + share * column
-        there = self.near.at(changes)
+        there = self.near.at(self._moved(way, blocks))
         bends = {
             name: np.array([there.get(name, np.nan) - self.value[name] - along @ way])
             for name, along in effects.items()
@@ -188,11 +185,8 @@ class Carried:
         drawn = propagation.draws(self.sources, count)
         rows, kept = [], []
         for index, draw in enumerate(drawn):
-            changes = {number: np.zeros(len(one.numbers)) for number, one in enumerate(self.origins.found)}
-            for share, (number, column) in zip(draw, blocks, strict=True):
-                changes[number] = changes[number] + share * column
             try:
-                rows.append(self._figures(changes))
+                rows.append(self._figures(self._moved(draw, blocks)))
                 kept.append(index)
             except HyperfabError:
                 continue
@@ -212,6 +206,13 @@ class Carried:
                 continue
             bands[name] = propagation.sampled(value, outcomes[told], drawn[kept][told], self.sources)
         return self._told("sampled", bands, left_out, reason=reason, samples=len(rows))
+
+    def _moved(self, shares: Array, blocks: Sequence[tuple[int, Array]]) -> Changes:
+        """Return what the numbers of all sources change by, ``shares`` of each independent direction on."""
+        changes = {number: np.zeros(len(one.numbers)) for number, one in enumerate(self.origins.found)}
+        for share, (number, column) in zip(shares, blocks, strict=True):
+            changes[number] += share * column
+        return changes
 
     def _figures(self, changes: Changes) -> Figures:
         if self.near is not None:

@@ -22,6 +22,7 @@ from hyperfab.io.inputs import Inputs
 from hyperfab.io.json_io import dump_json, load_json
 from hyperfab.io.toml_io import dump_toml, load_toml
 from hyperfab.io.units import Toleranced, tolerance
+from hyperfab.materials.law import scaled
 from hyperfab.numerics.propagation import Source
 
 Place = tuple[str | int, ...]
@@ -122,9 +123,7 @@ class Stiffness:
         """Change the constants that are stresses."""
         for place in self.places:
             constants = _inside(inputs.document(self.file), place)
-            for name in constants:
-                if name.endswith("_MPa"):
-                    constants[name] *= 1.0 + change
+            constants.update(scaled(constants, 1.0 + change))
 
 
 @dataclass(frozen=True)
@@ -176,16 +175,16 @@ def of_case(case: Case) -> Iterator[Origin]:
 def of_document(document: Document, plain: Any, file: str) -> Iterator[Origin]:
     """Yield the tolerances that a document states; rooms of one temperature are one room."""
     written = document.model_dump(mode="json", by_alias=True)
-    alike: dict[Any, list[Entry]] = {}
+    alike: dict[Any, tuple[float, list[Entry]]] = {}
     for place, value in _stated(document):
         if not _there(plain, place):
             continue
         unit = re.split(r" \+- ", str(_inside(written, place)))[0].partition(" ")[2]
         entry = Entry(file, place, float(value), unit)
         key = (float(value), value.sd) if place[-1] in _SHARED else place
-        alike.setdefault(key, []).append(entry)
-    for entries in alike.values():
-        yield _together(entries[0].name, entries, tolerance(_at(document, entries[0].place)))
+        alike.setdefault(key, (tolerance(value), []))[1].append(entry)
+    for sd, entries in alike.values():
+        yield _together(entries[0].name, entries, sd)
 
 
 def of_material(document: MaterialDocument, file: str, asked: float | None, origins: Origins) -> None:
@@ -295,10 +294,6 @@ def _stated(value: Any, place: Place = ()) -> Iterator[tuple[Place, Toleranced]]
     elif isinstance(value, (list, tuple)):
         for index, one in enumerate(value):
             yield from _stated(one, (*place, index))
-
-
-def _at(document: Any, place: Place) -> Any:
-    return dict(_stated(document))[place]
 
 
 def _inside(data: Any, place: Place) -> Any:

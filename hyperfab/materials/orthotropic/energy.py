@@ -30,6 +30,7 @@ from numpy.typing import ArrayLike
 
 from hyperfab.arrays import Array
 from hyperfab.errors import InputError
+from hyperfab.materials.law import scaled
 
 #: The constants the energy is linear in, all stresses, then the others.
 LINEAR = ("C10_MPa", "C20_MPa", "C30_MPa", "C2_MPa", "k1_warp_MPa", "k1_weft_MPa", "k1_bias_MPa", "G_MPa")
@@ -102,9 +103,7 @@ class Orthotropic:
 
     def scaled(self, factor: float) -> Orthotropic:
         """Return the law with all stresses times ``factor``."""
-        return Orthotropic(
-            {name: value * (factor if name in LINEAR else 1.0) for name, value in self.parameters.items()}
-        )
+        return Orthotropic(scaled(self.parameters, factor))
 
     def turned(self) -> Orthotropic:
         """Return the law of the sheet turned by a quarter: warp and weft exchanged."""
