@@ -20,8 +20,9 @@ from pathlib import Path
 
 import numpy as np
 
+from hyperfab.curve import TestCurve
 from hyperfab.materials import laws
-from hyperfab.materials.identification import Curve, Problem, Rows, fit_law
+from hyperfab.materials.identification import Problem, Rows, fit_law
 from hyperfab.materials.modes import MODES
 
 HERE = Path(__file__).parent
@@ -86,7 +87,7 @@ def read(folder: Path) -> dict[str, tuple[np.ndarray, np.ndarray]]:
 
 def ours(curves: dict[str, tuple[np.ndarray, np.ndarray]]) -> dict[str, dict[str, tuple[float, float]]]:
     """Return E2 and CPU seconds of every law, case A and B; the first of two runs warms the caches."""
-    every = [Curve(mode, lam, P, 1.0 / P) for mode, (lam, P) in curves.items()]
+    every = [TestCurve(mode, lam, P, 1.0 / P) for mode, (lam, P) in curves.items()]
     found: dict[str, dict[str, tuple[float, float]]] = {}
     for name in (*REPORT, *MORE):
         law = laws()[name]

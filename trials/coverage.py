@@ -16,7 +16,7 @@ import numpy as np
 from scipy.stats import t as student
 
 from hyperfab.chapters.fit.identify import Identified, Setting, identify
-from hyperfab.chapters.fit.reading import Reading
+from hyperfab.curve import TestCurve
 from hyperfab.materials import bind
 from hyperfab.materials.modes import nominal_stress
 from hyperfab.materials.registry import law
@@ -34,7 +34,7 @@ NOISE_RELATIVE, NOISE_MPA = 0.004, 0.0002
 
 def lab(
     name: str, tests: tuple[str, ...], specimens: int, scatter: float, draw: np.random.Generator
-) -> list[Reading]:
+) -> list[TestCurve]:
     """Return the curves that one lab reads."""
     truth = bind(name, TRUTHS[name])
     found = []
@@ -44,7 +44,7 @@ def lab(
             stress = nominal_stress(truth, mode, lam) * (1.0 + scatter * draw.standard_normal())
             noise = draw.standard_normal((2, len(lam)))
             read = stress * (1.0 + NOISE_RELATIVE * noise[0]) + NOISE_MPA * noise[1]
-            found.append(Reading(mode=mode, source=mode, specimen=str(number), stretch=lam, stress=read))
+            found.append(TestCurve(mode=mode, source=mode, specimen=str(number), stretch=lam, stress=read))
     return found
 
 

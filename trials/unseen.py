@@ -19,7 +19,7 @@ import numpy as np
 
 from hyperfab.chapters.fit.identify import Identified, Setting
 from hyperfab.chapters.fit.judge import Judged, judge
-from hyperfab.chapters.fit.reading import Reading
+from hyperfab.curve import TestCurve
 from hyperfab.io.csv_tests import read_tests
 from hyperfab.materials import laws
 from hyperfab.materials.identification.transfer import stretch_at
@@ -166,7 +166,7 @@ def stress(energy: Energy, mode: str, lam: Array) -> Array:
     return np.asarray(energy(one, across + 0j, 1.0 / (one * across)).imag / 1e-30)
 
 
-def synthetic(name: str, seed: int) -> dict[str, Reading]:
+def synthetic(name: str, seed: int) -> dict[str, TestCurve]:
     """Return the three tests of one rubber, to the same I1, with noise."""
     draw = np.random.default_rng([seed, len(name), ord(name[0])])
     energy, reach = RUBBERS[name](draw), draw.uniform(4.0, 17.0)
@@ -176,24 +176,24 @@ def synthetic(name: str, seed: int) -> dict[str, Reading]:
         exact = stress(energy, mode, lam)
         noise = draw.standard_normal((2, len(lam)))
         read = exact * (1.0 + NOISE * noise[0]) + FLOOR * exact.max() * noise[1]
-        found[mode] = Reading(mode=mode, source=mode, stretch=lam, stress=read)
+        found[mode] = TestCurve(mode=mode, source=mode, stretch=lam, stress=read)
     return found
 
 
-def measured(folder: Path) -> dict[str, Reading]:
+def measured(folder: Path) -> dict[str, TestCurve]:
     """Return the measured tests of a rubber."""
     found = {}
     for mode in MODES:
         path = folder / f"{mode}.csv"
         [test] = read_tests(path.read_bytes(), path.name)
         moving = test.stretch > 1.0
-        found[mode] = Reading(
+        found[mode] = TestCurve(
             mode=mode, source=mode, stretch=test.stretch[moving], stress=test.stress[moving]
         )
     return found
 
 
-def trial(tests: Mapping[str, Reading], mode: str) -> tuple[Judged, float, float]:
+def trial(tests: Mapping[str, TestCurve], mode: str) -> tuple[Judged, float, float]:
     """Return the law chosen on one mode, its real error in the others, and that of the best law there is."""
     setting = Setting((mode,), relative=True, stable=False, accept=0.3)
     candidates = [law for law in laws().values() if law.isotropic]
@@ -206,7 +206,7 @@ def trial(tests: Mapping[str, Reading], mode: str) -> tuple[Judged, float, float
     return ranking[0], errors[0], min(usable)
 
 
-def real(one: Judged, tests: Mapping[str, Reading], fitted: str) -> float:
+def real(one: Judged, tests: Mapping[str, TestCurve], fitted: str) -> float:
     """Return the relative rms of a law in the modes that it has not seen, up to the I1 that it has."""
     found = one.results[None]
     if not isinstance(found, Identified):

@@ -25,9 +25,9 @@ def remarks(tests: Sequence[TestData], silent: Collection[str] = ()) -> list[str
     """
     found: dict[str, list[tuple[TestData, Doubt]]] = {}
     for test in tests:
-        if test.test == "volumetric":
+        if test.mode == "volumetric":
             continue
-        across = test.stretch2 if test.test == "biaxial-general" else None
+        across = test.stretch2 if test.mode == "biaxial-general" else None
         for doubt in look(
             test.stretch,
             test.stress,
@@ -121,7 +121,7 @@ def named(names: Sequence[str]) -> str:
 
 def _what(tests: Sequence[TestData]) -> str:
     """Return kinds, directions, sizes, temperatures, cycles and branches of tests in a few words."""
-    parts = [", ".join(dict.fromkeys(test.test for test in tests))]
+    parts = [", ".join(dict.fromkeys(test.mode for test in tests))]
     directions = dict.fromkeys(test.direction_name for test in tests if test.direction_name)
     parts += [", ".join(directions)] if directions else []
     specimens = {(test.source, test.specimen) for test in tests}

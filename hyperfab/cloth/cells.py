@@ -264,7 +264,7 @@ def cell_stiffness(
 
 
 @kernel
-def bent_stiffness(
+def bent_stiffness(  # noqa: C901
     x: Array,
     scale: Array,
     laid: Ints,

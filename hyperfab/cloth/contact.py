@@ -27,7 +27,7 @@ MOST_FACETS = 65536
 
 
 @kernel
-def move(
+def move(  # noqa: C901
     x: Array,
     d: Array,
     alpha: float,

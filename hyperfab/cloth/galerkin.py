@@ -72,7 +72,9 @@ def invert(diag: Singles, q: Array, inverse: Singles) -> None:
 
 
 @kernel
-def halve(diag: Singles, off: Singles, places: Ints, cd: Singles, co: Singles, first: int, last: int) -> None:
+def halve(  # noqa: C901
+    diag: Singles, off: Singles, places: Ints, cd: Singles, co: Singles, first: int, last: int
+) -> None:
     """P^T A P for the coarser rows ``first:last``, which are the finer rows ``places``, those between left out.
 
     P interpolates a row left out between its two neighbours, along the first direction alone. The operator (not yet

@@ -39,7 +39,7 @@ def _pull(
     if k < 0 or l < 0 or k >= n or l >= m:
         return False
     for h in range(2):
-        if hinges_to(hinge[h], bent, i, j, side):
+        if hinges_to(hinge[h], bent, side):
             w = ways[abs(hinge[h]) - 1]
             _, force, _ = law_of(net, min(i, k), min(j, l), d, w[12])
             for r in range(3):
@@ -60,7 +60,7 @@ def _pull(
 
 
 @part
-def hinges_to(hinge: int, bent: Ints, i: int, j: int, side: int) -> bool:
+def hinges_to(hinge: int, bent: Ints, side: int) -> bool:
     """Is this hinge of node (i, j) the spring on its ``side``?"""
     if hinge == 0 or bent[abs(hinge) - 1, 2] != side // 2:
         return False

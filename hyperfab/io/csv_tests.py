@@ -11,14 +11,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
+from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
 from hyperfab.io.csv_dialect import CsvSheet, open_sheets
 from hyperfab.io.csv_numbers import numbers, quantities, seconds, settle_decimal, words
 from hyperfab.io.headings import Heading, is_of, kind_named, word_for
 from hyperfab.io.layout import Choice, Layout, filled_in, layout
 from hyperfab.io.roles import STRESSES, STRETCHES, Roles, fits, no_test, roles, specimens, unitless
-from hyperfab.io.specimen import Geometry, Reading, read_geometry, read_loading
+from hyperfab.io.specimen import Geometry, Loading, read_geometry, read_loading
 from hyperfab.io.stated import amount, stated
 from hyperfab.io.tables import NO_READING, is_clock, is_number
 from hyperfab.io.understood import understood
@@ -44,35 +45,14 @@ PEAK_STRESS = (1e-9, 1e6)
 
 
 @dataclass(frozen=True)
-class TestData:
-    """One test of one specimen in one direction: every row of the file, in its order.
+class TestData(TestCurve):
+    """A measured curve with what its file tells beside: every row, in the file's order.
 
-    Arrays have one entry a row. ``stress`` is nominal [MPa], or force per undeformed width [N/mm] where ``membrane``
-    is true (no thickness is known). ``direction`` is in degrees from the warp. ``branch`` is 1 on loading and -1 on
-    unloading. For a volumetric test ``stretch`` is the volume ratio and ``stress`` the mean stress, in simple shear
-    they are shear strain and shear stress. ``understood`` says in a line how the file was read.
-    What the file does not tell is None.
+    ``understood`` says in a line how the file was read, ``chosen`` which columns that was told of, ``left_out`` counts
+    rows by the reason for which they were left out.
     """
 
-    __test__ = False  # no test class for pytest
-
-    source: str
-    test: str
-    stretch: Array
-    stress: Array
-    lines: NDArray[np.int64]
-    membrane: bool = False
-    stretch2: Array | None = None
-    stress2: Array | None = None
-    stress_sd: Array | None = None
-    time_s: Array | None = None
-    temperature_degC: Array | None = None
-    rate_1_s: Array | None = None
-    cycle: NDArray[np.int64] | None = None
-    branch: NDArray[np.int64] | None = None
-    direction: float | None = None
-    specimen: str | None = None
-    thickness_mm: float | None = None
+    lines: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     width_mm: float | None = None
     gauge_length_mm: float | None = None
     understood: str = ""
@@ -80,29 +60,6 @@ class TestData:
     left_out: Mapping[str, int] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     metadata: Mapping[str, str] = field(default_factory=dict)
-
-    def take(self, rows: Any) -> TestData:
-        """Return the same test with some of its rows."""
-        columns = (
-            "stretch", "stress", "lines", "stretch2", "stress2", "stress_sd", "time_s", "temperature_degC",
-            "rate_1_s", "cycle", "branch",
-        )  # fmt: skip
-        picked: dict[str, Any] = {
-            name: None if (column := getattr(self, name)) is None else column[rows] for name in columns
-        }
-        return replace(self, **picked)
-
-    @property
-    def direction_name(self) -> str | None:
-        """``warp``, ``weft``, or the angle from the warp as text."""
-        if self.direction is None:
-            return None
-        return {0.0: "warp", 90.0: "weft"}.get(self.direction, f"{self.direction:g} deg")
-
-    @property
-    def stress_unit(self) -> str:
-        """``MPa``, or ``N/mm`` for membrane stress."""
-        return "N/mm" if self.membrane else "MPa"
 
 
 def read_tests(
@@ -127,7 +84,7 @@ def read_tests(
     what no test can have shown.
 
     >>> [found] = read_tests(b"# test: shear\\nstrain [%],stress [kPa]\\n10,120\\n20,210\\n", "shear.csv")
-    >>> found.test, found.stretch, found.stress
+    >>> found.mode, found.stretch, found.stress
     ('shear', array([1.1, 1.2]), array([0.12, 0.21]))
     """
     told = columns or layout(decimal=decimal)
@@ -173,39 +130,34 @@ def _read_sheet(
         [label] * len(sheet.lines) if label and len(set(named)) <= 1 and not (named and named[0]) else named
     )
     groups = _groups(kinds, directions, numbered)
-    readings = {
+    loadings = {
         kind: read_loading(sheet, columns, kind, sizes, mark, geometry, compression)
         for kind in sorted({one for one, _, _ in groups})
     }
     known: dict[str, Any] = _of_each_row(sheet, columns, sizes, mark, clock, notes)
     metadata = {key: entries[0].value for key, entries in sheet.metadata.items()}
     lines = np.array(sheet.lines, dtype=np.int64)
-    aside = [*columns.aside, *_set_aside(columns, readings.values())]
+    aside = [*columns.aside, *_set_aside(columns, loadings.values())]
     if aside:
         notes.append(f"columns not used: {', '.join(aside[:12])}")
     found = []
     for (kind, direction, specimen), rows in groups.items():
-        reading = readings[kind].rows(rows)
+        loading = loadings[kind]
+        curve = replace(loading.curve, lines=lines, **known).take(rows)
         part = TestData(
-            source=sheet.name,
-            test=_refined(kind, reading),
-            stretch=reading.stretch,
-            stress=reading.stress,
-            lines=lines[rows],
-            membrane=reading.membrane,
-            stretch2=reading.stretch2,
-            stress2=reading.stress2,
-            stress_sd=reading.stress_sd,
-            direction=direction,
-            specimen=specimen,
-            thickness_mm=sizes.thickness,
+            **{
+                **vars(curve),
+                "source": sheet.name,
+                "direction": direction,
+                "specimen": specimen,
+                "thickness_mm": sizes.thickness,
+            },
             width_mm=sizes.width,
             gauge_length_mm=sizes.gauge_length,
             left_out=sheet.left_out,
-            notes=(*reading.notes, *notes),
+            notes=(*loading.notes, *notes),
             metadata=metadata,
         )
-        part = replace(part, **_picked(known, rows))
         _check(part, sheet, columns, clock)
         found.append(part)
     rows_of = [
@@ -213,16 +165,11 @@ def _read_sheet(
         for name, one in columns.columns.items()
         if name in _OF_A_ROW and known.get(_OF_A_ROW[name]) is not None
     ]
-    line = understood(sheet, readings.values(), rows_of)
+    line = understood(sheet, loadings.values(), rows_of)
     chosen = tuple(
         one for head in sheet.headings if (one := sheet.layout.choice(head, sheet.headings)) is not None
     )
     return [replace(part, understood=line, chosen=chosen) for part in found]
-
-
-def _picked(columns: Mapping[str, Any], rows: Any) -> dict[str, Any]:
-    """Return some rows of columns, of those that are there."""
-    return {name: None if column is None else column[rows] for name, column in columns.items()}
 
 
 #: Columns that tell something of a row, by the field they fill.
@@ -272,9 +219,9 @@ def _with_readings(sheet: CsvSheet, columns: Roles) -> CsvSheet:
     return sheet if not seen else replace(sheet.without(sorted(seen), "-"), left_out=sheet.left_out)
 
 
-def _set_aside(columns: Roles, readings: Iterable[Reading]) -> list[str]:
+def _set_aside(columns: Roles, loadings: Iterable[Loading]) -> list[str]:
     """Return the titles of columns that are understood and not used: an extension beside a strain, a second force."""
-    used = {column.heading.index for reading in readings for column in reading.used}
+    used = {column.heading.index for loading in loadings for column in loading.used}
     rows = ("time", "temperature", "chamber", "rate", "cycle", "branch", "direction", "specimen", "test")
     return [
         one.heading.title
@@ -362,13 +309,6 @@ def _recognised(sheet: CsvSheet, columns: Roles) -> str | None:
 
 def _agree(stated: str, given: str) -> bool:
     return stated.removesuffix("-general") == given.removesuffix("-general")
-
-
-def _refined(kind: str, reading: Reading) -> str:
-    """A biaxial test with both directions measured is a general one."""
-    if kind == "biaxial" and reading.stretch2 is not None and reading.stress2 is not None:
-        return "biaxial-general"
-    return kind
 
 
 def _directions(sheet: CsvSheet, columns: Roles) -> list[float | None]:
@@ -565,7 +505,7 @@ def _branches(sheet: CsvSheet, columns: Roles) -> NDArray[np.int64] | None:
 
 def _check(found: TestData, sheet: CsvSheet, columns: Roles, clock: bool) -> None:
     """Refuse what no test can have shown; what is merely odd is the fit's to judge."""
-    if found.test in ("volumetric", "simple-shear"):
+    if found.mode in ("volumetric", "simple-shear"):
         return
     stretch, stress = found.stretch, found.stress
 
@@ -580,7 +520,7 @@ def _check(found: TestData, sheet: CsvSheet, columns: Roles, clock: bool) -> Non
     peak = float(np.abs(stress).max())
     swapped = (
         np.flatnonzero((stretch < 0.9) & (stress > 0.05 * peak))
-        if peak > 0.0 and found.test != "biaxial-general"
+        if peak > 0.0 and found.mode != "biaxial-general"
         else np.array([], dtype=int)
     )
     if swapped.size:

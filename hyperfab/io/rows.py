@@ -17,7 +17,6 @@ MAX_CELLS = 4_000_000
 Row = tuple[int, list[str]]
 
 SEPARATORS = {"\t": "tab", ";": "semicolon", "|": "bar", ",": "comma", " ": "white space"}
-_GAP = re.compile(r"\t+ *| {2,}|(?<=\S) +")
 _WIDE_GAP = re.compile(r" *\t[\t ]*| {2,}")
 
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
+from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
 from hyperfab.io.csv_dialect import CsvSheet
 from hyperfab.io.csv_numbers import quantities
@@ -37,35 +37,12 @@ class Geometry:
 
 
 @dataclass(frozen=True)
-class Reading:
-    """Stretch and nominal stress of the rows of a file; ``membrane``: the stress is in N/mm.
+class Loading:
+    """Stretch and stress of the rows of a sheet; ``used`` are the columns that were taken."""
 
-    In simple shear the stretch is the shear strain. ``used`` are the columns that were taken.
-    """
-
-    stretch: Array
-    stress: Array
-    membrane: bool
-    stretch2: Array | None
-    stress2: Array | None
-    stress_sd: Array | None
+    curve: TestCurve
     notes: tuple[str, ...]
-    used: tuple[Column, ...] = ()
-
-    def rows(self, chosen: NDArray[np.int64]) -> Reading:
-        """Return the reading of some rows."""
-
-        def pick(column: Array | None) -> Array | None:
-            return None if column is None else column[chosen]
-
-        return replace(
-            self,
-            stretch=self.stretch[chosen],
-            stress=self.stress[chosen],
-            stretch2=pick(self.stretch2),
-            stress2=pick(self.stress2),
-            stress_sd=pick(self.stress_sd),
-        )
+    used: tuple[Column, ...]
 
 
 def read_geometry(sheet: CsvSheet, options: Geometry, decimal: str, notes: list[str]) -> Geometry:
@@ -102,7 +79,7 @@ def read_loading(
     decimal: str,
     options: Geometry,
     compression: bool = False,
-) -> Reading:
+) -> Loading:
     """Return stretch and nominal stress of all rows, taken as a test of kind ``test``.
 
     - stretch: ``stretch``, else ``strain`` + 1 (true and Green strains after their definitions), else 1 +
@@ -157,7 +134,11 @@ def read_loading(
         if stress[int(np.abs(stress).argmax())] > 0.0:
             stress = -stress
             notes.append("a compression test: its stress, counted positive in the file, is taken as negative")
-    return Reading(stretch, stress, membrane, stretch2, stress2, sd, tuple(notes), tuple(used))
+    mode = "biaxial-general" if test == "biaxial" and stretch2 is not None and stress2 is not None else test
+    curve = TestCurve(
+        mode, stretch, stress, stretch2=stretch2, stress2=stress2, stress_sd=sd, membrane=membrane
+    )
+    return Loading(curve, tuple(notes), tuple(used))
 
 
 def _signed(values: Array, column: Column, notes: list[str]) -> Array:

@@ -320,7 +320,7 @@ def readings(block: Block, fits: Fits, name: str, separator: str, layout: Layout
         if not any(cells):
             block.left_out["blank row"] += 1
         elif _reads(cells, block.headings):
-            waiting = _settled(waiting, block, kept, name)
+            waiting = _settled(waiting, block, name)
             kept.append((line, _fitted(cells, width, block.headings, line, separator, name)))
         elif place > last or is_closing(next(cell for cell in cells if cell)):
             block.left_out["closing row, no reading"] += 1
@@ -331,7 +331,7 @@ def readings(block: Block, fits: Fits, name: str, separator: str, layout: Layout
     return [block]
 
 
-def _settled(waiting: list[Row], block: Block, kept: list[Row], name: str) -> list[Row]:
+def _settled(waiting: list[Row], block: Block, name: str) -> list[Row]:
     """Judge words between readings: nothing may be lost there that nobody understands."""
     for line, cells in waiting:
         titles = [one.title for one in block.headings]

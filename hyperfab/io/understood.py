@@ -7,12 +7,12 @@ from collections.abc import Iterable
 from hyperfab.io.csv_dialect import CsvSheet
 from hyperfab.io.headings import heading
 from hyperfab.io.roles import Column
-from hyperfab.io.specimen import Reading
+from hyperfab.io.specimen import Loading
 
 
-def understood(sheet: CsvSheet, readings: Iterable[Reading], others: Iterable[Column]) -> str:
+def understood(sheet: CsvSheet, loadings: Iterable[Loading], others: Iterable[Column]) -> str:
     """Return what was understood of a table, without the file's name: files read alike say the same."""
-    columns = {column.heading.index: column for reading in readings for column in reading.used}
+    columns = {column.heading.index: column for loading in loadings for column in loading.used}
     columns |= {column.heading.index: column for column in others}
     told = [
         one.heading.title

@@ -33,7 +33,6 @@ class Unit:
 DIMENSIONLESS = Unit(Fraction(1), _NONE)
 
 _LENGTH: Dimension = (1, 0, 0, 0, 0)
-_AREA: Dimension = (2, 0, 0, 0, 0)
 _MASS: Dimension = (0, 1, 0, 0, 0)
 _TIME: Dimension = (0, 0, 1, 0, 0)
 _TEMPERATURE: Dimension = (0, 0, 0, 1, 0)

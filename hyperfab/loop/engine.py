@@ -116,7 +116,7 @@ def close(
     if not sure.ids:
         verdict, assumed = _without_names(search, before, bool(doubted))
         return replace(finding(verdict, before, {}, tried), doubted=doubted, worse=worse, assumed=assumed)
-    best = _ordered(search, before, sure)
+    best = _ordered(search, sure)
     added = _worth_of_each(search, best)
     found = finding("effect" if explains(before, best) else "unexplained", best, added, tried)
     found = replace(found, doubted=doubted, worse=worse)
@@ -292,7 +292,7 @@ def is_no_worse(base: Candidate, state: Candidate, apart: Apart | None = None) -
     return apart is None or apart(state.fit) <= apart(base.fit)
 
 
-def _ordered(search: Search, base: Candidate, best: Candidate) -> Candidate:
+def _ordered(search: Search, best: Candidate) -> Candidate:
     """Put the terms in the order of what they take from the error, the largest first, and fit them to the end."""
     first = search.problem.channel == 0
     worth = {name: float(np.sum(search.without(best, name).fit.residual[first] ** 2)) for name in best.ids}

@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
+from hyperfab.curve import TestCurve
 from hyperfab.loop.catalogue import catalogue
 from hyperfab.loop.catalogue.fabric import DataContext
 from hyperfab.loop.fabric_extras import menu
-from hyperfab.loop.fabric_tests import FabricTest, curves_of, path_of, smooth_of, states_of
+from hyperfab.loop.fabric_tests import curves_of, path_of, smooth_of, states_of
 from hyperfab.loop.problem import HAS_IT, Constant, Extra, Problem
 from hyperfab.loop.thresholds import MACHINE
 from hyperfab.materials.effects import anisotropy
@@ -22,7 +23,6 @@ from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.path import BIAXIAL, GENERAL, MODE_NAMES, Path, uniaxial_pull
 from hyperfab.materials.identification.design import Problem as LawProblem
 from hyperfab.materials.identification.fit import fit_law
-from hyperfab.materials.identification.rows import Curve as LawCurve
 from hyperfab.materials.identification.rows import Rows
 from hyperfab.materials.law import Law
 
@@ -42,7 +42,7 @@ class FabricProblem(Problem):
 
     least_noise: ClassVar[float] = MACHINE
     fabric: Fabric = field(kw_only=True)
-    tests: Sequence[FabricTest] = field(kw_only=True)
+    tests: Sequence[TestCurve] = field(kw_only=True)
     law: Law = field(kw_only=True)
     both: bool = field(default=False, kw_only=True)
     held: Mapping[str, tuple[str, tuple[float, ...]]] = field(default_factory=dict, kw_only=True)
@@ -133,7 +133,7 @@ def _along(angle: float) -> str:
 def fabric_problem(
     law: Law,
     warp: Sequence[float],
-    tests: Sequence[FabricTest],
+    tests: Sequence[TestCurve],
     *,
     weft: Sequence[float] | None = None,
     held: Mapping[str, tuple[str, tuple[Constant, ...]]] | None = None,
@@ -170,7 +170,7 @@ def fabric_problem(
     if all(test.stress_sd is not None for test in tests):
         stated = np.concatenate([test.stress_sd for test in tests] + [np.full(len(rows), np.nan)])
 
-    def remake(others: Sequence[FabricTest]) -> FabricProblem:
+    def remake(others: Sequence[TestCurve]) -> FabricProblem:
         return fabric_problem(
             law, warp, others, weft=weft, held=held, fixed=fixed, prior=prior, reference_degC=reference, units=units
         )  # fmt: skip
@@ -228,7 +228,7 @@ def _best_by_law(
     rows = np.union1d(rows[:: max(len(rows) // _VALLEY, 1)], ends)
     weight = np.full(len(rows), 1.0 / max(float(np.max(np.abs(stress))), 1e-300))
     curves = [
-        LawCurve(MODE_NAMES[mode], path.stretch[rows][there], stress[rows][there], weight[there])
+        TestCurve(MODE_NAMES[mode], path.stretch[rows][there], stress[rows][there], weight[there])
         for mode in range(BIAXIAL + 1)
         if np.any(there := path.mode[rows] == mode)
     ]

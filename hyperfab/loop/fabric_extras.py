@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from hyperfab.loop.fabric_tests import FabricTest
-from hyperfab.materials.effects.path import BIAXIAL, MODE_NAMES, SHEAR, UNIAXIAL
+from hyperfab.curve import TestCurve
 
 _POINTS = 60
+_MODES = ("uniaxial", "shear", "biaxial")
 
 
-def menu(tests: Sequence[FabricTest]) -> Iterator[tuple[str, Mapping[str, Any], FabricTest]]:
+def menu(tests: Sequence[TestCurve]) -> Iterator[tuple[str, Mapping[str, Any], TestCurve]]:
     """Yield what to say, what to do, and the test as the models see it (stress zero: not yet measured)."""
     reach = max(float(np.max(test.stretch)) for test in tests) - 1.0
     speeds = [speed for test in tests if (speed := _speed(test)) is not None]
@@ -22,8 +22,8 @@ def menu(tests: Sequence[FabricTest]) -> Iterator[tuple[str, Mapping[str, Any], 
     temperatures = [float(np.mean(t.temperature_degC)) for t in tests if t.temperature_degC is not None]
     usual = float(np.median(temperatures)) if temperatures else 23.0
     first = tests[0]
-    angle = first.angle_deg if np.isfinite(first.angle_deg) else 0.0
-    mode = first.mode if first.mode in (UNIAXIAL, SHEAR, BIAXIAL) else UNIAXIAL
+    angle = first.direction or 0.0
+    mode = first.mode if first.mode in _MODES else "uniaxial"
     half, full = 1.0 + 0.55 * reach, 1.0 + reach
     steps = [half, 1.0, half, 1.0, full, 1.0, full, 1.0]
     loop = [full, 1.0]
@@ -35,11 +35,11 @@ def menu(tests: Sequence[FabricTest]) -> Iterator[tuple[str, Mapping[str, Any], 
         *,
         at: float = usual,
         along: float = angle,
-        kind: int = mode,
+        kind: str = mode,
         hold: float = 0.0,
-    ) -> tuple[str, Mapping[str, Any], FabricTest]:
+    ) -> tuple[str, Mapping[str, Any], TestCurve]:
         details = {
-            "test": MODE_NAMES[kind],
+            "test": kind,
             "direction_deg": along,
             "temperature_degC": at,
             "rate_1_s": rate,
@@ -63,9 +63,9 @@ def menu(tests: Sequence[FabricTest]) -> Iterator[tuple[str, Mapping[str, Any], 
     yield one("a cycle at a temperature 40 K higher", loop, pace, at=usual + 40.0)
     yield one("a cycle across the direction tested", loop, pace, along=(angle + 90.0) % 180.0)
     yield one("a cycle 45 degrees from the warp", loop, pace, along=45.0)
-    for kind in (UNIAXIAL, SHEAR, BIAXIAL):
+    for kind in _MODES:
         if kind != mode:
-            yield one(f"a {MODE_NAMES[kind]} test to the same stretch", [full], pace, kind=kind)
+            yield one(f"a {kind} test to the same stretch", [full], pace, kind=kind)
     yield one("a pull half as far again", [1.0 + 1.5 * reach], pace)
     yield one(
         "a slow pull through the first tenth of the stretch, read closely",
@@ -74,7 +74,7 @@ def menu(tests: Sequence[FabricTest]) -> Iterator[tuple[str, Mapping[str, Any], 
     )
 
 
-def _speed(test: FabricTest) -> float | None:
+def _speed(test: TestCurve) -> float | None:
     if test.rate_1_s is not None and np.all(np.asarray(test.rate_1_s) > 0.0):
         return float(np.median(test.rate_1_s))
     if test.time_s is None or not np.all(np.isfinite(test.time_s)):
@@ -90,11 +90,11 @@ def _made(
     rate: float,
     temperature: float,
     angle: float,
-    mode: int,
+    mode: str,
     hold: float,
     timed: bool,
     warmed: bool,
-) -> FabricTest:
+) -> TestCurve:
     stretch, time = [np.array([1.0])], [np.array([0.0])]
     here, now = 1.0, 0.0
     for number, turn in enumerate(turns):
@@ -109,13 +109,13 @@ def _made(
             time.append(now + wait)
             now += hold
     lam = np.concatenate(stretch)
-    return FabricTest(
-        name=name,
+    return TestCurve(
         mode=mode,
         stretch=lam,
         stress=np.zeros_like(lam),
         time_s=np.concatenate(time) if timed else None,
         temperature_degC=np.full_like(lam, temperature) if warmed else None,
-        angle_deg=angle,
+        direction=angle,
+        source=name,
         specimen=f"next: {name}",
     )

@@ -2,44 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 
 import numpy as np
 
 from hyperfab.arrays import Array
+from hyperfab.curve import TestCurve
 from hyperfab.loop.problem import Curve
 from hyperfab.loop.thresholds import SAME_WAY
-from hyperfab.materials.effects.path import GENERAL, MODE_NAMES, UNIAXIAL, Path, held, moving
+from hyperfab.materials.effects.path import GENERAL, MODE_NAMES, Path, held, moving
 
 _SMOOTH_DEGREE = 5
 
 
-@dataclass(frozen=True)
-class FabricTest:
-    """One measured curve: what was done and what was read; nan where unknown.
-
-    ``transverse`` is the measured second stretch: of a general biaxial test what the sheet was given, of a uniaxial
-    one what it did. ``others`` are numbers known of the test that no law has a use for, by name.
-    """
-
-    name: str
-    mode: int
-    stretch: Array
-    stress: Array
-    transverse: Array | None = None
-    time_s: Array | None = None
-    rate_1_s: Array | None = None
-    temperature_degC: Array | None = None
-    angle_deg: float = np.nan
-    branch: Array | None = None
-    cycle: Array | None = None
-    specimen: str = ""
-    stress_sd: Array | None = None
-    others: Mapping[str, float] = field(default_factory=dict)
-
-
-def path_of(tests: Sequence[FabricTest]) -> tuple[Path, Array]:
+def path_of(tests: Sequence[TestCurve]) -> tuple[Path, Array]:
     """Return how all specimens were led, one after the other, and the strain rate of each row [1/s], nan if unknown."""
 
     def column(name: str) -> Array:
@@ -55,9 +31,9 @@ def path_of(tests: Sequence[FabricTest]) -> tuple[Path, Array]:
     time = np.concatenate([_clock(test) for test in tests])
     path = Path(
         starts=tuple(int(v) for v in np.concatenate([[0], np.cumsum(count)])),
-        mode=np.repeat([test.mode for test in tests], count),
+        mode=np.repeat([MODE_NAMES.index(test.mode) for test in tests], count),
         stretch=column("stretch"),
-        across=column("transverse"),
+        across=column("stretch2"),
         time_s=time,
         temperature_degC=column("temperature_degC"),
         angle_deg=np.repeat([float(test.angle_deg) for test in tests], count),
@@ -72,21 +48,21 @@ def path_of(tests: Sequence[FabricTest]) -> tuple[Path, Array]:
     return path, speed
 
 
-def _clock(test: FabricTest) -> Array:
+def _clock(test: TestCurve) -> Array:
     """Return the time of each row; from the rate where that alone is known."""
     if test.time_s is not None and np.all(np.isfinite(test.time_s)):
         return np.asarray(test.time_s - test.time_s[0], dtype=np.float64)
     if test.rate_1_s is None or not np.all(np.asarray(test.rate_1_s) > 0.0):
         return np.full(len(test.stretch), np.nan)
     stretch = test.stretch
-    if test.mode == GENERAL and test.transverse is not None:
-        stretch = moving(stretch, test.transverse)
+    if test.mode == MODE_NAMES[GENERAL] and test.stretch2 is not None:
+        stretch = moving(stretch, test.stretch2)
     step = np.abs(np.diff(stretch)) / np.asarray(test.rate_1_s)[1:]
     return np.concatenate([[0.0], np.cumsum(step)])
 
 
 def curves_of(
-    path: Path, tests: Sequence[FabricTest], stress: Array
+    path: Path, tests: Sequence[TestCurve], stress: Array
 ) -> tuple[tuple[Curve, ...], Array, Array]:
     """Return the curves, the rows that state a transverse stretch, and the readings: stresses, then those."""
     curves, rows, extra = [], [], []
@@ -98,17 +74,17 @@ def curves_of(
         cuts = tuple(int(i) for i in place.start + 1 + np.flatnonzero(corners))
         time = path.time_s[place]
         rising = bool(np.all(np.isfinite(time)) and np.all(np.diff(time) > 0.0))
-        specimen = test.specimen or test.name
+        specimen = test.specimen or test.source
         lam = path.moved(place)
         abscissa = time if rising else lam
-        curves.append(Curve(test.name, place.start, place.stop, abscissa, cuts, setup, specimen, place=lam))
-        if test.mode == UNIAXIAL and test.transverse is not None and np.all(np.isfinite(test.transverse)):
+        curves.append(Curve(test.source, place.start, place.stop, abscissa, cuts, setup, specimen, place=lam))
+        if test.contraction is not None and np.all(np.isfinite(test.contraction)):
             count = place.stop - place.start
             rows.append(np.arange(place.start, place.stop))
-            extra.append(test.transverse)
+            extra.append(test.contraction)
             shifted = tuple(cut - place.start + at for cut in cuts)
             curves.append(
-                Curve(f"{test.name} transverse", at, at + count, abscissa, shifted, setup, specimen, 1, lam)
+                Curve(f"{test.source} transverse", at, at + count, abscissa, shifted, setup, specimen, 1, lam)
             )
             at += count
     if not rows:
@@ -117,7 +93,7 @@ def curves_of(
     return tuple(order), np.concatenate(rows), np.concatenate([stress, *extra])
 
 
-def _setups(path: Path, tests: Sequence[FabricTest]) -> list[str]:
+def _setups(path: Path, tests: Sequence[TestCurve]) -> list[str]:
     """Return what each test shares with its replicates: the whole way it was led, in both stretches."""
     found: list[tuple[str, Array, str]] = []
     for test, rows in zip(tests, path.curves, strict=True):
@@ -127,7 +103,7 @@ def _setups(path: Path, tests: Sequence[FabricTest]) -> list[str]:
     return [name for _, _, name in found]
 
 
-def _pace(test: FabricTest, stretch: Array) -> str:
+def _pace(test: TestCurve, stretch: Array) -> str:
     """Return mode, direction, temperature and rate of a test, rounded."""
     temperature = "-" if test.temperature_degC is None else f"{float(np.mean(test.temperature_degC)):.0f}"
     speed = "-" if test.rate_1_s is None else f"{float(np.median(test.rate_1_s)):.2g}"
@@ -136,7 +112,7 @@ def _pace(test: FabricTest, stretch: Array) -> str:
         span = float(test.time_s[-1] - test.time_s[0])
         # Hand-driven machines: within a factor of about two the pace counts as one.
         speed = f"2^{round(np.log2(max(moved / span, 1e-12)) / 2.0):.0f}" if span > 0.0 else "-"
-    return f"{MODE_NAMES[test.mode]} {test.angle_deg:.0f} {temperature} {speed}"
+    return f"{test.mode} {test.angle_deg:.0f} {temperature} {speed}"
 
 
 def _way(path: Path, rows: slice) -> Array:
@@ -155,7 +131,7 @@ def _is_same_way(one: Array, other: Array) -> bool:
     return float(np.max(np.abs(one - other))) <= SAME_WAY * far
 
 
-def states_of(path: Path, tests: Sequence[FabricTest], speed: Array) -> dict[str, Array]:
+def states_of(path: Path, tests: Sequence[TestCurve], speed: Array) -> dict[str, Array]:
     """Return the state variables that a residual may ride on, by name."""
     cycle = np.ones(len(path.stretch))
     for rows, test in zip(path.curves, tests, strict=True):

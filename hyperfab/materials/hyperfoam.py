@@ -9,13 +9,14 @@ exponentials, so that states, tangents and derivatives by constants are closed b
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hyperfab.arrays import Array
+from hyperfab.curve import TestCurve
 
 #: The models by name, and their number of terms.
 ORDERS = {f"hyperfoam-{n}": n for n in (1, 2, 3)}
@@ -216,44 +217,7 @@ class Rows:
         return np.einsum("i,nik->nk", self.along, change) / self.lever[:, None], moved
 
 
-@dataclass(frozen=True)
-class FoamTest:
-    """Rows of one test: ``stretch`` (n,), ``stress`` (n,) [MPa] and what each counts, ``weight`` (n,) [1/MPa].
-
-    ``stretch2`` is the second axis of a general biaxial test, ``lateral`` (n,) the measured stretch across of a
-    uniaxial one with its ``lateral_weight``.
-    """
-
-    test: str
-    stretch: Array
-    stress: Array
-    weight: Array
-    stretch2: Array | None = None
-    lateral: Array | None = None
-    lateral_weight: float = 0.0
-
-    @cached_property
-    def rows(self) -> Rows:
-        """The rows in logarithmic strains."""
-        return Rows.of(self.test, self.stretch, self.stretch2)
-
-    def thinned(self, count: int) -> FoamTest:
-        """Return about ``count`` of the rows, evenly."""
-        if len(self.stretch) <= count:
-            return self
-        take = np.unique(np.linspace(0, len(self.stretch) - 1, count).round().astype(np.int64))
-        second, lateral = (None if one is None else one[take] for one in (self.stretch2, self.lateral))
-        return replace(
-            self,
-            stretch=self.stretch[take],
-            stress=self.stress[take],
-            weight=self.weight[take],
-            stretch2=second,
-            lateral=lateral,
-        )
-
-
-def identify(tests: Sequence[FoamTest], terms: int, near: Hyperfoam | None = None) -> Hyperfoam:
+def identify(tests: Sequence[TestCurve], terms: int, near: Hyperfoam | None = None) -> Hyperfoam:
     """Return the constants of least squares that are stable at every state of the tests.
 
     Terms of either sign are tried, and taken where they are stable and better than positive ones, whose stability is
@@ -284,13 +248,21 @@ def identify(tests: Sequence[FoamTest], terms: int, near: Hyperfoam | None = Non
 class _Sought:
     """Constants as a vector z: stresses over the largest one measured, exponents, ratios."""
 
-    tests: Sequence[FoamTest]
+    tests: Sequence[TestCurve]
     terms: int
 
     @cached_property
     def scale(self) -> float:
         """The largest stress [MPa]."""
         return max(float(np.abs(one.stress).max()) for one in self.tests)
+
+    @cached_property
+    def rows(self) -> list[Rows]:
+        """The rows of each test in logarithmic strains."""
+        return [
+            Rows.of(one.mode, one.stretch, one.stretch2 if one.mode == "biaxial-general" else None)
+            for one in self.tests
+        ]
 
     def vector(self, law: Hyperfoam) -> Array:
         return np.concatenate([np.asarray(law.mu) / self.scale, law.alpha, law.nu])
@@ -310,15 +282,15 @@ class _Sought:
         """Return weighted errors and their derivatives by z."""
         errors, slopes = [], []
         unit = np.concatenate([np.full(self.terms, self.scale), np.ones(2 * self.terms)])
-        for one in self.tests:
-            e = one.rows.strain(law)
-            change, moved = one.rows.slopes(law, e)
-            errors.append((one.rows.stress(law, e) - one.stress) * one.weight)
-            slopes.append(change * one.weight[:, None] * unit)
-            if one.lateral is not None:
+        for one, rows in zip(self.tests, self.rows, strict=True):
+            e = rows.strain(law)
+            change, moved = rows.slopes(law, e)
+            errors.append((rows.stress(law, e) - one.stress) * one.weights)
+            slopes.append(change * one.weights[:, None] * unit)
+            if one.contraction is not None and one.weight2 is not None:
                 across = np.exp(e[:, 2])
-                errors.append((across - one.lateral) * one.lateral_weight)
-                slopes.append((across * one.lateral_weight)[:, None] * moved * unit)
+                errors.append((across - one.contraction) * one.weight2)
+                slopes.append((across * one.weight2)[:, None] * moved * unit)
         return np.concatenate(errors), np.concatenate(slopes)
 
     def polished(self, start: Array, signed: bool, steps: int) -> tuple[float, Hyperfoam]:
@@ -362,9 +334,12 @@ class _Sought:
 
         # All stresses times one factor leave the strains as they are: that factor first.
         model = np.concatenate(
-            [one.weight * one.rows.stress(near, one.rows.strain(near)) for one in self.tests]
+            [
+                one.weights * rows.stress(near, rows.strain(near))
+                for one, rows in zip(self.tests, self.rows, strict=True)
+            ]
         )
-        there = np.concatenate([one.weight * one.stress for one in self.tests])
+        there = np.concatenate([one.weights * one.stress for one in self.tests])
         start = max(float(model @ there / (model @ model)), 1e-6) * np.asarray(near.mu) / self.scale
         with np.errstate(all="ignore"):
             found = least_squares(
@@ -377,4 +352,4 @@ class _Sought:
     def stable(self, law: Hyperfoam) -> bool:
         """Whether the law is stable from rest to every state of the tests."""
         with np.errstate(all="ignore"):
-            return all(bool(law.stable(one.rows.strain(law)).all()) for one in self.tests)
+            return all(bool(law.stable(rows.strain(law)).all()) for rows in self.rows)

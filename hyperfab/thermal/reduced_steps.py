@@ -13,7 +13,7 @@ NUMBERS = (
 
 
 @numba.njit(cache=True, error_model="numpy")
-def march(  # type: ignore[no-untyped-def]
+def march(  # type: ignore[no-untyped-def]  # noqa: C901
     grid,
     start,
     masses,

@@ -15,9 +15,10 @@ from loop.generators import fabric as truths
 from hyperfab.cases.options import read
 from hyperfab.cases.registry import case_class
 from hyperfab.chapters.rerun import rerun
+from hyperfab.curve import TestCurve
 from hyperfab.io.stl_write import stl_bytes
 from hyperfab.loop.fabric import fabric_problem
-from hyperfab.loop.fabric_tests import FabricTest
+from hyperfab.materials.effects.path import MODE_NAMES
 from hyperfab.materials.registry import law
 
 CONSTANTS = {"C10_MPa": 0.06, "C20_MPa": 0.02, "C30_MPa": 0.017}
@@ -33,14 +34,14 @@ def null_effects() -> dict[str, list[dict[str, Any]]]:
     """Every form of every entry of the catalogue at its null, as a material document writes it, by the entry's id."""
     pull = np.concatenate([np.linspace(1.0, 1.5, 9), np.linspace(1.5, 1.0, 9)])
     tests = [
-        FabricTest(
-            f"t{k}",
-            k % 2,
+        TestCurve(
+            MODE_NAMES[k % 2],
             pull,
             pull - 1.0,
             time_s=np.arange(18.0),
             temperature_degC=np.full(18, 23.0 + 20.0 * k),
-            angle_deg=45.0 * k,
+            direction=45.0 * k,
+            source=f"t{k}",
         )
         for k in range(3)
     ]

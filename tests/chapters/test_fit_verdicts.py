@@ -12,7 +12,7 @@ from conftest import Run
 
 from hyperfab.chapters.fit.identify import Identified, Setting, identify
 from hyperfab.chapters.fit.judge import judge
-from hyperfab.chapters.fit.reading import Reading
+from hyperfab.curve import TestCurve
 from hyperfab.materials.modes import MODES
 from hyperfab.materials.registry import law
 from trials.unseen import synthetic, trial
@@ -161,7 +161,7 @@ def test_no_test_that_stiffens_is_refused_stable_constants() -> None:
         lam = np.linspace(1.0, draw.uniform(1.05, 2.2), 40)[1:]
         power, size = draw.uniform(1.2, 3.5), draw.choice([1e-3, 0.1, 1, 10])
         stress = size * (lam - 1.0) ** power * (1.0 + 0.02 * draw.standard_normal(39))
-        curve = Reading(mode="uniaxial", source="a.csv", stretch=lam, stress=stress)
+        curve = TestCurve(mode="uniaxial", source="a.csv", stretch=lam, stress=stress)
         for model in ("yeoh-2", "yeoh-3"):
             found = identify(law(model), [curve], Setting(("uniaxial",), False, True, 1.0))
             assert isinstance(found, Identified), (model, power, found)

@@ -21,7 +21,7 @@ def in_valley(mold, x, r, slot, before):
 
 @njit
 def bent_to(hinge, bent, i, j, side):
-    return hinges_to(hinge, bent, i, j, side)
+    return hinges_to(hinge, bent, side)
 
 
 def test_a_bent_spring_is_known_from_both_of_its_ends_and_from_no_other_side() -> None:

@@ -221,17 +221,17 @@ def test_what_is_known_of_a_row_comes_from_columns_or_metadata() -> None:
 def test_both_directions_measured_make_a_general_biaxial_test() -> None:
     text = "stretch 1,stretch 2,stress 1 [MPa],stress 2 [MPa]\n1.1,1.05,0.2,0.1\n1.2,1.1,0.3,0.2\n"
     found = one(text, test="biaxial")
-    assert found.test == "biaxial-general"
+    assert found.mode == "biaxial-general"
     assert found.stress2 is not None
     assert found.stress2.tolist() == [0.1, 0.2]
-    assert one(text, test="biaxial-general").test == "biaxial-general"
+    assert one(text, test="biaxial-general").mode == "biaxial-general"
 
 
 def test_several_tests_in_one_file_are_told_apart_by_their_column() -> None:
     text = "test,stretch,stress [MPa]\nuniaxial,1.1,0.1\nshear,1.1,0.15\nuniaxial,1.2,0.2\n"
     uniaxial, shear = read_tests(text.encode(), "a.csv")
-    assert (uniaxial.test, uniaxial.lines.tolist()) == ("uniaxial", [2, 4])
-    assert (shear.test, shear.lines.tolist()) == ("shear", [3])
+    assert (uniaxial.mode, uniaxial.lines.tolist()) == ("uniaxial", [2, 4])
+    assert (shear.mode, shear.lines.tolist()) == ("shear", [3])
     with pytest.raises(InputError, match=r"line 3.*given as uniaxial.*--shear"):
         read_tests(text.encode(), "a.csv", test="uniaxial")
 

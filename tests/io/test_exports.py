@@ -110,7 +110,7 @@ def test_a_preamble_gives_sizes_and_direction(name: str, expected: dict[str, obj
 
 def test_a_machine_names_its_test_and_its_temperature() -> None:
     [found] = read_tests(exports.bluehill3_spanish(), "k17.csv")
-    assert found.test == "uniaxial"
+    assert found.mode == "uniaxial"
     assert found.temperature_degC is not None
     assert found.temperature_degC.tolist() == [23.0] * 10
 
@@ -129,7 +129,7 @@ def test_a_file_is_recognised_by_its_name_or_its_columns(name: str, heads: str, 
     columns = heads.count(",") + 1
     rows = "".join(",".join(["1.1" if k else "1.2"] * columns) + "\n" for k in range(2))
     [found] = read_tests(f"{heads}\n{rows}".encode(), name)
-    assert found.test == test
+    assert found.mode == test
 
 
 def test_closing_rows_and_errors_of_a_spreadsheet_are_counted() -> None:
@@ -154,7 +154,7 @@ def test_general_biaxial_tests_may_hold_an_axis_and_shrink_along_one() -> None:
     rows = "".join(f"1,{1 + k / 10},{k / 10},{k / 5},{0 if k == 0 else 0.01}\n" for k in range(6))
     text = f"stretch 1,stretch 2,stress 1 [MPa],stress 2 [MPa],stress sd [MPa]\n{rows}"
     [found] = read_tests(text.encode(), "a.csv", test="biaxial")
-    assert found.test == "biaxial-general"
+    assert found.mode == "biaxial-general"
     assert found.stress_sd is not None
     assert found.stress_sd.tolist() == [0.01] * 6  # the zeroed first reading is as sure as the surest
     rows = "".join(f"{0.85 + k / 10},{1.1},{k / 10},{k / 5}\n" for k in range(6))

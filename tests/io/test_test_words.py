@@ -40,7 +40,7 @@ def test_a_branch_goes_up_or_down(word: str, sign: int) -> None:
     ],
 )  # fmt: skip
 def test_a_test_has_one_name_inside(word: str, kind: str) -> None:
-    assert one(f"# test: {word}\n" + ROWS, test=None).test == kind
+    assert one(f"# test: {word}\n" + ROWS, test=None).mode == kind
 
 
 @pytest.mark.parametrize("scale", [1.0, 1e-3])

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
 from hyperfab.materials import bind, laws
-from hyperfab.materials.identification import Curve, Problem, Rows, fit_law
+from hyperfab.materials.identification import Problem, Rows, fit_law
 
 TRUTH = {"C10_MPa": 0.02, "k1_along_MPa": 0.03, "k1_across_MPa": 0.005, "k2_along": 0.4, "k2_across": 0.1}
 
@@ -54,8 +55,8 @@ def test_in_uniaxial_tension_the_lateral_stress_is_zero() -> None:
 def test_own_constants_are_recovered_from_warp_and_weft() -> None:
     lam = np.linspace(1.02, 1.8, 30)
     warp, weft = fabric().uniaxial(lam).P, fabric().turned().uniaxial(lam).P
-    curves = [Curve("uniaxial", lam, warp, 1 / warp), Curve("uniaxial", lam, weft, 1 / weft, axis=2)]
-    found = fit_law(Problem(laws()["fabric-fibres"], Rows.of(curves)))
+    curves = [TestCurve("uniaxial", lam, warp, 1 / warp), TestCurve("uniaxial", lam, weft, 1 / weft)]
+    found = fit_law(Problem(laws()["fabric-fibres"], Rows.of(curves, axes=(1, 2))))
     assert found is not None
     assert list(found.material.parameters.values()) == pytest.approx(list(TRUTH.values()), rel=1e-8)
 

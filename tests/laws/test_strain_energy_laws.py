@@ -9,9 +9,10 @@ import pytest
 from laws.constants import CONSTANTS
 from laws.laws_mp import energy, stress
 
+from hyperfab.curve import TestCurve
 from hyperfab.errors import HyperfabError, InputError
 from hyperfab.materials import Material, bind, laws
-from hyperfab.materials.identification import Curve, Problem, Rows, fit_law
+from hyperfab.materials.identification import Problem, Rows, fit_law
 from hyperfab.materials.modes import MODES, nominal_stress
 
 NAMES = sorted(name for name, law in laws().items() if law.isotropic)
@@ -103,7 +104,7 @@ def test_own_constants_are_recovered_from_exact_data(material: Material, modes: 
     for mode in modes:
         lam = np.linspace(1.02, {"uniaxial": 6.0, "shear": 5.5, "biaxial": 4.4}[mode], 40)
         P = nominal_stress(material, mode, lam)
-        curves.append(Curve(mode, lam, P, 1.0 / np.abs(P)))
+        curves.append(TestCurve(mode, lam, P, 1.0 / np.abs(P)))
     found = fit_law(Problem(law, Rows.of(curves)))
     assert found is not None
     assert np.sqrt(found.sse / (40 * len(modes))) < 1e-12

@@ -20,9 +20,9 @@ import numpy as np
 from loop.generators import fabric as truths
 from loop.generators import other_fabric
 
+from hyperfab.curve import TestCurve
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
-from hyperfab.loop.fabric_tests import FabricTest
 from hyperfab.materials.registry import law
 
 #: Pairs for the trials with two effects.
@@ -30,21 +30,20 @@ PAIRS = (
     "anisotropy+hysteresis", "rate+thermal-softening", "mullins+rate", "permanent-set+anisotropy",
     "hysteresis+thermal-softening", "grip-slack+rate", "elastic-law+mullins", "mullins+permanent-set",
 )  # fmt: skip
-MODES = {"uniaxial": 0, "shear": 1, "biaxial": 2}
 
 
-def as_tests(readings: Sequence[truths.Reading]) -> list[FabricTest]:
+def as_tests(readings: Sequence[truths.Reading]) -> list[TestCurve]:
     """Return the readings as the loop takes them: nothing of the truth goes along."""
     return [
-        FabricTest(
-            name=f"test {number}",
-            mode=MODES[reading.setup.mode],
+        TestCurve(
+            mode=reading.setup.mode,
             stretch=reading.stretch,
             stress=reading.stress,
-            transverse=reading.transverse,
+            stretch2=reading.transverse,
             time_s=reading.time,
             temperature_degC=np.full_like(reading.stretch, reading.setup.temperature),
-            angle_deg=reading.setup.angle,
+            direction=reading.setup.angle,
+            source=f"test {number}",
             specimen=reading.specimen,
         )
         for number, reading in enumerate(readings)

@@ -14,11 +14,12 @@ from laws.constants import CONSTANTS
 from hyperfab.chapters.close_loop.extended import extend
 from hyperfab.chapters.close_loop.fabric import pose
 from hyperfab.chapters.close_loop.measured_tests import Measured
+from hyperfab.curve import TestCurve
 from hyperfab.documents.base import parse_document
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.loop.fabric import FabricProblem
-from hyperfab.loop.fabric_tests import FabricTest
 from hyperfab.materials import bind
+from hyperfab.materials.effects.path import MODE_NAMES
 from hyperfab.materials.effects.thermal_softening import LAWS
 from hyperfab.materials.registry import laws
 
@@ -32,15 +33,15 @@ def measured() -> Measured:
         [(0.0, 23.0, 0), (90.0, 23.0, 0), (0.0, 60.0, 1), (45.0, 40.0, 0), (0.0, 80.0, 0), (0.0, 5.0, 0)]
     ):
         found.append(
-            FabricTest(
-                f"t{number}",
-                mode,
+            TestCurve(
+                MODE_NAMES[mode],
                 lam,
                 np.full_like(lam, 0.1),
-                transverse=lam**-0.45 if number == 0 else None,
+                stretch2=lam**-0.45 if number == 0 else None,
                 time_s=np.linspace(0.0, 100.0 / (1 + 9 * number), len(lam)),
                 temperature_degC=np.full_like(lam, temperature),
-                angle_deg=angle,
+                direction=angle,
+                source=f"t{number}",
                 specimen=f"s{number}",
             )
         )

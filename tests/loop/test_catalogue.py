@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import hyperfab.loop.catalogue as catalogue
+from hyperfab.curve import TestCurve
 from hyperfab.loop.catalogue.contact import DataContext as ContactContext
 from hyperfab.loop.catalogue.drape import DataContext as DrapeContext
 from hyperfab.loop.catalogue.fabric import DataContext as FabricContext
@@ -18,7 +19,6 @@ from hyperfab.loop.catalogue.heat import DataContext as HeatContext
 from hyperfab.loop.catalogue.press import DataContext as PressContext
 from hyperfab.loop.fabric import fabric_problem
 from hyperfab.loop.fabric_extras import menu
-from hyperfab.loop.fabric_tests import FabricTest
 from hyperfab.loop.heat import _MENU
 from hyperfab.loop.problem import Effect, Form
 from hyperfab.materials import laws
@@ -144,8 +144,8 @@ def test_what_is_probed_at_the_bench_goes_with_the_films_of_the_mold() -> None:
 def test_the_test_proposed_is_the_one_that_is_weighed() -> None:
     """What a user is told to do, and the test whose worth was computed: rate, direction, turns, hold, temperature."""
     lam = np.linspace(1.0, 1.4, 30)
-    done = FabricTest("done", UNIAXIAL, lam, lam - 1.0, time_s=(lam - 1.0) / 0.02, angle_deg=30.0,
-                      temperature_degC=np.full(30, 20.0))  # fmt: skip
+    done = TestCurve("uniaxial", lam, lam - 1.0, time_s=(lam - 1.0) / 0.02, direction=30.0, source="done",
+                     temperature_degC=np.full(30, 20.0))  # fmt: skip
     found = list(menu([done]))
     rates = sorted({details["rate_1_s"] for _, details, _ in found})
     assert rates == pytest.approx([0.02 / 16, 0.02 / 4, 0.02, 0.02 * 16])
@@ -180,7 +180,9 @@ def test_effects_that_make_one_loop_are_told_apart_by_second_pulls_and_by_rates(
         done = []
         for number, (lam, rate) in enumerate(tests):
             time = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(lam)))]) / rate
-            done.append(FabricTest(f"{number}", UNIAXIAL, lam, lam - 1.0, time_s=time, specimen=f"{number}"))
+            done.append(
+                TestCurve("uniaxial", lam, lam - 1.0, time_s=time, source=f"{number}", specimen=f"{number}")
+            )
         return [set(one) for one in fabric_problem(laws()["neo-hookean"], (0.2,), done).look_alikes]
 
     one_loop = {"hysteresis", "mullins", "permanent-set"}

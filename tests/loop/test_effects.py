@@ -11,13 +11,13 @@ import pytest
 from conftest import ROOT
 from loop.generators import fabric as truths
 
+from hyperfab.curve import TestCurve
 from hyperfab.loop.fabric import fabric_problem
-from hyperfab.loop.fabric_tests import FabricTest
 from hyperfab.materials import bind
 from hyperfab.materials.effects import compressibility
 from hyperfab.materials.effects.anisotropy import fibres
 from hyperfab.materials.effects.fabric import Fabric
-from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL, Path, uniaxial_pull
+from hyperfab.materials.effects.path import BIAXIAL, MODE_NAMES, SHEAR, UNIAXIAL, Path, uniaxial_pull
 from hyperfab.materials.effects.permanent_set import second_network
 from hyperfab.materials.effects.rate import flowing, relaxing, relaxing_measured, thinning
 from hyperfab.materials.kinematics import Sheet
@@ -51,14 +51,14 @@ def rich_problem():  # type: ignore[no-untyped-def]
     for number, (angle, temperature, mode) in enumerate([(0.0, 23.0, 0), (90.0, 23.0, 0), (0.0, 60.0, 1)]):
         lam = cycles()
         tests.append(
-            FabricTest(
-                f"t{number}",
-                mode,
+            TestCurve(
+                MODE_NAMES[mode],
                 lam,
                 np.full_like(lam, 0.1),
                 time_s=np.linspace(0.0, 100.0 / (1 + 9 * number), len(lam)),
                 temperature_degC=np.full_like(lam, temperature),
-                angle_deg=angle,
+                direction=angle,
+                source=f"t{number}",
             )
         )
     return fabric_problem(law("yeoh-3"), WARP, tests)

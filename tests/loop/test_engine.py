@@ -7,6 +7,7 @@ import pytest
 from loop.blind import as_tests, carried_out, case, problem_of
 from loop.generators import fabric as truths
 
+from hyperfab.curve import TestCurve
 from hyperfab.loop.engine import close
 from hyperfab.loop.fabric import fabric_problem
 from hyperfab.loop.heldout import leave_curves_out
@@ -15,7 +16,6 @@ from hyperfab.loop.problem import Curve
 from hyperfab.loop.search import Search
 from hyperfab.materials.identification.design import Problem as IdentifiedProblem
 from hyperfab.materials.identification.fit import fit_law
-from hyperfab.materials.identification.rows import Curve as IdentifiedCurve
 from hyperfab.materials.identification.rows import Rows
 from hyperfab.materials.registry import law, laws
 
@@ -119,7 +119,7 @@ def test_the_loop_closes_on_every_law_though_its_constants_stem_from_other_stret
     setups = [truths.Setup(turns=(1.5, 1.0), rate=0.01, points=30), truths.Setup(mode="shear", turns=(1.4,))]
     tests = as_tests(truths.measure(truth, setups, random, 0.002))
     short = np.linspace(1.01, 1.1, 20)
-    curve = IdentifiedCurve("uniaxial", short, truth.elastic("uniaxial", short), np.ones(20))
+    curve = TestCurve("uniaxial", short, truth.elastic("uniaxial", short), np.ones(20))
     found = fit_law(IdentifiedProblem(law(name), Rows.of([curve])))
     assert found is not None
     given = [found.material.parameters[key] for key in law(name).names]

@@ -12,13 +12,12 @@ from loop.blind import case, problem_of
 from loop.generators import fabric as truths
 
 from hyperfab.chapters.close_loop.words import _at_bounds
+from hyperfab.curve import TestCurve
 from hyperfab.loop.engine import _no_worse, _pruned, close, is_no_worse
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
-from hyperfab.loop.fabric_tests import FabricTest
 from hyperfab.loop.fitting import fit
 from hyperfab.loop.noise import Noise, estimate_noise
 from hyperfab.loop.search import Candidate, Search
-from hyperfab.materials.effects.path import GENERAL, UNIAXIAL
 from hyperfab.materials.registry import law
 
 
@@ -31,7 +30,7 @@ def orthotropic(lx: np.ndarray, ly: np.ndarray, weft: float) -> tuple[np.ndarray
     return px, py
 
 
-def biaxial(weft: float, seed: int = 0, specimens: int = 2) -> list[FabricTest]:
+def biaxial(weft: float, seed: int = 0, specimens: int = 2) -> list[TestCurve]:
     """Tests of a sheet by three protocols: a strip along each axis, the other held, and both alike; both axes read."""
     rng, found = np.random.default_rng(seed), []
     pull = np.linspace(1.0, 1.2, 40)
@@ -44,27 +43,27 @@ def biaxial(weft: float, seed: int = 0, specimens: int = 2) -> list[FabricTest]:
             name = f"{protocol} {number}"
             for angle, one, other, stress in ((0.0, lx, ly, px), (90.0, ly, lx, py)):
                 found.append(
-                    FabricTest(
-                        f"{name} at {angle:g}",
-                        GENERAL,
+                    TestCurve(
+                        "biaxial-general",
                         one,
                         stress,
-                        transverse=other,
-                        angle_deg=angle,
+                        stretch2=other,
+                        direction=angle,
+                        source=f"{name} at {angle:g}",
                         specimen=name,
                     )
                 )
     return found
 
 
-def posed(tests: list[FabricTest], model: str = "yeoh-3") -> FabricProblem:
+def posed(tests: list[TestCurve], model: str = "yeoh-3") -> FabricProblem:
     return fabric_problem(law(model), {"yeoh-3": (0.1, 0.02, 0.01), "neo-hookean": (0.1,)}[model], tests)
 
 
 def pulled(
     stress: object, *, reach: float = 0.5, rows: int = 60, noise: float = 0.001, seed: int = 0, back: bool = False,
     **known: object,
-) -> FabricTest:  # fmt: skip
+) -> TestCurve:  # fmt: skip
     """One uniaxial pull (and the way back) of ``stress(stretch)``."""
     rng = np.random.default_rng(seed)
     lam = np.linspace(1.0, 1.0 + reach, rows)
@@ -73,7 +72,7 @@ def pulled(
     name = str(known.pop("name", f"pull {seed}"))
     degrees = known.pop("degrees", None)
     warm = None if degrees is None else np.full(len(lam), float(degrees))  # type: ignore[arg-type]
-    return FabricTest(name, UNIAXIAL, lam, p, temperature_degC=warm, specimen=name, **known)  # type: ignore[arg-type]
+    return TestCurve("uniaxial", lam, p, temperature_degC=warm, source=name, specimen=name, **known)  # type: ignore[arg-type]
 
 
 def rubber(lam: np.ndarray) -> np.ndarray:
@@ -179,7 +178,7 @@ def test_noise_that_is_a_guess_is_called_one() -> None:
 
 def test_tests_of_few_readings_each_can_be_noise() -> None:
     """Short tests, none long enough to be judged by itself."""
-    tests = [pulled(rubber, rows=7, seed=k, name=f"short {k}", angle_deg=90.0 * (k % 2)) for k in range(6)]
+    tests = [pulled(rubber, rows=7, seed=k, name=f"short {k}", direction=90.0 * (k % 2)) for k in range(6)]
     found = close(posed(tests, "yeoh-3"), noise=0.001, design=False)
     assert found.before.judgement.p_lack_of_fit > 0.01
     assert found.verdict == "noise"
@@ -188,7 +187,7 @@ def test_tests_of_few_readings_each_can_be_noise() -> None:
 def test_smooth_curves_are_not_surer_than_the_machine_unless_replicates_say_so() -> None:
     smooth = [
         pulled(rubber, noise=0.0, name="one"),
-        pulled(lambda x: 0.5 * rubber(x), noise=0.0, angle_deg=90.0, name="b"),
+        pulled(lambda x: 0.5 * rubber(x), noise=0.0, direction=90.0, name="b"),
     ]
     alone = posed(smooth)
     noise = estimate_noise(alone)
@@ -207,7 +206,7 @@ def test_steep_relaxation_in_a_hold_is_no_noise(sampled: int) -> None:
     time = np.concatenate([np.linspace(0.0, 5.0, 60), 5.0 + wait])
     fall = np.concatenate([np.ones(60), 0.6 + 0.2 * np.exp(-wait / 1.5) + 0.2 * np.exp(-wait / 20.0)])
     stress = rubber(lam) * fall + 1e-3 * rng.standard_normal(len(lam))
-    test = FabricTest("held", UNIAXIAL, lam, stress, time_s=time, specimen="held")
+    test = TestCurve("uniaxial", lam, stress, time_s=time, source="held", specimen="held")
     assert estimate_noise(posed([test])).sd[0] == pytest.approx(1e-3, rel=0.5)
 
 
@@ -218,7 +217,7 @@ def test_contraction_that_nature_forbids_is_not_added(ratio: float) -> None:
     for k in range(3):
         test = pulled(rubber, seed=k, name=f"{k}")
         across = test.stretch**-ratio + 1e-3 * rng.standard_normal(len(test.stretch))
-        tests.append(FabricTest(**{**vars(test), "transverse": across}))
+        tests.append(replace(test, stretch2=across))
     found = close(posed(tests), design=False)
     assert found.verdict == "unexplained"
     for form, values in found.after.fit.terms.values():
@@ -230,7 +229,7 @@ def test_no_direction_comes_out_without_stiffness_at_rest(model: str) -> None:
     """A toe that is flat at rest, one curve a direction: the best constants of many laws have a negative modulus."""
     tests = [
         pulled(
-            lambda lam, k=k: 0.5 * k * (lam - 1.0) ** 3.5, seed=k, angle_deg=90.0 * (k - 1), name=f"way {k}"
+            lambda lam, k=k: 0.5 * k * (lam - 1.0) ** 3.5, seed=k, direction=90.0 * (k - 1), name=f"way {k}"
         )
         for k in (1, 2)
     ]
@@ -251,7 +250,7 @@ def test_specimens_that_scatter_without_replicates_are_noise_and_said_to_be() ->
                 lambda lam, g=gain: g * rubber(lam),
                 seed=k,
                 noise=2e-4,
-                angle_deg=angle,
+                direction=angle,
                 degrees=degrees,
                 name=f"{k}",
             )
@@ -297,7 +296,7 @@ def test_softening_does_not_turn_round_beyond_the_data() -> None:
 @pytest.mark.parametrize(("effect", "seed"), [("anisotropy", 1), ("elastic-law", 0)])
 def test_a_constant_without_a_bound_stands_at_none(effect: str, seed: int) -> None:
     problem, _, _, _ = case(seed, (effect,), poor=False)
-    assert not _at_bounds(problem, close(problem, design=False))
+    assert not _at_bounds(close(problem, design=False))
 
 
 def test_a_constant_at_its_bound_is_said_to_be() -> None:
@@ -309,7 +308,7 @@ def test_a_constant_at_its_bound_is_said_to_be() -> None:
     again = fit(
         problem, noise, {"thermal-softening": tight}, [*found.before.fit.x, *(1e-5 for _ in form.constants)]
     )
-    [told] = _at_bounds(problem, replace(found, after=Candidate(problem, noise, again)))
+    [told] = _at_bounds(replace(found, after=Candidate(problem, noise, again)))
     assert told.startswith(f"{form.constants[0].name} of thermal-softening is at its bound 0.0001")
 
 

@@ -18,10 +18,10 @@ from scipy.stats import chi2, norm
 
 from hyperfab.chapters.close_loop import readings
 from hyperfab.chapters.close_loop.domain import Given
+from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
 from hyperfab.loop import confounding, engine, fabric_tests, heldout, judge, noise, scatter, thresholds
 from hyperfab.loop.design import NextMeasurement
-from hyperfab.loop.fabric_tests import FabricTest
 from hyperfab.loop.heldout import HeldOut, Help, help_of
 from hyperfab.loop.judge import Judgement
 from hyperfab.loop.noise import Noise, estimate_noise
@@ -63,7 +63,7 @@ def read(rows: int) -> bool:
 def sd_of(rows: int) -> float:
     """The noise of two smooth curves, in shares of their peaks."""
     tests = [
-        pulled(lambda l, k=k: k * rubber(l), rows=rows, noise=0.0, angle_deg=90.0 * (k - 1), name=f"{k}")
+        pulled(lambda l, k=k: k * rubber(l), rows=rows, noise=0.0, direction=90.0 * (k - 1), name=f"{k}")
         for k in (1, 2)
     ]
     problem = posed(tests, "neo-hookean")
@@ -110,7 +110,9 @@ def pair(gain: float, offset: float = 0.0) -> tuple[Any, Noise, float]:
     stress, sd = rubber(lam), 0.02
     one_sd = sd / float(np.sqrt(np.sum(stress**2)))
     tests = [
-        FabricTest(f"{k}", 0, lam, stress * (1.0 + sign * 0.5 * gain * one_sd), specimen=f"{k}")
+        TestCurve(
+            "uniaxial", lam, stress * (1.0 + sign * 0.5 * gain * one_sd), source=f"{k}", specimen=f"{k}"
+        )
         for k, sign in enumerate((-1.0, 1.0))
     ]
     problem = posed(tests)
@@ -134,7 +136,7 @@ def scatter_tried() -> float:
     """The likeliest scatter, over what replicates say it may be, of sheets that differ threefold between directions."""
     tests = [
         pulled(
-            lambda l, k=k: k * rubber(l), rows=30, noise=1e-3, seed=10 * k + n, angle_deg=a, name=f"{a} {n}"
+            lambda l, k=k: k * rubber(l), rows=30, noise=1e-3, seed=10 * k + n, direction=a, name=f"{a} {n}"
         )
         for k, a in ((1, 0.0), (3, 90.0))
         for n in range(2)
@@ -154,7 +156,7 @@ def cloth(share: float) -> str:
             rows=40,
             seed=k,
             noise=1e-3,
-            angle_deg=a,
+            direction=a,
             degrees=20 + k,
             name=f"{k}",
         )

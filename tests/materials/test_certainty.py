@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from hyperfab.curve import TestCurve
 from hyperfab.materials import laws
-from hyperfab.materials.identification import Curve, Problem, Rows, fit_law
+from hyperfab.materials.identification import Problem, Rows, fit_law
 from hyperfab.materials.identification.quality import _by_parameter, certainty, figures
 from hyperfab.materials.identification.stable import stable_constants
 from hyperfab.materials.stability import stable_over, stable_ranges
@@ -20,7 +21,9 @@ WEIGHT = 1.0 / STRESS
 
 @pytest.fixture(scope="module")
 def fitted():
-    found = fit_law(Problem(laws()["mooney-rivlin-2"], Rows.of([Curve("uniaxial", STRETCH, STRESS, WEIGHT)])))
+    found = fit_law(
+        Problem(laws()["mooney-rivlin-2"], Rows.of([TestCurve("uniaxial", STRETCH, STRESS, WEIGHT)]))
+    )
     assert found is not None
     return found
 
@@ -59,7 +62,7 @@ def test_a_reading_that_decides_its_own_prediction_is_not_judged() -> None:
     stretch = np.array([1.01, 1.011, 1.012, 1.013, 6.0])
     design = 2.0 * (stretch - stretch**-2)[:, None] * np.stack([np.ones(5), 1.0 / stretch], axis=1)
     stress = design @ [0.2, 0.05] * (1.0 + 0.01 * np.array([1.0, -1.0, 1.0, -1.0, 5.0]))
-    curve = Curve("uniaxial", stretch, stress, np.ones(5))
+    curve = TestCurve("uniaxial", stretch, stress, np.ones(5))
     found = fit_law(Problem(laws()["mooney-rivlin-2"], Rows.of([curve])))
     assert found is not None
     told = certainty(found)
@@ -83,8 +86,8 @@ def test_figures_of_a_test_are_those_of_their_definitions() -> None:
 
 def test_stable_constants_of_two_groups_are_those_of_each_alone() -> None:
     """A law linear in its constants: nothing ties the groups, the bound on one does not move the other."""
-    rising = Curve("uniaxial", STRETCH, DESIGN @ [0.2, 0.05], np.ones(12))
-    falling = Curve("uniaxial", STRETCH, 0.1 * np.sin(3.0 * (STRETCH - 1.0)), np.ones(12))
+    rising = TestCurve("uniaxial", STRETCH, DESIGN @ [0.2, 0.05], np.ones(12))
+    falling = TestCurve("uniaxial", STRETCH, 0.1 * np.sin(3.0 * (STRETCH - 1.0)), np.ones(12))
     law, reach = laws()["mooney-rivlin-2"], {"uniaxial": (1.0, 2.0), "biaxial": (1.0, 1.5)}
 
     def solved(curves, groups):
@@ -107,7 +110,7 @@ def test_stable_constants_of_two_groups_are_those_of_each_alone() -> None:
 def test_constants_as_published_move_with_those_of_the_fit(fitted) -> None:
     """Mooney's constants are the ones that are fitted; of a law of two groups each moves with its own alone."""
     assert _by_parameter(fitted, 0) == pytest.approx(np.eye(2), abs=1e-7)
-    curve = Curve("uniaxial", STRETCH, STRESS, WEIGHT)
+    curve = TestCurve("uniaxial", STRETCH, STRESS, WEIGHT)
     two = fit_law(Problem(laws()["mooney-rivlin-2"], Rows.of([curve, curve], [0, 1])))
     assert two is not None
     assert _by_parameter(two, 1) == pytest.approx(np.hstack([np.zeros((2, 2)), np.eye(2)]), abs=1e-7)

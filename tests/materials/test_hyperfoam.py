@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from hyperfab.materials.hyperfoam import TESTS, FoamTest, Hyperfoam, Rows, identify
+from hyperfab.curve import TestCurve
+from hyperfab.materials.hyperfoam import TESTS, Hyperfoam, Rows, identify
 from hyperfab.pressing import foam_law
 
 MIXED = Hyperfoam((0.1, 0.05, -0.01), (8.0, -2.0, 3.0), (0.1, 0.3, 0.2))
@@ -103,14 +104,16 @@ def test_stable_is_where_every_small_change_needs_work() -> None:
     assert law.stable(e).tolist() == [one > 0.0 for one in work] == [True, False, True]
 
 
-def readings_of(law: Hyperfoam) -> list[FoamTest]:
+def readings_of(law: Hyperfoam) -> list[TestCurve]:
     found = []
     for test in ("uniaxial", "confined-compression", "simple-shear", "biaxial"):
         stretch = np.linspace(-0.3, 0.3, 40) if test == "simple-shear" else np.linspace(0.4, 1.4, 40)
         stress = law.stress(test, stretch)
         weight = np.full(40, 1.0 / np.abs(stress).max())
         lateral = law.lateral(test, stretch) if test == "uniaxial" else None
-        found.append(FoamTest(test, stretch, stress, weight, lateral=lateral, lateral_weight=1.0))
+        found.append(
+            TestCurve(test, stretch, stress, weight, stretch2=lateral, weight2=np.ones_like(stretch))
+        )
     return found
 
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
 from hyperfab.materials import bind
 from hyperfab.materials.orthotropic import ABSENT, LINEAR, NAMES, Orthotropic
-from hyperfab.materials.orthotropic.identify import SheetTest, identify, sought_by
+from hyperfab.materials.orthotropic.identify import identify, sought_by
 from hyperfab.materials.orthotropic.specimen import held, stable_range, strip
 
 KNIT = {
@@ -18,16 +19,16 @@ KNIT = {
 LAM = np.linspace(1.03, 1.6, 12)
 
 
-def _pulls(law: Orthotropic, angle: float, width: bool = False) -> SheetTest:
+def _pulls(law: Orthotropic, angle: float, width: bool = False) -> TestCurve:
     found = strip(law, angle, LAM)
     lateral = (found.width, None, np.full(len(LAM), 5.0)) if width else (None, None, None)
-    return SheetTest("uniaxial", angle, LAM, found.stress, 1.0 / found.stress, *lateral)
+    return TestCurve("uniaxial", LAM, found.stress, 1.0 / found.stress, *lateral, direction=angle)
 
 
-def _held(law: Orthotropic, mode: str, across: np.ndarray) -> SheetTest:
+def _held(law: Orthotropic, mode: str, across: np.ndarray) -> TestCurve:
     one, two, _ = held(law, 0.0, LAM, across)
     both = (across, two, 1.0 / two) if mode == "biaxial" else (None, None, None)
-    return SheetTest(mode, 0.0, LAM, one, 1.0 / one, *both)
+    return TestCurve(mode, LAM, one, 1.0 / one, *both, direction=0.0)
 
 
 def test_without_threads_it_is_the_isotropic_law():
@@ -155,11 +156,12 @@ SHEETS = {
 }
 
 
-def _softening(angle: float, sheet: str = "shear") -> SheetTest:
+def _softening(angle: float, sheet: str = "shear") -> TestCurve:
     """A strip that softens as it is pulled, which no term of the law does: what is missed must not turn the threads."""
     stretch = np.linspace(1.001, 1.04, 20)
     stress = strip(Orthotropic.of(SHEETS[sheet]), angle, stretch).stress * (1.0 - 2.0 * (stretch - 1.0))
-    return SheetTest("uniaxial", angle, stretch, stress, 1.0 / np.maximum(stress, 0.1 * stress.max()))
+    weight = 1.0 / np.maximum(stress, 0.1 * stress.max())
+    return TestCurve("uniaxial", stretch, stress, weight, direction=angle)
 
 
 @pytest.mark.parametrize("sheet", list(SHEETS))
@@ -177,13 +179,13 @@ def test_a_second_slanted_test_leaves_the_other_angles_where_they_are(slanted, s
 def test_a_laminate_cut_at_two_slanted_angles_tells_the_others(data_dir, slanted):
     """Stiffness at 3 % of a coated nylon: within 18 % at every angle; three angles between, within 15 %."""
 
-    def read(angle: int) -> SheetTest:
+    def read(angle: int) -> TestCurve:
         lines = (data_dir / "nylon-laminate" / f"uniaxial-{angle}.csv").read_text().splitlines()
         rows = np.array([[float(v) for v in line.split(",")] for line in lines if line[0].isdigit()])
         rows = rows[rows[:, 0] > 0.0]
         stress = rows[:, 1] / 75.0
-        return SheetTest("uniaxial", float(angle), 1.0 + rows[:, 0] / 97.0, stress,
-                         1.0 / np.maximum(stress, 0.1 * stress.max()))  # fmt: skip
+        return TestCurve("uniaxial", 1.0 + rows[:, 0] / 97.0, stress,
+                         1.0 / np.maximum(stress, 0.1 * stress.max()), direction=float(angle))  # fmt: skip
 
     found = identify([read(angle) for angle in (0, *slanted, 90)])
     for angle in {15, 30, 60, 75} - set(slanted):

@@ -12,7 +12,7 @@ from scipy.stats import t as student
 
 from hyperfab.chapters.fit.identify import Identified, Setting, identify
 from hyperfab.chapters.fit.orthotropic import fit_sheet
-from hyperfab.chapters.fit.reading import Reading
+from hyperfab.curve import TestCurve
 from hyperfab.documents.material import FitUncertainty
 from hyperfab.materials.orthotropic import Orthotropic
 from hyperfab.materials.orthotropic.specimen import strip
@@ -22,10 +22,10 @@ from trials.coverage import trial
 GAINS = np.array([0.97, 1.01, 1.04, 0.995])
 
 
-def neo_hookean(gains: np.ndarray, rows: int = 20, temperature: float | None = None) -> list[Reading]:
+def neo_hookean(gains: np.ndarray, rows: int = 20, temperature: float | None = None) -> list[TestCurve]:
     lam = np.linspace(1.05, 1.8, rows)
     return [
-        Reading(
+        TestCurve(
             mode="uniaxial", source="a.csv", specimen=f"{number} {temperature}", stretch=lam,
             stress=0.2 * gain * (lam - lam**-2), temperature=temperature,
         )
@@ -33,7 +33,7 @@ def neo_hookean(gains: np.ndarray, rows: int = 20, temperature: float | None = N
     ]  # fmt: skip
 
 
-def fitted(curves: list[Reading], relative: bool = False) -> Identified:
+def fitted(curves: list[TestCurve], relative: bool = False) -> Identified:
     found = identify(law("neo-hookean"), curves, Setting(("uniaxial",), relative, False, 1.0))
     assert isinstance(found, Identified)
     return found
@@ -63,17 +63,17 @@ SHEET = {"C10_MPa": 0.05, "C20_MPa": 0.02, "C30_MPa": 0.01, "k1_warp_MPa": 0.08,
          "k2_weft": 0.5}  # fmt: skip
 
 
-def sheet(warp: np.ndarray, weft: np.ndarray, temperature: float | None = None) -> list[Reading]:
+def sheet(warp: np.ndarray, weft: np.ndarray, temperature: float | None = None) -> list[TestCurve]:
     own, lam = Orthotropic.of(SHEET), np.linspace(1.05, 1.6, 25)
     return [
-        Reading(mode="uniaxial", source="a.csv", specimen=f"{way} {number} {temperature}", direction=way,
+        TestCurve(mode="uniaxial", source="a.csv", specimen=f"{way} {number} {temperature}", direction=angle,
                 temperature=temperature, stretch=lam, stress=gain * strip(own, angle, lam).stress)
         for way, angle, gains in (("warp", 0.0, warp), ("weft", 90.0, weft))
         for number, gain in enumerate(gains)
     ]  # fmt: skip
 
 
-def sure_of_sheet(curves: list[Reading], setting: Setting) -> FitUncertainty | None:
+def sure_of_sheet(curves: list[TestCurve], setting: Setting) -> FitUncertainty | None:
     fit = fit_sheet(curves, setting).direction("warp").fit
     return None if fit is None else fit.uncertainty
 
@@ -123,7 +123,9 @@ def test_what_the_law_misses_in_all_specimens_is_no_scatter() -> None:
     """The same wrong law on the same curve three times: nothing scatters."""
     lam = np.linspace(1.05, 1.8, 20)
     same = [
-        Reading(mode="uniaxial", source="a.csv", specimen=str(k), stretch=lam, stress=0.1 * (lam - 1.0) ** 2)
+        TestCurve(
+            mode="uniaxial", source="a.csv", specimen=str(k), stretch=lam, stress=0.1 * (lam - 1.0) ** 2
+        )
         for k in range(3)
     ]
     scatter = fitted(same).certainty.scatter

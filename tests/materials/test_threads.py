@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from hyperfab.curve import TestCurve
 from hyperfab.loop.fabric import fabric_problem
-from hyperfab.loop.fabric_tests import FabricTest
-from hyperfab.materials.effects.path import BIAXIAL, GENERAL, UNIAXIAL
+from hyperfab.materials.effects.path import BIAXIAL, GENERAL, MODE_NAMES, UNIAXIAL
 from hyperfab.materials.effects.threads import Threads
 from hyperfab.materials.orthotropic import Orthotropic
 from hyperfab.materials.orthotropic.specimen import strip
@@ -24,15 +24,22 @@ CONSTANTS = {
 }
 
 
-def cut(angles: list[float], mode: int = UNIAXIAL, reach: float = 0.3, rows: int = 30) -> list[FabricTest]:
+def cut(angles: list[float], mode: int = UNIAXIAL, reach: float = 0.3, rows: int = 30) -> list[TestCurve]:
     lam = np.linspace(1.0, 1.0 + reach, rows)
     return [
-        FabricTest(f"{a:g}", mode, lam, lam, transverse=lam if mode == GENERAL else None, angle_deg=a)
+        TestCurve(
+            MODE_NAMES[mode],
+            lam,
+            lam,
+            stretch2=lam if mode == GENERAL else None,
+            direction=a,
+            source=f"{a:g}",
+        )
         for a in angles
     ]
 
 
-def posed(tests: list[FabricTest], model: str = "neo-hookean", constants: tuple[float, ...] = (GROUND,)):
+def posed(tests: list[TestCurve], model: str = "neo-hookean", constants: tuple[float, ...] = (GROUND,)):
     return fabric_problem(law(model), constants, tests)
 
 

@@ -11,18 +11,18 @@ from hyperfab.arrays import Array
 from hyperfab.chapters.close_loop.softening import soften
 from hyperfab.chapters.fabric import ORTHOTROPIC
 from hyperfab.chapters.tested import tested_by
+from hyperfab.curve import TestCurve
 from hyperfab.documents.material import Direction, MaterialDocument
 from hyperfab.errors import InputError
 from hyperfab.loop.fabric import FabricProblem
-from hyperfab.loop.fabric_tests import FabricTest
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.problem import Constant, Form
 from hyperfab.materials.effects import anisotropy, elastic_law
 from hyperfab.materials.effects.fabric import Fabric
-from hyperfab.materials.effects.path import MODE_NAMES, uniaxial_pull
+from hyperfab.materials.effects.path import uniaxial_pull
 from hyperfab.materials.identification.design import Problem as LawProblem
 from hyperfab.materials.identification.fit import fit_law
-from hyperfab.materials.identification.rows import Curve, Rows
+from hyperfab.materials.identification.rows import Rows
 from hyperfab.materials.law import Law
 
 #: Effects that have no prediction where the tests state no times.
@@ -143,9 +143,9 @@ def extend(document: MaterialDocument, problem: FabricProblem, fit: Fit, law: La
     return result
 
 
-def _curves(tests: Sequence[FabricTest]) -> list[tuple[str, Array, Array | None]]:
+def _curves(tests: Sequence[TestCurve]) -> list[tuple[str, Array, Array | None]]:
     """Return what ``tested_by`` takes; of a general biaxial test each axis is a curve."""
-    return [(MODE_NAMES[test.mode], test.stretch, test.temperature_degC) for test in tests]
+    return [(test.mode, test.stretch, test.temperature_degC) for test in tests]
 
 
 def _refitted(
@@ -174,7 +174,7 @@ def _along_and_across(
         both = Fabric(law, pull).stress(
             np.array([ground[name] for name in law.names]), None, {"anisotropy": (form, values)}
         )
-        curve = Curve("uniaxial", reach, both, np.full_like(reach, 1.0 / float(np.max(np.abs(both)))))
+        curve = TestCurve("uniaxial", reach, both, np.full_like(reach, 1.0 / float(np.max(np.abs(both)))))
         near = fit_law(LawProblem(law, Rows.of([curve])))
         found.append(dict(ground) if near is None else {k: near.material.parameters[k] for k in law.names})
     return found[0], found[1]

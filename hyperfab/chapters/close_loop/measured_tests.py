@@ -12,19 +12,18 @@ from typing import Any
 
 import numpy as np
 
-from hyperfab.arrays import Array
 from hyperfab.cases.fit import FitCase
 from hyperfab.cases.like import asked
 from hyperfab.chapters.close_loop.domain import How
 from hyperfab.chapters.fit.prepare import Steps, prepare, settled
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.look import remarks, understood, unused_columns
+from hyperfab.curve import TestCurve
 from hyperfab.documents.provenance import Provenance
 from hyperfab.errors import InputError
 from hyperfab.io.csv_tests import TestData, read_tests
 from hyperfab.io.layout import PLAIN, Layout
-from hyperfab.loop.fabric_tests import FabricTest
-from hyperfab.materials.effects.path import BIAXIAL, GENERAL, SHEAR, UNIAXIAL, moving
+from hyperfab.materials.effects.path import MODE_NAMES, moving
 from hyperfab.numerics.hygiene import look
 
 #: Readings that no specimen gave, by the kind of what is odd, and how they are counted.
@@ -43,14 +42,12 @@ _KNOWN = {
     "preload", "sample", "title", "name", "license", "doi", "year",
 }  # fmt: skip
 
-_MODES = {"uniaxial": UNIAXIAL, "shear": SHEAR, "biaxial": BIAXIAL, "biaxial-general": GENERAL}
-
 
 @dataclass
 class Measured:
     """The curves, the unit their stresses are reported in, and what is to be said about them."""
 
-    tests: list[FabricTest]
+    tests: list[TestCurve]
     unit: str
     left_out: Counter[str] = field(default_factory=Counter)
     warnings: list[str] = field(default_factory=list)
@@ -113,8 +110,8 @@ def read_measured(
             f"no law knows {', '.join(sorted(told))}: taken as states that what is left may ride on"
         )
     for test in every:
-        if test.test not in _MODES:
-            kind = test.test.replace("-", " ")
+        if test.mode not in MODE_NAMES:
+            kind = test.mode.replace("-", " ")
             found.left_out[f"{test.source}: {kind} test, the sheet's law has no say in it"] += len(
                 test.stretch
             )
@@ -142,11 +139,11 @@ def _sound(tests: Sequence[TestData], found: Measured) -> list[TestData]:
             continue
         seen.add(print_of)
         sound = np.ones(len(test.stretch), dtype=bool)
-        across = test.stretch2 if test.test == "biaxial-general" else None
+        across = test.stretch2 if test.mode == "biaxial-general" else None
         for doubt in look(
             test.stretch, test.stress, stretch2=across, time=test.time_s, branch=test.branch, cycle=test.cycle
         ):
-            if doubt.kind not in _UNSOUND or test.test == "volumetric":
+            if doubt.kind not in _UNSOUND or test.mode == "volumetric":
                 continue
             rows = np.array(doubt.rows)
             gone = np.zeros(len(sound), dtype=bool)
@@ -157,10 +154,7 @@ def _sound(tests: Sequence[TestData], found: Measured) -> list[TestData]:
         if sound.all():
             kept.append(test)
         elif np.count_nonzero(sound) > 1:
-            columns: dict[str, Any] = {
-                key: value[sound] for key, value in vars(test).items() if isinstance(value, np.ndarray)
-            }
-            kept.append(replace(test, **columns))
+            kept.append(test.take(sound))
     if found.left_out:
         parts = "; ".join(f"{count} rows of {what}" for what, count in found.left_out.items())
         found.warnings.append(f"left out: {parts}")
@@ -191,9 +185,9 @@ def given_as(data: Mapping[str, Any], name: str, fitted: Provenance | None) -> d
     return found
 
 
-def _curves(test: TestData, factor: float, steps: Steps, measured: Measured) -> list[FabricTest]:
+def _curves(test: TestData, factor: float, steps: Steps, measured: Measured) -> list[TestCurve]:
     """Split a test where a new run begins, and a general biaxial one into its two axes."""
-    found: list[FabricTest] = []
+    found: list[TestCurve] = []
     parts = [(number, test.take(rows)) for number, rows in enumerate(_runs(test))]
     if steps != Steps():
         prepared: list[tuple[int, TestData]] = []
@@ -207,50 +201,35 @@ def _curves(test: TestData, factor: float, steps: Steps, measured: Measured) -> 
         parts = prepared
     for number, run in parts:
         curve = _curve(run, factor, number)
-        if test.test == "biaxial-general" and not np.isfinite(curve.angle_deg):
+        if test.mode == "biaxial-general" and curve.direction is None:
             # Its two axes are across each other whether or not the file says which is the warp.
-            curve = replace(curve, angle_deg=0.0)
+            curve = replace(curve, direction=0.0)
         found.append(curve)
-        if run.test == "biaxial-general" and run.stress2 is not None and run.stretch2 is not None:
-            angle = curve.angle_deg + 90.0
+        if run.mode == "biaxial-general" and run.stress2 is not None and run.stretch2 is not None:
             found.append(
-                FabricTest(
-                    **{
-                        **vars(curve),
-                        "name": f"{curve.name}, second axis",
-                        "stretch": run.stretch2,
-                        "transverse": run.stretch,
-                        "stress": factor * run.stress2,
-                        "angle_deg": angle % 180.0,
-                    }
+                replace(
+                    curve,
+                    source=f"{curve.source}, second axis",
+                    stretch=run.stretch2,
+                    stretch2=run.stretch,
+                    stress=factor * run.stress2,
+                    direction=(curve.angle_deg + 90.0) % 180.0,
                 )
             )
     return found
 
 
-def _curve(test: TestData, factor: float, number: int) -> FabricTest:
-    def pick(column: Array | None) -> Array | None:
-        return None if column is None else np.asarray(column, dtype=np.float64)
-
+def _curve(test: TestData, factor: float, number: int) -> TestCurve:
     words = [test.source]
     words += [text for text in (test.direction_name, test.specimen and f"specimen {test.specimen}") if text]
     if number:
         words.append(f"run {number + 1}")
-    sd = pick(test.stress_sd)
-    return FabricTest(
-        name=", ".join(words),
-        mode=_MODES[test.test],
-        stretch=test.stretch,
+    return replace(
+        test,
+        source=", ".join(words),
         stress=factor * test.stress,
-        transverse=pick(test.stretch2),
-        time_s=pick(test.time_s),
-        rate_1_s=pick(test.rate_1_s),
-        temperature_degC=pick(test.temperature_degC),
-        angle_deg=np.nan if test.direction is None else test.direction,
-        branch=pick(test.branch),  # type: ignore[arg-type]
-        cycle=pick(test.cycle),  # type: ignore[arg-type]
         specimen=f"{test.source} {test.specimen or number} {test.direction_name}",
-        stress_sd=None if sd is None else factor * sd,
+        stress_sd=None if test.stress_sd is None else factor * test.stress_sd,
         others=_others(test),
     )
 
@@ -268,7 +247,7 @@ def _runs(test: TestData) -> list[slice]:
         if test.branch is None and test.cycle is None:
             # A file of several pulls one after another: back to the start in one row.
             stretch = test.stretch
-            if test.test == "biaxial-general" and test.stretch2 is not None:
+            if test.mode == "biaxial-general" and test.stretch2 is not None:
                 stretch = moving(stretch, test.stretch2)
             cut[1:] |= np.diff(stretch) < -0.5 * float(np.ptp(stretch))
     if test.cycle is not None and test.time_s is None:

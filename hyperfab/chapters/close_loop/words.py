@@ -75,7 +75,7 @@ def doubts(problem: Problem, found: Finding, document: LoopDocument) -> list[str
             f"not added: {', '.join(found.worse)}; with it these data, or tests left out, are missed by more"
         )
     told += [text for text in (caution(found),) if text]
-    told += [f"{one}: the data ask for more than it may be" for one in _at_bounds(problem, found)]
+    told += [f"{one}: the data ask for more than it may be" for one in _at_bounds(found)]
     told += [
         f"{what} is held at what nature allows: these data ask for more than that"
         for what in _walls(problem, found)
@@ -184,7 +184,7 @@ def _where(problem: Problem, found: Finding) -> str:
     return f"Most of it ({share:.0%}) is in {worst.name}, there most in row {at + 1} of {len(places)}."
 
 
-def _at_bounds(problem: Problem, found: Finding) -> list[str]:
+def _at_bounds(found: Finding) -> list[str]:
     """Return the constants of added effects that stand at a bound which is not their null."""
     told, fit = [], found.after.fit
     for name, form in fit.forms.items():

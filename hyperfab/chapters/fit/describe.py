@@ -223,7 +223,7 @@ def table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return "\n".join(lines)
 
 
-def parameters_line(found: Identified, setting: Setting) -> str:
+def parameters_line(found: Identified) -> str:
     """Return the constants in one line, with their standard deviations where known."""
     parts = []
     for name, value, sd in zip(

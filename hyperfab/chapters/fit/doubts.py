@@ -10,7 +10,7 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.chapters.fit.identify import Identified, Setting
 from hyperfab.chapters.fit.judge import Judged, Sets
-from hyperfab.chapters.fit.reading import Reading
+from hyperfab.curve import TestCurve
 from hyperfab.documents.material import Replicates
 from hyperfab.numerics.hygiene import first_loading, scatter
 
@@ -72,7 +72,7 @@ def _wild(part: Identified, setting: Setting, where: str) -> list[str]:
     ]
 
 
-def rows_of(part: Identified, sets: Sets, name: str | None) -> Sequence[Reading]:
+def rows_of(part: Identified, sets: Sets, name: str | None) -> Sequence[TestCurve]:
     """Return the curves that were fitted for a direction: all of them where the law has directions of its own."""
     return sets[name] if part.law.isotropic else sets[None]
 
@@ -81,13 +81,13 @@ def rows_of(part: Identified, sets: Sets, name: str | None) -> Sequence[Reading]
 class Outlier:
     """A reading that does not belong to the others: its residual is this many of its own standard deviations."""
 
-    curve: Reading
+    curve: TestCurve
     row: int
     studentised: float
     leverage: float
 
 
-def outliers(part: Identified, curves: Sequence[Reading], setting: Setting) -> list[Outlier]:
+def outliers(part: Identified, curves: Sequence[TestCurve], setting: Setting) -> list[Outlier]:
     """Return the readings far from where all others say they should be, farthest first.
 
     A residual is judged with its reading left out: in a relative fit a reading far too low pulls the constants to
@@ -113,7 +113,7 @@ def outliers(part: Identified, curves: Sequence[Reading], setting: Setting) -> l
     return sorted(found, key=lambda one: -abs(one.studentised))
 
 
-def _single_readings(part: Identified, curves: Sequence[Reading], setting: Setting) -> list[str]:
+def _single_readings(part: Identified, curves: Sequence[TestCurve], setting: Setting) -> list[str]:
     found = []
     for one in outliers(part, curves, setting)[:SHOWN]:
         curve = one.curve
@@ -126,11 +126,11 @@ def _single_readings(part: Identified, curves: Sequence[Reading], setting: Setti
     return found
 
 
-def replicates(curves: Sequence[Reading]) -> list[Replicates]:
+def replicates(curves: Sequence[TestCurve]) -> list[Replicates]:
     """Return how far specimens of one kind differ, over the stretches they share."""
-    kinds: dict[tuple[str, str | None, float | None], list[Reading]] = {}
+    kinds: dict[tuple[str, str | None, float | None], list[TestCurve]] = {}
     for curve in curves:
-        kinds.setdefault((curve.mode, curve.direction, curve.temperature), []).append(curve)
+        kinds.setdefault((curve.mode, curve.direction_name, curve.temperature), []).append(curve)
     found = []
     for (mode, direction, temperature), group in kinds.items():
         branches = [_loading(curve) for curve in group]
@@ -153,7 +153,7 @@ def replicates(curves: Sequence[Reading]) -> list[Replicates]:
     return found
 
 
-def _loading(curve: Reading) -> tuple[Array, Array]:
+def _loading(curve: TestCurve) -> tuple[Array, Array]:
     """Return the readings of the first loading, in the order of stretch."""
     rows = np.flatnonzero(first_loading(curve.stretch, curve.branch, curve.cycle))
     rows = rows[np.argsort(curve.stretch[rows], kind="stable")]

@@ -10,11 +10,11 @@ import numpy as np
 
 from hyperfab.chapters.fit.describe import document_of
 from hyperfab.chapters.fit.identify import Setting, reference_of, temperatures_of
-from hyperfab.chapters.fit.reading import Reading
 from hyperfab.chapters.fit.readings import Readings
 from hyperfab.chapters.fit.siblings import curves_csv, grid_of, line
 from hyperfab.chapters.fit.whole import Answer, WholeFit
 from hyperfab.chapters.tested import tested_by
+from hyperfab.curve import TestCurve
 from hyperfab.documents.material import (
     FitFigures,
     MaterialDocument,
@@ -23,7 +23,7 @@ from hyperfab.documents.material import (
     Undetermined,
 )
 from hyperfab.errors import InputError
-from hyperfab.materials.hyperfoam import FoamTest, Hyperfoam, Rows, identify
+from hyperfab.materials.hyperfoam import Hyperfoam, Rows, identify
 from hyperfab.report.figures_fit import fit_figure
 
 #: A Poisson's ratio this near to what bounds it was not found by the tests.
@@ -35,7 +35,7 @@ _SCAN, _BEYOND = 200, 1.5
 class FoamFit(WholeFit[Hyperfoam]):
     """The energy of a foam; pulling and pressing are told apart."""
 
-    def predict(self, curve: Reading) -> Answer:
+    def predict(self, curve: TestCurve) -> Answer:
         """Return the stress [MPa] at each row, and the lateral stretch of a uniaxial test."""
         law = self.law_at(curve.temperature)
         across = law.lateral(curve.mode, curve.stretch) if curve.mode == "uniaxial" else None
@@ -123,7 +123,7 @@ class FoamFit(WholeFit[Hyperfoam]):
             warnings=readings.warnings or None,
         )
 
-    def ranges(self, document: MaterialDocument) -> Iterator[tuple[Reading, tuple[float, float] | None]]:
+    def ranges(self, document: MaterialDocument) -> Iterator[tuple[TestCurve, tuple[float, float] | None]]:
         """Return the curves fitted, each with the range of its own kind of test; a shear strain is no stretch."""
         for curve in self.used(self.curves):
             if curve.mode not in ("simple-shear", "volumetric"):
@@ -158,7 +158,7 @@ def fit_foam(readings: Readings, setting: Setting, terms: int) -> FoamFit:
     Raises InputError where there are fewer rows than constants, or it is not stable though that is asked for.
     """
     volumetric = [
-        Reading("volumetric", t.source, t.stretch, np.sign(t.stretch - 1.0) * np.abs(t.stress))
+        TestCurve("volumetric", t.stretch, np.sign(t.stretch - 1.0) * np.abs(t.stress), source=t.source)
         for t in readings.volumetric
     ]
     curves = [*readings.curves, *volumetric]
@@ -191,13 +191,13 @@ def fit_foam(readings: Readings, setting: Setting, terms: int) -> FoamFit:
     return fit
 
 
-def _side(curves: Sequence[Reading], side: str) -> list[Reading]:
+def _side(curves: Sequence[TestCurve], side: str) -> list[TestCurve]:
     """Return the rows of uniaxial tests in ``compression`` or in ``tension``."""
     parts = [c.take(c.stretch < 1.0 if side == "compression" else c.stretch > 1.0) for c in curves]
     return [part for part in parts if len(part.stretch)]
 
 
-def _tests(curves: Sequence[Reading], temperature: float | None) -> list[FoamTest]:
+def _tests(curves: Sequence[TestCurve], temperature: float | None) -> list[TestCurve]:
     """Return the tests at a temperature.
 
     Errors count by their share of the test's largest stress, compression and tension each by its own: a foam's first
@@ -217,27 +217,16 @@ def _tests(curves: Sequence[Reading], temperature: float | None) -> list[FoamTes
         alike = [other for other in split if _kind(other) == _kind(curve)]
         share = 1.0 / np.sqrt(sum(len(other.stretch) for other in alike))
         weight = np.full(len(curve.stretch), 1.0 / max(float(np.abs(other.stress).max()) for other in alike))
-        lateral = curve.stretch2 if curve.mode == "uniaxial" else None
-        widest = 0.0 if lateral is None else float(np.abs(lateral - 1.0).max())
-        found.append(
-            FoamTest(
-                curve.mode,
-                curve.stretch,
-                curve.stress,
-                weight * share,
-                stretch2=curve.stretch2 if curve.mode == "biaxial-general" else None,
-                lateral=lateral,
-                lateral_weight=float(share) / max(widest, 1e-3),
-            )
-        )
+        widest = 0.0 if curve.contraction is None else float(np.abs(curve.contraction - 1.0).max())
+        weight2 = np.full(len(weight), float(share) / max(widest, 1e-3))
+        weighed = replace(curve, weight=weight * share, weight2=weight2)
+        found.append(weighed)
         if curve.mode == "biaxial-general" and curve.stretch2 is not None and curve.stress2 is not None:
-            turned = replace(curve, stretch=curve.stretch2, stretch2=curve.stretch, stress=curve.stress2)
-            other = FoamTest(
-                curve.mode, turned.stretch, turned.stress, weight * share, stretch2=turned.stretch2
+            found.append(
+                replace(weighed, stretch=curve.stretch2, stretch2=curve.stretch, stress=curve.stress2)
             )
-            found.append(other)
     return found
 
 
-def _kind(curve: Reading) -> tuple[str, bool]:
+def _kind(curve: TestCurve) -> tuple[str, bool]:
     return curve.mode, bool(curve.stretch[0] < 1.0)

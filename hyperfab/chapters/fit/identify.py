@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.chapters.fit.reading import Reading
 from hyperfab.chapters.tested import tested_by
+from hyperfab.curve import TestCurve
 from hyperfab.documents.material import Tested
 from hyperfab.materials import Material
-from hyperfab.materials.identification import Curve, Fit, Problem, Rows, fit_law
+from hyperfab.materials.identification import Fit, Problem, Rows, fit_law
 from hyperfab.materials.identification.quality import Certainty, Figures, certainty, figures
 from hyperfab.materials.law import Law
 from hyperfab.materials.modes import MODES, nominal_stress
@@ -74,7 +74,7 @@ class Identified:
         return self.materials[nearest(self.temperatures, temperature, self.reference)]
 
 
-def identify(law: Law, curves: Sequence[Reading], setting: Setting) -> Identified | str:
+def identify(law: Law, curves: Sequence[TestCurve], setting: Setting) -> Identified | str:
     """Return the best constants of ``law`` for ``curves``, or why there are none."""
     used = [curve for curve in curves if curve.mode in setting.fit_on]
     temperatures = temperatures_of(used)
@@ -118,7 +118,9 @@ def identify(law: Law, curves: Sequence[Reading], setting: Setting) -> Identifie
     return found
 
 
-def along_direction(found: Identified, name: str, curves: Sequence[Reading], setting: Setting) -> Identified:
+def along_direction(
+    found: Identified, name: str, curves: Sequence[TestCurve], setting: Setting
+) -> Identified:
     """Return an anisotropic law as seen along one direction of the fabric, with the figures of its tests alone."""
     sure, materials = found.certainties, found.materials
     if name == "weft":
@@ -142,7 +144,9 @@ def along_direction(found: Identified, name: str, curves: Sequence[Reading], set
     return part if total is None else replace(part, total=total)
 
 
-def without_test(found: Identified, mode: str, curves: Sequence[Reading], setting: Setting) -> Figures | None:
+def without_test(
+    found: Identified, mode: str, curves: Sequence[TestCurve], setting: Setting
+) -> Figures | None:
     """Return how constants fitted without the test ``mode``, near those of all, predict it; None if they cannot."""
     rest = [curve for curve in curves if curve.mode in setting.fit_on and curve.mode != mode]
     temperatures = temperatures_of(rest)
@@ -159,17 +163,21 @@ def without_test(found: Identified, mode: str, curves: Sequence[Reading], settin
     return _test(again, mode, curves, setting)[0]
 
 
-def _rows(used: Sequence[Reading], temperatures: Sequence[float | None], setting: Setting, law: Law) -> Rows:
+def _rows(
+    used: Sequence[TestCurve], temperatures: Sequence[float | None], setting: Setting, law: Law
+) -> Rows:
     """Gather the rows to fit; linear constants are shared by the curves of one temperature."""
     reference = reference_of(temperatures)
     groups = [
         temperatures.index(curve.temperature) if curve.temperature is not None else reference
         for curve in used
     ]
-    return Rows.of([_curve(curve, setting, _axis(law, curve)) for curve in used], groups)
+    return Rows.of(
+        [_weighted(curve, setting) for curve in used], groups, [_axis(law, curve) for curve in used]
+    )
 
 
-def predict(found: Identified, curve: Reading) -> tuple[Array, Array | None]:
+def predict(found: Identified, curve: TestCurve) -> tuple[Array, Array | None]:
     """Return the stress [MPa] the constants give at the rows of a curve, along both directions where both are known."""
     material = found.material_at(curve.temperature)
     if _axis(found.law, curve) == 2 and found.along != "weft":
@@ -180,7 +188,7 @@ def predict(found: Identified, curve: Reading) -> tuple[Array, Array | None]:
     return nominal_stress(material, curve.mode, curve.stretch), None
 
 
-def reach(curves: Sequence[Reading]) -> dict[str, tuple[float, float]]:
+def reach(curves: Sequence[TestCurve]) -> dict[str, tuple[float, float]]:
     """Return the smallest and largest stretch of each mode at hand, rest included."""
     found: dict[str, tuple[float, float]] = {}
     for curve in curves:
@@ -193,7 +201,7 @@ def reach(curves: Sequence[Reading]) -> dict[str, tuple[float, float]]:
     return found
 
 
-def tested(curves: Sequence[Reading], setting: Setting) -> dict[str, Tested] | None:
+def tested(curves: Sequence[TestCurve], setting: Setting) -> dict[str, Tested] | None:
     """Return the range of the tests that take part in the fit."""
     used = [curve for curve in curves if curve.mode in setting.fit_on]
     axes = [(curve, one) for curve in used for one in (curve.stretch, curve.stretch2) if one is not None]
@@ -204,7 +212,7 @@ def tested(curves: Sequence[Reading], setting: Setting) -> dict[str, Tested] | N
     )
 
 
-def temperatures_of(curves: Sequence[Reading]) -> tuple[float | None, ...]:
+def temperatures_of(curves: Sequence[TestCurve]) -> tuple[float | None, ...]:
     """Return the temperatures [degC] of the curves, rising; one, None, where they tell none."""
     return tuple(sorted({curve.temperature for curve in curves if curve.temperature is not None})) or (None,)
 
@@ -220,29 +228,29 @@ def nearest(temperatures: Sequence[float | None], wanted: float | None, otherwis
     return min(known)[1] if known else otherwise
 
 
-def specimen_of(curve: Reading) -> tuple[str, str | None]:
+def specimen_of(curve: TestCurve) -> tuple[str, str | None]:
     return curve.source, curve.specimen
 
 
-def kind_of(curve: Reading) -> tuple[str, str | None, float | None]:
+def kind_of(curve: TestCurve) -> tuple[str, str | None, float | None]:
     """Specimens of one test, direction and temperature are replicates."""
-    return curve.mode, curve.direction, curve.temperature
+    return curve.mode, curve.direction_name, curve.temperature
 
 
-def _misses_directions(used: Sequence[Reading]) -> str | None:
-    directions = {curve.direction for curve in used}
+def _misses_directions(used: Sequence[TestCurve]) -> str | None:
+    directions = {curve.direction_name for curve in used}
     other = sorted(name for name in directions if name not in ("warp", "weft", None))
     if other:
         return f"its fibres lie along warp and weft, a test at {other[0]} cannot take part"
     return None if {"warp", "weft"} <= directions else "its fibres need tests along warp and weft"
 
 
-def _axis(law: Law, curve: Reading) -> int:
-    return 2 if not law.isotropic and curve.direction == "weft" else 1
+def _axis(law: Law, curve: TestCurve) -> int:
+    return 2 if not law.isotropic and curve.direction_name == "weft" else 1
 
 
-def _curve(reading: Reading, setting: Setting, axis: int) -> Curve:
-    sd = reading.sd if reading.sd is not None else setting.noise
+def _weighted(reading: TestCurve, setting: Setting) -> TestCurve:
+    sd = reading.stress_sd if reading.stress_sd is not None else setting.noise
 
     def weight(stress: Array) -> Array:
         if not setting.relative:
@@ -250,19 +258,11 @@ def _curve(reading: Reading, setting: Setting, axis: int) -> Curve:
         floor = 0.0 if sd is None else NOISY * np.asarray(sd)
         return 1.0 / np.maximum(np.abs(stress), floor)
 
-    return Curve(
-        mode=reading.mode,
-        stretch=reading.stretch,
-        stress=reading.stress,
-        weight=weight(reading.stress),
-        stretch2=reading.stretch2,
-        stress2=reading.stress2,
-        weight2=None if reading.stress2 is None else weight(reading.stress2),
-        axis=axis,
-    )
+    second = None if reading.stress2 is None else weight(reading.stress2)
+    return replace(reading, weight=weight(reading.stress), weight2=second)
 
 
-def _modes(curves: Sequence[Reading]) -> list[str]:
+def _modes(curves: Sequence[TestCurve]) -> list[str]:
     return list(dict.fromkeys(curve.mode for curve in curves))
 
 
@@ -278,7 +278,7 @@ def _model_stress(fit: Fit, rows: Rows) -> Array:
 
 
 def _test(
-    found: Identified, mode: str, curves: Sequence[Reading], setting: Setting
+    found: Identified, mode: str, curves: Sequence[TestCurve], setting: Setting
 ) -> tuple[Figures | None, int, bool]:
     measured, model = [], []
     for curve in curves:

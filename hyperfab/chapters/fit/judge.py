@@ -15,7 +15,7 @@ from hyperfab.chapters.fit.identify import (
     identify,
     without_test,
 )
-from hyperfab.chapters.fit.reading import Reading
+from hyperfab.curve import TestCurve
 from hyperfab.materials.identification.quality import Figures
 from hyperfab.materials.identification.transfer import stretch_at, transfer_risk
 from hyperfab.materials.law import Law
@@ -29,7 +29,7 @@ _PLAIN, _CLOSER = 0.02, 3.0
 #: Levels of I1 at which laws are compared.
 _LEVELS = 24
 #: Curves of each direction of the fabric; None is the fabric as a whole.
-Sets = Mapping[str | None, Sequence[Reading]]
+Sets = Mapping[str | None, Sequence[TestCurve]]
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ def judge(law: Law, sets: Sets, setting: Setting, ranked: bool) -> Judged:
     if ranked:
         names: list[str | None] = [name for name in sets if name is not None]
         names = names or [None]
-        carry = max(_carry_over(law, sets[name], setting, results[name]) for name in names)
+        carry = max(_carry_over(sets[name], setting, results[name]) for name in names)
     return Judged(
         law,
         results,
@@ -100,7 +100,7 @@ def _results(law: Law, sets: Sets, setting: Setting) -> dict[str | None, Identif
     return found
 
 
-def _carry_over(law: Law, curves: Sequence[Reading], setting: Setting, found: Identified | str) -> float:
+def _carry_over(curves: Sequence[TestCurve], setting: Setting, found: Identified | str) -> float:
     if isinstance(found, str):
         return math.inf
     unseen = [figures for figures, _, predicted in found.tests.values() if predicted]

@@ -19,10 +19,10 @@ from hyperfab.chapters.fit.identify import (
     temperatures_of,
     tested,
 )
-from hyperfab.chapters.fit.reading import Reading
 from hyperfab.chapters.fit.readings import Readings
 from hyperfab.chapters.fit.siblings import curves_csv, grid_of, line
 from hyperfab.chapters.fit.whole import WholeFit
+from hyperfab.curve import TestCurve
 from hyperfab.documents.material import (
     Direction,
     FitFigures,
@@ -33,7 +33,7 @@ from hyperfab.documents.material import (
 )
 from hyperfab.materials.identification.quality import Certainty, sure_of
 from hyperfab.materials.orthotropic import Orthotropic
-from hyperfab.materials.orthotropic.identify import Found, SheetTest, identify
+from hyperfab.materials.orthotropic.identify import Found, identify
 from hyperfab.materials.orthotropic.specimen import stable_range, stress
 from hyperfab.report.figures_fit import fit_figure
 
@@ -61,21 +61,23 @@ class SheetFit(WholeFit[Orthotropic]):
     @property
     def directions(self) -> list[str]:
         """The directions the specimens were cut in, by name."""
-        return list(dict.fromkeys(curve.direction for curve in self.curves if curve.direction is not None))
+        return list(
+            dict.fromkeys(curve.direction_name for curve in self.curves if curve.direction_name is not None)
+        )
 
     @property
     def accepted(self) -> bool:
         """Whether each direction's rms error, each reading weighted as in the fit, is within the limit."""
         ways: list[str | None] = [*self.directions] or [None]
         rows = self.used(self.curves)
-        used = [[c for c in rows if way is None or c.direction in (way, None)] for way in ways]
+        used = [[c for c in rows if way is None or c.direction_name in (way, None)] for way in ways]
         return all(self._weighted(curves) <= self.setting.accept for curves in used if curves)
 
     @property
     def stable(self) -> bool:
         """Whether the law is Drucker-stable over the stretches of the tests, in every direction that was tested."""
         return all(
-            stable_range(self.law_at(c.temperature), c.mode, _angle(c) or 0.0, float(c.stretch.max()))[1]
+            stable_range(self.law_at(c.temperature), c.mode, c.direction or 0.0, float(c.stretch.max()))[1]
             >= float(c.stretch.max()) - 1e-9
             for c in self.curves
             if c.mode in _MODES
@@ -83,7 +85,7 @@ class SheetFit(WholeFit[Orthotropic]):
 
     def direction(self, name: str) -> Direction:
         """Return the law as seen along a direction (the weft's is turned by a quarter), with its tests' figures."""
-        own = [curve for curve in self.curves if curve.direction in (name, None)]
+        own = [curve for curve in self.curves if curve.direction_name in (name, None)]
         return Direction(
             parameters=self._seen(self.law, name),
             fit=self._figures(own, turned=name == "weft"),
@@ -97,11 +99,11 @@ class SheetFit(WholeFit[Orthotropic]):
     def _seen(self, law: Orthotropic, name: str) -> Parameters:
         return dict((law.turned() if name == "weft" else law).parameters)
 
-    def predict(self, curve: Reading) -> tuple[Array, Array | None, Array | None]:
+    def predict(self, curve: TestCurve) -> tuple[Array, Array | None, Array | None]:
         """Return nominal stresses [MPa] along and across, and the lateral stretch of a uniaxial test."""
         return _predict(self.law_at(curve.temperature), curve)
 
-    def _figures(self, curves: Sequence[Reading], turned: bool = False) -> FitFigures:
+    def _figures(self, curves: Sequence[TestCurve], turned: bool = False) -> FitFigures:
         groups = {
             mode: [c for c in curves if c.mode == mode] for mode in dict.fromkeys(c.mode for c in curves)
         }
@@ -118,7 +120,7 @@ class SheetFit(WholeFit[Orthotropic]):
         self._sure(figures, number, turned)
         return figures
 
-    def _fitted_at(self, number: int) -> list[Reading]:
+    def _fitted_at(self, number: int) -> list[TestCurve]:
         return [c for c in self.used(self.curves) if c.temperature in (self.temperatures[number], None)]
 
     def _sure(self, figures: FitFigures, number: int, turned: bool) -> None:
@@ -132,7 +134,7 @@ class SheetFit(WholeFit[Orthotropic]):
         if np.isfinite(sure.condition_number):
             figures.condition_number = sure.condition_number
 
-    def _weighted(self, curves: Sequence[Reading]) -> float:
+    def _weighted(self, curves: Sequence[TestCurve]) -> float:
         if not self.setting.relative:
             found = self.error(curves)
             return np.inf if found is None else found.nrmse
@@ -142,7 +144,7 @@ class SheetFit(WholeFit[Orthotropic]):
         ]
         return float(np.sqrt(np.mean(np.concatenate(errors) ** 2)))
 
-    def _stability(self, name: str | None, curves: Sequence[Reading]) -> dict[str, StableRange]:
+    def _stability(self, name: str | None, curves: Sequence[TestCurve]) -> dict[str, StableRange]:
         angle = 0.0 if name is None else _NAMED[name] if name in _NAMED else float(name.split()[0])
         reach = {
             mode: max((float(c.stretch.max()) for c in curves if c.mode == mode), default=None)
@@ -182,7 +184,7 @@ class SheetFit(WholeFit[Orthotropic]):
             warnings=readings.warnings or None,
         )
 
-    def ranges(self, document: MaterialDocument) -> Iterator[tuple[Reading, tuple[float, float] | None]]:
+    def ranges(self, document: MaterialDocument) -> Iterator[tuple[TestCurve, tuple[float, float] | None]]:
         """Return every curve, and the range of all tests: one energy carries them."""
         known = document.tested_stretch()
         yield from ((curve, known) for curve in self.curves)
@@ -196,7 +198,7 @@ class SheetFit(WholeFit[Orthotropic]):
         panels = []
         ways: list[str | None] = [*self.directions] or [None]
         for name in ways:
-            own = [curve for curve in self.curves if name is None or curve.direction in (name, None)]
+            own = [curve for curve in self.curves if name is None or curve.direction_name in (name, None)]
             lines = []
             for mode in _MODES:
                 for temperature in self.temperatures:
@@ -211,7 +213,7 @@ class SheetFit(WholeFit[Orthotropic]):
         return fit_figure(panels)
 
 
-def fit_sheet(curves: Sequence[Reading], setting: Setting) -> SheetFit:
+def fit_sheet(curves: Sequence[TestCurve], setting: Setting) -> SheetFit:
     """Return the law of the sheet for ``curves``.
 
     All constants are sought at the temperature nearest to room; at the others its stresses alone, so that constants
@@ -233,7 +235,7 @@ def fit_sheet(curves: Sequence[Reading], setting: Setting) -> SheetFit:
     return fit
 
 
-def _certainty(found: Found, curves: Sequence[Reading], turned: bool) -> Certainty:
+def _certainty(found: Found, curves: Sequence[TestCurve], turned: bool) -> Certainty:
     """Return how sure the constants are, of the sheet ``turned`` by a quarter where wanted.
 
     Those the tests hold at the end of their range, as threads of no stress, are left out.
@@ -247,11 +249,13 @@ def _certainty(found: Found, curves: Sequence[Reading], turned: bool) -> Certain
     return sure_of(optimum, seen, np.eye(len(names)), specimens, kinds)
 
 
-def _tests(curves: Sequence[Reading], temperature: float | None, setting: Setting) -> list[SheetTest]:
+def _tests(curves: Sequence[TestCurve], temperature: float | None, setting: Setting) -> list[TestCurve]:
     own = [curve for curve in curves if curve.temperature in (temperature, None)]
     found = []
     for curve in own:
-        alike = [other for other in own if (other.mode, other.direction) == (curve.mode, curve.direction)]
+        alike = [
+            other for other in own if (other.mode, other.direction_name) == (curve.mode, curve.direction_name)
+        ]
         second = curve.stress2 if curve.mode.startswith("biaxial") else None
         weight2 = None if second is None else _weight(curve, second, setting, alike)
         if curve.mode == "uniaxial" and curve.stretch2 is not None:
@@ -260,37 +264,22 @@ def _tests(curves: Sequence[Reading], temperature: float | None, setting: Settin
             largest = max(float(np.abs(width - 1.0).max()) for width in widths)
             weight2 = np.full(len(curve.stretch), 1.0 / max(largest, 1e-6))
         found.append(
-            SheetTest(
-                mode=curve.mode,
-                angle_deg=_angle(curve),
-                stretch=curve.stretch,
-                stress=curve.stress,
-                weight=_weight(curve, curve.stress, setting, alike),
-                stretch2=curve.stretch2,
-                stress2=second,
-                weight2=weight2,
+            replace(
+                curve, weight=_weight(curve, curve.stress, setting, alike), stress2=second, weight2=weight2
             )
         )
     return found
 
 
-def _weight(curve: Reading, stress: Array, setting: Setting, alike: Sequence[Reading]) -> Array:
+def _weight(curve: TestCurve, stress: Array, setting: Setting, alike: Sequence[TestCurve]) -> Array:
     """Return one over the error that counts as one [1/MPa]."""
     peak = max(float(np.abs(other.stress).max()) for other in alike)
-    sd = curve.sd if curve.sd is not None else setting.noise
+    sd = curve.stress_sd if curve.stress_sd is not None else setting.noise
     if not setting.relative:
         return np.full(len(stress), 1.0 / peak) if sd is None else np.ones_like(stress) / sd
     floor = np.maximum(_FLOOR * peak, 0.0 if sd is None else NOISY * np.asarray(sd))
     return np.asarray(1.0 / np.maximum(np.abs(stress), floor))
 
 
-def _predict(law: Orthotropic, curve: Reading) -> tuple[Array, Array | None, Array | None]:
-    return stress(law, curve.mode, _angle(curve) or 0.0, curve.stretch, curve.stretch2)
-
-
-def _angle(curve: Reading) -> float | None:
-    """Return the angle [deg] of a specimen from the warp, None where it is not known."""
-    name = curve.direction
-    if name is None:
-        return None
-    return _NAMED[name] if name in _NAMED else float(name.split()[0])
+def _predict(law: Orthotropic, curve: TestCurve) -> tuple[Array, Array | None, Array | None]:
+    return stress(law, curve.mode, curve.direction or 0.0, curve.stretch, curve.stretch2)

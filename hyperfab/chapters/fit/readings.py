@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.chapters.fit.prepare import Steps, prepare, settled
-from hyperfab.chapters.fit.reading import Reading
 from hyperfab.chapters.job import refuse_twice
 from hyperfab.chapters.look import remarks, understood, unused_columns
+from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_tests import TestData, read_tests
 from hyperfab.io.layout import Layout
@@ -38,7 +38,7 @@ Cluster = tuple[float, float, float]
 class Readings:
     """All curves of a fit, and what is to be said about them."""
 
-    curves: list[Reading]
+    curves: list[TestCurve]
     volumetric: list[TestData]
     thickness: float | None
     nominal: bool
@@ -100,19 +100,19 @@ def gather(
     With ``relative``, rows whose measured stress says nothing about a ratio are left out and counted; so are tests
     other than those ``carried_by`` the law.
     """
-    sheets = [test for test in tests if test.test != "volumetric"]
-    volumetric = [test for test in tests if test.test == "volumetric"]
+    sheets = [test for test in tests if test.mode != "volumetric"]
+    volumetric = [test for test in tests if test.mode == "volumetric"]
     thickness, nominal = _thickness(sheets)
     found = Readings([], volumetric, thickness, nominal)
     for counts in {id(test.left_out): test.left_out for test in tests}.values():
         found.left_out.update(counts)
-    carried = [test for test in sheets if test.test in carried_by]
+    carried = [test for test in sheets if test.mode in carried_by]
     for test in sheets:
-        if test.test not in carried_by:
-            found.left_out[f"{test.test}: no law here carries this test"] += len(test.stretch)
+        if test.mode not in carried_by:
+            found.left_out[f"{test.mode}: no law here carries this test"] += len(test.stretch)
     if not carried:
         raise InputError(
-            f"is a test in {sheets[0].test.replace('-', ' ')}, which no law here carries"
+            f"is a test in {sheets[0].mode.replace('-', ' ')}, which no law here carries"
             if sheets
             else "is a volumetric test alone",
             file=tests[0].source,
@@ -123,24 +123,7 @@ def gather(
     prepared = prepare([test for _, test in split], steps, found.left_out, found.preparation)
     for test in prepared:
         [(temperature, _)] = _by_temperature(test, clusters)
-        found.curves.append(
-            Reading(
-                mode=test.test,
-                source=test.source,
-                stretch=test.stretch,
-                stress=test.stress,
-                direction=test.direction_name,
-                temperature=temperature,
-                warmth=_warmth(test),
-                specimen=test.specimen,
-                stretch2=test.stretch2,
-                stress2=test.stress2,
-                sd=test.stress_sd,
-                lines=test.lines,
-                branch=test.branch,
-                cycle=test.cycle,
-            )
-        )
+        found.curves.append(replace(test, temperature=temperature, warmth=_warmth(test)))
     if relative:
         found.curves = [_without_zeros(curve, found.left_out) for curve in found.curves]
     found.curves = [curve for curve in found.curves if len(curve.stretch)]
@@ -155,7 +138,11 @@ def gather(
         for low, high, mean in clusters
         if high - low > LONG_CHAIN
     ]
-    _remarks(sheets, found)
+    if found.nominal:
+        found.preparation.append(
+            "no thickness is known: 1 mm is taken, and a constant in MPa is force per width in N/mm"
+        )
+    found.preparation += _contractions(found.curves)
     return found
 
 
@@ -212,7 +199,7 @@ def _warmth(test: TestData) -> tuple[float, float] | None:
     return float(test.temperature_degC.min()), float(test.temperature_degC.max())
 
 
-def _without_zeros(curve: Reading, left_out: Counter[str]) -> Reading:
+def _without_zeros(curve: TestCurve, left_out: Counter[str]) -> TestCurve:
     """Leave out rows that have no ratio of model to measured stress."""
     zero = np.abs(curve.stress) <= ZERO * float(np.abs(curve.stress).max(initial=0.0))
     rest = (curve.stretch == 1.0) & ~zero
@@ -234,21 +221,12 @@ def _without_zeros(curve: Reading, left_out: Counter[str]) -> Reading:
     return curve.take(np.flatnonzero(~bad)) if bad.any() else curve
 
 
-def _remarks(tests: Sequence[TestData], found: Readings) -> None:
-    """Say what the user should know about the data."""
-    if found.nominal:
-        found.preparation.append(
-            "no thickness is known: 1 mm is taken, and a constant in MPa is force per width in N/mm"
-        )
-    found.preparation += _contractions(found.curves)
-
-
-def _contractions(curves: Sequence[Reading]) -> list[str]:
+def _contractions(curves: Sequence[TestCurve]) -> list[str]:
     """Say how much the uniaxial specimens contract, where it was measured."""
     told = []
     measured = [curve for curve in curves if curve.mode == "uniaxial" and curve.stretch2 is not None]
-    for direction in dict.fromkeys(curve.direction for curve in measured):
-        own = [curve for curve in measured if curve.direction == direction]
+    for direction in dict.fromkeys(curve.direction_name for curve in measured):
+        own = [curve for curve in measured if curve.direction_name == direction]
         along = np.log(np.concatenate([curve.stretch for curve in own]))
         across = np.log(np.concatenate([curve.stretch2 for curve in own if curve.stretch2 is not None]))
         if along @ along > 0.0:

@@ -84,7 +84,7 @@ def _by_direction(job: Job, readings: Readings, setting: Setting, case: FitCase)
     document = _document(best, judged if ranked else None, readings, sets, setting, case.plane)
     _tell(job, judged, document, setting)
     for curve in sets[None]:
-        way = curve.direction if curve.direction in (document.directions or {}) else None
+        way = curve.direction_name if curve.direction_name in (document.directions or {}) else None
         known = document.tested_stretch(way)
         job.ranges.used("stretch", curve.stretch, known=known, source=curve.source, direction=way)
 
@@ -129,7 +129,9 @@ def _whole(job: Job, readings: Readings, setting: Setting, case: FitCase) -> _Fi
             f"{unknown.constant}: not told by these tests, {unknown.value:g} taken; {unknown.test} tells it"
         )
     for curve, known in fit.ranges(document):
-        job.ranges.used("stretch", curve.stretch, known=known, source=curve.source, direction=curve.direction)
+        job.ranges.used(
+            "stretch", curve.stretch, known=known, source=curve.source, direction=curve.direction_name
+        )
     return document, lambda: (fit.curves_csv(), fit.picture())
 
 
@@ -168,12 +170,14 @@ def _sets(readings: Readings) -> Sets:
 
     A test without a direction belongs to each.
     """
-    names = list(dict.fromkeys(curve.direction for curve in readings.curves if curve.direction is not None))
+    names = list(
+        dict.fromkeys(curve.direction_name for curve in readings.curves if curve.direction_name is not None)
+    )
     if len(names) < 2:
         return {None: readings.curves}
     return {
         None: readings.curves,
-        **{name: [c for c in readings.curves if c.direction in (name, None)] for name in names},
+        **{name: [c for c in readings.curves if c.direction_name in (name, None)] for name in names},
     }
 
 
@@ -286,7 +290,7 @@ def _tell(job: Job, judged: Sequence[Judged], document: MaterialDocument, settin
                          f"{document.temperature_degC:g} degC")  # fmt: skip
     for name, part in judged[0].results.items():
         if isinstance(part, Identified) and (name is not None or len(judged[0].results) == 1):
-            job.console.note(f"{name + ': ' if name else ''}{describe.parameters_line(part, setting)}")
+            job.console.note(f"{name + ': ' if name else ''}{describe.parameters_line(part)}")
 
 
 def _written(one: Judged) -> Figures | None:

@@ -11,8 +11,8 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.chapters.fit.identify import Identified, Setting, predict
 from hyperfab.chapters.fit.judge import Judged, Sets
-from hyperfab.chapters.fit.reading import Reading
 from hyperfab.chapters.fit.whole import Answer
+from hyperfab.curve import TestCurve, angle_named
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.materials.modes import MODES, nominal_stress
 from hyperfab.report.figures_fit import Line, fit_figure
@@ -32,12 +32,12 @@ _COLUMNS = (
 
 
 def curves_csv(
-    told: Iterable[tuple[Reading, Answer]], fit_on: Sequence[str], without: Collection[str] = ()
+    told: Iterable[tuple[TestCurve, Answer]], fit_on: Sequence[str], without: Collection[str] = ()
 ) -> bytes:
     """Return every reading with what the law says beside it, less the columns ``without``."""
     rows = []
     for curve, (one, two, width) in told:
-        start = [curve.mode, curve.direction, curve.temperature, curve.specimen]
+        start = [curve.mode, curve.direction_name, curve.temperature, curve.specimen]
         nothing = [None] * len(curve.stretch)
         second = nothing if curve.stretch2 is None else curve.stretch2
         for measured, model, own, other, lateral in (
@@ -54,7 +54,7 @@ def curves_csv(
 def law_csv(best: Judged, sets: Sets, setting: Setting) -> bytes:
     """Return ``curves_csv`` of a law identified by direction: a test without one stands with each."""
     told = (
-        (replace(curve, direction=name or curve.direction), (*predict(part, curve), None))
+        (replace(curve, direction=angle_named(name or curve.direction_name)), (*predict(part, curve), None))
         for name, part in _parts(best)
         for curve in sets[name]
     )
@@ -81,7 +81,7 @@ def law_picture(best: Judged, sets: Sets, setting: Setting) -> bytes:
 
 
 def line(
-    curves: Sequence[Reading],
+    curves: Sequence[TestCurve],
     temperature: float | None,
     model: tuple[Array, Array],
     fit_on: Sequence[str],
@@ -101,7 +101,7 @@ def line(
     )
 
 
-def grid_of(curves: Sequence[Reading], count: int, *through: float) -> Array:
+def grid_of(curves: Sequence[TestCurve], count: int, *through: float) -> Array:
     """Return ``count`` stretches over the range of the curves, which holds those ``through``."""
     reach = np.concatenate([through, *(c.stretch for c in curves)])
     return np.linspace(reach.min(), reach.max(), count)

@@ -48,13 +48,13 @@ def aspect_warnings(tests: Sequence[TestData]) -> list[str]:
         if test.gauge_length_mm is None or test.width_mm is None:
             continue
         ratio = test.gauge_length_mm / test.width_mm
-        if test.test == "uniaxial" and ratio < 9.5:
+        if test.mode == "uniaxial" and ratio < 9.5:
             text = (
                 f"the specimen is {ratio:.2g} times as long as wide; below 10 its ends hinder the "
                 "contraction and it reads too stiff for uniaxial tension"
             )
             alike.setdefault(text, []).append(test.source)
-        if test.test == "shear" and not 3.9 <= 1.0 / ratio <= 10.1:
+        if test.mode == "shear" and not 3.9 <= 1.0 / ratio <= 10.1:
             text = f"the specimen is {1 / ratio:.2g} times as wide as long; planar tension takes 4 to 10"
             alike.setdefault(text, []).append(test.source)
     return [f"{named(sources)}: {text}" for text, sources in alike.items()]

@@ -11,8 +11,8 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.chapters.fit.identify import Setting, nearest
-from hyperfab.chapters.fit.reading import Reading
 from hyperfab.chapters.fit.readings import Readings
+from hyperfab.curve import TestCurve
 from hyperfab.documents.material import (
     AtTemperature,
     FitFigures,
@@ -42,12 +42,12 @@ class WholeFit(ABC, Generic[EnergyT]):
     laws: tuple[EnergyT, ...]
     temperatures: tuple[float | None, ...]
     reference: int
-    curves: Sequence[Reading]
+    curves: Sequence[TestCurve]
     setting: Setting
     undetermined: list[Undetermined] = field(default_factory=list)
 
     @abstractmethod
-    def predict(self, curve: Reading) -> Answer:
+    def predict(self, curve: TestCurve) -> Answer:
         """Return nominal stresses [MPa] along both axes, and the lateral stretch of a uniaxial test."""
 
     @property
@@ -60,7 +60,7 @@ class WholeFit(ABC, Generic[EnergyT]):
         """Return the material document."""
 
     @abstractmethod
-    def ranges(self, document: MaterialDocument) -> Iterator[tuple[Reading, tuple[float, float] | None]]:
+    def ranges(self, document: MaterialDocument) -> Iterator[tuple[TestCurve, tuple[float, float] | None]]:
         """Return the curves that are judged by the range the constants were fitted over, and that range."""
 
     @abstractmethod
@@ -80,7 +80,7 @@ class WholeFit(ABC, Generic[EnergyT]):
         """Return the law of the nearest temperature that was fitted."""
         return self.laws[nearest(self.temperatures, temperature, self.reference)]
 
-    def used(self, curves: Iterable[Reading]) -> list[Reading]:
+    def used(self, curves: Iterable[TestCurve]) -> list[TestCurve]:
         """Return the curves that take part in the fit."""
         return [curve for curve in curves if curve.mode in self.setting.fit_on]
 
@@ -97,7 +97,7 @@ class WholeFit(ABC, Generic[EnergyT]):
         ]
         return rows if len(rows) > 1 else None
 
-    def error(self, curves: Sequence[Reading]) -> Figures | None:
+    def error(self, curves: Sequence[TestCurve]) -> Figures | None:
         """Return how far the law is from the readings, None where it has no state of rest there."""
         measured, model = [], []
         for curve in curves:
@@ -111,8 +111,8 @@ class WholeFit(ABC, Generic[EnergyT]):
 
     def figures_of(
         self,
-        curves: Sequence[Reading],
-        groups: Mapping[str, Sequence[Reading]],
+        curves: Sequence[TestCurve],
+        groups: Mapping[str, Sequence[TestCurve]],
         through: tuple[float, ...] = (),
     ) -> FitFigures:
         """Return the figures over those of ``curves`` that are fitted, and of each group of them.

@@ -61,7 +61,7 @@ def run(job: Job, case: MoldCase) -> int:
 
         chosen = design(case, document, problem, start, warmup)
         if document.run.steady:
-            history = _steady(document, mold, problem, start)
+            history = _steady(mold, problem, start)
             result = steady_document(problem, history)
         else:
             history = _transient(document, problem, start, advance)
@@ -145,7 +145,7 @@ def _transient(
     return history
 
 
-def _steady(document: MoldDocument, name: str, problem: Problem, start: Array) -> History:
+def _steady(name: str, problem: Problem, start: Array) -> History:
     model = problem.model
     lost = without_route(model)
     if lost is not None:

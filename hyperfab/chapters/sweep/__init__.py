@@ -47,7 +47,7 @@ def run(job: Job, case: SweepCase, runner: str = "hyperfab.chapters.steps") -> i
     with store.held():
         output = Output(str(store.folder / "sweep.json"), (".csv", ".parquet", ".effects.png", ".cases.png"))
         output.refuse_inputs(job.inputs)
-        engine = _run_cases(job, plan, store, commands, runner, case)
+        engine = _run_cases(job, plan, store, runner, case)
         if isinstance(engine, int):
             return engine
         job.console.note(_account(plan, engine.progress))
@@ -63,7 +63,6 @@ def _run_cases(
     job: Job,
     plan: Plan,
     store: Store,
-    commands: Any,
     runner: str,
     case: SweepCase,
 ) -> Engine | int:

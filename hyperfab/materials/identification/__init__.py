@@ -4,6 +4,6 @@ from __future__ import annotations
 
 from hyperfab.materials.identification.design import Problem
 from hyperfab.materials.identification.fit import Fit, fit_law
-from hyperfab.materials.identification.rows import Curve, Rows
+from hyperfab.materials.identification.rows import Rows
 
-__all__ = ["Curve", "Fit", "Problem", "Rows", "fit_law"]
+__all__ = ["Fit", "Problem", "Rows", "fit_law"]

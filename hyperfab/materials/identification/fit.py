@@ -57,9 +57,10 @@ def fit_law(
     constants to start from in place of the scan: the optimum of a part of the rows near that of all.
 
     >>> from hyperfab.materials import law
-    >>> from hyperfab.materials.identification.rows import Curve, Rows
+    >>> from hyperfab.curve import TestCurve
+    >>> from hyperfab.materials.identification.rows import Rows
     >>> lam = np.linspace(1.1, 2.0, 10)
-    >>> curve = Curve("shear", lam, 0.8 * (lam - lam**-3), np.ones(10))
+    >>> curve = TestCurve("shear", lam, 0.8 * (lam - lam**-3), np.ones(10))
     >>> found = fit_law(Problem(law("neo-hookean"), Rows.of([curve])))
     >>> {name: round(value, 12) for name, value in found.material.parameters.items()}
     {'C10_MPa': 0.4}

@@ -9,28 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.curve import TestCurve
 from hyperfab.materials.kinematics import Array, Sheet
 from hyperfab.materials.law import Extent
 from hyperfab.materials.modes import second_stretch
-
-
-@dataclass(frozen=True)
-class Curve:
-    """Readings of one test: ``stretch`` and nominal ``stress`` [MPa] of the loading direction, one entry a row.
-
-    ``mode`` is uniaxial, shear, biaxial or biaxial-general; the last has ``stretch2`` and ``stress2`` too.
-    ``weight`` multiplies the residual of each row [1/MPa]: 1/stress makes the fit relative. ``axis`` is 2 where the
-    test was made along the second axis of an anisotropic sheet.
-    """
-
-    mode: str
-    stretch: Array
-    stress: Array
-    weight: Array
-    stretch2: Array | None = None
-    stress2: Array | None = None
-    weight2: Array | None = None
-    axis: int = 1
 
 
 @dataclass(frozen=True)
@@ -52,23 +34,32 @@ class Rows:
     _cache: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
 
     @classmethod
-    def of(cls, curves: Sequence[Curve], groups: Sequence[int] | None = None) -> Rows:
-        """Gather the rows of ``curves``; ``groups`` numbers the group of each curve (default: one group)."""
+    def of(
+        cls,
+        curves: Sequence[TestCurve],
+        groups: Sequence[int] | None = None,
+        axes: Sequence[int] | None = None,
+    ) -> Rows:
+        """Gather the rows of ``curves``; ``groups`` numbers the group of each curve (default: one group).
+
+        ``axes`` is 2 for each curve that was tested along the second axis of an anisotropic sheet (default: none).
+        """
         parts: list[tuple[Any, ...]] = []
         for number, curve in enumerate(curves):
             group = groups[number] if groups is not None else 0
-            uniaxial = curve.mode == "uniaxial"
+            axis = axes[number] if axes is not None else 1
+            uniaxial, weight = curve.mode == "uniaxial", curve.weights
             if curve.mode == "biaxial-general":
                 if curve.stretch2 is None or curve.stress2 is None or curve.weight2 is None:
                     raise ValueError("a general biaxial curve needs stretch2, stress2 and weight2")
                 one, two = curve.stretch, curve.stretch2
-                parts.append((one, two, curve.stress, curve.weight, False, 0, number, group))
+                parts.append((one, two, curve.stress, weight, False, 0, number, group))
                 parts.append((one, two, curve.stress2, curve.weight2, False, 1, number, group))
             else:
                 second = second_stretch(curve.mode, curve.stretch)
-                one, two = (curve.stretch, second) if curve.axis == 1 else (second, curve.stretch)
-                along = curve.axis - 1
-                parts.append((one, two, curve.stress, curve.weight, uniaxial, along, number, group))
+                one, two = (curve.stretch, second) if axis == 1 else (second, curve.stretch)
+                along = axis - 1
+                parts.append((one, two, curve.stress, weight, uniaxial, along, number, group))
         kinds = (float, float, float, float, bool, np.int64, np.int64, np.int64)
         columns: list[Any] = [
             np.concatenate(

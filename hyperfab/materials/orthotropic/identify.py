@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares, nnls
 
 from hyperfab.arrays import Array
+from hyperfab.curve import TestCurve
 from hyperfab.materials.identification.scatter import Weighed
 from hyperfab.materials.orthotropic.energy import ABSENT, LINEAR, NAMES, Orthotropic
 from hyperfab.materials.orthotropic.specimen import Frame, held, solved, strip
@@ -31,52 +32,11 @@ _STARTS = 6
 _ROWS_TO_START = 160
 
 
-@dataclass(frozen=True)
-class SheetTest:
-    """One curve of a test on a sheet, n rows.
-
-    ``mode``: uniaxial, shear (wide strip), biaxial or biaxial-general; ``angle_deg`` of its first axis from the warp,
-    None where it is not known (alike in all directions); ``stretch`` and nominal ``stress`` [MPa] along that axis with
-    the ``weight`` of its error [1/MPa]. ``stretch2``, ``stress2``: the second axis of a biaxial test, or the measured
-    lateral stretch of a uniaxial one.
-    """
-
-    mode: str
-    angle_deg: float | None
-    stretch: Array
-    stress: Array
-    weight: Array
-    stretch2: Array | None = None
-    stress2: Array | None = None
-    weight2: Array | None = None
-
-    @property
-    def contraction(self) -> bool:
-        """Whether the lateral stretch was measured."""
-        return self.mode == "uniaxial" and self.stretch2 is not None
-
-    def take(self, rows: NDArray[np.int64]) -> SheetTest:
-        """Return some of the rows."""
-
-        def pick(values: Array | None) -> Array | None:
-            return None if values is None else values[rows]
-
-        return replace(
-            self,
-            stretch=self.stretch[rows],
-            stress=self.stress[rows],
-            weight=self.weight[rows],
-            stretch2=pick(self.stretch2),
-            stress2=pick(self.stress2),
-            weight2=pick(self.weight2),
-        )
-
-    @property
-    def across(self) -> Array:
-        """Stretch of the second axis of a test whose edges are held."""
-        if self.mode == "shear":
-            return np.ones_like(self.stretch)
-        return self.stretch if self.stretch2 is None or self.mode == "biaxial" else self.stretch2
+def _across(test: TestCurve) -> Array:
+    """Return the stretch of the second axis of a test whose edges are held."""
+    if test.mode == "shear":
+        return np.ones_like(test.stretch)
+    return test.stretch if test.stretch2 is None or test.mode == "biaxial" else test.stretch2
 
 
 @dataclass(frozen=True)
@@ -102,19 +62,19 @@ class Found:
     optimum: Weighed = field(repr=False)
 
 
-def sought_by(tests: Sequence[SheetTest]) -> tuple[tuple[str, ...], tuple[Unknown, ...]]:
+def sought_by(tests: Sequence[TestCurve]) -> tuple[tuple[str, ...], tuple[Unknown, ...]]:
     """Return the constants these tests can tell, and those they leave open, each with the test that would tell it.
 
-    >>> lam = np.array([1.1, 1.2]); pull = SheetTest("uniaxial", 0.0, lam, lam - 1, lam)
+    >>> lam = np.array([1.1, 1.2]); pull = TestCurve("uniaxial", lam, lam - 1, lam, direction=0.0)
     >>> sought_by([pull])[0]
     ('C10_MPa', 'C20_MPa', 'C30_MPa')
     """
     modes = {test.mode.removesuffix("-general") for test in tests}
-    angles = {test.angle_deg for test in tests}
-    uniaxial = {test.angle_deg for test in tests if test.mode == "uniaxial"}
+    angles = {test.direction for test in tests}
+    uniaxial = {test.direction for test in tests if test.mode == "uniaxial"}
     both = {0.0, 90.0} <= uniaxial or (None not in angles and any(_both_ways(test) for test in tests))
     slanted = {_slant(a) for a in uniaxial if a is not None and _slant(a) % 90.0 > 1e-6}
-    contraction = any(test.contraction for test in tests)
+    contraction = any(test.contraction is not None for test in tests)
     second = contraction or len(modes) > 1
     found, open_ = ["C10_MPa", "C20_MPa", "C30_MPa"], []
     if len(modes) > 1:
@@ -152,13 +112,13 @@ def sought_by(tests: Sequence[SheetTest]) -> tuple[tuple[str, ...], tuple[Unknow
     return tuple(name for name in NAMES if name in found), unknown
 
 
-def identify(tests: Sequence[SheetTest], near: Orthotropic | None = None) -> Found:
+def identify(tests: Sequence[TestCurve], near: Orthotropic | None = None) -> Found:
     """Return the best constants for the tests.
 
     With ``near``, only its stresses are sought, the other constants stay: the same fabric at another temperature.
 
     >>> lam = np.linspace(1.05, 1.5, 10); own = Orthotropic.of({"C10_MPa": 0.2, "C30_MPa": 0.05})
-    >>> pull = SheetTest("uniaxial", None, lam, strip(own, 0.0, lam).stress, np.ones(10))
+    >>> pull = TestCurve("uniaxial", lam, strip(own, 0.0, lam).stress, np.ones(10))
     >>> found = identify([pull]).law.parameters
     >>> round(found["C10_MPa"], 9), round(found["C30_MPa"], 9)
     (0.2, 0.05)
@@ -194,26 +154,26 @@ class _Rows:
     second: NDArray[np.bool_]
 
     @classmethod
-    def of(cls, tests: Sequence[tuple[int, SheetTest]]) -> _Rows:
-        def joined(pick: Callable[[SheetTest], Array | None]) -> Array:
+    def of(cls, tests: Sequence[tuple[int, TestCurve]]) -> _Rows:
+        def joined(pick: Callable[[TestCurve], Array | None]) -> Array:
             parts = [(pick(test), len(test.stretch)) for _, test in tests]
             return np.concatenate([np.zeros(0), *(np.zeros(n) if one is None else one for one, n in parts)])
 
-        def told(test: SheetTest) -> bool:
+        def told(test: TestCurve) -> bool:
             if test.mode == "uniaxial":
-                return test.contraction and test.weight2 is not None
+                return test.contraction is not None and test.weight2 is not None
             return test.stress2 is not None and test.mode.startswith("biaxial")
 
         counts = [len(test.stretch) for _, test in tests]
         return cls(
             curve=np.repeat([number for number, _ in tests], counts).astype(np.int64),
-            angle=np.repeat([test.angle_deg or 0.0 for _, test in tests], counts),
+            angle=np.repeat([test.direction or 0.0 for _, test in tests], counts),
             stretch=joined(lambda test: test.stretch),
             stress=joined(lambda test: test.stress),
-            weight=joined(lambda test: test.weight),
-            stretch2=joined(lambda test: test.stretch2 if test.mode == "uniaxial" else test.across),
+            weight=joined(lambda test: test.weights),
+            stretch2=joined(lambda test: test.stretch2 if test.mode == "uniaxial" else _across(test)),
             stress2=joined(lambda test: test.stress2),
-            weight2=joined(lambda test: test.weight if test.weight2 is None else test.weight2),
+            weight2=joined(lambda test: test.weights if test.weight2 is None else test.weight2),
             second=np.repeat([told(test) for _, test in tests], counts).astype(bool),
         )
 
@@ -226,7 +186,7 @@ class _Gathered:
     held: _Rows
 
     @classmethod
-    def of(cls, tests: Sequence[SheetTest]) -> _Gathered:
+    def of(cls, tests: Sequence[TestCurve]) -> _Gathered:
         numbered = list(enumerate(tests))
         return cls(
             _Rows.of([one for one in numbered if one[1].mode == "uniaxial"]),
@@ -253,7 +213,7 @@ class _Gathered:
 class _Free:
     """The constants that are sought, as a vector z: stresses over their scale, logarithms of upturns, nu, angle/45."""
 
-    tests: Sequence[SheetTest]
+    tests: Sequence[TestCurve]
     names: tuple[str, ...]
     base: Orthotropic
 
@@ -264,7 +224,9 @@ class _Free:
     @property
     def reach(self) -> float:
         """The largest strain I - 1 of the tests."""
-        return max(max(float(test.stretch.max()), float(test.across.max())) for test in self.tests) ** 2 - 1.0
+        return (
+            max(max(float(test.stretch.max()), float(_across(test).max())) for test in self.tests) ** 2 - 1.0
+        )
 
     @property
     def bounds(self) -> tuple[Array, Array]:
@@ -310,7 +272,7 @@ class _Free:
         residual, jacobian = zip(*parts, strict=True)
         return np.concatenate(residual), np.concatenate(jacobian)
 
-    def polished(self, tests: Sequence[SheetTest], z: Array, steps: int) -> tuple[Array, float]:
+    def polished(self, tests: Sequence[TestCurve], z: Array, steps: int) -> tuple[Array, float]:
         """Return the nearest optimum in the box, and half its square sum."""
         low, high = self.bounds
         inside = np.clip(z, low + 1e-9, np.where(np.isfinite(high), high - 1e-9, high))
@@ -337,7 +299,7 @@ class _Free:
             )
         return found.x, float(found.cost)
 
-    def settled(self, tests: Sequence[SheetTest], z: Array) -> tuple[Array, _Free]:
+    def settled(self, tests: Sequence[TestCurve], z: Array) -> tuple[Array, _Free]:
         """Return the optimum on all rows, without the stresses that vanish there."""
         z, cost = self.polished(tests, z, 200)
         free = self
@@ -363,7 +325,7 @@ class _Free:
             found[:, names.index(name)] = jacobian[:, column] / self.slope(name, value)
         return found
 
-    def starts(self, tests: Sequence[SheetTest]) -> list[Array]:
+    def starts(self, tests: Sequence[TestCurve]) -> list[Array]:
         """Return the best non-negative linear solutions over a grid of the other constants."""
         p = self.base.parameters
         k2 = [value / self.reach**2 for value in _UPTURN]
@@ -413,7 +375,7 @@ class _Free:
         The linear problem has none: such a strip shears until its threads lie along the pull.
         """
         slanted = [
-            t for t in self.tests if t.mode == "uniaxial" and t.angle_deg is not None and t.angle_deg % 90.0
+            t for t in self.tests if t.mode == "uniaxial" and t.direction is not None and t.direction % 90.0
         ]
         if not slanted or "k1_bias_MPa" not in self.names:
             return []
@@ -507,21 +469,21 @@ class _LinearRows:
         return np.concatenate(rows)
 
 
-def _linear_rows(test: SheetTest, nu: float) -> _LinearRows:
-    frame = Frame.at(np.full(len(test.stretch), test.angle_deg or 0.0))
+def _linear_rows(test: TestCurve, nu: float) -> _LinearRows:
+    frame = Frame.at(np.full(len(test.stretch), test.direction or 0.0))
     if test.mode == "uniaxial":
         second = test.stretch**-nu if test.stretch2 is None else test.stretch2
     else:
-        second = test.across
+        second = _across(test)
     C = frame.strain(test.stretch**2, second**2, np.zeros_like(second))
-    along = (test.weight * test.stretch)[:, None] * frame.tt
-    right = test.weight * test.stress
+    along = (test.weights * test.stretch)[:, None] * frame.tt
+    right = test.weights * test.stress
     known = test.stress2 if test.mode.startswith("biaxial") else None
-    if test.contraction:
+    if test.contraction is not None:
         known = np.zeros_like(test.stress)
     if known is None:
         return _LinearRows(C, along, None, right)
-    weight = test.weight if test.weight2 is None or test.contraction else test.weight2
+    weight = test.weights if test.weight2 is None or test.contraction is not None else test.weight2
     return _LinearRows(
         C, along, (weight * second)[:, None] * frame.nn, np.concatenate([right, weight * known])
     )
@@ -533,20 +495,14 @@ def _slant(angle: float) -> float:
     return min(turned, 180.0 - turned)
 
 
-def _both_ways(test: SheetTest) -> bool:
+def _both_ways(test: TestCurve) -> bool:
     return test.mode.startswith("biaxial") and test.stress2 is not None
 
 
-def _thinned(tests: Sequence[SheetTest], rows: int) -> list[SheetTest]:
+def _thinned(tests: Sequence[TestCurve], rows: int) -> list[TestCurve]:
     """Return tests of about ``rows`` rows in all, evenly taken."""
     total = sum(len(test.stretch) for test in tests)
     if total <= rows:
         return list(tests)
     share = rows / total
-    return [
-        test.take(
-            np.unique(np.linspace(0, len(test.stretch) - 1, max(int(len(test.stretch) * share), 8)).round())
-            .astype(np.int64)
-        )
-        for test in tests
-    ]  # fmt: skip
+    return [test.thinned(max(int(len(test.stretch) * share), 8)) for test in tests]
