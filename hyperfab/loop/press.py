@@ -12,9 +12,9 @@ from scipy.special import ndtr
 
 from hyperfab.arrays import Array
 from hyperfab.loop.catalogue import catalogue
-from hyperfab.loop.catalogue.press import DataContext
+from hyperfab.loop.catalogue.press import DataContext, PressEffect
 from hyperfab.loop.known import known, known_curve, sure, without_prior
-from hyperfab.loop.press_reading import UNITS, Kind, Reading, Setting, variation
+from hyperfab.loop.press_reading import UNITS, Changes, Kind, Reading, Setting, variation
 from hyperfab.loop.press_table import Moved, PressTable, found_tilt, loads
 from hyperfab.loop.problem import Constant, Curve, Extra, Problem
 from hyperfab.loop.scatter import patches
@@ -44,13 +44,13 @@ class PressProblem(Problem):
     def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return the readings that the press would give, then what is known of the constants, then further tests."""
         value = dict(zip((one.name for one in self.own), own, strict=True))
-        amounts = self.amounts(terms)
-        guided = self._moved(value, amounts)
+        changes = self.changes(terms)
+        guided = self._moved(value, changes)
         now, found = guided, []
         self_aligned: dict[float, Moved] = {}
         set_to: float | None = None
         for reading, scale in zip(self.readings, self.scale, strict=True):
-            factor = guided.factor * _relaxed(amounts, reading)
+            factor = guided.factor * changes.factor(reading)
             if self.setting.floating:
                 mean = float(np.mean(factor))
                 if mean not in self_aligned:
@@ -65,28 +65,33 @@ class PressProblem(Problem):
         found.insert(self.measured_files, known(self.priors, np.asarray(own, dtype=np.float64)))
         return np.concatenate(found)
 
-    def _moved(self, value: Mapping[str, float], amounts: Mapping[str, float]) -> Moved:
-        strains = [amounts.get(f"strain.{side}", 0.0) for side in ("male", "female")]
-        tilt = [
-            0.0 if self.setting.floating else np.radians(amounts.get(f"tilt_deg.{axis}", 0.0))
-            for axis in "xy"
-        ]
-        mechanical = np.array([*tilt, *strains])
-        foam = value["foam.thickness"] * (1.0 - amounts.get("foam.lost", 0.0))
-        compliance = self.setting.compliance + 1e-3 * amounts.get("compliance_mm_kN", 0.0)
+    def changes(self, terms: Mapping[str, tuple[str, Array]]) -> Changes:
+        """Return what ``terms`` change of the press."""
+        found = Changes()
+        for name, (form, values) in terms.items():
+            effect = self.effect(name)
+            assert isinstance(effect, PressEffect)
+            effect.move(found, effect.form(form).named(values))
+        return found
+
+    def _moved(self, value: Mapping[str, float], changes: Changes) -> Moved:
+        tilt = np.zeros(2) if self.setting.floating else changes.tilt
+        mechanical = np.concatenate([tilt, changes.strain])
+        foam = value["foam.thickness"] * (1.0 - changes.lost)
         tables = []
         for table in (self.summed, self.places):
-            uneven = variation(table.plan, amounts)
+            uneven = variation(table.plan, changes.uneven)
             if self.setting.thickness is not None:
                 uneven = uneven * (self.setting.thickness / table.foam)
             factor = foam if np.ndim(uneven) == 0 else foam * np.maximum(1.0 + uneven, 0.05)
             tables.append(table.moved(mechanical).with_foam(factor))
-        shift = float(np.dot(self.setting.zero_rate, strains))
+        shift = float(np.dot(self.setting.zero_rate, changes.strain))
+        compliance = self.setting.compliance + changes.compliance
         return Moved(tables[0], tables[1], value["foam.compression"], compliance, shift, np.zeros(2))
 
     def self_aligned(self, value: Mapping[str, float], terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return the tilt (2,) [rad] a floating female adds to the model's own; ``value`` has the own constants."""
-        guided = self._moved(value, self.amounts(terms))
+        guided = self._moved(value, self.changes(terms))
         return self._floated(guided, guided.factor, value).turn
 
     def _floated(self, now: Moved, factor: float, value: Mapping[str, float]) -> Moved:
@@ -106,7 +111,7 @@ class PressProblem(Problem):
     @cached_property
     def _arm(self) -> Array:
         """Where [mm] the thinned sum has the arm of the force at the model's own balance."""
-        now = self._moved(self._given, {})
+        now = self._moved(self._given, Changes())
         load = loads(now.table, self._opening(now, now.factor, self._given), np.zeros(2))
         return np.asarray(load[1:] / max(load[0], 1e-300))
 
@@ -198,7 +203,7 @@ class PressProblem(Problem):
     @cached_property
     def largest_force(self) -> float:
         """The force [N] at the setting, as the model is."""
-        return float(self._sum(self._moved(self._given, {}), np.array([self.setting.opening]))[0])
+        return float(self._sum(self._moved(self._given, Changes()), np.array([self.setting.opening]))[0])
 
     @property
     def _given(self) -> dict[str, float]:
@@ -251,16 +256,6 @@ class PressProblem(Problem):
             curves=(*self.curves, Curve(reading.name, rows, rows + size, np.arange(size, dtype=np.float64))),
             states={},
         )
-
-
-def _relaxed(amounts: Mapping[str, float], reading: Reading) -> Array | float:
-    """Return the share of the pressure that is left when a reading is taken: one factor, or one a row."""
-    share, time = amounts.get("relaxation.share", 0.0), amounts.get("relaxation.time_s")
-    if time is None or reading.time_s is None:
-        return 1.0 - share
-    return np.asarray(
-        1.0 + share * np.expm1(-((reading.time_s / time) ** amounts.get("relaxation.power", 1.0)))
-    )
 
 
 def press_problem(

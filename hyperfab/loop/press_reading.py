@@ -1,10 +1,12 @@
-"""What was read in a press, and how the press was set; foam whose thickness varies over the plan."""
+"""What was read in a press, how the press was set, and what terms change of it."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any, Literal
+
+import numpy as np
 
 from hyperfab.arrays import Array, Ints
 
@@ -57,15 +59,38 @@ class Setting:
     thickness: float | None = None
 
 
-#: Where a term of the thickness is added: ``variation.xxy`` is the coefficient of x^2 y.
-VARIATION = "variation."
+@dataclass
+class Changes:
+    """What terms change of a press, each adding its own to what the model has.
+
+    tilt        (2,) [rad] of a guided female about the two axes across
+    strain      (2,) of male and female
+    lost        share of the foam's thickness
+    uneven      relative thickness over the plan: coefficients by their terms, as ``xxy``
+    compliance  [mm/N] of the frame
+    left        each tells the share of the foam's pressure that is left when a reading is taken: one, or one a row
+    """
+
+    tilt: Array = field(default_factory=lambda: np.zeros(2))
+    strain: Array = field(default_factory=lambda: np.zeros(2))
+    lost: float = 0.0
+    uneven: dict[str, float] = field(default_factory=dict)
+    compliance: float = 0.0
+    left: list[Callable[[Reading], Array | float]] = field(default_factory=list)
+
+    def factor(self, reading: Reading) -> Array | float:
+        """Return the share of the foam's pressure that is left when a reading is taken."""
+        found: Array | float = 1.0
+        for one in self.left:
+            found = found * one(reading)
+        return found
 
 
-def variation(plan: Array, amounts: Mapping[str, float]) -> Array | float:
-    """Return the relative change (n,) of foam thickness over the plan (n, 2); 0 where no term is among ``amounts``."""
+def variation(plan: Array, terms: Mapping[str, float]) -> Array | float:
+    """Return the relative change (n,) of foam thickness over the plan (n, 2); 0 where there is no term.
+
+    >>> variation(np.array([[0.5, -2.0]]), {"x": 0.1, "xyy": 0.02}).tolist()
+    [0.09]
+    """
     x, y = plan[:, 0], plan[:, 1]
-    return sum(
-        coefficient * x ** name.count("x", len(VARIATION)) * y ** name.count("y", len(VARIATION))
-        for name, coefficient in amounts.items()
-        if name.startswith(VARIATION)
-    )
+    return sum(c * x ** name.count("x") * y ** name.count("y") for name, c in terms.items())

@@ -53,6 +53,10 @@ class Form:
         """The constants at which the effect is absent."""
         return tuple(constant.value for constant in self.constants)
 
+    def named(self, values: Array) -> dict[str, float]:
+        """Return ``values`` by the names of the constants."""
+        return {one.name: float(value) for one, value in zip(self.constants, values, strict=True)}
+
     def enriches(self, name: str) -> bool:
         """Whether this form refines the one of that name."""
         return self.refines == name or (isinstance(self.refines, tuple) and name in self.refines)

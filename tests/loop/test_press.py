@@ -97,9 +97,9 @@ def test_a_floating_female_turns_in_the_loop_as_it_does_in_the_press() -> None:
 
 def test_a_thickness_varies_by_a_polynomial_alike_along_both_axes() -> None:
     plan = np.array([[0.5, -2.0], [-1.5, 3.0]])
-    found = variation(plan, {"variation.x": 0.1, "variation.xyy": 0.02, "tilt": 7.0})
+    found = variation(plan, {"x": 0.1, "xyy": 0.02})
     np.testing.assert_allclose(found, [0.05 + 0.02 * 2.0, -0.15 - 0.02 * 13.5])
-    assert variation(plan, {"tilt": 7.0}) == 0
+    assert variation(plan, {}) == 0
     context = DataContext(60.0, 500.0, 5.0, True, True, 600.0, True, True)
     for form in entry(context).forms:
         names = [one.name for one in form.constants]

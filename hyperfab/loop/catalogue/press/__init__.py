@@ -1,6 +1,26 @@
 """What the model of a press lacks on readings between the molds."""
 
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
+
+from hyperfab.loop.press_reading import Changes
+from hyperfab.loop.problem import Effect
+
+
+@dataclass(frozen=True)
+class PressEffect(Effect):
+    """An entry that says itself what it changes of a press."""
+
+    smooth: bool = False
+    confounded_share: float = 0.95
+    mimic_left: float = 0.35
+
+    @abstractmethod
+    def move(self, press: Changes, at: Mapping[str, float]) -> None:
+        """Add what the effect changes where its constants are ``at`` these values by name: a simpler form has fewer."""
 
 
 @dataclass(frozen=True)

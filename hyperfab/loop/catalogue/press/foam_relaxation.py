@@ -2,19 +2,38 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.press import DataContext
-from hyperfab.loop.problem import Constant, Effect, Form
+from collections.abc import Mapping
+
+import numpy as np
+
+from hyperfab.arrays import Array
+from hyperfab.loop.catalogue.press import DataContext, PressEffect
+from hyperfab.loop.press_reading import Changes, Reading
+from hyperfab.loop.problem import Constant, Form
 
 
-def entry(context: DataContext) -> Effect:
+class FoamRelaxation(PressEffect):
+    """What it does to a press."""
+
+    def move(self, press: Changes, at: Mapping[str, float]) -> None:
+        """Let the pressure fade while it is held, or throughout where no time is known."""
+
+        def left(reading: Reading) -> Array | float:
+            if "time_s" not in at or reading.time_s is None:
+                return 1.0 - at["share"]
+            gone = np.expm1(-((reading.time_s / at["time_s"]) ** at.get("power", 1.0)))
+            return np.asarray(1.0 + at["share"] * gone)
+
+        press.left.append(left)
+
+
+def entry(context: DataContext) -> PressEffect:
     """Return the effect: a share of the pressure, and with readings over time its time."""
-    share = Constant("share", 0.0, 0.0, 0.95, 0.03, places=("relaxation.share",))
+    share = Constant("share", 0.0, 0.0, 0.95, 0.03)
     forms = [Form("share", (share,), ((0.2,), (0.5,)), ((0.05,),))]
     if context.timed:
         whole = context.time_s
-        time = Constant(
-            "time_s", 0.3 * whole, 1e-3 * whole, 30.0 * whole, 0.1 * whole, places=("relaxation.time_s",)
-        )
+        time = Constant("time_s", 0.3 * whole, 1e-3 * whole, 30.0 * whole, 0.1 * whole)
         half = 0.3 * context.time_s
         forms += [
             Form(
@@ -22,19 +41,16 @@ def entry(context: DataContext) -> Effect:
             ),
             Form(
                 "stretched",
-                (share, time, Constant("power", 1.0, 0.2, 1.5, 0.1, places=("relaxation.power",))),
+                (share, time, Constant("power", 1.0, 0.2, 1.5, 0.1)),
                 ((0.2, half, 1.0),),
                 refines="in time",
             ),
         ]
-    return Effect(
+    return FoamRelaxation(
         id="foam-relaxation",
         title="the foam's pressure relaxes",
         rides_on=("time_s",),
         shown_by="the force at a held gap over time",
         source="ISO 3385; one Maxwell branch, or Kohlrausch's stretched exponential",
         forms=tuple(forms),
-        smooth=False,
-        confounded_share=0.95,
-        mimic_left=0.35,
     )

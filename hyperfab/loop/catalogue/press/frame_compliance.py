@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.press import DataContext
-from hyperfab.loop.problem import Constant, Effect, Form
+from collections.abc import Mapping
+
+from hyperfab.loop.catalogue.press import DataContext, PressEffect
+from hyperfab.loop.press_reading import Changes
+from hyperfab.loop.problem import Constant, Form
 
 
-def entry(context: DataContext) -> Effect:
+class FrameCompliance(PressEffect):
+    """What it does to a press."""
+
+    def move(self, press: Changes, at: Mapping[str, float]) -> None:
+        """Let the frame yield."""
+        press.compliance += 1e-3 * at["compliance_mm_kN"]
+
+
+def entry(context: DataContext) -> PressEffect:
     """Return the effect: the frame opens in proportion to the force."""
     whole = 1e3 * context.travel_mm / context.force_N
     reason = (
@@ -14,10 +25,8 @@ def entry(context: DataContext) -> Effect:
         if context.forced and not context.strokes
         else ""
     )
-    compliance = Constant(
-        "compliance_mm_kN", 0.0, 0.0, 20.0 * whole, 0.02 * whole, places=("compliance_mm_kN",)
-    )
-    return Effect(
+    compliance = Constant("compliance_mm_kN", 0.0, 0.0, 20.0 * whole, 0.02 * whole)
+    return FrameCompliance(
         id="frame-compliance",
         title="the frame of the press yields",
         not_sought=reason,
@@ -30,7 +39,4 @@ def entry(context: DataContext) -> Effect:
                 ((0.1 * whole,), (0.5 * whole,)), ((0.02 * whole,),),
             ),
         ),
-        smooth=False,
-        confounded_share=0.95,
-        mimic_left=0.35,
     )  # fmt: skip

@@ -2,22 +2,33 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.press import DataContext
-from hyperfab.loop.press_reading import VARIATION
-from hyperfab.loop.problem import Constant, Effect, Form
+from collections.abc import Mapping
+
+from hyperfab.loop.catalogue.press import DataContext, PressEffect
+from hyperfab.loop.press_reading import Changes
+from hyperfab.loop.problem import Constant, Form
 
 
-def entry(context: DataContext) -> Effect:
+class ThicknessVariation(PressEffect):
+    """What it does to a press."""
+
+    def move(self, press: Changes, at: Mapping[str, float]) -> None:
+        """Add to the terms of the thickness."""
+        for name, coefficient in at.items():
+            press.uneven[name] = press.uneven.get(name, 0.0) + coefficient
+
+
+def entry(context: DataContext) -> PressEffect:
     """Return the effect: a wedge, a bowl, or both, or bent ones, over the plan of the male."""
 
     def terms(*names: str) -> tuple[Constant, ...]:
-        return tuple(Constant(name, 0.0, -0.8, 0.8, 0.02, places=(VARIATION + name,)) for name in names)
+        return tuple(Constant(name, 0.0, -0.8, 0.8, 0.02) for name in names)
 
     x, y, xx, xy, yy = terms("x", "y", "xx", "xy", "yy")
     cubes, fours = terms("xxx", "xxy", "xyy", "yyy"), terms("xxxx", "xxyy", "yyyy")
     some, zeros = 0.05, (0.0,) * 11
     wedge = ((some, 0.0), (0.0, some), (-some, 0.0), (0.0, -some))
-    return Effect(
+    return ThicknessVariation(
         id="thickness-variation",
         title="the foam is not equally thick everywhere",
         rides_on=("x_mm", "y_mm"),
@@ -34,7 +45,4 @@ def entry(context: DataContext) -> Effect:
                 "quartic", (x, y, xx, xy, yy, *cubes, *fours), ((some, *zeros),), refines=("cubic", "flat bowl")
             ),
         ),
-        smooth=False,
-        confounded_share=0.95,
-        mimic_left=0.35,
     )  # fmt: skip
