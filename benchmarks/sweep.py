@@ -11,6 +11,7 @@ The driver holds Dask's scheduler, so its memory is that of both.
 
 from __future__ import annotations
 
+import importlib
 import re
 import resource
 import subprocess
@@ -74,7 +75,7 @@ def drive(study: str, out: str, jobs: str) -> int:
     status = sweep.run(
         Job("sweep", [study], Console(quiet=True)),
         SweepCase(study=study, out=out, jobs=int(jobs)),
-        runner="sweep",
+        commands=importlib.import_module("sweep"),
     )
     print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024)
     return status

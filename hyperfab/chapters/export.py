@@ -6,9 +6,8 @@ from hyperfab import __version__
 from hyperfab.cases.export import ExportCase
 from hyperfab.chapters.fabric import ORTHOTROPIC, FabricDocument, read_fabric_document
 from hyperfab.chapters.job import Job
-from hyperfab.errors import InputError, UsageError
+from hyperfab.errors import UsageError
 from hyperfab.io.output import check_place, write_single
-from hyperfab.materials import bind
 from hyperfab.materials.export import NoCard, Settings, format_called
 from hyperfab.materials.orthotropic import Orthotropic
 
@@ -29,11 +28,7 @@ def run(job: Job, case: ExportCase) -> int:
     _warn(job, fabric, direction)
     fabric.used_at(job)
     job.judge_ranges()
-    constants = fabric.constants(direction)
-    try:
-        law = Orthotropic.of(constants) if source.model == ORTHOTROPIC else bind(source.model, constants)
-    except InputError as error:
-        raise InputError(error.message, file=case.document, key=error.key, remedy=error.remedy) from None
+    law = fabric.law(direction)
     settings = Settings(
         name=case.name,
         bulk_modulus=case.bulk_modulus if case.bulk_modulus is not None else source.bulk_modulus_MPa,

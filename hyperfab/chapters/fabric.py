@@ -1,4 +1,4 @@
-"""A material document as the laws of a fabric: its directions, its temperature, the effects that change the law."""
+"""A material document as laws: its directions, its temperature, the effects that change the law."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from hyperfab.documents.material import AtTemperature, Direction, MaterialDocume
 from hyperfab.errors import InputError
 from hyperfab.materials import Material, bind
 from hyperfab.materials.effects import thermal_softening
+from hyperfab.materials.hyperfoam import ORDERS, Hyperfoam
 from hyperfab.materials.orthotropic import Orthotropic
 from hyperfab.materials.richer import richer
 
@@ -28,7 +29,7 @@ _SAME_K = 0.5
 class FabricDocument:
     """A material document that was read as ``name``, and the temperature [degC] that was ``asked`` for, if any.
 
-    Every command that computes with a fabric takes its laws from here.
+    Every command that computes with a fabric or a foam takes its laws from here.
     """
 
     document: MaterialDocument
@@ -83,6 +84,28 @@ class FabricDocument:
             return material
         factor = self._factor(*softening)
         return replace(material, c=tuple(factor * value for value in material.c))
+
+    def law(self, direction: str | None = None) -> Material | Orthotropic:
+        """Return the law as its constants alone tell it, at the temperature asked for: without the terms of effects."""
+        constants = self.constants(direction)
+        if self.document.model == ORTHOTROPIC:
+            return self._orthotropic(constants)
+        return self._bound(constants, direction, anisotropic=False)
+
+    def foam(self) -> Hyperfoam:
+        """Return the law of a foam at the temperature asked for, linear between those of its tests."""
+        model = self.document.model
+        if model not in ORDERS:
+            raise InputError(
+                f"{model} is no law of a foam",
+                file=self.name,
+                key="model",
+                remedy=f"fit the foam's tests with --model {', '.join(ORDERS)}",
+            )
+        try:
+            return Hyperfoam.of(self.document.constants(None, self.asked))
+        except (KeyError, ValueError) as error:
+            raise InputError(f"no constants of {model}: {error}", file=self.name, key="parameters") from None
 
     def sheet(self) -> Orthotropic | None:
         """Return the law of the whole sheet at the temperature asked for; None where the law is of one direction."""
@@ -153,10 +176,12 @@ class FabricDocument:
                 "thermal-softening needs softening_1_K and reference_degC", file=self.name, key=key
             ) from None
 
-    def _bound(self, constants: Mapping[str, float], direction: str | None) -> Material:
+    def _bound(
+        self, constants: Mapping[str, float], direction: str | None, anisotropic: bool = True
+    ) -> Material:
         key = "parameters" if direction is None else f"directions.{direction}.parameters"
         try:
-            return bind(self.document.model, constants, anisotropic=True)
+            return bind(self.document.model, constants, anisotropic=anisotropic)
         except InputError as error:
             place = f"{key}.{error.key}" if error.key in constants else error.key or key
             raise InputError(error.message, file=self.name, key=place, remedy=error.remedy) from None

@@ -24,7 +24,7 @@ from hyperfab.thermal.material import ThermalMaterial
 from hyperfab.thermal.medium import Medium
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.radiation import Radiation
-from hyperfab.thermal.reduced_steps import NUMBERS, march
+from hyperfab.thermal.reduced_steps import Faces, Numbers, Parts, march
 from hyperfab.thermal.settings import POINTS, Film, Patch, Settings, patch
 from hyperfab.thermal.step import GAMMA
 from hyperfab.thermal.tables import Table
@@ -122,12 +122,9 @@ class ReducedMold:
             areas[below] *= self.bench.uneven(
                 settings.of(i, "bench_from_middle", "bench_along_x", "bench_along_y")
             )
-            numbers = settings.of(i, *NUMBERS)
-            numbers[0] = self.reference_degC
+            numbers = Numbers(*map(float, settings.of(i, *Numbers._fields)))
             drift = settings.air_K(i, stages)
-            states, rates = march(
-                grid,
-                self.start + settings.start_K[i] @ self.warmer,
+            parts = Parts(
                 settings.capacity[i, self.materials][:, None, None] * self.mass,
                 settings.conductivity[i, self.materials][:, None, None] * self.stiffness,
                 self.means,
@@ -137,7 +134,8 @@ class ReducedMold:
                 jumps,
                 closed,
                 self.mean,
-                numbers,
+            )
+            around = Faces(
                 rows,
                 areas,
                 owner,
@@ -148,8 +146,15 @@ class ReducedMold:
                 knots,
                 values,
                 first,
+            )
+            states, rates = march(
+                grid,
+                self.start + settings.start_K[i] @ self.warmer,
+                parts,
+                around,
                 sources,
                 powers * settings.power[i],
+                numbers._replace(reference=self.reference_degC),
             )
             found[i] = self._read(times, grid, states, rates)
         return found

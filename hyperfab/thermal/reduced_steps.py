@@ -2,59 +2,100 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numba
 import numpy as np
 
-#: What a run may be given beside its matrices, in the order of ``numbers``; absent at 0, ``reference`` apart.
-NUMBERS = (
-    "reference", "capacity_per_K", "capacity_per_K2", "conductivity_per_K", "exponent", "lost", "lost_per_K",
-    "lost_per_K2", "back_W_K", "joint_per_K", "surroundings_K", "bench_share", "bench_s", "wire_per_K",
-)  # fmt: skip
+from hyperfab.arrays import Array, Ints
+
+
+class Numbers(NamedTuple):
+    """What a run may be given beside its matrices; absent at 0, ``reference`` [degC] apart."""
+
+    reference: float
+    capacity_per_K: float
+    capacity_per_K2: float
+    conductivity_per_K: float
+    exponent: float
+    lost: float
+    lost_per_K: float
+    lost_per_K2: float
+    back_W_K: float
+    joint_per_K: float
+    surroundings_K: float
+    bench_share: float
+    bench_s: float
+    wire_per_K: float
+
+
+class Parts(NamedTuple):
+    """Matrices of p parts and j joints in r coordinates.
+
+    ``mass``, ``stiffness`` (p, r, r); ``means`` (p, r) give a part's mean temperature, ``mean`` (r,) that of all;
+    ``changes`` (2, p, k, 2) temperatures and factors of its specific heat and conductivity there. ``joined`` (r, r):
+    the joints that conduct well; ``joint`` (j,) conductances of the others, ``jumps`` (j, r, r) their jumps, ``closed``
+    (steps, 2, j) how far each is closed in the stages of a step.
+    """
+
+    mass: Array
+    stiffness: Array
+    means: Array
+    changes: Array
+    joined: Array
+    joint: Array
+    jumps: Array
+    closed: Array
+    mean: Array
+
+
+class Faces(NamedTuple):
+    """Points of quadrature (q) of f faces, of which the last is on what the mold stands on.
+
+    ``rows`` (q, r) give the temperature there, ``weights`` (q,) the area, ``owner`` (q,) the face. Of a face:
+    ``scale`` of its film coefficient, ``extra`` of it [W/m^2/K], ``grey`` emissivity, ``air`` (steps, 2, f) [degC],
+    ``knots``, ``values`` of the film's table, which begin at ``first`` (f + 1,).
+    """
+
+    rows: Array
+    weights: Array
+    owner: Ints
+    scale: Array
+    extra: Array
+    grey: Array
+    air: Array
+    knots: Array
+    values: Array
+    first: Ints
 
 
 @numba.njit(cache=True, error_model="numpy")
-def march(  # type: ignore[no-untyped-def]  # noqa: C901
-    grid,
-    start,
-    masses,
-    stiffnesses,
-    means,
-    changes,
-    joined,
-    joint,
-    jumps,
-    closed,
-    mean,
-    numbers,
-    rows,
-    weights,
-    owner,
-    scale,
-    extra,
-    grey,
-    air,
-    knots,
-    values,
-    first,
-    sources,
-    powers,
-):
+def march(  # noqa: C901
+    grid: Array,
+    start: Array,
+    parts: Parts,
+    faces: Faces,
+    sources: Array,
+    powers: Array,
+    numbers: Numbers,
+) -> tuple[Array, Array]:
     """Step through ``grid``; one Newton step a stage from a guess of first order, exact for linear films.
 
-    ``masses``, ``stiffnesses``, ``means`` are of each part, ``changes`` (2, parts, k, 2) temperatures and factors of
-    its specific heat and conductivity there; ``joined`` are the joints that conduct well, ``joint`` the conductances of
-    the others; the last face is the bench. What does not depend on temperature goes into one matrix, and where that
-    is all, a matrix is factored anew only where the step or a joint changes.
+    ``sources`` (h, r) are the heaters, ``powers`` (steps, 2, h) what they give. What does not depend on temperature
+    goes into one matrix, and where that is all, a matrix is factored anew only where the step or a joint changes.
     """
     n, r = len(grid), len(start)
-    reference, capacity_rate, capacity_bend, conduction_rate, exponent, lost, lost_rate = numbers[:7]
-    lost_bend, back, joint_rate, surroundings, bench_share, bench_time, wire_rate = numbers[7:]
+    masses, stiffnesses, means, changes, joined, joint, jumps, closed, mean = parts
+    rows, weights, owner, scale, extra, grey, air, knots, values, first = faces
+    reference, capacity_rate, capacity_bend, conduction_rate, exponent = numbers[:5]
+    lost, lost_rate, lost_bend, back, joint_rate, surroundings = numbers[5:11]
+    bench_share, bench_time, wire_rate = numbers[11:]
     states, slopes = np.zeros((n, r)), np.zeros((n, r))
     states[0] = start
     slope = np.zeros(r)
-    parts, bench = len(masses), len(scale) - 1
+    count_of_parts, bench = len(masses), len(scale) - 1
     mass, steady = np.zeros((r, r)), joined.copy()
-    for p in range(parts):
+    for p in range(count_of_parts):
         mass += masses[p]
         steady += stiffnesses[p]
     # What a kelvin of air gives through each face.
@@ -99,7 +140,7 @@ def march(  # type: ignore[no-untyped-def]  # noqa: C901
         guess = a + g * slope
         if heavier:
             mass[:] = 0.0
-            for p in range(parts):
+            for p in range(count_of_parts):
                 at = _dot(means[p], a) + 0.5 * step * _dot(means[p], slope)
                 warm = at - reference
                 factor = _between(at, changes[0, p, :, 0], changes[0, p, :, 1], 0, changes.shape[2])
@@ -113,7 +154,7 @@ def march(  # type: ignore[no-untyped-def]  # noqa: C901
                 for k in range(len(joint)):
                     tangent += joint[k] * closed[number, stage, k] * jumps[k]
                 if better:
-                    for p in range(parts):
+                    for p in range(count_of_parts):
                         at = _dot(means[p], guess)
                         factor = _between(at, changes[1, p, :, 0], changes[1, p, :, 1], 0, changes.shape[2])
                         factor *= max(1.0 + conduction_rate * (at - reference), 0.05)

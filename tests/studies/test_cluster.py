@@ -36,6 +36,7 @@ DRIVER = """
 import sys
 from hyperfab.cases.sweep import SweepCase
 from hyperfab.chapters import sweep
+import studies.trivial
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console, run_guarded
 if __name__ == "__main__":
@@ -43,7 +44,7 @@ if __name__ == "__main__":
     sys.exit(run_guarded(lambda: sweep.run(
         Job("sweep", ["study.toml"], Console()),
         SweepCase(study="study.toml", out="out", jobs=None if address else 2, scheduler=address),
-        runner="studies.trivial"), False))
+        commands=studies.trivial), False))
 """
 
 ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests")])}

@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 from conftest import ROOT
+from studies import trivial
 
 from hyperfab.cases.sweep import SweepCase
 from hyperfab.chapters import sweep
@@ -45,6 +46,7 @@ DRIVER = """
 import sys
 sys.path[:0] = [{root!r}, {root!r} + "/tests"]
 from hyperfab.cases.sweep import SweepCase
+import studies.trivial
 from hyperfab.chapters import sweep
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console, run_guarded
@@ -54,7 +56,7 @@ if __name__ == "__main__":
     study, out, jobs, retry = sys.argv[1], sys.argv[2], int(sys.argv[3]), sys.argv[4] == "retry"
     sys.exit(run_guarded(lambda: sweep.run(
         Job("sweep", [study], Console()), SweepCase(study=study, out=out, jobs=jobs, retry_failed=retry),
-        runner="studies.trivial"), True))
+        commands=studies.trivial), True))
 """
 
 
@@ -129,7 +131,7 @@ class Shop:
             status = sweep.run(
                 Job("sweep", ["study.toml"], said),
                 SweepCase(study="study.toml", out=out, jobs=1, retry_failed=retry),
-                runner="studies.trivial",
+                commands=trivial,
             )
         return status, said.text
 

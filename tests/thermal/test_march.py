@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from hyperfab.thermal.reduced_steps import NUMBERS, march
+from hyperfab.thermal.reduced_steps import Faces, Numbers, Parts, march
 
 GAMMA = 1.0 - 0.5 * np.sqrt(2.0)
 END = 400.0
@@ -70,8 +70,8 @@ CASES = {
 
 
 def settings(case):
-    numbers = dict.fromkeys(NUMBERS, 0.0) | {"reference": 21.0}
-    numbers |= {name: value for name, value in case.items() if name in NUMBERS}
+    numbers = dict.fromkeys(Numbers._fields, 0.0) | {"reference": 21.0}
+    numbers |= {name: value for name, value in case.items() if name in Numbers._fields}
     film = case.get("film", FILM)
     changes = np.ones((2, 2, 1, 2))
     if case.get("changes"):
@@ -99,12 +99,12 @@ def stepped(case, steps):
     grid = END * np.linspace(0.0, 1.0, steps + 1) ** 1.2
     stages = np.stack([grid[:-1] + GAMMA * np.diff(grid), grid[1:]], axis=1)
     at = lambda signal: np.array([[signal(t) for t in pair] for pair in stages])  # noqa: E731
-    states, slopes = march(
-        grid, np.array([30.0, 25.0, 40.0]), MASSES, STIFFNESSES, MEANS, changes, JOINED, np.array([6.0]), JUMP[None],
-        at(closed), MEAN, np.array([numbers[name] for name in NUMBERS]), ROWS, WEIGHTS, OWNER, scale, extra, grey,
-        at(air), np.concatenate([film[0], [0.0, 0.0]]), np.concatenate([film[1], [0.0, 0.0]]),
-        np.array([0, len(film[0]), len(film[0]) + 1, len(film[0]) + 2]), SOURCES, at(powers),
-    )  # fmt: skip
+    parts = Parts(MASSES, STIFFNESSES, MEANS, changes, JOINED, np.array([6.0]), JUMP[None], at(closed), MEAN)
+    first = np.array([0, len(film[0]), len(film[0]) + 1, len(film[0]) + 2])
+    knots, values = (np.concatenate([row, [0.0, 0.0]]) for row in film)
+    faces = Faces(ROWS, WEIGHTS, OWNER, scale, extra, grey, at(air), knots, values, first)
+    start = np.array([30.0, 25.0, 40.0])
+    states, slopes = march(grid, start, parts, faces, SOURCES, at(powers), Numbers(**numbers))
     return states, slopes
 
 

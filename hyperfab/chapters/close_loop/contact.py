@@ -17,6 +17,7 @@ from hyperfab.chapters.close_loop.extended_contact import FABRIC, PLACES, contac
 from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, Axis, finish, stated
 from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, read_files, spread, widened
 from hyperfab.chapters.close_loop.softening import linear_of, scaled_material
+from hyperfab.chapters.fabric import FabricDocument
 from hyperfab.chapters.fabric_contact.fabric import read_fabric
 from hyperfab.chapters.fabric_contact.setup import read_geometry, setup_of
 from hyperfab.chapters.job import Job
@@ -260,10 +261,13 @@ def pose(
 
 def _known(material: MaterialDocument, temperature: Array, reference: float) -> Array:
     """Return what the material document itself says of the stiffness at temperatures, over that of the run."""
-    here = material.constants(temperature_degC=reference)
+
+    def at(degrees: float) -> Mapping[str, float]:
+        return FabricDocument(material, "", degrees).constants()
+
+    here = at(reference)
     key = max(bind(material.model, here).law.stresses, key=lambda one: abs(here[one]))
-    at = here[key]
-    return np.array([material.constants(temperature_degC=float(v))[key] / at for v in temperature])
+    return np.array([at(float(v))[key] / here[key] for v in temperature])
 
 
 def noise_of(

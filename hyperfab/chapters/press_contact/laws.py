@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hyperfab.chapters.fabric import FabricDocument
 from hyperfab.chapters.job import Job
 from hyperfab.documents.base import read_document
 from hyperfab.documents.foam import (
@@ -21,7 +22,7 @@ from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import InputError
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.inputs import Inputs
-from hyperfab.materials.hyperfoam import ORDERS, Hyperfoam
+from hyperfab.materials.hyperfoam import ORDERS
 from hyperfab.pressing import foam_law
 from hyperfab.pressing.foam_law import FoamLaw
 from hyperfab.pressing.series import together
@@ -116,17 +117,7 @@ def _plain_law(job: Job, name: str, given: Law, temperature: float) -> FoamLaw:
 def _fitted_law(job: Job, path: str, temperature: float) -> FoamLaw:
     """Return the law of a material document at a temperature, linear between those of its tests."""
     document = read_document(job.inputs, path, MaterialDocument)
-    if document.model not in ORDERS:
-        raise InputError(
-            f"{document.model} is no law of a foam",
-            file=path,
-            key="model",
-            remedy=f"fit the foam's tests with --model {', '.join(ORDERS)}",
-        )
-    try:
-        law = Hyperfoam.of(document.constants(None, temperature))
-    except (KeyError, ValueError) as error:
-        raise InputError(f"no constants of {document.model}: {error}", file=path, key="parameters") from None
+    law = FabricDocument(document, path, temperature).foam()
     known = [row.temperature_degC for row in document.temperatures or []]
     if not known and document.temperature_degC is not None:
         known = [document.temperature_degC]

@@ -6,9 +6,10 @@ import importlib
 import math
 import time
 from collections.abc import Callable
-from typing import Any
+from types import ModuleType
 
 from hyperfab.cases.sweep import SweepCase
+from hyperfab.chapters import steps
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.sweep.checks import check_study
 from hyperfab.chapters.sweep.result import write_result
@@ -28,8 +29,8 @@ MANY = 1_000_000
 LINE_S = 60.0
 
 
-def run(job: Job, case: SweepCase, runner: str = "hyperfab.chapters.steps") -> int:
-    """Run the study; ``runner`` is the module that runs, checks and warms up single commands."""
+def run(job: Job, case: SweepCase, commands: ModuleType = steps) -> int:
+    """Run the study; ``commands`` is the module that runs, checks and warms up single commands."""
     study = case.study
     if case.parquet:
         _need_pyarrow()
@@ -40,14 +41,13 @@ def run(job: Job, case: SweepCase, runner: str = "hyperfab.chapters.steps") -> i
         raise UsageError(
             f"{study}: {document.cases} cases ({factors}{drawn}); more than {MANY} need --yes, or fewer values"
         )
-    commands: Any = importlib.import_module(runner)
     plan = Plan(document, study, job.inputs)
     check_study(plan, commands)
     store = Store(case.out)
     with store.held():
         output = Output(str(store.folder / "sweep.json"), (".csv", ".parquet", ".effects.png", ".cases.png"))
         output.refuse_inputs(job.inputs)
-        engine = _run_cases(job, plan, store, runner, case)
+        engine = _run_cases(job, plan, store, commands, case)
         if isinstance(engine, int):
             return engine
         job.console.note(_account(plan, engine.progress))
@@ -63,7 +63,7 @@ def _run_cases(
     job: Job,
     plan: Plan,
     store: Store,
-    runner: str,
+    commands: ModuleType,
     case: SweepCase,
 ) -> Engine | int:
     """Run what is not finished; return the engine, or the exit status where the user stopped it."""
@@ -72,7 +72,11 @@ def _run_cases(
         with job.console.progress(f"{plan.study.name}") as advance:
             tell = _teller(job, len(plan), len(plan.study.step), advance)
             engine = Engine(
-                None, store, f"{runner}:run", tell, lambda found: case.retry_failed and found.status > 1
+                None,
+                store,
+                f"{commands.__name__}:run",
+                tell,
+                lambda found: case.retry_failed and found.status > 1,
             )
             if not needed:
                 engine.run(plan)
@@ -81,7 +85,7 @@ def _run_cases(
             from hyperfab.studies.warmth import Warmth
 
             used = [step.command for step in plan.study.step]
-            warmth = Warmth(f"{runner}:warm", used, local=case.scheduler is None)
+            warmth = Warmth(f"{commands.__name__}:warm", used, local=case.scheduler is None)
             workers = (
                 cluster.remote(case.scheduler, store.folder, warmth)
                 if case.scheduler
