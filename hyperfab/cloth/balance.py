@@ -6,7 +6,7 @@ import numpy as np
 
 from hyperfab.arrays import Array, Ints
 
-from .contact import move, settle
+from .contact import Laid, move, settle
 from .energy import ROWS
 from .membrane import energy_of
 from .mold import Mold
@@ -56,17 +56,14 @@ class Balance:
         self.released = 0
         while True:
             self.worst, self.where, self.contacts, released, moved = settle(
-                now.x,
+                now,
                 self.f,
                 self.model.mold,
                 self.model.net,
-                *self.laid(),
+                self.laid(),
                 self.fixed,
                 1e-3 * self.tolerance * self.strongest,
-                now.contact,
-                now.slot,
                 self.before,
-                now.clear,
                 self.q,
                 self.r,
                 self.press,
@@ -76,36 +73,17 @@ class Balance:
                 return
             self.forces(now)
 
-    def laid(self) -> tuple[Ints, Array, Ints]:
+    def laid(self) -> Laid:
         """Springs laid over sharp edges at the place of the last forces, their ways, and those of each node."""
-        return self.model.springs, self.model.ways, self.model.hinges()
+        return Laid(self.model.springs, self.model.ways, self.model.hinges())
 
-    def move(
-        self, now: State, d: Array, alpha: float, out: State, laid: tuple[Ints, Array, Ints] | None = None
-    ) -> None:
+    def move(self, now: State, d: Array, alpha: float, out: State, laid: Laid | None = None) -> None:
         """``out`` = nodes at ``now.x + alpha d``, back on the mold where they touch it; ``laid`` as at ``now``."""
         laid = laid or self.laid()
         n, m = self.size
         rows = max(1, ROWS // m)
         for i in range(0, n, rows):
-            move(
-                now.x,
-                d,
-                alpha,
-                self.model.mold,
-                now.contact,
-                now.slot,
-                now.clear,
-                out.x,
-                out.contact,
-                out.slot,
-                out.clear,
-                now.crossed,
-                out.crossed,
-                *laid,
-                i,
-                min(i + rows, n),
-            )
+            move(now, d, alpha, self.model.mold, out, laid, i, min(i + rows, n))
 
     def line(self, iteration: int, alpha: float = 1.0, inner: int = 0) -> Step:
         """A line of the history."""

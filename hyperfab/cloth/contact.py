@@ -7,6 +7,8 @@ goes on to the facet that lets it follow the force, or leaves. A node leaves whe
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import numpy.typing as npt
 
@@ -16,9 +18,10 @@ from hyperfab.surface.bvh import DEPTH, nearest_one, ray_one
 
 from .creases import over_edge
 from .features import beside, copy, decide, dot, edge_reached, outward, sharp_edge_at, unfold, valley
-from .mold import FREE, ON_FACE, SHARP, Mold, States
+from .mold import FREE, ON_FACE, SHARP, Mold
 from .net import Arrays
 from .pinning import pinned
+from .state import State
 
 #: Share of the mold's size beyond which a step may lead through it, or along a tangent to nowhere.
 LONG = 1e-3
@@ -26,33 +29,34 @@ LONG = 1e-3
 MOST_FACETS = 65536
 
 
+class Laid(NamedTuple):
+    """Springs over sharp edges: ``springs`` (b, 4), their frames ``ways`` (b, 13), and ``hinges`` (n, m, 2), those of
+    each node; empty without sharp edges."""
+
+    springs: Ints
+    ways: Array
+    hinges: Ints
+
+
 @kernel
 def move(  # noqa: C901
-    x: Array,
+    now: State,
     d: Array,
     alpha: float,
     mold: Mold,
-    state: States,
-    slot: Ints,
-    clear: Array,
-    xt: Array,
-    state_t: States,
-    slot_t: Ints,
-    clear_t: Array,
-    crossed: States,
-    crossed_t: States,
-    bent: Ints,
-    ways: Array,
-    hinges: Ints,
+    out: State,
+    laid: Laid,
     first: int,
     last: int,
 ) -> None:
     """Nodes of rows ``first:last`` moved by ``alpha d`` and set back onto the mold where they are on or in it.
 
-    ``bent``, ``ways`` and ``hinges``: the bent springs, their frames, and those of each node (empty without sharp
-    edges). A node that goes over the same edge twice in a row (``crossed``) stops on it.
+    A node that goes over the same edge twice in a row (``crossed``) stops on it.
     ``clear`` is a distance below which a free node's ball holds no part of the mold: most free nodes need no search.
     """
+    x, state, slot, clear, crossed = now
+    xt, state_t, slot_t, clear_t, crossed_t = out
+    bent, ways, hinges = laid
     m = x.shape[1]
     stack, stack_d = np.empty(DEPTH, np.int64), np.empty(DEPTH)
     y, u = np.empty(3), np.empty(3)
@@ -191,19 +195,14 @@ def _projector(bits: int, normals: Array, count: int, q: Array) -> None:
 
 @kernel
 def settle(
-    x: Array,
+    now: State,
     f: Array,
     mold: Mold,
     net: Arrays,
-    bent: Ints,
-    ways: Array,
-    hinges: Ints,
+    laid: Laid,
     fixed: npt.NDArray[np.uint8],
     slack: float,
-    state: States,
-    slot: Ints,
     before: Ints,
-    clear: Array,
     q: Array,
     r: Array,
     press: Array,
@@ -215,6 +214,8 @@ def settle(
     Returns the largest unbalanced force, its node (flat index), the number of nodes on the mold, how many were let
     go, and how many were put onto a valley's line or off a sharp edge, so that the forces are no longer theirs.
     """
+    x, state, slot, clear, _ = now
+    bent, ways, hinges = laid
     n, m = x.shape[0], x.shape[1]
     slots = np.empty(MOST_FACETS, np.int64)
     t, u = np.empty(3), np.empty(3)

@@ -6,8 +6,6 @@ and the nodes move by K dx/dp = Q df/dp with the tangent K there, each node in t
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from hyperfab.arrays import Array
@@ -56,11 +54,11 @@ class Neighbourhood:
         there = self._forces(sheet, x)
         there.r = there.f.copy()
         project(self._balance.q, there.r)  # next to nothing: the rest is of mold and clamps
-        ended = there.ended(replace(self._found.state.copy(), x=x), "", [])
+        ended = there.ended(self._found.state.copy()._replace(x=x), "", [])
         return answers(sheet, self._mold, ended, self._deepest)
 
     def _forces(self, sheet: Sheet, x: Array) -> Balance:
         found = Balance(sheet, self._mold, 1e-6)
         found.model.straight = self._balance.model.straight
-        found.forces(replace(self._found.state.copy(), x=x))
+        found.forces(self._found.state.copy()._replace(x=x))
         return found

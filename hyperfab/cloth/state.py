@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from hyperfab.arrays import Array, Ints
 
 from .mold import States
 
 
-@dataclass
-class State:
-    """Where the nodes are, and how each stands to the mold."""
+class State(NamedTuple):
+    """Where the nodes are, and how each stands to the mold; kernels take it as it is."""
 
     x: Array  # (n, m, 3) mm
     contact: States  # (n, m) FREE, or 1 + feature
@@ -21,7 +21,7 @@ class State:
 
     def assign(self, other: State) -> None:
         """Become as ``other``."""
-        for name in ("x", "contact", "slot", "clear", "crossed"):
+        for name in self._fields:
             getattr(self, name)[:] = getattr(other, name)
 
     def copy(self) -> State:

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from hyperfab.cloth.contact import move
+from hyperfab.cloth.contact import Laid, move
 from hyperfab.cloth.mold import FREE, ON_FACE, Mold, mold_of
+from hyperfab.cloth.state import State
 from hyperfab.surface import Surface
 
 HALF = 10.0
@@ -32,12 +33,17 @@ def moved(mold: Mold, start: Node, step: tuple[float, float, float]) -> Node:
     one = (1, 1)
     place, onto = np.asarray(start.at, float).reshape(1, 1, 3), np.empty((1, 1, 3))
     states, slots, clears = np.empty(one, np.int8), np.empty(one, np.int64), np.empty(one)
-    move(
-        place, np.asarray(step, float).reshape(1, 1, 3), 1.0, mold,
-        np.full(one, start.state, np.int8), np.full(one, start.slot), np.full(one, start.clear),
-        onto, states, slots, clears, np.zeros(one, np.int8), np.zeros(one, np.int8),
-        np.empty((0, 4), np.int64), np.empty((0, 13)), np.zeros((1, 1, 2), np.int64), 0, 1,
-    )  # fmt: skip
+    crossed = np.zeros(one, np.int8)
+    now = State(
+        place,
+        np.full(one, start.state, np.int8),
+        np.full(one, start.slot),
+        np.full(one, start.clear),
+        crossed,
+    )
+    flat = Laid(np.empty((0, 4), np.int64), np.empty((0, 13)), np.zeros((1, 1, 2), np.int64))
+    out = State(onto, states, slots, clears, crossed.copy())
+    move(now, np.asarray(step, float).reshape(1, 1, 3), 1.0, mold, out, flat, 0, 1)
     return Node(onto[0, 0], int(states[0, 0]), int(slots[0, 0]), float(clears[0, 0]))
 
 
