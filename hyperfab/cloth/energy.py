@@ -7,8 +7,8 @@ import numpy.typing as npt
 
 from hyperfab.arrays import Array, Ints
 
+from .bends import find_bends
 from .creases import bend_forces, bend_stiffness, hinge_nodes, unjoin
-from .laying import find_bends
 from .linear import Tangent
 from .mold import Mold
 from .net import Sheet, forces, stiffness

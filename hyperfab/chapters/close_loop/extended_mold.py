@@ -264,9 +264,10 @@ class _Wider:
             h = contact.h * self.own.get(f"contact.{index}.h", 1.0)
             h /= 1.0 + self.at(f"resistance.{len(pairs) + index}") * h
             self.mold["contact"][index]["h"] = f"{h!r} W/m^2/K"
-        if any(place.startswith("resistance.") for place in self.amounts):
-            for k, pair in enumerate(pairs):
-                h = 1.0 / max(self.at(f"resistance.{k}"), 1e-7)
+        opened = [self.amounts.get(f"resistance.{k}") for k in range(len(pairs))]
+        for pair, resistance in zip(pairs, opened, strict=True):
+            if resistance is not None:
+                h = 1.0 / max(resistance, 1e-7)
                 self.mold.setdefault("contact", []).append({"between": list(pair), "h": f"{h!r} W/m^2/K"})
         if self.at("joint_per_K"):
             self.notes.append(
@@ -281,9 +282,9 @@ class _Wider:
         if "emissivity" not in self.amounts:
             return
         warmer = self.at("surroundings_K")
-        sky = [self.ambient("convection", index, warmer) for index in range(len(self.reduced.films))]
-        for one in [sky[k] for k in range(len(sky)) if sky[k] not in sky[:k]]:
-            faces = [f for f, other in zip(self.mold["convection"], sky, strict=False) if other == one]
+        around = [self.ambient("convection", index, warmer) for index in range(len(self.reduced.films))]
+        for one in [around[k] for k in range(len(around)) if around[k] not in around[:k]]:
+            faces = [f for f, other in zip(self.mold["convection"], around, strict=False) if other == one]
             places = [place for section in faces for place in _listed(section["on"])]
             self.mold.setdefault("radiation", []).append(
                 {"on": places, "emissivity": self.amounts["emissivity"], "ambient": one}

@@ -117,10 +117,10 @@ def pose(
     if document.effects:
         bare = fabric_problem(law, constants, tests.tests, weft=weft)
         stress = np.concatenate([test.stress for test in tests.tests])
-        scene = DataContext(
+        context = DataContext(
             law, tuple(constants), bare.fabric.path, stress, False, len(bare.transverse_rows) > 0
         )
-        held = held_terms(document, name, {effect.id: effect for effect in catalogue("fabric", scene)})
+        held = held_terms(document, name, {effect.id: effect for effect in catalogue("fabric", context)})
     known = set(law.names) | {f"warp {key}" for key in law.names} | {f"weft {key}" for key in law.names}
     known |= {constant.name for _, constants_ in held.values() for constant in constants_}
     for key in fix:

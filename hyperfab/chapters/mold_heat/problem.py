@@ -197,8 +197,8 @@ class MoldBuilder:
             timed[f"temperature.{i}"] = self.tables.function(held.value, "temperature", "time")
         for i, film in enumerate(document.convection):
             timed[f"convection.{i}.ambient"] = self.tables.function(film.ambient, "temperature", "time")
-        for i, sky in enumerate(document.radiation):
-            timed[f"radiation.{i}.ambient"] = self.tables.function(sky.ambient, "temperature", "time")
+        for i, radiation in enumerate(document.radiation):
+            timed[f"radiation.{i}.ambient"] = self.tables.function(radiation.ambient, "temperature", "time")
         for i, heater in enumerate(document.heater):
             if heater.schedule is not None:
                 timed[f"heater.{i}"] = self.tables.file(heater.schedule, "power", "time")
