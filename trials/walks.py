@@ -23,7 +23,7 @@ WALKS = {
     "one temperature, from a TOML to a gap of a press": (
         "mold-heat molds/cup-on-plate.toml -o {0}/heat.json",
         "press-contact --male molds/cup-male.stl --female molds/cup-female.stl --axis z --foam specimens/foam.toml "
-        "--gap 3mm --male-heat {0}/heat.json -o {0}/press.json",
+        "--gap 3mm --male-heat {0}/heat.json:cup -o {0}/press.json",
     ),
     "one reading, through the loop": (
         "close-loop {0}/warp.json --measured specimens/lycra/warp-23C.csv --measured specimens/lycra/weft-23C.csv "

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
 from hyperfab.cases.field import Setting, settings_of
-from hyperfab.cases.kinds import plain, tolerances, with_tolerances
+from hyperfab.cases.kinds import plain
+from hyperfab.cases.tolerances import tolerances, with_tolerances
 from hyperfab.errors import InputError, UsageError
 
 #: Keys of ``setup`` beside the fields: which were not asked but follow from inputs, and what the input files hold.

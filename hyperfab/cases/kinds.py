@@ -244,7 +244,33 @@ class Flag(Kind):
 
 
 @dataclass(frozen=True)
-class Series(Kind):
+class _Several(Kind):
+    """Values of one kind, in a list."""
+
+    item: Kind
+
+    @property
+    def unit(self) -> str:  # type: ignore[override]
+        """The unit of each."""
+        return self.item.unit
+
+    def load(self, data: Any) -> tuple[Any, ...]:
+        """Return the values of a list."""
+        if not isinstance(data, (list, tuple)):
+            raise ValueError("a list is needed")
+        return tuple(self.item.load(one) for one in data)
+
+    def dump(self, value: Sequence[Any]) -> list[Any]:
+        """Return the values as a list."""
+        return [self.item.dump(one) for one in value]
+
+    def schema(self) -> dict[str, Any]:
+        """Return a list."""
+        return {"type": "array", "items": self.item.schema()}
+
+
+@dataclass(frozen=True)
+class Series(_Several):
     """Several of a kind in one option, as ``20mm,40mm``: ``count`` says how many, (2,) or (1, 2) or any.
 
     One alone stands for both of a pair.
@@ -253,15 +279,9 @@ class Series(Kind):
     (200.0, 200.0)
     """
 
-    item: Kind
     mark: str
     count: tuple[int, ...]
     example: str
-
-    @property
-    def unit(self) -> str:  # type: ignore[override]
-        """The unit of each."""
-        return self.item.unit
 
     def read(self, text: Any, option: str) -> tuple[Any, ...]:
         """Return the values."""
@@ -286,28 +306,14 @@ class Series(Kind):
         """Return the values of a list."""
         if not isinstance(data, (list, tuple)) or (self.count and len(data) != max(self.count)):
             raise ValueError("a list is needed" + (f" of {max(self.count)}" if self.count else ""))
-        return tuple(self.item.load(one) for one in data)
-
-    def dump(self, value: Sequence[Any]) -> list[Any]:
-        """Return the values as a list."""
-        return [self.item.dump(one) for one in value]
-
-    def schema(self) -> dict[str, Any]:
-        """Return a list."""
-        return {"type": "array", "items": self.item.schema()}
+        return super().load(data)
 
 
 @dataclass(frozen=True)
-class Many(Kind):
+class Many(_Several):
     """An option that is repeated, each with one value."""
 
-    item: Kind
     repeated: ClassVar[bool] = True
-
-    @property
-    def unit(self) -> str:  # type: ignore[override]
-        """The unit of each."""
-        return self.item.unit
 
     def read(self, text: Any, option: str) -> tuple[Any, ...]:
         """Return the values, in order."""
@@ -316,20 +322,6 @@ class Many(Kind):
     def words(self, value: Sequence[Any]) -> list[str]:
         """Return a text for each."""
         return [self.item.words(one) for one in value]
-
-    def load(self, data: Any) -> tuple[Any, ...]:
-        """Return the values of a list."""
-        if not isinstance(data, list):
-            raise ValueError("a list is needed")
-        return tuple(self.item.load(one) for one in data)
-
-    def dump(self, value: Sequence[Any]) -> list[Any]:
-        """Return the values as a list."""
-        return [self.item.dump(one) for one in value]
-
-    def schema(self) -> dict[str, Any]:
-        """Return a list."""
-        return {"type": "array", "items": self.item.schema()}
 
 
 @dataclass(frozen=True)
@@ -368,33 +360,6 @@ class OrName(Kind):
     def schema(self) -> dict[str, Any]:
         """Return either."""
         return {"anyOf": [self.item.schema(), {"enum": list(self.names)}]}
-
-
-def tolerances(value: Any, path: str) -> dict[str, float]:
-    """Return the standard deviations that a value states, by the places of its numbers: ``size_mm.0``.
-
-    >>> tolerances((Toleranced(20.0, 0.5), 30.0), "size_mm")
-    {'size_mm.0': 0.5}
-    """
-    if isinstance(value, Toleranced):
-        return {path: value.sd}
-    found: dict[str, float] = {}
-    if isinstance(value, (Mapping, tuple, list)):
-        items = value.items() if isinstance(value, Mapping) else enumerate(value)
-        for key, one in items:
-            found |= tolerances(one, f"{path}.{key}")
-    return found
-
-
-def with_tolerances(value: Any, path: str, known: Mapping[str, float]) -> Any:
-    """Return a value with the standard deviations that are ``known`` of its numbers, by their places."""
-    if isinstance(value, float) and path in known:
-        return toleranced(value, known[path])
-    if isinstance(value, tuple):
-        return tuple(with_tolerances(one, f"{path}.{i}", known) for i, one in enumerate(value))
-    if isinstance(value, Mapping):
-        return {key: with_tolerances(one, f"{path}.{key}", known) for key, one in value.items()}
-    return value
 
 
 def plain(data: Any) -> Any:

@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from typing import Any, TypeVar
 
 from hyperfab.cases.case import Case
-from hyperfab.cases.kinds import tolerances
+from hyperfab.cases.tolerances import tolerances
 from hyperfab.errors import UsageError
 
 CaseT = TypeVar("CaseT", bound=Case)

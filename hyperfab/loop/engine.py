@@ -14,8 +14,9 @@ from hyperfab.loop.dependence import dependence, suggestion
 from hyperfab.loop.design import NextMeasurement, next_measurement
 from hyperfab.loop.fitting import Fit, fit, least_misfits
 from hyperfab.loop.judge import common_bic
-from hyperfab.loop.noise import Noise, estimate_noise, replicates
+from hyperfab.loop.noise import Noise, estimate_noise
 from hyperfab.loop.problem import Problem
+from hyperfab.loop.replicates import replicates
 from hyperfab.loop.search import Candidate, Evidence, Search
 from hyperfab.loop.thresholds import ENOUGH, EXPLAINED, MARGIN, MOST_SCATTER, ONE_CLOTH, SMALL
 

@@ -9,7 +9,8 @@ from hyperfab.chapters.field import read_field
 from hyperfab.chapters.molds import TURNED, read_mesh
 from hyperfab.documents.base import read_document
 from hyperfab.documents.heat import HeatDocument
-from hyperfab.documents.mold import BodySection, FacesInBox, MoldDocument, PartSection, ShapeSection
+from hyperfab.documents.mold import FacesInBox, MoldDocument
+from hyperfab.documents.mold_shapes import BodySection, PartSection, ShapeSection
 from hyperfab.errors import InputError
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.vtu_read import Grid

@@ -14,8 +14,8 @@ import numpy as np
 from pydantic import BaseModel
 
 from hyperfab.cases.case import Case
-from hyperfab.cases.kinds import tolerances
 from hyperfab.cases.place import get, put
+from hyperfab.cases.tolerances import tolerances
 from hyperfab.documents.base import Document, parse_document
 from hyperfab.documents.material import AtTemperature, Direction, FitUncertainty, MaterialDocument
 from hyperfab.io.inputs import Inputs

@@ -1,0 +1,94 @@
+"""Which curves were led the same way, and what two of them differ by."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from hyperfab.arrays import Array
+from hyperfab.loop.problem import Curve
+from hyperfab.loop.thresholds import CLEARLY
+
+
+def replicates(curves: Sequence[Curve], channel: int = 0) -> list[tuple[Curve, Curve]]:
+    """Return pairs of curves that were led the same way."""
+    setups: dict[tuple[str, int], list[Curve]] = {}
+    for curve in curves:
+        if curve.setup:
+            setups.setdefault((curve.setup, curve.channel), []).append(curve)
+    return [
+        (members[i], members[i + 1])
+        for members in setups.values()
+        for i in range(len(members) - 1)
+        if members[i].channel == channel
+    ]
+
+
+def told_apart(apart: Array, level: Array, others: Sequence[Array]) -> tuple[Array, float, Array]:
+    """Return the coefficients of what two replicates differ by, the variance of the first, and what is left.
+
+    They differ in stiffness; or, where that explains it much better, also by an offset of the load cell or by slack.
+    Those are for the loop to find: as noise they would hide.
+    """
+
+    def least(columns: Sequence[Array]) -> tuple[Array, Array, Array]:
+        matrix = np.stack(columns, axis=1)
+        inverse = np.asarray(np.linalg.pinv(matrix.T @ matrix, hermitian=True), dtype=np.float64)
+        coefficients = inverse @ (matrix.T @ apart)
+        return coefficients, inverse, apart - matrix @ coefficients
+
+    stiffer = least([level])
+    best = min(((*least([other]), other) for other in others), key=lambda one: float(one[2] @ one[2]))
+    found = stiffer
+    if float(stiffer[2] @ stiffer[2]) - float(best[2] @ best[2]) > CLEARLY:
+        found = least([level, best[3]])
+    return found[0], float(found[1][0, 0]), found[2]
+
+
+def difference(y: Array, sd: Array, first: Curve, second: Curve) -> tuple[Array, Array, Array, Array]:
+    """Return the second replicate minus the first at the second's places, and their level, slope and mean sd there."""
+    found: list[tuple[Array, Array, Array, Array]] = []
+    for one, other in zip(moving(first), moving(second), strict=False):
+        x1 = _places(first)[one.start - first.start : one.stop - first.start]
+        x2 = _places(second)[other.start - second.start : other.stop - second.start]
+        order = np.argsort(x1, kind="stable")
+        inside = (x2 >= x1[order[0]]) & (x2 <= x1[order[-1]])
+        there = np.interp(x2[inside], x1[order], y[one][order])
+        level = (y[other][inside] + there) / 2.0
+        # Of both, so that half the square of their difference is one.
+        both = np.sqrt((sd[other][inside] ** 2 + np.interp(x2[inside], x1[order], sd[one][order] ** 2)) / 2.0)
+        found.append((y[other][inside] - there, level, _slope(x2[inside], level), both))
+    if not found:
+        return np.empty(0), np.empty(0), np.empty(0), np.empty(0)
+    apart, level, slope, deviation = (np.concatenate([one[k] for one in found]) for k in range(4))
+    return apart, level, slope, deviation
+
+
+def moving(curve: Curve) -> list[slice]:
+    """Return the smooth pieces of a curve without those in which its place stands still, unless all do.
+
+    What relaxes while a stretch is held is steep at first: differences of such readings are no noise.
+    """
+    places = _places(curve)
+    least = 1e-3 * float(np.ptp(places)) if len(places) else 0.0
+    pieces = curve.pieces()
+    going = [
+        one
+        for one in pieces
+        if float(np.ptp(places[one.start - curve.start : one.stop - curve.start])) > least
+    ]
+    return going or pieces
+
+
+def _slope(place: Array, value: Array) -> Array:
+    """Return the slope of a smooth piece of a curve, by a cubic through all of it."""
+    if len(place) < 8 or np.ptp(place) == 0.0:
+        return np.zeros_like(value)
+    scaled = (place - place[0]) / np.ptp(place)
+    cubic = np.polynomial.Polynomial.fit(scaled, value, 3)
+    return np.asarray(cubic.deriv()(scaled) / np.ptp(place))
+
+
+def _places(curve: Curve) -> Array:
+    return curve.abscissa if curve.place is None else curve.place
