@@ -10,7 +10,8 @@ import numpy as np
 
 from hyperfab.arrays import Array, Ints
 
-_NAMED = {"warp": 0.0, "weft": 90.0}
+#: Directions that have a name, in degrees from the warp.
+DIRECTIONS = {"warp": 0.0, "weft": 90.0}
 
 
 @dataclass(frozen=True)
@@ -93,7 +94,7 @@ class TestCurve:
         """``warp``, ``weft``, or the angle from the warp as text."""
         if self.direction is None:
             return None
-        named = (name for name, angle in _NAMED.items() if angle == self.direction)
+        named = (name for name, angle in DIRECTIONS.items() if angle == self.direction)
         return next(named, f"{self.direction:g} deg")
 
     @property
@@ -110,4 +111,4 @@ def angle_named(name: str | None) -> float | None:
     """
     if name is None:
         return None
-    return _NAMED[name] if name in _NAMED else float(name.split()[0])
+    return DIRECTIONS[name] if name in DIRECTIONS else float(name.split()[0])

@@ -1,18 +1,96 @@
-"""A typer command from a case: its options, help and defaults are those of the case's fields."""
+"""A typer command from a case: its options and help are those of the case's fields; the way to its chapter."""
 
 from __future__ import annotations
 
 import inspect
+import os
+import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hyperfab.cli.shared import Debug, Quiet, Strict, run_case
+from hyperfab.console import Console, run_guarded
 
 if TYPE_CHECKING:
     from hyperfab.cases.case import Case
     from hyperfab.cases.field import Setting
+
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Only warnings and errors on standard error.")]
+Strict = Annotated[
+    bool,
+    typer.Option(
+        "--strict", help="End with status 1 where a law or table was used beyond what is known of it."
+    ),
+]
+Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of a defect.")]
+#: Commands that run compiled kernels, and the package that holds them.
+COMPILED = {"drape": "cloth", "press-contact": "surface"}
+#: Options about how a run is shown, not about what it computes: no part of provenance.
+_ABOUT_THE_RUN = ("quiet", "debug", "strict")
+
+
+def run_case(context: typer.Context, cls: type[Case]) -> None:
+    """Run the chapter of a command on the case that its options give, and end with its exit status."""
+
+    def action() -> int:
+        from hyperfab.chapters.commands import asked, run
+        from hyperfab.chapters.job import Job
+
+        given = {
+            name: context.params[name]
+            for name in cls.settings()
+            if (source := context.get_parameter_source(name)) is not None and source.name == "COMMANDLINE"
+        }
+        job = Job(
+            cls.COMMAND,
+            arguments_given(context),
+            Console(bool(context.params.get("quiet"))),
+            target=str(context.params.get("output", "-")),
+            strict=bool(context.params["strict"]),
+            sums_up=_sums_up(context),
+        )
+        announce_compilation(job.console, cls.COMMAND)
+        status = run(job, asked(job, cls, given, context.params.get("like")))
+        job.console.count()
+        return status
+
+    raise typer.Exit(run_guarded(action, bool(context.params.get("debug"))))
+
+
+def _sums_up(context: typer.Context) -> bool:
+    """Whether a person sits at standard output who did not ask for the document there: a summary serves them."""
+    source = context.get_parameter_source("output")
+    return sys.stdout.isatty() and (source is None or source.name != "COMMANDLINE")
+
+
+def announce_compilation(console: Console, command: str) -> None:
+    """Say before a first run that it compiles: half a minute without a word looks like a fault."""
+    package = COMPILED.get(command)
+    if package is None or os.environ.get("NUMBA_CACHE_DIR"):
+        return
+    folder = Path(__file__).resolve().parent.parent / package / "__pycache__"
+    if not any(folder.glob("*.nbi")):
+        console.note("first run: compiling once, about half a minute")
+
+
+def arguments_given(context: typer.Context) -> list[str]:
+    """Return the arguments as given, in the order of the help page, without the output's name."""
+    words: list[str] = []
+    for parameter in context.command.params:
+        name = parameter.name or ""
+        source = context.get_parameter_source(name)
+        if source is None or source.name != "COMMANDLINE" or name in ("output", *_ABOUT_THE_RUN):
+            continue
+        value = context.params[name]
+        for item in value if isinstance(value, (list, tuple)) else [value]:
+            if parameter.param_type_name == "option":
+                words.append(max(parameter.opts, key=len))
+            if not isinstance(item, bool):
+                words.append(str(item))
+    return words
+
 
 Like = Annotated[
     str | None,

@@ -11,17 +11,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hyperfab.arrays import Array, Ints
+from hyperfab.arrays import Ints
 from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
 from hyperfab.io.csv_dialect import CsvSheet, open_sheets
-from hyperfab.io.csv_numbers import numbers, quantities, seconds, settle_decimal, words
-from hyperfab.io.headings import Heading, is_of, kind_named, word_for
+from hyperfab.io.csv_numbers import settle_decimal, words
+from hyperfab.io.headings import kind_named, word_for
 from hyperfab.io.layout import Choice, Layout, filled_in, layout
-from hyperfab.io.roles import STRESSES, STRETCHES, Roles, fits, no_test, roles, specimens, unitless
+from hyperfab.io.roles import STRESSES, STRETCHES, Roles, fits, no_test, roles, specimens
+from hyperfab.io.row_states import directions, of_each_row, words_or_stated
 from hyperfab.io.specimen import Geometry, Loading, read_geometry, read_loading
-from hyperfab.io.stated import amount, stated
-from hyperfab.io.tables import NO_READING, is_clock, is_number
+from hyperfab.io.tables import NO_READING, is_number
 from hyperfab.io.understood import understood
 
 #: The deformation modes a test can be in.
@@ -34,8 +34,6 @@ TESTS = (
     "biaxial-general",
     "volumetric",
 )
-_DEGREES = {"warp": 0.0, "weft": 90.0}
-_SIDES = {"load": 1, "unload": -1}
 
 
 #: Beyond these no fabric or rubber was ever tested: a wrong unit or a wrong column. The stress is the largest of a
@@ -124,17 +122,17 @@ def _read_sheet(
     mark = settle_decimal(sheet, numeric, decimal)
     notes: list[str] = []
     sizes = read_geometry(sheet, geometry, mark, notes)
-    directions = _directions(sheet, columns)
-    named = _words_or_stated(sheet, columns, "specimen")
+    ways = directions(sheet, columns)
+    named = words_or_stated(sheet, columns, "specimen")
     numbered = (
         [label] * len(sheet.lines) if label and len(set(named)) <= 1 and not (named and named[0]) else named
     )
-    groups = _groups(kinds, directions, numbered)
+    groups = _groups(kinds, ways, numbered)
     loadings = {
         kind: read_loading(sheet, columns, kind, sizes, mark, geometry, compression)
         for kind in sorted({one for one, _, _ in groups})
     }
-    known: dict[str, Any] = _of_each_row(sheet, columns, sizes, mark, clock, notes)
+    known: dict[str, Any] = of_each_row(sheet, columns, sizes, mark, clock, notes)
     metadata = {key: entries[0].value for key, entries in sheet.metadata.items()}
     lines = np.array(sheet.lines, dtype=np.int64)
     aside = [*columns.aside, *_set_aside(columns, loadings.values())]
@@ -311,58 +309,6 @@ def _agree(stated: str, given: str) -> bool:
     return stated.removesuffix("-general") == given.removesuffix("-general")
 
 
-def _directions(sheet: CsvSheet, columns: Roles) -> list[float | None]:
-    column = columns.columns.get("direction")
-    if column is None:
-        entry = stated(sheet, "direction")
-        value = None
-        if entry is not None:
-            value = _direction(entry.value, None, sheet, entry.line) if entry.sure else _degrees(entry.value)
-        return [value] * len(sheet.lines)
-    texts = words(sheet, column.heading)
-    known = {}
-    for text, line in zip(texts, sheet.lines, strict=True):
-        if text not in known:
-            known[text] = _direction(text, column.heading, sheet, line)
-    return [known[text] for text in texts]
-
-
-def _degrees(text: str) -> float | None:
-    """Return the angle from the warp that a word or a number tells, or None."""
-    named = word_for(text, "DIRECTIONS")
-    if named is not None:
-        return _DEGREES[named]
-    match = re.fullmatch(
-        r"([+-]?\d{1,3}(?:\.\d{1,6})?)\s*(?:deg|degrees|°|grad|grados|gradi|degres|graus)?",
-        text.strip().casefold(),
-        re.ASCII,
-    )
-    return float(match[1]) if match and abs(float(match[1])) <= 360.0 else None
-
-
-def _direction(text: str, column: Heading | None, sheet: CsvSheet, line: int) -> float:
-    found = _degrees(text)
-    if found is not None:
-        return found
-    raise InputError(
-        f"{text[:40] or 'an empty cell'} is no direction",
-        file=sheet.name,
-        line=line,
-        column=column.title if column else None,
-        key=None if column else "direction",
-        remedy="write warp, weft or degrees from the warp"
-        + (f", or say {filled_in([(column.title, 'aside')])}" if column else ""),
-    )
-
-
-def _words_or_stated(sheet: CsvSheet, columns: Roles, name: str) -> list[str | None]:
-    column = columns.columns.get(name)
-    if column is not None:
-        return [text or None for text in words(sheet, column.heading)]
-    entry = stated(sheet, name)
-    return [entry.value or None if entry else None] * len(sheet.lines)
-
-
 def _groups(
     tests: Sequence[str], directions: Sequence[float | None], specimens: Sequence[str | None]
 ) -> dict[tuple[str, float | None, str | None], NDArray[np.int64]]:
@@ -370,137 +316,6 @@ def _groups(
     for row, key in enumerate(zip(tests, directions, specimens, strict=True)):
         found.setdefault(key, []).append(row)
     return {key: np.array(rows, dtype=np.int64) for key, rows in found.items()}
-
-
-def _of_each_row(
-    sheet: CsvSheet, columns: Roles, sizes: Geometry, decimal: str, clock: bool, notes: list[str]
-) -> dict[str, Any]:
-    """Return what else is known of each row, from a column or from what the file states."""
-    return {
-        "time_s": _times(sheet, columns, decimal, clock, notes),
-        "temperature_degC": _temperature(sheet, columns, decimal, notes),
-        "rate_1_s": _rate(sheet, columns, sizes, decimal, notes),
-        "cycle": _cycles(sheet, columns, decimal),
-        "branch": _branches(sheet, columns),
-    }
-
-
-def _times(sheet: CsvSheet, columns: Roles, decimal: str, clock: bool, notes: list[str]) -> Array | None:
-    column = columns.columns.get("time")
-    if column is None:
-        return None
-    head = column.heading
-    try:
-        if is_clock(sheet.columns[head.index][0]):
-            return seconds(sheet, head)
-        return quantities(sheet, head, "time", decimal, name="time")
-    except InputError as error:
-        if clock:
-            raise
-        notes.append(f"{head.title} is not used: {error.message}")
-        return None
-
-
-def _temperature(sheet: CsvSheet, columns: Roles, decimal: str, notes: list[str]) -> Array | None:
-    column = columns.columns.get("temperature") or columns.columns.get("chamber")
-    if column is None:
-        value = amount(sheet, "temperature", "temperature", decimal, notes)
-        return None if value is None else np.full(len(sheet.lines), value)
-    if column.heading.unit is None:
-        raise InputError(
-            "has no unit",
-            file=sheet.name,
-            line=sheet.header_line,
-            column=column.heading.title,
-            remedy=f'write it behind the name, as in "temperature [degC]", or say '
-            f"{unitless(sheet, [*columns.columns.values()])}",
-        )
-    return quantities(sheet, column.heading, "temperature", decimal, name="temperature")
-
-
-def _rate(sheet: CsvSheet, columns: Roles, sizes: Geometry, decimal: str, notes: list[str]) -> Array | None:
-    """Return the strain rate of each row: as stated, or the speed of the crosshead over the gauge length."""
-    column = columns.columns.get("rate")
-    length = sizes.gauge_length
-    if column is None:
-        entry = stated(sheet, "rate")
-        if entry is not None and is_of(entry.value.lstrip("+-0123456789.,eE "), "velocity"):
-            speed = amount(sheet, "rate", "velocity", decimal, notes)
-            if length is None or speed is None:
-                notes.append(f"rate, line {entry.line}: a speed without a gauge length is no strain rate")
-                return None
-            notes.append(f"rate, line {entry.line}: {entry.value} over the gauge length")
-            return np.full(len(sheet.lines), speed / length)
-        value = amount(sheet, "rate", "rate", decimal, notes)
-        return None if value is None else np.full(len(sheet.lines), value)
-    head = column.heading
-    if head.unit is not None and is_of(head.unit, "velocity"):
-        if length is None:
-            notes.append(f"{head.title} is not used: a speed without a gauge length is no strain rate")
-            return None
-        return quantities(sheet, head, "velocity", decimal, name="rate") / length
-    if head.unit is None:
-        raise InputError(
-            "has no unit",
-            file=sheet.name,
-            line=sheet.header_line,
-            column=head.title,
-            remedy=f'write it behind the name, as in "rate [1/s]", or say '
-            f"{unitless(sheet, [*columns.columns.values()])}",
-        )
-    return quantities(sheet, head, "rate", decimal, name="rate")
-
-
-def _cycles(sheet: CsvSheet, columns: Roles, decimal: str) -> NDArray[np.int64] | None:
-    column = columns.columns.get("cycle")
-    entry = stated(sheet, "cycle")
-    if column is not None:
-        values = numbers(sheet, column.heading, decimal)
-    elif entry is not None and re.fullmatch(r"\d{1,9}", entry.value, re.ASCII):
-        values = np.full(len(sheet.lines), float(entry.value))
-    elif entry is not None and entry.sure:
-        raise InputError(
-            f"{entry.value[:40]} is no cycle number",
-            file=sheet.name,
-            line=entry.line,
-            remedy="write # cycle: 1",
-        )
-    else:
-        return None
-    wrong = np.flatnonzero((values != np.round(values)) | (np.abs(values) > 1e9))
-    if wrong.size:
-        raise InputError(
-            f"{values[wrong[0]]:g} is no cycle number",
-            file=sheet.name,
-            line=sheet.lines[int(wrong[0])],
-            column="cycle",
-            remedy="number the cycles 1, 2, 3"
-            + (f", or say {filled_in([(column.heading.title, 'aside')])}" if column else ""),
-        )
-    return values.astype(np.int64)
-
-
-def _branches(sheet: CsvSheet, columns: Roles) -> NDArray[np.int64] | None:
-    texts = _words_or_stated(sheet, columns, "branch")
-    if all(text is None for text in texts):
-        return None
-    known: dict[str | None, int] = {}
-    for text, line in zip(texts, sheet.lines, strict=True):
-        if text in known:
-            continue
-        side = word_for(text or "", "BRANCHES")
-        if side is None:
-            column = columns.columns.get("branch")
-            raise InputError(
-                f"{text or 'an empty cell'} is no branch",
-                file=sheet.name,
-                line=line,
-                column="branch",
-                remedy="write load or unload"
-                + (f", or say {filled_in([(column.heading.title, 'aside')])}" if column else ""),
-            )
-        known[text] = _SIDES[side]
-    return np.array([known[text] for text in texts], dtype=np.int64)
 
 
 def _check(found: TestData, sheet: CsvSheet, columns: Roles, clock: bool) -> None:

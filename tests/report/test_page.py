@@ -24,7 +24,7 @@ from hyperfab.io.vtu_read import read_vtu
 from hyperfab.report.figures_loop import loop_drawing
 from hyperfab.report.figures_press import SpottedMold, spotting_drawing
 from hyperfab.report.labels import AFTER, BEFORE, DATA
-from hyperfab.report.page.front import front
+from hyperfab.report.page.front import front, still
 from hyperfab.report.page.parts import Chart, Section, Source, number, rounded
 from hyperfab.report.page.render import page
 from hyperfab.report.page.scenes import STEPS, Field, scene
@@ -32,7 +32,6 @@ from hyperfab.report.page.sections import build
 from hyperfab.report.page.sections import contact as contact_section
 from hyperfab.report.page.sections import drape as drape_section
 from hyperfab.report.page.sections import press as press_section
-from hyperfab.report.page.still import still
 from hyperfab.report.page.story import in_order, parents
 from hyperfab.report.page.surface import Surface, outside, thinned
 

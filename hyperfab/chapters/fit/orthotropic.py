@@ -22,7 +22,7 @@ from hyperfab.chapters.fit.identify import (
 from hyperfab.chapters.fit.readings import Readings
 from hyperfab.chapters.fit.siblings import curves_csv, grid_of, line
 from hyperfab.chapters.fit.whole import WholeFit
-from hyperfab.curve import TestCurve
+from hyperfab.curve import TestCurve, angle_named
 from hyperfab.documents.material import (
     Direction,
     FitFigures,
@@ -42,7 +42,6 @@ NAME = "orthotropic"
 #: as uncertain as the rest, and a ratio to next to nothing says little.
 _FLOOR = 0.1
 _MODES = ("uniaxial", "shear", "biaxial")
-_NAMED = {"warp": 0.0, "weft": 90.0}
 #: The constants that change places in a sheet turned by a quarter.
 _TURNED = {
     "k1_warp_MPa": "k1_weft_MPa",
@@ -145,7 +144,7 @@ class SheetFit(WholeFit[Orthotropic]):
         return float(np.sqrt(np.mean(np.concatenate(errors) ** 2)))
 
     def _stability(self, name: str | None, curves: Sequence[TestCurve]) -> dict[str, StableRange]:
-        angle = 0.0 if name is None else _NAMED[name] if name in _NAMED else float(name.split()[0])
+        angle = angle_named(name) or 0.0
         reach = {
             mode: max((float(c.stretch.max()) for c in curves if c.mode == mode), default=None)
             for mode in _MODES

@@ -1,0 +1,208 @@
+"""What rows of a table of tests tell beside stretch and stress: direction, time, temperature, rate, cycle, branch."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.arrays import Array
+from hyperfab.curve import DIRECTIONS
+from hyperfab.errors import InputError
+from hyperfab.io.csv_dialect import CsvSheet
+from hyperfab.io.csv_numbers import numbers, quantities, seconds, words
+from hyperfab.io.headings import Heading, is_of, word_for
+from hyperfab.io.layout import filled_in
+from hyperfab.io.roles import Roles, unitless
+from hyperfab.io.specimen import Geometry
+from hyperfab.io.stated import amount, stated
+from hyperfab.io.tables import is_clock
+
+_SIDES = {"load": 1, "unload": -1}
+
+
+def directions(sheet: CsvSheet, columns: Roles) -> list[float | None]:
+    """Return the direction of each row in degrees from the warp, None where it is not told."""
+    column = columns.columns.get("direction")
+    if column is None:
+        entry = stated(sheet, "direction")
+        value = None
+        if entry is not None:
+            value = _direction(entry.value, None, sheet, entry.line) if entry.sure else _degrees(entry.value)
+        return [value] * len(sheet.lines)
+    texts = words(sheet, column.heading)
+    known = {}
+    for text, line in zip(texts, sheet.lines, strict=True):
+        if text not in known:
+            known[text] = _direction(text, column.heading, sheet, line)
+    return [known[text] for text in texts]
+
+
+def _degrees(text: str) -> float | None:
+    """Return the angle from the warp that a word or a number tells, or None."""
+    named = word_for(text, "DIRECTIONS")
+    if named is not None:
+        return DIRECTIONS[named]
+    match = re.fullmatch(
+        r"([+-]?\d{1,3}(?:\.\d{1,6})?)\s*(?:deg|degrees|°|grad|grados|gradi|degres|graus)?",
+        text.strip().casefold(),
+        re.ASCII,
+    )
+    return float(match[1]) if match and abs(float(match[1])) <= 360.0 else None
+
+
+def _direction(text: str, column: Heading | None, sheet: CsvSheet, line: int) -> float:
+    found = _degrees(text)
+    if found is not None:
+        return found
+    raise InputError(
+        f"{text[:40] or 'an empty cell'} is no direction",
+        file=sheet.name,
+        line=line,
+        column=column.title if column else None,
+        key=None if column else "direction",
+        remedy="write warp, weft or degrees from the warp"
+        + (f", or say {filled_in([(column.title, 'aside')])}" if column else ""),
+    )
+
+
+def words_or_stated(sheet: CsvSheet, columns: Roles, name: str) -> list[str | None]:
+    """Return the words of a column of a row each, or what the file states for all, None where it is not told."""
+    column = columns.columns.get(name)
+    if column is not None:
+        return [text or None for text in words(sheet, column.heading)]
+    entry = stated(sheet, name)
+    return [entry.value or None if entry else None] * len(sheet.lines)
+
+
+def of_each_row(
+    sheet: CsvSheet, columns: Roles, sizes: Geometry, decimal: str, clock: bool, notes: list[str]
+) -> dict[str, Any]:
+    """Return the columns of a curve that are numbers of each row, by the field they fill; None where not told."""
+    return {
+        "time_s": _times(sheet, columns, decimal, clock, notes),
+        "temperature_degC": _temperature(sheet, columns, decimal, notes),
+        "rate_1_s": _rate(sheet, columns, sizes, decimal, notes),
+        "cycle": _cycles(sheet, columns, decimal),
+        "branch": _branches(sheet, columns),
+    }
+
+
+def _times(sheet: CsvSheet, columns: Roles, decimal: str, clock: bool, notes: list[str]) -> Array | None:
+    column = columns.columns.get("time")
+    if column is None:
+        return None
+    head = column.heading
+    try:
+        if is_clock(sheet.columns[head.index][0]):
+            return seconds(sheet, head)
+        return quantities(sheet, head, "time", decimal, name="time")
+    except InputError as error:
+        if clock:
+            raise
+        notes.append(f"{head.title} is not used: {error.message}")
+        return None
+
+
+def _temperature(sheet: CsvSheet, columns: Roles, decimal: str, notes: list[str]) -> Array | None:
+    column = columns.columns.get("temperature") or columns.columns.get("chamber")
+    if column is None:
+        value = amount(sheet, "temperature", "temperature", decimal, notes)
+        return None if value is None else np.full(len(sheet.lines), value)
+    if column.heading.unit is None:
+        raise InputError(
+            "has no unit",
+            file=sheet.name,
+            line=sheet.header_line,
+            column=column.heading.title,
+            remedy=f'write it behind the name, as in "temperature [degC]", or say '
+            f"{unitless(sheet, [*columns.columns.values()])}",
+        )
+    return quantities(sheet, column.heading, "temperature", decimal, name="temperature")
+
+
+def _rate(sheet: CsvSheet, columns: Roles, sizes: Geometry, decimal: str, notes: list[str]) -> Array | None:
+    """Return the strain rate of each row: as stated, or the speed of the crosshead over the gauge length."""
+    column = columns.columns.get("rate")
+    length = sizes.gauge_length
+    if column is None:
+        entry = stated(sheet, "rate")
+        if entry is not None and is_of(entry.value.lstrip("+-0123456789.,eE "), "velocity"):
+            speed = amount(sheet, "rate", "velocity", decimal, notes)
+            if length is None or speed is None:
+                notes.append(f"rate, line {entry.line}: a speed without a gauge length is no strain rate")
+                return None
+            notes.append(f"rate, line {entry.line}: {entry.value} over the gauge length")
+            return np.full(len(sheet.lines), speed / length)
+        value = amount(sheet, "rate", "rate", decimal, notes)
+        return None if value is None else np.full(len(sheet.lines), value)
+    head = column.heading
+    if head.unit is not None and is_of(head.unit, "velocity"):
+        if length is None:
+            notes.append(f"{head.title} is not used: a speed without a gauge length is no strain rate")
+            return None
+        return quantities(sheet, head, "velocity", decimal, name="rate") / length
+    if head.unit is None:
+        raise InputError(
+            "has no unit",
+            file=sheet.name,
+            line=sheet.header_line,
+            column=head.title,
+            remedy=f'write it behind the name, as in "rate [1/s]", or say '
+            f"{unitless(sheet, [*columns.columns.values()])}",
+        )
+    return quantities(sheet, head, "rate", decimal, name="rate")
+
+
+def _cycles(sheet: CsvSheet, columns: Roles, decimal: str) -> NDArray[np.int64] | None:
+    column = columns.columns.get("cycle")
+    entry = stated(sheet, "cycle")
+    if column is not None:
+        values = numbers(sheet, column.heading, decimal)
+    elif entry is not None and re.fullmatch(r"\d{1,9}", entry.value, re.ASCII):
+        values = np.full(len(sheet.lines), float(entry.value))
+    elif entry is not None and entry.sure:
+        raise InputError(
+            f"{entry.value[:40]} is no cycle number",
+            file=sheet.name,
+            line=entry.line,
+            remedy="write # cycle: 1",
+        )
+    else:
+        return None
+    wrong = np.flatnonzero((values != np.round(values)) | (np.abs(values) > 1e9))
+    if wrong.size:
+        raise InputError(
+            f"{values[wrong[0]]:g} is no cycle number",
+            file=sheet.name,
+            line=sheet.lines[int(wrong[0])],
+            column="cycle",
+            remedy="number the cycles 1, 2, 3"
+            + (f", or say {filled_in([(column.heading.title, 'aside')])}" if column else ""),
+        )
+    return values.astype(np.int64)
+
+
+def _branches(sheet: CsvSheet, columns: Roles) -> NDArray[np.int64] | None:
+    texts = words_or_stated(sheet, columns, "branch")
+    if all(text is None for text in texts):
+        return None
+    known: dict[str | None, int] = {}
+    for text, line in zip(texts, sheet.lines, strict=True):
+        if text in known:
+            continue
+        side = word_for(text or "", "BRANCHES")
+        if side is None:
+            column = columns.columns.get("branch")
+            raise InputError(
+                f"{text or 'an empty cell'} is no branch",
+                file=sheet.name,
+                line=line,
+                column="branch",
+                remedy="write load or unload"
+                + (f", or say {filled_in([(column.heading.title, 'aside')])}" if column else ""),
+            )
+        known[text] = _SIDES[side]
+    return np.array([known[text] for text in texts], dtype=np.int64)
