@@ -56,10 +56,28 @@ class Tilt(_Section):
         return self
 
 
+Shift = Annotated[
+    float,
+    PlainValidator(parsed("length")),
+    written("length"),
+    WithJsonSchema({"type": "string", "description": "a length with its unit", "examples": ["0.2 mm"]}),
+]
+
+
+class Offset(_Section):
+    """How far the female is mounted off the male's axis, along the drawing's axes; none along the closing axis."""
+
+    x: Shift = 0.0
+    y: Shift = 0.0
+    z: Shift = 0.0
+
+
 class PressSection(_Section):
-    """The press: how far its platens are out of parallel, and how stiff its frame is (left out: rigid)."""
+    """The press: how far its platens are out of parallel, how far the female is mounted off the axis, and how stiff
+    the frame is (left out: rigid)."""
 
     tilt: Tilt = Tilt()
+    offset: Offset = Offset()
     stiffness: Stiffness | None = None
 
 

@@ -34,7 +34,8 @@ class Case:
     has one value for all or one a vertex of the whole male. The press ``frame`` [N/mm] yields under the force; a
     ``floating`` female turns about a joint in its mounting face, at ``force_at`` (2,) [mm] across the axis, in the
     middle of the tool where not given. A press out of parallel holds the female at a ``tilt`` (2,) [rad] about the
-    first and second axis, through the middle of the tool in its mounting face; clearances are set before.
+    first and second axis, through the middle of the tool in its mounting face; a female mounted off the axis stands
+    at an ``offset`` (2,) [mm] across it. Clearances are set before both.
     """
 
     male: Mold
@@ -49,6 +50,7 @@ class Case:
     floating: bool = False
     force_at: Array | None = None
     tilt: tuple[float, float] = (0.0, 0.0)
+    offset: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -105,6 +107,8 @@ def close_press(case: Case) -> Closed:
         shift = case.gap - clearance(male, female).gap
         female, start = female.raised(shift), start + shift
 
+    if case.offset is not None and case.offset.any():
+        female = female.moved(female.vertices + np.array([*case.offset, 0.0]))
     front = molding_front(male, female)
     at = guide_line(case.male) if case.force_at is None else case.force_at
     base = Pose(0.0, case.tilt, (float(at[0]), float(at[1]), female.mount))

@@ -20,7 +20,7 @@ NOTHING = """
 relaxation = { share = 0.0, time = "5 s", dwell = "40 s" }
 variation = { x = 0.0, yy = 0.0 }
 poisson = { male = 0.33, female = 0.33 }
-press = { tilt = { x = "0 deg", y = "0 deg" } }
+press = { tilt = { x = "0 deg", y = "0 deg" }, offset = { x = "0 mm" } }
 """
 
 
@@ -76,6 +76,22 @@ def test_a_tilt_in_the_document_is_the_tilt_of_the_option(shop, monkeypatch):
     assert written["centre_of_pressure_mm"][1] != pytest.approx(plain["centre_of_pressure_mm"][1], abs=0.1)
     _, option_wins = press(shop, monkeypatch, gap="3mm", foam="other.toml", tilt="0deg,0deg")
     assert {**option_wins, "provenance": None, "setup": None} == {**plain, "provenance": None, "setup": None}
+
+
+@pytest.mark.parametrize("facets", ["smooth", "flat"])
+def test_a_female_mounted_off_the_axis_is_the_one_drawn_there(shop, monkeypatch, facets):
+    """Where the force is given, all that the drawing's place decides is where the female stands across the axis."""
+    more = {"force": "40N", "gap": None, "facets": facets}
+    written = with_foam(shop, monkeypatch, 'press = { offset = { x = "0.6 mm", y = "-0.3 mm" } }\n', **more)
+    _, plain = press(shop, monkeypatch, **more)
+    body = solids((24, 25))[1]
+    (shop / "moved.stl").write_bytes(stl_bytes(body.vertices + np.array([0.6, -0.3, 0.0]), body.faces))
+    _, drawn = press(shop, monkeypatch, **more, female="moved.stl")
+    for key in ("gap_min_mm", "gap_max_mm", "contact_area_mm2", "pressure_max_MPa", "energy_J", "stroke_mm"):
+        # Written STL has single precision.
+        assert written[key] == pytest.approx(drawn[key], rel=2e-5), key
+    assert written["centre_of_pressure_mm"] == pytest.approx(drawn["centre_of_pressure_mm"], abs=1e-3)
+    assert written["gap_min_mm"] < plain["gap_min_mm"] - 0.05
 
 
 def test_the_frame_in_the_document_yields_as_the_option_does(shop, monkeypatch):

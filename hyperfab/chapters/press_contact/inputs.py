@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from typing import Literal
 
 import numpy as np
 
@@ -92,16 +93,18 @@ def variation(name: str, document: FoamDocument, axis: str, vertices: np.ndarray
     return thickness_factor(vertices, terms) if terms else 1.0
 
 
-def tilt(name: str, document: FoamDocument, axis: str) -> np.ndarray:
-    """Return the tilt (3,) [deg] of ``press.tilt`` about the drawing's axes."""
-    given = document.press.tilt
+def across(name: str, document: FoamDocument, key: Literal["tilt", "offset"], axis: str) -> np.ndarray:
+    """Return ``press.tilt`` [deg] or ``press.offset`` [mm], (3,) along the drawing's axes."""
+    given = getattr(document.press, key)
     found = np.array([given.x, given.y, given.z])
     if found["xyz".index(axis)] != 0.0:
+        what = (
+            "a turn about the closing axis {} is no tilt"
+            if key == "tilt"
+            else "the gap sets the place along {}"
+        )
         raise InputError(
-            f"a turn about the closing axis {axis} is no tilt",
-            file=name,
-            key=f"press.tilt.{axis}",
-            remedy=f"name an axis across {axis}",
+            what.format(axis), file=name, key=f"press.{key}.{axis}", remedy=f"name an axis across {axis}"
         )
     return found
 

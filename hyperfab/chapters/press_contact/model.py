@@ -35,7 +35,7 @@ class Files:
     heat        how hot the male and the female are
     surfaces    of the male and the female, as drawn
     frame       how they close
-    tilt        of ``press.tilt`` (3,) [deg]
+    tilt        of ``press.tilt`` (3,) [deg], and ``offset`` of ``press.offset`` (3,) [mm]
     """
 
     document: FoamDocument
@@ -50,6 +50,7 @@ class Files:
     surfaces: tuple[Surface, Surface]
     frame: PressFrame
     tilt: np.ndarray
+    offset: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -87,7 +88,7 @@ def read_files(job: Job, case: PressCase) -> Files:
     expansions = read.expansions(job.inputs, case.foam, document)
     one, two, frame = read.read_molds(job, case)
     uneven = read.variation(case.foam, document, case.axis, one.vertices)
-    tilt = read.tilt(case.foam, document, case.axis)
+    tilt, offset = (read.across(case.foam, document, key, case.axis) for key in ("tilt", "offset"))
     if case.floating and tilt.any():
         raise UsageError("a floating mold finds its tilt by itself: leave out --float, or the tilt")
     thinned, rule = None, ""
@@ -96,7 +97,19 @@ def read_files(job: Job, case: PressCase) -> Files:
         foam, rule = thinning(law, document, case.foam, fabric)
         thinned = fabric, foam
     return Files(
-        document, law, relaxed, layers, uneven, thinned, rule, expansions, heat, (one, two), frame, tilt
+        document,
+        law,
+        relaxed,
+        layers,
+        uneven,
+        thinned,
+        rule,
+        expansions,
+        heat,
+        (one, two),
+        frame,
+        tilt,
+        offset,
     )
 
 
@@ -131,6 +144,7 @@ def model_of(job: Job, case: PressCase, files: Files) -> Model:
         floating=case.floating,
         force_at=None if case.force_at is None else frame.inward(_across(case.force_at, case.axis))[:2],
         tilt=read.in_plan(frame, files.tilt if case.tilt is None else _across(case.tilt, case.axis)),
+        offset=frame.inward(files.offset)[:2] + 0.0,  # no negative zeros
     )
     foam = Foam(lost, files.relaxed, document.shrinkage.recovery, sandwich.uneven, thickness)
     return Model(case, files, closing, (male, female), foam)
