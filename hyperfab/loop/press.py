@@ -76,7 +76,7 @@ class PressProblem(Problem):
 
     def _moved(self, value: Mapping[str, float], changes: Changes) -> Moved:
         tilt = np.zeros(2) if self.setting.floating else changes.tilt
-        mechanical = np.concatenate([tilt, changes.strain])
+        mechanical = np.concatenate([tilt, changes.strain, changes.offset])
         foam = value["foam.thickness"] * (1.0 - changes.lost)
         tables = []
         for table in (self.summed, self.places):
@@ -105,7 +105,7 @@ class PressProblem(Problem):
             return exact - wanted if wanted is not None else opening - shut - now.compliance * exact
 
         turn = found_tilt(now.table, self._arm, start, unbalanced)
-        settings = np.array([*turn, 0.0, 0.0])
+        settings = np.array([*turn, 0.0, 0.0, 0.0, 0.0])
         return replace(now, table=now.table.moved(settings), places=now.places.moved(settings), turn=turn)
 
     @cached_property

@@ -63,7 +63,7 @@ class Setting:
 class Changes:
     """What terms change of a press, each adding its own to what the model has.
 
-    tilt        (2,) [rad] of a guided female about the two axes across
+    tilt        (2,) [rad] of a guided female about the two axes across, and its ``offset`` (2,) [mm] along them
     strain      (2,) of male and female
     lost        share of the foam's thickness
     uneven      relative thickness over the plan: coefficients by their terms, as ``xxy``
@@ -72,6 +72,7 @@ class Changes:
     """
 
     tilt: Array = field(default_factory=lambda: np.zeros(2))
+    offset: Array = field(default_factory=lambda: np.zeros(2))
     strain: Array = field(default_factory=lambda: np.zeros(2))
     lost: float = 0.0
     uneven: dict[str, float] = field(default_factory=dict)

@@ -32,12 +32,12 @@ _TURN = 2e-3
 class PressTable:
     """Gaps at n vertices of the male's front for each of ``openings`` (k,) [mm], evenly spaced and rising.
 
-    ``gap`` and ``touch`` (k, n) [mm]; ``shift`` (k, n, 4) is what the gap gains per radian of tilt about the two axes
-    across and per thermal strain of male and female. ``area`` (n,) [mm^2] is each vertex' share of the area, ``push``
-    (k, n) that times how squarely it meets the axis. ``foam`` and ``fabric`` (n,) [mm] with their laws are the
-    ``sandwich``, ``plan`` (n, 2) the coordinates of thickness variation, -1 to 1 over the male. ``bend`` (n, 2, 2)
-    [mm/rad^2] is how the gains by tilt change with tilt where a female floats: the pressure has other arms when it has
-    turned.
+    ``gap`` and ``touch`` (k, n) [mm]; ``shift`` (k, n, 6) is what the gap gains per radian of tilt about the two axes
+    across, per thermal strain of male and female, and per mm that the female stands off along the two axes. ``area``
+    (n,) [mm^2] is each vertex' share of the area, ``push`` (k, n) that times how squarely it meets the axis. ``foam``
+    and ``fabric`` (n,) [mm] with their laws are the ``sandwich``, ``plan`` (n, 2) the coordinates of thickness
+    variation, -1 to 1 over the male. ``bend`` (n, 2, 2) [mm/rad^2] is how the gains by tilt change with tilt where a
+    female floats: the pressure has other arms when it has turned.
     """
 
     openings: Array
@@ -74,7 +74,7 @@ class PressTable:
         )
 
     def moved(self, settings: Array) -> PressTable:
-        """Return the table with both molds' ``settings`` (4,): tilts [rad] and strains, added to what they are."""
+        """Return the table with ``settings`` (6,) added: tilts [rad], strains and offsets [mm] of the molds."""
         if not np.any(settings):
             return self
         gap = self.gap + self.shift @ settings + 0.5 * (self.bend @ settings[:2]) @ settings[:2]
@@ -161,6 +161,8 @@ def press_table(closed: Closed, plan: Array, travel: float) -> tuple[PressTable,
             -np.cross([0.0, 1.0, 0.0], lever),
             front.vertices - male_fixed,
             -(projection - female_fixed),
+            np.array([-1.0, 0.0, 0.0]),
+            np.array([0.0, -1.0, 0.0]),
         )
         shifts.append(np.stack([np.sum(found.direction * way, axis=1) for way in ways], axis=1))
     n = len(front.vertices)

@@ -18,7 +18,7 @@ from hyperfab.documents.base import schema
 
 IDS = {
     "press": {"tilt", "thermal-expansion", "foam-shrinkage", "foam-relaxation", "thickness-variation",
-              "frame-compliance"},
+              "frame-compliance", "lateral-shift"},
     "contact": {"friction", "pretension", "thermal-softening", "rim-slip"},
     "drape": {"friction", "shear-stiffness", "pretension", "gravity"},
 }  # fmt: skip

@@ -30,7 +30,7 @@ MORE = """
 relaxation = { share = [0.2], time = ["30 s"], dwell = "600 s" }
 shrinkage = { amount = 0.05 }
 variation = { x = 0.03 }
-press = { stiffness = "2 kN/mm", tilt = { x = "0.1 deg" } }
+press = { stiffness = "2 kN/mm", tilt = { x = "0.1 deg" }, offset = { y = "0.1 mm" } }
 """
 #: How far the loop's table of gaps is from the press itself, of the largest reading: it is linear in tilt and growth,
 #: and its force is a thinned sum that is set right at the model as it was.
@@ -119,6 +119,8 @@ def test_a_press_with_effects_is_the_one_that_is_written(number: int, tmp_path: 
     assert after.told.closed.press.sandwich.foam == pytest.approx(wide.foam, rel=1e-9)
     tilt = np.array(before.told.closed.case.tilt) + changes.tilt
     assert closing.tilt == pytest.approx(tilt, rel=1e-9, abs=1e-15)
+    offset = np.array(before.told.closed.case.offset) + changes.offset
+    assert closing.offset == pytest.approx(offset, rel=1e-9, abs=1e-15)
     for more, was, grown in zip(changes.strain, before.told.grown, after.told.grown, strict=True):
         assert grown.strain == pytest.approx(was.strain + more, rel=1e-9, abs=1e-15)
     # What is read is the same as far as the table is the press; a hold is the end of the dwell.

@@ -50,7 +50,7 @@ def test_the_table_moved_by_a_tilt_is_the_tilted_press() -> None:
     tilt = np.array([2e-3, -1e-3])
     pose_there = Pose(closed.pose.opening, (float(tilt[0]), float(tilt[1])), closed.pose.pivot)
     exact = closed.press.at(pose_there).closing_force
-    table = problem.summed.moved(np.array([*tilt, 0.0, 0.0]))
+    table = problem.summed.moved(np.array([*tilt, 0.0, 0.0, 0.0, 0.0]))
     found = float(table.force(np.array([closed.pose.opening]))[0])
     assert abs(found - exact) < 3e-3 * exact
 
@@ -68,7 +68,7 @@ def test_the_table_moved_by_a_strain_is_the_press_of_the_grown_mold() -> None:
         return replace(press, front=front, female=press.female.moved(grown[1])).at(closed.pose).closing_force
 
     def summed(*settings: float) -> float:
-        table = problem.summed.moved(np.array([0.0, 0.0, *settings]))
+        table = problem.summed.moved(np.array([0.0, 0.0, *settings, 0.0, 0.0]))
         return float(table.force(np.array([closed.pose.opening]))[0])
 
     plain = force(0.0, 0.0)

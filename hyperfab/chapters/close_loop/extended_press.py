@@ -84,6 +84,18 @@ def _tilt(draft: _Draft, at: Mapping[str, float]) -> None:
     draft.case = replace(case, tilt=None)
 
 
+def _offset(draft: _Draft, at: Mapping[str, float]) -> None:
+    """Add to how far the female is mounted off the axis, along the drawing's axes."""
+    frame, section = draft.told.frame, draft.foam.setdefault("press", {})
+    shifted = frame.outward(np.array([at["offset_x_mm"], at["offset_y_mm"], 0.0]))
+    before = section.get("offset", {})
+    section["offset"] = {
+        axis: f"{quantity(before.get(axis, '0 mm'), 'length') + float(shift)!r} mm"
+        for axis, shift in zip("xyz", shifted, strict=True)
+        if axis != frame.axis
+    }
+
+
 def _shrink(draft: _Draft, at: Mapping[str, float]) -> None:
     """Write the share of the thickness that is lost, the document's and then the found one of the rest."""
     section = dict(draft.foam.get("shrinkage", {}))
@@ -179,6 +191,7 @@ WRITERS: Mapping[str, Callable[[_Draft, Mapping[str, float]], None]] = {
     "foam-relaxation": _relax,
     "foam-shrinkage": _shrink,
     "frame-compliance": _yield,
+    "lateral-shift": _offset,
     "thermal-expansion": _grow,
     "thickness-variation": _vary,
     "tilt": _tilt,
