@@ -31,6 +31,7 @@ from hyperfab.io.tables import (
     find,
     headings,
     is_data,
+    is_label,
     is_number,
     is_units,
     readings,
@@ -334,7 +335,7 @@ def _first_table(
     block.rows = [(number, split(one, separator, name, number)) for number, one in rest]
     for row, (_, cells) in enumerate(block.rows):
         # Words in mid-table that are a head of their own: another specimen follows.
-        if row and not is_data(cells) and [c for c in cells if c] and fits(headings(cells, layout)):
+        if is_label(cells) or (row and not is_data(cells) and any(cells) and fits(headings(cells, layout))):
             return None
     return [block]
 

@@ -68,7 +68,7 @@ def settle_decimal(sheet: CsvSheet, headings: Iterable[Heading], given: str | No
         for cell, line in zip(cells, sheet.lines, strict=True):
             if "," not in cell and "." not in cell:
                 continue
-            mark = _speaks_for(cell.rstrip(" %"))
+            mark = _speaks_for(_SPACES.sub("", cell.rstrip(" %")))
             if mark in _OTHER:
                 if mark not in seen or (_groups(cell) and not _groups(seen[mark][0])):
                     seen[mark] = (cell, line, heading)

@@ -14,7 +14,8 @@ COLUMNS: dict[str, str] = {
         alargamiento relativo lambda; taux d elongation; rapporto di estensione; axial stretch""",
     "strain": """strain; engineering strain; nominal strain; technical strain; eng strain; tensile strain; axial strain;
         longitudinal strain; strain reading; epsilon; eps; e; major strain; dehnung; standarddehnung;
-        nenndehnung; technische dehnung; nominelle dehnung; zugdehnung; axialdehnung; langsdehnung; langsdehnung
+        nenndehnung; verformung;
+        technische dehnung; nominelle dehnung; zugdehnung; axialdehnung; langsdehnung; langsdehnung
         technisch; deformacion; deformacion unitaria; deformacion por traccion; deformacion de traccion;
         deformacion nominal; deformacion ingenieril; deformation; deformation nominale; deformation axiale;
         deformation en traction; deformation longitudinale; deformation rationnelle; deformazione; deformazione a
@@ -26,10 +27,10 @@ COLUMNS: dict[str, str] = {
     "extension": """extension; s; displacement; ext; disp; tensile extension; tensile displacement;
         axial displacement; axial
         extension; crosshead displacement; crosshead extension; crosshead travel; crosshead; stroke; travel;
-        actuator displacement; elongation mm; weg; standardweg; verlangerung; standardverlangerung;
+        actuator displacement; machine extension; distance; weg; standardweg; verlangerung; standardverlangerung;
         langenanderung; traversenweg; kolbenweg; prufweg; maschinenweg; dehnweg; wegaufnehmer; extensometer;
         video extensometer; delta l; dl; delta length; u; ux; uy; desplazamiento; desplazamiento de la cruceta;
-        recorrido; carrera; deplacement; deplacement de la traverse; course; course traverse; allongement mm;
+        recorrido; carrera; deplacement; deplacement de la traverse; course; course traverse;
         spostamento; spostamento traversa; corsa; estensione; deslocamento; deslocamento do travessao; curso;
         extensao; 変位; ストローク; 伸び; 位移; 变形; 伸长; перемещение; удлинение; ход""",
     "position": """position; crosshead position; traverse; traverse absolut; traversenweg absolut; traversenposition;

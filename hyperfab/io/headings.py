@@ -197,7 +197,7 @@ def heading(title: str, index: int) -> Heading:
             return Heading(title, match[1].strip(), unit, index)
     first, _, last = label.rpartition(" ")
     if first and is_known(first) and not is_known(label) and (unit := unit_of(last)) is not None:
-        name = looked_up(plain(first))
+        name = [fitted for one in looked_up(plain(first)) if (fitted := _fitted(one, unit)) is not None]
         if last not in ("1", "") and any(is_of(unit, KIND[one.name]) for one in name if one.name in KIND):
             return Heading(title, first, unit, index)
     return Heading(title, label or title, None, index)
@@ -214,6 +214,8 @@ def unit_of(text: str) -> str | None:
         return None
     if text == "mPa" or is_unit(text):
         return text
+    if len(text) > 1 and text.isupper() and is_unit(text.lower()):  # EXTENSION (MM)
+        return text.lower()
     return _UNIT_WORDS.get(plain(text))
 
 

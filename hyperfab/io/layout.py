@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from hyperfab.errors import UsageError
 from hyperfab.io.heading_words import COLUMNS
-from hyperfab.io.headings import Heading, fold, heading, looked_up, plain, unit_of
+from hyperfab.io.headings import KIND, Heading, fold, heading, is_of, looked_up, plain, unit_of
 
 _ASIDE = ("aside", "ignore", "none", "-")
 _ENTRY = re.compile(
@@ -50,9 +50,10 @@ class Layout:
         return tuple(one.title for one in self.columns)
 
     def choice(self, head: Heading, heads: Sequence[Heading]) -> Choice | None:
-        """Return the entry that is meant for a column: titles first, then numbers."""
+        """Return the entry that is meant for a column: whole titles first, then what they say, then numbers."""
+        whole = {fold(other.title): other.index for other in reversed(heads)}
         for one in self.columns:
-            if one.fits(head, alone=False):
+            if one.fits(head, alone=False) and whole.get(fold(one.title), head.index) == head.index:
                 return one
         titled = {one for one in self.columns for other in heads if one.fits(other, alone=False)}
         return next((one for one in self.columns if one not in titled and one.fits(head, alone=True)), None)
@@ -124,5 +125,7 @@ def filled_in(entries: Sequence[tuple[str, str]]) -> str:
 
 def named(choice: Choice, head: Heading) -> Heading:
     """Return a column as the command line names it; the unit of the file stands where none is typed."""
-    read = heading(head.title, head.index)
-    return Heading(head.title, choice.name, choice.unit or head.unit or read.unit, head.index)
+    kind, own = KIND.get(choice.name.rstrip(" 2")), head.unit or heading(head.title, head.index).unit
+    if own is not None and kind == "dimensionless" and not is_of(own, kind):
+        own = None  # Kanal 1 [V], said to be a stretch
+    return Heading(head.title, choice.name, choice.unit or own, head.index)

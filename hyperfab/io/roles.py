@@ -14,6 +14,7 @@ from hyperfab.io.csv_dialect import CsvSheet
 from hyperfab.io.headings import KIND, Heading, Meaning, heading, is_of, meaning, plain, suffixed, unit_of
 from hyperfab.io.layout import filled_in
 from hyperfab.io.tables import is_number, shape
+from hyperfab.io.units import is_unit
 
 #: What gives a stretch and what a stress, the surest first.
 STRETCHES = (
@@ -37,6 +38,8 @@ _USUAL = {
     "force": "N", "time": "s", "temperature": "degC", "chamber": "degC", "rate": "1/s",
 }  # fmt: skip
 _BY_KIND = {"stress": "stress", "force": "force", "membrane-stress": "membrane stress", "length": "extension"}
+#: Force by the fineness of a yarn.
+_FINENESS = re.compile(r"(\w+)\s*/\s*(?:d?k?tex|den|denier)", re.IGNORECASE)
 _SPECIMEN = re.compile(
     r"(?:probe|specimen|sample|probeta|muestra|eprouvette|echantillon|provino|campione|corpo de "
     r"prova|amostra|prufling|probekorper|test piece|versuch|spec|cp)"
@@ -272,11 +275,15 @@ def no_test(sheet: CsvSheet, tests: Sequence[str]) -> InputError:
 def missing(sheet: CsvSheet, found: Roles, what: str, names: str) -> InputError:
     """Return the error that no column gives ``what``, with the option filled in as the units suggest."""
     titles = ", ".join(one.title or '""' for one in sheet.headings[:8])
+    fine = next((one.title for one in sheet.headings if _FINENESS.fullmatch(one.unit or "")), None)
+    remark = f"; {fine} is the force by the fineness of a yarn, a sheet has none" if fine else ""
+    entries = proposed(sheet, found)
+    settles = f", or say what they are, as in {filled_in(entries)}" if entries else ""
     return InputError(
-        f"no column gives {what}; the columns are {titles}",
+        f"no column gives {what}; the columns are {titles}{remark}",
         file=sheet.name,
         line=sheet.header_line,
-        remedy=f"name one {names}, or say what they are, as in {filled_in(proposed(sheet, found))}",
+        remedy=f"name one {names}{settles}",
     )
 
 
@@ -296,20 +303,23 @@ def proposed(sheet: CsvSheet, found: Roles) -> list[tuple[str, str]]:
     ]  # fmt: skip
     for one in numeric:
         kind = next((name for kind, name in _BY_KIND.items() if one.unit and is_of(one.unit, kind)), None)
+        if (yarn := _FINENESS.fullmatch(one.unit or "")) and not have & set(STRESSES):
+            have.add("force")
+            entries[one.index] = (one.title, f"force [{yarn[1]}]")
         if kind is None and one.unit is not None and unit_of(one.unit) and is_of(one.unit, "dimensionless"):
             kind = "strain"
         if kind and kind not in have:
             have.add(kind)
             entries[one.index] = (one.title, f"{kind} [{one.unit}]")
-    rest = [one for one in numeric if one.index not in entries and one.unit is None]
+    rest = [
+        one for one in numeric if one.index not in entries and (one.unit is None or not is_unit(one.unit))
+    ]
     if not have & set(STRETCHES) and rest:
         one = rest.pop(0)
         entries[one.index] = (one.title, shape(sheet.columns[one.index]))
     if not have & set(STRESSES) and rest:
         one = rest.pop(0)
         entries[one.index] = (one.title, "stress [MPa]")
-    if not entries:
-        entries[0] = ("Title", "force [N]")
     return [entries[index] for index in sorted(entries)]
 
 

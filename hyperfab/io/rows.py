@@ -17,6 +17,10 @@ MAX_CELLS = 4_000_000
 Row = tuple[int, list[str]]
 
 SEPARATORS = {"\t": "tab", ";": "semicolon", "|": "bar", ",": "comma", " ": "white space"}
+#: A cell that a line leaves open, the end of one, and a number that is kept from being a date: ="0.5".
+_OPENED = re.compile(r'(?:^|[,;\t|])\s*"[^"]*$')
+_CLOSED = re.compile(r'[^"]*"\s*(?:[,;\t|]|$)')
+_FORMULA = re.compile(r'(^|[,;\t|])="([^"]*)"')
 _WIDE_GAP = re.compile(r" *\t[\t ]*| {2,}")
 
 
@@ -26,6 +30,8 @@ def lines_of(text: str, name: str) -> list[str]:
     if text.count("\n") > MAX_ROWS + 1000:
         raise InputError(f"has more than {MAX_ROWS} rows", file=name, remedy="thin the recording out")
     lines = text.split("\n")
+    if '"' in text:
+        lines = _whole([_FORMULA.sub(r'\1"\2"', line) for line in lines] if '="' in text else lines)
     if max(map(len, lines)) > MAX_LINE:
         long = next(number for number, line in enumerate(lines, 1) if len(line) > MAX_LINE)
         raise InputError(
@@ -34,6 +40,18 @@ def lines_of(text: str, name: str) -> list[str]:
             line=long,
             remedy="is this a table with line ends?",
         )
+    return lines
+
+
+def _whole(lines: list[str]) -> list[str]:
+    """Return lines in which no quoted cell is broken, as offices break long titles; their numbers stay."""
+    for place, line in enumerate(lines):
+        if line.count('"') % 2 == 0 or not _OPENED.search(line):
+            continue
+        end = next((k for k in range(place + 1, min(place + 5, len(lines))) if '"' in lines[k]), None)
+        if end is not None and _CLOSED.match(lines[end]):
+            lines[end] = " ".join(lines[place : end + 1])  # goes on there, where it may break again
+            lines[place:end] = [""] * (end - place)
     return lines
 
 

@@ -18,6 +18,7 @@ from hyperfab.io.headings import (
     plain,
     setting,
     unit_of,
+    words,
 )
 from hyperfab.io.layout import Layout, named
 from hyperfab.io.rows import SEPARATORS, Row
@@ -34,7 +35,9 @@ NO_READING = re.compile(
     r"#?(?:n/?a|nv|div/0!?|¡?div/0!|value!?|valor!|wert!|valeur!|valore!|ref!|num!|zahl!|null!|name\?|n\.a\.|n\.d\.|nd|k\.a\.)|-{1,4}|\*+|#+|[–—]|ovl|overload|nan|none|null|inf",
     re.IGNORECASE,
 )
-_BLANK_UNITS = frozenset(("", "-", "--", "#", "count", "counts", "text", "none", "n", "no", "[]", "()", "1"))
+_BLANK_UNITS = frozenset(
+    ("", "-", "--", "#", "count", "counts", "text", "none", "n", "no", "[]", "()", "1")
+) | words("unit; units; einheit; einheiten; unidad; unidades; unite; unites; unita; unidade")
 #: Below so many rows a table beside a long one is a summary of it.
 _FEW = 12
 
@@ -87,6 +90,12 @@ def is_data(cells: Sequence[str]) -> bool:
     return False
 
 
+def is_label(cells: Sequence[str]) -> bool:
+    """Whether a row names the specimen whose readings follow, and nothing else: ``Specimen 2``, ``Probe;2``."""
+    told = [cell for cell in cells if cell]
+    return 0 < len(told) <= 2 and setting(" ".join(told).rstrip(":")) == "specimen"
+
+
 def find(rows: Sequence[Row], fits: Fits, layout: Layout) -> list[Block]:
     """Return the tables among ``rows`` whose headings fit, each with what stands above it; empty where none does."""
     data = [is_data(cells) for _, cells in rows]
@@ -95,6 +104,8 @@ def find(rows: Sequence[Row], fits: Fits, layout: Layout) -> list[Block]:
     heads: list[tuple[int, int]] = []  # first row of the head, first row of data
     for start in starts:
         head = _head(rows, data, start, fits, layout)
+        if head is None and found and is_label(rows[start - 1][1]):  # the next specimen, under the same head
+            head = start - 1, found[-1].headings
         if head is not None:
             first, headings = head
             heads.append((first, start))
@@ -191,9 +202,9 @@ def _joined(rows: Sequence[Row], place: int, upper: int | None, width: int) -> l
     if upper is None:
         return lower
     over, last = [], ""
-    for cell in [*rows[upper][1], *[""] * len(lower)][: len(lower)]:
+    for cell, below in zip([*rows[upper][1], *[""] * len(lower)], lower, strict=False):
         last = cell or last
-        over.append(last)
+        over.append(last if below else cell)  # the comma that ends a line makes no column
     return [f"{one} {two}".strip() for one, two in zip(over, lower, strict=True)]
 
 
@@ -315,11 +326,14 @@ def readings(block: Block, fits: Fits, name: str, separator: str, layout: Layout
     width = len(block.headings)
     kept: list[Row] = []
     waiting: list[Row] = []
-    last = max((k for k, (_, cells) in enumerate(block.rows) if _reads(cells, block.headings)), default=-1)
+    reading = [k for k, (_, cells) in enumerate(block.rows) if _reads(cells, block.headings)]
+    while len(reading) > 2 and _is_remark([block.rows[k][1] for k in reading]):
+        reading.pop()
+    last = reading[-1] if reading else -1
     for place, (line, cells) in enumerate(block.rows):
         if not any(cells):
             block.left_out["blank row"] += 1
-        elif _reads(cells, block.headings):
+        elif place <= last and _reads(cells, block.headings):
             waiting = _settled(waiting, block, name)
             kept.append((line, _fitted(cells, width, block.headings, line, separator, name)))
         elif place > last or is_closing(next(cell for cell in cells if cell)):
@@ -329,6 +343,16 @@ def readings(block: Block, fits: Fits, name: str, separator: str, layout: Layout
             waiting.append((line, cells))
     block.rows = kept
     return [block]
+
+
+def _is_remark(rows: Sequence[Sequence[str]]) -> bool:
+    """Whether the last of the rows begins with a word where all others have a number: a mean, in any language."""
+    word = rows[-1][0]
+    return (
+        word[:2].isalpha()
+        and NO_READING.fullmatch(word) is None
+        and all(cells[0] and is_number(cells[0]) for cells in rows[: len(rows) // 2 + 1])
+    )
 
 
 def _settled(waiting: list[Row], block: Block, name: str) -> list[Row]:

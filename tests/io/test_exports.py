@@ -9,6 +9,7 @@ from io import BytesIO
 
 import machine_exports as exports
 import numpy as np
+import office_exports
 import pytest
 
 from hyperfab.errors import InputError, UsageError
@@ -43,8 +44,8 @@ MACHINES = (
     "thousands",
     "percent_cells",
 )
-OTHERS = exports.others()
-UNDECIDED = exports.undecided()
+OTHERS = exports.others() | office_exports.office()
+UNDECIDED = exports.undecided() | office_exports.to_settle()
 
 
 def read(data: bytes, name: str, **options: object) -> list[TestData]:
@@ -89,6 +90,21 @@ def test_a_guess_that_could_be_wrong_is_refused_with_the_option_that_settles_it(
     assert match, caught.value
     [pasted] = shlex.split(match[1])
     same_bits(read(UNDECIDED[name], name, columns=layout([pasted])))
+
+
+def test_force_by_the_fineness_of_a_yarn_is_told_as_such() -> None:
+    text = "Elongation (%),Tenacity (gf/den)\n5,0.1\n10,0.2\n"
+    with pytest.raises(
+        InputError, match=r"Tenacity \(gf/den\) is the force by the fineness of a yarn"
+    ) as caught:
+        read(text.encode(), "yarn")
+    assert '--columns "Tenacity (gf/den)=force [gf]"' in str(caught.value)
+
+
+def test_a_slip_in_a_number_at_the_end_is_no_closing_row() -> None:
+    text = "Dehnung [%];Spannung [MPa]\n1;0,1\n2;0,2\n3;0,3\nO4;0,4\n"
+    with pytest.raises(InputError, match=r"line 5.*O4 is no number"):
+        read(text.encode(), "slip")
 
 
 @pytest.mark.parametrize(

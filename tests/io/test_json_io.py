@@ -17,7 +17,7 @@ VALUES = st.recursive(
     st.none()
     | st.booleans()
     | st.integers(-(10**40), 10**40)
-    | st.floats(allow_nan=False, allow_infinity=False)
+    | st.floats(allow_nan=False, allow_infinity=False).map(lambda number: number + 0.0)  # no -0 is written
     | st.text(st.characters(exclude_categories=("Cs",)), max_size=12),
     lambda inner: st.lists(inner, max_size=6) | st.dictionaries(st.text(max_size=6), inner, max_size=6),
     max_leaves=40,
