@@ -8,7 +8,7 @@ from hyperfab.cases import options
 from hyperfab.cases.registry import MADE_BY, case_class
 from hyperfab.chapters.commands import chapter_of, run_words, without_run
 from hyperfab.chapters.job import Job
-from hyperfab.console import Console
+from hyperfab.chapters.rerun import Listener
 from hyperfab.errors import HyperfabError, UsageError
 from hyperfab.studies.store import Outcome
 
@@ -16,20 +16,9 @@ from hyperfab.studies.store import Outcome
 COMMANDS = {command: kind for kind, command in MADE_BY.items() if command != "sweep"}
 
 
-class _Listener(Console):
-    """A console nobody sits at: keeps the warnings, drops the rest."""
-
-    def __init__(self) -> None:
-        super().__init__(quiet=True)
-        self.warnings: list[str] = []
-
-    def warn(self, text: str) -> None:
-        self.warnings.append(text)
-
-
 def run(command: str, words: Sequence[str], output: str) -> Outcome:
     """Run ``hf COMMAND WORDS -o OUTPUT`` in this process and return how it ended, as the command line would."""
-    listener = _Listener()
+    listener = Listener()
     try:
         status = run_words(Job(command, words, listener, target=output), words)
         message = listener.warnings[-1] if status and listener.warnings else ""

@@ -70,18 +70,14 @@ def _first_pull(curve: Curve) -> Curve:
     return replace(curve, stop=rows.stop, cuts=(), abscissa=curve.abscissa[:count], place=place)
 
 
-def _places(curve: Curve) -> Array:
-    return curve.abscissa if curve.place is None else curve.place
-
-
 def _pace(curve: Curve) -> float:
     """Return how fast a test goes, in strain over what it is smooth in: time where that is known."""
-    return float(np.ptp(_places(curve))) / max(float(np.ptp(curve.abscissa)), 1e-300)
+    return float(np.ptp(curve.places)) / max(float(np.ptp(curve.abscissa)), 1e-300)
 
 
 def _factor(y: Array, one: Curve, other: Curve) -> float:
     """Return how many times the first test's stress the second has at the same stretch; nan where none is in common."""
-    x1, x2 = _places(one), _places(other)
+    x1, x2 = one.places, other.places
     order = np.argsort(x1, kind="stable")
     inside = (x2 >= x1[order[0]]) & (x2 <= x1[order[-1]])
     if np.count_nonzero(inside) < FEWEST_TOGETHER or not 1.0 / _PACE < _pace(one) / _pace(other) < _PACE:

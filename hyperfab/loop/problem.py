@@ -134,6 +134,11 @@ class Curve:
         """The rows of the curve in the data."""
         return slice(self.start, self.stop)
 
+    @property
+    def places(self) -> Array:
+        """What replicates are compared at."""
+        return self.abscissa if self.place is None else self.place
+
     def pieces(self) -> list[slice]:
         """Return the smooth pieces of the curve, between its corners."""
         edges = [self.start, *self.cuts, self.stop]

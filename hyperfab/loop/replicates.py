@@ -50,8 +50,8 @@ def difference(y: Array, sd: Array, first: Curve, second: Curve) -> tuple[Array,
     """Return the second replicate minus the first at the second's places, and their level, slope and mean sd there."""
     found: list[tuple[Array, Array, Array, Array]] = []
     for one, other in zip(moving(first), moving(second), strict=False):
-        x1 = _places(first)[one.start - first.start : one.stop - first.start]
-        x2 = _places(second)[other.start - second.start : other.stop - second.start]
+        x1 = first.places[one.start - first.start : one.stop - first.start]
+        x2 = second.places[other.start - second.start : other.stop - second.start]
         order = np.argsort(x1, kind="stable")
         inside = (x2 >= x1[order[0]]) & (x2 <= x1[order[-1]])
         there = np.interp(x2[inside], x1[order], y[one][order])
@@ -70,7 +70,7 @@ def moving(curve: Curve) -> list[slice]:
 
     What relaxes while a stretch is held is steep at first: differences of such readings are no noise.
     """
-    places = _places(curve)
+    places = curve.places
     least = 1e-3 * float(np.ptp(places)) if len(places) else 0.0
     pieces = curve.pieces()
     going = [
@@ -88,7 +88,3 @@ def _slope(place: Array, value: Array) -> Array:
     scaled = (place - place[0]) / np.ptp(place)
     cubic = np.polynomial.Polynomial.fit(scaled, value, 3)
     return np.asarray(cubic.deriv()(scaled) / np.ptp(place))
-
-
-def _places(curve: Curve) -> Array:
-    return curve.abscissa if curve.place is None else curve.place

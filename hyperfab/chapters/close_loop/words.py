@@ -180,7 +180,7 @@ def _where(problem: Problem, found: Finding) -> str:
     worst = max(curves, key=lambda curve: float(np.sum(square[curve.rows])))
     share = float(np.sum(square[worst.rows])) / max(float(np.sum(square)), 1e-300)
     at = int(np.argmax(square[worst.rows]))
-    places = worst.abscissa if worst.place is None else worst.place
+    places = worst.places
     return f"Most of it ({share:.0%}) is in {worst.name}, there most in row {at + 1} of {len(places)}."
 
 

@@ -149,6 +149,11 @@ def series_as_powers(mu: float, lambda_m: float) -> list[float]:
     return powers
 
 
+def volumetric(settings: Settings, count: int = 1) -> list[float]:
+    """Return 2 / bulk modulus [1/MPa] for the first of ``count`` terms, 0 for an incompressible law and the others."""
+    return [0.0 if settings.bulk_modulus is None else 2.0 / settings.bulk_modulus, *[0.0] * (count - 1)]
+
+
 def number(value: float) -> str:
     """Return a number with all its digits."""
     return repr(float(value))

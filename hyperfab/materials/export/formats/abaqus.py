@@ -23,6 +23,7 @@ from hyperfab.materials.export.card import (
     number,
     pairs,
     refuse,
+    volumetric,
 )
 from hyperfab.materials.kinematics import Array
 from hyperfab.materials.material import Material
@@ -44,11 +45,6 @@ def _lines(values: Sequence[float]) -> list[str]:
     ]
 
 
-def _d(settings: Settings, count: int) -> list[float]:
-    """D1 to D_count: all the change of volume is in D1."""
-    return [0.0 if settings.bulk_modulus is None else 2.0 / settings.bulk_modulus, *[0.0] * (count - 1)]
-
-
 def _card(keyword: str, values: Sequence[float], settings: Settings) -> list[str]:
     return [
         f"*MATERIAL, NAME={settings.name}",
@@ -61,7 +57,7 @@ def _card(keyword: str, values: Sequence[float], settings: Settings) -> list[str
 
 def _polynomial(order: int, *names: str) -> Writer:
     def write(material: Material, settings: Settings) -> list[str]:
-        values = [*cij(material, *names), *_d(settings, order)]
+        values = [*cij(material, *names), *volumetric(settings, order)]
         return _card(f"*HYPERELASTIC, POLYNOMIAL, N={order}", values, settings)
 
     return write
@@ -72,7 +68,7 @@ def _reduced(order: int) -> Writer:
     keyword = "*HYPERELASTIC, NEO HOOKE" if order == 1 else f"*HYPERELASTIC, REDUCED POLYNOMIAL, N={order}"
 
     def write(material: Material, settings: Settings) -> list[str]:
-        return _card(keyword, [*cij(material, *names), *_d(settings, order)], settings)
+        return _card(keyword, [*cij(material, *names), *volumetric(settings, order)], settings)
 
     return write
 
@@ -80,12 +76,12 @@ def _reduced(order: int) -> Writer:
 def _ogden(material: Material, settings: Settings) -> list[str]:
     order = len(material.c)
     values = [value for mu, alpha in pairs(material) for value in (0.5 * mu * alpha, alpha)]
-    return _card(f"*HYPERELASTIC, OGDEN, N={order}", [*values, *_d(settings, order)], settings)
+    return _card(f"*HYPERELASTIC, OGDEN, N={order}", [*values, *volumetric(settings, order)], settings)
 
 
 def _arruda_boyce(material: Material, settings: Settings) -> list[str]:
     return _card(
-        "*HYPERELASTIC, ARRUDA-BOYCE", [material.c[0], material.theta[0], *_d(settings, 1)], settings
+        "*HYPERELASTIC, ARRUDA-BOYCE", [material.c[0], material.theta[0], *volumetric(settings, 1)], settings
     )
 
 
@@ -131,7 +127,13 @@ def _sheet(law: Orthotropic, settings: Settings) -> list[str]:
         )
     angles = np.deg2rad([one.angle_deg for one in threads])
     ways = [f"{number(np.cos(one))}, {number(np.sin(one))}, 0." for one in angles]
-    values = [law.parameters["C10_MPa"], *_d(settings, 1), threads[0].k1, max(threads[0].k2, _LEAST), 0.0]
+    values = [
+        law.parameters["C10_MPa"],
+        *volumetric(settings, 1),
+        threads[0].k1,
+        max(threads[0].k2, _LEAST),
+        0.0,
+    ]
     keyword = f"*ANISOTROPIC HYPERELASTIC, HOLZAPFEL, LOCAL DIRECTIONS={len(threads)}"
     return [
         "** the section takes ORIENTATION=" + f"{settings.name}-axes; its x is the warp, its y the weft",

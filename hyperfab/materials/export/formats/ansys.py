@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from hyperfab.materials.export.card import Format, NoCard, Settings, Writer, cij, number, pairs
+from hyperfab.materials.export.card import Format, NoCard, Settings, Writer, cij, number, pairs, volumetric
 from hyperfab.materials.material import Material
 
 #: Constants a TBDATA command takes.
@@ -28,24 +28,20 @@ def _table(option: str, order: int | None, values: Sequence[float], settings: Se
     return lines
 
 
-def _d(settings: Settings, count: int = 1) -> list[float]:
-    return [0.0 if settings.bulk_modulus is None else 2.0 / settings.bulk_modulus, *[0.0] * (count - 1)]
-
-
 def _neo(material: Material, settings: Settings) -> list[str]:
-    return _table("NEO", None, [2.0 * material.c[0], *_d(settings)], settings)
+    return _table("NEO", None, [2.0 * material.c[0], *volumetric(settings)], settings)
 
 
 def _mooney(order: int, *names: str) -> Writer:
     def write(material: Material, settings: Settings) -> list[str]:
-        return _table("MOONEY", order, [*cij(material, *names), *_d(settings)], settings)
+        return _table("MOONEY", order, [*cij(material, *names), *volumetric(settings)], settings)
 
     return write
 
 
 def _yeoh(order: int) -> Writer:
     def write(material: Material, settings: Settings) -> list[str]:
-        return _table("YEOH", order, [*material.c, *_d(settings, order)], settings)
+        return _table("YEOH", order, [*material.c, *volumetric(settings, order)], settings)
 
     return write
 
@@ -53,12 +49,12 @@ def _yeoh(order: int) -> Writer:
 def _ogden(material: Material, settings: Settings) -> list[str]:
     order = len(material.c)
     values = [value for pair in pairs(material) for value in pair]
-    return _table("OGDEN", order, [*values, *_d(settings, order)], settings)
+    return _table("OGDEN", order, [*values, *volumetric(settings, order)], settings)
 
 
 def _two(option: str) -> Writer:
     def write(material: Material, settings: Settings) -> list[str]:
-        return _table(option, None, [material.c[0], material.theta[0], *_d(settings)], settings)
+        return _table(option, None, [material.c[0], material.theta[0], *volumetric(settings)], settings)
 
     return write
 
