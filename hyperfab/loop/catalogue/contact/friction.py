@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.contact import DataContext
-from hyperfab.loop.problem import Constant, Effect, Form
+from hyperfab.loop.catalogue.contact import ContactEffect, DataContext
+from hyperfab.loop.problem import Constant, Form
 
 
-def entry(context: DataContext) -> Effect:
+def entry(context: DataContext) -> ContactEffect:
     """Return the effect: a coefficient, added to the model's own."""
     mu = Constant("mu", 0.0, 0.0, max(context.friction, 1e-9), 0.05, places=("friction",))
-    return Effect(
+    return ContactEffect(
         id="friction",
         title="the sheet rubs on the punch",
         not_sought="" if context.friction else "the model's sheet sticks to the punch where it touches",
@@ -17,7 +17,4 @@ def entry(context: DataContext) -> Effect:
         shown_by="the same test with the punch oiled, or powdered",
         source="Coulomb's law",
         forms=(Form("Coulomb", (mu,), ((0.2,), (0.5,)), ((0.1,),)),) if context.friction else (),
-        smooth=False,
-        confounded_share=0.95,
-        mimic_left=0.5,
     )

@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.contact import DataContext
-from hyperfab.loop.problem import Constant, Effect, Form
+from hyperfab.loop.catalogue.contact import ContactEffect, DataContext
+from hyperfab.loop.problem import Constant, Form
 
 
-def entry(context: DataContext) -> Effect:
+def entry(context: DataContext) -> ContactEffect:
     """Return the effect: stretch of the rim, added to the model's own."""
     down, up = context.prestretch
     added = Constant("added_stretch", 0.0, -down, up, 0.005, places=("prestretch",))
-    return Effect(
+    return ContactEffect(
         id="pretension",
         title="the sheet was mounted under tension",
         rides_on=("depth_mm",),
         shown_by="the first tenth of the depth, read closely: a taut sheet resists at once",
         source="a rim held at a multiple of its place",
         forms=(Form("even", (added,), ((0.01,), (0.04,)), ((0.003,),)),),
-        smooth=False,
-        confounded_share=0.95,
-        mimic_left=0.5,
     )

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.drape import DataContext
-from hyperfab.loop.problem import Constant, Effect, Form
+from hyperfab.loop.catalogue.drape import DataContext, DrapeEffect
+from hyperfab.loop.problem import Constant, Form
 
 
-def entry(context: DataContext) -> Effect | None:
+def entry(context: DataContext) -> DrapeEffect | None:
     """Return the effect: a coefficient, added to the model's own."""
     mu = Constant("mu", 0.0, 0.0, max(context.friction, 1e-9), 0.05, places=("friction",))
-    return Effect(
+    return DrapeEffect(
         id="friction",
         title="the sheet rubs on the mold",
         rides_on=("from the middle_mm", "z_mm"),
         shown_by="the same drape with the mold polished, or with a film of grease",
         source="Coulomb's law",
         forms=(Form("Coulomb", (mu,), ((0.1,), (0.35,)), ((0.05,),)),) if context.friction else (),
-        smooth=False,
-        confounded_share=0.95,
-        mimic_left=0.5,
     )

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.drape import DataContext
-from hyperfab.loop.problem import Constant, Effect, Form
+from hyperfab.loop.catalogue.drape import DataContext, DrapeEffect
+from hyperfab.loop.problem import Constant, Form
 
 
-def entry(context: DataContext) -> Effect | None:
+def entry(context: DataContext) -> DrapeEffect | None:
     """Return the effect: a mass per area."""
     mass = Constant("mass_g_m2", 0.0, 0.0, context.mass, 0.02 * context.mass, places=("mass",))
-    return Effect(
+    return DrapeEffect(
         id="gravity",
         title="the sheet hangs under its own weight",
         rides_on=("from the middle_mm", "z_mm"),
@@ -20,7 +20,4 @@ def entry(context: DataContext) -> Effect | None:
                 "weight", (mass,), ((0.1 * context.mass,), (0.5 * context.mass,)), ((0.03 * context.mass,),)
             ),
         ),
-        smooth=False,
-        confounded_share=0.95,
-        mimic_left=0.5,
     )

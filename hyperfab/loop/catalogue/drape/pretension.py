@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.drape import DataContext
-from hyperfab.loop.problem import Constant, Effect, Form
+from hyperfab.loop.catalogue.drape import DataContext, DrapeEffect
+from hyperfab.loop.problem import Constant, Form
 
 
-def entry(context: DataContext) -> Effect | None:
+def entry(context: DataContext) -> DrapeEffect | None:
     """Return the effect: stretch of the mounted sheet, alike along warp and weft, or not."""
     down, up = context.prestretch
     both = Constant("added_stretch", 0.0, -down, up, 0.005, places=("prestretch",))
     more = Constant("weft_more", 0.0, -up, up, 0.005, places=("weft more",))
-    return Effect(
+    return DrapeEffect(
         id="pretension",
         title="the sheet was mounted under tension",
         rides_on=("from the middle_mm", "z_mm"),
@@ -21,7 +21,4 @@ def entry(context: DataContext) -> Effect | None:
             Form("even", (both,), ((0.02,), (0.08,)), ((0.005,),)),
             Form("each way", (both, more), ((0.03, 0.0),), ((0.0, 0.005),), refines="even"),
         ),
-        smooth=False,
-        confounded_share=0.95,
-        mimic_left=0.5,
     )

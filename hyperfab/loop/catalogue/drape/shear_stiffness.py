@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.drape import DataContext
-from hyperfab.loop.problem import Constant, Effect, Form
+from hyperfab.loop.catalogue.drape import DataContext, DrapeEffect
+from hyperfab.loop.problem import Constant, Form
 
 
-def entry(context: DataContext) -> Effect | None:
+def entry(context: DataContext) -> DrapeEffect | None:
     """Return the effect: a shear modulus, added to the model's own."""
     modulus = Constant("modulus_MPa", 0.0, 0.0, context.shear, 0.02 * context.shear, places=("shear",))
     starts = ((0.1 * context.shear,), (0.5 * context.shear,))
-    return Effect(
+    return DrapeEffect(
         id="shear-stiffness",
         title="the fabric resists shear",
         rides_on=("x0_mm", "y0_mm"),
         shown_by="a bias test, cut at 45 degrees to the warp; or markers on the diagonals",
         source="energy of the angle between the threads, G gamma^2/2",
         forms=(Form("linear", (modulus,), starts, ((0.03 * context.shear,),)),),
-        smooth=False,
-        confounded_share=0.95,
-        mimic_left=0.5,
     )

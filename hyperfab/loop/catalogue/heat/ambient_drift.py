@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.heat import DataContext
-from hyperfab.loop.problem import Constant, Effect, Form
+from hyperfab.loop.catalogue.heat import DataContext, MoldEffect
+from hyperfab.loop.problem import Constant, Form
 
 #: What the air of a room does: so far over a shift, with its doors, and so fast when it is heated or aired.
 FARTHEST_K, FASTEST_K_S = 20.0, 0.01
 
 
-def entry(context: DataContext) -> Effect:
+def entry(context: DataContext) -> MoldEffect:
     """Return the effect: ambient linear in time, quadratic, cubic."""
     whole = context.duration_s
     most = min(FARTHEST_K / whole, FASTEST_K_S)
@@ -25,7 +25,7 @@ def entry(context: DataContext) -> Effect:
         2.0 / whole**3,
         places=("ambient_per_s3",),
     )
-    return Effect(
+    return MoldEffect(
         id="ambient-drift",
         title="the ambient changes with time",
         not_sought="" if context.films else "no face has a film",
@@ -37,6 +37,4 @@ def entry(context: DataContext) -> Effect:
             Form("quadratic", (slope, bend), ((8.0 / whole, 0.0),), refines="linear"),
             Form("cubic", (slope, bend, twist), ((8.0 / whole, 0.0, 0.0),), refines="quadratic"),
         ),
-        smooth=False,
-        confounded_share=0.98,
     )

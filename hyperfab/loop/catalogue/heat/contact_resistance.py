@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.heat import DataContext
-from hyperfab.loop.problem import Constant, Effect, Form
+from hyperfab.loop.catalogue.heat import DataContext, MoldEffect
+from hyperfab.loop.problem import Constant, Form
 
 
-def entry(context: DataContext) -> Effect:
+def entry(context: DataContext) -> MoldEffect:
     """Return the effect: a resistance of the joints that conduct perfectly in the model, or in series with its joints.
 
     One for all, of each its own, closing as the mold warms up, or greater in places.
@@ -42,7 +42,7 @@ def entry(context: DataContext) -> Effect:
                 )
             )
         forms.append(Form("uneven", (resistance, *uneven), ((1e-3, 0.0, 0.0, 0.0),), refines="gap"))
-    return Effect(
+    return MoldEffect(
         id="contact-resistance",
         title="parts that touch do not conduct perfectly",
         not_sought="" if joints else "the mold has one part",
@@ -50,6 +50,4 @@ def entry(context: DataContext) -> Effect:
         shown_by="a thermocouple on each side of the joint",
         source="Yovanovich (2005), doi:10.1109/TCAPT.2005.848483",
         forms=tuple(forms),
-        smooth=False,
-        confounded_share=0.98,
     )

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.heat import DataContext
-from hyperfab.loop.problem import Constant, Effect, Form
+from hyperfab.loop.catalogue.heat import DataContext, MoldEffect
+from hyperfab.loop.problem import Constant, Form
 
 
-def entry(context: DataContext) -> Effect:
+def entry(context: DataContext) -> MoldEffect:
     """Return the effect: a share lost, constant or growing with the heater's temperature, or out of its back.
 
     A wire that resists more when hot draws less at the same voltage.
@@ -20,7 +20,7 @@ def entry(context: DataContext) -> Effect:
     back = Constant("back_W_K", 0.0, 0.0, 0.9 * loss, 0.05 * loss, places=("back_W_K",))
     # Metals resist 0.004 more a kelvin, nickel 0.006, heater alloys less: CRC Handbook of Chemistry and Physics.
     wire = Constant("resistance_per_K", 0.0, 0.0, 4.0 / rise, 0.05 / rise, 0.004, ("wire_per_K",))
-    return Effect(
+    return MoldEffect(
         id="power-loss",
         title="part of the power does not reach the mold",
         not_sought="" if context.heaters else "the model has no heater",
@@ -51,6 +51,4 @@ def entry(context: DataContext) -> Effect:
             Form("wire and share", (share, wire), ((0.0, 0.0),), refines="wire"),
             Form("bent", (share, warm, bend), ((0.0, 0.0, 0.0),), refines=("with temperature", "wire")),
         ),
-        smooth=False,
-        confounded_share=0.98,
     )

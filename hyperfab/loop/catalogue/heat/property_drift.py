@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.heat import DataContext
-from hyperfab.loop.problem import Constant, Effect, Form
+from hyperfab.loop.catalogue.heat import DataContext, MoldEffect
+from hyperfab.loop.problem import Constant, Form
 
 
-def entry(context: DataContext) -> Effect:
+def entry(context: DataContext) -> MoldEffect:
     """Return the effect: specific heat, conductivity or both linear in temperature, then with a bend."""
     rise = context.rise_K
     c = Constant("specific_heat_per_K", 0.0, -0.5 / rise, 2.0 / rise, 0.05 / rise, places=("capacity_per_K",))
@@ -21,7 +21,7 @@ def entry(context: DataContext) -> Effect:
         0.05 / rise**2,
         places=("capacity_per_K2",),
     )
-    return Effect(
+    return MoldEffect(
         id="property-drift",
         title="conductivity or specific heat change with temperature",
         rides_on=("temperature_degC", "heating rate_K_s"),
@@ -49,6 +49,4 @@ def entry(context: DataContext) -> Effect:
             Form("bent", (c, bend), ((0.0, 0.0),), refines="specific heat"),
             Form("bent both", (c, bend, k), ((0.0, 0.0, 0.0),), refines=("bent", "both")),
         ),
-        smooth=False,
-        confounded_share=0.98,
     )
