@@ -34,9 +34,10 @@ class Front:
 
 @dataclass(frozen=True)
 class Gap:
-    """The gap at n points: ``nearest`` [mm], negative inside the female; ``direction`` (n, 3), the unit vector from
-    the female's nearest point to the point, which is the gradient of ``nearest``; the ``face`` of the female that is
-    nearest; ``at_border`` where that is an open edge of the female.
+    """The gap at n points: ``nearest`` [mm], negative inside the female; ``direction`` (n, 3), from the female's
+    nearest point to the point: the gradient of ``nearest``, of length 1 on flat facets and to the square of their size
+    on the smooth surface behind them; the ``face`` of the female that is nearest; ``at_border`` where that is an open
+    edge of the female.
     """
 
     nearest: Array
@@ -54,12 +55,13 @@ def nearest_gap(points: Array, female: Mold, order: Ints | None = None) -> Gap:
     if not female.smooth:
         return Gap(near.distance, near.normal, near.face, border)
     curving = female.curving
-    distance, direction = smooth_gap(
+    distance, gradient = smooth_gap(
         np.ascontiguousarray(points),
         near.distance,
         near.point,
         near.normal,
         near.face,
+        near.feature,
         border,
         surface.vertices,
         surface.faces,
@@ -68,7 +70,7 @@ def nearest_gap(points: Array, female: Mold, order: Ints | None = None) -> Gap:
         curving.smooth,
         float(np.cos(np.radians(CREASE_DEG))),
     )
-    return Gap(distance, direction, near.face, border)
+    return Gap(distance, gradient, near.face, border)
 
 
 def normal_gap(points: Array, normals: Array, female: Mold) -> Array:

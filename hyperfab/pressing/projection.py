@@ -17,6 +17,7 @@ def smooth_gap(
     projection: Array,
     away: Array,
     face: Ints,
+    feature: Ints,
     border: Flags,
     vertices: Array,
     faces: Ints,
@@ -25,49 +26,102 @@ def smooth_gap(
     smooth: Flags,
     least: float,
 ) -> tuple[Array, Array]:
-    """Return distance (n,) and direction (n, 3) of ``points`` (n, 3) from the smooth surface.
+    """Return the distance (n,) of ``points`` (n, 3) from the smooth surface, and its gradient (n, 3).
 
-    The points' ``distance`` (n,) from the facets, their ``projection`` (n, 3) on facet ``face`` (n,), the unit vector
-    ``away`` (n, 3) from it; ``border`` says where the foot lies on an open edge. Of the surface: ``vertices``,
-    ``faces``, the ``normals`` at the vertices, ``rise`` and ``smooth`` of ``Curving``; ``least`` is the cosine of the
-    angle between ``away`` and the facet's normal up to which the foot counts as lying under the point.
+    The points' ``distance`` (n,) from the facets, their ``projection`` (n, 3) on facet ``face`` (n,) and on which
+    ``feature`` of it (0 inside, 1 to 3 edge, 4 to 6 corner), the unit vector ``away`` (n, 3) from it; ``border`` says
+    where the foot lies on an open edge. Of the surface: ``vertices``, ``faces``, the ``normals`` at the vertices,
+    ``rise`` and ``smooth`` of ``Curving``; ``least`` is the cosine of the angle between ``away`` and the facet's
+    normal up to which the foot counts as lying under the point.
+
+    The distance is ``(distance - height) (away . m)`` with the smooth normal m, and ``distance - height (away . n)``
+    with the facet's n where m is no guide. The gradient is that of the number returned, not of the surface it stands
+    for: a force along it is the rate of the energy to rounding, however coarse the facets.
     """
-    out, direction = np.empty(len(points)), np.empty((len(points), 3))
-    corner = np.empty((3, 3))
+    out, gradient = np.empty(len(points)), np.empty((len(points), 3))
+    corner, of, m, flat = np.empty((3, 3)), np.empty((3, 3)), np.empty(3), np.empty(3)
     for i in range(len(points)):
-        f = face[i]
+        f, a = face[i], away[i]
         for k in range(3):
-            for a in range(3):
-                corner[k, a] = vertices[faces[f, k], a]
+            for c in range(3):
+                corner[k, c] = vertices[faces[f, k], c]
         n, double = _normal(corner)
+        size = np.sqrt(double) if double > 0.0 else 1.0
+        flat[0], flat[1], flat[2] = n[0] / size, n[1] / size, n[2] / size
         weight = _weights(corner, n, double, projection[i])
+        _weight_rates(corner, flat, size, feature[i], of)
         height = weight[0] * weight[1] * rise[f, 0] + weight[1] * weight[2] * rise[f, 1]
         height += weight[2] * weight[0] * rise[f, 2]
-        size = np.sqrt(double) if double > 0.0 else 1.0
-        along = (away[i, 0] * n[0] + away[i, 1] * n[1] + away[i, 2] * n[2]) / size
-        if smooth[f] and not border[i] and along > least:
+        lift = distance[i] - height
+        along = _dot(a, flat)
+        curved = smooth[f] and not border[i] and along > least
+        length = 1.0
+        m[:] = flat
+        if curved:
             # The facet's foot lies a little beside that of the smooth surface. The distance to the tangent plane there
             # is right to second order all the same, the distance to the foot itself would be too long. Along ``away``
             # the lift is the same from either facet of an edge.
-            mx = my = mz = 0.0
+            m[:] = 0.0
             for k in range(3):
+                for c in range(3):
+                    m[c] += weight[k] * normals[faces[f, k], c]
+            length = np.sqrt(_dot(m, m))
+            m /= length
+        slope = _dot(a, m)
+        # At an open edge, on a crease, or far beside a face, the distance is that of the facets.
+        out[i] = lift * slope if curved else distance[i] - height * slope
+        for c in range(3):
+            gradient[i, c] = a[c] * (slope if curved else 1.0)
+        for k in range(3):
+            # What the height and the normal change by as the foot wanders over the facet.
+            higher = weight[(k + 1) % 3] * rise[f, k] + weight[(k + 2) % 3] * rise[f, (k + 2) % 3]
+            rate = -higher * slope
+            if curved:
                 v = faces[f, k]
-                mx += weight[k] * normals[v, 0]
-                my += weight[k] * normals[v, 1]
-                mz += weight[k] * normals[v, 2]
-            length = np.sqrt(mx * mx + my * my + mz * mz)
-            mx, my, mz = mx / length, my / length, mz / length
-            out[i] = (
-                (points[i, 0] - projection[i, 0] - height * away[i, 0]) * mx
-                + (points[i, 1] - projection[i, 1] - height * away[i, 1]) * my
-                + (points[i, 2] - projection[i, 2] - height * away[i, 2]) * mz
-            )
-            direction[i, 0], direction[i, 1], direction[i, 2] = mx, my, mz
-        else:
-            # At an open edge, on a crease, or far beside a face, the distance is that of the facets.
-            out[i] = distance[i] - height * along
-            direction[i] = away[i]
-    return out, direction
+                for c in range(3):
+                    rate += lift / length * (a[c] - slope * m[c]) * normals[v, c]
+            for c in range(3):
+                gradient[i, c] += rate * of[k, c]
+        if feature[i] > 0 and abs(distance[i]) > 0.0:
+            # On an edge or a corner ``away`` turns with the point, about the edge.
+            turning = (lift if curved else -height) / distance[i]
+            edge = np.zeros(3)
+            if feature[i] < 4:
+                for c in range(3):
+                    edge[c] = corner[feature[i] % 3, c] - corner[feature[i] - 1, c]
+                edge /= np.sqrt(_dot(edge, edge))
+            share = _dot(edge, m)
+            for c in range(3):
+                gradient[i, c] += turning * (m[c] - slope * a[c] - share * edge[c])
+    return out, gradient
+
+
+@part
+def _dot(one: Array, two: Array) -> Any:
+    return one[0] * two[0] + one[1] * two[1] + one[2] * two[2]
+
+
+@part
+def _weight_rates(corner: Array, flat: Array, double: float, feature: int, out: Array) -> None:
+    """Gradients (3, 3) of the barycentric coordinates of a foot on a ``feature`` of a triangle, with its unit normal
+    and twice its area, as the point above it moves."""
+    out[:] = 0.0
+    if feature == 0:
+        for k in range(3):
+            a, b = (k + 1) % 3, (k + 2) % 3
+            ex, ey, ez = corner[b, 0] - corner[a, 0], corner[b, 1] - corner[a, 1], corner[b, 2] - corner[a, 2]
+            out[k, 0] = (flat[1] * ez - flat[2] * ey) / double
+            out[k, 1] = (flat[2] * ex - flat[0] * ez) / double
+            out[k, 2] = (flat[0] * ey - flat[1] * ex) / double
+    elif feature < 4:
+        a, b = feature - 1, feature % 3
+        square = 0.0
+        for c in range(3):
+            out[b, c] = corner[b, c] - corner[a, c]
+            square += out[b, c] * out[b, c]
+        for c in range(3):
+            out[b, c] /= square
+            out[a, c] = -out[b, c]
 
 
 @part

@@ -45,28 +45,6 @@ def test_spotted_fraction_of_the_cup(fine, foam):
     )
 
 
-def work_over_energy(cells, smooth):
-    """Work of the closing force from the first touch on, by Gauss's rule, over the energy that is stored at the end."""
-    male, female = surfaces((cells, cells - 1), (cells - 2, cells + 1))
-    frame = closing_frame(male, female, "z")
-    one, two = in_frame(male, frame, 1, smooth), in_frame(female, frame, -1, smooth)
-    growth = np.zeros_like(one.vertices), np.zeros_like(two.vertices)
-    found = close_press(Case(one, two, Sandwich(4.5, 0.0, linear(0.05)), *growth, gap=3.0))
-    nodes, weights = np.polynomial.legendre.leggauss(8)
-    ends = np.linspace(0.0, found.stroke, 17)
-    half = 0.5 * np.diff(ends)[:, None]
-    strokes = ends[:-1, None] + half * (nodes + 1.0)
-    force = [found.press.at(found.first_touch - stroke).closing_force for stroke in strokes.ravel()]
-    return float((half * weights).ravel() @ force) / found.contact.energy
-
-
-def test_energy_of_a_closing_is_its_work():
-    """To a millionth on facets as they are; on the smooth surface through them as the facets grow finer."""
-    assert work_over_energy(24, smooth=False) == pytest.approx(1.0, abs=1e-6)
-    assert work_over_energy(24, smooth=True) == pytest.approx(1.0, abs=0.012)
-    assert work_over_energy(48, smooth=True) == pytest.approx(1.0, abs=0.003)
-
-
 def test_gap_along_the_normal_of_the_cup(fine):
     found = closed(*fine, 4.5)
     x, y, z = found.cold.T

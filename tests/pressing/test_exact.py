@@ -76,16 +76,6 @@ def test_area_and_force_converge_at_second_order(shapes):
         assert np.log(ratio) / np.log(3.0) > 1.5
 
 
-def test_work_of_the_closing_force_is_the_stored_energy(shapes):
-    press = pressed(shapes, 20, 6.0)
-    strokes = np.linspace(0.0, press.first_touch() + 1.0, 41)
-    found = [press.at(press.first_touch() - stroke) for stroke in strokes]
-    force = np.array([item.closing_force for item in found])
-    steps = np.diff(strokes)[0] / 3.0
-    work = steps * (force[0] + 4 * force[1:-1:2].sum() + 2 * force[2:-1:2].sum() + force[-1])
-    assert work == pytest.approx(found[-1].energy, rel=5e-3)
-
-
 def test_the_position_for_a_force_gives_that_force(shapes):
     press = pressed(shapes, 20, 6.0)
     assert press.at(press.opening_for(300.0)).closing_force == pytest.approx(300.0, rel=1e-9)

@@ -16,7 +16,7 @@ from hyperfab.cases.press import PressCase
 from hyperfab.chapters.close_loop.finalise import Extension
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact.inputs import ALUMINIUM
-from hyperfab.chapters.press_contact.result import Told
+from hyperfab.chapters.press_contact.told import Told
 from hyperfab.io.output import Output
 from hyperfab.io.toml_io import load_toml
 from hyperfab.io.units import quantity

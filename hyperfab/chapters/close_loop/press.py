@@ -20,7 +20,7 @@ from hyperfab.chapters.close_loop.readings import read_files as read_measured
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact.command import solve
 from hyperfab.chapters.press_contact.model import model_of, read_files
-from hyperfab.chapters.press_contact.result import Told
+from hyperfab.chapters.press_contact.told import Told
 from hyperfab.chapters.rerun import Listener, check_unchanged, unchanged
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_table import read_table

@@ -10,18 +10,13 @@ import numpy as np
 from hyperfab.cases.press import PressCase
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact.compensation import compensate
+from hyperfab.chapters.press_contact.design import design_of
+from hyperfab.chapters.press_contact.fields import curve_csv, formed_picture, grid_of, picture_of
 from hyperfab.chapters.press_contact.formed import Wanted, formed, read_setting
 from hyperfab.chapters.press_contact.formed import note_ranges as note_set_ranges
 from hyperfab.chapters.press_contact.model import Model, model_of, read_files
-from hyperfab.chapters.press_contact.result import (
-    Told,
-    curve_csv,
-    design_of,
-    document_of,
-    formed_picture,
-    grid_of,
-    picture_of,
-)
+from hyperfab.chapters.press_contact.result import document_of
+from hyperfab.chapters.press_contact.told import Told
 from hyperfab.chapters.press_contact.warmth import warmed
 from hyperfab.chapters.uncertainty import carry
 from hyperfab.chapters.uncertainty.sources import Origins, origins

@@ -9,9 +9,9 @@ import numpy as np
 
 from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.press_contact.design import place_of_design
 from hyperfab.chapters.press_contact.formed import Formed, Setting, Wanted, formed
 from hyperfab.chapters.press_contact.model import Model
-from hyperfab.chapters.press_contact.result import place_of_design
 from hyperfab.chapters.press_contact.warmth import column_of
 from hyperfab.documents.press import CompensationPart, CompensationStep, WantedPart
 from hyperfab.io.stl_write import stl_bytes

@@ -1,23 +1,16 @@
-"""What `hf press-contact` writes: the document, the field on the male's surface, the curve, the picture."""
+"""The figures of a press: the document of ``hf press-contact``."""
 
 from __future__ import annotations
-
-from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
-from hyperfab.chapters.press_contact.formed import Formed, Wanted
 from hyperfab.chapters.press_contact.formed import part_of as formed_part
-from hyperfab.chapters.press_contact.heat import Grown
-from hyperfab.chapters.press_contact.model import Foam, Model
-from hyperfab.chapters.press_contact.warmth import Warmed, left_out, part_of
+from hyperfab.chapters.press_contact.told import Told
+from hyperfab.chapters.press_contact.warmth import left_out, part_of
 from hyperfab.documents.foam import MaterialLaw
 from hyperfab.documents.press import (
-    CompensationPart,
-    DesignPart,
     GapRange,
     Histogram,
     LeverPart,
@@ -26,71 +19,18 @@ from hyperfab.documents.press import (
     RegionPart,
     StateAreas,
     ThicknessRange,
-    WantedPart,
 )
-from hyperfab.errors import InputError
-from hyperfab.io import vtu
-from hyperfab.io.csv_write import csv_bytes
-from hyperfab.io.stl_write import stl_bytes
 from hyperfab.pressing.closing import Closed
-from hyperfab.pressing.design import Design, DesignRefused, constant_gap, with_back
 from hyperfab.pressing.gap import vertex_areas
-from hyperfab.pressing.growth import Expansion, Growth, guide_line, ungrown
+from hyperfab.pressing.growth import guide_line
 from hyperfab.pressing.mold import Mold, PressFrame
 from hyperfab.pressing.regions import regions
 from hyperfab.pressing.sandwich import State
 from hyperfab.pressing.sensitivity import Tooling, levers
 
-_CURVE_HEADER = ("stroke_mm", "force_N", "pressed_area_mm2", "gap_min_mm", "energy_J")
 #: Molds within this [K] of the drawing's temperature are cold.
 _COLD = 1.0
 _SIGNS = {1: "+", -1: "-"}
-
-
-@dataclass(frozen=True)
-class Told:
-    """All that the outputs tell: the model, the closed press, its ``curve``, what the dwell does and the design."""
-
-    model: Model
-    closed: Closed
-    curve: Array
-    warmed: Warmed | None = None
-    design: DesignPart | None = None
-    formed: Formed | None = None
-    wanted: Wanted | None = None
-    compensation: CompensationPart | None = None
-
-    @property
-    def beside(self) -> WantedPart | None:
-        """By how much what is formed misses what is wanted."""
-        if self.formed is None or self.wanted is None:
-            return None
-        return self.wanted.beside(self.formed, self.closed, self.frame)
-
-    @property
-    def frame(self) -> PressFrame:
-        """How the molds close."""
-        return self.model.files.frame
-
-    @property
-    def reference(self) -> float:
-        """Temperature [degC] at which the drawing holds."""
-        return self.model.files.document.expansion.reference
-
-    @property
-    def expansions(self) -> tuple[Expansion, Expansion]:
-        """Of the male and the female."""
-        return self.model.files.expansions
-
-    @property
-    def grown(self) -> tuple[Grown, Grown]:
-        """How the male and the female have grown."""
-        return self.model.grown
-
-    @property
-    def foam(self) -> Foam:
-        """What of the foam is lost and given back."""
-        return self.model.foam
 
 
 def document_of(told: Told) -> PressDocument:
@@ -106,7 +46,7 @@ def document_of(told: Told) -> PressDocument:
     states = closed.press.sandwich.state(contact.gap)
     found = regions(front, closed.touch, contact, closed.press.sandwich)
     shift = closed.cold - front.vertices
-    final = _final_thickness(told)
+    final = told.final_thickness
     on_touching = sum(region.load for region in found if region.contact)
     male_part, female_part = (
         _mold_part(mold, told, index) for index, mold in enumerate((closed.case.male, closed.case.female))
@@ -179,119 +119,6 @@ def document_of(told: Told) -> PressDocument:
         design=told.design,
         left_out=_left_out(told),
     )
-
-
-def grid_of(told: Told) -> bytes:
-    """Return the male's front, where its drawing has it, with the gap and what the sandwich does, as .vtu."""
-    closed = told.closed
-    front, contact, sandwich = closed.front, closed.contact, closed.press.sandwich
-    final = _final_thickness(told)
-    reached = None if told.warmed is None else told.warmed.reached
-    return vtu.unstructured(
-        told.frame.outward(closed.cold),
-        {"triangle": front.faces},
-        {
-            "gap_mm": contact.gap,
-            "gap_normal_mm": closed.normal,
-            "gap_axial_mm": closed.axial,
-            "sandwich_mm": np.broadcast_to(np.asarray(sandwich.thickness), contact.gap.shape),
-            "compression": sandwich.strain(contact.gap),
-            "pressure_MPa": contact.pressure,
-            **({} if final is None else {"final_thickness_mm": final}),
-            **({} if told.warmed is None else {"middle_degC": told.warmed.middle}),
-            **({} if reached is None else {"target_s": reached}),
-            **_formed_fields(told),
-            "contact": (closed.touch < sandwich.thickness).astype(np.uint8),
-            "at_border": closed.at_border.astype(np.uint8),
-            "oblique": closed.oblique.astype(np.uint8),
-            "state": sandwich.state(contact.gap).astype(np.uint8),
-            "growth_mm": told.frame.outward(front.vertices - closed.cold),
-        },
-        {"contact_share": closed.touching / front.areas, "flange": front.flange},
-    )
-
-
-def _formed_fields(told: Told) -> dict[str, Array]:
-    if told.formed is None:
-        return {}
-    found = {"formed_thickness_mm": told.formed.thickness, "set": told.formed.share}
-    found["springback_mm"] = told.formed.springback
-    if told.wanted is not None:
-        found["off_wanted_mm"] = told.formed.thickness - told.wanted.at(told.closed.cold)
-    return found
-
-
-def curve_csv(curve: Array) -> bytes:
-    """Return the force-stroke curve as CSV."""
-    return csv_bytes(_CURVE_HEADER, list(curve))
-
-
-def picture_of(told: Told, document: PressDocument) -> bytes:
-    """Return the picture: the spotted male, the gap's histogram, force over stroke."""
-    from hyperfab.report.figures_press import SpottedMold, spotting
-
-    closed = told.closed
-    front, sandwich = closed.front, closed.press.sandwich
-    turned = told.frame.inward(np.arange(3.0))
-    mold = SpottedMold(
-        vertices=front.vertices,
-        faces=front.faces,
-        normals=front.normals,
-        gap=closed.contact.gap,
-        pressure=closed.contact.pressure,
-        level=np.asarray(sandwich.thickness - closed.touch),
-        areas=vertex_areas(front, ~front.flange),
-        thickness=document.sandwich_mm,
-        axes=("xyz"[abs(int(turned[0]))], "xyz"[abs(int(turned[1]))]),
-    )
-    title = (
-        f"touching {100 * document.contact_fraction:.1f} %, gap {document.gap_min_mm:.2f} to "
-        f"{document.gap_max_mm:.2f} mm, closing force {document.force_N:.3g} N"
-    )
-    return spotting(mold, told.curve[:, :2], title)
-
-
-def formed_picture(told: Told) -> bytes:
-    """Return the picture of what is formed, and of what it misses by."""
-    from hyperfab.report.figures_press import FormedMold, formed_map
-
-    assert told.formed is not None
-    front = told.closed.front
-    turned = told.frame.inward(np.arange(3.0))
-    fields = _formed_fields(told)
-    mold = FormedMold(
-        vertices=front.vertices,
-        faces=front.faces[~front.flange],
-        thickness=fields["formed_thickness_mm"],
-        off=fields.get("off_wanted_mm"),
-        axes=("xyz"[abs(int(turned[0]))], "xyz"[abs(int(turned[1]))]),
-    )
-    beside = "" if told.beside is None else f", off by {told.beside.worst_mm:+.2f} mm at most"
-    part = formed_part(told.formed, told.closed, told.closed.cold)
-    return formed_map(
-        mold, f"formed thickness {part.thickness_min_mm:.2f} to {part.thickness_max_mm:.2f} mm{beside}"
-    )
-
-
-def design_of(closed: Closed, frame: PressFrame, gap: float, growth: Growth) -> tuple[bytes, DesignPart]:
-    """Return the STL of the cold male whose hot gap is constant; refused with the place where there is none."""
-    found = place_of_design(frame, lambda: constant_gap(closed.female, gap), f"--design-gap {gap:g} mm")
-    cold = ungrown(found.vertices, growth)
-    vertices, faces = with_back(cold, found.faces, closed.case.male.mount)
-    data = stl_bytes(frame.outward(vertices), faces)
-    return data, DesignPart(gap_mm=gap, spread_mm=found.spread, facets=len(faces))
-
-
-def place_of_design(frame: PressFrame, made: Callable[[], Design], asked: str = "--compensate") -> Design:
-    """Return what ``made`` gives; refused with the place in the drawing where there is none."""
-    try:
-        return made()
-    except DesignRefused as error:
-        at = ", ".join(f"{value:.1f}" for value in frame.outward(np.array(error.at)))
-        raise InputError(
-            f"{asked}: the surface {error.what} near ({at}) mm, on {error.faces} facets",
-            remedy="ask for a smaller gap, or give the female a larger radius or more draft there",
-        ) from None
 
 
 def _tilt_vector(told: Told) -> tuple[float, float, float] | None:
@@ -382,16 +209,6 @@ def _range(values: Array, area: Array) -> ThicknessRange:
         mean_mm=float(np.average(values, weights=area)),
         max_mm=float(values[there].max()),
     )
-
-
-def _final_thickness(told: Told) -> Array | None:
-    """Thickness (n,) [mm] of the sandwich when the press has opened: foam springs back by its recovery, if known."""
-    if told.foam.recovery is None:
-        return None
-    sandwich, gap = told.closed.press.sandwich, told.closed.contact.gap
-    foam = np.broadcast_to(np.asarray(sandwich.foam), gap.shape)
-    pressed, _ = sandwich.pressed(gap)
-    return np.asarray(sandwich.fabric + pressed + told.foam.recovery * (foam - pressed))
 
 
 def _bearing_area_ratio(closed: Closed) -> float | None:

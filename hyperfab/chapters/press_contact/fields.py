@@ -1,0 +1,107 @@
+"""What ``hf press-contact`` writes beside its document: the field on the male's surface, the curve, the pictures."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hyperfab.arrays import Array
+from hyperfab.chapters.press_contact.formed import part_of as formed_part
+from hyperfab.chapters.press_contact.told import Told
+from hyperfab.documents.press import PressDocument
+from hyperfab.io import vtu
+from hyperfab.io.csv_write import csv_bytes
+from hyperfab.pressing.gap import vertex_areas
+
+_CURVE_HEADER = ("stroke_mm", "force_N", "pressed_area_mm2", "gap_min_mm", "energy_J")
+
+
+def grid_of(told: Told) -> bytes:
+    """Return the male's front, where its drawing has it, with the gap and what the sandwich does, as .vtu."""
+    closed = told.closed
+    front, contact, sandwich = closed.front, closed.contact, closed.press.sandwich
+    final = told.final_thickness
+    reached = None if told.warmed is None else told.warmed.reached
+    return vtu.unstructured(
+        told.frame.outward(closed.cold),
+        {"triangle": front.faces},
+        {
+            "gap_mm": contact.gap,
+            "gap_normal_mm": closed.normal,
+            "gap_axial_mm": closed.axial,
+            "sandwich_mm": np.broadcast_to(np.asarray(sandwich.thickness), contact.gap.shape),
+            "compression": sandwich.strain(contact.gap),
+            "pressure_MPa": contact.pressure,
+            **({} if final is None else {"final_thickness_mm": final}),
+            **({} if told.warmed is None else {"middle_degC": told.warmed.middle}),
+            **({} if reached is None else {"target_s": reached}),
+            **_formed_fields(told),
+            "contact": (closed.touch < sandwich.thickness).astype(np.uint8),
+            "at_border": closed.at_border.astype(np.uint8),
+            "oblique": closed.oblique.astype(np.uint8),
+            "state": sandwich.state(contact.gap).astype(np.uint8),
+            "growth_mm": told.frame.outward(front.vertices - closed.cold),
+        },
+        {"contact_share": closed.touching / front.areas, "flange": front.flange},
+    )
+
+
+def _formed_fields(told: Told) -> dict[str, Array]:
+    if told.formed is None:
+        return {}
+    found = {"formed_thickness_mm": told.formed.thickness, "set": told.formed.share}
+    found["springback_mm"] = told.formed.springback
+    if told.wanted is not None:
+        found["off_wanted_mm"] = told.formed.thickness - told.wanted.at(told.closed.cold)
+    return found
+
+
+def curve_csv(curve: Array) -> bytes:
+    """Return the force-stroke curve as CSV."""
+    return csv_bytes(_CURVE_HEADER, list(curve))
+
+
+def picture_of(told: Told, document: PressDocument) -> bytes:
+    """Return the picture: the spotted male, the gap's histogram, force over stroke."""
+    from hyperfab.report.figures_press import SpottedMold, spotting
+
+    closed = told.closed
+    front, sandwich = closed.front, closed.press.sandwich
+    turned = told.frame.inward(np.arange(3.0))
+    mold = SpottedMold(
+        vertices=front.vertices,
+        faces=front.faces,
+        normals=front.normals,
+        gap=closed.contact.gap,
+        pressure=closed.contact.pressure,
+        level=np.asarray(sandwich.thickness - closed.touch),
+        areas=vertex_areas(front, ~front.flange),
+        thickness=document.sandwich_mm,
+        axes=("xyz"[abs(int(turned[0]))], "xyz"[abs(int(turned[1]))]),
+    )
+    title = (
+        f"touching {100 * document.contact_fraction:.1f} %, gap {document.gap_min_mm:.2f} to "
+        f"{document.gap_max_mm:.2f} mm, closing force {document.force_N:.3g} N"
+    )
+    return spotting(mold, told.curve[:, :2], title)
+
+
+def formed_picture(told: Told) -> bytes:
+    """Return the picture of what is formed, and of what it misses by."""
+    from hyperfab.report.figures_press import FormedMold, formed_map
+
+    assert told.formed is not None
+    front = told.closed.front
+    turned = told.frame.inward(np.arange(3.0))
+    fields = _formed_fields(told)
+    mold = FormedMold(
+        vertices=front.vertices,
+        faces=front.faces[~front.flange],
+        thickness=fields["formed_thickness_mm"],
+        off=fields.get("off_wanted_mm"),
+        axes=("xyz"[abs(int(turned[0]))], "xyz"[abs(int(turned[1]))]),
+    )
+    beside = "" if told.beside is None else f", off by {told.beside.worst_mm:+.2f} mm at most"
+    part = formed_part(told.formed, told.closed, told.closed.cold)
+    return formed_map(
+        mold, f"formed thickness {part.thickness_min_mm:.2f} to {part.thickness_max_mm:.2f} mm{beside}"
+    )
