@@ -20,7 +20,7 @@ from hyperfab.chapters.close_loop import readings
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
-from hyperfab.loop import confounding, engine, fabric_tests, heldout, judge, noise, scatter, thresholds
+from hyperfab.loop import confounding, engine, fabric_tests, heldout, judge, replicates, scatter, thresholds
 from hyperfab.loop.design import NextMeasurement
 from hyperfab.loop.heldout import HeldOut, Help, help_of
 from hyperfab.loop.judge import Judgement
@@ -129,7 +129,7 @@ def offset_told(gained: float) -> bool:
     ones, slope = np.ones(50), np.gradient(level)
     left = ones - level * float(level @ ones) / float(level @ level)
     size = np.sqrt(gained / float(left @ left))
-    return len(noise._told_apart(size * ones, level, (ones, slope**2))[0]) == 2
+    return len(replicates.told_apart(size * ones, level, (ones, slope**2))[0]) == 2
 
 
 def scatter_tried() -> float:
