@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.errors import InputError, UsageError
-from hyperfab.io.csv_dialect import CsvSheet
+from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import Heading
 from hyperfab.io.layout import filled_in
 from hyperfab.io.unit_table import UnitError

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.errors import InputError
-from hyperfab.io.csv_dialect import CsvSheet, open_sheet
+from hyperfab.io.csv_dialect import open_sheet
 from hyperfab.io.csv_numbers import quantities, seconds, settle_decimal
+from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import Heading, meaning, suffixed
 from hyperfab.io.layout import Layout
 from hyperfab.io.tables import is_clock

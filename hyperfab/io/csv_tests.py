@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from hyperfab.arrays import Ints
 from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
-from hyperfab.io.csv_dialect import CsvSheet, open_sheets
+from hyperfab.io.csv_dialect import open_sheets
 from hyperfab.io.csv_numbers import settle_decimal, words
+from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import kind_named, word_for
 from hyperfab.io.layout import Choice, Layout, filled_in, layout
 from hyperfab.io.roles import STRESSES, STRETCHES, Roles, fits, no_test, roles, specimens

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hyperfab.errors import InputError
-from hyperfab.io.csv_dialect import CsvSheet
+from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import KIND, Heading, Meaning, heading, is_of, meaning, plain, suffixed, unit_of
 from hyperfab.io.layout import filled_in
 from hyperfab.io.tables import is_number, shape

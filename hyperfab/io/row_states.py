@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from hyperfab.arrays import Array
 from hyperfab.curve import DIRECTIONS
 from hyperfab.errors import InputError
-from hyperfab.io.csv_dialect import CsvSheet
 from hyperfab.io.csv_numbers import numbers, quantities, seconds, words
+from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import Heading, is_of, word_for
 from hyperfab.io.layout import filled_in
 from hyperfab.io.roles import Roles, unitless

@@ -10,8 +10,8 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
-from hyperfab.io.csv_dialect import CsvSheet
 from hyperfab.io.csv_numbers import quantities
+from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.layout import filled_in
 from hyperfab.io.roles import STRESSES, STRETCHES, Column, Roles, missing, unitless
 from hyperfab.io.stated import amount, conflicting, stated

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from hyperfab.errors import InputError
-from hyperfab.io.csv_dialect import CsvSheet
+from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.tables import Entry
 from hyperfab.io.units import quantity
 

@@ -1,4 +1,4 @@
-"""Rows of cells to tables: where each head stands, what is above it, which rows below it are readings."""
+"""Rows of cells to tables: where each head stands, and what is above it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 
 from hyperfab.errors import InputError
 from hyperfab.io.headings import (
-    NUMBER_LIKE,
     Heading,
     fold,
     heading,
@@ -21,7 +20,7 @@ from hyperfab.io.headings import (
     words,
 )
 from hyperfab.io.layout import Layout, named
-from hyperfab.io.rows import SEPARATORS, Row
+from hyperfab.io.rows import Row
 
 #: Says of headings whether they make the table that is looked for.
 Fits = Callable[[Sequence[Heading]], bool]
@@ -315,97 +314,6 @@ def _stated(cells: Sequence[str], place: int) -> tuple[str, str, str | None, int
     if unit is None and after < len(cells) and (one := unit_of(cells[after].strip("[](){} "))) is not None:
         unit, after = one, after + 1
     return read.label, value, unit, after
-
-
-def readings(block: Block, fits: Fits, name: str, separator: str, layout: Layout) -> list[Block]:
-    """Return the block with rows that are readings, all of one width, and the tables that follow it in the same rows.
-
-    Rows of means and other words are left out and counted, blank ones too. A row that is neither a reading nor such a
-    word is refused with its line.
-    """
-    width = len(block.headings)
-    kept: list[Row] = []
-    waiting: list[Row] = []
-    reading = [k for k, (_, cells) in enumerate(block.rows) if _reads(cells, block.headings)]
-    while len(reading) > 2 and _is_remark([block.rows[k][1] for k in reading]):
-        reading.pop()
-    last = reading[-1] if reading else -1
-    for place, (line, cells) in enumerate(block.rows):
-        if not any(cells):
-            block.left_out["blank row"] += 1
-        elif place <= last and _reads(cells, block.headings):
-            waiting = _settled(waiting, block, name)
-            kept.append((line, _fitted(cells, width, block.headings, line, separator, name)))
-        elif place > last or is_closing(next(cell for cell in cells if cell)):
-            block.left_out["closing row, no reading"] += 1
-            block.words.append(next(cell for cell in cells if cell)[:40])
-        else:
-            waiting.append((line, cells))
-    block.rows = kept
-    return [block]
-
-
-def _is_remark(rows: Sequence[Sequence[str]]) -> bool:
-    """Whether the last of the rows begins with a word where all others have a number: a mean, in any language."""
-    word = rows[-1][0]
-    return (
-        word[:2].isalpha()
-        and NO_READING.fullmatch(word) is None
-        and all(cells[0] and is_number(cells[0]) for cells in rows[: len(rows) // 2 + 1])
-    )
-
-
-def _settled(waiting: list[Row], block: Block, name: str) -> list[Row]:
-    """Judge words between readings: nothing may be lost there that nobody understands."""
-    for line, cells in waiting:
-        titles = [one.title for one in block.headings]
-        if [plain(cell) for cell in cells[: len(titles)]] == [plain(title) for title in titles] or is_units(
-            cells
-        ):
-            block.left_out["head repeated"] += 1
-            continue
-        cell = next(cell for cell in cells if cell)
-        raise InputError(
-            f"{cell[:40]} is no number",
-            file=name,
-            line=line,
-            column=block.headings[0].title,
-            remedy="correct the row or delete it",
-        )
-    return []
-
-
-def _reads(cells: Sequence[str], heads: Sequence[Heading]) -> bool:
-    """Whether a row has at least one number under the headings, and is none of means."""
-    if not any(NUMBER_LIKE.match(cell) or NO_READING.fullmatch(cell) for cell in cells[: len(heads)] if cell):
-        return False
-    return not is_closing(next(cell for cell in cells if cell))
-
-
-def _fitted(
-    cells: list[str], width: int, heads: Sequence[Heading], line: int, separator: str, name: str
-) -> list[str]:
-    """Return a row as wide as the head; InputError where cells lack or are too many."""
-    if len(cells) == width:
-        return cells
-    if len(cells) > width and not any(cells[width:]):
-        return cells[:width]
-    if len(cells) < width:
-        needed = [one.index for one in heads if (m := meaning(one)) is not None and m.name != "aside"]
-        if needed and len(cells) > max(needed):
-            return [*cells, *[""] * (width - len(cells))]
-    raise InputError(
-        f"has {len(cells)} cells, the header has {width}",
-        file=name,
-        line=line,
-        remedy=_ragged_remedy(len(cells), width, separator),
-    )
-
-
-def _ragged_remedy(count: int, width: int, separator: str) -> str:
-    if separator == "," and width < count <= 2 * width:
-        return "decimal commas between separating commas? export with semicolons as separator"
-    return f"complete the row (the separator is a {SEPARATORS.get(separator, separator)})"
 
 
 def understood(blocks: Sequence[Block], name: str) -> list[Block]:

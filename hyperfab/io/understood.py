@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from hyperfab.io.csv_dialect import CsvSheet
+from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import heading
 from hyperfab.io.roles import Column
 from hyperfab.io.specimen import Loading

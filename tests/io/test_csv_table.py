@@ -7,8 +7,8 @@ import time
 import pytest
 
 from hyperfab.errors import InputError
-from hyperfab.io.csv_dialect import MAX_ROWS
 from hyperfab.io.csv_table import read_table
+from hyperfab.io.rows import MAX_ROWS
 
 FILM = {"temperature": "temperature", "h": "film-coefficient"}
 

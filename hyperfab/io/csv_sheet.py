@@ -1,0 +1,95 @@
+"""A table in cells, with what is stated above it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from hyperfab.errors import InputError
+from hyperfab.io.headings import Heading, meaning, suffixed
+from hyperfab.io.layout import PLAIN, Layout, filled_in
+from hyperfab.io.tables import (
+    Entry,
+)
+
+
+@dataclass(frozen=True)
+class CsvSheet:
+    """A table in cells: all rows have the header's number of columns, blank rows are counted and gone.
+
+    ``columns`` holds the cells by column; ``lines`` the source line of each row. ``left_out`` counts rows that are no
+    readings by reason, ``closing`` are the words they begin with. ``mark`` is the decimal mark where it is sure.
+    """
+
+    name: str
+    separator: str
+    headings: tuple[Heading, ...]
+    header_line: int
+    columns: tuple[Sequence[str], ...]
+    lines: Sequence[int]
+    metadata: Mapping[str, list[Entry]] = field(default_factory=dict)
+    left_out: Mapping[str, int] = field(default_factory=dict)
+    closing: tuple[str, ...] = ()
+    layout: Layout = PLAIN
+    mark: str | None = None
+    label: str = ""
+
+    def find(self, *names: str) -> Heading | None:
+        """Return the column of one of ``names``, or None; InputError where two columns have it.
+
+        A column's own words come first, then its unit behind an underscore, then what the dictionary says it means.
+        """
+        read: tuple[Callable[[Heading], str | None], ...] = (
+            lambda one: one.name,
+            lambda one: suffixed(one).name,
+            lambda one: m.name if (m := meaning(suffixed(one))) is not None and not m.axis else None,
+        )
+        for name_of in read:
+            found = [
+                suffixed(one) if name_of is not read[0] else one
+                for one in self.headings
+                if name_of(one) in names
+            ]
+            if len(found) > 1:
+                raise self.two(found, names[0])
+            if found:
+                return found[0]
+        return None
+
+    def two(self, found: Sequence[Heading], name: str) -> InputError:
+        """Return the error that two columns could be one thing, with the option that settles it."""
+        first, second = found[0], found[1]
+        entries = [(first.title, name if first.unit in (None, "-") else f"{name} [{first.unit}]")]
+        entries += [(one.title, "aside") for one in found[1:]]
+        if first.title == second.title:
+            entries = [(f"#{one.index + 1}", what) for one, (_, what) in zip(found, entries, strict=True)]
+        return InputError(
+            f"two columns are a {name}: {first.title} and {second.title}",
+            file=self.name,
+            line=self.header_line,
+            remedy=f"say which: {filled_in(entries)}",
+        )
+
+    def meta(self, *keys: str) -> Entry | None:
+        """Return the metadata under one of ``keys``, or None; InputError where the file says two things."""
+        entries = [entry for key in keys for entry in self.metadata.get(key, [])]
+        if len({entry.value for entry in entries}) > 1:
+            raise InputError(
+                f"says {entries[0].value} here and {entries[1].value} in line {entries[1].line}",
+                file=self.name,
+                line=entries[0].line,
+                key=keys[0],
+                remedy="keep one of them",
+            )
+        return entries[0] if entries else None
+
+    def without(self, rows: Sequence[int], reason: str) -> CsvSheet:
+        """Return the sheet less some rows, counted under ``reason``."""
+        gone = set(rows)
+        keep = [row for row in range(len(self.lines)) if row not in gone]
+        return replace(
+            self,
+            columns=tuple([cells[row] for row in keep] for cells in self.columns),
+            lines=[self.lines[row] for row in keep],
+            left_out={**self.left_out, reason: self.left_out.get(reason, 0) + len(gone)},
+        )
