@@ -13,6 +13,8 @@ import sys
 import tempfile
 from pathlib import Path
 
+from tests.builders import FILM, PLATE
+
 ROOT = Path(__file__).parent.parent
 WALKS = {
     "one stretch, from a CSV to a stress of a drape": (
@@ -21,9 +23,9 @@ WALKS = {
         "-o {0}/drape.json",
     ),
     "one temperature, from a TOML to a gap of a press": (
-        "mold-heat molds/cup-on-plate.toml -o {0}/heat.json",
-        "press-contact --male molds/cup-male.stl --female molds/cup-female.stl --axis z --foam specimens/foam.toml "
-        "--gap 3mm --male-heat {0}/heat.json:cup -o {0}/press.json",
+        "mold-heat {0}/plate.toml -o {0}/heat.json",
+        "press-contact --male molds/plate-male.stl --female molds/plate-female.stl --axis z --foam specimens/foam.toml "
+        "--gap 3mm --male-heat {0}/heat.json:plate -o {0}/press.json",
     ),
     "one reading, through the loop": (
         "close-loop {0}/warp.json --measured specimens/lycra/warp-23C.csv --measured specimens/lycra/weft-23C.csv "
@@ -70,6 +72,8 @@ def main() -> None:
     """Print the count of each walk, and with ``--list`` the modules."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
+        (folder / "plate.toml").write_text(PLATE)
+        (folder / "film.csv").write_bytes(FILM)
         met(BEFORE, folder)
         found = {walk: [met(line, folder) for line in lines] for walk, lines in WALKS.items()}
     common = set.intersection(*(one for parts in found.values() for one in parts))

@@ -7,24 +7,29 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike
 
+from hyperfab.curve import TestCurve
 from hyperfab.documents.material import Tested
 
 
-def tested_by(curves: Iterable[tuple[str, ArrayLike, ArrayLike | None]]) -> dict[str, Tested] | None:
-    """Return the range of stretch and temperature of each test, None where there is no curve.
+def tested_by(curves: Iterable[TestCurve]) -> dict[str, Tested] | None:
+    """Return the range of stretch and temperature of each kind of test, None where there is no curve.
 
-    A curve is its test (``uniaxial``, ...), its stretches, along both axes where there are two, and its temperatures
-    [degC], None or nan where they are not known.
+    In simple shear the stretch is the largest principal one.
 
-    >>> tested_by([("shear", [1.1, 1.5], 23.0), ("shear", [1.2, 1.4], None)])["shear"].stretch
+    >>> curves = [TestCurve("shear", np.array([1.1, end]), np.zeros(2)) for end in (1.5, 1.4)]
+    >>> tested_by(curves)["shear"].stretch
     (1.0, 1.5)
     """
     stretches: dict[str, list[float]] = {}
     warmths: dict[str, list[float]] = {}
-    for test, stretch, temperature in curves:
+    for curve in curves:
+        sheared = curve.mode == "simple-shear"
+        along = np.exp(np.arcsinh(0.5 * curve.stretch)) if sheared else curve.stretch
+        across = curve.stretch2 if curve.mode == "biaxial-general" else None
+        warmth = curve.warmth if curve.warmth is not None else curve.temperature_degC
         # Every test passes through rest, whether or not its first reading is taken there.
-        stretches.setdefault(test, [1.0]).extend(_finite(stretch))
-        warmths.setdefault(test, []).extend(_finite(temperature))
+        stretches.setdefault(curve.mode, [1.0]).extend([*_finite(along), *_finite(across)])
+        warmths.setdefault(curve.mode, []).extend(_finite(warmth))
     return {
         test: Tested(
             stretch=(min(found), max(found)),

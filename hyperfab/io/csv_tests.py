@@ -19,11 +19,10 @@ from hyperfab.io.csv_numbers import settle_decimal, words
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import kind_named, word_for
 from hyperfab.io.layout import Choice, Layout, filled_in, layout
-from hyperfab.io.roles import STRESSES, STRETCHES, Roles, fits, no_test, roles, specimens
+from hyperfab.io.roles import STRESSES, STRETCHES, Roles, fits, no_test, roles, specimens, understood
 from hyperfab.io.row_states import directions, of_each_row, words_or_stated
 from hyperfab.io.specimen import Geometry, Loading, read_geometry, read_loading
 from hyperfab.io.tables import NO_READING, is_number
-from hyperfab.io.understood import understood
 
 #: The deformation modes a test can be in.
 TESTS = (
@@ -164,7 +163,8 @@ def _read_sheet(
         for name, one in columns.columns.items()
         if name in _OF_A_ROW and known.get(_OF_A_ROW[name]) is not None
     ]
-    line = understood(sheet, loadings.values(), rows_of)
+    used = [column for loading in loadings.values() for column in loading.used]
+    line = understood(sheet, [*used, *rows_of])
     chosen = tuple(
         one for head in sheet.headings if (one := sheet.layout.choice(head, sheet.headings)) is not None
     )

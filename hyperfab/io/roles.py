@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -340,3 +340,36 @@ def _likely_unit(sheet: CsvSheet, column: Column) -> str:
         )
         return "K" if re.fullmatch(r"\d+\.?\d*", cell) and float(cell) > 180.0 else "degC"
     return _USUAL.get(column.name, "-")
+
+
+def understood(sheet: CsvSheet, taken: Iterable[Column]) -> str:
+    """Return what was understood of a table and columns that were taken, without the file's name.
+
+    Files read alike say the same.
+    """
+    columns = {column.heading.index: column for column in taken}
+    told = [
+        one.heading.title
+        if (one.heading.name.removesuffix(" 1") == one.name and one.heading.unit is None)
+        or one.heading.title == _plainly(one)
+        else f"{one.heading.title or f'column {index + 1}'} is {_what(one)}"
+        for index, one in sorted(columns.items())
+    ]
+    return f"head in line {sheet.header_line}: {', '.join(told)}"
+
+
+def _plainly(column: Column) -> str:
+    """Return the title a column of the contract's own form has."""
+    return f"{column.name} [{column.heading.unit}]"
+
+
+def _what(column: Column) -> str:
+    head = column.heading
+    minus = "minus " if column.minus else ""
+    unit = f" [{head.unit}]" if head.unit and heading(head.title, 0).unit is None else ""
+    nominal = (
+        " (nominal)"
+        if column.name == "stress" and head.name.startswith(("sigma", "\N{GREEK SMALL LETTER SIGMA}"))
+        else ""
+    )
+    return f"{minus}{column.name}{unit}{nominal}"

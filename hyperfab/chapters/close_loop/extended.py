@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -123,14 +124,14 @@ def extend(document: MaterialDocument, problem: FabricProblem, fit: Fit, law: La
     result.parameters = warp
     result.temperatures = None
     result.directions = None
-    result.tested = tested_by(_curves(problem.tests))
+    result.tested = tested_by(_axes(problem.tests))
     if weft is not None:
         # A test that states no direction is taken as pulled along the warp.
         square = [test for test in problem.tests if abs(test.angle_deg - 90.0) <= _ALONG]
         along = [test for test in problem.tests if not abs((test.angle_deg + 90.0) % 180.0 - 90.0) > _ALONG]
         result.directions = {
-            "warp": Direction(parameters=warp, tested=tested_by(_curves(along))),
-            "weft": Direction(parameters=weft, tested=tested_by(_curves(square))),
+            "warp": Direction(parameters=warp, tested=tested_by(_axes(along))),
+            "weft": Direction(parameters=weft, tested=tested_by(_axes(square))),
         }
     if "thermal-softening" in terms and whole:
         result.temperature_degC = problem.fabric.reference_degC
@@ -143,9 +144,9 @@ def extend(document: MaterialDocument, problem: FabricProblem, fit: Fit, law: La
     return result
 
 
-def _curves(tests: Sequence[TestCurve]) -> list[tuple[str, Array, Array | None]]:
-    """Return what ``tested_by`` takes; of a general biaxial test each axis is a curve."""
-    return [(test.mode, test.stretch, test.temperature_degC) for test in tests]
+def _axes(tests: Sequence[TestCurve]) -> list[TestCurve]:
+    """Return the tests without their second stretch: of a general biaxial one each axis is a test already."""
+    return [replace(test, stretch2=None) for test in tests]
 
 
 def _refitted(

@@ -101,11 +101,6 @@ class FoamFit(WholeFit[Hyperfoam]):
 
     def document(self, readings: Readings) -> MaterialDocument:
         """Return the material document."""
-        ranges = (
-            (c.mode, np.exp(np.arcsinh(0.5 * c.stretch)) if c.mode == "simple-shear" else c.stretch, c.warmth)
-            for c in self.curves
-            if c.mode in self.setting.fit_on
-        )
         return document_of(
             readings,
             self.setting,
@@ -119,7 +114,7 @@ class FoamFit(WholeFit[Hyperfoam]):
             accepted=self.accepted,
             accepted_by="nrmse",
             undetermined=self.undetermined or None,
-            tested=tested_by(ranges),
+            tested=tested_by(c for c in self.curves if c.mode in self.setting.fit_on),
             warnings=readings.warnings or None,
         )
 

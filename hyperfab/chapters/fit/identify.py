@@ -203,13 +203,7 @@ def reach(curves: Sequence[TestCurve]) -> dict[str, tuple[float, float]]:
 
 def tested(curves: Sequence[TestCurve], setting: Setting) -> dict[str, Tested] | None:
     """Return the range of the tests that take part in the fit."""
-    used = [curve for curve in curves if curve.mode in setting.fit_on]
-    axes = [(curve, one) for curve in used for one in (curve.stretch, curve.stretch2) if one is not None]
-    return tested_by(
-        (curve.mode, one, curve.warmth)
-        for curve, one in axes
-        if one is curve.stretch or curve.mode == "biaxial-general"
-    )
+    return tested_by(curve for curve in curves if curve.mode in setting.fit_on)
 
 
 def temperatures_of(curves: Sequence[TestCurve]) -> tuple[float | None, ...]:
