@@ -6,10 +6,10 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 HF     := $(BIN)/hf
 BUILD  := build
-SOURCES := $(shell find hyperfab -name '*.py' -o -name '*.toml' -o -name '*.csv')
+SOURCES := $(shell find hyperfab -name '*.py' -o -name '*.toml' -o -name '*.csv' -o -name ahead.json)
 
 .DELETE_ON_ERROR:
-.PHONY: run study test test-slow test-versions lint types bench blind hunt coverage mutants gaps fuzz samples pictures clean distclean help
+.PHONY: run study test test-slow test-versions lint types bench blind hunt coverage mutants gaps kernels fuzz samples pictures clean distclean help
 
 help:
 	@echo "make run     the whole chain on the sample specimens and molds, with a summary and pictures in $(BUILD)/"
@@ -21,6 +21,7 @@ help:
 	@echo "make blind   undeclared effects drawn at random: how often close-loop names them"
 	@echo "make hunt    inputs chosen to break the commands, each judged by an invariance or a known truth"
 	@echo "make mutants small defects planted in the program, one at a time: whether a test notices"
+	@echo "make kernels the list of kernels that the wheel holds compiled, anew"
 	@echo "make clean   remove $(BUILD)/;                 make distclean: remove $(VENV)/ too"
 
 # ---- the environment -------------------------------------------------------------------------------------
@@ -29,14 +30,25 @@ $(VENV)/created:
 	$(PYTHON) -m venv $(VENV)
 	@touch $@
 
+PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check
+
+# The wheel holds its kernels compiled, for the numba that it is then installed with: the same versions for both.
+$(VENV)/wheel: export PIP_CONSTRAINT := constraints.txt
+$(VENV)/wheel: export PIP_BUILD_CONSTRAINT := constraints.txt
+$(VENV)/wheel: $(VENV)/created pyproject.toml setup.py constraints.txt $(SOURCES)
+	@rm -rf $@
+	$(PIP) wheel --no-deps --wheel-dir $@ .
+	@touch $@
+
 # The program itself: what a user installs, in the versions of constraints.txt.
-$(VENV)/run: $(VENV)/created pyproject.toml constraints.txt $(SOURCES)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt .
+$(VENV)/run: $(VENV)/wheel
+	$(PIP) install --force-reinstall --no-deps $(VENV)/wheel/*.whl
+	$(PIP) install --constraint constraints.txt $(VENV)/wheel/*.whl
 	@touch $@
 
 # What the developers' targets need beside it.
 $(VENV)/dev: $(VENV)/run
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt '.[dev]'
+	$(PIP) install --constraint constraints.txt "$$(ls $(VENV)/wheel/*.whl)[dev]"
 	@touch $@
 
 # ---- the chain: each document is made from the ones before it ------------------------------------------------
@@ -184,6 +196,10 @@ GAPS ?= 10000
 
 gaps: $(VENV)/dev
 	PYTHONPATH=.:tests $(BIN)/python -m rough_molds $(GAPS)
+
+# Which kernels the commands call, with which types: hyperfab/ahead.json, what the wheel holds compiled. Five minutes.
+kernels: $(VENV)/dev
+	$(BIN)/python -m trials.kernels
 
 fuzz: $(VENV)/dev
 	HYPOTHESIS_PROFILE=fuzz $(BIN)/python -m pytest tests/io tests/documents

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import inspect
-import os
 import sys
 from collections.abc import Callable
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from hyperfab.console import Console, run_guarded
+from hyperfab.numerics import compiling
 
 if TYPE_CHECKING:
     from hyperfab.cases.case import Case
@@ -25,8 +24,8 @@ Strict = Annotated[
     ),
 ]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of a defect.")]
-#: Commands that run compiled kernels, and the package that holds them.
-COMPILED = {"drape": "cloth", "press-contact": "surface"}
+#: What is said where a kernel must be compiled: half a minute without a word looks like a fault.
+_COMPILING = "compiling for this machine, once: up to half a minute"
 #: Options about how a run is shown, not about what it computes: no part of provenance.
 _ABOUT_THE_RUN = ("quiet", "debug", "strict")
 
@@ -51,7 +50,7 @@ def run_case(context: typer.Context, cls: type[Case]) -> None:
             strict=bool(context.params["strict"]),
             sums_up=_sums_up(context),
         )
-        announce_compilation(job.console, cls.COMMAND)
+        compiling.announced_by(lambda: job.console.note(_COMPILING))
         status = run(job, asked(job, cls, given, context.params.get("like")))
         job.console.count()
         return status
@@ -63,16 +62,6 @@ def _sums_up(context: typer.Context) -> bool:
     """Whether a person sits at standard output who did not ask for the document there: a summary serves them."""
     source = context.get_parameter_source("output")
     return sys.stdout.isatty() and (source is None or source.name != "COMMANDLINE")
-
-
-def announce_compilation(console: Console, command: str) -> None:
-    """Say before a first run that it compiles: half a minute without a word looks like a fault."""
-    package = COMPILED.get(command)
-    if package is None or os.environ.get("NUMBA_CACHE_DIR"):
-        return
-    folder = Path(__file__).resolve().parent.parent / package / "__pycache__"
-    if not any(folder.glob("*.nbi")):
-        console.note("first run: compiling once, about half a minute")
 
 
 def arguments_given(context: typer.Context) -> list[str]:

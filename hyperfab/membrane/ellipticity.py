@@ -12,12 +12,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numba as nb
 import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.membrane.sheet import Sheet
 from hyperfab.membrane.tension_field import Response
+from hyperfab.numerics.kernels import kernel
 
 #: Directions in half a turn that are looked at.
 _DIRECTIONS = 36
@@ -53,7 +53,7 @@ def acoustic(found: Response, strain: Array) -> Array:
     )
 
 
-@nb.njit(cache=True)
+@kernel
 def _least(stress: Array, stiffness: Array, strain: Array, directions: Array) -> Array:
     result = np.empty(len(strain))
     for n in range(len(strain)):

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import numba as nb
 import numpy as np
 
 from hyperfab.arrays import Array, Ints
+from hyperfab.numerics.kernels import kernel
 
 
-@nb.njit(cache=True)
+@kernel
 def strains(places: Array, elements: Ints, gradients: Array) -> Array:
     """Return C11, C22, C12 (m q, 3) of the right Cauchy–Green tensor for nodal places (n, 3)."""
     count, points, shapes, _ = gradients.shape
@@ -31,7 +31,7 @@ def strains(places: Array, elements: Ints, gradients: Array) -> Array:
     return result
 
 
-@nb.njit(cache=True)
+@kernel
 def assemble(
     places: Array,
     elements: Ints,
@@ -108,7 +108,7 @@ def assemble(
     return force, data
 
 
-@nb.njit(cache=True)
+@kernel
 def polygon_distance(points: Array, vertices: Array) -> Array:
     """Return the distance (n,) of points (n, 2) to a closed polyline (k, 2), positive inside."""
     count = len(vertices)

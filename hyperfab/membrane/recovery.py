@@ -7,11 +7,11 @@ that meet there, and differentiated (polynomial-preserving recovery; Zhang and N
 
 from __future__ import annotations
 
-import numba as nb
 import numpy as np
 
 from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.membrane.mesh import SheetMesh
+from hyperfab.numerics.kernels import kernel
 
 #: Weights of the corners' polynomials at the element's nodes: an own or adjacent corner counts, others stand in
 #: where those lie on the rim and have no polynomial.
@@ -56,7 +56,7 @@ def _recovered(mesh: SheetMesh, places: Array) -> Array:
     )  # fmt: skip
 
 
-@nb.njit(cache=True)
+@kernel
 def _sums(
     elements: Ints,
     nodes: Array,
@@ -96,7 +96,7 @@ def _sums(
     return normal, right
 
 
-@nb.njit(cache=True)
+@kernel
 def _strains(
     elements: Ints,
     nodes: Array,

@@ -6,11 +6,11 @@ unknown; the piecewise constant prolongation is smoothed by one Jacobi step.
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 from scipy import sparse
 
 from hyperfab.arrays import Ints
+from hyperfab.numerics.kernels import kernel
 from hyperfab.numerics.multilevel import Direct, Preconditioner, TwoLevel, largest_eigenvalue
 
 #: Couplings below this share of the geometric mean of the diagonals are weak.
@@ -51,7 +51,7 @@ def aggregates(matrix: sparse.csr_matrix) -> tuple[Ints, int]:
     return found, int(count)
 
 
-@numba.njit(cache=True)
+@kernel
 def _aggregate(indptr, indices, data, diagonal, strong):  # type: ignore[no-untyped-def]
     n = len(indptr) - 1
     aggregate = np.full(n, -1, dtype=np.int64)

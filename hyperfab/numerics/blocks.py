@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from functools import cached_property
 
-import numba as nb
 import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.dissection import dissect
+from hyperfab.numerics.kernels import kernel
 from hyperfab.numerics.linear import DirectSolver
 from hyperfab.numerics.multifrontal import Elimination
 
@@ -99,7 +99,7 @@ class BlockPattern:
         return values
 
 
-@nb.njit(cache=True)
+@kernel
 def _compressed(
     rows: Ints, columns: Ints, blocks: Ints, number: Ints, unknowns: int, entries: int
 ) -> tuple[Ints, Index, Index]:

@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numba as nb
 import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array, Ints
+from hyperfab.numerics.kernels import kernel
 
 #: Elements that are not divided any more.
 _LEAF = 16
@@ -113,7 +113,7 @@ def _pieces(elements: Ints, points: Array, levels: int) -> Ints:
     return piece
 
 
-@nb.njit(cache=True)
+@kernel
 def _straighten(elements: Ints, half: Ints, between: NDArray[np.bool_]) -> None:
     """Let elements change ``half`` (m,) where fewer nodes then lie between halves, and mark those in ``between`` (n,).
 

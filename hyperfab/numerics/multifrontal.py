@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from functools import cached_property
 
-import numba as nb
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.blas import dsyrk, dtrsm
@@ -17,6 +16,7 @@ from scipy.linalg.lapack import dpotrf
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.dissection import Dissection
+from hyperfab.numerics.kernels import kernel
 
 Numbers = NDArray[np.int32] | NDArray[np.int64]
 
@@ -111,7 +111,7 @@ class CholeskyFactor:
         return found
 
 
-@nb.njit(cache=True)
+@kernel
 def _places(
     rows: Numbers,
     columns: Numbers,
@@ -143,7 +143,7 @@ def _places(
     return source[:count].copy(), target[:count].copy()
 
 
-@nb.njit(cache=True)
+@kernel
 def _add(top: Array, low: Array, left: Array, remainder: Array, place: Ints) -> None:
     """Add a child's remainder (lower triangle) to the three parts of its parent's front."""
     p, count = top.shape[0], len(place)
@@ -161,7 +161,7 @@ def _add(top: Array, low: Array, left: Array, remainder: Array, place: Ints) -> 
                 left[place[i] - p, column - p] += remainder[i, j]
 
 
-@nb.njit(cache=True)
+@kernel
 def _substitute(
     factor: Array,
     values: Array,

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numba
 import numpy as np
 from scipy import sparse
 
 from hyperfab.arrays import Array, Ints
+from hyperfab.numerics.kernels import kernel
 
 
 class Pattern:
@@ -54,7 +54,7 @@ class Pattern:
         return sparse.csr_matrix((data, self.indices, self.indptr), shape=(self.size, self.size), copy=False)
 
 
-@numba.njit(cache=True)
+@kernel
 def _scatter(indptr, indices, nodes, blocks, data):  # type: ignore[no-untyped-def]
     m, k = nodes.shape
     for e in range(m):

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from hyperfab.arrays import Array, Ints
+from hyperfab.numerics.kernels import inlined, kernel, part
 
 
 class Numbers(NamedTuple):
@@ -69,7 +69,7 @@ class Faces(NamedTuple):
     first: Ints
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def march(  # noqa: C901
     grid: Array,
     start: Array,
@@ -232,7 +232,7 @@ def march(  # noqa: C901
     return states, slopes
 
 
-@numba.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def _dot(a, b):  # type: ignore[no-untyped-def]
     total = 0.0
     for i in range(len(a)):
@@ -240,13 +240,13 @@ def _dot(a, b):  # type: ignore[no-untyped-def]
     return total
 
 
-@numba.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def _add(to, times, row):  # type: ignore[no-untyped-def]
     for i in range(len(to)):
         to[i] += times * row[i]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@part
 def _between(at, knots, values, low, high):  # type: ignore[no-untyped-def]
     """Return the value at ``at`` between the knots ``low`` to ``high``, that of the end beyond them."""
     if at <= knots[low]:
@@ -258,7 +258,7 @@ def _between(at, knots, values, low, high):  # type: ignore[no-untyped-def]
     return values[high - 1]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@part
 def _factor(matrix):  # type: ignore[no-untyped-def]
     """Put L D L^T in the place of a symmetric matrix, of which the lower half is read."""
     r = len(matrix)
@@ -272,7 +272,7 @@ def _factor(matrix):  # type: ignore[no-untyped-def]
             matrix[i, j] /= pivot
 
 
-@numba.njit(cache=True, error_model="numpy")
+@part
 def _solve(matrix, right):  # type: ignore[no-untyped-def]
     """Put the solution in the place of the right side."""
     r = len(right)

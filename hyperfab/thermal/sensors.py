@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numba
 import numpy as np
 
 from hyperfab.arrays import Array
+from hyperfab.numerics.kernels import kernel
 
 
 def lagging(times: Array, values: Array, lag_s: Array) -> Array:
@@ -37,7 +37,7 @@ def as_shown(times: Array, values: Array, lags: Sequence[float]) -> Array:
     return np.asarray(found[0, :, 0])
 
 
-@numba.njit(cache=True)
+@kernel
 def _follow(times, values, lag_s, found):  # type: ignore[no-untyped-def]
     for run in range(values.shape[0]):
         for probe in range(values.shape[2]):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,6 +11,7 @@ from hyperfab.materials.effects.path import Path
 from hyperfab.materials.effects.recurrence import along
 from hyperfab.materials.effects.state import Acts, State
 from hyperfab.materials.kinematics import Array
+from hyperfab.numerics.kernels import kernel
 
 
 def relaxing(path: Path, stress: Array, weights: Sequence[float], times_s: Sequence[float]) -> Array:
@@ -109,7 +109,7 @@ def flowing(
     return found
 
 
-@numba.njit(cache=True)
+@kernel
 def _flowing(change, pace, begins, above, size):  # type: ignore[no-untyped-def]
     found = np.empty_like(change)
     q = 0.0
@@ -129,7 +129,7 @@ def _flowing(change, pace, begins, above, size):  # type: ignore[no-untyped-def]
     return found
 
 
-@numba.njit(cache=True)
+@kernel
 def _thinning(change, keep, begins, flow):  # type: ignore[no-untyped-def]
     found = np.empty_like(change)
     q = 0.0

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 
 from hyperfab.materials.kinematics import Array
+from hyperfab.numerics.kernels import kernel
 
 
 def along(keep: Array, gain: Array) -> Array:
@@ -18,7 +18,7 @@ def along(keep: Array, gain: Array) -> Array:
     return found
 
 
-@numba.njit(cache=True)
+@kernel
 def _along(keep, gain):  # type: ignore[no-untyped-def]
     found = np.empty_like(gain)
     last = 0.0

@@ -1,0 +1,219 @@
+"""Kernels that the build compiles ahead, and which compiled kernel holds for which code."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+import numba
+import numpy as np
+import pytest
+
+from hyperfab.ahead import all_kernels, listed, read, written
+from hyperfab.numerics import kernels
+from trials.kernels import FILES, LINES
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+class Uniform(NamedTuple):
+    one: np.ndarray
+    two: np.ndarray
+
+
+class Mixed(NamedTuple):
+    number: float
+    inner: Uniform
+    rest: tuple[np.ndarray, int]
+
+
+def python(folder: Path, text: str, *words: str, **env: str) -> subprocess.CompletedProcess[str]:
+    """Run a script with a cache of its own in ``folder``."""
+    return subprocess.run(
+        [sys.executable, "-c", text, *words],
+        cwd=folder,
+        env=os.environ
+        | {"PYTHONPATH": f"{ROOT}{os.pathsep}{folder}", "NUMBA_CACHE_DIR": str(folder / "cache")}
+        | env,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_every_kernel_is_listed_with_its_types() -> None:
+    # A kernel that Python calls and that the build leaves out would be compiled in the first run of a command.
+    have = listed()
+    assert sorted(have) == sorted(all_kernels())
+    assert [name for name, forms in have.items() if not forms] == []
+    for name, made in all_kernels().items():
+        for form in have[name]:
+            assert len(form) == made.py_func.__code__.co_argcount, f"{name}: make kernels"
+            assert [written(read(kind)) for kind in form] == form
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        1.0,
+        True,
+        np.zeros((2, 3)),
+        np.zeros((2, 3)).T,
+        np.zeros((4, 4), np.float32)[::2],
+        np.zeros(3, np.uint8),
+        np.zeros(3, bool),
+        np.zeros(2, complex),
+        np.broadcast_to(np.zeros(3), (2, 3)),
+        (np.zeros(2), np.zeros(2)),
+        (np.zeros(2), 1),
+        Uniform(np.zeros(2), np.zeros(2)),
+        Mixed(1.0, Uniform(np.zeros(2), np.zeros(2)), (np.zeros(2), 3)),
+    ],
+)
+def test_types_are_read_as_they_were_written(value: object) -> None:
+    kind = numba.typeof(value)
+    assert read(written(kind)) == kind
+
+
+USES = """
+from hyperfab.numerics.kernels import kernel
+from called import called, FACTOR
+@kernel
+def caller(x):
+    return FACTOR * called(x)
+"""
+CALLED = """
+from hyperfab.numerics.kernels import part
+FACTOR = {factor}
+@part
+def called(x):
+    return x + {added}
+"""
+ASKS = "from uses import caller; print(caller(1.0))"
+
+
+def test_a_kernel_is_compiled_anew_when_what_it_calls_changes(tmp_path: Path) -> None:
+    # The caller's own file stays: by it alone the old code, with the old callee inside, would be taken.
+    (tmp_path / "uses.py").write_text(USES)
+    for factor, added, answer in ((1.0, 1.0, 2.0), (1.0, 2.0, 3.0), (2.0, 2.0, 6.0), (2.0, 2.0, 6.0)):
+        (tmp_path / "called.py").write_text(CALLED.format(factor=factor, added=added))
+        done = python(tmp_path, ASKS, PYTHONDONTWRITEBYTECODE="1")
+        assert done.stdout == f"{answer}\n", done.stderr
+
+
+def test_a_kernel_is_known_by_its_code_alone(tmp_path: Path) -> None:
+    (tmp_path / "called.py").write_text(CALLED.format(factor=1.0, added=1.0))
+    says = "from uses import caller; print(caller._cache.digest)"
+    digests = []
+    for text in (USES, "\n\n# moved\n" + USES, USES.replace("FACTOR *", "FACTOR +")):
+        (tmp_path / "uses.py").write_text(text)
+        done = python(tmp_path, says, PYTHONDONTWRITEBYTECODE="1")
+        assert done.returncode == 0, done.stderr
+        digests.append(done.stdout)
+    assert digests[0] == digests[1] != digests[2]
+
+
+def test_a_kernel_that_names_what_nobody_watches_is_refused() -> None:
+    table = {"a": 1.0}
+
+    def reads(x: float) -> float:
+        return x + table["a"]
+
+    with pytest.raises(TypeError, match="whose change nothing would notice"):
+        kernels.kernel(reads)
+
+
+BUILDS = """
+import sys
+from pathlib import Path
+from hyperfab.numerics import compiling, kernels
+kernels.AHEAD = Path("ahead")
+kernels.AHEAD.mkdir(exist_ok=True)
+compiling.building = sys.argv[1] == "build"
+compiling.announced_by(lambda: print("compiling"))
+from hyperfab.ahead import compile_some
+if compiling.building:
+    compile_some(["hyperfab.cloth.linear.dot"])
+else:
+    import numpy as np
+    from hyperfab.cloth.linear import dot
+    print(dot(np.full((3, 3, 3), 2.0), np.ones((3, 3, 3))))
+"""
+
+
+def test_a_kernel_of_the_build_is_not_compiled_again(tmp_path: Path) -> None:
+    assert python(tmp_path, BUILDS, "use").stdout == "compiling\n54.0\n"
+    assert python(tmp_path, BUILDS, "build").returncode == 0
+    done = python(tmp_path, BUILDS, "use", NUMBA_CACHE_DIR=str(tmp_path / "empty"))
+    assert done.stdout == "54.0\n", done.stderr
+
+
+def test_another_processor_compiles_its_own(tmp_path: Path) -> None:
+    assert python(tmp_path, BUILDS, "build").returncode == 0
+    done = python(tmp_path, BUILDS, "use", NUMBA_CPU_NAME="generic", NUMBA_CPU_FEATURES="")
+    assert done.stdout == "compiling\n54.0\n", done.stderr
+
+
+def test_a_damaged_kernel_of_the_build_is_compiled_anew(tmp_path: Path) -> None:
+    assert python(tmp_path, BUILDS, "build").returncode == 0
+    for path in (tmp_path / "ahead").glob("*.nbc"):
+        path.unlink()
+    done = python(tmp_path, BUILDS, "use")
+    assert done.stdout == "compiling\n54.0\n", done.stderr
+
+
+def test_where_nothing_may_be_written_kernels_are_compiled_each_time(tmp_path: Path) -> None:
+    nowhere = (
+        "from numba.core.caching import CacheImpl; CacheImpl._locator_classes = []\n"
+        "import hyperfab.numerics.kernels as k\n"
+        "@k.kernel\ndef twice(x):\n    return 2.0 * x\n"
+        "print(twice(2.0))"
+    )
+    done = python(tmp_path, nowhere)
+    assert done.stdout == "4.0\n", done.stderr
+
+
+CALLS = """
+import atexit, json, sys
+def tell():
+    from hyperfab.ahead import all_kernels, listed, written
+    have = listed()
+    for name, made in all_kernels().items():
+        for kinds in made.signatures:
+            form = [written(kind) for kind in kinds]
+            if form not in have.get(name, []):
+                print("not listed:", name, json.dumps(form), flush=True)
+atexit.register(tell)
+from hyperfab.cli import main
+sys.argv = ["hf", *sys.argv[1:]]
+main()
+"""
+
+
+def test_what_a_drape_and_a_press_call_is_listed(tmp_path: Path) -> None:
+    wanted = ("fabric.json", "drape.json", "press.json")
+    run_listed(tmp_path, [line for line in LINES if line.endswith(wanted) and " -o shell" not in line])
+
+
+@pytest.mark.slow
+def test_what_every_command_calls_is_listed(tmp_path: Path) -> None:
+    run_listed(tmp_path, LINES)
+
+
+def run_listed(folder: Path, lines: list[str]) -> None:
+    for name, text in FILES.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    for line in ["sample .", *lines]:
+        done = subprocess.run(
+            [sys.executable, "-c", CALLS, *line.split()],
+            cwd=folder,
+            env=os.environ | {"PYTHONPATH": str(ROOT)},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode in (0, 1), (line, done.stderr)
+        assert "not listed" not in done.stdout, (line, done.stdout)
