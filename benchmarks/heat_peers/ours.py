@@ -13,7 +13,7 @@ from hyperfab.thermal.convection import Convection
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.locate import Locator
-from hyperfab.thermal.material import ThermalMaterial
+from hyperfab.thermal.medium import ThermalMaterial
 from hyperfab.thermal.mesh import EDGES, HeatMesh, build_mesh
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.tables import Table

@@ -7,14 +7,26 @@ of their elements that was kept, into the same pattern.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.thermal import elements
 from hyperfab.thermal.assembly import Pattern
-from hyperfab.thermal.material import ThermalMaterial
 from hyperfab.thermal.mesh import HeatMesh
+from hyperfab.thermal.tables import Table
+
+
+@dataclass(frozen=True)
+class ThermalMaterial:
+    """``density`` [kg/m^3], ``conductivity`` [W/m/K] and ``specific_heat`` [J/kg/K] against temperature [degC]."""
+
+    name: str
+    density: float
+    conductivity: Table
+    specific_heat: Table
+
 
 #: Elements integrated at a time: keeps the temporary arrays below some 100 MB.
 CHUNK = 8192

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
+from scipy.sparse.csgraph import connected_components
 
 from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
@@ -22,8 +23,7 @@ from hyperfab.numerics.vectors import dot, norm
 from hyperfab.thermal.assembly import Pattern
 from hyperfab.thermal.condition import Condition
 from hyperfab.thermal.heater import Heater
-from hyperfab.thermal.material import ThermalMaterial
-from hyperfab.thermal.medium import Medium
+from hyperfab.thermal.medium import Medium, ThermalMaterial
 from hyperfab.thermal.mesh import HeatMesh
 from hyperfab.thermal.prescribed import Prescribed
 
@@ -284,3 +284,21 @@ def _degree_two_on_one(mesh: HeatMesh, free: NDArray[np.bool_]) -> sparse.csr_ma
     entries = np.concatenate([np.ones(v), np.full(2 * (n - v), 0.5), np.ones(loose)])
     whole = sparse.csr_matrix((entries * free[rows], (rows, columns)), shape=(n + loose, v + loose))
     return sparse.csr_matrix(whole[:, np.flatnonzero(np.concatenate([free[:v], free[n:]]))])
+
+
+def without_route(model: HeatModel) -> int | None:
+    """Return a node of a piece that no film, radiation or held face lets heat out of; None where there is none."""
+    n = model.size
+    ambient = np.full(n, 20.0)
+    touched = ~model.free
+    for condition in model.conditions:
+        if len(condition.nodes):
+            loss = condition.tangent(0.0, ambient).sum(axis=(1, 2))
+            leaks = condition.nodes[loss > 1e-12 * max(float(np.abs(loss).max()), 1e-300)]
+            touched[leaks.ravel()] = True
+    linked = model.pattern.matrix(model.tangent(0.0, ambient))
+    linked.data = np.abs(linked.data)
+    _, piece = connected_components(linked, directed=False)
+    open_pieces = np.unique(piece[touched])
+    closed = np.flatnonzero(~np.isin(piece, open_pieces))
+    return int(closed[0]) if closed.size else None

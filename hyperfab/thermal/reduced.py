@@ -20,8 +20,7 @@ from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.grading import graded
 from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.lumping import lumped
-from hyperfab.thermal.material import ThermalMaterial
-from hyperfab.thermal.medium import Medium
+from hyperfab.thermal.medium import Medium, ThermalMaterial
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.radiation import Radiation
 from hyperfab.thermal.reduced_steps import Faces, Numbers, Parts, march

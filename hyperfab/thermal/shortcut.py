@@ -21,12 +21,11 @@ from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.vectors import dot
 from hyperfab.thermal.convection import Convection
 from hyperfab.thermal.heater import Heater
-from hyperfab.thermal.history import History, Reduced
+from hyperfab.thermal.history import History, Reduced, Target
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.projected import ProjectedModel, why_not
 from hyperfab.thermal.radiation import Radiation
 from hyperfab.thermal.step import GAMMA, Model, State, initial_state, take_step
-from hyperfab.thermal.target import Target
 from hyperfab.thermal.thermostat import Thermostat
 from hyperfab.thermal.trail import Lift
 

@@ -11,13 +11,12 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
 from hyperfab.numerics.vectors import dot
-from hyperfab.thermal.history import History
+from hyperfab.thermal.history import History, Target
 from hyperfab.thermal.ledger import Ledger
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.renewal import Renewal
 from hyperfab.thermal.shortcut import Shortcut, View
 from hyperfab.thermal.step import Model, State, Step, initial_state, take_step
-from hyperfab.thermal.target import Target
 from hyperfab.thermal.thermostat import Thermostat
 from hyperfab.thermal.trail import Trail
 

@@ -10,7 +10,7 @@ from hyperfab.thermal.faces import Faces
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.geometry import Body, Box, Geometry
 from hyperfab.thermal.heater import Heater
-from hyperfab.thermal.material import ThermalMaterial
+from hyperfab.thermal.medium import ThermalMaterial
 from hyperfab.thermal.mesh import EDGES, HeatMesh, build_mesh
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.prescribed import Prescribed

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from hyperfab.thermal.contact import Contact
 from hyperfab.thermal.convection import Convection
 from hyperfab.thermal.facet_operator import FacetOperator
-from hyperfab.thermal.material import ThermalMaterial
+from hyperfab.thermal.medium import ThermalMaterial
 from hyperfab.thermal.mesh import split_contacts
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.prescribed import Prescribed

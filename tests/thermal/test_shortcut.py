@@ -8,9 +8,9 @@ import pytest
 from hyperfab.thermal import shortcut as module
 from hyperfab.thermal.contact import Contact
 from hyperfab.thermal.convection import Convection
-from hyperfab.thermal.curves import curve
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.heater import Heater
+from hyperfab.thermal.history import curve
 from hyperfab.thermal.lumping import groups
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.radiation import Radiation

@@ -11,7 +11,7 @@ from hyperfab.documents.heat import Design
 from hyperfab.documents.mold import MoldDocument
 from hyperfab.errors import InputError
 from hyperfab.thermal.design import scale_for_warmup, scaled, share_power
-from hyperfab.thermal.routes import without_route
+from hyperfab.thermal.model import without_route
 
 
 def check(case: MoldCase, document: MoldDocument) -> None:

@@ -13,8 +13,7 @@ from hyperfab.io.output import Output
 from hyperfab.io.vtu import collection, unstructured
 from hyperfab.report.figures_heat import heat_figure
 from hyperfab.thermal import surface
-from hyperfab.thermal.curves import curve, curve_times
-from hyperfab.thermal.history import History
+from hyperfab.thermal.history import History, curve, curve_times
 from hyperfab.thermal.sensors import as_shown
 
 #: Frames of the time series, and bytes they may take together; where there are more steps they are thinned evenly.

@@ -20,7 +20,7 @@ from hyperfab.thermal.faces import Faces
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.geometry import Geometry
 from hyperfab.thermal.locate import Locator
-from hyperfab.thermal.material import ThermalMaterial
+from hyperfab.thermal.medium import ThermalMaterial
 from hyperfab.thermal.mesh import HeatMesh, build_mesh, split_contacts
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.plausibility import doubts

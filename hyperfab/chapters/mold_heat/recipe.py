@@ -20,12 +20,11 @@ from hyperfab.documents.heat import HeatDocument
 from hyperfab.documents.mold import MoldDocument
 from hyperfab.errors import InputError, NotConverged
 from hyperfab.numerics.vectors import dot
-from hyperfab.thermal.history import History
+from hyperfab.thermal.history import History, Target
 from hyperfab.thermal.ledger import Ledger
-from hyperfab.thermal.routes import without_route
+from hyperfab.thermal.model import without_route
 from hyperfab.thermal.shortcut import View, is_long, shortcut_for
 from hyperfab.thermal.step import initial_state
-from hyperfab.thermal.target import Target
 from hyperfab.thermal.trail import Trail
 from hyperfab.thermal.transient import Schedule
 from hyperfab.thermal.transient import run as follow

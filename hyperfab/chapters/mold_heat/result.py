@@ -19,9 +19,8 @@ from hyperfab.documents.heat import (
 from hyperfab.documents.mold import MoldDocument
 from hyperfab.numerics.vectors import dot
 from hyperfab.thermal import surface
-from hyperfab.thermal.curves import curve, curve_times
 from hyperfab.thermal.heater import Heater
-from hyperfab.thermal.history import History
+from hyperfab.thermal.history import History, curve, curve_times
 from hyperfab.thermal.ledger import LEAST_CHANGE
 from hyperfab.thermal.sensors import as_shown
 from hyperfab.thermal.trail import Past
