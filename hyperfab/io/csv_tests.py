@@ -149,6 +149,7 @@ def _read_sheet(
                 "direction": direction,
                 "specimen": specimen,
                 "thickness_mm": sizes.thickness,
+                "aspect": sizes.aspect if loading.extended else None,
             },
             width_mm=sizes.width,
             gauge_length_mm=sizes.gauge_length,

@@ -16,6 +16,8 @@ from hyperfab.io.layout import filled_in
 from hyperfab.io.roles import STRESSES, STRETCHES, Column, Roles, missing, unitless
 from hyperfab.io.stated import amount, conflicting, stated
 
+#: Columns that tell where a grip is, or how long the specimen.
+_LENGTHS = ("extension", "length", "position")
 #: A strain without a unit beyond this is a percentage somebody forgot to mark: no fabric stretches twenty-fold, and
 #: few test machines export a strain of more than three without its per cent.
 MAX_STRAIN, MAX_MACHINE_STRAIN = 20.0, 3.0
@@ -35,6 +37,13 @@ class Geometry:
     diameter: float | None = None
     area: float | None = None
 
+    @property
+    def aspect(self) -> float | None:
+        """Length over width, where both are known."""
+        if self.gauge_length is None or self.width is None:
+            return None
+        return self.gauge_length / self.width
+
 
 @dataclass(frozen=True)
 class Loading:
@@ -43,6 +52,11 @@ class Loading:
     curve: TestCurve
     notes: tuple[str, ...]
     used: tuple[Column, ...]
+
+    @property
+    def extended(self) -> bool:
+        """Whether the stretch is how much longer the whole gauge length became."""
+        return self.used[0].name in _LENGTHS
 
 
 def read_geometry(sheet: CsvSheet, options: Geometry, decimal: str, notes: list[str]) -> Geometry:
@@ -177,7 +191,7 @@ def _stretch(
         return None
     used.append(column)
     name, head = column.name.removesuffix(" 2"), column.heading
-    if name in ("extension", "length", "position"):
+    if name in _LENGTHS:
         found = _from_lengths(sheet, roles, column, name, test, sizes, decimal, options, notes)
     else:
         values = quantities(sheet, head, "dimensionless", decimal, name=name)

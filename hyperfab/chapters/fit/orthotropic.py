@@ -33,6 +33,7 @@ from hyperfab.documents.material import (
 )
 from hyperfab.materials.identification.quality import Certainty, sure_of
 from hyperfab.materials.orthotropic import Orthotropic
+from hyperfab.materials.orthotropic.grips import SHORT, at_readings
 from hyperfab.materials.orthotropic.identify import Found, identify
 from hyperfab.materials.orthotropic.specimen import stable_range, stress
 from hyperfab.report.figures_fit import fit_figure
@@ -81,6 +82,17 @@ class SheetFit(WholeFit[Orthotropic]):
             for c in self.curves
             if c.mode in _MODES
         )
+
+    @property
+    def gripped(self) -> list[str]:
+        """Say which strips were taken as held in their grips."""
+        kinds = {(c.direction, c.aspect) for c in self.curves if c.aspect is not None and c.aspect < SHORT}
+        return [
+            f"strips at {angle:g} deg, {aspect:.2g} times as long as wide, are held in their grips, which stiffens "
+            "them: that is found by the law, and no shear of the sheet"
+            for angle, aspect in sorted(kinds, key=str)
+            if aspect is not None and angle is not None and angle % 90.0
+        ]
 
     def direction(self, name: str) -> Direction:
         """Return the law as seen along a direction (the weft's is turned by a quarter), with its tests' figures."""
@@ -219,6 +231,7 @@ def fit_sheet(curves: Sequence[TestCurve], setting: Setting) -> SheetFit:
     between tested temperatures mean something. Raises InputError where rows lack, or no stable law is found though
     one is asked for.
     """
+    curves = _as_held(curves)
     used = [curve for curve in curves if curve.mode in setting.fit_on]
     temperatures = temperatures_of(used)
     reference = reference_of(temperatures)
@@ -232,6 +245,17 @@ def fit_sheet(curves: Sequence[TestCurve], setting: Setting) -> SheetFit:
     fit = SheetFit(laws, temperatures, reference, curves, setting, unknown, tuple(optima))
     fit.refuse_unstable(NAME, "fit a smaller range of stretch")
     return fit
+
+
+def _as_held(curves: Sequence[TestCurve]) -> list[TestCurve]:
+    """Return the curves, those of strips held in their grips only where all slanted ones are cut at one angle.
+
+    What the grips add to it would be taken for the shear of the sheet. Strips at several angles tell the shear by
+    how they differ, and are taken as uniform.
+    """
+    uniaxial = {curve.direction for curve in curves if curve.mode == "uniaxial"}
+    slanted = {angle for angle in uniaxial if angle is not None and angle % 90.0}
+    return list(curves) if len(slanted) == 1 else [replace(curve, aspect=None) for curve in curves]
 
 
 def _certainty(found: Found, curves: Sequence[TestCurve], turned: bool) -> Certainty:
@@ -281,4 +305,7 @@ def _weight(curve: TestCurve, stress: Array, setting: Setting, alike: Sequence[T
 
 
 def _predict(law: Orthotropic, curve: TestCurve) -> tuple[Array, Array | None, Array | None]:
-    return stress(law, curve.mode, curve.direction or 0.0, curve.stretch, curve.stretch2)
+    along, across, width = stress(law, curve.mode, curve.direction or 0.0, curve.stretch, curve.stretch2)
+    if curve.mode == "uniaxial":
+        along = along * at_readings(law, curve.direction, curve.aspect, curve.stretch)
+    return along, across, width

@@ -107,7 +107,9 @@ def _whole(job: Job, readings: Readings, setting: Setting, case: FitCase) -> _Fi
         else:
             from hyperfab.chapters.fit.orthotropic import fit_sheet
 
-            fit = fit_sheet(readings.curves, setting)
+            sheet = fit_sheet(readings.curves, setting)
+            readings.preparation += sheet.gripped
+            fit = sheet
     document = fit.document(readings)
     parts = {n: d.fit for n, d in (document.directions or {}).items()} or {"": document.fit}
     named = ["direction"] if case.model not in ORDERS else []
