@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,6 +23,7 @@ class FoamLaw:
     Beyond the limit the stress goes on along its last slope, so that a force can still be balanced; how much area
     is there is for the caller to say. ``bends`` are the strains between which the law is straight, None where it is
     smooth; ``free`` is the thickness over that at rest of foam whose area is stretched (n,), where the law tells it.
+    Foam that differs from place to place has a limit a place (n,), and ``places`` carries it to others.
 
     >>> law = linear(0.05)
     >>> law.stress(np.array([-0.1, 0.0, 0.5])).tolist(), float(law.energy(np.array(0.5)))
@@ -30,12 +31,17 @@ class FoamLaw:
     """
 
     name: str
-    limit: float
+    limit: float | Array
     raw_stress: Callable[[Array], Array]
     raw_slope: Callable[[Array], Array]
     raw_energy: Callable[[Array], Array]
     bends: Array | None = None
     free: Callable[[Array], Array] | None = None
+    places: Callable[[Callable[[Array], Array]], FoamLaw] | None = None
+
+    def at(self, interpolate: Callable[[Array], Array]) -> FoamLaw:
+        """The law elsewhere, given what carries values a place there."""
+        return self if self.places is None else self.places(interpolate)
 
     @property
     def knots(self) -> Array:
@@ -71,6 +77,7 @@ class FoamLaw:
             raw_stress=lambda e: factor * self.raw_stress(e),
             raw_slope=lambda e: factor * self.raw_slope(e),
             raw_energy=lambda e: factor * self.raw_energy(e),
+            places=None if self.places is None else lambda carry: self.at(carry).scaled(factor),
         )
 
     def thinning(self, area: ArrayLike, poisson: float | None) -> Array:
@@ -101,30 +108,77 @@ class FoamLaw:
         return inside, np.maximum(strain - self.limit, 0.0)
 
 
-def between(low: FoamLaw, high: FoamLaw, share: float) -> FoamLaw:
-    """Return the law whose stresses lie ``share`` of the way from ``low`` to ``high`` at every strain.
+def mixed(laws: Sequence[FoamLaw], weights: Sequence[float | Array]) -> FoamLaw:
+    """Return the law whose stresses are the mean of others, by weights that add up to one: numbers, or (n,) a place.
 
-    As foam between two temperatures it was tested at. Bottomed where the first of the two is.
+    Bottomed where the first of those that weigh anything is.
 
-    >>> between(linear(0.05), linear(0.03), 0.25).stress(1.0).round(9).item()
+    >>> mixed([linear(0.05), linear(0.03)], [0.75, 0.25]).stress(1.0).round(9).item()
     0.045
+    >>> there = [np.array([1.0, 0.5]), np.array([0.0, 0.5])]
+    >>> mixed([linear(0.05), linear(0.03)], there).stress([1.0, 1.0]).round(9).tolist()
+    [0.05, 0.04]
     """
-    a, b, t = low, high, share
+    used = [
+        (law, w)
+        for law, w in zip(laws, weights, strict=True)
+        if np.size(w) == 0 or np.any(np.asarray(w) > 0.0)
+    ]
+    if len(used) == 1 and np.ndim(used[0][1]) == 0:
+        return used[0][0]
 
-    def mixed(one: Callable[[Array], Array], two: Callable[[Array], Array]) -> Callable[[Array], Array]:
-        return lambda e: np.asarray((1.0 - t) * one(e) + t * two(e))
+    def mean(of: Sequence[Callable[[Array], Array] | None]) -> Callable[[Array], Array]:
+        return lambda e: np.asarray(
+            sum(w * one(e) for one, (_, w) in zip(of, used, strict=True) if one is not None)
+        )
 
-    limit = min(a.limit, b.limit)
-    bends = np.union1d(a.knots, b.knots)
+    def carried(interpolate: Callable[[Array], Array]) -> FoamLaw:
+        return mixed([law for law, _ in used], [interpolate(np.asarray(w)) for _, w in used])
+
+    even = all(np.ndim(w) == 0 for _, w in used)
+    limits = [np.where(np.asarray(w) > 0.0, law.limit, np.inf) for law, w in used]
+    limit = np.min(np.stack(np.broadcast_arrays(*limits)), axis=0)
+    first = float(limit.min(initial=np.inf))
+    smooth = any(law.bends is None for law, _ in used) or not even
+    bends = None if smooth else np.unique(np.concatenate([law.knots for law, _ in used]))
+    told = [law.free for law, _ in used]
+    names = dict.fromkeys(law.name for law, _ in used)
     return FoamLaw(
-        a.name if a.name == b.name else f"{a.name} and {b.name}",
-        limit,
-        mixed(a.raw_stress, b.raw_stress),
-        mixed(a.raw_slope, b.raw_slope),
-        mixed(a.raw_energy, b.raw_energy),
-        None if a.bends is None or b.bends is None else np.append(bends[bends < limit], limit),
-        None if a.free is None or b.free is None else mixed(a.free, b.free),
+        " and ".join(names),
+        first if even else np.asarray(limit),
+        mean([law.raw_stress for law, _ in used]),
+        mean([law.raw_slope for law, _ in used]),
+        mean([law.raw_energy for law, _ in used]),
+        None if bends is None else np.append(bends[bends < first], first),
+        None if None in told else mean(told),
+        None if even else carried,
     )
+
+
+@dataclass(frozen=True)
+class Tempered:
+    """Laws (k) at rising ``temperatures`` (k,) [degC]: between two their stresses are linear, beyond them the nearest
+    holds. A single law holds at any temperature.
+
+    >>> foam = Tempered((20.0, 180.0), (linear(0.05), linear(0.03)))
+    >>> foam.at(60.0).stress(1.0).round(9).item(), foam.at(300.0).stress(1.0).item()
+    (0.045, 0.03)
+    >>> foam.at(np.array([20.0, 100.0])).stress([1.0, 1.0]).round(9).tolist()
+    [0.05, 0.04]
+    """
+
+    temperatures: tuple[float, ...]
+    laws: tuple[FoamLaw, ...]
+
+    def at(self, celsius: float | Array) -> FoamLaw:
+        """Return the law at one temperature [degC], or at one a place (n,)."""
+        if len(self.laws) == 1:
+            return self.laws[0]
+        places = np.asarray(celsius, dtype=float)
+        if places.ndim and np.ptp(places) == 0.0:
+            places = places[0]
+        hats = [np.interp(places, self.temperatures, hat) for hat in np.eye(len(self.laws))]
+        return mixed(self.laws, [hat if places.ndim else float(hat) for hat in hats])
 
 
 def linear(modulus: float) -> FoamLaw:

@@ -56,8 +56,8 @@ class Sandwich:
 
     @property
     def uneven(self) -> bool:
-        """Whether its thickness varies from place to place."""
-        return np.ndim(self.thickness) > 0
+        """Whether its thickness or its foam varies from place to place."""
+        return np.ndim(self.thickness) > 0 or self.law.places is not None
 
     def strain(self, gap: ArrayLike) -> Array:
         """Engineering compression of the foam in a ``gap`` [mm]; zero where it is not touched."""
@@ -121,7 +121,8 @@ class Sandwich:
         def carry(value: float | Array) -> float | Array:
             return value if np.ndim(value) == 0 else interpolate(np.asarray(value))
 
-        found = replace(self, foam=carry(self.foam), fabric=carry(self.fabric))
-        # The laws stay as they are, and so does what was worked out of them.
-        found.__dict__["_series"] = self._series
+        law = self.law.at(interpolate)
+        found = replace(self, foam=carry(self.foam), fabric=carry(self.fabric), law=law)
+        if law is self.law:  # what was worked out of it stays too
+            found.__dict__["_series"] = self._series
         return found

@@ -16,6 +16,8 @@ from hyperfab.pressing.foam_law import FoamLaw
 _LEVEL = 1e-9
 #: How far beyond its limit a law is followed along its last slope [-]; two bare molds are nowhere near.
 _BEYOND = 10.0
+#: Layers share a closing to this part of it, in no more rounds than halving it would take.
+_SHARED, _ROUNDS = 1e-13, 60
 #: Strain near which layers without any resistance count as flat.
 _NEARLY_FLAT = 0.998
 
@@ -45,8 +47,10 @@ class Series:
 
     def at(self, closing: Array, first: float | Array, second: float | Array) -> Shared:
         """Return how layers ``first`` and ``second`` [mm] thick, (n,) or numbers, share a ``closing`` (..., n) [mm]."""
-        pressure, one, two, energy_one, energy_two = self.knots
         closing = np.maximum(closing, 0.0)
+        if self.first.places is not None:
+            return self._by_place(closing, first, second)
+        pressure, one, two, energy_one, energy_two = self.knots
         low = np.zeros(np.broadcast(closing, first, second).shape, dtype=np.int64)
         high = np.full(low.shape, len(pressure) - 1)
         for _ in range(int(np.ceil(np.log2(len(pressure))))):
@@ -67,6 +71,40 @@ class Series:
             energy=first * energy_one[low]
             + second * energy_two[low]
             + 0.5 * (pressure[low] + now) * (closing - begun),
+        )
+
+    def _by_place(self, closing: Array, first: float | Array, second: float | Array) -> Shared:
+        """The same where the first law is another at each place: its strain by Newton's method, held in a bracket."""
+        strains, pressures = _straight(self.second)
+        slopes = np.diff(strains) / np.diff(pressures)
+        stored = np.concatenate([[0.0], np.cumsum(0.5 * (pressures[1:] + pressures[:-1]) * np.diff(strains))])
+
+        def yields(pressure: Array) -> tuple[Array, Array, Array]:
+            k = np.clip(np.searchsorted(pressures, pressure, side="right") - 1, 0, len(slopes) - 1)
+            strain = strains[k] + slopes[k] * (pressure - pressures[k])
+            return strain, slopes[k], stored[k] + 0.5 * (pressures[k] + pressure) * (strain - strains[k])
+
+        low, high = np.zeros(closing.shape), closing / first
+        strain = high
+        for _ in range(_ROUNDS):
+            pressure, slope = self.first.stress(strain), self.first.slope(strain)
+            across, rate, _ = yields(pressure)
+            over = first * strain + second * across - closing
+            if np.abs(over).max(initial=0.0) <= _SHARED * np.max(closing, initial=0.0):
+                break
+            low, high = np.where(over < 0.0, strain, low), np.where(over < 0.0, high, strain)
+            following = strain - over / (first + second * rate * slope)
+            outside = (following < low) | (following > high)
+            strain = np.where(outside, 0.5 * (low + high), following)
+        pressure = self.first.stress(strain)
+        across, rate, energy = yields(pressure)
+        slope = self.first.slope(strain)
+        return Shared(
+            strain=strain,
+            second=across,
+            pressure=pressure,
+            stiffness=np.where(closing > 0.0, slope / (first + second * rate * slope), 0.0),
+            energy=first * self.first.energy(strain) + second * energy,
         )
 
 

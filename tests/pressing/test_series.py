@@ -126,7 +126,7 @@ def test_what_tells_no_thinning_is_refused():
 
 def test_between_two_temperatures_the_stress_is_between():
     cold, hot = FOAMS["table with a level"], foam_law.table([0.0, 0.3, 0.6], [0.0, 0.002, 0.01])
-    half = foam_law.between(cold, hot, 0.25)
+    half = foam_law.mixed([cold, hot], [0.75, 0.25])
     strain = np.linspace(0.0, 0.6, 61)
     assert half.stress(strain) == pytest.approx(
         0.75 * cold.stress(strain) + 0.25 * hot.stress(strain), rel=1e-12
@@ -135,3 +135,21 @@ def test_between_two_temperatures_the_stress_is_between():
     assert half.knots.tolist() == [0.0, 0.1, 0.3, 0.5, 0.6]
     work = np.trapezoid(half.stress(np.linspace(0, 0.6, 6001)), dx=1e-4)
     assert half.energy(0.6) == pytest.approx(work, rel=1e-7)
+
+
+@pytest.mark.parametrize("celsius", [20.0, 60.0, 131.0, 300.0])
+@pytest.mark.parametrize("soft", [None, foam_law.linear(0.2), foam_law.table([0, 0.2, 0.5], [0, 1e-3, 0.02])])
+def test_foam_that_differs_by_place_does_at_each_what_foam_of_that_temperature_does(celsius, soft):
+    """Also one that bottoms sooner when hot: each place has its own limit. Straightened laws rise by 1e-9 of their
+    largest stress even where they are level: so closely both agree."""
+    hot = foam_law.table([0.0, 0.3, 0.6], [0.0, 0.002, 0.01])
+    laws = foam_law.Tempered((20.0, 100.0, 180.0), (FOAMS["table with a level"], foam_law.linear(0.02), hot))
+    one = Sandwich(4.0, 1.0, laws.at(celsius), soft)
+    many = Sandwich(4.0, 1.0, laws.at(np.array([20.0, celsius, 180.0])), soft)
+    for gap in np.linspace(0.05, 5.2, 40):
+        there = np.full(3, gap)
+        for name in ("pressure", "energy", "strain", "stiffness", "state"):
+            value = float(getattr(one, name)(gap))
+            assert getattr(many, name)(there)[1] == pytest.approx(value, rel=1e-8, abs=1e-10), name
+        for part, alone in zip(many.pressed(there), one.pressed(gap), strict=True):
+            assert part[1] == pytest.approx(float(alone), rel=1e-8, abs=1e-8)

@@ -79,7 +79,7 @@ def closed_press(job: Job, case: PressCase) -> tuple[Told, list[str]]:
     """Return the press of a case, closed, and what its files are warned of."""
     listener = Listener()
     quiet = replace(job, console=listener)
-    return solve(model_of(quiet, case, read_files(quiet, case))), listener.warnings
+    return solve(quiet, model_of(quiet, case, read_files(quiet, case))), listener.warnings
 
 
 def read_press(job: Job, name: str, layout: Layout | None) -> tuple[Reading, Array | None]:

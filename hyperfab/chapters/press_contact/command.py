@@ -17,7 +17,7 @@ from hyperfab.chapters.press_contact.formed import note_ranges as note_set_range
 from hyperfab.chapters.press_contact.model import Model, model_of, read_files
 from hyperfab.chapters.press_contact.result import document_of
 from hyperfab.chapters.press_contact.told import Told
-from hyperfab.chapters.press_contact.warmth import warmed
+from hyperfab.chapters.press_contact.warmth import settled, warmed
 from hyperfab.chapters.uncertainty import carry
 from hyperfab.chapters.uncertainty.sources import Origins, origins
 from hyperfab.console import NEGATIVE_VERDICT
@@ -27,7 +27,7 @@ from hyperfab.documents.material import MaterialDocument
 from hyperfab.documents.press import PressDocument
 from hyperfab.errors import InputError, NotConverged, UsageError
 from hyperfab.io.inputs import Inputs
-from hyperfab.pressing.closing import Closed, close_press
+from hyperfab.pressing.closing import Closed
 from hyperfab.pressing.mold import PressFrame
 
 
@@ -56,7 +56,7 @@ def run(job: Job, case: PressCase) -> int:
         model = model_of(job, case, files)
         out.refuse_inputs(job.inputs)
         advance(0.3, "closing")
-        told = solve(model)
+        told = solve(job, model)
         told = replace(told, warmed=warmed(job, model, told.closed))
         if setting is not None and told.warmed is not None:
             stays = formed(setting, told.warmed.column, told.warmed.dwell, told.closed)
@@ -102,9 +102,9 @@ def _origins(job: Job, case: PressCase) -> Origins:
     return found
 
 
-def solve(model: Model) -> Told:
+def solve(job: Job, model: Model) -> Told:
     """Close the press, and follow it from the first touch."""
-    closed = close_press(model.closing)
+    closed = settled(job, model)
     return Told(model, closed, _curve(closed, model.case.strokes))
 
 
@@ -113,8 +113,12 @@ def _note_ranges(job: Job, model: Model, closed: Closed) -> None:
     document, sandwich, foam = model.files.document, closed.press.sandwich, model.case.foam
     strain = sandwich.strain(closed.contact.gap)
     if any(isinstance(law, TableLaw) for law in document.laws):
+        # Of laws by place the one that is left the furthest.
+        limits = np.broadcast_to(sandwich.law.limit, strain.shape)
+        worst = float(limits[np.argmax(strain - limits)])
+        then = "it counts as bottomed there"
         job.ranges.used(
-            "strain", strain, known=(0.0, sandwich.law.limit), source=foam, then="it counts as bottomed there"
+            "strain", np.minimum(strain, strain - limits + worst), known=(0.0, worst), source=foam, then=then
         )
     for law in document.laws:
         if isinstance(law, MaterialLaw):
@@ -123,7 +127,7 @@ def _note_ranges(job: Job, model: Model, closed: Closed) -> None:
             job.ranges.used("stretch", 1.0 - strain, known=tested, source=path)
     if sandwich.fabric_law is not None:
         across = 1.0 - sandwich.pressed(closed.contact.gap)[1] / sandwich.fabric
-        known = (0.0, sandwich.fabric_law.limit)
+        known = (0.0, float(np.max(sandwich.fabric_law.limit)))
         job.ranges.used("fabric.compression", across, known=known, source=foam, then="its last slope goes on")
     tables = (document.expansion.male, document.expansion.female)
     sides = zip(("male", "female"), tables, model.files.expansions, model.grown, strict=True)

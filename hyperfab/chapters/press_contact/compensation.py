@@ -12,10 +12,10 @@ from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact.design import place_of_design
 from hyperfab.chapters.press_contact.formed import Formed, Setting, Wanted, formed
 from hyperfab.chapters.press_contact.model import Model
-from hyperfab.chapters.press_contact.warmth import column_of
+from hyperfab.chapters.press_contact.warmth import column_of, settled
 from hyperfab.documents.press import CompensationPart, CompensationStep, WantedPart
 from hyperfab.io.stl_write import stl_bytes
-from hyperfab.pressing.closing import Closed, close_press
+from hyperfab.pressing.closing import Closed
 from hyperfab.pressing.design import constant_gap, with_back
 from hyperfab.pressing.gap import vertex_areas
 from hyperfab.pressing.growth import ungrown
@@ -115,7 +115,9 @@ def _reach(closed: Closed) -> tuple[float, float]:
     """Return the least and the greatest gap [mm] that mean anything: foam at the end of its law, and untouched."""
     sandwich = closed.press.sandwich
     foam, fabric = float(np.min(sandwich.foam)), float(np.max(sandwich.fabric))
-    return fabric + foam * (1.0 - min(sandwich.law.limit, 0.95)), float(np.max(sandwich.thickness))
+    return fabric + foam * (1.0 - min(float(np.min(sandwich.law.limit)), 0.95)), float(
+        np.max(sandwich.thickness)
+    )
 
 
 def _try(job: Job, model: Model, closed: Closed, setting: Setting, wanted: Wanted, gap: Array) -> _Tried:
@@ -147,7 +149,7 @@ def _try(job: Job, model: Model, closed: Closed, setting: Setting, wanted: Wante
         thinned=None if thinned is None else (thinned[0][nearest], thinned[1][nearest]),
     )
     there = replace(model, closing=case, files=files)
-    again = close_press(case)
+    again = settled(job, there)
     assert model.case.dwell is not None
     found = formed(setting, column_of(job, there, again), model.case.dwell, again)
     return _Tried(again, found, wanted.beside(found, again, frame), to_set)

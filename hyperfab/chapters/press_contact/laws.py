@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hyperfab.chapters.fabric import FabricDocument
 from hyperfab.chapters.job import Job
 from hyperfab.documents.base import read_document
 from hyperfab.documents.foam import (
@@ -18,13 +17,13 @@ from hyperfab.documents.foam import (
     PlateauLaw,
     TableLaw,
 )
-from hyperfab.documents.material import MaterialDocument
+from hyperfab.documents.material import MaterialDocument, Parameters
 from hyperfab.errors import InputError
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.inputs import Inputs
-from hyperfab.materials.hyperfoam import ORDERS
+from hyperfab.materials.hyperfoam import ORDERS, Hyperfoam
 from hyperfab.pressing import foam_law
-from hyperfab.pressing.foam_law import FoamLaw
+from hyperfab.pressing.foam_law import FoamLaw, Tempered
 from hyperfab.pressing.series import together
 
 #: Strain and stress of a foam test that go back by less than this share of their largest value only jitter.
@@ -51,28 +50,33 @@ class Fabrics:
 
 def compression_law(
     job: Job, name: str, document: FoamDocument, temperature: float, dwell: float | None
-) -> tuple[FoamLaw, float]:
-    """Return the law at a temperature [degC] and the end of the dwell, and the share of stress relaxed by then."""
+) -> tuple[Tempered, float]:
+    """Return the law by temperature at the end of the dwell, and the share of stress relaxed by then.
+
+    ``temperature`` [degC] is that of the molds: a material document's law is asked for there.
+    """
     left = 1.0
     dwell = dwell or document.relaxation.dwell or document.shrinkage.dwell
     if dwell is not None:
         left = foam_law.relaxed(document.relaxation.share, document.relaxation.time, dwell)
-    law = _at_temperature(job, name, document.laws, temperature)
-    return law.scaled(left), 1.0 - left
+    laws = document.laws
+    if len(laws) == 1 and laws[0].temperature is None:
+        found = _by_temperature(job, name, laws[0], temperature)
+    else:
+        rows = [0.0 if law.temperature is None else law.temperature for law in laws]
+        found = Tempered(tuple(rows), tuple(_law(job, name, law, temperature) for law in laws))
+    return Tempered(found.temperatures, tuple(law.scaled(left) for law in found.laws)), 1.0 - left
 
 
-def _at_temperature(job: Job, name: str, laws: list[Law], temperature: float) -> FoamLaw:
-    """Return the law at ``temperature`` [degC]: between those measured below and above it, else the nearest."""
-    known = [law.temperature for law in laws if law.temperature is not None]
+def note_temperature(job: Job, name: str, document: FoamDocument, celsius: np.ndarray | float) -> None:
+    """Note the temperatures [degC] at which the laws of ``foam.toml`` are read, beside those they were measured at."""
+    known = [law.temperature for law in document.laws if law.temperature is not None]
     if known:
         then = "the law of the nearest is taken"
-        job.ranges.used("compression", temperature, known=known, source=name, unit="degC", then=then)
-    after = int(np.searchsorted(known, temperature))
-    low, high = laws[max(after - 1, 0)], laws[min(after, len(laws) - 1)]
-    if low is high:
-        return _law(job, name, low, temperature)
-    one, two = (_law(job, name, law, temperature) for law in (low, high))
-    return foam_law.between(one, two, (temperature - known[after - 1]) / (known[after] - known[after - 1]))
+        job.ranges.used("compression", celsius, known=known, source=name, unit="degC", then=then)
+    elif isinstance(document.laws[0], MaterialLaw):
+        path = Inputs.beside(name, document.laws[0].material)
+        _note_tests(job, path, read_document(job.inputs, path, MaterialDocument), celsius)
 
 
 def thinning(law: FoamLaw, document: FoamDocument, name: str, fabric: np.ndarray) -> tuple[np.ndarray, str]:
@@ -97,32 +101,68 @@ def thinning(law: FoamLaw, document: FoamDocument, name: str, fabric: np.ndarray
 
 
 def _law(job: Job, name: str, given: Law, temperature: float) -> FoamLaw:
-    return _plain_law(job, name, given, temperature).scaled(given.factor)
+    return _by_temperature(job, name, given, temperature).at(temperature)
 
 
-def _plain_law(job: Job, name: str, given: Law, temperature: float) -> FoamLaw:
+def _by_temperature(job: Job, name: str, given: Law, temperature: float) -> Tempered:
+    """Return a law by temperature: of a material document those of its tests, of any other the one it is."""
+    if isinstance(given, MaterialLaw):
+        own = temperature if given.temperature is None else given.temperature
+        found = _fitted_law(job, Inputs.beside(name, given.material), own)
+        if given.temperature is not None:
+            found = Tempered((own,), (found.at(own),))
+    else:
+        found = Tempered((temperature,), (_plain_law(job, name, given),))
+    return Tempered(found.temperatures, tuple(law.scaled(given.factor) for law in found.laws))
+
+
+def _plain_law(job: Job, name: str, given: Law) -> FoamLaw:
     if isinstance(given, LinearLaw):
         return foam_law.linear(given.modulus)
     if isinstance(given, PlateauLaw):
         return foam_law.plateau(given.plateau, given.modulus, given.densification, given.power)
     if isinstance(given, HyperfoamLaw):
         return foam_law.hyperfoam(given.mu, given.alpha, given.nu)
-    if isinstance(given, MaterialLaw):
-        own = temperature if given.temperature is None else given.temperature
-        return _fitted_law(job, Inputs.beside(name, given.material), own)
     assert isinstance(given, TableLaw)
     return _table_law(job, Inputs.beside(name, given.table))
 
 
-def _fitted_law(job: Job, path: str, temperature: float) -> FoamLaw:
-    """Return the law of a material document at a temperature, linear between those of its tests."""
+def _fitted_law(job: Job, path: str, temperature: float) -> Tempered:
+    """Return the laws of a material document by the temperatures of its tests; ``temperature`` [degC] is asked for.
+
+    Not the constants are read between tests but the stresses: the terms of two fits need not stand in one order.
+    """
     document = read_document(job.inputs, path, MaterialDocument)
-    law = FabricDocument(document, path, temperature).foam()
+    if document.model not in ORDERS:
+        raise InputError(
+            f"{document.model} is no law of a foam",
+            file=path,
+            key="model",
+            remedy=f"fit the foam's tests with --model {', '.join(ORDERS)}",
+        )
+    _note_tests(job, path, document, temperature)
+    rows = sorted(document.temperatures or [], key=lambda row: row.temperature_degC)
+    if not rows:
+        return Tempered((temperature,), (_held(path, document, document.constants()),))
+    laws = tuple(_held(path, document, row.parameters) for row in rows)
+    return Tempered(tuple(row.temperature_degC for row in rows), laws)
+
+
+def _note_tests(job: Job, path: str, document: MaterialDocument, celsius: np.ndarray | float) -> None:
+    """Note the temperatures [degC] at which a material document is read, beside those of its tests."""
     known = [row.temperature_degC for row in document.temperatures or []]
     if not known and document.temperature_degC is not None:
         known = [document.temperature_degC]
     then = "the constants of the nearest test are taken" if known else "its tests state no temperature"
-    job.ranges.used("temperature_degC", temperature, known=known or None, source=path, then=then)
+    job.ranges.used("temperature_degC", celsius, known=known or None, source=path, then=then)
+
+
+def _held(path: str, document: MaterialDocument, constants: Parameters) -> FoamLaw:
+    """Return the law of these constants between plates; InputError where its stress falls."""
+    try:
+        law = Hyperfoam.of(constants)
+    except (KeyError, ValueError) as error:
+        raise InputError(f"no constants of {document.model}: {error}", file=path, key="parameters") from None
     found = foam_law.hyperfoam(law.mu, law.alpha, law.nu)
     strain = np.linspace(0.0, found.limit, 400)
     falling = np.flatnonzero(np.diff(found.raw_stress(strain)) < 0.0)
@@ -156,7 +196,7 @@ def fabrics(job: Job, name: str, document: FoamDocument, temperature: float) -> 
                 )
             thickness[side] = material.thickness_mm
             if law is None and material.model in ORDERS:
-                law = _fitted_law(job, path, temperature)
+                law = _fitted_law(job, path, temperature).at(temperature)
         else:
             thickness[side] = layer
         layers.append((thickness[side], law))

@@ -10,11 +10,17 @@ from hyperfab.cases.press import PressCase
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact import inputs as read
 from hyperfab.chapters.press_contact.heat import Grown, HeatInput, grow, read_heat
-from hyperfab.chapters.press_contact.laws import Fabrics, compression_law, fabrics, thinning
+from hyperfab.chapters.press_contact.laws import (
+    Fabrics,
+    compression_law,
+    fabrics,
+    note_temperature,
+    thinning,
+)
 from hyperfab.documents.foam import FoamDocument
 from hyperfab.errors import UsageError
 from hyperfab.pressing.closing import Case as Closing
-from hyperfab.pressing.foam_law import FoamLaw
+from hyperfab.pressing.foam_law import Tempered
 from hyperfab.pressing.growth import Expansion
 from hyperfab.pressing.mold import PressFrame
 from hyperfab.pressing.placement import check_roles, in_frame
@@ -26,7 +32,7 @@ from hyperfab.surface import Surface
 class Files:
     """What the files of a case hold.
 
-    law         of the foam at the end of the dwell, and the share of its stress that is ``relaxed`` by then
+    law         of the foam at the end of the dwell by temperature, and the share of its stress ``relaxed`` by then
     fabrics     the layers below and above the foam
     uneven      the foam's thickness at the male's vertices over its nominal one
     thinned     how much thinner a draped sheet is there, and how much its foam; None where none is given
@@ -39,7 +45,7 @@ class Files:
     """
 
     document: FoamDocument
-    law: FoamLaw
+    law: Tempered
     relaxed: float
     fabrics: Fabrics
     uneven: np.ndarray | float
@@ -84,6 +90,7 @@ def read_files(job: Job, case: PressCase) -> Files:
     heat = read_heat(job.inputs, case, document.expansion.reference)
     warm = 0.5 * (heat[0].temperature + heat[1].temperature)
     law, relaxed = compression_law(job, case.foam, document, warm, case.dwell)
+    note_temperature(job, case.foam, document, warm)
     layers = fabrics(job, case.foam, document, warm)
     expansions = read.expansions(job.inputs, case.foam, document)
     one, two, frame = read.read_molds(job, case)
@@ -94,7 +101,7 @@ def read_files(job: Job, case: PressCase) -> Files:
     thinned, rule = None, ""
     if case.drape is not None:
         fabric = read.thinning(job, case.drape, case.male, one.vertices)
-        foam, rule = thinning(law, document, case.foam, fabric)
+        foam, rule = thinning(law.at(warm), document, case.foam, fabric)
         thinned = fabric, foam
     return Files(
         document,
@@ -127,7 +134,9 @@ def model_of(job: Job, case: PressCase, files: Files) -> Model:
     warm = 0.5 * (male.temperature + female.temperature)
     lost = read.shrinkage(job, case.foam, document, warm, case.dwell)
     thickness = document.thickness * (1.0 - lost)
-    sandwich = Sandwich(thickness * files.uneven, files.fabrics.thickness, files.law, files.fabrics.law)
+    # At one temperature for all; at that of each place as soon as the closed press tells it.
+    law = files.law.at(warm)
+    sandwich = Sandwich(thickness * files.uneven, files.fabrics.thickness, law, files.fabrics.law)
     if files.thinned is not None:
         fabric, foamed = files.thinned
         sandwich = sandwich.thinned(foamed, fabric)

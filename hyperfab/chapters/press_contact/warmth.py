@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.press_contact.laws import note_temperature
 from hyperfab.chapters.press_contact.model import Model
 from hyperfab.documents.foam import FoamDocument, TableFile
 from hyperfab.documents.press import WarmingPart
-from hyperfab.errors import InputError
+from hyperfab.errors import InputError, NotConverged
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.inputs import Inputs
-from hyperfab.pressing.closing import Closed
+from hyperfab.pressing.closing import Closed, close_press
 from hyperfab.pressing.curved import barycentric
 from hyperfab.pressing.gap import vertex_areas
 from hyperfab.pressing.warming import Column
 
 #: Times of the dwell that are told, close together at its beginning, where the most happens.
 _TIMES = 16
+#: The temperature at which the foam's law is read has settled when it moves by less [K]; it takes two to five rounds.
+_SETTLED, _MOST_ROUNDS = 1e-7, 40
 #: A layer is never pressed thinner than this [mm]: where the molds interfere there is no sandwich.
 _THINNEST = 1e-3
 #: Air: conductivity [W/m/K] against temperature [degC] (Incropera and DeWitt, Fundamentals of Heat and Mass Transfer,
@@ -63,6 +66,43 @@ def warmed(job: Job, model: Model, closed: Closed) -> Warmed | None:
     )
     reached = None if target is None else column.reaches(target, dwell)
     return Warmed(column, dwell, middle[-1], rows, target, reached)
+
+
+def settled(job: Job, model: Model) -> Closed:
+    """Close the press with the foam's law at the temperature of each place.
+
+    With a dwell that is the foam's middle at its end, else the mean of both molds there. Temperature and pressing
+    depend on each other through contact, thickness and position: both are repeated until neither moves.
+    """
+    closed = close_press(model.closing)
+    laws, even = model.files.law, all(grown.celsius is None for grown in model.grown)
+    alike = even and model.grown[0].temperature == model.grown[1].temperature
+    if len(laws.laws) == 1 or (model.case.dwell is None and (even or alike)):
+        return closed
+    before: Array | None = None
+    for _ in range(_MOST_ROUNDS):
+        there = _foam_temperature(job, model, closed)
+        if before is not None and np.abs(there - before).max() <= _SETTLED:
+            break
+        # Beside the front nothing is pressed: any temperature will do there.
+        celsius = np.full(len(model.closing.male.vertices), there.mean())
+        celsius[closed.front.of_mold] = there
+        sandwich = replace(model.closing.sandwich, law=laws.at(celsius))
+        closed, before = close_press(replace(model.closing, sandwich=sandwich)), there
+    else:
+        raise NotConverged(
+            "the foam's temperature and its pressing do not settle on each other",
+            remedy="set the position with --gap, or give the foam one law",
+        )
+    note_temperature(job, model.case.foam, model.files.document, there)
+    return closed
+
+
+def _foam_temperature(job: Job, model: Model, closed: Closed) -> Array:
+    """Temperature (n,) [degC] of the foam at the front, at which its law is read."""
+    if model.case.dwell is None:
+        return np.asarray(0.5 * sum(_on_molds(model, closed)))
+    return np.asarray(column_of(job, model, closed).at([model.case.dwell])[-1])
 
 
 def column_of(job: Job, model: Model, closed: Closed) -> Column:
