@@ -9,7 +9,7 @@ BUILD  := build
 SOURCES := $(shell find hyperfab -name '*.py' -o -name '*.toml' -o -name '*.csv' -o -name ahead.json)
 
 .DELETE_ON_ERROR:
-.PHONY: run study test test-slow test-versions lint types bench blind hunt coverage mutants gaps kernels fuzz samples pictures clean distclean help
+.PHONY: run study test test-slow test-versions lint types bench blind hunt coverage mutants gaps walks kernels fuzz samples pictures clean distclean help
 
 help:
 	@echo "make run     the whole chain on the sample specimens and molds, with a summary and pictures in $(BUILD)/"
@@ -185,6 +185,10 @@ hunt: $(VENV)/dev
 coverage: $(VENV)/dev
 	PYTHONPATH=. $(BIN)/python -m trials.coverage 100
 	PYTHONPATH=. $(BIN)/python -m trials.unseen 3
+
+# How many modules a stretch, a temperature and a reading meet on their way, as CONTRIBUTING.md tells.
+walks: $(VENV)/dev
+	PYTHONPATH=. $(BIN)/python -m trials.walks
 
 # Some two hundred defects, half an hour of one core for them and as long before it to see which test reaches what; both
 # are kept in $(BUILD)/mutants, and only what changed is done again.

@@ -9,7 +9,8 @@ from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
 from hyperfab.materials import bind
 from hyperfab.materials.orthotropic import ABSENT, LINEAR, NAMES, Orthotropic
-from hyperfab.materials.orthotropic.identify import identify, sought_by
+from hyperfab.materials.orthotropic.determined import sought_by
+from hyperfab.materials.orthotropic.identify import identify
 from hyperfab.materials.orthotropic.specimen import held, stable_range, strip
 
 KNIT = {

@@ -13,20 +13,21 @@ What the tests cannot tell is not made up: a constant no test speaks of is left 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares, nnls
 
 from hyperfab.arrays import Array
 from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
 from hyperfab.materials.identification.scatter import Weighed
-from hyperfab.materials.orthotropic.energy import ABSENT, LINEAR, NAMES, Orthotropic
+from hyperfab.materials.orthotropic.determined import Unknown, sought_by
+from hyperfab.materials.orthotropic.energy import LINEAR, NAMES, Orthotropic
 from hyperfab.materials.orthotropic.grips import at_readings
+from hyperfab.materials.orthotropic.rows import Gathered, LinearRows, Rows, across, linear_rows
 from hyperfab.materials.orthotropic.specimen import Frame, held, solved, strip
 
 _GRID = {"nu": (0.02, 0.2, 0.35, 0.5), "bias_deg": (20.0, 35.0, 45.0, 55.0, 70.0)}
@@ -37,22 +38,6 @@ _STARTS = 6
 _ROWS_TO_START = 160
 #: Readings that move by less, over their largest, from one turn to the next are settled; and turns to get there.
 _AGREED, _TURNS = 1e-5, 20
-
-
-def _across(test: TestCurve) -> Array:
-    """Return the stretch of the second axis of a test whose edges are held."""
-    if test.mode == "shear":
-        return np.ones_like(test.stretch)
-    return test.stretch if test.stretch2 is None or test.mode == "biaxial" else test.stretch2
-
-
-@dataclass(frozen=True)
-class Unknown:
-    """A constant the tests leave open, the value it has for want of one, and the test that would tell it."""
-
-    name: str
-    value: float
-    test: str
 
 
 @dataclass(frozen=True)
@@ -67,56 +52,6 @@ class Found:
     sought: tuple[str, ...]
     unknown: tuple[Unknown, ...]
     optimum: Weighed = field(repr=False)
-
-
-def sought_by(tests: Sequence[TestCurve]) -> tuple[tuple[str, ...], tuple[Unknown, ...]]:
-    """Return the constants these tests can tell, and those they leave open, each with the test that would tell it.
-
-    >>> lam = np.array([1.1, 1.2]); pull = TestCurve("uniaxial", lam, lam - 1, lam, direction=0.0)
-    >>> sought_by([pull])[0]
-    ('C10_MPa', 'C20_MPa', 'C30_MPa')
-    """
-    modes = {test.mode.removesuffix("-general") for test in tests}
-    angles = {test.direction for test in tests}
-    uniaxial = {test.direction for test in tests if test.mode == "uniaxial"}
-    both = {0.0, 90.0} <= uniaxial or (None not in angles and any(_both_ways(test) for test in tests))
-    slanted = {_slant(a) for a in uniaxial if a is not None and _slant(a) % 90.0 > 1e-6}
-    contraction = any(test.contraction is not None for test in tests)
-    second = contraction or len(modes) > 1
-    found, open_ = ["C10_MPa", "C20_MPa", "C30_MPa"], []
-    if len(modes) > 1:
-        found.append("C2_MPa")
-    else:
-        open_.append(("C2_MPa", "a biaxial or planar test beside the uniaxial one"))
-    if contraction or (both and len(modes) > 1):
-        found.append("nu")
-    else:
-        open_.append(("nu", "the lateral stretch of the uniaxial test (column stretch 2)"))
-    if both:
-        found += ["k1_warp_MPa", "k2_warp", "k1_weft_MPa", "k2_weft"]
-    else:
-        open_ += [
-            (name, "uniaxial tests along warp and weft")
-            for name in ("k1_warp_MPa", "k2_warp", "k1_weft_MPa", "k2_weft")
-        ]
-    # Strips cut at one angle tell that angle's stiffness, not whether threads or the resistance of the angle give it; a
-    # pair of threads that may lie anywhere would stand in for those of warp or weft.
-    slants = "four slanted angles" if slanted else "a biaxial one"
-    for name, told, test in (
-        ("k1_bias_MPa", len(slanted) > 1, "uniaxial tests at two slanted angles, as 22 and 45 deg"),
-        ("k2_bias", len(slanted) > 1, "uniaxial tests at two slanted angles, as 22 and 45 deg"),
-        ("bias_deg", len(slanted) > 3, f"tests along warp and weft with lateral stretch, or {slants}"),
-    ):
-        if both and (second or told):
-            found.append(name)
-        else:
-            open_.append((name, test))
-    if slanted:
-        found.append("G_MPa")
-    else:
-        open_.append(("G_MPa", "a uniaxial test at an angle, as 45 deg"))
-    unknown = tuple(Unknown(name, ABSENT[name], test) for name, test in open_)
-    return tuple(name for name in NAMES if name in found), unknown
 
 
 def identify(tests: Sequence[TestCurve], near: Orthotropic | None = None) -> Found:
@@ -155,7 +90,7 @@ def identify(tests: Sequence[TestCurve], near: Orthotropic | None = None) -> Fou
             "how the grips stiffen the slanted strips does not settle",
             remedy="give longer strips, or their stretch as measured away from the grips",
         )
-    rows = _Gathered.of(before)
+    rows = Gathered.of(before)
     residual, jacobian = free.equations(rows, z)
     full = free.full(jacobian, z, names)
     optimum = Weighed(full, residual, np.nan_to_num(residual + rows.stresses), rows.curve)
@@ -168,76 +103,6 @@ def _ungripped(test: TestCurve, law: Orthotropic) -> TestCurve:
         return test
     factor = at_readings(law, test.direction, test.aspect, test.stretch)
     return replace(test, stress=test.stress / factor, weight=test.weights * factor)
-
-
-@dataclass(frozen=True)
-class _Rows:
-    """The rows of several tests of one kind; ``second`` says where a second measured value is."""
-
-    curve: NDArray[np.int64]
-    angle: Array
-    stretch: Array
-    stress: Array
-    weight: Array
-    stretch2: Array
-    stress2: Array
-    weight2: Array
-    second: NDArray[np.bool_]
-
-    @classmethod
-    def of(cls, tests: Sequence[tuple[int, TestCurve]]) -> _Rows:
-        def joined(pick: Callable[[TestCurve], Array | None]) -> Array:
-            parts = [(pick(test), len(test.stretch)) for _, test in tests]
-            return np.concatenate([np.zeros(0), *(np.zeros(n) if one is None else one for one, n in parts)])
-
-        def told(test: TestCurve) -> bool:
-            if test.mode == "uniaxial":
-                return test.contraction is not None and test.weight2 is not None
-            return test.stress2 is not None and test.mode.startswith("biaxial")
-
-        counts = [len(test.stretch) for _, test in tests]
-        return cls(
-            curve=np.repeat([number for number, _ in tests], counts).astype(np.int64),
-            angle=np.repeat([test.direction or 0.0 for _, test in tests], counts),
-            stretch=joined(lambda test: test.stretch),
-            stress=joined(lambda test: test.stress),
-            weight=joined(lambda test: test.weights),
-            stretch2=joined(lambda test: test.stretch2 if test.mode == "uniaxial" else _across(test)),
-            stress2=joined(lambda test: test.stress2),
-            weight2=joined(lambda test: test.weights if test.weight2 is None else test.weight2),
-            second=np.repeat([told(test) for _, test in tests], counts).astype(bool),
-        )
-
-
-@dataclass(frozen=True)
-class _Gathered:
-    """All rows, those of strips and those of tests with held edges."""
-
-    strips: _Rows
-    held: _Rows
-
-    @classmethod
-    def of(cls, tests: Sequence[TestCurve]) -> _Gathered:
-        numbered = list(enumerate(tests))
-        return cls(
-            _Rows.of([one for one in numbered if one[1].mode == "uniaxial"]),
-            _Rows.of([one for one in numbered if one[1].mode != "uniaxial"]),
-        )
-
-    @property
-    def curve(self) -> NDArray[np.int64]:
-        """The number of each equation's test."""
-        parts = [(rows.curve, rows.curve[rows.second]) for rows in (self.strips, self.held)]
-        return np.concatenate([part for pair in parts for part in pair])
-
-    @property
-    def stresses(self) -> Array:
-        """The weighted measured stress of each equation; no number where it is one of width."""
-        s, h = self.strips, self.held
-        across = (h.stress2 * h.weight2)[h.second]
-        return np.concatenate(
-            [s.stress * s.weight, np.full(int(s.second.sum()), np.nan), h.stress * h.weight, across]
-        )
 
 
 @dataclass(frozen=True)
@@ -256,7 +121,7 @@ class _Free:
     def reach(self) -> float:
         """The largest strain I - 1 of the tests."""
         return (
-            max(max(float(test.stretch.max()), float(_across(test).max())) for test in self.tests) ** 2 - 1.0
+            max(max(float(test.stretch.max()), float(across(test).max())) for test in self.tests) ** 2 - 1.0
         )
 
     @property
@@ -292,7 +157,7 @@ class _Free:
         every = gone.union(*(belongs.get(name, set()) for name in gone))
         return replace(self, names=tuple(name for name in self.names if name not in every))
 
-    def equations(self, rows: _Gathered, z: Array) -> tuple[Array, Array]:
+    def equations(self, rows: Gathered, z: Array) -> tuple[Array, Array]:
         """Return weighted errors and their derivatives by z."""
         law = self.law(z)
         parts = []
@@ -307,7 +172,7 @@ class _Free:
         """Return the nearest optimum in the box, and half its square sum."""
         low, high = self.bounds
         inside = np.clip(z, low + 1e-9, np.where(np.isfinite(high), high - 1e-9, high))
-        rows = _Gathered.of(tests)
+        rows = Gathered.of(tests)
         last: dict[bytes, tuple[Array, Array]] = {}
 
         def both(z: Array) -> tuple[Array, Array]:
@@ -367,9 +232,9 @@ class _Free:
         linear = [name for name in self.names if name in LINEAR]
         ranked: list[tuple[float, Array]] = []
         for nu in options["nu"]:
-            rows = [_linear_rows(test, nu) for test in tests]
+            rows = [linear_rows(test, nu) for test in tests]
 
-            def columns(rows: list[_LinearRows] = rows, **other: float) -> dict[str, Array]:
+            def columns(rows: list[LinearRows] = rows, **other: float) -> dict[str, Array]:
                 law = Orthotropic({**p, **other})
                 terms = np.concatenate([one.of(law) for one in rows])
                 return dict(zip(LINEAR, terms.T, strict=True))
@@ -420,7 +285,7 @@ class _Free:
         return [np.array(start)]
 
 
-def _strip_errors(rows: _Rows, law: Orthotropic, free: _Free, z: Array) -> tuple[Array, Array]:
+def _strip_errors(rows: Rows, law: Orthotropic, free: _Free, z: Array) -> tuple[Array, Array]:
     """Return the weighted errors of strips, of stress and then of width where measured, and their derivatives by z."""
     frame = Frame.at(rows.angle)
     pulled = strip(law, rows.angle, rows.stretch)
@@ -448,7 +313,7 @@ def _strip_errors(rows: _Rows, law: Orthotropic, free: _Free, z: Array) -> tuple
     )
 
 
-def _held_errors(rows: _Rows, law: Orthotropic, free: _Free, z: Array) -> tuple[Array, Array]:
+def _held_errors(rows: Rows, law: Orthotropic, free: _Free, z: Array) -> tuple[Array, Array]:
     """Return the weighted errors of tests with held edges, along and then across where measured, and derivatives."""
     frame = Frame.at(rows.angle)
     C = frame.strain(rows.stretch**2, rows.stretch2**2, np.zeros_like(rows.stretch))
@@ -481,53 +346,6 @@ def _stress_slopes(law: Orthotropic, C: Array, free: _Free, z: Array) -> Array:
             one /= 2.0 * size
         found[:, k] = one * free.slope(name, value)
     return found
-
-
-@dataclass(frozen=True)
-class _LinearRows:
-    """A test at strains taken as known: weighted stress equations, and free edges where the width was measured."""
-
-    C: Array
-    along: Array
-    across: Array | None
-    right: Array
-
-    def of(self, law: Orthotropic) -> Array:
-        terms = law.stress_terms(self.C)
-        rows = [np.einsum("nj,nkj->nk", self.along, terms)]
-        if self.across is not None:
-            rows.append(np.einsum("nj,nkj->nk", self.across, terms))
-        return np.concatenate(rows)
-
-
-def _linear_rows(test: TestCurve, nu: float) -> _LinearRows:
-    frame = Frame.at(np.full(len(test.stretch), test.direction or 0.0))
-    if test.mode == "uniaxial":
-        second = test.stretch**-nu if test.stretch2 is None else test.stretch2
-    else:
-        second = _across(test)
-    C = frame.strain(test.stretch**2, second**2, np.zeros_like(second))
-    along = (test.weights * test.stretch)[:, None] * frame.tt
-    right = test.weights * test.stress
-    known = test.stress2 if test.mode.startswith("biaxial") else None
-    if test.contraction is not None:
-        known = np.zeros_like(test.stress)
-    if known is None:
-        return _LinearRows(C, along, None, right)
-    weight = test.weights if test.weight2 is None or test.contraction is not None else test.weight2
-    return _LinearRows(
-        C, along, (weight * second)[:, None] * frame.nn, np.concatenate([right, weight * known])
-    )
-
-
-def _slant(angle: float) -> float:
-    """Return the angle [deg] from the warp, 0 to 90, of a strip that cannot be told from its mirror image."""
-    turned = angle % 180.0
-    return min(turned, 180.0 - turned)
-
-
-def _both_ways(test: TestCurve) -> bool:
-    return test.mode.startswith("biaxial") and test.stress2 is not None
 
 
 def _thinned(tests: Sequence[TestCurve], rows: int) -> list[TestCurve]:

@@ -1,0 +1,79 @@
+"""Which constants of the orthotropic law the tests of a sheet tell, and which test would tell the others."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from hyperfab.curve import TestCurve
+from hyperfab.materials.orthotropic.energy import ABSENT, NAMES
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """A constant the tests leave open, the value it has for want of one, and the test that would tell it."""
+
+    name: str
+    value: float
+    test: str
+
+
+def sought_by(tests: Sequence[TestCurve]) -> tuple[tuple[str, ...], tuple[Unknown, ...]]:
+    """Return the constants these tests can tell, and those they leave open, each with the test that would tell it.
+
+    >>> import numpy as np
+    >>> lam = np.array([1.1, 1.2]); pull = TestCurve("uniaxial", lam, lam - 1, lam, direction=0.0)
+    >>> sought_by([pull])[0]
+    ('C10_MPa', 'C20_MPa', 'C30_MPa')
+    """
+    modes = {test.mode.removesuffix("-general") for test in tests}
+    angles = {test.direction for test in tests}
+    uniaxial = {test.direction for test in tests if test.mode == "uniaxial"}
+    both = {0.0, 90.0} <= uniaxial or (None not in angles and any(_both_ways(test) for test in tests))
+    slanted = {_slant(a) for a in uniaxial if a is not None and _slant(a) % 90.0 > 1e-6}
+    contraction = any(test.contraction is not None for test in tests)
+    second = contraction or len(modes) > 1
+    found, open_ = ["C10_MPa", "C20_MPa", "C30_MPa"], []
+    if len(modes) > 1:
+        found.append("C2_MPa")
+    else:
+        open_.append(("C2_MPa", "a biaxial or planar test beside the uniaxial one"))
+    if contraction or (both and len(modes) > 1):
+        found.append("nu")
+    else:
+        open_.append(("nu", "the lateral stretch of the uniaxial test (column stretch 2)"))
+    if both:
+        found += ["k1_warp_MPa", "k2_warp", "k1_weft_MPa", "k2_weft"]
+    else:
+        open_ += [
+            (name, "uniaxial tests along warp and weft")
+            for name in ("k1_warp_MPa", "k2_warp", "k1_weft_MPa", "k2_weft")
+        ]
+    # Strips cut at one angle tell that angle's stiffness, not whether threads or the resistance of the angle give it; a
+    # pair of threads that may lie anywhere would stand in for those of warp or weft.
+    slants = "four slanted angles" if slanted else "a biaxial one"
+    for name, told, test in (
+        ("k1_bias_MPa", len(slanted) > 1, "uniaxial tests at two slanted angles, as 22 and 45 deg"),
+        ("k2_bias", len(slanted) > 1, "uniaxial tests at two slanted angles, as 22 and 45 deg"),
+        ("bias_deg", len(slanted) > 3, f"tests along warp and weft with lateral stretch, or {slants}"),
+    ):
+        if both and (second or told):
+            found.append(name)
+        else:
+            open_.append((name, test))
+    if slanted:
+        found.append("G_MPa")
+    else:
+        open_.append(("G_MPa", "a uniaxial test at an angle, as 45 deg"))
+    unknown = tuple(Unknown(name, ABSENT[name], test) for name, test in open_)
+    return tuple(name for name in NAMES if name in found), unknown
+
+
+def _slant(angle: float) -> float:
+    """Return the angle [deg] from the warp, 0 to 90, of a strip that cannot be told from its mirror image."""
+    turned = angle % 180.0
+    return min(turned, 180.0 - turned)
+
+
+def _both_ways(test: TestCurve) -> bool:
+    return test.mode.startswith("biaxial") and test.stress2 is not None
