@@ -92,8 +92,8 @@ class FabricDocument:
             return self._orthotropic(constants)
         return self._bound(constants, direction, anisotropic=False)
 
-    def foam(self) -> Hyperfoam:
-        """Return the law of a foam at the temperature asked for, linear between those of its tests."""
+    def foams(self) -> list[tuple[float | None, Hyperfoam]]:
+        """Return the law of a foam at each temperature [degC] of its tests, rising; one, at None, without a table."""
         model = self.document.model
         if model not in ORDERS:
             raise InputError(
@@ -102,8 +102,11 @@ class FabricDocument:
                 key="model",
                 remedy=f"fit the foam's tests with --model {', '.join(ORDERS)}",
             )
+        rows = sorted(self.document.temperatures or [], key=lambda row: row.temperature_degC)
         try:
-            return Hyperfoam.of(self.document.constants(None, self.asked))
+            if not rows:
+                return [(None, Hyperfoam.of(self.document.constants()))]
+            return [(row.temperature_degC, Hyperfoam.of(row.parameters)) for row in rows]
         except (KeyError, ValueError) as error:
             raise InputError(f"no constants of {model}: {error}", file=self.name, key="parameters") from None
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hyperfab.chapters.fabric import FabricDocument
 from hyperfab.chapters.job import Job
 from hyperfab.documents.base import read_document
 from hyperfab.documents.foam import (
@@ -17,7 +18,7 @@ from hyperfab.documents.foam import (
     PlateauLaw,
     TableLaw,
 )
-from hyperfab.documents.material import MaterialDocument, Parameters
+from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import InputError
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.inputs import Inputs
@@ -133,19 +134,10 @@ def _fitted_law(job: Job, path: str, temperature: float) -> Tempered:
     Not the constants are read between tests but the stresses: the terms of two fits need not stand in one order.
     """
     document = read_document(job.inputs, path, MaterialDocument)
-    if document.model not in ORDERS:
-        raise InputError(
-            f"{document.model} is no law of a foam",
-            file=path,
-            key="model",
-            remedy=f"fit the foam's tests with --model {', '.join(ORDERS)}",
-        )
+    foams = FabricDocument(document, path).foams()
     _note_tests(job, path, document, temperature)
-    rows = sorted(document.temperatures or [], key=lambda row: row.temperature_degC)
-    if not rows:
-        return Tempered((temperature,), (_held(path, document, document.constants()),))
-    laws = tuple(_held(path, document, row.parameters) for row in rows)
-    return Tempered(tuple(row.temperature_degC for row in rows), laws)
+    rows = tuple(temperature if known is None else known for known, _ in foams)
+    return Tempered(rows, tuple(_held(path, law) for _, law in foams))
 
 
 def _note_tests(job: Job, path: str, document: MaterialDocument, celsius: np.ndarray | float) -> None:
@@ -157,12 +149,8 @@ def _note_tests(job: Job, path: str, document: MaterialDocument, celsius: np.nda
     job.ranges.used("temperature_degC", celsius, known=known or None, source=path, then=then)
 
 
-def _held(path: str, document: MaterialDocument, constants: Parameters) -> FoamLaw:
-    """Return the law of these constants between plates; InputError where its stress falls."""
-    try:
-        law = Hyperfoam.of(constants)
-    except (KeyError, ValueError) as error:
-        raise InputError(f"no constants of {document.model}: {error}", file=path, key="parameters") from None
+def _held(path: str, law: Hyperfoam) -> FoamLaw:
+    """Return the law between plates; InputError where its stress falls."""
     found = foam_law.hyperfoam(law.mu, law.alpha, law.nu)
     strain = np.linspace(0.0, found.limit, 400)
     falling = np.flatnonzero(np.diff(found.raw_stress(strain)) < 0.0)
