@@ -27,6 +27,11 @@ class Overlay(Inputs):
         super().__init__()
         self._given = dict(given)
 
+    @property
+    def given(self) -> Mapping[str, bytes]:
+        """The files that do not lie on disk, by name."""
+        return self._given
+
     def read(self, name: str, limit: int = MAX_BYTES) -> bytes:
         """Return the bytes of a file; what is given goes before what lies on disk."""
         if name in self._given:

@@ -7,6 +7,7 @@ import hashlib
 import os
 import stat
 import sys
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -46,6 +47,11 @@ class Inputs:
     def files(self) -> list[InputFile]:
         """What was read so far, in order, each file once."""
         return list(self._files.values())
+
+    @property
+    def given(self) -> Mapping[str, bytes]:
+        """Files that do not lie on disk, by name: none."""
+        return {}
 
     def read(self, name: str, limit: int = MAX_BYTES) -> bytes:
         """Return the bytes of file ``name``; ``-`` is standard input, ``FILE.xlsx:SHEET`` the workbook.

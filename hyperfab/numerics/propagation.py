@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import inf
 
 import numpy as np
@@ -33,7 +34,7 @@ class Source:
     covariance: Array
     freedom: float = inf
 
-    @property
+    @cached_property
     def root(self) -> Array:
         """Independent directions of one standard deviation each (k, r): ``root @ root.T`` is the covariance.
 

@@ -19,8 +19,15 @@ _TOLERANCE = 1e-9
 _STEPS = 60
 
 
-def balance(press: Press, start: Pose, force: float | None, frame: float | None, floating: bool) -> Pose:
-    """Return the pose at which everything balances, from ``start`` on.
+def balance(
+    press: Press,
+    start: Pose,
+    force: float | None,
+    frame: float | None,
+    floating: bool,
+    begun: Pose | None = None,
+) -> Pose:
+    """Return the pose at which everything balances, from ``start`` on; looked for from ``begun`` on, where it is given.
 
     With ``force`` [N] the closing force is that; else the position was set at ``start`` and the press ``frame``
     [N/mm] yields under the force (None: it does not). A ``floating`` female turns about its pivot until the pressure
@@ -30,7 +37,7 @@ def balance(press: Press, start: Pose, force: float | None, frame: float | None,
     """
     # At a set position that cannot yield, only the tilt is free.
     free = np.array([force is not None or frame is not None, floating, floating])
-    pose = start
+    pose = begun or start
     here = press.at(pose)
     residual = _residual(press, here, pose, start, force, frame)
     for _ in range(_STEPS):

@@ -13,7 +13,7 @@ from hyperfab.arrays import Array, Ints
 from hyperfab.errors import InputError
 from hyperfab.pressing.clip import Quadrature, positive_part
 from hyperfab.pressing.contact import Contact, contact
-from hyperfab.pressing.gap import Front, nearest_gap, normal_gap, touch_gap
+from hyperfab.pressing.gap import Front, Gap, nearest_gap, normal_gap, touch_gap
 from hyperfab.pressing.mold import Mold
 from hyperfab.pressing.pose import UPRIGHT, Pose
 from hyperfab.pressing.sandwich import Sandwich
@@ -39,12 +39,14 @@ class Press:
     def at(self, pose: Pose | float) -> Contact:
         """Return what the sandwich does with the female at ``pose``, or raised by an opening [mm] from ``base``."""
         pose = pose if isinstance(pose, Pose) else replace(self.base, opening=float(pose))
+        return contact(self.front, self.gap(pose), self.sandwich)
+
+    def gap(self, pose: Pose) -> Gap:
+        """Return the nearest gap from each vertex of the front to the female at ``pose``."""
         # Not the female is moved but the points against it: its search tree stays as it is.
         points = pose.into_female(self.front.vertices)
         gap = nearest_gap(points, self.female, self._order)
-        if pose.angle != 0.0:
-            gap = replace(gap, direction=gap.direction @ pose.rotation.T)
-        return contact(self.front, gap, self.sandwich)
+        return gap if pose.angle == 0.0 else replace(gap, direction=gap.direction @ pose.rotation.T)
 
     def touch(self, pose: Pose, gap: Array) -> tuple[Array, Array]:
         """Return the gaps (n,) [mm] along the male's normals with the female at ``pose``, NaN where they miss, and
@@ -90,7 +92,7 @@ class Press:
         """Return the opening at which a margin of the gaps, growing with the opening, is zero."""
 
         def value(opening: float) -> float:
-            return margin(self.at(opening).gap)
+            return margin(self.gap(replace(self.base, opening=opening)).nearest)
 
         start = value(0.0)
         if start == 0.0:

@@ -8,9 +8,10 @@ closes as it does in the full model.
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, Self
 
 import numpy as np
 from scipy import sparse
@@ -22,9 +23,11 @@ from hyperfab.thermal.contact import Contact
 from hyperfab.thermal.convection import Convection
 from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.lumping import groups
+from hyperfab.thermal.medium import Medium
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.prescribed import Prescribed
 from hyperfab.thermal.radiation import SIGMA, ZERO_CELSIUS, Radiation
+from hyperfab.thermal.tables import Table
 from hyperfab.thermal.trail import Lift
 
 #: Points that stand for a face in what is not linear there, and directions they are told apart by.
@@ -73,7 +76,23 @@ class _Joint:
         return self.contact.closed.at(time) * self.matrix
 
 
-class _Face:
+@dataclass(frozen=True)
+class Scaled:
+    """A condition whose flow is ``by`` times as much."""
+
+    condition: Projected
+    by: float
+
+    def flow(self, time: float, coordinates: Array) -> Array:
+        """Return the heat flow into each basis vector (r,) [W]."""
+        return self.by * self.condition.flow(time, coordinates)
+
+    def tangent(self, time: float, coordinates: Array) -> Array:
+        """Return minus its derivative (r, r) [W/K]."""
+        return self.by * self.condition.tangent(time, coordinates)
+
+
+class Face:
     """A film or a radiating face, linear about the origin but for what is seen at a few points."""
 
     def __init__(self, condition: Convection | Radiation, lift: Lift, time: float) -> None:
@@ -98,7 +117,15 @@ class _Face:
         self._rows, self._weighted, self._origin = rows, rows * weights[:, None], origin
         self._base = _loss(condition, origin, self._at)
 
+    def warmer(self, by: float) -> Face:
+        """Return the face with its surroundings warmer by so much [K]."""
+        found, condition = copy.copy(self), copy.copy(self.condition)
+        condition.ambient = Table(condition.ambient.x, condition.ambient.y + by)
+        found.condition = condition
+        return found
+
     def flow(self, time: float, coordinates: Array) -> Array:
+        """Return the heat flow into each basis vector (r,) [W]."""
         ambient = self.condition.ambient.at(time)
         found = (
             self._flow - self._matrix @ coordinates + _warmer(self.condition, self._at, ambient) * self._air
@@ -112,6 +139,7 @@ class _Face:
         return found
 
     def tangent(self, time: float, coordinates: Array) -> Array:
+        """Return minus its derivative (r, r) [W/K]."""
         if len(self._origin) == 0:
             return self._matrix
         at = self._origin + self._rows @ coordinates
@@ -158,7 +186,7 @@ def project(condition: Condition, lift: Lift, time: float) -> Projected | None:
         jump = (near.at_points(lift.origin) - far.at_points(lift.origin)).ravel()
         return _Joint(condition, jump @ weighted, weighted.T @ rows)
     if isinstance(condition, Convection | Radiation):
-        return _Face(condition, lift, time)
+        return Face(condition, lift, time)
     return None
 
 
@@ -174,6 +202,47 @@ def why_not(model: HeatModel) -> str | None:
     return None
 
 
+@dataclass(frozen=True)
+class ProjectedMedium:
+    """What stores and conducts, in coordinates: capacity (r, r), what it weighs each vector with (r,) and its sum
+    [J/K], what is stored at the origin (r,) [J]; conduction (r, r) [W/K], and what the origin conducts (r,) [W]."""
+
+    mass: Array
+    weights: Array
+    capacity: float
+    stored: Array
+    conduction: Array
+    conducted: Array
+
+    @staticmethod
+    def of(medium: Medium, lift: Lift) -> ProjectedMedium:
+        """Return a medium without tables in coordinates."""
+        basis, origin, pattern = lift.basis, lift.origin, medium.pattern
+        capacity = pattern.matrix(medium.capacity(origin))
+        held = capacity @ basis
+        conducted = pattern.matrix(medium.conduction(origin)) @ basis
+        level = 0.5 * (float(origin.min()) + float(origin.max()))
+        return ProjectedMedium(
+            basis.T @ held,
+            held.sum(axis=0),
+            float(capacity.sum()),
+            medium.stored(origin) @ basis,
+            basis.T @ conducted,
+            (origin - level) @ conducted,
+        )
+
+    def with_more(self, other: ProjectedMedium, capacity: float, conduction: float) -> ProjectedMedium:
+        """Return it with so many times the capacity and the conduction of another one added."""
+        return ProjectedMedium(
+            self.mass + capacity * other.mass,
+            self.weights + capacity * other.weights,
+            self.capacity + capacity * other.capacity,
+            self.stored + capacity * other.stored,
+            self.conduction + conduction * other.conduction,
+            self.conducted + conduction * other.conducted,
+        )
+
+
 class ProjectedModel:
     """``model`` on the basis of ``lift``, linear about its origin at ``time``; asked as the full model is."""
 
@@ -185,19 +254,10 @@ class ProjectedModel:
         basis, origin = lift.basis, lift.origin
         found = [project(condition, lift, time) for condition in model.conditions]
         self.conditions: list[Projected] = [condition for condition in found if condition is not None]
-        capacity = model.pattern.matrix(model.medium.capacity(origin))
-        conduction = model.pattern.matrix(model.medium.conduction(origin))
-        held = capacity @ basis
-        self.mass = basis.T @ held
-        self._weights = held.sum(axis=0)
-        self._capacity = float(capacity.sum())
-        self._stored = model.medium.stored(origin) @ basis
-        conducted = conduction @ basis
-        self._conduction = basis.T @ conducted
-        level = 0.5 * (float(origin.min()) + float(origin.max()))
-        self._conducted = (origin - level) @ conducted
+        self.medium = ProjectedMedium.of(model.medium, lift)
         self.free = np.ones(len(self.mass), dtype=bool)
         self.last_matrix: Array | None = None
+        capacity = model.pattern.matrix(model.medium.capacity(origin))
         shapes = [heater.shape / model.lumped_capacity for heater in model.heaters]
         self._shapes = np.array([heater.shape @ basis for heater in model.heaters]).reshape(
             -1, len(self.mass)
@@ -206,13 +266,24 @@ class ProjectedModel:
             [[float(one @ (capacity @ other)) for other in shapes] for one in shapes]
         ).reshape(len(shapes), len(shapes))
 
+    def changed_to(self, medium: ProjectedMedium, conditions: Sequence[Projected]) -> Self:
+        """Return the mold with another medium and other conditions on the same basis."""
+        found = copy.copy(self)
+        found.medium, found.conditions = medium, list(conditions)
+        return found
+
+    @property
+    def mass(self) -> Array:
+        """Heat capacity (r, r) [J/K]."""
+        return self.medium.mass
+
     def stored(self, coordinates: Array) -> Array:
         """Return the heat stored, by basis vector [J]."""
-        return self._stored + self.mass @ coordinates
+        return self.medium.stored + self.mass @ coordinates
 
     def total(self, by_vector: Array) -> float:
         """Return the heat, or the flow, of the whole mold."""
-        return float(self._weights @ np.linalg.solve(self.mass, by_vector))
+        return float(self.medium.weights @ np.linalg.solve(self.mass, by_vector))
 
     def moved(self, stored: Array) -> float:
         """What moves inside is not counted: the account is then held against less."""
@@ -220,7 +291,7 @@ class ProjectedModel:
 
     def flow(self, time: float, coordinates: Array) -> Array:
         """Return the heat flow to each basis vector [W]."""
-        found = -(self._conducted + self._conduction @ coordinates)
+        found = -(self.medium.conducted + self.medium.conduction @ coordinates)
         for condition in self.conditions:
             found = found + condition.flow(time, coordinates)
         return found
@@ -245,11 +316,11 @@ class ProjectedModel:
         found = guess.copy()
         for _ in range(NEWTON_STEPS):
             residual = target + interval * self.flow(time, found) - storage * self.stored(found)
-            matrix = storage * self.mass + interval * self._conduction
+            matrix = storage * self.mass + interval * self.medium.conduction
             for condition in self.conditions:
                 if not isinstance(condition, _Source):
                     matrix += interval * condition.tangent(time, found)
-            change = np.linalg.solve(matrix, residual)
+            change: Array = np.asarray(np.linalg.solve(matrix, residual), dtype=np.float64)
             found += change
             self.last_matrix = matrix
             moved = self.capacity_norm(change)
@@ -265,11 +336,11 @@ class ProjectedModel:
 
     def capacity_norm(self, coordinates: Array) -> float:
         """Return the root of the mean square of a field, weighted with the heat capacity [K]."""
-        return float(np.sqrt(max(coordinates @ self.mass @ coordinates, 0.0) / self._capacity))
+        return float(np.sqrt(max(float(coordinates @ self.mass @ coordinates), 0.0) / self.medium.capacity))
 
     def speed(self, rate: Array) -> float:
         """Return what ``HeatModel.speed`` says of a change of the flow [K/s]; heaters by their own, sharper shapes."""
         powers = np.linalg.lstsq(self._shapes.T, rate, rcond=None)[0]
         rest = np.linalg.solve(self.mass, rate - powers @ self._shapes)
-        heaters = float(powers @ self._speeds @ powers) / self._capacity
+        heaters = float(powers @ self._speeds @ powers) / self.medium.capacity
         return float(np.sqrt(max(heaters, 0.0) + self.capacity_norm(rest) ** 2))

@@ -206,11 +206,11 @@ def _stop_at_event(
             return dot(wanted.sensor, temperature) - wanted.value
 
         if missing(step.state.temperature) >= 0.0:
-            step = _shorten(model, start, step, missing)
+            step = shortened(model, start, step, missing)
             hit = True
     for thermostat in thermostats:
         if thermostat.excess(step.state.temperature) >= 0.0 > thermostat.excess(start.temperature):
-            shorter = _shorten(model, start, step, thermostat.excess)
+            shorter = shortened(model, start, step, thermostat.excess)
             hit = hit and shorter.state.time >= step.state.time
             step, due = shorter, True
     # Heaters that ask the same probe switch together.
@@ -218,7 +218,7 @@ def _stop_at_event(
     return step, [t for t in thermostats if due and t.excess(now) >= -EVENT_TEMPERATURE], hit
 
 
-def _shorten(model: Model, start: State, step: Step, excess: Callable[[Array], float]) -> Step:
+def shortened(model: Model, start: State, step: Step, excess: Callable[[Array], float]) -> Step:
     """Find the step length at which ``excess`` of the end temperatures is zero (Illinois false position)."""
     low, high = 0.0, step.state.time - start.time
     low_value, high_value = excess(start.temperature), excess(step.state.temperature)

@@ -44,7 +44,7 @@ def run(job: Job, case: DrapeCase) -> int:
             document,
             lambda: _origins(job, case),
             lambda origins: beside(job, model, found[-1], origins),
-        )
+        ).uncertainty
     job.write(out, document, case, thickness_mm=model.sheet.thickness)
     if document.converged:
         say(job, document)

@@ -14,7 +14,7 @@ from hyperfab.chapters.drape.model import Model, sheet_of
 from hyperfab.chapters.drape.states import State
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import Listener, Overlay
-from hyperfab.chapters.uncertainty.carry import Changes, Figures
+from hyperfab.chapters.uncertainty.carry import Answer, Changes, Figures
 from hyperfab.chapters.uncertainty.sources import Origins, Setting
 from hyperfab.cloth import Sheet
 from hyperfab.cloth.sensitivity import Neighbourhood
@@ -55,7 +55,7 @@ class Beside:
                     slopes.setdefault(name, []).append((up[name] - down[name]) / (2.0 * step))
         return {name: np.array(values) for name, values in slopes.items()}
 
-    def at(self, changes: Changes) -> Figures:
+    def at(self, changes: Changes) -> Answer:
         """Return the figures with numbers changed."""
         if not self._moves:
             self.gradient()
@@ -66,7 +66,7 @@ class Beside:
             ]
         )
         moved = np.tensordot(amounts, np.array(self._moves), axes=1)
-        return self._figures(self._sheet(changes), moved)
+        return Answer(self._figures(self._sheet(changes), moved))
 
     def _sheet(self, changes: Changes) -> Sheet:
         inputs = self._job.inputs

@@ -57,7 +57,7 @@ def run(job: Job, case: ContactCase) -> int:
             found,
             lambda: origins_of(job, case),
             lambda origins: beside(job, case, geometry, outcomes[0], origins),
-        )
+        ).uncertainty
     _write(job, out, case, fabrics, outcomes, found)
     for number, (fabric, outcome, unstable) in enumerate(zip(fabrics, outcomes, instabilities, strict=True)):
         status = status_of(outcome, unstable)

@@ -13,7 +13,7 @@ from hyperfab.chapters.fabric_contact.result import row
 from hyperfab.chapters.fabric_contact.setup import Geometry, setup_of
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import Listener, Overlay
-from hyperfab.chapters.uncertainty.carry import FIGURES, Changes, Figures
+from hyperfab.chapters.uncertainty.carry import FIGURES, Answer, Changes, Figures
 from hyperfab.chapters.uncertainty.sources import Origins, Setting, origins
 from hyperfab.errors import NotConverged
 from hyperfab.membrane.equilibrium import NoEquilibriumError
@@ -73,7 +73,7 @@ class Beside:
                     slopes[name].append(found[name])
         return {name: np.array(values) for name, values in slopes.items()}
 
-    def at(self, changes: Changes) -> Figures:
+    def at(self, changes: Changes) -> Answer:
         """Return the figures of the equilibrium with numbers changed; NotConverged where there is none.
 
         Without the edge of contact: on one mesh it jumps as nodes come to touch, by more than it moves.
@@ -92,7 +92,7 @@ class Beside:
             found = _figures(self._near.equilibrium(test, depth, np.asarray(moved)))
         except NoEquilibriumError as error:
             raise NotConverged(str(error)) from None
-        return {name: value for name, value in found.items() if name != "contact_radius_mm"}
+        return Answer({name: value for name, value in found.items() if name != "contact_radius_mm"})
 
     def _test(self, changes: Changes) -> tuple[SphereTest, float]:
         inputs = self._job.inputs

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,11 +22,13 @@ from hyperfab.thermal.sensors import as_shown
 FRAMES, SERIES_BYTES = 40, 50e6
 
 
-def write_fields(out: Output, problem: Problem, history: History, target: float | None) -> None:
-    """Queue every sibling of the document."""
+def write_fields(
+    out: Output, problem: Problem, history: History, target: float | None, sure: Mapping[str, Array] = {}
+) -> None:
+    """Queue every sibling of the document; ``sure`` are standard deviations of the last field, where known."""
     last = history.states[-1]
     flux = problem.model.medium.flux(last.temperature)
-    out.add(".vtu", _field(problem, last.temperature, flux))
+    out.add(".vtu", _field(problem, last.temperature, flux, sure))
     if not history.ledger.entered:  # a steady state has no curves
         out.add(
             ".png",
@@ -69,7 +73,7 @@ def frame_count(size: int) -> int:
     return int(np.clip(SERIES_BYTES // size, 2, FRAMES))
 
 
-def _field(problem: Problem, temperature: Array, flux: Array | None) -> bytes:
+def _field(problem: Problem, temperature: Array, flux: Array | None, sure: Mapping[str, Array] = {}) -> bytes:
     mesh = problem.mesh
     cells: dict[str, NDArray] = {"part": mesh.parts.astype(np.int32)}
     if flux is not None:
@@ -79,7 +83,7 @@ def _field(problem: Problem, temperature: Array, flux: Array | None) -> bytes:
     return unstructured(
         mesh.points[:solid] * 1e3,
         {"tetra10": mesh.elements},
-        {"temperature_degC": temperature[:solid]},
+        {"temperature_degC": temperature[:solid], **{f"{name}_sd": sd for name, sd in sure.items()}},
         cells,
     )
 

@@ -7,12 +7,14 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.cases.mold import MoldCase
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.mold_heat import nearby
 from hyperfab.chapters.mold_heat.design import check, design
 from hyperfab.chapters.mold_heat.files import write_fields
 from hyperfab.chapters.mold_heat.problem import MoldBuilder, Problem
 from hyperfab.chapters.mold_heat.result import IMBALANCE_ALLOWED, steady_document, transient_document
 from hyperfab.chapters.mold_heat.variations import SHARPER, read_variations, variations_csv, vary
 from hyperfab.chapters.uncertainty import carry
+from hyperfab.chapters.uncertainty.carry import Sure, figures_of
 from hyperfab.chapters.uncertainty.sources import origins
 from hyperfab.console import Advance
 from hyperfab.documents.base import read_document
@@ -71,18 +73,25 @@ def run(job: Job, case: MoldCase) -> int:
             result.variations = vary(asked, document, problem, sharper, start)
             out.add(".variations.csv", variations_csv(result.variations))
         advance(0.97, "writing")
-        if out.wants_files:
-            write_fields(out, problem, history, document.run.target)
     for text in problem.notes:
         job.console.note(f"{mold}: {text}")
     _note_ranges(job, mold, builder, problem, history)
     result.design = chosen
     result.notes = builder.doubts + problem.notes
     _say(job, result)
+    sure = Sure()
     if result.converged:
-        result.uncertainty = carry(
-            job, case, result, lambda: origins(job.inputs, case, documents={mold: MoldDocument})
+        value = dict(figures_of(result.to_json(), result.KIND))
+        sure = carry(
+            job,
+            case,
+            result,
+            lambda: origins(job.inputs, case, documents={mold: MoldDocument}),
+            lambda known: nearby.beside(case, document, problem, history, value, known),
         )
+        result.uncertainty = sure.uncertainty
+    if out.wants_files:
+        write_fields(out, problem, history, document.run.target, sure.fields)
     job.write(out, result, case)
     return 0 if result.converged else NotConverged.exit_status
 

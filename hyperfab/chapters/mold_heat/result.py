@@ -31,22 +31,8 @@ IMBALANCE_ALLOWED = 1e-8
 
 def transient_document(document: MoldDocument, problem: Problem, history: History) -> HeatDocument:
     """Return the document of a warm-up."""
-    ledger = history.ledger
-    imbalance = ledger.imbalance()
-    energy = Energy(
-        supplied_J=ledger.supplied(),
-        lost_J=ledger.lost(),
-        stored_J=ledger.stored[-1] if ledger.stored else 0.0,
-        imbalance_relative=imbalance,
-        by_condition_J=ledger.by_condition,
-    )
-    reached = history.reached
-    if reached:
-        energy.at_warmup = {
-            "supplied_J": ledger.supplied(reached),
-            "lost_J": ledger.lost(reached),
-            "stored_J": ledger.stored[reached - 1],
-        }
+    energy = energy_of(history)
+    imbalance, reached = energy.imbalance_relative, history.reached
     converged = bool(np.isfinite(imbalance) and imbalance <= IMBALANCE_ALLOWED)
     result = _common(problem, history, energy, converged)
     result.steps = len(history.states) - 1
@@ -69,14 +55,33 @@ def transient_document(document: MoldDocument, problem: Problem, history: Histor
             taken_back=told.returns,
         )
     result.status = _status(converged, imbalance, document, result)
-    result.probes = _probes(problem, history)
-    result.efficiency = _efficiency(energy)
+    result.probes = probes_of(problem, history)
+    result.efficiency = efficiency_of(energy)
     if problem.pieces is not None:
         result.production = describe(problem.pieces, history)
     if problem.work_surface is not None and reached is not None and result.work_surface is not None:
         found = surface.evenness(problem.work_surface, history.states[reached].temperature)
         result.work_surface.at_warmup = _evenness(found)
     return result
+
+
+def energy_of(history: History) -> Energy:
+    """Return the account of heat of a run."""
+    ledger, reached = history.ledger, history.reached
+    energy = Energy(
+        supplied_J=ledger.supplied(),
+        lost_J=ledger.lost(),
+        stored_J=ledger.stored[-1] if ledger.stored else 0.0,
+        imbalance_relative=ledger.imbalance(),
+        by_condition_J=ledger.by_condition,
+    )
+    if reached:
+        energy.at_warmup = {
+            "supplied_J": ledger.supplied(reached),
+            "lost_J": ledger.lost(reached),
+            "stored_J": ledger.stored[reached - 1],
+        }
+    return energy
 
 
 def steady_document(problem: Problem, history: History) -> HeatDocument:
@@ -179,7 +184,8 @@ def _status(converged: bool, imbalance: float, document: MoldDocument, result: H
     return None
 
 
-def _probes(problem: Problem, history: History) -> dict[str, ProbeResult]:
+def probes_of(problem: Problem, history: History) -> dict[str, ProbeResult]:
+    """Return what each probe reads at the end and at most."""
     times = curve_times(history)
     found = {}
     for name, sensor in problem.probes.items():
@@ -188,7 +194,8 @@ def _probes(problem: Problem, history: History) -> dict[str, ProbeResult]:
     return found
 
 
-def _efficiency(energy: Energy) -> float | None:
+def efficiency_of(energy: Energy) -> float | None:
+    """Return what is stored of the heat supplied, up to the target where it is reached."""
     account = energy.at_warmup
     supplied = account["supplied_J"] if account else energy.supplied_J
     stored = account["stored_J"] if account else energy.stored_J

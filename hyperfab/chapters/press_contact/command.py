@@ -9,6 +9,7 @@ import numpy as np
 
 from hyperfab.cases.press import PressCase
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.press_contact import nearby
 from hyperfab.chapters.press_contact.compensation import compensate
 from hyperfab.chapters.press_contact.design import design_of
 from hyperfab.chapters.press_contact.fields import curve_csv, formed_picture, grid_of, picture_of
@@ -79,7 +80,6 @@ def run(job: Job, case: PressCase) -> int:
         result = document_of(told)
         advance(0.8, "pictures")
         if out.wants_files:
-            out.add(".vtu", grid_of(told))
             out.add(".csv", curve_csv(told.curve))
             out.add(".png", picture_of(told, result))
             if told.formed is not None:
@@ -88,17 +88,28 @@ def run(job: Job, case: PressCase) -> int:
             out.add(".design.stl", stl)
         if compensated:
             out.add(".compensated.stl", compensated)
-    result.uncertainty = carry(job, case, result, lambda: _origins(job, case))
+    sure = carry(
+        job,
+        case,
+        result,
+        lambda: _origins(job, case, result),
+        lambda known: nearby.beside(job, model, told.closed, known),
+    )
+    result.uncertainty = sure.uncertainty
+    if out.wants_files:
+        out.add(".vtu", grid_of(told, sure.fields))
     job.write(out, result, case)
     return _judge(job, result, told.closed, case.min_spotted)
 
 
-def _origins(job: Job, case: PressCase) -> Origins:
+def _origins(job: Job, case: PressCase, result: PressDocument) -> Origins:
     """Return what the inputs say of how sure they are."""
     stated = {case.foam: FoamDocument} if case.foam.endswith(".toml") else {}
     found = origins(job.inputs, case, documents=stated)
     others = [name for name in (case.male_heat, case.female_heat, case.drape) if name is not None]
     found.left_out += [f"{os.path.basename(name)}: how sure it is" for name in others if found.found]
+    told = (("warming", "the sandwich's temperature"), ("formed", "the thickness when the press has opened"))
+    found.left_out += [what for key, what in told if found.found and getattr(result, key) is not None]
     return found
 
 

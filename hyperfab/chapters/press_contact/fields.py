@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.chapters.press_contact.formed import part_of as formed_part
+from hyperfab.chapters.press_contact.nearby import ROOM
 from hyperfab.chapters.press_contact.told import Told
 from hyperfab.documents.press import PressDocument
 from hyperfab.io import vtu
@@ -15,8 +18,11 @@ from hyperfab.pressing.gap import vertex_areas
 _CURVE_HEADER = ("stroke_mm", "force_N", "pressed_area_mm2", "gap_min_mm", "energy_J")
 
 
-def grid_of(told: Told) -> bytes:
-    """Return the male's front, where its drawing has it, with the gap and what the sandwich does, as .vtu."""
+def grid_of(told: Told, sure: Mapping[str, Array] = {}) -> bytes:
+    """Return the male's front, where its drawing has it, with the gap and what the sandwich does, as .vtu.
+
+    ``sure`` are standard deviations of fields, where they are known.
+    """
     closed = told.closed
     front, contact, sandwich = closed.front, closed.contact, closed.press.sandwich
     final = told.final_thickness
@@ -40,9 +46,25 @@ def grid_of(told: Told) -> bytes:
             "oblique": closed.oblique.astype(np.uint8),
             "state": sandwich.state(contact.gap).astype(np.uint8),
             "growth_mm": told.frame.outward(front.vertices - closed.cold),
+            **_sure_fields(told, sure),
         },
         {"contact_share": closed.touching / front.areas, "flange": front.flange},
     )
+
+
+def _sure_fields(told: Told, sure: Mapping[str, Array]) -> dict[str, Array]:
+    if not sure:
+        return {}
+    from scipy.special import ndtr
+
+    room, sd = told.closed.press.sandwich.thickness - told.closed.touch, sure[ROOM]
+    never = np.where(sd > 0.0, sd, 1.0)
+    touches = np.where(sd > 0.0, ndtr(room / never), (room > 0.0).astype(float))
+    return {
+        "gap_mm_sd": sure["gap_mm"],
+        "pressure_MPa_sd": sure["pressure_MPa"],
+        "touch_probability": touches,
+    }
 
 
 def _formed_fields(told: Told) -> dict[str, Array]:

@@ -28,7 +28,8 @@ _COVERS = (0.002, 0.5)
 @dataclass(frozen=True)
 class HeatInput:
     """What is known of a mold's heat: its mean ``temperature`` [degC], and the ``grid`` of heat document ``name``;
-    which ``part`` of it was named, and the ``parts`` it has."""
+    which ``part`` of it was named, and the ``parts`` it has; whether it
+    is ``cold``, as nothing says how hot it is."""
 
     temperature: float
     known_from: str
@@ -36,6 +37,7 @@ class HeatInput:
     name: str = ""
     part: str = ""
     parts: tuple[str, ...] = ()
+    cold: bool = False
 
 
 @dataclass(frozen=True)
@@ -63,7 +65,7 @@ def read_heat(inputs: Inputs, case: PressCase, reference: float) -> tuple[HeatIn
     if case.temperature is not None:
         given = HeatInput(case.temperature, "uniform, as given")
         return given, given
-    cold = HeatInput(reference, "cold: the reference temperature")
+    cold = HeatInput(reference, "cold: the reference temperature", cold=True)
     male, female = (
         cold if name is None else _read(inputs, name) for name in (case.male_heat, case.female_heat)
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from hyperfab.chapters.press_contact.laws import (
     note_temperature,
     thinning,
 )
-from hyperfab.documents.foam import FoamDocument
+from hyperfab.documents.foam import FoamDocument, TableLaw
 from hyperfab.errors import UsageError
 from hyperfab.pressing.closing import Case as Closing
 from hyperfab.pressing.foam_law import Tempered
@@ -120,6 +120,67 @@ def read_files(job: Job, case: PressCase) -> Files:
     )
 
 
+def reread(job: Job, case: PressCase, before: PressCase, files: Files) -> Files:
+    """Return the files of a case like the one ``before`` but for its quantities and those of its foam document, on the
+    same molds and drape."""
+    document = read.read_foam(job.inputs, case.foam)
+    reference = document.expansion.reference
+    heat = files.heat
+    if case.temperature is not None:
+        heat = read_heat(job.inputs, case, reference)
+    elif any(one.cold for one in heat):
+        male, female = (replace(one, temperature=reference) if one.cold else one for one in heat)
+        heat = male, female
+    warm = 0.5 * (heat[0].temperature + heat[1].temperature)
+    # One table is the law at any temperature; what is left of it goes with the dwell.
+    laid = document.compression, document.relaxation, document.shrinkage, case.dwell
+    known = files.document.compression, files.document.relaxation, files.document.shrinkage, before.dwell
+    law, relaxed = files.law, files.relaxed
+    if laid != known or not isinstance(document.compression, TableLaw):
+        law, relaxed = compression_law(job, case.foam, document, warm, case.dwell)
+    tilt, offset = (read.across(case.foam, document, key, case.axis) for key in ("tilt", "offset"))
+    return replace(
+        files,
+        document=document,
+        law=law,
+        relaxed=relaxed,
+        fabrics=fabrics(job, case.foam, document, warm),
+        expansions=read.expansions(job.inputs, case.foam, document),
+        heat=heat,
+        tilt=tilt,
+        offset=offset,
+    )
+
+
+def sandwich_of(job: Job, case: PressCase, files: Files, warm: float) -> tuple[Sandwich, Foam]:
+    """Return the sandwich at the vertices of the male, at a mean temperature of the molds [degC]."""
+    document = files.document
+    lost = read.shrinkage(job, case.foam, document, warm, case.dwell)
+    thickness = document.thickness * (1.0 - lost)
+    # At one temperature for all; at that of each place as soon as the closed press tells it.
+    law = files.law.at(warm)
+    sandwich = Sandwich(thickness * files.uneven, files.fabrics.thickness, law, files.fabrics.law)
+    if files.thinned is not None:
+        fabric, foamed = files.thinned
+        sandwich = sandwich.thinned(foamed, fabric)
+    return sandwich, Foam(lost, files.relaxed, document.shrinkage.recovery, sandwich.uneven, thickness)
+
+
+def tilt_of(case: PressCase, files: Files) -> tuple[float, float]:
+    """Return how far out of parallel the press stands, in the press frame [rad]."""
+    return read.in_plan(files.frame, files.tilt if case.tilt is None else _across(case.tilt, case.axis))
+
+
+def offset_of(files: Files) -> np.ndarray:
+    """Return how far off the male's axis the female is mounted (2,) [mm], in the press frame."""
+    return np.asarray(files.frame.inward(files.offset)[:2] + 0.0)  # no negative zeros
+
+
+def joint_of(case: PressCase, files: Files) -> np.ndarray | None:
+    """Return where a floating female hangs (2,) [mm], in the press frame; None where it is not said."""
+    return None if case.force_at is None else files.frame.inward(_across(case.force_at, case.axis))[:2]
+
+
 def model_of(job: Job, case: PressCase, files: Files) -> Model:
     """Return the hot press that a case describes, with what its files hold."""
     frame, document, smooth = files.frame, files.document, case.facets == "smooth"
@@ -132,14 +193,7 @@ def model_of(job: Job, case: PressCase, files: Files) -> Model:
         )
     )
     warm = 0.5 * (male.temperature + female.temperature)
-    lost = read.shrinkage(job, case.foam, document, warm, case.dwell)
-    thickness = document.thickness * (1.0 - lost)
-    # At one temperature for all; at that of each place as soon as the closed press tells it.
-    law = files.law.at(warm)
-    sandwich = Sandwich(thickness * files.uneven, files.fabrics.thickness, law, files.fabrics.law)
-    if files.thinned is not None:
-        fabric, foamed = files.thinned
-        sandwich = sandwich.thinned(foamed, fabric)
+    sandwich, foam = sandwich_of(job, case, files, warm)
     closing = Closing(
         molds[0],
         molds[1],
@@ -151,11 +205,10 @@ def model_of(job: Job, case: PressCase, files: Files) -> Model:
         zero_hot=case.zero == "hot",
         frame=case.frame_stiffness or document.press.stiffness,
         floating=case.floating,
-        force_at=None if case.force_at is None else frame.inward(_across(case.force_at, case.axis))[:2],
-        tilt=read.in_plan(frame, files.tilt if case.tilt is None else _across(case.tilt, case.axis)),
-        offset=frame.inward(files.offset)[:2] + 0.0,  # no negative zeros
+        force_at=joint_of(case, files),
+        tilt=tilt_of(case, files),
+        offset=offset_of(files),
     )
-    foam = Foam(lost, files.relaxed, document.shrinkage.recovery, sandwich.uneven, thickness)
     return Model(case, files, closing, (male, female), foam)
 
 

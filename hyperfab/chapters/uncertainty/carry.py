@@ -49,6 +49,22 @@ _WHOLE = 64
 _FAILED = 0.1
 
 
+@dataclasses.dataclass(frozen=True)
+class Answer:
+    """Figures by key, and fields (n,) by name."""
+
+    figures: Figures
+    fields: Mapping[str, Array] = dataclasses.field(default_factory=dict)
+
+
+@dataclasses.dataclass(frozen=True)
+class Sure:
+    """How sure a document is, None where nothing says so, and the standard deviations of its fields (n,) by name."""
+
+    uncertainty: Uncertainty | None = None
+    fields: Mapping[str, Array] = dataclasses.field(default_factory=dict)
+
+
 class Nearby(Protocol):
     """A result whose neighbours are known without another run; so many ``samples`` of them are drawn."""
 
@@ -57,12 +73,13 @@ class Nearby(Protocol):
         """How many are drawn."""
         ...
 
-    def gradient(self) -> Mapping[str, Array]:
-        """Return what each figure changes by with each number, source by source; figures it cannot say are absent."""
+    def gradient(self) -> Mapping[str, Array] | None:
+        """Return what each figure changes by with each number, source by source; figures it cannot say are absent.
+        None where differences are to tell it."""
         ...
 
-    def at(self, changes: Changes) -> Figures:
-        """Return the figures with the numbers of sources changed."""
+    def at(self, changes: Changes) -> Answer:
+        """Return figures and fields with the numbers of sources changed."""
         ...
 
 
@@ -72,23 +89,23 @@ def carry(
     document: Document,
     origins: Callable[[], Origins],
     nearby: Callable[[Origins], Nearby | None] = lambda origins: None,
-) -> Uncertainty | None:
-    """Return how sure the figures of a document are; None where nothing in its inputs says how sure they are.
+) -> Sure:
+    """Return how sure the figures of a document are, where its inputs say how sure they are.
 
     ``origins`` finds what the inputs say, and ``nearby`` a quicker way than to run the command again.
     """
     if case.uncertainty == "none":
-        return None
+        return Sure()
     known = origins()
     if not known.found:
         if case.uncertainty is not None:
             job.console.note("the inputs say nothing of how sure they are: there is no uncertainty to carry")
-        return None
+        return Sure()
     plain = document.to_json()
     value = dict(figures_of(plain, document.KIND))
     found = Carried(job, case, document.KIND, known, value, nearby(known)).run()
-    if found is not None:
-        _tell(job, found, value)
+    if found.uncertainty is not None:
+        _tell(job, found.uncertainty, value)
     return found
 
 
@@ -120,9 +137,10 @@ class Carried:
     value: Figures
     near: Nearby | None
 
-    def run(self) -> Uncertainty | None:
+    def run(self) -> Sure:
         """Return the bands: as asked for, else linear where that holds."""
         self.sources = self.origins.sources
+        self.fields: dict[str, Array] = {}
         left_out = list(self.origins.left_out)
         reason = None
         if self.case.uncertainty != "sampled":
@@ -156,11 +174,20 @@ class Carried:
 
     def _effects(self) -> tuple[dict[str, Array], dict[str, Array], Mapping[str, Array]]:
         """Return what each figure changes by along each direction, what it bends by, and its slopes where known."""
-        slopes = self.near.gradient() if self.near is not None else {}
-        if self.near is None or not slopes:
-            effects, bends = propagation.differences(
-                lambda number, change: self._figures({number: change}), self.value, self.sources
-            )
+        slopes = self.near.gradient() if self.near is not None else None
+        if self.near is None or slopes is None:
+            runs: list[Answer] = []
+
+            def one(number: int, change: Array) -> Figures:
+                runs.append(self._answer({number: change}))
+                return runs[-1].figures
+
+            effects, bends = propagation.differences(one, self.value, self.sources)
+            pairs = list(zip(runs[::2], runs[1::2], strict=True))
+            self.fields = {
+                name: 0.5 * np.sqrt(sum((up.fields[name] - down.fields[name]) ** 2 for up, down in pairs))
+                for name in runs[0].fields
+            }
             return effects, bends, {}
         ends = np.cumsum([len(one.numbers) for one in self.origins.found])
         starts = [0, *ends[:-1]]
@@ -172,28 +199,33 @@ class Carried:
         # One run where the first figure is one standard deviation up: the most probable such place.
         first = next(iter(effects.values()))
         way = first / max(float(np.linalg.norm(first)), 1e-300)
-        there = self.near.at(self._moved(way, blocks))
+        there = self.near.at(self._moved(way, blocks)).figures
         bends = {
             name: np.array([there.get(name, np.nan) - self.value[name] - along @ way])
             for name, along in effects.items()
         }
         return effects, bends, slopes
 
-    def _sampled(self, reason: str | None, left_out: list[str]) -> Uncertainty | None:
+    def _sampled(self, reason: str | None, left_out: list[str]) -> Sure:
         count = self.near.samples if self.near is not None else _WHOLE
         blocks = propagation.directions(self.sources)
         drawn = propagation.draws(self.sources, count)
         rows, kept = [], []
+        spread: dict[str, _Spread] = {}
         for index, draw in enumerate(drawn):
             try:
-                rows.append(self._figures(self._moved(draw, blocks)))
-                kept.append(index)
+                answer = self._answer(self._moved(draw, blocks))
             except HyperfabError:
                 continue
+            rows.append(answer.figures)
+            kept.append(index)
+            for name, values in answer.fields.items():
+                spread.setdefault(name, _Spread()).add(values)
+        self.fields = {name: found.sd for name, found in spread.items()}
         lost = count - len(rows)
         if lost > _FAILED * count:
             self.job.console.warn(f"uncertainty is not carried: {lost} of {count} runs that were drawn fail")
-            return None
+            return Sure()
         left_out += [f"{lost} of {count} runs that were drawn, which fail"] if lost else []
         bands = {}
         for name, value in self.value.items():
@@ -214,7 +246,7 @@ class Carried:
             changes[number] += share * column
         return changes
 
-    def _figures(self, changes: Changes) -> Figures:
+    def _answer(self, changes: Changes) -> Answer:
         if self.near is not None:
             return self.near.at(changes)
         changed = self.origins.changed(self.case, self.job.inputs, {k: list(v) for k, v in changes.items()})
@@ -222,7 +254,7 @@ class Carried:
         given = changed.files
         if "-" in case.inputs:
             given.setdefault("-", self.job.inputs.read("-"))
-        return dict(figures_of(rerun(case, "-", given).document, self.kind))
+        return Answer(dict(figures_of(rerun(case, "-", given).document, self.kind)))
 
     def _counts(self, name: str, band: propagation.Band) -> bool:
         return band.sd > _NOTHING * abs(self.value[name])
@@ -234,9 +266,9 @@ class Carried:
         left_out: list[str],
         slopes: Mapping[str, Array] = {},
         **more: Any,
-    ) -> Uncertainty:
+    ) -> Sure:
         names = [number.name for number in self.origins.numbers]
-        return Uncertainty(
+        told = Uncertainty(
             level=LEVEL,
             method=method,
             quantities={
@@ -255,6 +287,26 @@ class Carried:
             left_out=left_out,
             **more,
         )
+        return Sure(told, self.fields)
+
+
+class _Spread:
+    """Standard deviation of fields that come one after the other (Welford)."""
+
+    def __init__(self) -> None:
+        self._count, self._mean, self._squares = 0, np.zeros(1), np.zeros(1)
+
+    def add(self, values: Array) -> None:
+        """Take another one in."""
+        self._count += 1
+        away = values - self._mean
+        self._mean = self._mean + away / self._count
+        self._squares = self._squares + away * (values - self._mean)
+
+    @property
+    def sd(self) -> Array:
+        """Of those so far."""
+        return np.sqrt(self._squares / max(self._count - 1, 1))
 
 
 def _tell(job: Job, found: Uncertainty, value: Figures) -> None:
@@ -268,4 +320,4 @@ def _tell(job: Job, found: Uncertainty, value: Figures) -> None:
     job.console.table(f"How sure ({found.method})", ("figure", "± sd", "95 %", "made of"), rows)
 
 
-__all__ = ["FIGURES", "Changes", "Figures", "Nearby", "Source", "carry", "figures_of"]
+__all__ = ["FIGURES", "Answer", "Changes", "Figures", "Nearby", "Source", "Sure", "carry", "figures_of"]

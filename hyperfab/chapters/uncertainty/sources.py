@@ -61,7 +61,7 @@ class Changed:
     @property
     def files(self) -> dict[str, bytes]:
         """The files that are not as they lie on disk, by name."""
-        return {
+        return dict(self._inputs.given) | {
             name: dump_toml(data) if name.endswith(".toml") else dump_json(data)
             for name, data in self._documents.items()
         }

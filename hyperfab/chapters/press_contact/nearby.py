@@ -1,0 +1,123 @@
+"""The neighbours of a closed press, for how sure its figures are."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from hyperfab.cases.press import PressCase
+from hyperfab.chapters.job import Job
+from hyperfab.chapters.press_contact.heat import Grown
+from hyperfab.chapters.press_contact.model import Model, joint_of, offset_of, reread, sandwich_of, tilt_of
+from hyperfab.chapters.rerun import Listener, Overlay
+from hyperfab.chapters.uncertainty.carry import Answer, Changes
+from hyperfab.chapters.uncertainty.sources import Origins
+from hyperfab.pressing.closing import Closed
+from hyperfab.pressing.gap import vertex_areas
+from hyperfab.pressing.growth import Expansion, even_growth, guide_line
+from hyperfab.pressing.nearby import Displacement, Neighbourhood
+
+
+class Beside:
+    """What the figures become beside a press: gaps follow to the first order, pressures and areas from them."""
+
+    samples = 1000
+
+    def __init__(self, job: Job, model: Model, closed: Closed, origins: Origins) -> None:
+        self._job, self._model, self._closed, self._origins = job, model, closed, origins
+        male, female = model.grown
+        self._near = Neighbourhood(closed, (male.growth, female.growth))
+        self._molding = ~closed.front.flange
+        self._area = vertex_areas(closed.front, self._molding)
+
+    def gradient(self) -> None:
+        """Nothing: pressures and areas bend, so they are told by differences."""
+
+    def at(self, changes: Changes) -> Answer:
+        """Return figures and fields with numbers changed; NotConverged where a female finds no balance."""
+        inputs, model = self._job.inputs, self._model
+        moved = self._origins.changed(model.case, inputs, {k: list(v) for k, v in changes.items()})
+        case: PressCase = moved.case  # type: ignore[assignment]
+        quiet = Job(self._job.command, (), Listener(), Overlay(moved.files))
+        files = reread(quiet, case, model.case, model.files)
+        male, female = (
+            _growth(self._closed, grown, side, (old, new), celsius)
+            for side, (grown, old, new, celsius) in enumerate(
+                zip(
+                    model.grown,
+                    model.files.expansions,
+                    files.expansions,
+                    (h.temperature for h in files.heat),
+                    strict=True,
+                )
+            )
+        )
+        warm = 0.5 * sum(
+            heat.temperature if grown.even else grown.temperature
+            for heat, grown in zip(files.heat, model.grown, strict=True)
+        )
+        sandwich, _ = sandwich_of(quiet, case, files, warm)
+        joint = joint_of(case, files)
+        at = guide_line(self._closed.case.male) if joint is None else joint
+        found = self._near.close(
+            sandwich.of_vertices(self._closed.front.of_mold),
+            growths=(male, female),
+            gap=case.gap,
+            force=case.force,
+            frame=None if case.force else case.frame_stiffness or files.document.press.stiffness,
+            tilt=tilt_of(case, files),
+            offset=offset_of(files),
+            at=(float(at[0]), float(at[1])),
+        )
+        contact, part, front = found.contact, found.part, found.press.front
+        area = float(part.area.sum())
+        touching = part.per_face(np.ones(part.area.shape), len(front.faces))
+        there = found.press.sandwich.at(partial(part.at_corners, front.faces))
+        borne = float((there.pressure(part.at_corners(front.faces, contact.gap)) * part.area).sum())
+        thickness = np.broadcast_to(np.asarray(found.press.sandwich.thickness), contact.gap.shape)
+        return Answer(
+            {
+                "contact_fraction": float(touching[self._molding].sum() / front.areas[self._molding].sum()),
+                "contact_area_mm2": area,
+                "force_N": contact.closing_force,
+                "gap_min_mm": float(contact.gap.min()),
+                "gap_mean_mm": float(np.average(contact.gap, weights=self._area)),
+                "gap_max_mm": float(contact.gap[self._area > 0.0].max()),
+                "pressure_max_MPa": float(contact.pressure.max()),
+                "pressure_mean_MPa": borne / area if area > 0.0 else 0.0,
+                "stroke_mm": found.stroke,
+                "energy_J": 1e-3 * contact.energy,
+            },
+            {"gap_mm": contact.gap, "pressure_MPa": contact.pressure, ROOM: thickness - found.touch},
+        )
+
+
+#: By how much the sandwich is thicker than the gap it stands in [mm]: it touches where that is above 0.
+ROOM = "room_mm"
+
+
+def beside(job: Job, model: Model, closed: Closed, origins: Origins) -> Beside | None:
+    """Return the neighbours of a press; None where the clearance is set on the hot molds, where the foam's law is
+    another at each place, or where a field of temperature deforms the molds and what it counts from is not known."""
+    if model.case.zero == "hot" or closed.press.sandwich.law.places is not None:
+        return None
+    names = {number.name.partition(": ")[2] for number in origins.numbers}
+    if not all(grown.even for grown in model.grown) and "expansion.reference" in names:
+        return None
+    return Beside(job, model, closed, origins)
+
+
+def _growth(
+    closed: Closed, grown: Grown, side: int, expansions: tuple[Expansion, Expansion], celsius: float
+) -> Displacement | float:
+    """Return how a mold has grown otherwise: other displacements, or a factor on those there are."""
+    old, new = expansions
+    if not grown.even:
+        # Of a field, displacements go with the one coefficient of expansion.
+        return 1.0 if old == new else float(new.coefficient[0] / old.coefficient[0])
+    strain = float(new.strain(celsius))
+    if strain == grown.strain:
+        return 1.0
+    mold = (closed.case.male, closed.case.female)[side]
+    return even_growth(mold, strain, guide_line(closed.case.male)).at

@@ -1,0 +1,85 @@
+"""How sure a heated mold is: on the states of its run, against runs of their own, and exact answers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from builders import PLATE
+
+from hyperfab.cases.options import read
+from hyperfab.cases.registry import case_class
+from hyperfab.chapters.mold_heat import problem, recipe
+from hyperfab.chapters.mold_heat.meshing import mesh_mold
+from hyperfab.chapters.rerun import Made, rerun
+from hyperfab.io.vtu_read import read_vtu
+
+#: Small steps: their own errors are to be less than what is compared.
+FINE = PLATE.replace("[run]", '[run]\ntolerance = "0.01 K"')
+UNSURE = (
+    FINE.replace('power = "3000 W"', 'power = "3000 W +- 2 %"')
+    .replace('"237 W/m/K"', '"237 W/m/K +- 3 %"')
+    .replace('"903 J/kg/K"', '"903 J/kg/K +- 1 %"')
+    .replace('"25 degC"', '"25 degC +- 2 K"')
+)
+FILM = '{ table = "film.csv" }'
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A folder with the film's table; the plate is meshed once for all."""
+    monkeypatch.setattr(problem, "mesh_mold", lambda *given: meshed(*given[:2], given))
+    (tmp_path / "film.csv").write_text("temperature [degC],h [W/m^2/K]\n25,5\n100,9\n250,13\n")
+    monkeypatch.chdir(tmp_path)
+
+
+MESHES: dict[float, Any] = {}
+
+
+def meshed(geometry: Any, size: float, given: tuple[Any, ...]) -> Any:
+    """Return the plate's mesh, made where it is not there yet."""
+    if size not in MESHES:
+        MESHES[size] = mesh_mold(*given)
+    return MESHES[size]
+
+
+def heated(mold: str, *words: str, target: str = "-") -> Made:
+    """Return what the heating of a mold would write."""
+    return rerun(read(case_class("mold-heat"), ["mold.toml", *words]), target, {"mold.toml": mold.encode()})
+
+
+@pytest.mark.parametrize("h", ['"9 W/m^2/K +- 20 %"', FILM])
+@pytest.mark.parametrize("end", ['target = "200 degC"', 'until = "15 s"'])
+def test_on_the_states_of_a_run_as_in_runs_of_their_own(
+    h: str, end: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mold = UNSURE.replace(FILM, h).replace('target = "200 degC"', end)
+    near = heated(mold, "--uncertainty", "linear").document["uncertainty"]["quantities"]
+    monkeypatch.setattr(recipe.nearby, "beside", lambda *given: None)
+    anew = heated(mold, "--uncertainty", "linear").document["uncertainty"]["quantities"]
+    assert set(near) == set(anew)
+    for name, band in anew.items():
+        # Runs of their own choose their own steps, which err by 10 mK.
+        steps = 1e-3 if name.startswith("work_surface") else 0.0
+        # Where a film's table has corners, what is lost at them falls into other steps.
+        rel = 0.02 if h == FILM and name in ("energy.lost_J", "efficiency") else 5e-3
+        assert near[name]["sd"] == pytest.approx(band["sd"], rel=rel, abs=steps), name
+
+
+def test_the_field_says_how_sure_it_is() -> None:
+    """Start and surroundings that are one room and warmer by as much: all of the mold is, and nothing else."""
+    mold = FINE.replace(FILM, '"9 W/m^2/K"').replace("25 degC", "25 degC +- 3 K")
+    made = heated(mold.replace('target = "200 degC"', 'until = "60 s"'), target="heat.json")
+    field = read_vtu(made.siblings[".vtu"], "heat.vtu").point_data["temperature_degC_sd"]
+    assert field == pytest.approx(3.0, rel=1e-6)
+    plain = heated(FINE.replace('target = "200 degC"', 'until = "60 s"'), target="heat.json")
+    assert list(read_vtu(plain.siblings[".vtu"], "heat.vtu").point_data) == ["temperature_degC"]
+
+
+def test_no_mold_is_meshed_again_for_its_neighbours(monkeypatch: pytest.MonkeyPatch) -> None:
+    meshed: list[Any] = []
+    build = recipe.MoldBuilder.build
+    monkeypatch.setattr(recipe.MoldBuilder, "build", lambda *given: (meshed.append(1), build(*given))[1])
+    assert heated(UNSURE).document["uncertainty"]["quantities"]
+    assert len(meshed) == 1

@@ -1,0 +1,119 @@
+"""How sure a press is: gaps to the first order against presses closed anew, and exact answers between plates."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+from scipy.stats import norm
+
+from hyperfab.cases.options import read
+from hyperfab.cases.registry import case_class
+from hyperfab.chapters.press_contact import command, warmth
+from hyperfab.chapters.rerun import Made, rerun
+from hyperfab.io.stl_write import stl_bytes
+from hyperfab.io.vtu_read import read_vtu
+from hyperfab.samples import cup
+
+FOAM = """format = "hyperfab.foam/1"
+thickness = "4.5 mm +- 0.2 mm"
+compression = { law = "linear", modulus = "0.05 MPa +- 10 %" }
+expansion = { male = "23.6e-6 1/K +- 5 %" }
+"""
+
+
+def pressed(molds: str, *words: str, foam: str = FOAM, target: str = "-") -> Made:
+    """Return what a press of these molds would write."""
+    files = ["--male", f"{molds}-male.stl", "--female", f"{molds}-female.stl", "--foam", "foam.toml"]
+    case = read(case_class("press-contact"), [*files, "--strokes", "2", *words])
+    return rerun(case, target, {"foam.toml": foam.encode()})
+
+
+def sds(made: Made) -> dict[str, float]:
+    """Return the standard deviation of each figure."""
+    return {name: band["sd"] for name, band in made.document["uncertainty"]["quantities"].items()}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """Cups, and two plates that lie 0 mm apart as drawn."""
+    found: Path = tmp_path_factory.mktemp("press")
+    for name, solid in (("cup-male", cup.male_cup(24, 25)), ("cup-female", cup.female_cup(25, 24))):
+        (found / f"{name}.stl").write_bytes(stl_bytes(solid.vertices, solid.faces))
+    for name, middle in (("plate-male", -10.0), ("plate-female", 10.0)):
+        box = trimesh.creation.box(extents=(100.0, 80.0, 20.0)).apply_translation([0.0, 0.0, middle])
+        (found / f"{name}.stl").write_bytes(stl_bytes(box.vertices, box.faces))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(found)
+        yield found
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("--gap", "3mm +- 0.1mm", "--temperature", "200 degC +- 5 K"),
+        ("--force", "60N +- 3N", "--float"),
+        ("--gap", "3mm", "--tilt", "0.1deg +- 0.03deg,0deg", "--frame-stiffness", "500N/mm +- 10 %"),
+    ],
+)
+def test_gaps_to_the_first_order_give_what_presses_closed_anew_do(
+    words: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    near = sds(pressed("cup", *words, "--uncertainty", "linear"))
+    monkeypatch.setattr(command.nearby, "beside", lambda *given: None)
+    anew = sds(pressed("cup", *words, "--uncertainty", "linear"))
+    assert set(near) == set(anew)
+    for name, sd in anew.items():
+        # Of a mesh as coarse as this one; a standard deviation is told by two digits at most.
+        assert near[name] == pytest.approx(sd, rel=0.03), name
+
+
+def test_no_press_is_closed_again_for_its_neighbours(monkeypatch: pytest.MonkeyPatch) -> None:
+    closed: list[Any] = []
+    close = warmth.close_press
+    monkeypatch.setattr(warmth, "close_press", lambda case: (closed.append(case), close(case))[1])
+    made = pressed("cup", "--gap", "3mm +- 0.1mm", "--uncertainty", "sampled")
+    assert len(closed) == 1
+    assert made.document["uncertainty"]["samples"] == 1000
+
+
+@pytest.mark.parametrize("way", ["linear", "sampled"])
+def test_between_plates_the_probability_of_touching_and_the_fields_are_exact(way: str) -> None:
+    gap, foam, modulus = 4.3, 4.5, 0.05
+    made = pressed("plate", "--gap", f"{gap}mm +- 0.1mm", "--uncertainty", way, target="press.json")
+    grid = read_vtu(made.siblings[".vtu"], "press.vtu")
+    touches = norm.cdf((foam - gap) / np.hypot(0.2, 0.1))
+    found = grid.point_data["touch_probability"]
+    assert found == pytest.approx(np.full(len(found), touches), abs=0.01)
+    assert grid.point_data["gap_mm_sd"] == pytest.approx(np.full(len(found), 0.1), rel=0.05)
+    if way == "linear":
+        # p = E (1 - gap / foam): by its three inputs.
+        by = [modulus / foam * 0.1, modulus * gap / foam**2 * 0.2, 0.1 * modulus * (1.0 - gap / foam)]
+        # The foam's own sd takes it through the touch: within it the pressure bends.
+        assert grid.point_data["pressure_MPa_sd"][0] == pytest.approx(np.linalg.norm(by), rel=0.03)
+
+
+def test_a_pressure_that_bends_is_sampled_without_being_asked() -> None:
+    """The foam is touched by 0.2 mm, give or take 0.22: half of what it may be is no pressure at all."""
+    made = pressed("plate", "--gap", "4.3mm +- 0.3mm")
+    sure = made.document["uncertainty"]
+    assert sure["method"] == "sampled"
+    assert "bend within one standard deviation" in sure["reason"]
+    band = sure["quantities"]["force_N"]
+    assert band["low"] == pytest.approx(0.0, abs=1e-9)
+    # The mean square of what is left of a normal number above 0 (truncated normal), times stiffness and area.
+    mean, sd = 0.2, np.hypot(0.2, 0.3)
+    above, at = norm.cdf(mean / sd), norm.pdf(mean / sd)
+    first, second = mean * above + sd * at, (mean**2 + sd**2) * above + mean * sd * at
+    exact = 0.05 / 4.5 * 8000.0 * np.sqrt(second - first**2)
+    assert band["sd"] == pytest.approx(exact, rel=0.05)
+
+
+def test_where_nothing_is_stated_fields_have_no_twin() -> None:
+    foam = FOAM.replace(" +- 0.2 mm", "").replace(" +- 10 %", "").replace(" +- 5 %", "")
+    made = pressed("cup", "--gap", "3mm", foam=foam, target="press.json")
+    grid = read_vtu(made.siblings[".vtu"], "press.vtu")
+    assert not [name for name in grid.point_data if name.endswith("_sd") or name == "touch_probability"]
