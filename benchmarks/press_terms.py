@@ -20,7 +20,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 KNIT = "strain [-],stress [kPa]\n0,0\n0.1,0.5\n0.2,1.5\n0.3,4\n0.4,10\n0.5,30\n0.6,100\n"
-SOFTENED, CONDUCTANCE = 0.6, 500
+SOFTENED, COLD, CONDUCTANCE = 0.6, 23, 500
 
 #: A term: the words of the table, and what it replaces in the foam's document.
 PLAIN = {"compression": "", "fabric": "", "poisson": "0.5", "contact": ""}
@@ -30,6 +30,10 @@ TERMS: list[tuple[str, dict[str, str]]] = [
     (
         f"foam at 200 degC has {SOFTENED:g} of its stress (assumed)",
         {"compression": f", factor = {SOFTENED:g}"},
+    ),
+    (
+        f"the same at each place's own temperature, in a line from {COLD} degC (assumed)",
+        {"compression": "by place"},
     ),
     (
         "fabric gives way across: 0.32 at 5 kPa (assumed)",
@@ -45,11 +49,11 @@ HEAD = """# What matters most in the press
 
 Made by `python benchmarks/press_terms.py`. The sample sandwich between the sample cups at 200 °C, {gap} apart, under
 the sample drape (60 x 60 nodes), closed for {dwell}: first without any of the terms, then with each alone, then with
-all of them. The softening and the fabric's curve are assumed: of the size that such materials have, not measured on
-them.
+all of them (the softening at each place's temperature). The softening and the fabric's curve are assumed: of the size
+that such materials have, not measured on them. What is formed goes by the sample's set law in every row.
 
-| | force N | spotted % | middle of the foam, least / mean / greatest °C |
-|---|---|---|---|"""
+| | force N | spotted % | middle of the foam, least / mean / greatest °C | formed, least / mean / greatest mm |
+|---|---|---|---|---|"""
 
 
 def hf(*words: str, folder: Path) -> None:
@@ -64,10 +68,12 @@ def foam(changed: dict[str, str]) -> str:
     law, fabric = '{ table = "foam.csv" }', 'below = "0.5 mm" }'
     assert law in text
     assert fabric in text
-    # The sample's own contact and set are terms of their own.
-    text = "\n".join(
-        line for line in text.splitlines() if not line.startswith(("contact_conductance", "set ="))
-    )
+    # The sample's own contact is a term of its own.
+    text = "\n".join(line for line in text.splitlines() if not line.startswith("contact_conductance"))
+    if said["compression"] == "by place":
+        rows = (f'{{ table = "foam.csv", factor = {factor}, temperature = "{celsius} degC" }}'
+                for factor, celsius in ((1, COLD), (SOFTENED, 200)))  # fmt: skip
+        text = text.replace(law, f"[{', '.join(rows)}]")
     text = text.replace(law, f'{{ table = "foam.csv"{said["compression"]} }}')
     text = text.replace(fabric, f'below = "0.5 mm"{said["fabric"]} }}')
     return f"{text}\npoisson = {said['poisson']}\n{said['contact']}\n"
@@ -100,10 +106,12 @@ def main() -> None:
                "--axis", "z", "--foam", "foam.toml", "--gap", given.gap, "--temperature", "200degC", "--drape",
                str(drape), "--dwell", given.dwell, "--strokes", "2", "-o", "press.json", folder=folder)  # fmt: skip
             found = json.loads((folder / "press.json").read_text())
-            middle = found["warming"]
+            middle, made = found["warming"], found["formed"]
             print(
                 f"| {words} | {found['force_N']:.1f} | {100.0 * found['contact_fraction']:.1f} | "
                 + " / ".join(f"{middle[f'middle_{key}_degC']:.1f}" for key in ("min", "mean", "max"))
+                + " | "
+                + " / ".join(f"{made[f'thickness_{key}_mm']:.2f}" for key in ("min", "mean", "max"))
                 + " |",
                 flush=True,
             )

@@ -124,6 +124,16 @@ COMPRESSIVE: dict[str, str] = {
         esfuerzo de compresion; tension de compresion; contrainte de compression; sforzo di compressione;
         tensione di compressione; tensao de compressao""",
 }
+#: The same across the load: how much wider or narrower the specimen has become, beside the strain along it.
+ACROSS: dict[str, str] = {
+    "strain": """lateral strain; transverse strain; transversal strain; cross strain; width strain; strain across;
+        engineering lateral strain; engineering transverse strain; querdehnung; querverformung; breitendehnung;
+        laterale dehnung; deformacion transversal; deformacion lateral; deformation transversale;
+        deformation laterale; deformazione trasversale; deformazione laterale; deformacao transversal;
+        deformacao lateral""",
+    "stretch": """lateral stretch; transverse stretch; transversal stretch; lateral stretch ratio; transverse stretch
+        ratio; width ratio; querstreckung; querstreckverhaltnis""",
+}
 #: Known, and no reading of the test: their names are told, nothing is asked.
 ASIDE = """date; datum; fecha; data; clock; uhrzeit; heure; hora; ora; time of day; date time; datetime; datum
         uhrzeit; point; points; point no; data point; index; no; nr; n; row; id; messpunkt; punkt; punto; ponto;

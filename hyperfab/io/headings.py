@@ -252,7 +252,7 @@ def meaning(head: Heading) -> Meaning | None:
     if len(label) == 1 and fitting[0].name in KIND and (head.unit is None or not exact):
         return None  # a letter says nothing without its unit
     best = (exact or fitting)[0]
-    return replace(best, axis=axis)
+    return replace(best, axis=axis or best.axis)
 
 
 def _fitted(found: Meaning, unit: str | None) -> Meaning | None:
@@ -260,6 +260,8 @@ def _fitted(found: Meaning, unit: str | None) -> Meaning | None:
     kind = KIND.get(found.name)
     if unit is None or kind is None or is_of(unit, kind):
         return found
+    if found.axis and is_of(unit, "length"):
+        return Meaning("aside")  # a change of width whose width nobody told
     if found.name == "rate" and is_of(unit, "velocity"):
         return found
     for other, name in _BY_UNIT.get(found.name, {}).items():
@@ -290,6 +292,9 @@ def _dictionary() -> dict[str, tuple[Meaning, ...]]:
     for name, phrases in heading_words.COMPRESSIVE.items():
         for phrase in words(phrases):
             found.setdefault(phrase, []).append(Meaning(name, compressive=True))
+    for name, phrases in heading_words.ACROSS.items():
+        for phrase in words(phrases):
+            found.setdefault(phrase, []).append(Meaning(name, axis="2"))
     for phrase in words(heading_words.ASIDE):
         found.setdefault(phrase, []).append(Meaning("aside"))
     return {phrase: tuple(ones) for phrase, ones in found.items()}

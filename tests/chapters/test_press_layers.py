@@ -4,6 +4,10 @@ import json
 
 import pytest
 
+from hyperfab.cases.press import PressCase
+from hyperfab.chapters import press_contact
+from hyperfab.chapters.job import Job
+from hyperfab.console import Console
 from hyperfab.errors import InputError
 from hyperfab.pressing.foam_law import hyperfoam
 
@@ -83,3 +87,22 @@ def test_forces_count_the_males_area_and_the_females_is_told(plates, monkeypatch
     document = pressed(plates, monkeypatch, SPRING % "")
     assert document["bearing_area_ratio"] == pytest.approx(1.0, rel=1e-9)
     assert document["force_beside_fraction"] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("tested", [["uniaxial"], ["uniaxial", "confined-compression"]])
+def test_held_sides_far_beyond_the_tests_are_told(plates, monkeypatch, capsys, tested):  # noqa: F811
+    """A law of free specimens with a Poisson's ratio near 0.5 says next to anything between plates."""
+    material = {
+        "format": "hyperfab.material/1",
+        "model": "hyperfoam-1",
+        "parameters": {"mu1_MPa": 0.01, "alpha1": 6.0, "nu1": 0.48},
+        "tested": {name: {"stretch": [0.5, 1.0]} for name in tested},
+        "thickness_mm": 4.0,
+    }
+    (plates / "soft.json").write_text(json.dumps(material))
+    (plates / "foam.toml").write_text(HEAD + 'compression = { material = "soft.json" }\n')
+    monkeypatch.chdir(plates)
+    given = {"male": "male.stl", "female": "female.stl", "foam": "foam.toml", "strokes": 2, "gap": "3mm"}
+    press_contact.run(Job("press-contact", [], Console(), target="press.json"), PressCase.of(given))
+    said = capsys.readouterr().err
+    assert ("where its sides are held" in said) is (tested == ["uniaxial"])

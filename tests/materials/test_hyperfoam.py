@@ -132,3 +132,14 @@ def test_stresses_alone_are_found_beside_known_exponents() -> None:
     found = identify(readings_of(law), 2, near=Hyperfoam((0.1, 0.02), law.alpha, law.nu))
     assert found.mu == pytest.approx(law.mu, rel=1e-9)
     assert (found.alpha, found.nu) == (law.alpha, law.nu)
+
+
+def test_an_auxetic_foam_of_one_term_is_found():
+    """It widens where it is pulled: a negative Poisson's ratio, by stresses and by the measured lateral stretch."""
+    truth = Hyperfoam((0.05,), (2.0,), (-0.25,))
+    stretch = np.concatenate([np.linspace(0.5, 0.97, 12), np.linspace(1.03, 1.3, 8)])
+    stress = truth.stress("uniaxial", stretch)
+    weight, across = np.full(20, 1.0 / np.abs(stress).max()), truth.lateral("uniaxial", stretch)
+    for more in ({}, {"stretch2": across, "weight2": np.ones(20)}):
+        found = identify([TestCurve("uniaxial", stretch, stress, weight, **more)], 1)
+        assert found.parameters == pytest.approx(truth.parameters, rel=1e-6)

@@ -28,8 +28,12 @@ from hyperfab.documents.material import MaterialDocument
 from hyperfab.documents.press import PressDocument
 from hyperfab.errors import InputError, NotConverged, UsageError
 from hyperfab.io.inputs import Inputs
+from hyperfab.materials.hyperfoam import Hyperfoam
 from hyperfab.pressing.closing import Closed
 from hyperfab.pressing.mold import PressFrame
+
+#: Stress with held sides over that with free ones from which on it is told as a guess.
+_GUESSED = 10.0
 
 
 def run(job: Job, case: PressCase) -> int:
@@ -134,8 +138,9 @@ def _note_ranges(job: Job, model: Model, closed: Closed) -> None:
     for law in document.laws:
         if isinstance(law, MaterialLaw):
             path = Inputs.beside(foam, law.material)
-            tested = read_document(job.inputs, path, MaterialDocument).tested_stretch()
-            job.ranges.used("stretch", 1.0 - strain, known=tested, source=path)
+            fitted = read_document(job.inputs, path, MaterialDocument)
+            job.ranges.used("stretch", 1.0 - strain, known=fitted.tested_stretch(), source=path)
+            _tell_held(job, path, fitted, float(strain.max()))
     if sandwich.fabric_law is not None:
         across = 1.0 - sandwich.pressed(closed.contact.gap)[1] / sandwich.fabric
         known = (0.0, float(np.max(sandwich.fabric_law.limit)))
@@ -147,6 +152,26 @@ def _note_ranges(job: Job, model: Model, closed: Closed) -> None:
             job.ranges.used(
                 f"expansion.{side}", grown.temperature, known=rows.temperatures, source=foam, unit="degC"
             )
+
+
+def _tell_held(job: Job, path: str, fitted: MaterialDocument, strain: float) -> None:
+    """Warn where a law's stress between plates, its sides held, is a guess far beyond that of the tests behind it."""
+    if (
+        strain <= 0.0
+        or "confined-compression" in (fitted.tested or {})
+        or "volumetric" in (fitted.tested or {})
+    ):
+        return
+    law = Hyperfoam.of(fitted.constants())
+    held, free = (
+        abs(float(law.stress(test, [1.0 - strain])[0])) for test in ("confined-compression", "uniaxial")
+    )
+    if not held <= _GUESSED * free:
+        job.console.warn(
+            f"{path}: pressed by {100.0 * strain:.0f} % between plates, where its sides are held, its law says "
+            f"{held / free:.3g} times the stress of a free specimen, and no test with held sides is behind it: give "
+            "hf fit a confined compression test or the measured lateral stretch, or fewer terms"
+        )
 
 
 def _curve(closed: Closed, strokes: int) -> np.ndarray:
