@@ -195,6 +195,43 @@ def test_a_laminate_cut_at_two_slanted_angles_tells_the_others(data_dir, slanted
         assert ratio == pytest.approx(1.0, abs=0.18 if len(slanted) == 2 else 0.155)
 
 
+def test_strips_on_both_sides_of_45_degrees_tell_warp_and_weft():
+    """Without one along them: what a strip at 30 and one at 60 degrees say is not taken for a sheet alike both ways."""
+    law = Orthotropic.of(
+        {"C10_MPa": 0.05, "k1_warp_MPa": 0.2, "k2_warp": 0.1, "k1_weft_MPa": 0.05, "k2_weft": 0.1}
+    )
+    found = identify([_pulls(law, 30.0), _pulls(law, 60.0)])
+    assert {"k1_warp_MPa", "k1_weft_MPa"} <= set(found.sought)
+    assert "G_MPa" in {one.name for one in found.unknown}
+    assert "G_MPa" in sought_by([_pulls(law, angle) for angle in (30.0, 45.0, 60.0)])[0]
+    for angle in (0.0, 45.0, 90.0):
+        own = strip(law, angle, LAM).stress
+        assert np.abs(strip(found.law, angle, LAM).stress / own - 1.0).max() < 0.05
+
+
+def test_biaxial_tests_at_several_ratios_tell_the_contraction_and_the_second_invariant():
+    law = Orthotropic.of({**KNIT, "k1_bias_MPa": 0.0, "G_MPa": 0.0})
+    tests = []
+    for ratio in (0.0, 0.5, 1.0):
+        for one, other in {(1.0, ratio), (ratio, 1.0)}:
+            first, second = 1.0 + one * (LAM - 1.0), 1.0 + other * (LAM - 1.0)
+            along, across, _ = held(law, 0.0, first, second)
+            peak = np.maximum(along, across)
+            tests.append(
+                TestCurve(
+                    "biaxial-general", first, along, 1.0 / peak, second, across, 1.0 / peak, direction=0.0
+                )
+            )
+    sought, unknown = sought_by(tests)
+    assert {"nu", "C2_MPa"} <= set(sought)
+    assert {one.name for one in unknown} == {"G_MPa"}
+    found = identify(tests).law
+    for angle in (0.0, 90.0):
+        own = strip(law, angle, LAM)
+        np.testing.assert_allclose(strip(found, angle, LAM).stress, own.stress, rtol=1e-3)
+        np.testing.assert_allclose(strip(found, angle, LAM).width, own.width, rtol=1e-3)
+
+
 def test_one_slanted_angle_says_nothing_of_inclined_threads():
     def pulls(*angles: float) -> set[str]:
         return {one.name for one in sought_by([_softening(angle) for angle in angles])[1]}

@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from hyperfab.curve import TestCurve
 from hyperfab.materials.orthotropic.energy import ABSENT, NAMES
+from hyperfab.materials.orthotropic.rows import across
 
 
 @dataclass(frozen=True)
@@ -26,11 +29,17 @@ def sought_by(tests: Sequence[TestCurve]) -> tuple[tuple[str, ...], tuple[Unknow
     >>> sought_by([pull])[0]
     ('C10_MPa', 'C20_MPa', 'C30_MPa')
     """
-    modes = {test.mode.removesuffix("-general") for test in tests}
+    modes = {kind for test in tests for kind in _kinds(test)}
     angles = {test.direction for test in tests}
     uniaxial = {test.direction for test in tests if test.mode == "uniaxial"}
-    both = {0.0, 90.0} <= uniaxial or (None not in angles and any(_both_ways(test) for test in tests))
-    slanted = {_slant(a) for a in uniaxial if a is not None and _slant(a) % 90.0 > 1e-6}
+    ways = {_slant(a) for a in uniaxial if a is not None}
+    slanted = {a for a in ways if a % 90.0 > 1e-6}
+    # Strips, narrow or wide, nearer to the warp and nearer to the weft tell them apart.
+    strips = {
+        _slant(t.direction) for t in tests if t.mode in ("uniaxial", "shear") and t.direction is not None
+    }
+    spread = min(strips, default=45.0) < 45.0 - 1e-6 and max(strips, default=45.0) > 45.0 + 1e-6
+    both = spread or (None not in angles and any(_both_ways(test) for test in tests))
     contraction = any(test.contraction is not None for test in tests)
     second = contraction or len(modes) > 1
     found, open_ = ["C10_MPa", "C20_MPa", "C30_MPa"], []
@@ -53,20 +62,42 @@ def sought_by(tests: Sequence[TestCurve]) -> tuple[tuple[str, ...], tuple[Unknow
     # pair of threads that may lie anywhere would stand in for those of warp or weft.
     slants = "four slanted angles" if slanted else "a biaxial one"
     for name, told, test in (
-        ("k1_bias_MPa", len(slanted) > 1, "uniaxial tests at two slanted angles, as 22 and 45 deg"),
-        ("k2_bias", len(slanted) > 1, "uniaxial tests at two slanted angles, as 22 and 45 deg"),
+        (
+            "k1_bias_MPa",
+            len(slanted) > 1 and len(ways) > 3,
+            "uniaxial tests at two slanted angles, as 22 and 45 deg",
+        ),
+        (
+            "k2_bias",
+            len(slanted) > 1 and len(ways) > 3,
+            "uniaxial tests at two slanted angles, as 22 and 45 deg",
+        ),
         ("bias_deg", len(slanted) > 3, f"tests along warp and weft with lateral stretch, or {slants}"),
     ):
         if both and (second or told):
             found.append(name)
         else:
             open_.append((name, test))
-    if slanted:
+    # Threads both ways and the resistance of the angle are three stiffnesses.
+    if slanted and (len(ways) > 2 or not spread):
         found.append("G_MPa")
     else:
-        open_.append(("G_MPa", "a uniaxial test at an angle, as 45 deg"))
+        which = "a third angle" if slanted else "an angle"
+        open_.append(("G_MPa", f"a uniaxial test at {which}, as 45 deg"))
     unknown = tuple(Unknown(name, ABSENT[name], test) for name, test in open_)
     return tuple(name for name in NAMES if name in found), unknown
+
+
+def _kinds(test: TestCurve) -> set[str]:
+    """Return what a test counts as: general biaxial stretch at ratios far apart as more than one kind."""
+    if test.mode != "biaxial-general":
+        return {test.mode}
+    strains = np.abs(np.stack([test.stretch, across(test)]) - 1.0)
+    less, more = strains.min(axis=0), strains.max(axis=0)
+    # What is hardly pulled yet tells no ratio.
+    ratio = (less / np.where(more > 0.0, more, 1.0))[more > 0.2 * more.max()]
+    kinds = {"shear": ratio < 0.35, "between": (ratio >= 0.35) & (ratio < 0.8), "biaxial": ratio >= 0.8}
+    return {name for name, rows in kinds.items() if rows.any()}
 
 
 def _slant(angle: float) -> float:
