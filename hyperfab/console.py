@@ -26,6 +26,8 @@ _CONVERTS = os.path.join("numba", "core", "serialize.py")
 
 #: Off a terminal a long run says how far it has come after this time [s], and again each time.
 EVERY_S = 60.0
+#: After this time [s] of work a run tells its size and how long it goes on, where that is at least so long [s].
+MEASURED_S, LONG_S = 3.0, 30.0
 #: A signal whose exception was swallowed is raised again after this time [s].
 AGAIN_S = 0.7
 #: The signals that ended, or try to end, the command now running.
@@ -95,8 +97,10 @@ class Console:
         self._line(shown.getvalue().removesuffix("\n"))
 
     @contextlib.contextmanager
-    def progress(self, description: str) -> Iterator[Advance]:
+    def progress(self, description: str, size: str = "") -> Iterator[Advance]:
         """Show how far a long piece of work has come: a bar on a terminal, elsewhere a line a minute.
+
+        Where it will be long its ``size`` is told first, and about how long it goes on by the pace of its beginning.
 
         >>> with Console().progress("Warming up") as advance:
         ...     advance(0.5, "100 degC")
@@ -105,7 +109,8 @@ class Console:
             yield lambda fraction, text="": None
             return
         if not sys.stderr.isatty() or os.environ.get("TERM") == "dumb":
-            yield self._now_and_then(description)
+            forecast = self._forecast(description, size, self._line)
+            yield self._now_and_then(description, forecast)
             return
         from rich.console import Console as RichConsole
         from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
@@ -122,18 +127,50 @@ class Console:
         with bar:
             task = bar.add_task(description, total=1.0, text="")
 
+            def above(words: str) -> None:
+                bar.console.print(words, markup=False, highlight=False)
+
+            forecast = self._forecast(description, size, above)
+
             def advance(fraction: float, text: str = "") -> None:
+                forecast(fraction, time.monotonic())
                 bar.update(task, completed=min(max(fraction, 0.0), 1.0), text=text)
 
             yield advance
 
-    def _now_and_then(self, description: str) -> Advance:
+    @staticmethod
+    def _forecast(description: str, size: str, say: Callable[[str], None]) -> Callable[[float, float], None]:
+        """Return what is told fraction and time, and says once how long the work goes on by its pace.
+
+        The pace counts from the first progress on: before it, compilers and solvers get ready.
+        """
+        begun: tuple[float, float] | None = None
+        told = False
+
+        def forecast(fraction: float, now: float) -> None:
+            nonlocal begun, told
+            if told or fraction <= 0.0:
+                return
+            if begun is None:
+                begun = (fraction, now)
+            done, took = fraction - begun[0], now - begun[1]
+            if took < MEASURED_S or done < 0.01:
+                return
+            told, left = True, (1.0 - fraction) * took / done
+            if left >= LONG_S:
+                amount = f"{left / 60:.0f} min" if left >= 90.0 else f"{left:.0f} s"
+                say(f"{description}: {f'{size}, ' if size else ''}about {amount} more by its pace so far")
+
+        return forecast
+
+    def _now_and_then(self, description: str, forecast: Callable[[float, float], None]) -> Advance:
         """Say once in ``EVERY_S`` how far the work has come: a log shows that it lives, a short run says nothing."""
         start = said = time.monotonic()
 
         def advance(fraction: float, text: str = "") -> None:
             nonlocal said
             now = time.monotonic()
+            forecast(fraction, now)
             if now - said >= EVERY_S:
                 said = now
                 words = f"{description}: {100 * fraction:.0f} % after {(now - start) / 60:.0f} min"

@@ -52,17 +52,18 @@ def drape_figure(draped: Draped, force_depth: Sequence[tuple[float, float]] | No
     figure = Figure(figsize=(19.0, 6.6), layout="constrained")
     FigureCanvasAgg(figure)
     grid = figure.add_gridspec(2, 5, width_ratios=(2.6, 1.0, 1.0, 1.0, 1.0))
-    left = grid[:, 0].subgridspec(2, 1, height_ratios=(2.2, 1.0))
+    left = grid[:, 0].subgridspec(3, 1, height_ratios=(0.4, 2.2, 0.9))
     larger = draped.stretch_larger
     low = float(min(1.0, draped.stretch_warp.min(), draped.stretch_weft.min()))
     stretches = Normalize(low, max(draped.peak[0], low + 1e-6))
     stresses = Normalize(0.0, float(max(draped.stress_warp.max(), draped.stress_weft.max(), 1e-12)))
-    scene = figure.add_subplot(left[:] if force_depth is None else left[0], projection="3d")
-    _scene(scene, draped, larger, stretches)
+    scene = figure.add_subplot(left[1:] if force_depth is None else left[1], projection="3d")
+    _scene(scene, draped, larger, stretches, 1.0 if force_depth is None else 1.4)
+    _worst(figure.add_subplot(left[0]), draped)
     bar = ScalarMappable(stretches, COLOURS)
     figure.colorbar(bar, ax=scene, label="larger stretch", orientation="horizontal", shrink=0.6, pad=0.01)
     if force_depth is not None:
-        _curve(figure.add_subplot(left[1]), force_depth)
+        _curve(figure.add_subplot(left[2]), force_depth)
     turn = max(float(np.abs(draped.shear).max()), 1e-6)
     panels = (
         ("Stretch along warp", draped.stretch_warp, COLOURS, stretches),
@@ -95,6 +96,19 @@ def drape_figure(draped: Draped, force_depth: Sequence[tuple[float, float]] | No
     return out.getvalue()
 
 
+def _worst(axes: Any, draped: Draped) -> None:
+    """What one looks for first, in words above the scene."""
+    axes.set_axis_off()
+    size, flat, at = draped.peak
+    places = [", ".join(f"{x + 0.0:.1f}" for x in place) for place in (flat[:2], at)]
+    axes.text(0.0, 1.0, f"Largest stretch {size:.3f}", fontsize=15, weight="bold", va="top")
+    below = (
+        f"at the red cross: ({places[0]}) mm of the flat sheet,\n({places[1]}) mm on the mold (grey). "
+        f"Thinnest {draped.thickness.min():.3g} mm."
+    )
+    axes.text(0.0, 0.55, below, fontsize=10.5, va="top", linespacing=1.4)
+
+
 def _curve(axes: Any, force_depth: Sequence[tuple[float, float]]) -> None:
     axes.plot(*zip(*force_depth, strict=True), marker="o", color="tab:blue")
     axes.set_title("Force of the press", fontsize=10)
@@ -112,7 +126,7 @@ def _label(axes: Any, title: str) -> None:
     axes.tick_params(labelsize=7)
 
 
-def _scene(scene: Any, draped: Draped, field: Array, scale: Normalize) -> None:
+def _scene(scene: Any, draped: Draped, field: Array, scale: Normalize, zoom: float) -> None:
     """The net, see-through, on the mold."""
     points = draped.points
     pick = [
@@ -129,14 +143,14 @@ def _scene(scene: Any, draped: Draped, field: Array, scale: Normalize) -> None:
     light = 0.55 + 0.4 * np.clip(normal @ LightSource(azdeg=300, altdeg=50).direction, 0.0, 1.0)
     grey = np.column_stack([light, light, light, np.ones(len(light))])
     # One collection: matplotlib sorts by depth within a collection alone.
-    scene.add_collection3d(
-        Poly3DCollection(
-            [*facets, *quads],
-            facecolors=np.vstack([grey, colours]),
-            edgecolors=["#00000000"] * len(facets) + ["#00000028"] * len(quads),
-            linewidths=0.2,
-        )
+    surfaces = Poly3DCollection(
+        [*facets, *quads],
+        facecolors=np.vstack([grey, colours]),
+        edgecolors=["#00000000"] * len(facets) + ["#00000028"] * len(quads),
+        linewidths=0.2,
     )
+    surfaces.set_clip_on(False)  # a zoomed scene is wider than its axes
+    scene.add_collection3d(surfaces)
     at = draped.peak[2]
     scene.plot(
         [at[0]], [at[1]], [at[2]], marker="x", color="tab:red", markersize=9, markeredgewidth=2, zorder=99
@@ -146,13 +160,12 @@ def _scene(scene: Any, draped: Draped, field: Array, scale: Normalize) -> None:
     scene.set_xlim(low[0], high[0])
     scene.set_ylim(low[1], high[1])
     scene.set_zlim(low[2], max(high[2], low[2] + 1e-9))
-    scene.set_box_aspect((span[0], span[1], max(span[2], 0.05 * span[0])), zoom=1.25)
-    scene.set_title("On the mold, and where the stretch is largest", fontsize=10)
+    scene.set_box_aspect((span[0], span[1], max(span[2], 0.05 * span[0])), zoom=zoom)
     scene.set_xlabel("x [mm]", fontsize=8)
     scene.set_ylabel("y [mm]", fontsize=8)
     scene.locator_params(axis="z", nbins=3)
     scene.tick_params(labelsize=7, pad=0)
-    scene.view_init(30.0, -58.0)
+    scene.view_init(38.0, -58.0)
 
 
 def _facets(corners: Array, faces: npt.NDArray[np.int64], lowest: float) -> Array:

@@ -121,7 +121,46 @@ def test_a_long_run_off_a_terminal_says_once_a_minute_how_far_it_is(monkeypatch,
         for done in range(6):
             advance(0.1 * done, f"{done} s")
     lines = capfd.readouterr().err.splitlines()
-    assert lines == ["Heating the mold: 20 % after 1 min, 2 s", "Heating the mold: 40 % after 2 min, 4 s"]
+    assert lines == [
+        "Heating the mold: 20 % after 1 min, 2 s",
+        "Heating the mold: 40 % after 2 min, 4 s",
+    ]
     with console.Console(quiet=True).progress("Heating the mold") as advance:
         advance(0.5)
     assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    ("seconds", "said"),
+    [
+        # Twenty seconds of compilation are no pace; then 2 % take 2 s.
+        (
+            [20.0, 22.0, 24.0, 26.0, 300.0],
+            ["Heating the mold: 94528 unknowns, about 2 min more by its pace so far"],
+        ),
+        (
+            [20.0, 20.2, 20.4, 20.6, 23.0],
+            ["Heating the mold: 94528 unknowns, about 34 s more by its pace so far"],
+        ),
+        ([1.0, 1.1, 1.2], []),
+    ],
+)
+@pytest.mark.parametrize("terminal", [False, True])
+def test_a_long_run_says_first_its_size_and_how_long_it_takes(
+    monkeypatch, capfd, terminal: bool, seconds: list[float], said: list[str]
+) -> None:
+    from hyperfab import console
+
+    now = [0.0]
+    monkeypatch.setattr(console.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(console, "EVERY_S", 1000.0)
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal)
+    monkeypatch.setenv("TERM", "xterm")
+    with console.Console().progress("Heating the mold", "94528 unknowns") as advance:
+        advance(0.0)
+        for count, second in enumerate(seconds, 1):
+            now[0] = second
+            advance(0.02 * count)
+    shown = capfd.readouterr().err.replace("\x1b[2K", "")
+    lines = [line.strip() for line in shown.splitlines() if "about" in line]
+    assert lines == said

@@ -18,7 +18,7 @@ from hyperfab.thermal import surface
 from hyperfab.thermal.history import History, curve, curve_times
 from hyperfab.thermal.sensors import as_shown
 
-#: Frames of the time series, and bytes they may take together; where there are more steps they are thinned evenly.
+#: Frames of the time series, and bytes all fields may take together: more steps are thinned evenly.
 FRAMES, SERIES_BYTES = 40, 50e6
 
 
@@ -28,7 +28,8 @@ def write_fields(
     """Queue every sibling of the document; ``sure`` are standard deviations of the last field, where known."""
     last = history.states[-1]
     flux = problem.model.medium.flux(last.temperature)
-    out.add(".vtu", _field(problem, last.temperature, flux, sure))
+    final = _field(problem, last.temperature, flux, sure)
+    out.add(".vtu", final)
     if not history.ledger.entered:  # a steady state has no curves
         out.add(
             ".png",
@@ -37,7 +38,7 @@ def write_fields(
             ),
         )
         return
-    count = frame_count(len(_field(problem, last.temperature, None)))
+    count = frame_count(len(_field(problem, last.temperature, None)), len(final))
     frames = np.unique(np.linspace(0, len(history.states) - 1, count).round().astype(int))
     names = []
     for number, index in enumerate(frames):
@@ -64,13 +65,13 @@ def write_fields(
     out.add(".png", heat_figure(*_work_surface(problem, at.temperature), shown, times, target, when))
 
 
-def frame_count(size: int) -> int:
-    """Return how many frames of ``size`` bytes a time series has: the first and the last at least.
+def frame_count(size: int, final: int) -> int:
+    """Return how many frames of ``size`` bytes a time series has beside ``final`` bytes: first and last at least.
 
-    >>> frame_count(100_000), frame_count(6_000_000), frame_count(10**9)
-    (40, 8, 2)
+    >>> frame_count(100_000, 200_000), frame_count(6_000_000, 8_000_000), frame_count(10**9, 10**9)
+    (40, 7, 2)
     """
-    return int(np.clip(SERIES_BYTES // size, 2, FRAMES))
+    return int(np.clip((SERIES_BYTES - final) // size, 2, FRAMES))
 
 
 def _field(problem: Problem, temperature: Array, flux: Array | None, sure: Mapping[str, Array] = {}) -> bytes:

@@ -10,6 +10,7 @@ from hyperfab.chapters.job import Job
 from hyperfab.chapters.mold_heat import nearby
 from hyperfab.chapters.mold_heat.design import check, design
 from hyperfab.chapters.mold_heat.files import write_fields
+from hyperfab.chapters.mold_heat.pace import Pace
 from hyperfab.chapters.mold_heat.problem import MoldBuilder, Problem
 from hyperfab.chapters.mold_heat.result import IMBALANCE_ALLOWED, steady_document, transient_document
 from hyperfab.chapters.mold_heat.variations import SHARPER, read_variations, variations_csv, vary
@@ -31,8 +32,8 @@ from hyperfab.thermal.trail import Trail
 from hyperfab.thermal.transient import Schedule
 from hyperfab.thermal.transient import run as follow
 
-#: Share of the progress line that meshing takes.
-MESHING = 0.1
+#: Share of the progress line when the temperatures are found.
+FOLLOWED = 0.95
 
 
 def run(job: Job, case: MoldCase) -> int:
@@ -49,13 +50,14 @@ def run(job: Job, case: MoldCase) -> int:
     out.refuse_inputs(job.inputs)
     for text in builder.doubts:
         job.console.warn(text)
-    with job.console.progress("Heating the mold") as advance:
-        advance(0.0, "meshing")
+    with job.console.progress("Meshing the mold") as advance:
         known = len(builder.doubts)
-        problem = builder.build(lambda seconds: advance(MESHING * seconds / (seconds + 5.0), "meshing"))
-        for text in builder.doubts[known:]:
-            job.console.warn(text)
-        start = builder.start_field(problem)
+        problem = builder.build(lambda seconds: advance(seconds / (seconds + 5.0)))
+    for text in builder.doubts[known:]:
+        job.console.warn(text)
+    start = builder.start_field(problem)
+    size = f"{problem.model.size} unknowns in {len(problem.mesh.elements)} elements"
+    with job.console.progress("Heating the mold", size) as advance:
 
         def warmup() -> float | None:
             return _transient(document, problem, start, advance).reached_time
@@ -68,7 +70,7 @@ def run(job: Job, case: MoldCase) -> int:
             history = _transient(document, problem, start, advance)
             result = transient_document(document, problem, history)
         if asked is not None:
-            advance(0.95, "variations")
+            advance(FOLLOWED, "variations")
             sharper = _transient(document, problem, start, advance, SHARPER)
             result.variations = vary(asked, document, problem, sharper, start)
             out.add(".variations.csv", variations_csv(result.variations))
@@ -115,17 +117,6 @@ def _transient(
     if settings.target is not None and problem.work_surface is not None:
         surface = problem.work_surface
         target = Target(surface.load(1.0) / surface.area, settings.target)
-    first = 0.0 if target is None else dot(target.sensor, start)
-
-    def progress(time: float, temperature: Array) -> None:
-        if problem.pieces is not None:
-            done = time / (problem.pieces.section.period * problem.pieces.count)
-        elif settings.until is not None:
-            done = time / settings.until
-        else:
-            assert target is not None
-            done = (dot(target.sensor, temperature) - first) / max(target.value - first, 1e-9)
-        advance(MESHING + (0.95 - MESHING) * max(done, 0.0), f"{time:.0f} s, {temperature.max():.1f} degC")
 
     schedule = Schedule(settings.until, problem.corners, share * settings.tolerance)
     shortcut, why = None, "parts come fresh" if problem.renewals and settings.until is not None else None
@@ -137,6 +128,20 @@ def _transient(
         shortcut, why = shortcut_for(
             full, settings.until, list(problem.probes.values()), nodes, settings.reduced
         )
+    pace = Pace(problem, start, shortcut is not None)
+    reached = [(0.0, 0.0 if target is None else dot(target.sensor, start))]
+
+    def progress(time: float, temperature: Array) -> None:
+        until = settings.until
+        if problem.pieces is not None:
+            until = problem.pieces.section.period * problem.pieces.count
+        elif until is None:
+            assert target is not None
+            reached.append((time, dot(target.sensor, temperature)))
+            (before, cold), (now, warm) = reached[-2:]
+            until = now + max(target.value - warm, 0.0) * (now - before) / max(warm - cold, 1e-9)
+        advance(FOLLOWED * pace.done(time, until), f"{time:.0f} s, {temperature.max():.1f} degC")
+
     history = follow(
         problem.model,
         start,
