@@ -152,13 +152,13 @@ def differences(
 
 def _coverage(variance: Array, sources: Sequence[Source]) -> float:
     """Return the half-width of the interval over the standard deviation."""
-    from scipy.stats import norm, t
+    from scipy.special import ndtri, stdtrit
 
     finite = [(v, one.freedom) for v, one in zip(variance, sources, strict=True) if np.isfinite(one.freedom)]
     below = sum(v**2 / freedom for v, freedom in finite)
     if below <= 0.0:
-        return float(norm.ppf(0.5 + 0.5 * LEVEL))
-    return float(t.ppf(0.5 + 0.5 * LEVEL, variance.sum() ** 2 / below))
+        return float(ndtri(0.5 + 0.5 * LEVEL))
+    return float(stdtrit(variance.sum() ** 2 / below, 0.5 + 0.5 * LEVEL))
 
 
 def _budget(variance: Array, sources: Sequence[Source], rest: float = 0.0) -> tuple[tuple[str, float], ...]:
