@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -12,12 +12,13 @@ from scipy.special import ndtr
 
 from hyperfab.arrays import Array
 from hyperfab.loop.catalogue import catalogue
-from hyperfab.loop.catalogue.press import DataContext, PressEffect
+from hyperfab.loop.catalogue.press import DataContext, FoamContext, PressEffect
 from hyperfab.loop.known import known, known_curve, sure, without_prior
-from hyperfab.loop.press_reading import UNITS, Changes, Kind, Reading, Setting, variation
+from hyperfab.loop.press_reading import THERE, UNITS, Changes, Kind, Reading, Setting, Warmth, variation
 from hyperfab.loop.press_table import Moved, PressTable, found_tilt, loads
 from hyperfab.loop.problem import Constant, Curve, Extra, Problem
 from hyperfab.loop.scatter import patches
+from hyperfab.pressing.series import together
 
 #: A place reads half contact half open over this much of a gap [mm]: a film's or a paste's own thickness.
 CONTACT_BLUR = 0.05
@@ -26,6 +27,8 @@ _SEGMENT = 15
 #: What is known of the press beside the foam's stiffness: gap [mm], force and foam thickness (shares), zero of a
 #: stroke [mm].
 GAP_SD, FORCE_SD, THICKNESS_SD, STROKE_SD = 0.02, 0.02, 0.01, 0.02
+#: What a reading to come is off by: thickness, fabrics and mounting face [mm], an edge of contact [-].
+_LOUD = {"thickness": 0.02, "contact": 0.3, "fabric": 0.01, "mounting": 0.01}
 
 
 @dataclass
@@ -45,23 +48,25 @@ class PressProblem(Problem):
         """Return the readings that the press would give, then what is known of the constants, then further tests."""
         value = dict(zip((one.name for one in self.own), own, strict=True))
         changes = self.changes(terms)
-        guided = self._moved(value, changes)
-        now, found = guided, []
-        self_aligned: dict[float, Moved] = {}
-        set_to: float | None = None
+        guided: dict[float | None, Moved] = {}
+        presses: dict[tuple[object, ...], _Set] = {}
+        found = []
         for reading, scale in zip(self.readings, self.scale, strict=True):
-            factor = guided.factor * changes.factor(reading)
-            if self.setting.floating:
-                mean = float(np.mean(factor))
-                if mean not in self_aligned:
-                    self_aligned[mean], set_to = self._floated(guided, mean, value), None
-                now = self_aligned[mean]
-            if reading.kind == "force":
-                found.append(self._force(now, factor, reading, value.get("stroke.zero", 0.0)) * scale)
-                continue
-            if set_to is None or np.ndim(factor):
-                set_to = self._opening(now, float(np.mean(factor)), value)
-            found.append(self._at_places(now, factor, set_to, reading) * scale)
+            warm = None if reading.warmth is None else reading.warmth.temperature
+            if warm not in guided:
+                guided[warm] = self._moved(value, changes, reading.warmth)
+            start = guided[warm]
+
+            def read(left: Array | float, reading: Reading = reading, start: Moved = start) -> Array:
+                mean = float(np.mean(left))
+                key = (reading.warmth and reading.warmth.temperature, mean)
+                if key not in presses:
+                    presses[key] = _Set(self, start.relaxed(mean), value)
+                # Foam alone bears in proportion: the share that is left may be another at each row.
+                return presses[key].read(reading, left / mean if np.ndim(left) else 1.0, changes)
+
+            left = changes.factor(reading)
+            found.append((_through(left, read) if start.table.fabric_law is not None else read(left)) * scale)
         found.insert(self.measured_files, known(self.priors, np.asarray(own, dtype=np.float64)))
         return np.concatenate(found)
 
@@ -74,9 +79,11 @@ class PressProblem(Problem):
             effect.move(found, effect.form(form).named(values))
         return found
 
-    def _moved(self, value: Mapping[str, float], changes: Changes) -> Moved:
+    def _moved(self, value: Mapping[str, float], changes: Changes, warmth: Warmth | None = None) -> Moved:
         tilt = np.zeros(2) if self.setting.floating else changes.tilt
-        mechanical = np.concatenate([tilt, changes.strain, changes.offset])
+        strain = changes.strain + (warmth.grown if warmth else (0.0, 0.0))
+        mechanical = replace(changes, tilt=tilt, strain=strain).settings
+        across = together([(layer, changes.across) for layer in self.setting.fabric])
         foam = value["foam.thickness"] * (1.0 - changes.lost)
         tables = []
         for table in (self.summed, self.places):
@@ -84,7 +91,10 @@ class PressProblem(Problem):
             if self.setting.thickness is not None:
                 uneven = uneven * (self.setting.thickness / table.foam)
             factor = foam if np.ndim(uneven) == 0 else foam * np.maximum(1.0 + uneven, 0.05)
-            tables.append(table.moved(mechanical).with_foam(factor))
+            moved = table.moved(mechanical).with_foam(factor)
+            if warmth is not None and warmth.law is not None:
+                moved = moved.with_law(warmth.law)
+            tables.append(moved if across is None else replace(moved, fabric_law=across))
         shift = float(np.dot(self.setting.zero_rate, changes.strain))
         compliance = self.setting.compliance + changes.compliance
         return Moved(tables[0], tables[1], value["foam.compression"], compliance, shift, np.zeros(2))
@@ -92,33 +102,33 @@ class PressProblem(Problem):
     def self_aligned(self, value: Mapping[str, float], terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return the tilt (2,) [rad] a floating female adds to the model's own; ``value`` has the own constants."""
         guided = self._moved(value, self.changes(terms))
-        return self._floated(guided, guided.factor, value).turn
+        return self._floated(guided, value).turn
 
-    def _floated(self, now: Moved, factor: float, value: Mapping[str, float]) -> Moved:
+    def _floated(self, now: Moved, value: Mapping[str, float]) -> Moved:
         """Return the press with the female turned as it hangs."""
-        start = self._opening(now, factor, value)
+        start, factor = self._opening(now, value), now.factor
         shut = self.setting.opening + value.get("gap", 0.0) + now.shift
         wanted = None if self.setting.force is None else self.setting.force * value.get("force", 1.0)
 
         def unbalanced(opening: float, force: float) -> float:
-            exact = factor * force * float(self._exactness(np.array(force)))
+            exact = factor * force * float(self._exactness(np.array(force / now.left)))
             return exact - wanted if wanted is not None else opening - shut - now.compliance * exact
 
         turn = found_tilt(now.table, self._arm, start, unbalanced)
-        settings = np.array([*turn, 0.0, 0.0, 0.0, 0.0])
+        settings = Changes(tilt=turn).settings
         return replace(now, table=now.table.moved(settings), places=now.places.moved(settings), turn=turn)
 
     @cached_property
     def _arm(self) -> Array:
         """Where [mm] the thinned sum has the arm of the force at the model's own balance."""
         now = self._moved(self._given, Changes())
-        load = loads(now.table, self._opening(now, now.factor, self._given), np.zeros(2))
+        load = loads(now.table, self._opening(now, self._given), np.zeros(2))
         return np.asarray(load[1:] / max(load[0], 1e-300))
 
     def _sum(self, now: Moved, openings: Array) -> Array:
         """Return the force (m,) [N] of the law as it is, corrected for the thinned sum."""
         forces = now.table.force(openings)
-        return forces * self._exactness(forces)
+        return forces * self._exactness(forces / now.left)
 
     @cached_property
     def _own_forces(self) -> Array:
@@ -132,8 +142,8 @@ class PressProblem(Problem):
         """
         return np.interp(force, self._own_forces, self.correction[::-1])
 
-    def _opening(self, now: Moved, factor: float, value: Mapping[str, float]) -> float:
-        table, force = now.table, self.setting.force
+    def _opening(self, now: Moved, value: Mapping[str, float]) -> float:
+        table, force, factor = now.table, self.setting.force, now.factor
         if force is not None:
             wanted = force * value.get("force", 1.0)
             forces = factor * self._sum(now, table.openings)
@@ -166,19 +176,38 @@ class PressProblem(Problem):
                 break
         return b
 
-    def _force(self, now: Moved, factor: Array | float, reading: Reading, zero: float) -> Array:
+    def _force(self, now: Moved, left: Array | float, reading: Reading, zero: float) -> Array:
         assert reading.stroke is not None
-        touch = now.table.first_touch
+        touch, factor = now.table.first_touch, now.factor * left
         stroke = reading.stroke - zero
         if now.compliance == 0.0:
             return np.asarray(factor * self._sum(now, touch - stroke))
         grid = np.linspace(touch + 0.2, now.table.openings[0], 60)
-        forces = float(np.mean(factor)) * self._sum(now, grid)
+        forces = now.factor * self._sum(now, grid)
         machine = touch - grid + now.compliance * forces
         opening = PchipInterpolator(machine, grid, extrapolate=True)(stroke)
         return np.asarray(factor * self._sum(now, opening))
 
-    def _at_places(self, now: Moved, factor: Array | float, opening: float, reading: Reading) -> Array:
+    def _of_fabric(self, now: Moved, reading: Reading) -> Array:
+        """Return the thickness (m,) [mm] of the fabrics alone under the loads of a reading."""
+        assert reading.load is not None
+        law, whole = now.table.fabric_law, sum(self.setting.fabric)
+        if law is None:
+            return np.full(len(reading.load), whole)
+        strain = np.append(law.knots, law.limit)
+        return np.asarray(whole * (1.0 - np.interp(reading.load, now.factor * law.stress(strain), strain)))
+
+    def _of_mounting(self, now: Moved, changes: Changes, reading: Reading) -> Array:
+        """Return how much further (m,) [mm] the female's mounting face stands off at places, less their mean."""
+        assert reading.places is not None
+        x, y = reading.places[:, 0], reading.places[:, 1]
+        about_x, about_y = self.setting.tilt + (now.turn if self.setting.floating else changes.tilt)
+        height = about_x * y - about_y * x
+        return np.asarray(height - np.mean(height))
+
+    def _at_places(
+        self, now: Moved, left: Array | float, opening: float, reading: Reading, stays: Array
+    ) -> Array:
         assert reading.corners is not None
         assert reading.weights is not None
         table, weights, corners = now.places, reading.weights, reading.corners
@@ -192,13 +221,15 @@ class PressProblem(Problem):
         if reading.kind == "contact":
             touch = there(table.at(at, table.touch)[0])
             return np.asarray(ndtr((sandwich.thickness - touch) / CONTACT_BLUR))
-        if reading.kind == "thickness":
+        if reading.kind in ("thickness", "formed"):
             pressed, fabric = sandwich.pressed(gap)
-            back = self.setting.recovery
-            if back is None:
+            if reading.kind == "thickness":
                 return np.asarray(fabric + pressed)
-            return np.asarray(sandwich.fabric + pressed + back * (sandwich.foam - pressed))
-        return np.asarray(factor * sandwich.pressure(gap))
+            strain = 1.0 - pressed / sandwich.foam
+            had = table.stays if np.ndim(table.stays) == 0 else there(np.asarray(table.stays))
+            share = np.clip(had + stays[0] + stays[1] * strain, 0.0, 1.0)
+            return np.asarray(sandwich.thickness - share * strain * sandwich.foam)
+        return np.asarray(now.factor * left * sandwich.pressure(gap))
 
     @cached_property
     def largest_force(self) -> float:
@@ -225,18 +256,36 @@ class PressProblem(Problem):
             ("spotting paste over the whole male, 80 places", "contact", 0.0),
             ("force over stroke, 40 readings from the first touch to the deepest", "force", 0.01),
         ]
+        setting, cold = self.setting, ""
+        if not setting.floating:
+            menu.append(("dial gauges at four sides of the female's mounting face", "mounting", 0.0))
+        if sum(setting.fabric) > 0.0:
+            menu.append(
+                ("the thickness of the fabrics alone under rising pressure (ISO 5084)", "fabric", 0.0)
+            )
+        if setting.cold is not None:
+            cold = f"force over stroke with the molds at {setting.cold.temperature:g} degC"
+            menu.append((cold, "force", 0.01))
         first = float(np.std(self.measured[self.channel == 0])) or 1.0
         found = []
         for text, kind, share in menu:
-            reading = Reading(
-                text, kind, np.zeros(80 if kind != "force" else 40),
-                corners=None if kind == "force" else corners,
-                weights=None if kind == "force" else weights,
-                stroke=np.linspace(0.02, travel, 40) if kind == "force" else None,
-            )  # fmt: skip
+            details: dict[str, object] = {"reading": kind}
+            if kind == "force":
+                reading = Reading(text, kind, np.zeros(40), stroke=np.linspace(0.02, travel, 40))
+            elif kind == "fabric":
+                load = self._largest("pressure") * np.linspace(0.1, 1.0, 10)
+                reading = Reading(text, kind, np.zeros(10), load=load)
+            elif kind == "mounting":
+                sides = setting.half_mm * np.array([[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]])
+                reading = Reading(text, kind, np.zeros(4), places=sides)
+            else:
+                reading = Reading(text, kind, np.zeros(80), corners=corners, weights=weights)
+            if text == cold and setting.cold is not None:
+                reading = replace(reading, temperature=setting.cold.temperature, warmth=setting.cold)
+                details["temperature_degC"] = setting.cold.temperature
             # The engine takes new rows to be as loud as the old ones: they are scaled to be.
-            loud = {"thickness": 0.02, "contact": 0.3}.get(kind) or share * max(self._largest(kind), 1e-9)
-            found.append(Extra(text, {"reading": kind}, self.with_reading(reading, 0.03 * first / loud)))
+            loud = _LOUD.get(kind) or share * max(self._largest(kind), 1e-9)
+            found.append(Extra(text, details, self.with_reading(reading, 0.03 * first / loud)))
         return found
 
     def _largest(self, kind: str) -> float:
@@ -258,24 +307,76 @@ class PressProblem(Problem):
         )
 
 
+@dataclass(frozen=True)
+class _Set:
+    """A press as it is ``now``, for reading after reading; where it stands is found once."""
+
+    problem: PressProblem
+    now: Moved
+    value: Mapping[str, float]
+
+    @cached_property
+    def hangs(self) -> Moved:
+        """The press, a floating female turned."""
+        return self.problem._floated(self.now, self.value) if self.problem.setting.floating else self.now
+
+    @cached_property
+    def opening(self) -> float:
+        """Where it is set [mm]."""
+        return self.problem._opening(self.hangs, self.value)
+
+    def read(self, reading: Reading, left: Array | float, changes: Changes) -> Array:
+        """Return the readings (m,); ``left`` scales the foam's stress row by row."""
+        problem, now = self.problem, self.hangs
+        if reading.kind == "force":
+            return problem._force(now, left, reading, self.value.get("stroke.zero", 0.0))
+        if reading.kind == "fabric":
+            return problem._of_fabric(now, reading)
+        if reading.kind == "mounting":
+            return problem._of_mounting(now, changes, reading)
+        return problem._at_places(now, left, self.opening, reading, changes.stays)
+
+
+def _through(left: Array | float, read: Callable[[float], Array]) -> Array:
+    """Return what is read where each row has its own share ``left`` (m,) of the foam's stress.
+
+    A sandwich whose fabrics give way does not bear in proportion: a parabola of the fourth degree through five shares.
+    """
+    if np.ndim(left) == 0:
+        return read(float(left))
+    low, high = float(np.min(left)), float(np.max(left))
+    if high - low < 1e-9:
+        return read(low)
+    nodes = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(np.pi * np.arange(5) / 4)
+    rows = np.stack([read(float(node)) for node in nodes])
+    weights = [
+        np.prod([(left - other) / (node - other) for other in nodes if other != node], axis=0)
+        for node in nodes
+    ]
+    return np.asarray(np.sum(np.stack(weights) * rows, axis=0))
+
+
 def press_problem(
     tables: tuple[PressTable, PressTable, Array],
     setting: Setting,
     readings: Sequence[Reading],
     *,
-    half_mm: float,
+    foam: FoamContext | None = None,
     prior: float = 0.10,
     fixed: Sequence[str] = (),
 ) -> PressProblem:
     """Return the problem of ``readings``; each cloud is cut into patches, which are left out in turn.
 
-    ``tables`` are those of ``press_table``, ``half_mm`` half the width of the male.
+    ``tables`` are those of ``press_table``, ``foam`` says what the model has of the sandwich.
     """
     whole, summed, correction = tables
     kinds = list(dict.fromkeys(reading.kind for reading in readings))
     parts: list[Reading] = []
     for one in readings:
         reading = replace(one, index=np.arange(len(one.values), dtype=np.float64))
+        if reading.kind in ("fabric", "mounting"):
+            parts.append(reading)
+            continue
         if reading.places is None:
             # Along the stroke, and at a hold along the time.
             count = max(1, min(4, len(reading.values) // _SEGMENT))
@@ -283,7 +384,7 @@ def press_problem(
             continue
         parts += [reading.rows(rows) for rows in patches(reading.places)]
     constants = [Constant("foam.compression", 1.0, 0.05, 20.0, 0.1, prior)]
-    if any(reading.kind != "force" for reading in readings):
+    if any(reading.kind in THERE for reading in readings):
         named = ("gap", 0.0, -1.0, 1.0, 0.02, GAP_SD)
         if setting.force is not None:
             named = ("force", 1.0, 0.1, 10.0, 0.02, FORCE_SD)
@@ -298,14 +399,22 @@ def press_problem(
     curves, row = [], 0
     for number, part in enumerate(parts):
         size = len(part.values)
-        abscissa = part.stroke if part.stroke is not None else np.arange(size, dtype=np.float64)
+        along = part.load if part.stroke is None else part.stroke
+        abscissa = np.arange(size, dtype=np.float64) if along is None else along
         name = f"{part.name}, part {number + 1}"
         curves.append(Curve(name, row, row + size, abscissa, channel=kinds.index(part.kind)))
         row += size
     curves.append(known_curve(priors, row, len(kinds)))
     travel = max(float(summed.first_touch - setting.opening), 0.2)
     context = DataContext(
-        half_mm=half_mm,
+        half_mm=setting.half_mm,
+        pressure_MPa=float(whole.law.stress(0.5)),
+        foam=foam or FoamContext(),
+        temperatures=tuple(
+            sorted({setting.temperature if p.temperature is None else p.temperature for p in parts})
+        ),
+        molds_degC=setting.temperature,
+        formed="formed" in kinds,
         force_N=max(float(summed.force(np.array([summed.openings[1]]))[0]), 1e-6),
         travel_mm=travel,
         strokes="force" in kinds,
@@ -338,8 +447,10 @@ def _states(parts: Sequence[Reading]) -> dict[str, Array]:
     if parts[0].places is not None:
         places = np.concatenate([part.places for part in parts if part.places is not None])
         found = {f"{axis}_mm": places[:, i] for i, axis in enumerate("xyz")}
-    else:
+    elif parts[0].stroke is not None:
         found["stroke_mm"] = np.concatenate([part.stroke for part in parts if part.stroke is not None])
+    else:
+        found["load_MPa"] = np.concatenate([part.load for part in parts if part.load is not None])
     if all(part.time_s is not None for part in parts):
         found["time_s"] = np.concatenate([part.time_s for part in parts if part.time_s is not None])
     return found

@@ -3,24 +3,49 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
 
 from hyperfab.arrays import Array, Ints
+from hyperfab.pressing.foam_law import FoamLaw
 
-Kind = Literal["pressure", "contact", "thickness", "force"]
+Kind = Literal["pressure", "contact", "thickness", "force", "formed", "fabric", "mounting"]
 
 #: Units the readings are told in.
-UNITS: dict[str, str] = {"pressure": "MPa", "contact": "-", "thickness": "mm", "force": "N"}
+UNITS: dict[str, str] = {
+    "pressure": "MPa",
+    "contact": "-",
+    "thickness": "mm",
+    "force": "N",
+    "formed": "mm",
+    "fabric": "mm",
+    "mounting": "mm",
+}
+#: Kinds that are read at places of the male.
+THERE = ("pressure", "contact", "thickness", "formed")
+
+
+@dataclass(frozen=True)
+class Warmth:
+    """The press at another ``temperature`` [degC] than the model's: strains (2,) by which male and female have
+    ``grown`` beyond it, and the foam's ``law`` there, None where the model has one for all temperatures."""
+
+    temperature: float
+    grown: tuple[float, float]
+    law: FoamLaw | None = None
 
 
 @dataclass(frozen=True)
 class Reading:
     """One file: ``kind`` and values (m,); at places of the male (``corners`` (m, 3) of the table of the places with
     their ``weights``) or at machine ``stroke`` (m,) [mm]; ``time_s`` since the foam was first
-    pressed; ``index`` is where the rows stand in the file."""
+    pressed; ``index`` is where the rows stand in the file. ``formed`` is thickness when the press has opened,
+    ``fabric`` that of the fabrics alone under a ``load`` (m,) [MPa], ``mounting`` how much further (less their mean)
+    the female's mounting face stands from the male at ``places`` (m, 3) of the press frame. The molds are at
+    ``temperature`` [degC], with what that makes of the press in ``warmth``; None: as the model has them.
+    """
 
     name: str
     kind: Kind
@@ -31,32 +56,41 @@ class Reading:
     stroke: Array | None = None
     time_s: Array | None = None
     index: Array | None = None
+    load: Array | None = None
+    temperature: float | None = None
+    warmth: Warmth | None = None
 
     def rows(self, chosen: Ints) -> Reading:
         """Return some of the rows, in that order."""
         parts: dict[str, Any] = {
             key: None if value is None else value[chosen]
             for key, value in vars(self).items()
-            if key not in ("name", "kind")
+            if key not in ("name", "kind", "temperature", "warmth")
         }
-        return Reading(self.name, self.kind, **parts)
+        return replace(self, **parts)
 
 
 @dataclass(frozen=True)
 class Setting:
     """How the press was set: the opening [mm] without a yielding frame, or the force [N]; ``compliance`` [mm/N] of
     the frame the model has already; ``zero_rate`` (2,) is what resetting the clearance hot gives back per strain of
-    male and female [mm]; ``recovery`` the share of its compression the foam gives back, None where thickness was read
-    under the press; a ``floating`` female turns until nothing has a moment about its joint, whatever lies between.
-    Terms of the foam's thickness are shares of ``thickness`` [mm]."""
+    male and female [mm]; a ``floating`` female turns until nothing has a moment about its joint, whatever lies between.
+    Terms of the foam's thickness are shares of ``thickness`` [mm]. ``fabric`` (below, above) [mm] are the layers,
+    ``tilt`` (2,) [rad] is what the model has, ``half_mm`` half the male's width. The molds are at ``temperature``
+    [degC]; ``cold`` is the press as it was drawn, where that is another.
+    """
 
     opening: float
     force: float | None = None
     compliance: float = 0.0
     zero_rate: tuple[float, float] = (0.0, 0.0)
-    recovery: float | None = None
     floating: bool = False
     thickness: float | None = None
+    fabric: tuple[float, float] = (0.0, 0.0)
+    tilt: tuple[float, float] = (0.0, 0.0)
+    half_mm: float = 1.0
+    temperature: float = 20.0
+    cold: Warmth | None = None
 
 
 @dataclass
@@ -68,6 +102,8 @@ class Changes:
     lost        share of the foam's thickness
     uneven      relative thickness over the plan: coefficients by their terms, as ``xxy``
     compliance  [mm/N] of the frame
+    across      how both fabrics give way across, None where they are rigid
+    stays       share of the foam's strain that stays, and what it has more at a strain of 1, (2,)
     left        each tells the share of the foam's pressure that is left when a reading is taken: one, or one a row
     """
 
@@ -77,7 +113,14 @@ class Changes:
     lost: float = 0.0
     uneven: dict[str, float] = field(default_factory=dict)
     compliance: float = 0.0
+    across: FoamLaw | None = None
+    stays: Array = field(default_factory=lambda: np.zeros(2))
     left: list[Callable[[Reading], Array | float]] = field(default_factory=list)
+
+    @property
+    def settings(self) -> Array:
+        """How both molds stand: tilts, strains and offsets (6,), as ``PressTable.moved`` takes them."""
+        return np.concatenate([self.tilt, self.strain, self.offset])
 
     def factor(self, reading: Reading) -> Array | float:
         """Return the share of the foam's pressure that is left when a reading is taken."""

@@ -36,8 +36,9 @@ class PressTable:
     across, per thermal strain of male and female, and per mm that the female stands off along the two axes. ``area``
     (n,) [mm^2] is each vertex' share of the area, ``push`` (k, n) that times how squarely it meets the axis. ``foam``
     and ``fabric`` (n,) [mm] with their laws are the ``sandwich``, ``plan`` (n, 2) the coordinates of thickness
-    variation, -1 to 1 over the male. ``bend`` (n, 2, 2) [mm/rad^2] is how the gains by tilt change with tilt where a
-    female floats: the pressure has other arms when it has turned.
+    variation, -1 to 1 over the male, ``stays`` (n,) the share of the foam's strain that stays. ``bend`` (n, 2, 2)
+    [mm/rad^2] is how the gains by tilt change with tilt where a female floats: the pressure has other arms when it has
+    turned.
     """
 
     openings: Array
@@ -52,8 +53,9 @@ class PressTable:
     law: FoamLaw
     bend: Array
     fabric_law: FoamLaw | None = None
+    stays: Array | float = 0.0
 
-    @property
+    @cached_property
     def sandwich(self) -> Sandwich:
         """What is pressed at the vertices."""
         return Sandwich(self.foam, self.fabric, self.law, self.fabric_law)
@@ -71,6 +73,7 @@ class PressTable:
             fabric=self.fabric[chosen],
             plan=self.plan[chosen],
             bend=self.bend[chosen],
+            stays=self.stays if np.ndim(self.stays) == 0 else np.asarray(self.stays)[chosen],
         )
 
     def moved(self, settings: Array) -> PressTable:
@@ -84,6 +87,10 @@ class PressTable:
     def with_foam(self, factor: Array | float) -> PressTable:
         """Return the table with foam of other thickness."""
         return replace(self, foam=self.foam * factor)
+
+    def with_law(self, law: FoamLaw) -> PressTable:
+        """Return the table with foam of another law."""
+        return replace(self, law=law)
 
     @property
     def step(self) -> float:
@@ -118,8 +125,8 @@ class PressTable:
 
 @dataclass(frozen=True)
 class Moved:
-    """The press with effects: the table of what bears, its correction, what scales the stress, and how far [rad] a
-    floating female has turned beyond the model's tilt."""
+    """The press with effects: the table of what bears, its correction, what scales the stress, how far [rad] a floating
+    female has turned beyond the model's tilt, and the share of the foam's stress that is ``left`` in its law."""
 
     table: PressTable
     places: PressTable
@@ -127,13 +134,26 @@ class Moved:
     compliance: float
     shift: float
     turn: Array
+    left: float = 1.0
+
+    def relaxed(self, left: float) -> Moved:
+        """Return it with a share of the foam's stress: fabrics that give way keep theirs."""
+        if left == 1.0:
+            return self
+        if self.table.fabric_law is None:
+            return replace(self, factor=self.factor * left)
+        law = self.table.law.scaled(left)
+        tables = self.table.with_law(law), self.places.with_law(law)
+        return replace(self, table=tables[0], places=tables[1], left=left)
 
 
-def press_table(closed: Closed, plan: Array, travel: float) -> tuple[PressTable, PressTable, Array]:
+def press_table(
+    closed: Closed, plan: Array, travel: float, stays: Array | float = 0.0
+) -> tuple[PressTable, PressTable, Array]:
     """Return tables of all vertices of the front, and of those the force is summed over with its correction (k,).
 
     ``plan`` (n, 2) are the front's coordinates of thickness variation; ``travel`` [mm] is the largest stroke from the
-    first touch that was measured.
+    first touch that was measured; ``stays`` (n,) is the share of the foam's strain that stays.
     """
     press, front = closed.press, closed.front
     low = min(closed.pose.opening, closed.first_touch - travel) - MARGIN
@@ -179,6 +199,7 @@ def press_table(closed: Closed, plan: Array, travel: float) -> tuple[PressTable,
         law=sandwich.law,
         fabric_law=sandwich.fabric_law,
         plan=plan,
+        stays=stays,
         bend=_bend(closed) if closed.case.floating else np.zeros((n, 2, 2)),
     )
     few = _summed(table)

@@ -14,11 +14,15 @@ from loop.generators import contact as discs
 from loop.generators import drape as nets
 from loop.generators import press as caps
 
+from hyperfab.chapters.close_loop.press import read_press
+from hyperfab.chapters.job import Job
+from hyperfab.console import Console
 from hyperfab.documents.base import schema
+from hyperfab.errors import InputError
 
 IDS = {
     "press": {"tilt", "thermal-expansion", "foam-shrinkage", "foam-relaxation", "thickness-variation",
-              "frame-compliance", "lateral-shift"},
+              "frame-compliance", "lateral-shift", "fabric-compression", "foam-softening", "set"},
     "contact": {"friction", "pretension", "thermal-softening", "rim-slip"},
     "drape": {"friction", "shear-stiffness", "pretension", "gravity"},
 }  # fmt: skip
@@ -116,6 +120,32 @@ def test_readings_beside_the_male_are_refused_with_the_place(press: Path, hf: Ru
     done = hf("close-loop", "press.json", "--measured", "far.csv", "-o", "x.json", cwd=press)
     assert done.returncode == 3
     assert "off the molding surface" in done.stderr.decode()
+
+
+def test_files_of_a_press_say_what_they_are(press: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(press)
+    rows = np.arange(12.0).reshape(4, 3)
+    files = {
+        "formed": ("x [mm],y [mm],z [mm],formed thickness [mm]", (rows, rows[:, 0])),
+        "mounting": ("x [mm],y [mm],z [mm],height [mm]", (rows, rows[:, 0])),
+        "fabric": ("pressure [MPa],thickness [mm]", (rows[:, 0], rows[::-1, 1])),
+        "force": ("# temperature: 25 degC\nstroke [mm],force [N]", (rows[:, 0], rows[:, 1])),
+        "pressure": (
+            "x [mm],y [mm],z [mm],pressure [MPa],temperature [degC]",
+            (rows, rows[:, 0], 0 * rows[:, 0] + 25),
+        ),
+    }
+    job = Job("close-loop", [], Console(True))
+    for kind, (head, columns) in files.items():
+        csv(press / f"{kind}.csv", head, *columns)
+        reading, _ = read_press(job, f"{kind}.csv", None)
+        assert reading.kind == kind
+        assert reading.temperature == (25.0 if "temperature" in head else None)
+    mounting, _ = read_press(job, "mounting.csv", None)
+    assert mounting.values == pytest.approx([-4.5, -1.5, 1.5, 4.5])
+    csv(press / "warming.csv", "stroke [mm],force [N],temperature [degC]", rows)
+    with pytest.raises(InputError, match="give a file for each temperature"):
+        read_press(job, "warming.csv", None)
 
 
 def test_noise_of_another_kind_is_a_usage_error(press: Path, hf: Run) -> None:

@@ -24,12 +24,12 @@ from hyperfab.loop.press_reading import Reading
 
 
 @cache
-def told(more: str = "", options: tuple[str, ...] = ()) -> Told:
+def told(more: str = "", options: tuple[str, ...] = (), foam: str = truths.FOAM_TOML) -> Told:
     """The press as its document has it; with ``more`` lines of foam.toml, or with its own ``options`` for the gap."""
     folder = Path(tempfile.mkdtemp())
     for which in ("male", "female"):
         (folder / f"{which}.stl").write_bytes(truths.stl(which))
-    (folder / "foam.toml").write_text(truths.FOAM_TOML + more)
+    (folder / "foam.toml").write_text(foam + more)
     words = [
         "--male",
         f"{folder}/male.stl",
@@ -42,10 +42,26 @@ def told(more: str = "", options: tuple[str, ...] = ()) -> Told:
     return closed_press(Job("press-contact", [], Console(True)), read(PressCase, words))[0]
 
 
+#: A press whose molds are hot and do not grow.
+HOT = (
+    'expansion = { male = "0 1/K", female = "0 1/K" }\n',
+    ("--gap", f"{truths.GAP}mm", "--temperature", f"{truths.HOT_DEGC}degC"),
+)
+
+
 def as_readings(read: Sequence[truths.Read]) -> list[Reading]:
     """Return the readings as the loop takes them: nothing of the truth goes along."""
     return [
-        Reading(f"{i}.csv", one.kind, one.values, places=one.places, stroke=one.stroke, time_s=one.time)  # type: ignore[arg-type]
+        Reading(
+            f"{i}.csv",
+            one.kind,
+            one.values,
+            places=one.places,
+            stroke=one.stroke,
+            time_s=one.time,  # type: ignore[arg-type]
+            load=one.load,
+            temperature=one.temperature,
+        )
         for i, one in enumerate(read)
     ]
 
@@ -58,7 +74,8 @@ def posed(truth: truths.Truth, noise: float, protocols: Sequence[str], seed: int
         for one in truths.measure(truth, np.random.default_rng([seed, number, 1]), noise, protocol)
     ]
     files = as_readings(read)
-    problem = pose(told(), [(one, None) for one in files], 0.10, [])
+    model = told(*HOT) if protocols[0] == "hot" else told()
+    problem = pose(model, [(one, None) for one in files], 0.10, [])
     loud = {one.name: noise * truths.sd_of(kind) for one, kind in zip(files, read, strict=True)}
     sd = np.ones(len(problem.measured))
     for part, curve in zip(problem.readings, problem.curves, strict=False):
@@ -66,6 +83,8 @@ def posed(truth: truths.Truth, noise: float, protocols: Sequence[str], seed: int
 
     def again(what: NextMeasurement | None) -> Case:
         kind = protocols[-1] if what is None else f"next {what.details['reading']}"
+        if what is not None and "temperature_degC" in what.details:
+            kind = "next cold"
         return posed(truth, noise, [*protocols, kind], seed)
 
     return Case(problem, noise_of([(one, None) for one in files]), sd, next=again)

@@ -10,11 +10,12 @@ import pytest
 from loop import blind_press
 from loop.generators import press as caps
 
+from hyperfab.chapters.close_loop.finalise import close_rounds
 from hyperfab.chapters.close_loop.press import pose
 from hyperfab.loop.catalogue.press import DataContext
 from hyperfab.loop.catalogue.press.thickness_variation import entry
 from hyperfab.loop.press import PressProblem
-from hyperfab.loop.press_reading import variation
+from hyperfab.loop.press_reading import Changes, variation
 from hyperfab.loop.press_table import PressTable
 from hyperfab.pressing.growth import guide_line
 from hyperfab.pressing.pose import Pose
@@ -50,7 +51,7 @@ def test_the_table_moved_by_a_tilt_is_the_tilted_press() -> None:
     tilt = np.array([2e-3, -1e-3])
     pose_there = Pose(closed.pose.opening, (float(tilt[0]), float(tilt[1])), closed.pose.pivot)
     exact = closed.press.at(pose_there).closing_force
-    table = problem.summed.moved(np.array([*tilt, 0.0, 0.0, 0.0, 0.0]))
+    table = problem.summed.moved(Changes(tilt=tilt).settings)
     found = float(table.force(np.array([closed.pose.opening]))[0])
     assert abs(found - exact) < 3e-3 * exact
 
@@ -68,7 +69,7 @@ def test_the_table_moved_by_a_strain_is_the_press_of_the_grown_mold() -> None:
         return replace(press, front=front, female=press.female.moved(grown[1])).at(closed.pose).closing_force
 
     def summed(*settings: float) -> float:
-        table = problem.summed.moved(np.array([0.0, 0.0, *settings, 0.0, 0.0]))
+        table = problem.summed.moved(Changes(strain=np.array(settings)).settings)
         return float(table.force(np.array([closed.pose.opening]))[0])
 
     plain = force(0.0, 0.0)
@@ -116,3 +117,93 @@ def test_between_openings_a_cubic_is_met_and_beyond_them_the_last_one_holds() ->
     inside = np.clip(at, -2.0, 3.0)
     expected = np.stack([inside**3 - inside, 2.0 * inside**2], axis=1)
     np.testing.assert_allclose(PressTable.at(table, at, values), expected, rtol=1e-12, atol=1e-12)
+
+
+#: An entry, what looks like it, and the reading of the extras that the one moves and the other does not.
+TELLING = [
+    ("tilt", "rotation", [0.1, 0.05], "lateral-shift", "displacement", [0.2, -0.1], "mounting"),
+    ("fabric-compression", "linear", [20.0], "foam-shrinkage", "share", [0.05], "fabric"),
+    ("foam-softening", "exponential", [0.003], "foam-relaxation", "share", [0.2], "cold"),
+]
+
+
+@pytest.mark.parametrize(
+    ("one", "form", "values", "other", "simple", "like", "kind"), TELLING, ids=[row[-1] for row in TELLING]
+)
+def test_what_is_measured_next_shows_one_entry_and_not_its_look_alike(
+    one: str, form: str, values: list[float], other: str, simple: str, like: list[float], kind: str
+) -> None:
+    read = blind_press.as_readings(caps.measure(caps.Truth(()), np.random.default_rng(2), 0.0, "rich"))
+    problem = pose(blind_press.told(*blind_press.HOT), [(reading, None) for reading in read], 0.1, [])
+    own, rows = np.array([constant.value for constant in problem.own]), len(problem.measured)
+    extra = next(
+        extra.problem
+        for extra in problem.extras()
+        if (kind == "cold" and "temperature_degC" in extra.details) or extra.details["reading"] == kind
+    )
+
+    def moved(name: str, form: str, values: list[float]) -> float:
+        there = extra.predict(own, {name: (form, np.array(values))})[rows:]
+        return float(np.max(np.abs(there - extra.predict(own, {})[rows:])))
+
+    # A shift is nothing to the mounting face, thinner foam nothing to the fabrics, and softening nothing to the cold.
+    apart = moved(one, form, values), moved(other, simple, like)
+    assert min(apart) == pytest.approx(0.0, abs=1e-9 * max(apart))
+    assert max(apart) > 0.0
+
+
+def test_foam_that_is_told_by_several_laws_is_as_stiff_as_at_the_temperature_of_a_reading() -> None:
+    """Read with the molds at another temperature: between the laws, and the molds have shrunk by what they grew."""
+    laws = [
+        f'{{ law = "linear", modulus = "{stiff} MPa", temperature = "{at} degC" }}'
+        for at, stiff in ((20, 0.1), (200, 0.05))
+    ]
+    foam = "\n".join(line for line in caps.FOAM_TOML.splitlines() if not line.startswith("compression"))
+    told = blind_press.told(f"compression = [{', '.join(laws)}]\n", blind_press.HOT[1], foam=f"{foam}\n")
+    read = blind_press.as_readings(caps.measure(caps.Truth(()), np.random.default_rng(2), 0.0, "stroke"))
+    problem = pose(told, [(replace(read[0], temperature=110.0), None)], 0.1, [])
+    warmth = problem.readings[0].warmth
+    assert warmth is not None
+    assert warmth.law is not None
+    assert warmth.law.stress(0.3) == pytest.approx(0.3 * 0.075)
+    hot, here = ([float(one.strain(t)) for one in told.expansions] for t in (200.0, 110.0))
+    assert warmth.grown == pytest.approx(np.array(here) - hot)
+    assert next(e for e in problem.effects if e.id == "foam-softening").not_sought
+
+
+def test_what_stays_is_taken_off_what_the_press_pressed() -> None:
+    """Half of the strain stays: an opened press is half way between the closed one and the sandwich as it was."""
+    read = blind_press.as_readings(caps.measure(caps.Truth(()), np.random.default_rng(2), 0.0, "rich"))
+    thick = next(one for one in read if one.kind == "thickness")
+    there = [replace(thick, kind=kind) for kind in ("thickness", "formed")]
+    problem = pose(blind_press.told(), [(one, None) for one in there], 0.1, [])
+    own = np.array([one.value for one in problem.own])
+    pressed, whole, half, stretched = (
+        problem.predict(own, terms)[problem.channel == channel]
+        for channel, terms in (
+            (0, {}),
+            (1, {}),
+            (1, {"set": ("share", np.array([0.5]))}),
+            (1, {"set": ("with strain", np.array([0.5, -0.2]))}),
+        )
+    )
+    np.testing.assert_allclose(whole, 4.5, rtol=1e-12)
+    np.testing.assert_allclose(half, 0.5 * (pressed + 4.5), rtol=1e-12)
+    strain = (4.5 - pressed) / 3.5
+    np.testing.assert_allclose(stretched, 4.5 - (0.5 - 0.2 * strain) * strain * 3.5, rtol=1e-12)
+
+
+NEW = [
+    ("rich", "fabric-compression"),
+    ("gauged", "lateral-shift"),
+    ("hot", "foam-softening"),
+    ("opened", "set"),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("protocol", "effect"), NEW, ids=[row[1] for row in NEW])
+def test_a_truth_by_other_formulas_is_named(protocol: str, effect: str) -> None:
+    case = blind_press.case((effect,), 0, protocol, 1.0, 0.7)
+    _, found = close_rounds(case.problem, case.noise)
+    assert (found.verdict, found.after.ids) == ("effect", (effect,))

@@ -25,6 +25,9 @@ from hyperfab.loop.press import PressProblem
 
 #: Where the new sandwich is written.
 FOAM = ".model.foam.toml"
+#: Where a set law is written that goes with the strain.
+SET = ".model.set.csv"
+
 
 
 @dataclass
@@ -33,7 +36,7 @@ class _Draft:
 
     case, foam  what the found terms are written into: the command's words, and foam.toml as people wrote it
     told        the press as it was given, and ``problem`` what was fitted to its readings
-    files       that foam.toml reads, by suffix
+    stem        of the names of ``files`` that foam.toml reads, by suffix
     notes       what neither has a key for
     """
 
@@ -41,6 +44,7 @@ class _Draft:
     foam: dict[str, Any]
     told: Told
     problem: PressProblem
+    stem: str
     files: dict[str, bytes] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
 
@@ -51,10 +55,9 @@ def extend(
     """Return the case of the extended press, and the files it reads."""
     foam = copy.deepcopy(dict(load_toml(job.inputs.read(case.foam), case.foam)))
     _relocate(foam, os.path.dirname(case.foam), str(out.path("").parent))
-    draft = _Draft(case, foam, told, problem)
+    draft = _Draft(case, foam, told, problem, out.path("").name)
     fit = found.after.fit
     own = {one.name: float(v) for one, v in zip(problem.own, fit.x, strict=False)}
-    _stiffen(foam, own["foam.compression"])
     foam["thickness"] = f"{quantity(foam['thickness'], 'length') * own['foam.thickness']!r} mm"
     if case.gap is not None:
         draft.case = replace(draft.case, gap=max(case.gap + own.get("gap", 0.0), 0.0))
@@ -62,6 +65,7 @@ def extend(
         draft.case = replace(draft.case, force=case.force * own.get("force", 1.0))
     for name, (form, values) in fit.terms.items():
         WRITERS[name](draft, problem.effect(name).form(form).named(values))
+    _stiffen(foam, own["foam.compression"])
     draft.files[FOAM] = tomli_w.dumps(foam).encode()
     case = replace(draft.case, foam=str(out.path(FOAM)), design_gap=None)
     return Extension(case, draft.files, draft.notes)

@@ -13,21 +13,27 @@ from hyperfab.arrays import Array
 from hyperfab.cases.like import earlier
 from hyperfab.cases.press import PressCase
 from hyperfab.chapters.close_loop.domain import Given
-from hyperfab.chapters.close_loop.extended_press import FOAM, extend
+from hyperfab.chapters.close_loop.extended_press import FOAM, SET, extend
 from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, Axis, finish, stated
 from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, spread, widened
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact.command import solve
+from hyperfab.chapters.press_contact.formed import formed, read_setting
+from hyperfab.chapters.press_contact.laws import compression_law
 from hyperfab.chapters.press_contact.model import model_of, read_files
 from hyperfab.chapters.press_contact.told import Told
+from hyperfab.chapters.press_contact.warmth import column_of
 from hyperfab.chapters.rerun import Listener, check_unchanged, unchanged
+from hyperfab.documents.foam import MaterialLaw
 from hyperfab.errors import InputError, UsageError
-from hyperfab.io.csv_table import read_table
+from hyperfab.io.csv_table import Table, read_table
 from hyperfab.io.layout import Layout
+from hyperfab.io.units import quantity
+from hyperfab.loop.catalogue.press import FoamContext
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.press import PressProblem, press_problem
-from hyperfab.loop.press_reading import Kind, Reading, Setting
+from hyperfab.loop.press_reading import Kind, Reading, Setting, Warmth
 from hyperfab.loop.press_table import press_table
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.scatter import Guess, guess_of_cloud, guess_of_curve
@@ -39,14 +45,26 @@ _KINDS: dict[str, Kind] = {
     "force": "force",
     "dimensionless": "contact",
 }
-_COLUMNS = {"pressure": "stress", "contact": "dimensionless", "thickness": "length"}
+#: Columns of readings at places, their unit, and the kind of reading each is.
+_COLUMNS = {
+    "pressure": "stress",
+    "contact": "dimensionless",
+    "thickness": "length",
+    "formed thickness": "length",
+    "height": "length",
+}
+_OTHER: dict[str, Kind] = {"formed thickness": "formed", "height": "mounting"}
+#: Kinds of reading that are lengths: ``--noise`` states one for all of them.
+_LENGTHS = ("thickness", "formed", "fabric")
+#: What a dial gauge is off by [mm].
+_GAUGE = 0.01
 #: Places further off the male's front than this share of its size are of another mold.
 _OFF = 0.03
 
 
 def run(job: Job, given: Given) -> int:
     """Close the loop on a press document."""
-    out = job.opened(job.target, (*MODEL_SUFFIXES, FOAM, ".png", ".csv"))
+    out = job.opened(job.target, (*MODEL_SUFFIXES, FOAM, SET, ".png", ".csv"))
     level = stated(given.noise, tuple(_KINDS))
     made = unchanged(earlier(PressCase, given.data, given.name))
     files = read_measured(given, lambda name: read_press(job, name, given.layout))
@@ -79,33 +97,49 @@ def closed_press(job: Job, case: PressCase) -> tuple[Told, list[str]]:
     """Return the press of a case, closed, and what its files are warned of."""
     listener = Listener()
     quiet = replace(job, console=listener)
-    return solve(quiet, model_of(quiet, case, read_files(quiet, case))), listener.warnings
+    files = read_files(quiet, case)
+    setting = read_setting(quiet, case.foam, files.document)
+    model = model_of(quiet, case, files)
+    told = solve(quiet, model)
+    if setting is not None and case.dwell is not None:
+        column = column_of(quiet, model, told.closed)
+        told = replace(told, formed=formed(setting, column, case.dwell, told.closed))
+    return told, listener.warnings
 
 
 def read_press(job: Job, name: str, layout: Layout | None) -> tuple[Reading, Array | None]:
-    """Read a file of ``x, y, z`` with one of pressure, contact, thickness, or of ``stroke, force``; and its sd column.
+    """Read a file of ``x, y, z`` with one of pressure, contact, thickness, formed thickness, height, or of ``stroke,
+    force``, or of fabrics alone, ``pressure, thickness``; and its sd column.
 
     The coordinates are those of the drawing (STL).
     """
     optional = dict.fromkeys("xyz", "length") | dict(_COLUMNS) | {"stroke": "length", "force": "force"}
-    optional |= {f"{key} sd": kind for key, kind in {**_COLUMNS, "force": "force"}.items()} | {"time": "time"}
+    optional |= {f"{key} sd": kind for key, kind in {**_COLUMNS, "force": "force"}.items()}
+    optional |= {"time": "time", "temperature": "temperature"}
     table = read_table(job.inputs.read(name), name, {}, optional=optional, layout=layout)
-    time = table.columns.get("time")
+    time, temperature = table.columns.get("time"), _temperature(table, name)
     if "stroke" in table and "force" in table:
         order = np.argsort(table["stroke"], kind="stable")
         sd = spread(table, "force")
-        reading = Reading(name, "force", table["force"], stroke=table["stroke"], time_s=time).rows(order)
-        return reading, None if sd is None else sd[order]
+        reading = Reading(
+            name, "force", table["force"], stroke=table["stroke"], time_s=time, temperature=temperature
+        )
+        return reading.rows(order), None if sd is None else sd[order]
+    if "pressure" in table and "thickness" in table and "x" not in table:
+        order = np.argsort(table["pressure"], kind="stable")
+        sd = spread(table, "thickness")
+        fabrics = Reading(name, "fabric", table["thickness"], load=table["pressure"]).rows(order)
+        return fabrics, None if sd is None else sd[order]
     kinds = [kind for kind in _COLUMNS if kind in table]
     if not all(axis in table for axis in "xyz") or len(kinds) != 1:
         raise InputError(
             "is no reading of a press",
             file=name,
-            remedy='give "x [mm]", "y [mm]", "z [mm]" with one of "pressure [MPa]", "contact" or "thickness [mm]", '
-            'or "stroke [mm]" with "force [N]"',
+            remedy='give "x [mm]", "y [mm]", "z [mm]" with one of "pressure [MPa]", "contact", "thickness [mm]", '
+            '"formed thickness [mm]" or "height [mm]", or "stroke [mm]" with "force [N]"',
         )
-    kind: Kind = kinds[0]  # type: ignore[assignment]
-    values = table[kind]
+    values = table[kinds[0]]
+    kind: Kind = _OTHER.get(kinds[0], kinds[0])  # type: ignore[arg-type]
     if kind == "contact" and not np.all((values == 0.0) | (values == 1.0)):
         row = int(np.flatnonzero((values != 0.0) & (values != 1.0))[0])
         raise InputError(
@@ -113,7 +147,25 @@ def read_press(job: Job, name: str, layout: Layout | None) -> tuple[Reading, Arr
             remedy="write 1 where it touches and 0 where it does not",
         )  # fmt: skip
     places = np.stack([table[axis] for axis in "xyz"], axis=1)
-    return Reading(name, kind, values, places=places, time_s=time), spread(table, kind)
+    if kind == "mounting":
+        values = values - np.mean(values)
+    return Reading(name, kind, values, places=places, time_s=time, temperature=temperature), spread(
+        table, kinds[0]
+    )
+
+
+def _temperature(table: Table, name: str) -> float | None:
+    """Return at which temperature [degC] of the molds a file was read, from a column or the metadata."""
+    column = table.columns.get("temperature")
+    if column is None:
+        given = table.metadata.get("temperature")
+        return None if given is None else quantity(given, "temperature", key="temperature", file=name)
+    if np.ptp(column) > 1.0:
+        raise InputError(
+            f"was read between {column.min():g} and {column.max():g} degC", file=name, column="temperature",
+            remedy="give a file for each temperature of the molds",
+        )  # fmt: skip
+    return float(np.mean(column))
 
 
 def pose(
@@ -137,30 +189,35 @@ def pose_with(
     closed = told.closed
     every = [*(reading for reading, _ in files), *apart]
     travel = max((float(np.max(r.stroke)) for r in every if r.stroke is not None), default=0.0)
-    whole, summed, correction = press_table(closed, plan_of(told), travel)
+    whole, summed, correction = press_table(closed, plan_of(told), travel, _stays(told))
     placed, used = [], []
     front = Surface(closed.cold, closed.front.faces)
-    for reading in every:
-        if reading.places is None:
+    setting = setting_of(told)
+    if _foam_of(told).sets and told.formed is None and any(one.kind == "formed" for one in every):
+        raise InputError(
+            "has a law of what stays, and the press document no dwell",
+            file=told.model.case.foam, key="set", remedy="run hf press-contact with --dwell",
+        )  # fmt: skip
+    for reading in (_in_press(told, setting, one) for one in every):
+        if reading.places is None or reading.kind == "mounting":
             placed.append(reading)
             continue
         corners, weights = _on_front(front, told.frame.inward(reading.places), reading)
-        placed.append(Reading(**{**vars(reading), "corners": corners, "weights": weights}))
+        placed.append(replace(reading, corners=corners, weights=weights))
         used.append(np.unique(corners))
     spare = np.linspace(0, len(whole.foam) - 1, 80).astype(np.int64)
     chosen = np.unique(np.concatenate([spare, *used]))
     placed = [
         reading
         if reading.corners is None
-        else Reading(**{**vars(reading), "corners": np.searchsorted(chosen, reading.corners)})
+        else replace(reading, corners=np.searchsorted(chosen, reading.corners))
         for reading in placed
     ]
-    half = 0.5 * float(np.ptp(closed.case.male.vertices[:, :2], axis=0).max())
     problem = press_problem(
         (whole.of(chosen), summed, correction),
-        setting_of(told),
+        setting,
         placed[: len(files)],
-        half_mm=half,
+        foam=_foam_of(told),
         prior=prior,
         fixed=fix,
     )
@@ -177,15 +234,66 @@ def setting_of(told: Told) -> Setting:
     if case.zero_hot:
         at = float(closed.datum.at[2])
         rate = (at - case.male.mount, case.female.mount - at)
-    back = told.foam.recovery
+    fabrics, warm = told.model.files.fabrics, tuple(grown.temperature for grown in told.grown)
+    mean = 0.5 * (warm[0] + warm[1])
     return Setting(
         opening=start,
         force=case.force,
         compliance=compliance,
         zero_rate=rate,
-        recovery=None if back == 1.0 else back,
         floating=case.floating,
         thickness=told.foam.thickness,
+        fabric=(fabrics.below, fabrics.above),
+        tilt=case.tilt,
+        half_mm=0.5 * float(np.ptp(case.male.vertices[:, :2], axis=0).max()),
+        temperature=mean,
+        cold=_warmth(told, mean, told.reference) if abs(mean - told.reference) > 1.0 else None,
+    )
+
+
+def _warmth(told: Told, mean: float, temperature: float) -> Warmth:
+    """Return the press at another mean temperature [degC] of its molds than the model's, both changed alike."""
+    male, female = (
+        float(expansion.strain(grown.temperature + temperature - mean) - expansion.strain(grown.temperature))
+        for expansion, grown in zip(told.expansions, told.grown, strict=True)
+    )
+    case, document = told.model.case, told.model.files.document
+    if _foam_of(told).law_degC is not None:
+        return Warmth(temperature, (male, female))
+    quiet = Job(case.COMMAND, [], Listener())
+    laws, _ = compression_law(quiet, case.foam, document, temperature, case.dwell)
+    return Warmth(temperature, (male, female), laws.at(temperature))
+
+
+def _in_press(told: Told, setting: Setting, reading: Reading) -> Reading:
+    """Return a reading with what the molds have grown at its temperature; thickness after opening is ``formed``."""
+    if reading.kind == "thickness" and told.foam.recovery is not None and told.foam.recovery < 1.0:
+        reading = replace(reading, kind="formed")
+    if reading.kind == "mounting" and reading.places is not None:
+        return replace(reading, places=told.frame.inward(reading.places))
+    if reading.temperature is None or reading.temperature == setting.temperature:
+        return reading
+    return replace(reading, warmth=_warmth(told, setting.temperature, reading.temperature))
+
+
+def _stays(told: Told) -> Array | float:
+    """Return the share of the foam's strain that stays as the model has it, at the front; 0 where it says nothing."""
+    if told.formed is not None:
+        return told.formed.share
+    given, back = told.model.files.document.set, told.foam.recovery
+    return float(given) if isinstance(given, float) else 0.0 if back is None else 1.0 - back
+
+
+def _foam_of(told: Told) -> FoamContext:
+    """Return what the model has of the sandwich."""
+    document, fabrics = told.model.files.document, told.model.files.fabrics
+    law = document.laws[0]
+    several = len(document.laws) > 1 or isinstance(law, MaterialLaw)
+    return FoamContext(
+        fabric_mm=fabrics.thickness,
+        across=fabrics.law is not None,
+        sets=document.set is not None and not isinstance(document.set, float),
+        law_degC=None if several else told.reference if law.temperature is None else law.temperature,
     )
 
 
@@ -230,7 +338,12 @@ def noise_of(
     files: Sequence[tuple[Reading, Array | None]], level: tuple[str, float] | None = None
 ) -> Callable[[Problem, Array | None], Noise]:
     """Return what tells the noise: stated, or the sd columns, or what neighbours differ by less a prediction."""
-    if level is not None and not any(reading.kind == _KINDS[level[0]] for reading, _ in files):
+
+    def states(reading: Reading) -> bool:
+        kind = "thickness" if reading.kind in _LENGTHS else reading.kind
+        return level is not None and kind == _KINDS[level[0]]
+
+    if level is not None and not any(states(reading) for reading, _ in files):
         raise UsageError("--noise states another kind of reading than the files hold")
 
     def rows_of(problem: PressProblem, one: Reading) -> NDArray[np.int64]:
@@ -242,15 +355,17 @@ def noise_of(
         return np.asarray(rows[np.argsort(order, kind="stable")])
 
     def estimate(problem: PressProblem, one: Reading, rows: NDArray[np.int64], predicted: Array) -> Guess:
-        if one.stroke is not None:
-            return guess_of_curve(one.values, one.stroke, one.time_s)
+        along = one.load if one.stroke is None else one.stroke
+        if along is not None:
+            return guess_of_curve(one.values, along, one.time_s)
+        if one.kind == "mounting":
+            return Guess(_GAUGE, 2.0, "a dial gauge")
         assert one.places is not None
         return _cloud(one.kind, one.places, one.values, predicted[rows])
 
-    stated_of = None if level is None else _KINDS[level[0]]
     return noise_from(
         files,
-        lambda one: level[1] if level and stated_of == one.kind else None,
+        lambda one: level[1] if level and states(one) else None,
         rows_of,
         estimate,
         lambda one: one.kind,

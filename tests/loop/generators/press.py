@@ -22,11 +22,17 @@ IDS = (
     "foam-relaxation",
     "thickness-variation",
     "frame-compliance",
+    "lateral-shift",
+    "fabric-compression",
 )
+#: What the molds' other temperatures show, and what the opened press does.
+HOT, OPENED = ("foam-softening",), ("set",)
 #: What no entry of the catalogue says: a dent of the female, grit on the film, a film that saturates.
 OUTSIDE = ("dent", "grit", "saturated-film")
 MALE, FEMALE, REACH, BACK, TOP, GAP = 70.0, 80.0, 50.0, 29.0, 110.0, 3.0
 FOAM, FABRIC = 3.5, 1.0
+#: Of the molds in the press [degC]; they do not grow. The foam was tested at 20 degC.
+HOT_DEGC = 200.0
 PLATEAU, MODULUS, DENSE = 0.0045, 0.12, 0.0016
 
 
@@ -74,13 +80,17 @@ class Press:
             strain = self.male_strain * (0.9 + 0.2 * share)
             self.radius *= 1.0 + strain
             self.centre = self.centre + strain * (self.centre - np.array([0.0, 0.0, TOP]))
+        self.turn = Rotation.identity()
         if "tilt" in size:
             big, angle, _ = size["tilt"]
-            turn = Rotation.from_rotvec(
+            turn = self.turn = Rotation.from_rotvec(
                 np.radians(0.25 * big) * np.array([np.cos(angle), np.sin(angle), 0.0])
             )
             pivot = np.array([0.0, 0.0, TOP])
             self.centre = pivot + turn.apply(self.centre - pivot)
+        if "lateral-shift" in size:
+            big, angle, _ = size["lateral-shift"]
+            self.centre = self.centre + 0.5 * big * np.array([np.cos(angle), np.sin(angle), 0.0])
         self.foam = FOAM * truth.thickness * (1.0 - 0.2 * size.get("foam-shrinkage", np.zeros(3))[0])
         self.compliance = 0.006 * size.get("frame-compliance", np.zeros(3))[0]
         nodes, weights = np.polynomial.legendre.leggauss(80)
@@ -142,17 +152,52 @@ class Press:
         fade = -np.expm1(-((np.asarray(time) / (20.0 + 60.0 * share)) ** 0.8))
         return np.asarray(1.0 - min(0.5 * big, 0.8) * fade)
 
-    def pressure(self, cold: Array, opening: float) -> Array:
-        """Return the pressure (n,) before it relaxes."""
-        gap, _ = self.gap(cold, opening)
-        foam = self.thick(cold)
-        return np.asarray(self.truth.stiffness * compression((foam + FABRIC - gap) / foam))
+    def softened(self, temperature: float) -> float:
+        """Return what the foam has of its stress at 20 degC."""
+        if "foam-softening" not in self.truth.size:
+            return 1.0
+        big, _, share = self.truth.size["foam-softening"]
+        return float(
+            1.0 - min(0.5 * big, 0.8) * (max(temperature - 20.0, 0.0) / 180.0) ** (0.7 + 0.8 * share)
+        )
 
-    def force(self, opening: float) -> float:
+    def knit(self, pressure: Array) -> Array:
+        """Return the strain of fabric under pressures: van Wyk's fibres, of which ever more touch."""
+        if "fabric-compression" not in self.truth.size:
+            return np.zeros_like(pressure)
+        big, _, share = self.truth.size["fabric-compression"]
+        return np.asarray(1.0 - (1.0 + big * pressure / (0.002 + 0.004 * share)) ** (-1.0 / 3.0))
+
+    def strain(self, cold: Array, opening: float, temperature: float = HOT_DEGC) -> Array:
+        """Return the foam's strain (n,); fabric that gives way takes its part of the closing."""
+        foam, (gap, _) = self.thick(cold), self.gap(cold, opening)
+        closing = np.maximum(foam + FABRIC - gap, 0.0)
+        low, high = np.zeros(len(foam)), np.minimum(closing / foam, 0.95)
+        if "fabric-compression" not in self.truth.size:
+            return np.asarray(closing / foam)
+        for _ in range(30):
+            middle = 0.5 * (low + high)
+            stress = self.truth.stiffness * self.softened(temperature) * compression(middle)
+            over = foam * middle + FABRIC * self.knit(stress) > closing
+            low, high = np.where(over, low, middle), np.where(over, middle, high)
+        return np.asarray(0.5 * (low + high))
+
+    def pressure(self, cold: Array, opening: float, temperature: float = HOT_DEGC) -> Array:
+        """Return the pressure (n,) before it relaxes."""
+        soft = self.softened(temperature)
+        return np.asarray(self.truth.stiffness * soft * compression(self.strain(cold, opening, temperature)))
+
+    def force(self, opening: float, temperature: float = HOT_DEGC) -> float:
         """Return the closing force [N] before it relaxes."""
         _, square = self.gap(self.cap, opening)
         grown = (1.0 + self.male_strain) ** 2
-        return float(np.sum(self.pressure(self.cap, opening) * square * self.area) * grown)
+        return float(np.sum(self.pressure(self.cap, opening, temperature) * square * self.area) * grown)
+
+    def formed(self, cold: Array, opening: float) -> Array:
+        """Return the thickness (n,) once the press has opened: a share of the logarithmic strain has set."""
+        big, _, share = self.truth.size.get("set", np.zeros(3))
+        strain = self.strain(cold, opening)
+        return np.asarray(FABRIC + self.thick(cold) * (1.0 - strain) ** min(big * (0.3 + 0.5 * share), 1.0))
 
     def opening(self) -> float:
         """Return how far the set press stands from its drawing: what is known, and what the frame yields."""
@@ -173,13 +218,15 @@ class Press:
 
 @dataclass(frozen=True)
 class Read:
-    """A file: kind, values, places (n, 3) or stroke (n,), time."""
+    """A file: kind, values, places (n, 3), stroke (n,) or load (n,), time, temperature of the molds."""
 
     kind: str
     values: Array
     places: Array | None = None
     stroke: Array | None = None
     time: Array | None = None
+    load: Array | None = None
+    temperature: float | None = None
 
 
 def places(random: Generator, count: int) -> Array:
@@ -189,7 +236,15 @@ def places(random: Generator, count: int) -> Array:
 
 
 #: What a reading of each kind is off by at usual noise; pressure and force as a share of 0.006 MPa and the largest.
-_SD = {"pressure": 0.03 * 0.006, "thickness": 0.03, "force": 0.01, "contact": 0.03}
+_SD = {
+    "pressure": 0.03 * 0.006,
+    "thickness": 0.03,
+    "force": 0.01,
+    "contact": 0.03,
+    "formed": 0.03,
+    "fabric": 0.01,
+    "mounting": 0.01,
+}
 
 
 def sd_of(read: Read) -> float:
@@ -201,17 +256,18 @@ def sd_of(read: Read) -> float:
 
 def measure(truth: Truth, random: Generator, noise: float, protocol: str) -> list[Read]:
     """Return what was read: ``rich`` pressure, thickness and force over stroke with a hold; ``film`` pressure alone;
-    ``stroke`` force over stroke alone; ``next`` and a kind of reading that alone. ``noise`` is relative to 3 % of
-    pressure, 0.03 mm, 1 % of force."""
+    ``stroke`` force over stroke alone; ``next`` and a kind of reading that alone. Beside ``rich``: ``hot`` force over
+    stroke at three temperatures, ``opened`` thickness in the opened press, ``gauged`` dial gauges. ``noise`` is
+    relative to 3 % of pressure, 0.03 mm, 1 % of force."""
     press = Press(truth)
     found = []
-    rich = protocol == "rich"
-    if protocol in ("rich", "film", "next pressure"):
+    rich = protocol in ("rich", "hot", "opened", "gauged")
+    if rich or protocol in ("film", "next pressure"):
         at = places(random, 150)
         p = press.film(at, press.pressure(at, press.opening()) * press.relaxed(600.0))
         p = p + noise * _SD["pressure"] * random.standard_normal(len(at))
         found.append(Read("pressure", p, places=at, time=np.full(len(at), 600.0) if rich else None))
-    if protocol in ("rich", "next thickness", "next contact"):
+    if rich or protocol in ("next thickness", "next contact"):
         at = places(random, 120)
         gap, _ = press.gap(at, press.opening())
         whole = press.thick(at) + FABRIC
@@ -219,8 +275,33 @@ def measure(truth: Truth, random: Generator, noise: float, protocol: str) -> lis
         if protocol == "next contact":
             found.append(Read("contact", np.where(gap + off < whole, 1.0, 0.0), places=at))
         else:
-            found.append(Read("thickness", np.minimum(gap, whole) + off, places=at))
-    if protocol in ("rich", "stroke", "next force"):
+            pressed = press.thick(at) * (1.0 - press.strain(at, press.opening()))
+            knitted = FABRIC * (1.0 - press.knit(press.pressure(at, press.opening())))
+            found.append(Read("thickness", np.where(gap < whole, pressed + knitted, whole) + off, places=at))
+    if protocol in ("opened", "next formed"):
+        at = places(random, 120)
+        off = _SD["formed"] * noise * random.standard_normal(len(at))
+        found.append(Read("formed", press.formed(at, press.opening()) + off, places=at))
+    if protocol in ("gauged", "next mounting"):
+        angle = np.radians([0.0, 90.0, 180.0, 270.0])
+        at = REACH * np.stack([np.cos(angle), np.sin(angle), np.zeros(4)], axis=1)
+        turned = press.turn.apply(at)[:, 2]
+        off = _SD["mounting"] * noise * random.standard_normal(4)
+        found.append(Read("mounting", turned - turned.mean() + off, places=at))
+    if protocol == "next fabric":
+        load = np.linspace(0.0005, 0.008, 10)
+        off = _SD["fabric"] * noise * random.standard_normal(10)
+        found.append(Read("fabric", FABRIC * (1.0 - press.knit(load)) + off, load=load))
+    for temperature in (20.0, 110.0) if protocol == "hot" else (20.0,) if protocol == "next cold" else ():
+        first = press.touch()
+        stroke = np.linspace(0.05, 1.5, 40)
+        cold = np.array([press.force(first - s, temperature) for s in stroke])
+        stroke = stroke + press.compliance * cold
+        cold = cold * press.relaxed(10.0)
+        cold = cold + _SD["force"] * noise * float(cold.max()) * random.standard_normal(40)
+        time = np.full(40, 10.0) if rich else None
+        found.append(Read("force", cold, stroke=stroke, temperature=temperature, time=time))
+    if rich or protocol in ("stroke", "next force"):
         first = press.touch()
         true = np.linspace(0.05, 1.5, 40)
         forces = np.array([press.force(first - s) for s in true])
