@@ -119,6 +119,17 @@ def _vary(draft: _Draft, at: Mapping[str, float]) -> None:
         section[term] = float(section.get(term, 0.0)) + coefficient
 
 
+def _give_way(draft: _Draft, at: Mapping[str, float]) -> None:
+    """Write how the fabrics give way across."""
+    soft = at["compliance_1_MPa"]
+    if soft > 0.0:
+        draft.foam["fabric"]["compression"] = (
+            {"law": "hyperfoam", "mu": [f"{0.5 / soft!r} MPa"], "alpha": [-at["stiffening"]], "nu": [0.0]}
+            if "stiffening" in at
+            else {"law": "linear", "modulus": f"{1.0 / soft!r} MPa"}
+        )
+
+
 def _yield(draft: _Draft, at: Mapping[str, float]) -> None:
     """Let the frame yield by the model's own and what was found."""
     total = draft.problem.setting.compliance + 1e-3 * at["compliance_mm_kN"]
@@ -192,6 +203,7 @@ def _grow(draft: _Draft, at: Mapping[str, float]) -> None:
 
 #: What writes the constants of an entry, by their names, into the extended press.
 WRITERS: Mapping[str, Callable[[_Draft, Mapping[str, float]], None]] = {
+    "fabric-compression": _give_way,
     "foam-relaxation": _relax,
     "foam-shrinkage": _shrink,
     "frame-compliance": _yield,
