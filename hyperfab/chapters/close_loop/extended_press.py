@@ -20,6 +20,7 @@ from hyperfab.chapters.press_contact.told import Told
 from hyperfab.io.output import Output
 from hyperfab.io.toml_io import load_toml
 from hyperfab.io.units import quantity
+from hyperfab.loop.catalogue.press.foam_softening import FoamSoftening
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.press import PressProblem
 
@@ -27,7 +28,8 @@ from hyperfab.loop.press import PressProblem
 FOAM = ".model.foam.toml"
 #: Where a set law is written that goes with the strain.
 SET = ".model.set.csv"
-
+#: How far apart [K] laws are written at most where softening is not linear in temperature.
+_SOFTENING_STEP = 20.0
 
 
 @dataclass
@@ -130,6 +132,22 @@ def _give_way(draft: _Draft, at: Mapping[str, float]) -> None:
         )
 
 
+def _soften(draft: _Draft, at: Mapping[str, float]) -> None:
+    """Write the foam's law at the temperature it holds at, at those met, and between them."""
+    effect, setting = draft.problem.effect("foam-softening"), draft.problem.setting
+    assert isinstance(effect, FoamSoftening)
+    given = draft.foam["compression"]
+    law = dict(given[0] if isinstance(given, list) else given)
+    met = {setting.temperature, effect.law_degC}
+    met |= {one.temperature for one in draft.problem.readings if one.temperature is not None}
+    between = np.arange(min(met), max(met), _SOFTENING_STEP)
+    factor = float(law.get("factor", 1.0))
+    draft.foam["compression"] = [
+        {**law, "factor": factor * effect.left(one, at), "temperature": f"{one!r} degC"}
+        for one in sorted(met | set(between.tolist()))
+    ]
+
+
 def _yield(draft: _Draft, at: Mapping[str, float]) -> None:
     """Let the frame yield by the model's own and what was found."""
     total = draft.problem.setting.compliance + 1e-3 * at["compliance_mm_kN"]
@@ -206,6 +224,7 @@ WRITERS: Mapping[str, Callable[[_Draft, Mapping[str, float]], None]] = {
     "fabric-compression": _give_way,
     "foam-relaxation": _relax,
     "foam-shrinkage": _shrink,
+    "foam-softening": _soften,
     "frame-compliance": _yield,
     "lateral-shift": _offset,
     "thermal-expansion": _grow,
