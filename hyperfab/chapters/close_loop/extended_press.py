@@ -17,6 +17,7 @@ from hyperfab.chapters.close_loop.finalise import Extension
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact.inputs import ALUMINIUM
 from hyperfab.chapters.press_contact.told import Told
+from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
 from hyperfab.io.toml_io import load_toml
 from hyperfab.io.units import quantity
@@ -28,6 +29,8 @@ from hyperfab.loop.press import PressProblem
 FOAM = ".model.foam.toml"
 #: Where a set law is written that goes with the strain.
 SET = ".model.set.csv"
+#: A law of set that holds from the first moment on, at any temperature: its coldest row [degC], and its dwell [s].
+_COLDEST, _AT_ONCE = -200.0, 1e-6
 #: How far apart [K] laws are written at most where softening is not linear in temperature.
 _SOFTENING_STEP = 20.0
 
@@ -148,6 +151,30 @@ def _soften(draft: _Draft, at: Mapping[str, float]) -> None:
     ]
 
 
+def _set(draft: _Draft, at: Mapping[str, float]) -> None:
+    """Write the share of the strain that stays: in place of ``recovery`` where the document has that."""
+    foam, told = draft.foam, draft.told
+    back, more = told.foam.recovery, at.get("share_more", 0.0)
+    given = told.model.files.document.set
+    share = at["share"] + (1.0 - back if back is not None else given if isinstance(given, float) else 0.0)
+    least = min(max(share, 0.0), 1.0)
+    if "shrinkage" in foam:
+        foam["shrinkage"].pop("recovery", None)
+    if more == 0.0 and back is not None:
+        foam.setdefault("shrinkage", {})["recovery"] = 1.0 - least
+        return
+    foam["set"] = least
+    if more != 0.0:
+        # Straight between no strain and a whole one, but for where nothing or all of it stays.
+        bends = [round((end - share) / more, 6) for end in (0.0, 1.0)]
+        strains = sorted({0.0, 1.0, *(bend for bend in bends if 0.0 < bend < 1.0)})
+        rows = [(_COLDEST, _AT_ONCE, strain, min(max(share + more * strain, 0.0), 1.0)) for strain in strains]
+        draft.files[SET] = csv_bytes(["temperature [degC]", "dwell [s]", "strain [-]", "set [-]"], rows)
+        foam["set"] = {"table": draft.stem + SET}
+    if draft.case.dwell is None:
+        draft.notes.append("set: hf press-contact tells the formed thickness with --dwell")
+
+
 def _yield(draft: _Draft, at: Mapping[str, float]) -> None:
     """Let the frame yield by the model's own and what was found."""
     total = draft.problem.setting.compliance + 1e-3 * at["compliance_mm_kN"]
@@ -227,6 +254,7 @@ WRITERS: Mapping[str, Callable[[_Draft, Mapping[str, float]], None]] = {
     "foam-softening": _soften,
     "frame-compliance": _yield,
     "lateral-shift": _offset,
+    "set": _set,
     "thermal-expansion": _grow,
     "thickness-variation": _vary,
     "tilt": _tilt,
