@@ -14,7 +14,8 @@ from hyperfab.arrays import Array
 from hyperfab.loop.catalogue import catalogue
 from hyperfab.loop.catalogue.press import DataContext, FoamContext, PressEffect
 from hyperfab.loop.known import known, known_curve, sure, without_prior
-from hyperfab.loop.press_reading import THERE, UNITS, Changes, Kind, Reading, Setting, Warmth, variation
+from hyperfab.loop.press_extras import menu
+from hyperfab.loop.press_reading import THERE, UNITS, Changes, Reading, Setting, Warmth, variation
 from hyperfab.loop.press_table import Moved, PressTable, found_tilt, loads
 from hyperfab.loop.problem import Constant, Curve, Extra, Problem
 from hyperfab.loop.scatter import patches
@@ -27,8 +28,6 @@ _SEGMENT = 15
 #: What is known of the press beside the foam's stiffness: gap [mm], force and foam thickness (shares), zero of a
 #: stroke [mm].
 GAP_SD, FORCE_SD, THICKNESS_SD, STROKE_SD = 0.02, 0.02, 0.01, 0.02
-#: What a reading to come is off by: thickness, fabrics and mounting face [mm], an edge of contact [-].
-_LOUD = {"thickness": 0.02, "contact": 0.3, "fabric": 0.01, "mounting": 0.01}
 
 
 @dataclass
@@ -241,58 +240,18 @@ class PressProblem(Problem):
         return {one.name: one.value for one in self.own}
 
     def extras(self) -> Sequence[Extra]:
-        """Return what could be read next: pressure, thickness and contact all over the male, and force over stroke."""
-        n = len(self.places.foam)
-        some = np.linspace(0, n - 1, 80).astype(np.int64)
-        corners, weights = np.repeat(some[:, None], 3, axis=1), np.full((80, 3), 1.0 / 3.0)
-        travel = max(self.summed.first_touch - self.summed.openings[0] - 0.3, 0.1)
-        menu: list[tuple[str, Kind, float]] = [
-            ("a pressure film over the whole male, 80 places", "pressure", 0.03),
-            (
-                "the thickness of the pressed sandwich at 80 places (clay or lead between the molds)",
-                "thickness",
-                0.0,
-            ),
-            ("spotting paste over the whole male, 80 places", "contact", 0.0),
-            ("force over stroke, 40 readings from the first touch to the deepest", "force", 0.01),
-        ]
-        setting, cold = self.setting, ""
-        if not setting.floating:
-            menu.append(("dial gauges at four sides of the female's mounting face", "mounting", 0.0))
-        if sum(setting.fabric) > 0.0:
-            menu.append(
-                ("the thickness of the fabrics alone under rising pressure (ISO 5084)", "fabric", 0.0)
-            )
-        if setting.cold is not None:
-            cold = f"force over stroke with the molds at {setting.cold.temperature:g} degC"
-            menu.append((cold, "force", 0.01))
+        """Return what could be read next."""
+        loudest = {"force": self.largest_force, "pressure": float(self.places.law.stress(0.5))}
+        for one in self.readings:
+            if one.kind in loudest:
+                same = [np.max(np.abs(other.values)) for other in self.readings if other.kind == one.kind]
+                loudest[one.kind] = float(max(same))
         first = float(np.std(self.measured[self.channel == 0])) or 1.0
-        found = []
-        for text, kind, share in menu:
-            details: dict[str, object] = {"reading": kind}
-            if kind == "force":
-                reading = Reading(text, kind, np.zeros(40), stroke=np.linspace(0.02, travel, 40))
-            elif kind == "fabric":
-                load = self._largest("pressure") * np.linspace(0.1, 1.0, 10)
-                reading = Reading(text, kind, np.zeros(10), load=load)
-            elif kind == "mounting":
-                sides = setting.half_mm * np.array([[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]])
-                reading = Reading(text, kind, np.zeros(4), places=sides)
-            else:
-                reading = Reading(text, kind, np.zeros(80), corners=corners, weights=weights)
-            if text == cold and setting.cold is not None:
-                reading = replace(reading, temperature=setting.cold.temperature, warmth=setting.cold)
-                details["temperature_degC"] = setting.cold.temperature
-            # The engine takes new rows to be as loud as the old ones: they are scaled to be.
-            loud = _LOUD.get(kind) or share * max(self._largest(kind), 1e-9)
-            found.append(Extra(text, details, self.with_reading(reading, 0.03 * first / loud)))
-        return found
-
-    def _largest(self, kind: str) -> float:
-        same = [np.max(np.abs(one.values)) for one in self.readings if one.kind == kind]
-        if same:
-            return float(max(same))
-        return self.largest_force if kind == "force" else float(self.places.law.stress(0.5))
+        # The engine takes new rows to be as loud as the old ones: they are scaled to be.
+        return [
+            Extra(reading.name, details, self.with_reading(reading, 0.03 * first / loud))
+            for reading, details, loud in menu(self.setting, self.summed, self.places, loudest)
+        ]
 
     def with_reading(self, reading: Reading, scale: float = 1.0) -> PressProblem:
         """Return the problem with a further reading at its end, its rows times ``scale``."""
