@@ -172,6 +172,9 @@ blind: $(VENV)/dev
 	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind_heat 2 rich
 	for domain in press contact drape; do PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind_$$domain 2 rich || exit 1; done
 	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind_press 1 film --next
+	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind_press 2 hot foam-softening none
+	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind_press 2 opened set none
+	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind_press 2 gauged tilt lateral-shift
 	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind_contact 2 poor --next
 	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind_drape 2 poor --next
 

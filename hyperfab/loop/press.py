@@ -241,7 +241,7 @@ class PressProblem(Problem):
 
     def extras(self) -> Sequence[Extra]:
         """Return what could be read next."""
-        loudest = {"force": self.largest_force, "pressure": float(self.places.law.stress(0.5))}
+        loudest = {"force": self.largest_force, "pressure": float(np.mean(self.places.law.stress(0.5)))}
         for one in self.readings:
             if one.kind in loudest:
                 same = [np.max(np.abs(other.values)) for other in self.readings if other.kind == one.kind]
@@ -367,7 +367,7 @@ def press_problem(
     travel = max(float(summed.first_touch - setting.opening), 0.2)
     context = DataContext(
         half_mm=setting.half_mm,
-        pressure_MPa=float(whole.law.stress(0.5)),
+        pressure_MPa=float(np.mean(whole.law.stress(0.5))),
         foam=foam or FoamContext(),
         temperatures=tuple(
             sorted({setting.temperature if p.temperature is None else p.temperature for p in parts})

@@ -73,6 +73,7 @@ class PressTable:
             fabric=self.fabric[chosen],
             plan=self.plan[chosen],
             bend=self.bend[chosen],
+            law=self.law.at(lambda values: values[chosen]),
             stays=self.stays if np.ndim(self.stays) == 0 else np.asarray(self.stays)[chosen],
         )
 

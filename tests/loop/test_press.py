@@ -15,7 +15,7 @@ from hyperfab.chapters.close_loop.press import pose
 from hyperfab.loop.catalogue.press import DataContext
 from hyperfab.loop.catalogue.press.thickness_variation import entry
 from hyperfab.loop.press import PressProblem
-from hyperfab.loop.press_reading import Changes, variation
+from hyperfab.loop.press_reading import Changes, Reading, variation
 from hyperfab.loop.press_table import PressTable
 from hyperfab.pressing.growth import guide_line
 from hyperfab.pressing.pose import Pose
@@ -169,6 +169,29 @@ def test_foam_that_is_told_by_several_laws_is_as_stiff_as_at_the_temperature_of_
     hot, here = ([float(one.strain(t)) for one in told.expansions] for t in (200.0, 110.0))
     assert warmth.grown == pytest.approx(np.array(here) - hot)
     assert next(e for e in problem.effects if e.id == "foam-softening").not_sought
+
+
+def test_foam_that_is_not_equally_hot_everywhere_is_pressed_as_the_press_does_it() -> None:
+    """With a dwell each place has the law of its own temperature: thin places are warm through, thick ones are not."""
+    laws = (
+        '[{ law = "linear", modulus = "0.1 MPa", temperature = "20 degC" }, '
+        '{ law = "linear", modulus = "0.05 MPa", temperature = "200 degC" }]'
+    )
+    foam = "\n".join(line for line in caps.FOAM_TOML.splitlines() if not line.startswith("compression"))
+    warm = 'conductivity = "0.05 W/m/K"\nspecific_heat = "1045 J/kg/K"\ndensity = "30 kg/m^3"\n'
+    told = blind_press.told(
+        f"compression = {laws}\nvariation = {{ x = 0.2 }}\n{warm}",
+        (*blind_press.HOT[1], "--dwell", "2s"),
+        foam=f"{foam}\n",
+    )
+    closed, some = told.closed, np.arange(0, len(told.closed.cold), 40)
+    assert np.ptp(closed.press.sandwich.law.stress(0.3)) > 1e-4
+    read = Reading("film.csv", "pressure", np.zeros(len(some)), places=told.frame.outward(closed.cold[some]))
+    problem = pose(told, [(read, None)], 0.1, [])
+    found = problem.predict(np.array([one.value for one in problem.own]), {})
+    order = np.concatenate([part.index for part in problem.readings]).astype(int)
+    most = closed.contact.pressure.max()
+    assert found[: len(some)] == pytest.approx(closed.contact.pressure[some][order], abs=2e-3 * most)
 
 
 def test_what_stays_is_taken_off_what_the_press_pressed() -> None:

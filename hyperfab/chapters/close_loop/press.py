@@ -293,6 +293,9 @@ def _foam_of(told: Told) -> FoamContext:
         fabric_mm=fabrics.thickness,
         across=fabrics.law is not None,
         sets=document.set is not None and not isinstance(document.set, float),
+        even=told.model.case.dwell is None
+        and all(grown.celsius is None for grown in told.grown)
+        and abs(told.grown[0].temperature - told.grown[1].temperature) < 1e-9,
         law_degC=None if several else told.reference if law.temperature is None else law.temperature,
     )
 

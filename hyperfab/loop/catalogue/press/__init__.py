@@ -26,13 +26,14 @@ class PressEffect(Effect):
 @dataclass(frozen=True)
 class FoamContext:
     """What the model has of the sandwich: how thick [mm] its fabrics are, whether they give way across, whether a law
-    says what stays of the foam's strain, and at which temperature [degC] its stiffness holds; None where several are
-    told."""
+    says what stays of the foam's strain, and at which temperature [degC] its stiffness holds, None where several are
+    told; whether it is as hot at each place as both molds."""
 
     fabric_mm: float = 0.0
     across: bool = False
     sets: bool = False
     law_degC: float | None = None
+    even: bool = True
 
 
 @dataclass(frozen=True)

@@ -39,6 +39,10 @@ def entry(context: DataContext) -> PressEffect:
     reason = ""
     if law is None:
         reason = HAS_IT
+    elif not context.foam.even:
+        reason = (
+            "the foam is not equally hot everywhere: leave out --dwell, and give both molds one temperature"
+        )
     elif max(abs(one - law) for one in met) < 1.0:
         reason = "no reading was taken at another temperature than the foam's law holds at"
     far = max(abs(one - (law or 0.0)) for one in met) or 1.0
