@@ -55,21 +55,22 @@ class Posed:
     told: Told
     problem: PressProblem
     own: np.ndarray
+    hot: bool
 
 
-def posed(case: PressCase) -> Posed:
+def posed(case: PressCase, hot: bool) -> Posed:
     told, _ = closed_press(Job("press-contact", [], Console(True)), case)
     read = caps.measure(caps.Truth(()), np.random.default_rng(2), 0.0, "rich")
-    if case.temperature is not None:
+    if hot:
         more = ("next formed", "next fabric", "next mounting", "next cold")
         read += [
             one for name in more for one in caps.measure(caps.Truth(()), np.random.default_rng(3), 0.0, name)
         ]
     files = blind_press.as_readings(read)
-    if case.temperature is not None:
+    if hot:
         files.append(replace(files[-1], name="warm.csv", temperature=110.0))
     problem = pose(told, [(one, None) for one in files], 0.1, [])
-    return Posed(case, told, problem, np.array([constant.value for constant in problem.own]))
+    return Posed(case, told, problem, np.array([constant.value for constant in problem.own]), hot)
 
 
 @cache
@@ -81,7 +82,7 @@ def given(hot: bool = False, dwell: bool = False) -> Posed:
     words = [f"--{key}={folder}/{name}" for key, name in
              (("male", "male.stl"), ("female", "female.stl"), ("foam", "foam.toml"))]  # fmt: skip
     warm = ["--temperature", "200degC"] * hot + ["--dwell", "600s"] * dwell
-    return posed(read(PressCase, [*words, "--gap", f"{caps.GAP}mm", *warm]))
+    return posed(read(PressCase, [*words, "--gap", f"{caps.GAP}mm", *warm]), hot)
 
 
 def values_of(form: Form) -> np.ndarray:
@@ -101,7 +102,7 @@ def written(before: Posed, own: np.ndarray, terms: dict[str, tuple[str, np.ndarr
     for suffix, content in extension.files.items():
         Path(out.path(suffix)).write_bytes(content)
     assert isinstance(extension.case, PressCase)
-    return posed(extension.case)
+    return posed(extension.case, before.hot)
 
 
 def batches() -> list[dict[str, tuple[str, np.ndarray]]]:
