@@ -116,3 +116,23 @@ def test_the_summary_tells_the_figure_the_foam_was_judged_by(foam, hf) -> None:
     told = hf("summary", "foam.json", cwd=foam)
     assert b"rms error 0.0 % of the largest stress" in told.stderr + told.stdout
     assert b"relative rms" not in told.stderr + told.stdout
+
+
+@pytest.mark.parametrize(
+    ("heads", "told"),
+    [("displacement [mm],force [N]", True), ("compressive extension [mm],compressive force [N]", False)],
+)
+def test_a_foam_that_nothing_presses_is_told(hf, tmp_path, heads, told) -> None:
+    """A machine that counts pushing as positive without saying so: the block seems to be pulled."""
+    stretch = np.linspace(1.0, 0.5, 12)
+    rows = "\n".join(
+        f"{50.0 * (1.0 - one):.6g},{2500.0 * -stress:.6g}"
+        for one, stress in zip(stretch, COLD.stress("uniaxial", stretch), strict=True)
+    )
+    sizes = "# gauge length: 50 mm\n# width: 50 mm\n# thickness: 50 mm\n"
+    (tmp_path / "block.csv").write_text(f"{sizes}{heads}\n{rows}\n")
+    run = hf("fit", "--uniaxial", "block.csv", "--model", "hyperfoam-1", "-o", "block.json", cwd=tmp_path)
+    assert (b"no row presses the foam" in run.stderr) is told
+    if not told:
+        found = json.loads((tmp_path / "block.json").read_text())["parameters"]
+        assert found == pytest.approx(COLD.parameters, rel=1e-4)

@@ -126,6 +126,13 @@ def _whole(job: Job, readings: Readings, setting: Setting, case: FitCase) -> _Fi
         if isinstance(one, TestFigures)
     ]
     _tell_data(job, document, describe.table([*named, "test", "rel. rms", "NRMSE", "rows"], rows))
+    if case.model in ORDERS and not any(
+        (c.stretch < 1.0).any() for c in fit.curves if c.mode != "simple-shear"
+    ):
+        job.console.warn(
+            "no row presses the foam: all count as pulled, and its law in compression is a guess; where they were "
+            'pressed, let --columns or the table say so, as "compressive strain [-]" and "compressive stress [MPa]"'
+        )
     for unknown in fit.undetermined:
         job.console.note(
             f"{unknown.constant}: not told by these tests, {unknown.value:g} taken; {unknown.test} tells it"
