@@ -79,7 +79,13 @@ def table(size: int, folder: Path, peers: str) -> None:
     others = [runs[name][0]["seconds"] for name in PROGRAMS[2:] if runs[name] is not None]
     if ours is not None and others:
         print(
-            f"{'':>10} nearest and normal in 1/{min(others) / ours[0]['seconds']:.1f} of the best other's nearest\n"
+            f"{'':>10} nearest and normal in 1/{min(others) / ours[0]['seconds']:.1f} of the best other's nearest"
+        )
+    both = runs["hyperfab-2"]
+    if ours is not None and both is not None:
+        same = "the same" if np.array_equal(ours[1], both[1]) else "OTHER"
+        print(
+            f"{'':>10} two threads {ours[0]['wall'] / both[0]['wall']:.2f} times as fast as one, {same} bytes\n"
         )
 
 

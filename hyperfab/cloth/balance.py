@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from hyperfab.arrays import Array, Ints
+from hyperfab.numerics.threads import in_rows
 
 from .contact import Laid, move, settle
-from .energy import ROWS
 from .membrane import energy_of
 from .mold import Mold
 from .net import Sheet
@@ -79,11 +79,8 @@ class Balance:
 
     def move(self, now: State, d: Array, alpha: float, out: State, laid: Laid | None = None) -> None:
         """``out`` = nodes at ``now.x + alpha d``, back on the mold where they touch it; ``laid`` as at ``now``."""
-        laid = laid or self.laid()
-        n, m = self.size
-        rows = max(1, ROWS // m)
-        for i in range(0, n, rows):
-            move(now, d, alpha, self.model.mold, out, laid, i, min(i + rows, n))
+        laid, mold = laid or self.laid(), self.model.mold
+        in_rows(lambda first, last: move(now, d, alpha, mold, out, laid, first, last), *self.size)
 
     def line(self, iteration: int, alpha: float = 1.0, inner: int = 0) -> Step:
         """A line of the history."""

@@ -118,7 +118,6 @@ class Energy:
 
     def tangent(self, x: Array, floor: float, out: Tangent) -> None:
         """Tangent at x, where ``forces`` was called last; slack springs keep the stiffness ``floor`` N/mm."""
-        out.diag[:], out.off[:] = 0.0, 0.0
         stiffness(x, self.net, floor, out.diag, out.off)
         if len(self.springs):
             unjoin(self.springs, out.diag, out.off)

@@ -16,13 +16,12 @@ OY = np.array([0, 1, 1, -1])
 
 
 @inlined
-def _sandwich(q: Array, b: Array, r: Array, out: Singles) -> None:
-    """out (9) = Q B R with symmetric Q, R (6) and full B (3, 3)."""
+def _sandwich(q: Array, b: Array, r: Array, t: Array, out: Singles) -> None:
+    """out (9) = Q B R with symmetric Q, R (6) and full B (3, 3); ``t`` (3, 3) is room for Q B."""
     if q[0] + q[3] + q[5] == 3.0 and r[0] + r[3] + r[5] == 3.0:  # two free nodes
         for k in range(9):
             out[k] = b[k // 3, k % 3]
         return
-    t = np.empty((3, 3))
     for k in range(3):
         t[0, k] = q[0] * b[0, k] + q[1] * b[1, k] + q[2] * b[2, k]
         t[1, k] = q[1] * b[0, k] + q[3] * b[1, k] + q[4] * b[2, k]
@@ -34,10 +33,10 @@ def _sandwich(q: Array, b: Array, r: Array, out: Singles) -> None:
 
 
 @kernel
-def invert(diag: Singles, q: Array, inverse: Singles) -> None:
-    """Pseudo-inverse of each diagonal block on its node's subspace."""
-    n, m = q.shape[0], q.shape[1]
-    for i in range(n):
+def invert(diag: Singles, q: Array, inverse: Singles, first: int, last: int) -> None:
+    """Pseudo-inverse of each diagonal block on its node's subspace, of rows ``first:last``."""
+    m = q.shape[1]
+    for i in range(first, last):
         for j in range(m):
             rank = q[i, j, 0] + q[i, j, 3] + q[i, j, 5]
             if rank < 0.5:
@@ -152,18 +151,18 @@ def halve(  # noqa: C901
 
 
 @kernel
-def sandwich_all(q: Array, diag: Singles, off: Singles) -> None:
-    """Put the projectors of the nodes around an operator."""
+def sandwich_all(q: Array, diag: Singles, off: Singles, first: int, last: int) -> None:
+    """Put the projectors of the nodes around the blocks of rows ``first:last`` of an operator."""
     n, m = q.shape[0], q.shape[1]
-    b = np.empty((3, 3))
+    b, t = np.empty((3, 3)), np.empty((3, 3))
     o = np.empty(9, np.float32)
-    for i in range(n):
+    for i in range(first, last):
         for j in range(m):
             for k in range(6):
                 o[k] = diag[i, j, k]
             b[0, 0], b[0, 1], b[0, 2], b[1, 1], b[1, 2], b[2, 2] = o[0], o[1], o[2], o[3], o[4], o[5]
             b[1, 0], b[2, 0], b[2, 1] = b[0, 1], b[0, 2], b[1, 2]
-            _sandwich(q[i, j], b, q[i, j], o)
+            _sandwich(q[i, j], b, q[i, j], t, o)
             diag[i, j, 0], diag[i, j, 1], diag[i, j, 2] = o[0], o[1], o[2]
             diag[i, j, 3], diag[i, j, 4], diag[i, j, 5] = o[4], o[5], o[8]
             for d in range(off.shape[2]):
@@ -172,4 +171,4 @@ def sandwich_all(q: Array, diag: Singles, off: Singles) -> None:
                     for r in range(3):
                         for c in range(3):
                             b[r, c] = off[i, j, d, 3 * r + c]
-                    _sandwich(q[i, j], b, q[ni, nj], off[i, j, d])
+                    _sandwich(q[i, j], b, q[ni, nj], t, off[i, j, d])

@@ -8,6 +8,7 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.numerics.kernels import kernel
+from hyperfab.numerics.threads import in_rows
 
 from .multigrid import Multigrid, ahead, behind, project
 
@@ -32,10 +33,12 @@ class Tangent:
 
 
 @kernel
-def _apply(diag: Array, off: Array, q: Array, u: Array, out: Array) -> float:
-    total = 0.0
+def _apply(
+    diag: Array, off: Array, q: Array, u: Array, out: Array, rows: Array, first: int, last: int
+) -> None:
     s = np.empty(3)
-    for i in range(u.shape[0]):
+    for i in range(first, last):
+        total = 0.0
         for j in range(u.shape[1]):
             e, v, p = diag[i, j], u[i, j], q[i, j]
             s[0] = -(e[0] * v[0] + e[1] * v[1] + e[2] * v[2])
@@ -48,12 +51,14 @@ def _apply(diag: Array, off: Array, q: Array, u: Array, out: Array) -> float:
             o[1] = -(p[1] * s[0] + p[3] * s[1] + p[4] * s[2])
             o[2] = -(p[2] * s[0] + p[4] * s[1] + p[5] * s[2])
             total += v[0] * o[0] + v[1] * o[1] + v[2] * o[2]
-    return total
+        rows[i] = total
 
 
 def apply(k: Tangent, u: Array, out: Array) -> float:
     """out = Q K u for u = Q u; returns u . out."""
-    return float(_apply(k.diag, k.off, k.q, u, out))
+    rows = np.empty(len(u))
+    in_rows(lambda first, last: _apply(k.diag, k.off, k.q, u, out, rows, first, last), *u.shape[:2])
+    return float(rows.sum())
 
 
 @kernel

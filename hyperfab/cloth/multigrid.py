@@ -15,6 +15,7 @@ import numpy as np
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.kernels import inlined, kernel
+from hyperfab.numerics.threads import in_rows
 
 from .galerkin import OX, OY, Singles, halve, invert, sandwich_all
 
@@ -138,10 +139,13 @@ def sweep_back(inverse: Singles, off: Singles, b: Array, u: Array) -> None:
 
 
 @kernel
-def left(off: Singles, u: Array, r: Array) -> None:
-    """r = b - A u after a forward sweep from zero: each node's own equation held until the nodes after it moved."""
+def left(off: Singles, u: Array, r: Array, first: int, last: int) -> None:
+    """r = b - A u after a forward sweep from zero: each node's own equation held until the nodes after it moved.
+
+    Of rows ``first:last``.
+    """
     s = np.empty(3)
-    for i in range(u.shape[0]):
+    for i in range(first, last):
         for j in range(u.shape[1]):
             s[0], s[1], s[2] = 0.0, 0.0, 0.0
             ahead(off, u, i, j, s)
@@ -160,23 +164,28 @@ def project(q: Array, v: Array) -> None:
 
 
 @kernel
-def restrict(r: Array, pi: Ints, wi: Array, pj: Ints, wj: Array, out: Array) -> None:
-    """out += P^T r."""
+def restrict(r: Array, pi: Ints, wi: Array, pj: Ints, wj: Array, out: Array, first: int, last: int) -> None:
+    """out = P^T r, of the coarser rows ``first:last``."""
+    out[first:last] = 0.0
     for i in range(r.shape[0]):
+        if max(pi[i, 0], pi[i, 1]) < first or min(pi[i, 0], pi[i, 1]) >= last:
+            continue
         for j in range(r.shape[1]):
             for p in range(4):
                 w = wi[i, p // 2] * wj[j, p % 2]
-                if w != 0.0:
+                if w != 0.0 and first <= pi[i, p // 2] < last:
                     a, b = pi[i, p // 2], pj[j, p % 2]
                     for k in range(3):
                         out[a, b, k] += w * r[i, j, k]
 
 
 @kernel
-def prolong(e: Array, pi: Ints, wi: Array, pj: Ints, wj: Array, q: Array, u: Array) -> None:
-    """u += Q P e."""
+def prolong(
+    e: Array, pi: Ints, wi: Array, pj: Ints, wj: Array, q: Array, u: Array, first: int, last: int
+) -> None:
+    """u += Q P e, of rows ``first:last``."""
     s = np.empty(3)
-    for i in range(u.shape[0]):
+    for i in range(first, last):
         for j in range(u.shape[1]):
             s[0], s[1], s[2] = 0.0, 0.0, 0.0
             for p in range(4):
@@ -222,9 +231,13 @@ class Multigrid:
     def build(self, diag: Array, off: Array, q: Array) -> None:
         """Set up all levels for the finest operator (diagonal and forward blocks) and its projectors."""
         top = self.levels[0]
-        top.q[:], top.diag[:], top.off[:] = q, diag, off
-        sandwich_all(top.q, top.diag, top.off)
-        invert(top.diag, top.q, top.inverse)
+        top.q[:] = q
+
+        def copy(first: int, last: int) -> None:
+            top.diag[first:last], top.off[first:last] = diag[first:last], off[first:last]
+
+        in_rows(copy, *q.shape[:2])
+        _smoothed(top)
         for fine, coarse in zip(self.levels, self.levels[1:], strict=False):
             n, m = fine.q.shape[:2]
             rows, columns = injected(n), injected(m)
@@ -234,8 +247,7 @@ class Multigrid:
             coarse.diag[:] = 0.0
             coarse.off[:] = 0.0
             _in_chunks(*half, columns, coarse.diag, coarse.off)
-            sandwich_all(coarse.q, coarse.diag, coarse.off)
-            invert(coarse.diag, coarse.q, coarse.inverse)
+            _smoothed(coarse)
         self.direct = _dense_inverse(self.levels[-1])
 
     def __call__(self, r: Array, out: Array) -> None:
@@ -251,21 +263,33 @@ class Multigrid:
             u[:] = (self.direct @ b.ravel()).reshape(u.shape)
             return
         sweep_from_zero(level.inverse, level.off, b, u)
-        left(level.off, u, r)
         below = self.levels[k + 1]
-        below.vectors[0] = 0.0
-        restrict(r, *level.parents, below.vectors[0])
-        project(below.q, below.vectors[0])
+        right, found = below.vectors[:2]
+        in_rows(lambda first, last: left(level.off, u, r, first, last), *u.shape[:2])
+        in_rows(lambda first, last: restrict(r, *level.parents, right, first, last), len(right), u.shape[1])
+        project(below.q, right)
         self._cycle(k + 1)
-        prolong(below.vectors[1], *level.parents, level.q, u)
+        in_rows(lambda first, last: prolong(found, *level.parents, level.q, u, first, last), *u.shape[:2])
         sweep_back(level.inverse, level.off, b, u)
 
 
+def _smoothed(level: Level) -> None:
+    """Put the projectors around a level's operator, and invert its diagonal."""
+
+    def work(first: int, last: int) -> None:
+        sandwich_all(level.q, level.diag, level.off, first, last)
+        invert(level.diag, level.q, level.inverse, first, last)
+
+    in_rows(work, *level.q.shape[:2])
+
+
 def _in_chunks(diag: Singles, off: Singles, places: Ints, coarse_diag: Singles, coarse_off: Singles) -> None:
-    """Coarsen the first direction in calls short enough to be interrupted."""
-    chunk = max(1, 200_000 // diag.shape[1])
-    for i in range(0, len(places), chunk):
-        halve(diag, off, places, coarse_diag, coarse_off, i, min(i + chunk, len(places)))
+    """Coarsen the first direction."""
+
+    def work(first: int, last: int) -> None:
+        halve(diag, off, places, coarse_diag, coarse_off, first, last)
+
+    in_rows(work, len(places), diag.shape[1])
 
 
 def _dense_inverse(level: Level) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -10,6 +11,7 @@ import numpy.typing as npt
 
 from hyperfab.arrays import Array
 from hyperfab.numerics.kernels import inlined, kernel
+from hyperfab.numerics.threads import in_rows
 
 from .law import SpringLaw, evaluate, piecewise_linear
 
@@ -140,52 +142,65 @@ NO_FORCE = piecewise_linear([1.0, 2.0], [0.0, 0.0])
 
 
 @inlined
-def _spring(x: Array, f: Array, i: int, j: int, k: int, l: int, rest: float, area: float, law: Any) -> Any:
-    """Add a spring's force to its two nodes; (energy, force)."""
+def _spring(x: Array, i: int, j: int, k: int, l: int, rest: float, area: float, law: Any) -> Any:
+    """Return a spring's energy and its force, as a number and along x, y and z on its first node."""
     dx, dy, dz = x[k, l, 0] - x[i, j, 0], x[k, l, 1] - x[i, j, 1], x[k, l, 2] - x[i, j, 2]
     length = np.sqrt(dx * dx + dy * dy + dz * dz)
     if length <= rest:
-        return 0.0, 0.0
+        return 0.0, 0.0, 0.0, 0.0, 0.0
     w, p, _ = evaluate(length / rest, law[0], law[1], law[2])
     t = p * area
     s = t / length
-    f[i, j, 0] += s * dx
-    f[i, j, 1] += s * dy
-    f[i, j, 2] += s * dz
-    f[k, l, 0] -= s * dx
-    f[k, l, 1] -= s * dy
-    f[k, l, 2] -= s * dz
-    return w * area * rest, t
+    return w * area * rest, t, s * dx, s * dy, s * dz
 
 
 @kernel
-def forces(x: Array, net: Arrays, f: Array) -> tuple[float, float]:
-    """Spring forces and weight on every node into ``f`` (n, m, 3) N; (energy in N mm, largest spring force in N)."""
+def _forces(x: Array, net: Arrays, f: Array, energy: Array, largest: Array, first: int, last: int) -> None:
+    """Forces on the nodes of rows ``first:last``; ``energy`` and ``largest`` (n,) of the springs from each row."""
     n, m = x.shape[0], x.shape[1]
-    total, comp, largest = 0.0, 0.0, 0.0
     loaded = net.weight[n // 2, m // 2] != 0.0
-    for i in range(n):
+    f[first:last] = 0.0
+    if first > 0:
         for j in range(m):
-            f[i, j, 0], f[i, j, 1], f[i, j, 2] = 0.0, 0.0, 0.0
-    for i in range(n):
-        row = 0.0
+            _, _, a, b, c = _spring(x, first - 1, j, first, j, net.rest[0], net.warp_area[j], net.warp)
+            f[first, j, 0] -= a
+            f[first, j, 1] -= b
+            f[first, j, 2] -= c
+    for i in range(first, last):
+        total, most = 0.0, 0.0
         for j in range(m):
             if i + 1 < n:
-                e, t = _spring(x, f, i, j, i + 1, j, net.rest[0], net.warp_area[j], net.warp)
-                row += e
-                largest = max(largest, t)
+                e, t, a, b, c = _spring(x, i, j, i + 1, j, net.rest[0], net.warp_area[j], net.warp)
+                f[i, j, 0] += a
+                f[i, j, 1] += b
+                f[i, j, 2] += c
+                if i + 1 < last:
+                    f[i + 1, j, 0] -= a
+                    f[i + 1, j, 1] -= b
+                    f[i + 1, j, 2] -= c
+                total += e
+                most = max(most, t)
             if j + 1 < m:
-                e, t = _spring(x, f, i, j, i, j + 1, net.rest[1], net.weft_area[i], net.weft)
-                row += e
-                largest = max(largest, t)
+                e, t, a, b, c = _spring(x, i, j, i, j + 1, net.rest[1], net.weft_area[i], net.weft)
+                f[i, j, 0] += a
+                f[i, j, 1] += b
+                f[i, j, 2] += c
+                f[i, j + 1, 0] -= a
+                f[i, j + 1, 1] -= b
+                f[i, j + 1, 2] -= c
+                total += e
+                most = max(most, t)
             if loaded:
                 f[i, j, 2] -= net.weight[i, j]
-                row += net.weight[i, j] * x[i, j, 2]
-        y = row - comp  # Kahan's sum over the rows: energy differences matter near the end
-        s = total + y
-        comp = (s - total) - y
-        total = s
-    return total, largest
+                total += net.weight[i, j] * x[i, j, 2]
+        energy[i], largest[i] = total, most
+
+
+def forces(x: Array, net: Arrays, f: Array) -> tuple[float, float]:
+    """Spring forces and weight on every node into ``f`` (n, m, 3) N; (energy in N mm, largest spring force in N)."""
+    energy, largest = np.empty(len(x)), np.empty(len(x))
+    in_rows(lambda first, last: _forces(x, net, f, energy, largest, first, last), *x.shape[:2])
+    return math.fsum(energy), float(largest.max())  # exact: energy differences matter near the end
 
 
 @inlined
@@ -200,8 +215,13 @@ def _join(
     floor: float,
     diag: Array,
     off: Array,
+    here: bool,
+    there: bool,
 ) -> None:
-    """Add the stiffness of the spring from a node to its next along ``d``; at least ``floor`` along and across."""
+    """Add the stiffness of the spring from a node to its next along ``d``; at least ``floor`` along and across.
+
+    ``here``, ``there``: to its first node, to its second.
+    """
     k, l = (i + 1, j) if d == 0 else (i, j + 1)
     dx, dy, dz = x[k, l, 0] - x[i, j, 0], x[k, l, 1] - x[i, j, 1], x[k, l, 2] - x[i, j, 2]
     length = np.sqrt(dx * dx + dy * dy + dz * dz)
@@ -215,24 +235,37 @@ def _join(
     t = along - across
     xx, xy, xz = across + t * tx * tx, t * tx * ty, t * tx * tz
     yy, yz, zz = across + t * ty * ty, t * ty * tz, across + t * tz * tz
-    for e in (diag[i, j], diag[k, l]):
-        e[0] += xx
-        e[1] += xy
-        e[2] += xz
-        e[3] += yy
-        e[4] += yz
-        e[5] += zz
+    for e, wanted in ((diag[i, j], here), (diag[k, l], there)):
+        if wanted:
+            e[0] += xx
+            e[1] += xy
+            e[2] += xz
+            e[3] += yy
+            e[4] += yz
+            e[5] += zz
+    if not here:
+        return
     o = off[i, j, d]
     o[0], o[1], o[2], o[3], o[4], o[5], o[6], o[7], o[8] = -xx, -xy, -xz, -xy, -yy, -yz, -xz, -yz, -zz
 
 
 @kernel
-def stiffness(x: Array, net: Arrays, floor: float, diag: Array, off: Array) -> None:
-    """Tangent of all springs; ``diag`` and ``off`` come with zeros."""
+def _stiffness(x: Array, net: Arrays, floor: float, diag: Array, off: Array, first: int, last: int) -> None:
     n, m = x.shape[0], x.shape[1]
-    for i in range(n):
+    diag[first:last] = 0.0
+    off[first:last] = 0.0
+    if first > 0:
+        for j in range(m):
+            _join(x, first - 1, j, 0, net.rest[0], net.warp_area[j], net.warp, floor, diag, off, False, True)
+    for i in range(first, last):
         for j in range(m):
             if i + 1 < n:
-                _join(x, i, j, 0, net.rest[0], net.warp_area[j], net.warp, floor, diag, off)
+                inside = i + 1 < last
+                _join(x, i, j, 0, net.rest[0], net.warp_area[j], net.warp, floor, diag, off, True, inside)
             if j + 1 < m:
-                _join(x, i, j, 1, net.rest[1], net.weft_area[i], net.weft, floor, diag, off)
+                _join(x, i, j, 1, net.rest[1], net.weft_area[i], net.weft, floor, diag, off, True, True)
+
+
+def stiffness(x: Array, net: Arrays, floor: float, diag: Array, off: Array) -> None:
+    """Tangent of all springs into ``diag`` and ``off``."""
+    in_rows(lambda first, last: _stiffness(x, net, floor, diag, off, first, last), *x.shape[:2])

@@ -7,6 +7,7 @@ from scipy.sparse import csr_array
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.kernels import kernel
+from hyperfab.numerics.threads import in_rows
 from hyperfab.surface.bvh import DEPTH, nearest_one, ray_many
 
 from .energy import ROWS
@@ -97,14 +98,18 @@ def settled(
     skin = np.zeros((n, m)) if skin is None else skin
     clear, slot = known or (np.zeros((n, m)), np.full((n, m), -1))
     state = State(x.copy(), np.zeros((n, m), np.int8), slot, clear, np.zeros((n, m), np.int8))
-    rows = max(1, ROWS // m)
     fixed = sheet.fixed
-    for i in range(0, n, rows):
-        bad, depth = place(
-            state.x, mold, skin, fixed, state.contact, state.slot, state.clear, i, min(i + rows, n)
-        )
+    inside: list[tuple[float, int]] = []
+
+    def work(first: int, last: int) -> None:
+        bad, depth = place(state.x, mold, skin, fixed, state.contact, state.slot, state.clear, first, last)
         if bad >= 0:
-            raise HeldNodeInside(divmod(bad, m), depth)
+            inside.append((depth, -bad))
+
+    in_rows(work, n, m)
+    if inside:
+        depth, bad = max(inside)
+        raise HeldNodeInside(divmod(-bad, m), depth)
     return state
 
 

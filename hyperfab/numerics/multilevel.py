@@ -16,6 +16,7 @@ from scipy.sparse.linalg import splu
 
 from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
+from hyperfab.numerics.product import product
 from hyperfab.numerics.vectors import dot, norm
 
 
@@ -65,7 +66,7 @@ def conjugate_gradients(
     rho = dot(r, z)
     size = start
     for step in range(1, iterations + 1):
-        q = np.where(mask, matrix @ p, 0.0)
+        q = np.where(mask, product(matrix, p), 0.0)
         alpha = rho / dot(p, q)
         x += alpha * p
         r -= alpha * q
@@ -121,9 +122,9 @@ class TwoLevel:
     def apply(self, residual: Array) -> Array:
         """Return one symmetric V-cycle from zero."""
         z = self._smooth(residual)
-        r = residual - self._matrix @ z
+        r = residual - product(self._matrix, z)
         z += self._prolongation @ self._coarse.apply(self._restriction @ r)
-        z += self._smooth(residual - self._matrix @ z)
+        z += self._smooth(residual - product(self._matrix, z))
         return z
 
     def _smooth(self, residual: Array) -> Array:
@@ -134,7 +135,7 @@ class TwoLevel:
         sigma = self._centre / self._spread
         rho = 1.0 / sigma
         for _ in range(self._degree - 1):
-            r = residual - self._matrix @ z
+            r = residual - product(self._matrix, z)
             rho, before = 1.0 / (2.0 * sigma - rho), rho
             d = rho * before * d + (2.0 * rho / self._spread) * (self._inverse * r)
             z += d
@@ -153,7 +154,7 @@ def largest_eigenvalue(matrix: sparse.csr_matrix, inverse_diagonal: Array, steps
     value = 1.0
     for _ in range(steps):
         x /= norm(x)
-        x = inverse_diagonal * (matrix @ x)
+        x = inverse_diagonal * product(matrix, x)
         value = norm(x)
     return value
 

@@ -8,10 +8,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
+from functools import cache
 
 #: Environment variable that limits the threads of a process; workers of a study are given one each.
 LIMIT = "HYPERFAB_THREADS"
+
+#: Nodes of a grid that are worth a thread's while.
+NODES = 10_000
 
 
 def cores() -> int:
@@ -42,11 +46,27 @@ def in_blocks(work: Callable[[int, int], None], count: int, block: int) -> None:
         for first, last in blocks:
             work(first, last)
         return
-    with ThreadPoolExecutor(number) as pool:
-        waiting = [pool.submit(work, first, last) for first, last in blocks]
-        try:
-            for one in waiting:
-                one.result()
-        except BaseException:
-            pool.shutdown(wait=True, cancel_futures=True)
-            raise
+    pool = _pool(threads())
+    waiting = [pool.submit(work, first, last) for first, last in blocks]
+    try:
+        for one in waiting:
+            one.result()
+    finally:
+        for one in waiting:
+            one.cancel()
+        wait(waiting)
+
+
+def in_rows(work: Callable[[int, int], None], rows: int, columns: int) -> None:
+    """Call ``work(first, last)`` for the rows of a grid in blocks of some ``NODES`` nodes, side by side.
+
+    Where a node's sum takes from the row before, the block computes that row's part anew: then the order of the
+    additions, and with it the bits, do not depend on the blocks either.
+    """
+    in_blocks(work, rows, max(1, NODES // columns))
+
+
+@cache
+def _pool(number: int) -> ThreadPoolExecutor:
+    """Threads that stay: to begin them takes as long as a small block."""
+    return ThreadPoolExecutor(number)

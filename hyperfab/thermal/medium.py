@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hyperfab.arrays import Array, Ints
+from hyperfab.numerics.product import product
 from hyperfab.thermal import elements
 from hyperfab.thermal.assembly import Pattern
 from hyperfab.thermal.mesh import HeatMesh
@@ -113,7 +114,7 @@ class Medium:
 
     def stored(self, temperature: Array) -> Array:
         """Return the nodal heat content (n,) [J], counted from 0 degC; its sum is the heat in the body."""
-        heat = self.pattern.matrix(self._storing) @ temperature
+        heat = product(self.pattern.matrix(self._storing), temperature)
         for part, nodes, found, at in self._points(self._c_elements, temperature):
             material = self.materials[part]
             density = material.density * material.specific_heat.integral(at)

@@ -19,6 +19,7 @@ from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
 from hyperfab.numerics.aggregation import hierarchy
 from hyperfab.numerics.multilevel import Direct, Preconditioner, TwoLevel, conjugate_gradients
+from hyperfab.numerics.product import product
 from hyperfab.numerics.vectors import dot, norm
 from hyperfab.thermal.assembly import Pattern
 from hyperfab.thermal.condition import Condition
@@ -130,7 +131,7 @@ class HeatModel:
         """Return the heat flow to each node (n,) [W]."""
         # A uniform temperature conducts nothing; taking one off keeps its rounding out of the account of heat.
         level = 0.5 * (float(temperature.min()) + float(temperature.max()))
-        total = -(self.pattern.matrix(self.medium.conduction(temperature)) @ (temperature - level))
+        total = -product(self.pattern.matrix(self.medium.conduction(temperature)), temperature - level)
         for condition in self.conditions:
             total += condition.flow(time, temperature)
         return total
@@ -169,7 +170,7 @@ class HeatModel:
             if step == 0 or not self.linear:
                 residual = self._residual(time, interval, storage, target, temperature)
             else:
-                residual = np.where(self.free, residual - matrix @ change, 0.0)
+                residual = np.where(self.free, residual - product(matrix, change), 0.0)
             size = norm(residual)
             if step == 0:
                 goal = max(RESIDUAL * (size if reference is None else reference), ROUNDING * scale)

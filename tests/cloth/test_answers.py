@@ -22,7 +22,7 @@ def laid(change, n: int = 4, m: int = 3, **options):
     found = drape(sheet, FAR)
     x = found.state.x.copy()
     x[:] = change(sheet.flat())
-    return sheet, found, answers(sheet, FAR, replace(found, state=replace(found.state, x=x)))
+    return sheet, found, answers(sheet, FAR, replace(found, state=found.state._replace(x=x)))
 
 
 def columns_at(*places: float):

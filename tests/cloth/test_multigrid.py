@@ -63,7 +63,7 @@ def test_what_a_sweep_from_zero_leaves_is_the_residual(sheared):
     b = np.random.default_rng(2).normal(size=(7, 6, 3))
     u, r = np.full_like(b, np.nan), np.empty_like(b)
     sweep_from_zero(level.inverse, level.off, b, u)
-    left(level.off, u, r)
+    left(level.off, u, r, 0, len(u))
     exact = b.ravel() - dense(level) @ u.ravel()
     assert np.abs(r.ravel() - exact).max() <= 1e-5 * np.abs(b).max()
 
@@ -77,5 +77,5 @@ def test_a_block_between_nodes_on_their_planes_is_q_b_r():
         normal = rng.standard_normal(3)
         planes.append(np.eye(3) - np.outer(normal, normal) / (normal @ normal))
     six = [plane[[0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2]] for plane in planes]
-    getattr(_sandwich, "py_func", _sandwich)(six[0], block, six[1], out)
+    getattr(_sandwich, "py_func", _sandwich)(six[0], block, six[1], np.empty((3, 3)), out)
     np.testing.assert_allclose(out.reshape(3, 3), planes[0] @ block @ planes[1], rtol=1e-5, atol=1e-6)
