@@ -38,6 +38,38 @@ def dependence(residual: Array, states: Mapping[str, Array]) -> dict[str, float]
     return dict(sorted(found.items(), key=lambda item: -item[1]))
 
 
+def period(residual: Array, time: Array) -> tuple[float, float] | None:
+    """Return the period [s] of what swings in a residual (n,) over ``time`` (n,), and its share of the squares.
+
+    None where no sine, beside what changes slowly, carries half of it. Two to sixty periods are looked for, of four
+    readings at least, by least squares at each frequency (Lomb 1976), so that the times need not be even.
+
+    >>> time = np.linspace(0.0, 40.0, 200)
+    >>> round(period(np.sin(2.0 * np.pi * 0.11 * time + 0.3), time)[0], 1)
+    9.1
+    """
+    known = np.isfinite(time)
+    at, left = time[known], residual[known]
+    span = float(np.ptp(at)) if len(at) else 0.0
+    if len(at) < 16 or span <= 0.0 or np.any(np.diff(at) < 0.0):
+        return None
+    at = (at - at[0]) / span
+    slow = np.vander(at, 4)
+    beside = left - slow @ np.linalg.lstsq(slow, left, rcond=None)[0]
+    total = float(beside @ beside)
+
+    def share(turns: float) -> float:
+        wave = np.column_stack([slow, np.sin(2.0 * np.pi * turns * at), np.cos(2.0 * np.pi * turns * at)])
+        rest = left - wave @ np.linalg.lstsq(wave, left, rcond=None)[0]
+        return 1.0 - float(rest @ rest) / max(total, 1e-300)
+
+    coarse = np.arange(2.0, min(60.0, len(at) / 4.0), 1.0 / 6.0)
+    near = max(coarse, key=share)
+    turns = max(np.linspace(near - 0.15, near + 0.15, 31), key=share)
+    carried = share(turns) * total / max(float(left @ left), 1e-300)
+    return (span / float(turns), carried) if carried > 0.5 else None
+
+
 def suggestion(
     residual: Array, sd: Array, states: Mapping[str, Array], reach: int = 3
 ) -> tuple[str, float] | None:
@@ -52,7 +84,8 @@ def suggestion(
         if not np.all(known) or len(np.unique(values)) < 2:
             continue
         middle, half = (values.max() + values.min()) / 2.0, (values.max() - values.min()) / 2.0
-        scaled[f"({name} - {middle:.4g})/{half:.3g}"] = (values - middle) / half
+        sign = "-" if middle >= 0.0 else "+"
+        scaled[f"({name} {sign} {abs(middle):.3g})/{half:.2g}"] = (values - middle) / half
     names = list(scaled)
     for name in names:
         columns[name] = scaled[name]
@@ -82,7 +115,7 @@ def suggestion(
     if not chosen:
         return None
     text = " ".join(
-        f"{value:+.3g}{' ' + labels[index] if labels[index] else ''}"
+        f"{value:+.2g}{' ' + labels[index] if labels[index] else ''}"
         for value, index in zip(coefficients, chosen, strict=True)
     )
     return text, 1.0 - best / total

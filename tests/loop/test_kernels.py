@@ -15,7 +15,7 @@ from scipy.stats import f as fisher
 from scipy.stats import norm
 
 from hyperfab.arrays import Array
-from hyperfab.loop.dependence import dependence, suggestion
+from hyperfab.loop.dependence import dependence, period, suggestion
 from hyperfab.loop.fitting import fit, inverse
 from hyperfab.loop.heldout import HeldOut, Help, forecast, help_of, leave_curves_out
 from hyperfab.loop.judge import (
@@ -317,6 +317,28 @@ def test_a_suggestion_is_the_formula_that_is_there() -> None:
     assert text.startswith(("+0.5 ", "+0.49", "+0.50"))
     assert text.count("(") == 2
     assert suggestion(0.01 * rng.standard_normal(300), np.full(300, 0.01), {"a": a, "b": b}) is None
+
+
+@pytest.mark.parametrize("hertz", [0.06, 0.11, 0.9])
+def test_what_swings_is_told_with_its_period(hertz: float) -> None:
+    rng = np.random.default_rng(3)
+    time = np.sort(rng.uniform(0.0, 40.0, 300))
+    drift = 0.3 * (time / 40.0) ** 2
+    swing = np.sin(2.0 * np.pi * hertz * time + 1.0) + 0.2 * rng.standard_normal(300)
+    found = period(swing + drift, time)
+    assert found is not None
+    assert found[0] == pytest.approx(1.0 / hertz, rel=0.02)
+    assert 0.5 < found[1] < 1.0
+    assert period(rng.standard_normal(300), time) is None
+    assert period(drift, time) is None
+    assert period(swing, np.full(300, np.nan)) is None
+
+
+def test_a_hint_has_short_numbers_and_plain_signs() -> None:
+    rate = np.linspace(-3.91402, -0.91402, 200)
+    found = suggestion(0.000183777 * (rate + 2.41402) / 1.5, np.full(200, 1e-6), {"log rate": rate})
+    assert found is not None
+    assert found[0] == "+0.00018 (log rate + 2.41)/1.5"
 
 
 def test_a_forecast_weighs_what_is_known_beforehand_against_the_noise_as_the_fit_does() -> None:

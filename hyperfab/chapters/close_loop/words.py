@@ -8,6 +8,7 @@ import numpy as np
 
 from hyperfab.chapters.close_loop.tentative import caution
 from hyperfab.documents.loop import Errors, LoopDocument, Misfit, NoiseFigures
+from hyperfab.loop.dependence import period
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.problem import HAS_IT, Problem
 
@@ -169,7 +170,10 @@ def _unexplained(problem: Problem, found: Finding, document: LoopDocument) -> li
     ]
     lines.append(_where(problem, found))
     if document.residual.suggestion:
-        lines.append(f"A hint, not a law: residual [{document.error.unit}] ~ {document.residual.suggestion}")
+        left, share = document.residual, document.residual.suggestion_share or 0.0
+        lines.append(
+            f"A hint, not a law: {share:.0%} of what is left [{document.error.unit}] goes as {left.suggestion}"
+        )
     return lines
 
 
@@ -181,7 +185,16 @@ def _where(problem: Problem, found: Finding) -> str:
     share = float(np.sum(square[worst.rows])) / max(float(np.sum(square)), 1e-300)
     at = int(np.argmax(square[worst.rows]))
     places = worst.places
-    return f"Most of it ({share:.0%}) is in {worst.name}, there most in row {at + 1} of {len(places)}."
+    told = f"Most of it ({share:.0%}) is in {worst.name}, there most in row {at + 1} of {len(places)}"
+    times = np.full(len(square), np.nan)
+    if "time_s" in problem.states:
+        times[problem.channel == 0] = problem.states["time_s"]
+    swing = period(found.after.fit.residual[worst.rows], times[worst.rows])
+    return (
+        f"{told}."
+        if swing is None
+        else f"{told}; it swings there once in {swing[0]:.3g} s ({swing[1]:.0%} of it)."
+    )
 
 
 def _at_bounds(found: Finding) -> list[str]:
