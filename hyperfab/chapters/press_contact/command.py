@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from hyperfab.cases.press import PressCase
+from hyperfab.chapters.fabric import FabricDocument
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact import nearby
 from hyperfab.chapters.press_contact.compensation import compensate
@@ -28,7 +29,6 @@ from hyperfab.documents.material import MaterialDocument
 from hyperfab.documents.press import PressDocument
 from hyperfab.errors import InputError, NotConverged, UsageError
 from hyperfab.io.inputs import Inputs
-from hyperfab.materials.hyperfoam import Hyperfoam
 from hyperfab.pressing.closing import Closed
 from hyperfab.pressing.mold import PressFrame
 
@@ -162,7 +162,7 @@ def _tell_held(job: Job, path: str, fitted: MaterialDocument, strain: float) -> 
         or "volumetric" in (fitted.tested or {})
     ):
         return
-    law = Hyperfoam.of(fitted.constants())
+    _, law = FabricDocument(fitted, path).foams()[0]
     held, free = (
         abs(float(law.stress(test, [1.0 - strain])[0])) for test in ("confined-compression", "uniaxial")
     )
