@@ -141,6 +141,15 @@ def close_press(case: Case) -> Closed:
     )
 
 
+def press_again(closed: Closed, sandwich: Sandwich) -> Closed:
+    """Press a sandwich of the same thickness by another law: closed anew only where the position hangs on it."""
+    case = replace(closed.case, sandwich=sandwich)
+    if case.force is not None or case.frame is not None or case.floating:
+        return close_press(case)
+    press = replace(closed.press, sandwich=sandwich.of_vertices(closed.front.of_mold))
+    return replace(closed, case=case, press=press, contact=press.at(closed.pose))
+
+
 def _pose(case: Case, press: Press) -> Pose:
     opening = 0.0 if case.force is None else press.opening_for(case.force)
     start = replace(press.base, opening=opening)

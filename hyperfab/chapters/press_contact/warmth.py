@@ -15,7 +15,7 @@ from hyperfab.documents.press import WarmingPart
 from hyperfab.errors import InputError, NotConverged
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.inputs import Inputs
-from hyperfab.pressing.closing import Closed, close_press
+from hyperfab.pressing.closing import Closed, close_press, press_again
 from hyperfab.pressing.curved import barycentric
 from hyperfab.pressing.gap import vertex_areas
 from hyperfab.pressing.warming import Column
@@ -88,7 +88,7 @@ def settled(job: Job, model: Model) -> Closed:
         celsius = np.full(len(model.closing.male.vertices), there.mean())
         celsius[closed.front.of_mold] = there
         sandwich = replace(model.closing.sandwich, law=laws.at(celsius))
-        closed, before = close_press(replace(model.closing, sandwich=sandwich)), there
+        closed, before = press_again(closed, sandwich), there
     else:
         raise NotConverged(
             "the foam's temperature and its pressing do not settle on each other",
