@@ -17,7 +17,8 @@ from hyperfab.numerics.kernels import kernel, part
 from hyperfab.surface.bvh import DEPTH, nearest_one, ray_one
 
 from .creases import over_edge
-from .features import beside, copy, decide, dot, edge_reached, outward, sharp_edge_at, unfold, valley
+from .features import FLAT, borne, copy, dot, edge_reached, outward, unfold, valley
+from .landing import landed, ridge_at, sharp_edge_at
 from .mold import FREE, ON_FACE, SHARP, Mold
 from .net import Arrays
 from .pinning import pinned
@@ -59,7 +60,7 @@ def move(  # noqa: C901
     bent, ways, hinges = laid
     m = x.shape[1]
     stack, stack_d = np.empty(DEPTH, np.int64), np.empty(DEPTH)
-    y, u = np.empty(3), np.empty(3)
+    y, u, begin = np.empty(3), np.empty(3), np.empty(3)
     size = 0.0
     for k in range(3):
         size += (mold.bounds[0, 3 + k] - mold.bounds[0, k]) ** 2
@@ -135,16 +136,18 @@ def move(  # noqa: C901
                     state_t[i, j], clear_t[i, j] = FREE, away
                     continue
             elif state[i, j] == FREE and way > long:
-                # A long step may lead through the mold: the node stops where it meets it.
+                # A long step may lead through the mold: the node stops where it meets it, beyond where it is.
                 for k in range(3):
                     u[k] = y[k] - x[i, j, k]
+                    begin[k] = x[i, j, k] + 1e-9 / way * u[k]
                 t, met = ray_one(
-                    x[i, j], u, near, mold.corners, mold.bounds, mold.right, mold.start, mold.number, stack
+                    begin, u, near, mold.corners, mold.bounds, mold.right, mold.start, mold.number, stack
                 )
-                if t < 1.0 and t * way > 1e-9 and (not inside or away > 0.1 * way):
+                if t < 1.0 and (not inside or away > 0.1 * way):
                     for k in range(3):
-                        xt[i, j, k] = x[i, j, k] + t * u[k]
-                    state_t[i, j], slot_t[i, j], clear_t[i, j] = ON_FACE, met, 0.0
+                        xt[i, j, k] = begin[k] + t * u[k]
+                    slot_t[i, j], clear_t[i, j] = met, 0.0
+                    state_t[i, j] = ON_FACE + ridge_at(mold, met, xt[i, j], xt[i, j])
                     continue
             slot_t[i, j] = near
             if not turned and state[i, j] == FREE and not inside:
@@ -156,8 +159,7 @@ def move(  # noqa: C901
                 slot_t[i, j] = slot[i, j]
                 continue
             xt[i, j, 0], xt[i, j, 1], xt[i, j, 2] = cx, cy, cz
-            if feature > 3 and beside(mold, near, feature, xt[i, j]):
-                feature = 0
+            feature = landed(mold, near, feature, y, xt[i, j])
             if feature == 0 and mold.creases.corners.shape[0] > 0:
                 feature = 1 + sharp_edge_at(mold, near, xt[i, j])
             state_t[i, j], clear_t[i, j] = ON_FACE + feature, 0.0
@@ -231,6 +233,8 @@ def settle(
                 r[i, j, 0], r[i, j, 1], r[i, j, 2] = 0.0, 0.0, 0.0
                 continue
             s = int(state[i, j])
+            if s > ON_FACE and s <= ON_FACE + 3 and abs(mold.turn[slot[i, j], s - ON_FACE - 1]) <= FLAT:
+                s = ON_FACE
             if s == ON_FACE:
                 if before[i, j] != slot[i, j] and before[i, j] >= 0:
                     e = valley(mold, x[i, j], f[i, j], slot[i, j], before[i, j], u, t)
@@ -245,9 +249,8 @@ def settle(
                 s = pinned(mold, net, x, f, i, j, slot, s, bent, ways, hinges, slack)
                 moved += 1 if s != state[i, j] else 0
             elif s > ON_FACE:
-                s, slot[i, j] = decide(mold, x[i, j], f[i, j], slot[i, j], s, slots, t, u)
-                if s == ON_FACE and dot(f[i, j], mold.normals[slot[i, j], 0]) > slack:
-                    s = FREE
+                s, slot[i, j], off = borne(mold, x[i, j], f[i, j], slot[i, j], s, slack, slots, t, u)
+                moved += off
             if s == FREE and state[i, j] != FREE:
                 changed += 1
                 clear[i, j] = 0.0

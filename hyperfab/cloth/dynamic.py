@@ -18,6 +18,7 @@ from hyperfab.numerics.kernels import kernel
 from .balance import Balance
 from .linear import Tangent
 from .march import march
+from .mirror import even
 from .mold import Mold
 from .net import Sheet
 from .state import Equilibrium, State, Step
@@ -95,6 +96,7 @@ def swing(
             begin(now)
             kinetic = _push(balance.r, balance.q, 2.0 * mass, v)
         last = kinetic
+        even(v, balance.r, balance.q, balance.worst)
         return v
 
     unfinished = "no equilibrium within the allowed steps"

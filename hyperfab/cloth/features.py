@@ -11,11 +11,15 @@ from hyperfab.numerics.kernels import part
 
 from .mold import FREE, ON_FACE, SHARP, Mold
 
-#: How far in mm a node that lands on a sharp edge or corner is put beside it, onto one of the facets.
-BESIDE = 1e-6
 #: Passes over the normals of a tip, how near to their cone a force counts as in it, and what rounding makes of a force
 #: across a normal, both as a share of the force. Normals of a blunt tip tell what lacks only by a small angle.
 PASSES, CLOSE, ROUNDING = 60, 1e-9, 1e-13
+#: Forces along two facets whose sizes differ by this share are as large.
+EVEN = 1e-6
+#: How far in mm a node that lands on a sharp edge or corner is put beside it, onto one of the facets.
+BESIDE = 1e-6
+#: Facets that turn by less (rad) are one.
+FLAT = 1e-6
 #: A step that ends within this many mm of a sharp edge ends on it.
 ON_EDGE = 3e-7
 
@@ -151,9 +155,10 @@ def _facets_at(mold: Mold, slot: int, state: int, out: Ints) -> int:
 
 
 @part
-def _follow(mold: Mold, slots: Ints, count: int, x: Array, r: Array, t: Array, u: Array) -> int:
-    """Facet along which a node at x, on the rim of all of them, can follow the force r best; -1: none."""
-    best, found = 0.0, -1
+def _follow(mold: Mold, slots: Ints, count: int, x: Array, r: Array, t: Array, u: Array) -> tuple[int, int]:
+    """Facet along which a node at x, on the rim of all of them, can follow the force r best, and one that is as good;
+    -1: none."""
+    best, found, second = 0.0, -1, -1
     for c in range(count):
         s = slots[c]
         n = mold.normals[s, 0]
@@ -163,7 +168,7 @@ def _follow(mold: Mold, slots: Ints, count: int, x: Array, r: Array, t: Array, u
         for k in range(3):
             t[k] = r[k] - rn * n[k]
         length = np.sqrt(dot(t, t))
-        if length <= best:
+        if length <= (1.0 - EVEN) * best:
             continue
         size = 0.0
         for k in range(3):
@@ -175,16 +180,18 @@ def _follow(mold: Mold, slots: Ints, count: int, x: Array, r: Array, t: Array, u
             off = (x[0] - a[0]) * u[0] + (x[1] - a[1]) * u[1] + (x[2] - a[2]) * u[2]
             if off > -1e-9 * size and dot(t, u) > 0.0:
                 inward = False
-        if inward:
-            best, found = length, s
-    return found
+        if inward and length > (1.0 + EVEN) * best:
+            best, found, second = length, s, -1
+        elif inward:
+            second = s
+    return found, second
 
 
 @part
-def decide(
-    mold: Mold, x: Array, r: Array, slot: int, state: int, slots: Ints, t: Array, u: Array
+def _decide(
+    mold: Mold, x: Array, r: Array, slot: int, state: int, slack: float, slots: Ints, t: Array, u: Array
 ) -> tuple[int, int]:
-    """State and slot of a node on an edge or vertex under the force r."""
+    """State and slot of a node on an edge or vertex under the force r; ``slack`` N across it are none."""
     count = _facets_at(mold, slot, state, slots)
     # Along an edge the node is free to slide: only the force across it is judged.
     copy(r, u)
@@ -197,9 +204,17 @@ def decide(
             u[k] = r[k] - s * t[k]
     across = np.empty(3)
     copy(u, across)
-    if _in_cone(mold, slots, count, across, t):
+    if _in_cone(mold, slots, count, across, t) or dot(t, t) <= slack * slack:
         return state, slot
-    face = _follow(mold, slots, count, x, r, t, u)
+    face, second = _follow(mold, slots, count, x, r, t, u)
+    for e in range(3):
+        if (
+            second >= 0
+            and state > ON_FACE + 3
+            and mold.twins[face, e] == second
+            and mold.turn[face, e] > FLAT
+        ):
+            return ON_FACE + 1 + e, face  # down either facet alike: along the ridge between them
     if face >= 0:
         return ON_FACE, face
     pulled = True  # outward of every facet of a valley, or of one facet of a ridge
@@ -210,6 +225,28 @@ def decide(
     if mold.turn[slot, state - ON_FACE - 1] > 0.0:
         return FREE, slot
     return state, slot
+
+
+@part
+def _step_off(mold: Mold, slot: int, feature: int, onto: int, x: Array) -> int:
+    """1 where a node that leaves a sharp corner (``feature`` of ``slot``) for the facet ``onto`` is put beside it."""
+    corner = mold.vertex[slot, feature - 4]
+    for e in range(3):
+        if mold.vertex[onto, e] == corner and beside(mold, onto, 4 + e, x):
+            return 1
+    return 0
+
+
+@part
+def borne(
+    mold: Mold, x: Array, r: Array, slot: int, state: int, slack: float, slots: Ints, t: Array, u: Array
+) -> tuple[int, int, int]:
+    """State and slot of a node on an edge or vertex under the force r; 1 where it is put off a sharp corner, else 0."""
+    s, onto = _decide(mold, x, r, slot, state, slack, slots, t, u)
+    off = _step_off(mold, slot, state - ON_FACE, onto, x) if state > ON_FACE + 3 and s == ON_FACE else 0
+    if s == ON_FACE and dot(r, mold.normals[onto, 0]) > slack:
+        s = FREE
+    return s, onto, off
 
 
 @part
@@ -279,17 +316,3 @@ def beside(mold: Mold, slot: int, feature: int, x: Array) -> bool:
     for k in range(3):
         x[k] += share * ((tri[0, k] + tri[1, k] + tri[2, k]) / 3.0 - x[k])
     return True
-
-
-@part
-def sharp_edge_at(mold: Mold, slot: int, x: Array) -> int:
-    """Sharp edge of a facet on which a node of the facet lies but for rounding; -1: none."""
-    u = np.empty(3)
-    for e in range(3):
-        if mold.turn[slot, e] > SHARP:
-            outward(mold, slot, e, u)
-            a = mold.corners[slot, e]
-            off = (x[0] - a[0]) * u[0] + (x[1] - a[1]) * u[1] + (x[2] - a[2]) * u[2]
-            if abs(off) < ON_EDGE:
-                return e
-    return -1

@@ -9,6 +9,7 @@ import numpy as np
 from .balance import Balance
 from .friction import Friction
 from .linear import Solver, Tangent, dot
+from .mirror import even
 from .mold import Mold
 from .net import Sheet
 from .state import Equilibrium, State, Step
@@ -78,6 +79,7 @@ def equilibrium(
         forcing = min(0.1, max(forcing, 0.3 * tolerance / relative))
         relative_old = relative
         solver(tangent, balance.r, d, forcing)
+        even(d, balance.r, balance.q, balance.worst)
         inner, slope = solver.iterations, dot(balance.r, d)
         energy = balance.energy
         alpha, laid, stops = longest, balance.laid(), False

@@ -11,7 +11,7 @@ from hyperfab.numerics.threads import in_rows
 from hyperfab.surface.bvh import DEPTH, nearest_one, ray_many
 
 from .energy import ROWS
-from .features import beside
+from .landing import landed
 from .mold import FREE, ON_FACE, Mold, States
 from .net import Sheet, Z
 from .state import State
@@ -39,7 +39,7 @@ def place(
     """
     stack, stack_d = np.empty(DEPTH, np.int64), np.empty(DEPTH)
     hint = np.int64(-1)  # a literal would make the search compile twice
-    bad, deepest = -1, 0.0
+    bad, deepest, y = -1, 0.0, np.empty(3)
     for i in range(first, last):
         for j in range(x.shape[1]):
             p = x[i, j]
@@ -71,10 +71,9 @@ def place(
                 if inside and distance > 1e-9 and distance > deepest:
                     bad, deepest = i * x.shape[1] + j, distance
             elif inside or distance <= skin[i, j]:
+                y[0], y[1], y[2] = p[0], p[1], p[2]
                 p[0], p[1], p[2] = cx, cy, cz
-                if feature > 3 and beside(mold, near, feature, p):
-                    feature = 0
-                contact[i, j], clear[i, j] = ON_FACE + feature, 0.0
+                contact[i, j], clear[i, j] = ON_FACE + landed(mold, near, feature, y, p), 0.0
     return bad, deepest
 
 

@@ -1,0 +1,68 @@
+"""A sheet on a mold that is its own mirror image rests as its own, though ridges lie in the plane between."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hyperfab.cloth import Sheet, answers, drape, mold_of, tabulate
+from hyperfab.cloth.dynamic import swing
+from hyperfab.cloth.start import lowered
+from hyperfab.surface import Surface
+
+SOFT = tabulate(lambda lam: (0.4 * (lam - lam**-2), 0.4 * (1 + 2 * lam**-3)), 4.0)
+
+
+def cone(sections: int, begin: float, half_angle: float) -> tuple[Surface, float]:
+    """A cone 60 mm in radius and its height, in single precision; its first ridge ``begin`` facets off the x axis."""
+    angle, k = 2.0 * np.pi * (np.arange(sections) + begin) / sections, np.arange(sections)
+    ring = 60.0 * np.column_stack([np.cos(angle), np.sin(angle), 0.0 * angle])
+    height, on = 60.0 / np.tan(np.radians(half_angle)), (k + 1) % sections
+    top, foot = 0 * k + sections, 0 * k + sections + 1
+    points = np.vstack([ring, [[0.0, 0.0, height], [0.0, 0.0, 0.0]]]).astype(np.float32).astype(float)
+    return Surface(points, np.vstack([np.column_stack([k, on, top]), np.column_stack([on, k, foot])])), height
+
+
+def unevenness(x):
+    return max(
+        np.abs(image - x).max() for image in (x[::-1] * [-1.0, 1.0, 1.0], x[:, ::-1] * [1.0, -1.0, 1.0])
+    )
+
+
+@pytest.mark.parametrize("begin", [0.0, 0.5])  # ridges in the planes between the halves, or facets
+@pytest.mark.parametrize(
+    ("sections", "half_angle"),  # ridges turn by 2 to 26 degrees
+    [(8, 60.0), (16, 20.0), (16, 45.0), (16, 60.0), (24, 45.0), (64, 20.0), (64, 45.0), (128, 60.0)],
+)
+def test_a_sheet_on_a_cone_is_its_own_mirror_image(sections, half_angle, begin):
+    surface, height = cone(sections, begin, half_angle)
+    mold = mold_of(surface, (0.0, 0.0, 0.75 * min(height, 60.0) - height))
+    for n in (31, 40, 61):
+        sheet = Sheet(n, n, (200.0, 200.0), 1.0, SOFT, SOFT)
+        found = drape(sheet, mold, 1e-6)
+        assert found.converged, found.status
+        assert answers(sheet, mold, found).node_penetration <= 1e-9
+        assert unevenness(found.state.x) < (1e-6 * sheet.spacing[0] if n % 2 else 1e-3), n
+
+
+def test_so_it_is_by_dynamic_relaxation():
+    surface, height = cone(16, 0.0, 45.0)
+    mold = mold_of(surface, (0.0, 0.0, 45.0 - height))
+    sheet = Sheet(21, 21, (200.0, 200.0), 1.0, SOFT, SOFT)
+    found = swing(sheet, mold, lowered(sheet, mold), 1e-6)
+    assert found.converged, found.status
+    assert unevenness(found.state.x) < 1e-6 * sheet.spacing[0]
+
+
+def test_what_is_not_even_stays_so_and_its_mirror_image_rests_as_its_own():
+    surface, height = cone(17, 0.3, 45.0)
+    turned = Surface(surface.vertices * [-1.0, 1.0, 1.0], surface.faces[:, ::-1])
+    sheet = Sheet(41, 41, (200.0, 200.0), 1.0, SOFT, SOFT)
+    one, two = (
+        drape(sheet, mold_of(mold, (side * 3.0, 0.0, 45.0 - height)), 1e-8)
+        for mold, side in ((surface, 1.0), (turned, -1.0))
+    )
+    assert one.converged
+    assert two.converged
+    assert unevenness(one.state.x) > 1.0
+    assert one.energy == pytest.approx(two.energy, rel=1e-5)
