@@ -142,13 +142,14 @@ class Console:
     def _forecast(description: str, size: str, say: Callable[[str], None]) -> Callable[[float, float], None]:
         """Return what is told fraction and time, and says once how long the work goes on by its pace.
 
-        The pace counts from the first progress on: before it, compilers and solvers get ready.
+        Two stretches in a row must agree within a factor of two: in one of them a compiler or solver may get ready.
         """
         begun: tuple[float, float] | None = None
+        before: float | None = None
         told = False
 
         def forecast(fraction: float, now: float) -> None:
-            nonlocal begun, told
+            nonlocal begun, before, told
             if told or fraction <= 0.0:
                 return
             if begun is None:
@@ -156,7 +157,11 @@ class Console:
             done, took = fraction - begun[0], now - begun[1]
             if took < MEASURED_S or done < 0.01:
                 return
-            told, left = True, (1.0 - fraction) * took / done
+            left = (1.0 - fraction) * took / done
+            if before is None or not 0.5 <= (left + took) / before <= 2.0:
+                begun, before = (fraction, now), left
+                return
+            told = True
             if left >= LONG_S:
                 amount = f"{left / 60:.0f} min" if left >= 90.0 else f"{left:.0f} s"
                 say(f"{description}: {f'{size}, ' if size else ''}about {amount} more by its pace so far")
