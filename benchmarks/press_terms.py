@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import subprocess
 import sys
 import tempfile
@@ -57,8 +58,9 @@ that such materials have, not measured on them. What is formed goes by the sampl
 
 
 def hf(*words: str, folder: Path) -> None:
-    """Run a command quietly; it must end well."""
-    subprocess.run([sys.executable, "-m", "hyperfab", *words, "--quiet"], cwd=folder, check=True)
+    """Run a command of this tree quietly; it must end well."""
+    here = {**os.environ, "PYTHONPATH": str(ROOT)}
+    subprocess.run([sys.executable, "-m", "hyperfab", *words, "--quiet"], cwd=folder, check=True, env=here)
 
 
 def foam(changed: dict[str, str]) -> str:
