@@ -117,8 +117,8 @@ def test_the_gaps_gradient_is_that_of_the_number_told(shapes):
 
 
 def test_the_work_of_a_closing_is_its_energy():
-    """Where a nearest facet changes, the smooth surface behind it is another by thousandths of a millimetre (the square
-    of the facets' size): that is what is left over a whole closing."""
+    """Where a nearest facet changes, the smooth surface behind it is another by thousandths of a millimetre, less on
+    finer facets: that is what is left over a whole closing."""
     for cells, smooth, tolerance in ((24, False, 1e-6), (24, True, 5e-5), (48, True, 1e-6)):
         male, female = cups(cells, smooth)
         press = Press(molding_front(male, female), female, Sandwich(4.5, 0.0, linear(0.05)))
