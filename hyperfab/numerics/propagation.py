@@ -86,13 +86,21 @@ def linear(value: float, effects: Array, sources: Sequence[Source]) -> Band:
 
 
 def draws(sources: Sequence[Source], count: int) -> Array:
-    """Return ``count`` draws (count, r) of independent standard normal numbers, one a direction: a Latin hypercube,
-    always the same."""
+    """Return ``count`` draws (count, r) of independent standard normal numbers, one a direction, always the same.
+
+    A Latin hypercube, turned so that its covariance is the unit matrix: what goes straight with the directions then has
+    the deviation and the shares that it has to all orders, and none is taken for what several do together.
+    """
     from scipy.special import ndtri
     from scipy.stats import qmc
 
     width = len(directions(sources))
-    return np.asarray(ndtri(qmc.LatinHypercube(width, seed=_SEED).random(count)))
+    drawn = np.asarray(ndtri(qmc.LatinHypercube(width, seed=_SEED).random(count)))
+    if count <= width + 1:
+        return drawn
+    drawn -= drawn.mean(axis=0)
+    root = np.linalg.cholesky(np.atleast_2d(np.cov(drawn, rowvar=False)))
+    return np.asarray(np.linalg.solve(root, drawn.T).T)
 
 
 def sampled(value: float, outcomes: Array, drawn: Array, sources: Sequence[Source]) -> Band:

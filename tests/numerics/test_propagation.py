@@ -1,0 +1,23 @@
+"""Sampling of what is uncertain, against what is known exactly."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hyperfab.numerics.propagation import Source, draws, sampled
+
+
+@pytest.mark.parametrize("count", [60, 200, 1000])
+def test_what_goes_straight_with_its_sources_has_its_exact_deviation_and_no_share_together(
+    count: int,
+) -> None:
+    """Draws that are not independent of each other would make up a joint effect, and a deviation by chance."""
+    sources = [Source("a", np.diag([1.0, 4.0])), Source("b", np.array([[9.0]])), Source("c", np.eye(3))]
+    slopes = np.array([2.0, -1.0, 0.5, 1.0, 3.0, -2.0])
+    drawn = draws(sources, count)
+    np.testing.assert_allclose(np.cov(drawn, rowvar=False), np.eye(6), atol=1e-12)
+    band = sampled(7.0, 7.0 + drawn @ slopes, drawn, sources)
+    assert band.sd == pytest.approx(np.linalg.norm(slopes), rel=1e-12)
+    assert "together" not in dict(band.budget)
+    assert sum(share for _, share in band.budget) == pytest.approx(1.0, rel=1e-12)
