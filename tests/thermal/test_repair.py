@@ -42,8 +42,8 @@ def test_a_narrow_slit_is_welded_and_how_far_is_said():
 def test_a_corner_on_a_neighbours_edge_splits_it():
     whole = box(100, 80, 20)
     top = whole.face_normals[:, 2] > 0.5
-    finer = trimesh.util.concatenate(whole.submesh([np.flatnonzero(top)])).subdivide().subdivide()
-    rest = trimesh.util.concatenate(whole.submesh([np.flatnonzero(~top)]))
+    finer = trimesh.Trimesh(whole.vertices, whole.faces[top]).subdivide().subdivide()
+    rest = trimesh.Trimesh(whole.vertices, whole.faces[~top])
     found = repaired(*soup(trimesh.util.concatenate([finer, rest])), "box.stl")
     assert found.deviation_mm < 1e-9
     assert volume((found.vertices, found.triangles)) == pytest.approx(160e3)
