@@ -169,6 +169,8 @@ def _resist(
                     p[0], p[1], p[2] = w[0] * w[0], w[0] * w[1], w[0] * w[2]
                     p[3], p[4], p[5] = w[1] * w[1], w[1] * w[2], w[2] * w[2]
                 size = np.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+            elif c > 0.0 and contact[i, j] != FREE:
+                stick_slip[i, j] = STICKS  # held by the corner it rests on
             if size > worst:
                 worst, where = size, i * m + j
     return worst, where

@@ -89,7 +89,8 @@ def test_a_free_strip_that_resists_shear_keeps_its_width():
 
 @pytest.mark.parametrize(("n", "m", "modulus"), [(31, 31, 0.02), (25, 36, 0.2)])
 def test_a_ball_under_a_sheet_that_resists_shear_is_found_by_two_solvers(n, m, modulus):
-    mold = mold_of(ball(5), (0.0, 0.0, 20.0))
+    # Beside the middle of the sheet: on ridges between mirrored halves two solvers may rest on either side.
+    mold = mold_of(ball(5), (1.3, -0.7, 20.0))
     forces = {}
     for shear in (None, linear_shear(modulus)):
         sheet = Sheet(n, m, (200.0, 200.0), 1.0, SOFT, STIFF, shear=shear)

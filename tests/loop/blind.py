@@ -135,7 +135,7 @@ def carried_out(
     if isinstance(truth, other_fabric.Truth):
         measure = other_fabric.measure
     [new] = as_tests(measure(truth, [setup], np.random.default_rng([seed, 99]), noise))
-    tests = [*problem.tests, replace(new, name="the next test", specimen="the next")]
+    tests = [*problem.tests, replace(new, source="the next test", specimen="the next")]
     made: FabricProblem = problem.remake(tests)  # type: ignore[operator]
     return made
 
