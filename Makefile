@@ -46,9 +46,12 @@ $(VENV)/run: $(VENV)/wheel
 	$(PIP) install --constraint constraints.txt $(VENV)/wheel/*.whl
 	@touch $@
 
-# What the developers' targets need beside it.
+# What the developers' targets need beside it. They run the modules that stand here: with the kernels of the wheel, as
+# far as these are the same.
 $(VENV)/dev: $(VENV)/run
 	$(PIP) install --constraint constraints.txt "$$(ls $(VENV)/wheel/*.whl)[dev]"
+	@rm -rf hyperfab/compiled
+	@cp -r $(VENV)/lib/python3*/site-packages/hyperfab/compiled hyperfab/ || echo "the wheel holds no kernels"
 	@touch $@
 
 # ---- the chain: each document is made from the ones before it ------------------------------------------------
