@@ -173,6 +173,7 @@ def test_readings_held_out_are_predicted(press: Path, hf: Run) -> None:
     assert document["constants"]["refitted"]["foam.compression"] == 1.0
 
 
+@pytest.mark.slow
 def test_pretension_of_a_punched_sheet_is_found(tmp_path: Path, hf: Run) -> None:
     fabric = {"format": "hyperfab.material/1", "model": "yeoh-2", "thickness_mm": discs.THICK,
               "parameters": {"C10_MPa": discs.C10, "C20_MPa": discs.C20}}  # fmt: skip

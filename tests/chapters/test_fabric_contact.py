@@ -171,6 +171,7 @@ def test_a_fabric_with_two_directions_says_how_they_are_used(press):
     assert any("shear" in words for words in found["left_out"])
 
 
+@pytest.mark.slow
 def test_friction_costs_energy_and_makes_the_sheet_stiffer(press):
     status, found, _ = press(NEO_HOOKEAN, "--depth", "40mm", "--friction", "0.3", "--steps", "2")
     assert status == 0

@@ -74,6 +74,7 @@ def test_a_test_of_another_mode_is_predicted(fitted, hf):
     assert shear["nrmse"] < 1e-5
 
 
+@pytest.mark.slow
 def test_the_sphere_and_the_net_obey_it(fitted, hf, root):
     run = hf("fabric-contact", "sheet.json", "--shape", "square", "--size", "200mm", "--sphere-radius", "40mm",
              "--depth", "30mm", "--mesh-size", "12mm", "-o", "contact.json", cwd=fitted, timeout=600)  # fmt: skip

@@ -100,6 +100,7 @@ def test_a_drape_at_a_temperature_is_that_of_its_constants(hf: Run, shop: Path) 
         assert warm["force_N"] == pytest.approx(plain["force_N"], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_all_readers_of_a_material_document_take_the_same_law_from_it(hf: Run, shop: Path) -> None:
     """Softening and added terms are obeyed alike in drape and contact: scaled constants give scaled forces."""
     soft = {
@@ -170,6 +171,7 @@ def test_ranges_join_what_one_law_was_used_at_and_judge_the_ends_to_rounding() -
     )
 
 
+@pytest.mark.slow
 def test_what_is_made_of_documents_stands_on_their_ranges(hf: Run, shop: Path) -> None:
     """A summary, a page and a study of a drape beyond the tests say so, and end with status 1 with --strict."""
     assert hf(*DRAPE, "--temperature", "200degC", "-o", "far.json", cwd=shop).returncode == 0
