@@ -100,7 +100,7 @@ def _worst(axes: Any, draped: Draped) -> None:
     """What one looks for first, in words above the scene."""
     axes.set_axis_off()
     size, flat, at = draped.peak
-    places = [", ".join(f"{x + 0.0:.1f}" for x in place) for place in (flat[:2], at)]
+    places = [", ".join(f"{round(x, 1) + 0.0:.1f}" for x in place) for place in (flat[:2], at)]
     axes.text(0.0, 1.0, f"Largest stretch {size:.3f}", fontsize=15, weight="bold", va="top")
     below = (
         f"at the red cross: ({places[0]}) mm of the flat sheet,\n({places[1]}) mm on the mold (grey). "

@@ -259,7 +259,8 @@ def tears(job: Job, document: DrapeDocument, sheet: Sheet, state: State, largest
 def say(job: Job, document: DrapeDocument) -> None:
     """One line for the terminal: what a person asks first."""
     place = document.stretch_max_at_mm
-    at = f" at ({place.flat[0]:.4g}, {place.flat[1]:.4g}) mm of the flat sheet" if place else ""
+    x, y = (round(one, 3) + 0.0 for one in place.flat[:2]) if place else (0.0, 0.0)
+    at = f" at ({x:.4g}, {y:.4g}) mm of the flat sheet" if place else ""
     edges = f", {document.contact_edges} springs over edges" if document.contact_edges else ""
     slack = "slack springs" if document.sheet == "net" else "cells wrinkled or slack"
     job.console.note(
