@@ -9,12 +9,24 @@ mean of a solution and its images is one that no solver's order has touched, and
 from __future__ import annotations
 
 from hyperfab.arrays import Array
-from hyperfab.numerics.kernels import kernel
+from hyperfab.numerics.kernels import kernel, part
 
 #: Unbalanced forces that differ by less than this share of the largest are mirror images; directions, by the second.
 FORCES, DIRECTIONS = 1e-2, 1e-5
 #: The mirrors, of nodes and coordinates alike: x to -x, y to -y, and of a square grid x to y and x to -y.
 MIRRORS = 4
+
+
+@part
+def _image(mirror: int, i: int, j: int, n: int, m: int) -> tuple[int, int, int, int, float, float]:
+    """The image of node (i, j), the coordinates that become x and y there, and their signs."""
+    if mirror == 0:
+        return n - 1 - i, j, 0, 1, -1.0, 1.0
+    if mirror == 1:
+        return i, m - 1 - j, 0, 1, 1.0, -1.0
+    if mirror == 2:
+        return j, i, 1, 0, 1.0, 1.0
+    return m - 1 - j, n - 1 - i, 1, 0, -1.0, -1.0
 
 
 @kernel
@@ -23,15 +35,7 @@ def _is_even(r: Array, q: Array, mirror: int, forces: float) -> bool:
     n, m = r.shape[0], r.shape[1]
     for i in range(n):
         for j in range(m):
-            k, l, a, b, sx, sy = i, j, 0, 1, 1.0, 1.0
-            if mirror == 0:
-                k, sx = n - 1 - i, -1.0
-            elif mirror == 1:
-                l, sy = m - 1 - j, -1.0
-            elif mirror == 2:
-                k, l, a, b = j, i, 1, 0
-            else:
-                k, l, a, b, sx, sy = m - 1 - j, n - 1 - i, 1, 0, -1.0, -1.0
+            k, l, a, b, sx, sy = _image(mirror, i, j, n, m)
             if i * m + j > k * m + l:
                 continue
             f, g, p, o = r[i, j], r[k, l], q[i, j], q[k, l]
@@ -56,15 +60,7 @@ def _even(d: Array, mirror: int) -> None:
     n, m = d.shape[0], d.shape[1]
     for i in range(n):
         for j in range(m):
-            k, l, a, b, sx, sy = i, j, 0, 1, 1.0, 1.0
-            if mirror == 0:
-                k, sx = n - 1 - i, -1.0
-            elif mirror == 1:
-                l, sy = m - 1 - j, -1.0
-            elif mirror == 2:
-                k, l, a, b = j, i, 1, 0
-            else:
-                k, l, a, b, sx, sy = m - 1 - j, n - 1 - i, 1, 0, -1.0, -1.0
+            k, l, a, b, sx, sy = _image(mirror, i, j, n, m)
             if i * m + j > k * m + l:
                 continue
             u, v = d[i, j], d[k, l]

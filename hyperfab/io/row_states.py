@@ -16,7 +16,7 @@ from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import Heading, is_of, word_for
 from hyperfab.io.layout import filled_in
 from hyperfab.io.roles import Roles, unitless
-from hyperfab.io.specimen import Geometry
+from hyperfab.io.specimen import Geometry, no_unit
 from hyperfab.io.stated import amount, stated
 from hyperfab.io.tables import is_clock
 
@@ -112,14 +112,7 @@ def _temperature(sheet: CsvSheet, columns: Roles, decimal: str, notes: list[str]
         value = amount(sheet, "temperature", "temperature", decimal, notes)
         return None if value is None else np.full(len(sheet.lines), value)
     if column.heading.unit is None:
-        raise InputError(
-            "has no unit",
-            file=sheet.name,
-            line=sheet.header_line,
-            column=column.heading.title,
-            remedy=f'write it behind the name, as in "temperature [degC]", or say '
-            f"{unitless(sheet, [*columns.columns.values()])}",
-        )
+        raise no_unit(sheet, column, columns, "temperature [degC]")
     return quantities(sheet, column.heading, "temperature", decimal, name="temperature")
 
 

@@ -274,14 +274,14 @@ def _from_lengths(
     return 1.0 + values / length
 
 
-def no_unit(sheet: CsvSheet, column: Column, roles: Roles) -> InputError:
-    """Return the error that a column lacks its unit, with the option that gives it."""
+def no_unit(sheet: CsvSheet, column: Column, roles: Roles, example: str = "") -> InputError:
+    """Return the error that a column lacks its unit, with an example of it and the option that gives it."""
     return InputError(
         "has no unit",
         file=sheet.name,
         line=sheet.header_line,
         column=column.heading.title,
-        remedy=f'write it behind the name, as in "{column.heading.title} [mm]", or say '
+        remedy=f'write it behind the name, as in "{example or f"{column.heading.title} [mm]"}", or say '
         f"{unitless(sheet, [*roles.columns.values()])}",
     )
 
