@@ -15,7 +15,7 @@ from hyperfab.io.csv_numbers import numbers, quantities, seconds, words
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import Heading, is_of, word_for
 from hyperfab.io.layout import filled_in
-from hyperfab.io.roles import Roles, unitless
+from hyperfab.io.roles import Roles
 from hyperfab.io.specimen import Geometry, no_unit
 from hyperfab.io.stated import amount, stated
 from hyperfab.io.tables import is_clock
@@ -138,14 +138,7 @@ def _rate(sheet: CsvSheet, columns: Roles, sizes: Geometry, decimal: str, notes:
             return None
         return quantities(sheet, head, "velocity", decimal, name="rate") / length
     if head.unit is None:
-        raise InputError(
-            "has no unit",
-            file=sheet.name,
-            line=sheet.header_line,
-            column=head.title,
-            remedy=f'write it behind the name, as in "rate [1/s]", or say '
-            f"{unitless(sheet, [*columns.columns.values()])}",
-        )
+        raise no_unit(sheet, column, columns, "rate [1/s]")
     return quantities(sheet, head, "rate", decimal, name="rate")
 
 
