@@ -25,6 +25,7 @@ fit --uniaxial specimens/lycra/warp-23C.csv --uniaxial specimens/lycra/weft-23C.
 fit --uniaxial specimens/lycra/warp-23C.csv --model yeoh-3 -o warp.json
 fit --uniaxial specimens/treloar-1944/uniaxial.csv --model ogden-3 --stable -o rubber.json
 {DRAPE} -o drape.json
+{DRAPE.replace("24x20", "80x60")} --depth 30mm -o drape.json
 {DRAPE} --sheet membrane --depth 50mm -o shell.json
 drape fabric.json --sheet membrane --mold molds/plate-male.stl --grid 24x20 --depth 10mm -o edges.json
 {DRAPE} --friction 0.3 --load-steps 3 --depth 40mm -o rubbing.json

@@ -9,7 +9,7 @@ from cloth_molds import ball, height_block
 from hyperfab.cloth import HeldNodeInside, Sheet, answers, drape, mold_of, tabulate
 from hyperfab.cloth.net import FIXED, Y, Z
 from hyperfab.cloth.newton import equilibrium
-from hyperfab.cloth.start import lowered, settled
+from hyperfab.cloth.start import lowered, refined, settled
 
 SOFT = tabulate(lambda lam: (0.4 * (lam - lam**-2), 0.4 * (1 + 2 * lam**-3)), 4.0)
 STIFF = tabulate(lambda lam: (1.0 * (lam - lam**-2), 1.0 * (1 + 2 * lam**-3)), 4.0)
@@ -141,3 +141,20 @@ def test_a_hill_whose_facets_meet_in_valleys_is_met_to_the_last_digit(depth, opt
     sheet = Sheet(31, 27, (200.0, 170.0), 0.8, SOFT, weft, **options)
     found = drape(sheet, mold_of(surface, (0.0, 0.0, depth - surface.vertices[:, 2].max())), 1e-9)
     assert found.converged, found.status
+
+
+def test_a_large_sheet_is_placed_by_the_same_compiled_kernel_as_a_small_one(mold, monkeypatch):
+    # From 512 nodes a side numpy keeps the order of what it computes with: another order is another kernel.
+    orders = []
+
+    def noted(*arguments):
+        orders.append([one.flags.c_contiguous for one in arguments if isinstance(one, np.ndarray)])
+        return -1, 0.0
+
+    for n in (40, 600):
+        coarse = lowered(model_sheet(n // 2), mold)
+        with monkeypatch.context() as patched:
+            patched.setattr("hyperfab.cloth.start.place", noted)
+            refined(coarse, model_sheet(n), mold)
+    assert orders
+    assert all(all(one) for one in orders)
