@@ -170,6 +170,7 @@ BLIND_TWO ?= 2
 blind: $(VENV)/dev
 	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind fabric $(BLIND)
 	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind fabric $(BLIND) --other
+	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind fabric $(BLIND) --third
 	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind fabric $(BLIND) --poor --next hysteresis mullins rate permanent-set grip-slack load-offset elastic-law none
 	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind fabric $(BLIND_TWO) --two
 	PYTHONPATH=.:tests OMP_NUM_THREADS=1 $(BIN)/python -m loop.blind_heat 2 rich

@@ -97,7 +97,7 @@ def test_leaving_a_curve_out_is_exact_for_a_linear_model() -> None:
 def test_laws_of_other_make_are_called_by_their_name(effect: str) -> None:
     """Of each effect the first kind that is no form of the catalogue (tests/loop/test_generators.py counts those)."""
     kind = {"permanent-set": 1, "compressibility": 1, "rate": 1, "thermal-softening": 2}.get(effect, 0)
-    problem, _, _, _ = case(kind, (effect,), poor=False, other=True)
+    problem, _, _, _ = case(kind, (effect,), poor=False, which="other")
     found = close(problem, design=False)
     assert (found.verdict, found.after.ids) == ("effect", (effect,))
 
