@@ -13,26 +13,25 @@ COLUMNS: dict[str, str] = {
         stretch; lambda; lam; l l0; l/l0; streckung; streckverhaltnis; dehnungsverhaltnis; verstreckgrad;
         alargamiento relativo lambda; taux d elongation; rapporto di estensione; axial stretch""",
     "strain": """strain; engineering strain; nominal strain; technical strain; eng strain; tensile strain; axial strain;
-        longitudinal strain; strain reading; epsilon; eps; e; major strain; dehnung; standarddehnung;
-        nenndehnung; verformung;
-        technische dehnung; nominelle dehnung; zugdehnung; axialdehnung; langsdehnung; langsdehnung
-        technisch; deformacion; deformacion unitaria; deformacion por traccion; deformacion de traccion;
-        deformacion nominal; deformacion ingenieril; deformation; deformation nominale; deformation axiale;
-        deformation en traction; deformation longitudinale; deformation rationnelle; deformazione; deformazione a
-        trazione; deformazione nominale; deformazione ingegneristica; deformacao; deformacao de tracao;
-        deformacao nominal; deformacao de engenharia; deformacao axial; elongation; tensile elongation;
-        elongacion; elongacao; alargamiento; allongement; allungamento; alongamento; gl dehnung; distancia
-        recorrida relativa; ひずみ; 歪み; 歪; 伸び率; 应变; 伸长率; деформация; относительная деформация; относительное
-        удлинение""",
-    "extension": """extension; s; displacement; ext; disp; tensile extension; tensile displacement;
-        axial displacement; axial
-        extension; crosshead displacement; crosshead extension; crosshead travel; crosshead; stroke; travel;
-        actuator displacement; machine extension; distance; weg; standardweg; verlangerung; standardverlangerung;
-        langenanderung; traversenweg; kolbenweg; prufweg; maschinenweg; dehnweg; wegaufnehmer; extensometer;
-        video extensometer; delta l; dl; delta length; u; ux; uy; desplazamiento; desplazamiento de la cruceta;
-        recorrido; carrera; deplacement; deplacement de la traverse; course; course traverse;
-        spostamento; spostamento traversa; corsa; estensione; deslocamento; deslocamento do travessao; curso;
-        extensao; 変位; ストローク; 伸び; 位移; 变形; 伸长; перемещение; удлинение; ход""",
+        longitudinal strain; strain reading; epsilon; eps; e; major strain; dehnung; standarddehnung; nenndehnung;
+        verformung; technische dehnung; nominelle dehnung; zugdehnung; axialdehnung; langsdehnung; langsdehnung
+        technisch; deformacion; deformacion unitaria; deformacion por traccion; deformacion de traccion; deformacion
+        nominal; deformacion ingenieril; deformation; deformation nominale; deformation axiale; deformation en
+        traction; deformation longitudinale; deformation rationnelle; deformazione; deformazione a trazione;
+        deformazione nominale; deformazione ingegneristica; deformacao; deformacao de tracao; deformacao nominal;
+        deformacao de engenharia; deformacao axial; elongation; tensile elongation; elongacion; elongacao;
+        alargamiento; allongement; allungamento; alongamento; gl dehnung; distancia recorrida relativa; ひずみ; 歪み;
+        歪; 伸び率; 应变; 伸长率; деформация; относительная деформация; относительное удлинение""",
+    "extension": """extension; s; displacement; ext; disp; tensile extension; tensile displacement; axial
+        displacement; axial extension; crosshead displacement; crosshead extension; crosshead travel; crosshead;
+        stroke; travel; actuator displacement; machine extension; extension from preload; preload extension;
+        distance; weg; standardweg; verlangerung; standardverlangerung; langenanderung; traversenweg; kolbenweg;
+        hub; prufweg; maschinenweg; dehnweg; wegaufnehmer; extensometer; video extensometer; delta l; dl; delta
+        length; u; ux; uy; desplazamiento; desplazamiento de la cruceta; desplazamiento cruceta; desplazamiento del
+        travesano; recorrido; carrera; deplacement; deplacement de la traverse; deplacement traverse; deplacement de
+        traverse; deplacement du mors; course; course traverse; spostamento; spostamento traversa; spostamento della
+        traversa; corsa; estensione; deslocamento; deslocamento do travessao; deslocamento travessao; deslocamento
+        da travessa; curso; extensao; 変位; ストローク; 伸び; 位移; 变形; 伸长; перемещение; удлинение; ход""",
     "position": """position; crosshead position; traverse; traverse absolut; traversenweg absolut; traversenposition;
         standardtraversenweg; axial position; actuator position; posicion; posicion de la cruceta; position
         traverse; posizione; posizione traversa; posicao""",
@@ -46,17 +45,17 @@ COLUMNS: dict[str, str] = {
     "stress": """stress; nominal stress; engineering stress; tensile stress; eng stress; technical stress; axial stress;
         sigma; s; p; pk1; first piola kirchhoff stress; piola stress; nominal stress p; spannung; nennspannung;
         zugspannung; technische spannung; standardspannung; nominelle spannung; esfuerzo; esfuerzo de traccion;
-        esfuerzo nominal; esfuerzo por traccion; esfuerzo ingenieril; tension; tension nominal; tension de
-        traccion; contrainte; contrainte nominale; contrainte de traction; contrainte en traction; contrainte
-        axiale; sforzo; sforzo nominale; sforzo di trazione; tensione; tensione nominale; sollecitazione; tensao;
-        tensao nominal; tensao de tracao; tensao de engenharia; 応力; 应力; напряжение; gl spannung""",
+        esfuerzo nominal; esfuerzo por traccion; esfuerzo ingenieril; tension; tension nominal; tension de traccion;
+        contrainte; contrainte nominale; contrainte de traction; contrainte en traction; contrainte axiale; sforzo;
+        sforzo nominale; sforzo di trazione; tensione; tensione nominale; sollecitazione; tensao; tensao nominal;
+        tensao de tracao; tensao de engenharia; 応力; 应力; напряжение; gl spannung""",
     "true stress": """true stress; cauchy stress; cauchy; true tensile stress; wahre spannung; cauchy spannung; esfuerzo
-        verdadero; esfuerzo real; esfuerzo de cauchy; contrainte vraie; contrainte de cauchy; sforzo vero;
-        tensione vera; tensione reale; tensao verdadeira; tensao real; sigma true; true sigma""",
-    "true strain": """true strain; log strain; logarithmic strain; hencky strain; hencky; wahre dehnung; logarithmische
-        dehnung; umformgrad; deformacion verdadera; deformacion logaritmica; deformacion real; deformation vraie;
-        deformation logarithmique; deformazione vera; deformazione logaritmica; deformacao verdadeira; deformacao
-        logaritmica""",
+        verdadero; esfuerzo real; esfuerzo de cauchy; contrainte vraie; contrainte de cauchy; sforzo vero; tensione
+        vera; tensione reale; tensao verdadeira; tensao real; sigma true; true sigma""",
+    "true strain": """true strain; log strain; logarithmic strain; hencky strain; hencky; wahre dehnung;
+        logarithmische dehnung; umformgrad; deformacion verdadera; deformacion logaritmica; deformacion real;
+        deformation vraie; deformation logarithmique; deformazione vera; deformazione logaritmica; deformacao
+        verdadeira; deformacao logaritmica""",
     "green strain": """green strain; lagrange strain; lagrangian strain; green lagrange strain; green lagrange""",
     "membrane stress": """membrane stress; force per width; load per width; force per unit width; line load;
         linienkraft;
@@ -145,6 +144,27 @@ ASIDE = """date; datum; fecha; data; clock; uhrzeit; heure; hora; ora; time of d
         umidita; umidade; operator; pruefer; prufer; x; y; z; poisson ratio; querkontraktionszahl; area; flache;
         width; breite; ancho; largeur; larghezza; largura; thickness; dicke; unnamed; sr; serial; s no"""
 
+#: Words that machines put beside the name of a channel and that change nothing.
+FILLERS = """analog; analogue; digital; ch; channel; sensor; kanal; canal; canale; raw; filtered; measured; actual;
+        current; istwert; messwert; wert; value; reading; signal; data; average; avg; mean; mittel; mittlere;
+        moyenne; media; medio; medie; total; de; del; der; die; das; the; of; en; le; la; specimen; sample; probe;
+        engineering; nominal; axial; engr; tech; technical; major; standard; por; a; di; traccion; traction;
+        trazione; tracao; 1; 01"""
+#: The measure of a strain or stress, as image correlation and offices write it beside the name; without a name where
+#: hf does not read it.
+MEASURES: dict[str, dict[str, str]] = {
+    "strain": {
+        "true strain": """true; log; logarithmic; hencky; ln; wahr; wahre; logarithmisch; logarithmische; verdadera;
+            verdadeira; vraie; vera; logaritmica; logarithmique""",
+        "green strain": "green; lagrange; lagrangian; lagrangienne; lagrangiana",
+        "": "almansi; eulerian",
+    },
+    "stress": {
+        "true stress": "true; cauchy; wahr; wahre; verdadero; verdadera; verdadeira; vraie; vero; vera",
+        "": "kirchhoff; pk2",
+    },
+}
+
 #: Settings that stand above a table.
 SETTINGS: dict[str, str] = {
     "width": """width; specimen width; sample width; strip width; initial width; breite; probenbreite; streifenbreite;
@@ -212,14 +232,14 @@ TESTS: dict[str, str] = {
         druckprufung;
         stauchversuch; stauch; compresion; essai de compression; compressione; compressao""",
     "uniaxial": """uniaxial; uniaxial tension; tension; tensile; tensile test; tensile testing; strip; strip test; strip
-        method; zugversuch; zug; zugprufung; streifenzugversuch; streifenzug; traccion; ensayo de traccion; essai
-        de traction; traction; trazione; prova di trazione; tracao; ensaio de tracao; strip tensile; iso 13934 1;
-        iso 37; astm d412; iso 527; astm d5035; iso 20932 1; en 14704 1; astm d638; astm d882""",
+        method; zugversuch; zug; zugprufung; streifenzugversuch; streifenzug; traccion; ensayo de traccion; essai de
+        traction; traction; trazione; prova di trazione; tracao; ensaio de tracao; strip tensile; iso 13934 1; iso
+        37; astm d412; iso 527; astm d5035; iso 20932 1; en 14704 1; astm d638; astm d882""",
 }
 DIRECTIONS: dict[str, str] = {
-    "warp": """warp; wale; wales; machine; md; machine direction; length; lengthwise; longitudinal; kette; kettrichtung;
-        in kettrichtung; kett; stabchenrichtung; maschenstabchen; langs; langsrichtung; urdimbre; columna;
-        columnas; chaine; sens chaine; colonne; ordito; urdume; teia""",
+    "warp": """warp; wale; wales; machine; md; machine direction; length; lengthwise; longitudinal; kette;
+        kettrichtung; in kettrichtung; kett; stabchenrichtung; maschenstabchen; langs; langsrichtung; urdimbre;
+        columna; columnas; chaine; sens chaine; colonne; ordito; urdume; teia""",
     "weft": """weft; fill; filling; course; courses; cd; xd; cross; crosswise; cross machine; cross direction;
         transverse; widthwise; schuss; schussrichtung; in schussrichtung; reihenrichtung; maschenreihe; quer;
         querrichtung; trama; pasada; pasadas; trame; sens trame; rangee; fila""",

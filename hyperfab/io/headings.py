@@ -57,60 +57,10 @@ _BY_UNIT: Mapping[str, Mapping[str, str]] = {
     "membrane stress": {"stress": "stress", "force": "force"},
     "time": {"temperature": "temperature"},
 }
-#: Words that machines put beside the name of a channel and that change nothing.
-_FILLERS = frozenset(
-    [
-        "analog",
-        "analogue",
-        "digital",
-        "ch",
-        "channel",
-        "sensor",
-        "kanal",
-        "canal",
-        "canale",
-        "raw",
-        "filtered",
-        "measured",
-        "actual",
-        "current",
-        "istwert",
-        "messwert",
-        "wert",
-        "value",
-        "reading",
-        "signal",
-        "data",
-        "average",
-        "avg",
-        "mean",
-        "mittel",
-        "mittlere",
-        "moyenne",
-        "media",
-        "medio",
-        "medie",
-        "total",
-        "de",
-        "del",
-        "der",
-        "die",
-        "das",
-        "the",
-        "of",
-        "en",
-        "le",
-        "la",
-        "specimen",
-        "sample",
-        "probe",
-        "engineering",
-        "nominal",
-        "axial",
-        "1",
-        "01",
-    ]
-)
+#: A channel's own name, before or behind what it records: ai0, E1, CH02, Dev1.
+_CHANNEL = re.compile(r"[a-z]{1,4}\d{1,2}")
+#: A remark behind a unit, parted by a dash: exx [1] - Lagrange.
+_DASHED = re.compile(r"(.*[\])}])\s*[-\u2013]\s*([^\W\d][\w .]*)")
 _AXES = {"1": "1", "2": "2", "11": "1", "22": "2", "x": "x", "y": "y", "xx": "x", "yy": "y"}
 
 
@@ -176,7 +126,7 @@ def heading(title: str, index: int) -> Heading:
     >>> heading("Tensile strain (Displacement) (%)", 0)
     Heading(title='Tensile strain (Displacement) (%)', label='Tensile strain', unit='%', index=0)
     """
-    text = title if len(title) <= 200 else ""
+    text = _DASHED.sub(r"\1 (\2)", title) if len(title) <= 200 else ""
     tail = _TAIL.search(text)
     groups = list(_GROUPS.finditer(text, tail.start() if tail else len(text)))
     inner = [next(part for part in group.groups() if part is not None).strip() for group in groups]
@@ -239,8 +189,12 @@ def meaning(head: Heading) -> Meaning | None:
         if first and len(last) <= 2 and last not in _AXES:  # a symbol: Kraft F, Zeit t
             found = [replace(one, rank=1) for one in looked_up(first)]
     if not found:
-        core = " ".join(word for word in label.split() if word not in _FILLERS)
+        core = " ".join(word for word in label.split() if not _is_filler(word))
         found = [replace(one, rank=2) for one in looked_up(core)] if core != label else []
+    if not found and ":" in head.label:  # a group of channels before the one: Analog input: Force
+        behind = meaning(replace(head, label=head.label.rpartition(":")[2].strip()))
+        return behind and replace(behind, rank=2)
+    found = [replace(one, name=name) for one in found if (name := _measured(one.name, head.title))]
     fitting = [one for one in (_fitted(one, head.unit) for one in found) if one is not None]
     exact = [
         one
@@ -253,6 +207,33 @@ def meaning(head: Heading) -> Meaning | None:
         return None  # a letter says nothing without its unit
     best = (exact or fitting)[0]
     return replace(best, axis=axis or best.axis)
+
+
+def _is_filler(word: str) -> bool:
+    return word in _fillers() or _CHANNEL.fullmatch(word) is not None
+
+
+@cache
+def _fillers() -> frozenset[str]:
+    return words(heading_words.FILLERS)
+
+
+def _measured(name: str, title: str) -> str:
+    """Return a strain or stress by the measure that its title names beside it; nothing for one that is not read.
+
+    >>> _measured("strain", "exx [1] - Lagrange"), _measured("stress", "Spannung (wahr) [MPa]")
+    ('green strain', 'true stress')
+    """
+    beside = set(plain(title).split())
+    for measure, phrases in heading_words.MEASURES.get(name, {}).items():
+        if beside & words(phrases):
+            return measure
+    return name
+
+
+def is_unread(head: Heading) -> bool:
+    """Whether a title names a measure of strain or stress that is not read: no guess may take it for another."""
+    return any(_measured(name, head.title) == "" for name in heading_words.MEASURES)
 
 
 def _fitted(found: Meaning, unit: str | None) -> Meaning | None:

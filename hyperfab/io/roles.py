@@ -11,7 +11,18 @@ import numpy as np
 
 from hyperfab.errors import InputError
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.headings import KIND, Heading, Meaning, heading, is_of, meaning, plain, suffixed, unit_of
+from hyperfab.io.headings import (
+    KIND,
+    Heading,
+    Meaning,
+    heading,
+    is_of,
+    is_unread,
+    meaning,
+    plain,
+    suffixed,
+    unit_of,
+)
 from hyperfab.io.layout import filled_in
 from hyperfab.io.tables import is_number, shape
 from hyperfab.io.units import is_unit
@@ -300,6 +311,7 @@ def proposed(sheet: CsvSheet, found: Roles) -> list[tuple[str, str]]:
         one for one in sheet.headings
         if one.index not in entries and one.title and any(map(is_number, sheet.columns[one.index][:5]))
         and not any(column.heading.index == one.index for column in found.columns.values())
+        and not is_unread(one)
     ]  # fmt: skip
     for one in numeric:
         kind = next((name for kind, name in _BY_KIND.items() if one.unit and is_of(one.unit, kind)), None)

@@ -21,12 +21,15 @@ SEPARATORS = {"\t": "tab", ";": "semicolon", "|": "bar", ",": "comma", " ": "whi
 _OPENED = re.compile(r'(?:^|[,;\t|])\s*"[^"]*$')
 _CLOSED = re.compile(r'[^"]*"\s*(?:[,;\t|]|$)')
 _FORMULA = re.compile(r'(^|[,;\t|])="([^"]*)"')
+#: A number as Fortran writes doubles: 1.25D-01.
+_FORTRAN = re.compile(r"(?<!\w)([+-]?\d*[.,]\d*)[dD]([+-]\d{1,3})\b")
 _WIDE_GAP = re.compile(r" *\t[\t ]*| {2,}")
 
 
 def lines_of(text: str, name: str) -> list[str]:
     """Return the lines of a text; InputError where it has too many or too long ones."""
     text = text.replace("\r\n", "\n").replace("\r", "\n").replace("\x0b", "\n").replace("\x0c", "\n")
+    text = _FORTRAN.sub(r"\1E\2", text)
     if text.count("\n") > MAX_ROWS + 1000:
         raise InputError(f"has more than {MAX_ROWS} rows", file=name, remedy="thin the recording out")
     lines = text.split("\n")

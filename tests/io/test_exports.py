@@ -7,6 +7,7 @@ import shlex
 import zipfile
 from io import BytesIO
 
+import lab_exports
 import machine_exports as exports
 import numpy as np
 import office_exports
@@ -44,8 +45,8 @@ MACHINES = (
     "thousands",
     "percent_cells",
 )
-OTHERS = exports.others() | office_exports.office()
-UNDECIDED = exports.undecided() | office_exports.to_settle()
+OTHERS = exports.others() | office_exports.office() | lab_exports.labs()
+UNDECIDED = exports.undecided() | office_exports.to_settle() | lab_exports.labs_to_settle()
 
 
 def read(data: bytes, name: str, **options: object) -> list[TestData]:
@@ -90,6 +91,49 @@ def test_a_guess_that_could_be_wrong_is_refused_with_the_option_that_settles_it(
     assert match, caught.value
     [pasted] = shlex.split(match[1])
     same_bits(read(UNDECIDED[name], name, columns=layout([pasted])))
+
+
+@pytest.mark.parametrize(
+    ("heads", "plain", "measured"),
+    [
+        ("eyy [1] - Lagrange,Force [N]", "green strain,force [N]", True),
+        ("Exx (Lagrange),Force [N]", "green strain,force [N]", True),
+        ("eyy [1] - Hencky,Force [N]", "true strain,force [N]", True),
+        ("Dehnung (log) [-],Kraft [N]", "true strain,force [N]", True),
+        ("strain [-],stress (Cauchy) [MPa]", "strain,true stress [MPa]", True),
+        ("Dehnung [-],Spannung (wahr) [MPa]", "strain,true stress [MPa]", True),
+        ("eyy [1] - engr.,Force [N]", "strain,force [N]", False),
+    ],
+)
+def test_a_measure_of_strain_or_stress_beside_the_name_is_obeyed(
+    heads: str, plain: str, measured: bool
+) -> None:
+    rows = "".join(f"{e},{s}\n" for e, s in exports.PULL)
+    [found] = read(f"{heads}\n{rows}".encode(), "a")
+    [twin] = read(f"{plain}\n{rows}".encode(), "b")
+    [engineering] = read(f"strain,{plain.split(',')[1].removeprefix('true ')}\n{rows}".encode(), "c")
+    assert found.stretch.tobytes() == twin.stretch.tobytes()
+    assert found.stress.tobytes() == twin.stress.tobytes()
+    same = found.stretch.tobytes() + found.stress.tobytes()
+    assert (same != engineering.stretch.tobytes() + engineering.stress.tobytes()) == measured
+
+
+def test_a_strain_that_is_not_read_is_not_taken_for_another() -> None:
+    rows = "".join(f"{e},{s}\n" for e, s in exports.PULL)
+    with pytest.raises(InputError, match="no column gives a stretch") as caught:
+        read(f"eyy (Almansi),Stress [MPa]\n{rows}".encode(), "a")
+    assert "--columns" not in str(caught.value)
+
+
+def test_what_pulls_counts_positive_whatever_the_load_cell_says() -> None:
+    """An extended specimen that pushes back is no material: its load cell counts pulling as negative."""
+    rows = "".join(f"{x},-{f}\n" for x, f in exports.raw())
+    [found] = read(f"Extension (mm),Load (N)\n0,0.01\n{rows}".encode(), "a")
+    assert found.stress[1:].tobytes() == twins()[2].stress.tobytes()
+    assert any("counts pushing as positive" in note for note in found.notes)
+    pushes = "".join(f"-{x},-{f}\n" for x, f in exports.raw())
+    [pushed] = read(f"Extension (mm),Load (N)\n{pushes}".encode(), "a")
+    assert pushed.stress.max() < 0.0  # shortened and pushed: nothing is turned
 
 
 def test_force_by_the_fineness_of_a_yarn_is_told_as_such() -> None:
