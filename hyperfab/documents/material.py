@@ -57,6 +57,19 @@ class Replicates(_Part):
     )
 
 
+class NextSpecimen(_Part):
+    """Where the readings of one more specimen of a kind are to be expected, over the stretches that all share."""
+
+    test: str
+    direction: str | None = None
+    temperature_degC: float | None = None
+    specimens: int = Field(description="that it is known from")
+    level: float = Field(description="probability that a reading is within, at each stretch")
+    stretch: list[float] = Field(description="of the loading direction; between them the band goes straight")
+    low_MPa: list[float] = Field(description="lower end of the band")
+    high_MPa: list[float] = Field(description="upper end of the band")
+
+
 class FitUncertainty(_Part):
     """How sure the constants are: covariance, and where it comes from."""
 
@@ -75,6 +88,11 @@ class FitUncertainty(_Part):
         default=None,
         description="how far the stress of other accepted laws is from this one's, relative, over all modes up to "
         "the tests' I1 (--model all)",
+    )
+    next_specimen: list[NextSpecimen] | None = Field(
+        default=None,
+        description="where readings of one more specimen are to be expected, of each kind of test with replicates; "
+        "where directions have constants of their own, it stands with them",
     )
 
 

@@ -32,12 +32,12 @@ class Neighbourhood:
     def __init__(self, solved: Solved) -> None:
         if solved.press.tangential.remembers:
             raise ValueError("an equilibrium with friction hangs on how it was reached")
-        self._solved = solved
+        self.solved = solved
         _, self._factor = solved.press.tangent(solved.state)
 
     def move(self, test: Change, step: float) -> Array:
         """Return how the places move (n, 3) with a number; ``test`` gives the test with the number changed."""
-        press, state = self._solved.press, self._solved.state
+        press, state = self.solved.press, self.solved.state
         right, held = np.zeros_like(state.places), np.zeros_like(state.places)
         for way, weight in _POINTS:
             other, depth = test(way * step)
@@ -59,15 +59,15 @@ class Neighbourhood:
         for way, weight in _POINTS:
             other, depth = test(way * step)
             beside, _ = self._beside(other)
-            places = self._solved.state.places + way * step * moved
-            found = figures(Solved(beside, beside.seen(self._solved.state, places, depth)))
+            places = self.solved.state.places + way * step * moved
+            found = figures(Solved(beside, beside.seen(self.solved.state, places, depth)))
             for name, value in found.items():
                 total[name] = total.get(name, 0.0) + weight / step * value
         return total
 
     def equilibrium(self, test: SphereTest, depth: float, moved: Array) -> Solved:
         """Return the equilibrium of another test, from places ``moved`` (n, 3). Raises NoEquilibriumError."""
-        state = self._solved.state
+        state = self.solved.state
         beside, places = self._beside(test)
         free = beside.sheet.pattern.free
         found = beside.equilibrium(depth, np.where(free, state.places + moved, places), state.touching)
@@ -75,7 +75,7 @@ class Neighbourhood:
 
     def _beside(self, test: SphereTest) -> tuple[Press, Array]:
         """Return the press of another test, and the places with the rim where it is held then."""
-        press, state = self._solved.press, self._solved.state
+        press, state = self.solved.press, self.solved.state
         beside = press_on(test, press.sheet.mesh)
         beside = replace(beside, tolerance=press.tolerance)
         if beside.sheet.pattern is not press.sheet.pattern:

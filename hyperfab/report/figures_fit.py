@@ -21,7 +21,10 @@ _SHEARED = "simple-shear"
 
 @dataclass(frozen=True)
 class Line:
-    """One test: its readings, the curve of the constants, whether it was predicted, where it turns unstable."""
+    """One test: its readings, the curve of the constants, whether it was predicted, where it turns unstable.
+
+    ``expected`` are stretches and both ends of the band in which readings of one more specimen are to be expected.
+    """
 
     label: str
     mode: str
@@ -31,6 +34,7 @@ class Line:
     model: NDArray[np.float64]
     predicted: bool
     unstable_from: float | None
+    expected: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None
 
 
 def fit_figure(panels: Sequence[tuple[str, Sequence[Line]]]) -> bytes:
@@ -70,6 +74,7 @@ def _panel(
     ends: tuple[float, float],
     words: tuple[str, str] = ("stretch", "nominal stress [MPa]"),
 ) -> None:
+    banded = False
     for number, line in enumerate(lines):
         colour = _COLOURS[number % len(_COLOURS)]
         axes.plot(
@@ -81,6 +86,9 @@ def _panel(
             markerfacecolor="none",
             alpha=0.45,
         )
+        if line.expected is not None:
+            axes.fill_between(*line.expected, color=colour, alpha=0.15, linewidth=0)
+            banded = True
         label = f"{line.label} (predicted)" if line.predicted else line.label
         axes.plot(
             line.grid,
@@ -98,5 +106,7 @@ def _panel(
     axes.set_ylabel(words[1])
     axes.set_title(title, fontsize=10)
     axes.grid(alpha=0.3)
+    if banded:
+        axes.fill_between([], [], [], color="0.5", alpha=0.3, linewidth=0, label="next specimen, 95 %")
     if lines:
         axes.legend(fontsize=8)

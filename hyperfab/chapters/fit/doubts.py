@@ -1,4 +1,4 @@
-"""What should make a user careful: constants the tests do not determine, readings that do not belong, scatter."""
+"""What should make a user careful: constants the tests do not determine, readings that do not belong."""
 
 from __future__ import annotations
 
@@ -7,12 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hyperfab.arrays import Array
 from hyperfab.chapters.fit.identify import Identified, Setting
 from hyperfab.chapters.fit.judge import Judged, Sets
 from hyperfab.curve import TestCurve
-from hyperfab.documents.material import Replicates
-from hyperfab.numerics.hygiene import first_loading, scatter
+from hyperfab.numerics.hygiene import scatter
 
 #: A reading so many standard deviations off is no chance; laws that fit poorly leave up to 5 at the ends of a curve.
 FAR = 6.5
@@ -124,37 +122,3 @@ def _single_readings(part: Identified, curves: Sequence[TestCurve], setting: Set
             "reading"
         )
     return found
-
-
-def replicates(curves: Sequence[TestCurve]) -> list[Replicates]:
-    """Return how far specimens of one kind differ, over the stretches they share."""
-    kinds: dict[tuple[str, str | None, float | None], list[TestCurve]] = {}
-    for curve in curves:
-        kinds.setdefault((curve.mode, curve.direction_name, curve.temperature), []).append(curve)
-    found = []
-    for (mode, direction, temperature), group in kinds.items():
-        branches = [_loading(curve) for curve in group]
-        low = max(float(stretch.min()) for stretch, _ in branches)
-        high = min(float(stretch.max()) for stretch, _ in branches)
-        if len(group) < 2 or low >= high:
-            continue
-        grid = np.linspace(low, high, 21)
-        stress = np.array([np.interp(grid, stretch, stress) for stretch, stress in branches])
-        spread = stress.std(axis=0, ddof=1)
-        found.append(
-            Replicates(
-                test=mode,
-                direction=direction,
-                temperature_degC=temperature,
-                specimens=len(group),
-                scatter=float(np.sqrt(np.mean(spread**2)) / np.abs(stress).max()),
-            )
-        )
-    return found
-
-
-def _loading(curve: TestCurve) -> tuple[Array, Array]:
-    """Return the readings of the first loading, in the order of stretch."""
-    rows = np.flatnonzero(first_loading(curve.stretch, curve.branch, curve.cycle))
-    rows = rows[np.argsort(curve.stretch[rows], kind="stable")]
-    return curve.stretch[rows], curve.stress[rows]

@@ -9,7 +9,6 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.chapters.fit.describe import deviations, document_of, uncertainty
-from hyperfab.chapters.fit.doubts import replicates
 from hyperfab.chapters.fit.identify import (
     NOISY,
     Setting,
@@ -20,6 +19,7 @@ from hyperfab.chapters.fit.identify import (
     tested,
 )
 from hyperfab.chapters.fit.readings import Readings
+from hyperfab.chapters.fit.replicates import next_specimens, replicates
 from hyperfab.chapters.fit.siblings import curves_csv, grid_of, line
 from hyperfab.chapters.fit.whole import WholeFit
 from hyperfab.curve import TestCurve, angle_named
@@ -120,6 +120,8 @@ class SheetFit(WholeFit[Orthotropic]):
         }
         figures = self.figures_of(curves, groups, (1.0,))
         self._sure(figures, self.reference, turned)
+        if figures.uncertainty is not None:
+            figures.uncertainty.next_specimen = next_specimens(curves) or None
         return figures
 
     def _at(self, number: int, turned: bool) -> FitFigures | None:

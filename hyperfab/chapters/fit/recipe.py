@@ -8,11 +8,12 @@ from typing import Any
 
 from hyperfab.cases.fit import FitCase
 from hyperfab.chapters.fit import describe
-from hyperfab.chapters.fit.doubts import doubts, outliers, replicates, rows_of
+from hyperfab.chapters.fit.doubts import doubts, outliers, rows_of
 from hyperfab.chapters.fit.identify import Identified, Setting, reach, tested
 from hyperfab.chapters.fit.judge import Judged, Sets, closer, judge, law_spread
 from hyperfab.chapters.fit.prepare import steps_of
 from hyperfab.chapters.fit.readings import CARRIED, Readings, gather, read_all
+from hyperfab.chapters.fit.replicates import next_specimens, replicates
 from hyperfab.chapters.fit.specimens import aspect_warnings, geometry
 from hyperfab.chapters.fit.whole import WholeFit
 from hyperfab.chapters.job import Job
@@ -220,6 +221,9 @@ def _document(
         for name, found in best.results.items()
         if name is not None and isinstance(found, Identified)
     }
+    for name, part in directions.items():
+        if part.fit is not None and part.fit.uncertainty is not None:
+            part.fit.uncertainty.next_specimen = next_specimens(sets[name]) or None
     if ranking is not None:
         for name, part in directions.items():
             _of_law(part.fit, law_spread(ranking, name))
@@ -257,6 +261,8 @@ def _document(
         ],
         tested=tested(sets[None], setting),
     )
+    if not directions and document.fit is not None and document.fit.uncertainty is not None:
+        document.fit.uncertainty.next_specimen = next_specimens(sets[None]) or None
     if ranking is not None:
         _of_law(document.fit, law_spread(ranking, None))
         told = closer(ranking)

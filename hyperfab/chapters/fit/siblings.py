@@ -11,6 +11,7 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.chapters.fit.identify import Identified, Setting, predict
 from hyperfab.chapters.fit.judge import Judged, Sets
+from hyperfab.chapters.fit.replicates import next_specimens
 from hyperfab.chapters.fit.whole import Answer
 from hyperfab.curve import TestCurve, angle_named
 from hyperfab.io.csv_write import csv_bytes
@@ -89,6 +90,11 @@ def line(
 ) -> Line:
     """Return the readings of one test at one temperature, and the law's stress over stretches, as one line."""
     mode = curves[0].mode
+    kinds = next_specimens(curves)
+    expected = None
+    if len(kinds) == 1:
+        (one,) = kinds
+        expected = np.array(one.stretch), np.array(one.low_MPa), np.array(one.high_MPa)
     return Line(
         label=mode if temperature is None else f"{mode} {temperature:g} °C",
         mode=mode,
@@ -98,6 +104,7 @@ def line(
         model=model[1],
         predicted=mode not in fit_on,
         unstable_from=unstable_from,
+        expected=expected,
     )
 
 
