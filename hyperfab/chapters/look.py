@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterator, Sequence
 from hashlib import sha256
 
@@ -12,6 +13,12 @@ from hyperfab.io.csv_tests import TestData
 from hyperfab.io.layout import Layout
 from hyperfab.numerics.hygiene import Doubt, look
 
+#: What a file says of itself and the laws, or nobody, has a use for.
+_KNOWN = {
+    "test", "direction", "temperature", "rate", "cycle", "branch", "specimen", "thickness", "width", "gauge length",
+    "gauge", "diameter", "source", "date", "time", "operator", "machine", "note", "comment", "material", "standard",
+    "preload", "sample", "title", "name", "license", "doi", "year",
+}  # fmt: skip
 #: So many places are named one by one; the others are counted.
 SHOWN = 4
 #: Beyond these temperatures [degC] no fabric is tested or used: more often a wrong unit than a wish.
@@ -90,14 +97,29 @@ def _odd_warmth(tests: Sequence[TestData]) -> Iterator[str]:
         )
 
 
-def understood(tests: Sequence[TestData]) -> list[str]:
-    """Return how the files were read, files read alike in one line; what was set aside in them in further lines."""
+def states(test: TestData) -> dict[str, float]:
+    """Return what a file says of itself in numbers that no law knows: humidity, a batch, an age."""
+    found = {}
+    for key, text in test.metadata.items():
+        number = re.match(r"\s*[-+]?[0-9]+(?:[.,][0-9]+)?", text)
+        if number and key.casefold() not in _KNOWN:
+            found[key] = float(number[0].replace(",", "."))
+    return found
+
+
+def understood(tests: Sequence[TestData], aside: bool = True) -> list[str]:
+    """Return how the files were read, files read alike in one line; what was set aside in them in further lines.
+
+    ``aside``: a number that a file states and no law knows is told too, as one of no use.
+    """
     alike: dict[str, list[TestData]] = {}
     notes: dict[str, dict[str, None]] = {}
     for test in tests:
         alike.setdefault(test.understood, []).append(test)
         for note in test.notes:
             notes.setdefault(note, {})[test.source] = None
+        if aside and (stated := list(states(test))[:12]):
+            notes.setdefault(f"stated and not used: {', '.join(stated)}", {})[test.source] = None
     found = [
         f"{named([test.source for test in group])}: {how}; {_what(group)}" for how, group in alike.items()
     ]

@@ -283,6 +283,8 @@ def test_what_was_averaged_is_said_once_for_all_files_with_its_size(hf: Run, tmp
     found = fit(hf, *options, "--model", "neo-hookean", "--accept", "9", cwd=tmp_path)
     [branches] = [text for text in found["warnings"] if "loading and unloading differ by" in text]
     [cycles] = [text for text in found["warnings"] if "cycles 1 and 2 differ by" in text]
+    assert "up to 50 %" in branches  # loading 1 and unloading 0.5 of the same law
+    assert "up to 25 %" in cycles
     assert "a.csv, line 403; b.csv, line 403" in branches
     assert "2 more" in branches
     assert "--branch load" in branches
@@ -290,6 +292,17 @@ def test_what_was_averaged_is_said_once_for_all_files_with_its_size(hf: Run, tmp
     chosen = ("--branch", "load", "--cycle", "1", "--accept", "9")
     settled = fit(hf, *options, "--model", "neo-hookean", *chosen, cwd=tmp_path)
     assert not [text for text in settled.get("warnings", []) if "differ by" in text]
+
+
+def test_what_a_file_states_and_no_law_knows_is_told_by_name(hf: Run, tmp_path: Path) -> None:
+    rows = "".join(f"{x / 10},{0.4 * (x / 10 - (x / 10) ** -2):.6f},3\n" for x in range(11, 20))
+    (tmp_path / "a.csv").write_text(f"# humidity: 65 %\n# operator: 7\nstretch,stress [MPa],moisture\n{rows}")
+    result = hf("fit", "--uniaxial", "a.csv", "--model", "neo-hookean", "-o", "a.json", cwd=tmp_path)
+    assert "a.csv: stated and not used: humidity\n" in result.stderr.decode()
+    found = json.loads((tmp_path / "a.json").read_text())
+    assert {"a.csv: stated and not used: humidity", "a.csv: columns not used: moisture"} <= set(
+        found["preparation"]
+    )
 
 
 def test_the_same_readings_in_two_files_are_told(hf: Run, tmp_path: Path) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -17,7 +16,7 @@ from hyperfab.cases.like import asked
 from hyperfab.chapters.close_loop.domain import How
 from hyperfab.chapters.fit.prepare import Steps, prepare, settled
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.look import remarks, understood, unused_columns
+from hyperfab.chapters.look import remarks, states, understood, unused_columns
 from hyperfab.curve import TestCurve
 from hyperfab.documents.provenance import Provenance
 from hyperfab.errors import InputError
@@ -35,12 +34,6 @@ _UNSOUND = {
 }
 #: Readings below which two tests may be alike by chance.
 _TWIN = 6
-#: What a file says of itself and the laws, or nobody, has a use for.
-_KNOWN = {
-    "test", "direction", "temperature", "rate", "cycle", "branch", "specimen", "thickness", "width", "gauge length",
-    "gauge", "diameter", "source", "date", "time", "operator", "machine", "note", "comment", "material", "standard",
-    "preload", "sample", "title", "name", "license", "doi", "year",
-}  # fmt: skip
 
 
 @dataclass
@@ -76,7 +69,7 @@ def read_measured(
         kind = how.kinds.get(name) or (given or {}).get(sha256(data).hexdigest())
         every += read_tests(data, name, test=kind, geometry=how.sizes, columns=layout)
     unused_columns(layout, every)
-    found.preparation += understood(every)
+    found.preparation += understood(every, aside=False)
     for line in found.preparation:
         job.console.note(line)
     silent = settled(how.steps) | {"unloading", "cycles"}
@@ -104,7 +97,7 @@ def read_measured(
                 remedy="export the reading of the load cell",
             )
     every = _sound(every, found)
-    told = {f"{test.source}: {key}" for test in every for key in _others(test)}
+    told = {f"{test.source}: {key}" for test in every for key in states(test)}
     if told:
         found.warnings.append(
             f"no law knows {', '.join(sorted(told))}: taken as states that what is left may ride on"
@@ -159,16 +152,6 @@ def _sound(tests: Sequence[TestData], found: Measured) -> list[TestData]:
         parts = "; ".join(f"{count} rows of {what}" for what, count in found.left_out.items())
         found.warnings.append(f"left out: {parts}")
     return kept
-
-
-def _others(test: TestData) -> dict[str, float]:
-    """Return what a file says of itself in numbers that no law knows: humidity, a batch, an age."""
-    found = {}
-    for key, text in test.metadata.items():
-        number = re.match(r"\s*[-+]?[0-9]+(?:[.,][0-9]+)?", text)
-        if number and key.casefold() not in _KNOWN:
-            found[key] = float(number[0].replace(",", "."))
-    return found
 
 
 def given_as(data: Mapping[str, Any], name: str, fitted: Provenance | None) -> dict[str, str]:
@@ -230,7 +213,7 @@ def _curve(test: TestData, factor: float, number: int) -> TestCurve:
         stress=factor * test.stress,
         specimen=f"{test.source} {test.specimen or number} {test.direction_name}",
         stress_sd=None if test.stress_sd is None else factor * test.stress_sd,
-        others=_others(test),
+        others=states(test),
     )
 
 
