@@ -123,7 +123,7 @@ def heat(size: float) -> Callable[[], bytes]:
 
     from hyperfab.thermal.convection import Convection
     from hyperfab.thermal.heater import Heater
-    from hyperfab.thermal.material import ThermalMaterial
+    from hyperfab.thermal.medium import ThermalMaterial
     from hyperfab.thermal.model import HeatModel
     from hyperfab.thermal.tables import Table
 

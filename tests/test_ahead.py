@@ -116,6 +116,22 @@ def test_a_kernel_is_known_by_its_code_alone(tmp_path: Path) -> None:
     assert digests[0] == digests[1] != digests[2]
 
 
+def test_a_kernel_is_known_by_what_it_puts_in_as_machine_code() -> None:
+    digests = []
+    for text in ("fadd", "fsub"):
+
+        def code(context: object, x: object, text: str = text) -> object:
+            return x(x), lambda _, builder, __, given: getattr(builder, text)(given[0], given[0])
+
+        twice = numba.extending.intrinsic(code)
+
+        def uses(x: float) -> float:
+            return twice(x)  # noqa: B023
+
+        digests.append(kernels.kernel(uses)._cache.digest)
+    assert digests[0] != digests[1]
+
+
 def test_a_kernel_that_names_what_nobody_watches_is_refused() -> None:
     table = {"a": 1.0}
 

@@ -41,24 +41,24 @@ def assemble(
     stiffness: Array,
     support: Array,
     block_of: Ints,
-    blocks: int,
-) -> tuple[Array, Array]:
-    """Return nodal forces (n, 3) and the stiffness as 3 × 3 blocks (blocks, 3, 3).
+    turn: Ints,
+    force: Array,
+    data: Array,
+) -> None:
+    """Add the elements ``turn`` to nodal forces (n, 3) and to the stiffness as 3 × 3 blocks (blocks, 3, 3).
 
     ``weights`` (m, q) include the thickness; ``stress`` (m q, 3) and ``stiffness`` (m q, 6) as in Response;
     ``support`` (m q,) is a tension that enters the stiffness alone, not the forces: it carries Newton's method
     where the sheet has no stiffness of its own. ``block_of`` (m, a, a) is the block that a pair of element nodes
     adds to.
     """
-    count, points, shapes, _ = gradients.shape
-    force = np.zeros((places.shape[0], 3))
-    data = np.zeros((blocks, 3, 3))
+    _, points, shapes, _ = gradients.shape
     deformation = np.empty((3, 2))
     b = np.empty((shapes, 3, 3))
     db = np.empty((3, 3))
     local = np.empty((shapes, shapes, 3, 3))
     order = np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]])
-    for e in range(count):
+    for e in turn:
         local[:] = 0.0
         for q in range(points):
             w = weights[e, q]
@@ -105,7 +105,6 @@ def assemble(
                         data[upper, i, j] += local[a, c, i, j]
                         if a != c:
                             data[lower, j, i] += local[a, c, i, j]
-    return force, data
 
 
 @kernel

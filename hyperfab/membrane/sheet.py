@@ -7,11 +7,12 @@ from functools import cached_property
 
 import numpy as np
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.membrane.clamp import Clamp, rim_edges
 from hyperfab.membrane.kernels import assemble, strains
 from hyperfab.membrane.mesh import SheetMesh
 from hyperfab.membrane.tension_field import TAUT, Principal, Response, SheetLaw
+from hyperfab.numerics.threads import in_blocks
 
 #: A clamp this much stiffer than the sheet holds: its force could not be told from the rounding of its slip.
 _RIGID = 1e-6
@@ -81,10 +82,17 @@ class Sheet:
         mesh = self.mesh
         level = max(float(np.abs(found.stress[:, :2]).mean()), _LEAST_STRESS * self.modulus)
         carried = np.where(everywhere | (found.state != TAUT), support * level, 0.0)
-        force, blocks = assemble(
-            places, mesh.elements, mesh.gradients, self._weights, found.stress, found.stiffness, carried,
-            self.pattern.block_of, self.pattern.blocks,
-        )  # fmt: skip
+        force, blocks = np.zeros(places.shape), np.zeros((self.pattern.blocks, 3, 3))
+        *batches, between = self.pattern.batches
+
+        def add(turn: Ints) -> None:
+            assemble(
+                places, mesh.elements, mesh.gradients, self._weights, found.stress, found.stiffness, carried,
+                self.pattern.block_of, turn, force, blocks,
+            )  # fmt: skip
+
+        in_blocks(lambda first, _: add(batches[first]), len(batches), 1)
+        add(between)
         energy = float((found.energy * self._weights.ravel()).sum())
         if self.clamp:
             energy += self.clamp.add(places, force, blocks)

@@ -19,6 +19,9 @@ from hyperfab.numerics.multifrontal import Elimination
 
 Index = NDArray[np.int32]
 
+#: From so many elements on they are divided into so many batches to be added up side by side.
+_MANY, _BATCHES = 4000, 8
+
 
 class BlockPattern:
     """The pattern of a matrix that couples the nodes of each element through ``size`` × ``size`` blocks.
@@ -69,6 +72,21 @@ class BlockPattern:
             raise ValueError("the places of the nodes are not known")
         columns = np.repeat(np.arange(self.unknowns), np.diff(self._indptr))
         return Elimination(dissect(self._elements, self._points, self.free), self._indices, columns)
+
+    @cached_property
+    def batches(self) -> list[Ints]:
+        """The elements, by number: batches that share no node, and last those between them."""
+        count = len(self._elements)
+        if self._points is None or count < _MANY:
+            return [np.arange(count)]
+        along = self._points[self._elements, 0].mean(axis=1)
+        batch = np.empty(count, np.int64)
+        batch[np.argsort(along, kind="stable")] = np.arange(count) * _BATCHES // count
+        lowest, highest = np.full(len(self.free), _BATCHES), np.zeros(len(self.free), np.int64)
+        np.minimum.at(lowest, self._elements, batch[:, None])
+        np.maximum.at(highest, self._elements, batch[:, None])
+        batch[(lowest < highest)[self._elements].any(axis=1)] = _BATCHES
+        return [np.flatnonzero(batch == k) for k in range(_BATCHES + 1)]
 
     def release(self) -> None:
         """Free the memory of the elimination; it is planned anew where it is needed again."""

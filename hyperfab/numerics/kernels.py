@@ -26,6 +26,7 @@ from hyperfab.numerics import compiling
 # Of any type: numba's own annotations reach only so far.
 _caching: Any = import_module("numba.core.caching")
 _config: Any = import_module("numba.core.config")
+_intrinsic: Any = import_module("numba.core.extending")._Intrinsic
 
 #: Where the kernels lie that were compiled at the build.
 AHEAD = Path(__file__).resolve().parent.parent / "compiled"
@@ -154,6 +155,8 @@ def _of(value: Any, names: tuple[str, ...], place: str) -> bytes:
     kept = getattr(value, "_cache", None)
     if isinstance(kept, Kept):
         return kept.digest.encode()
+    if isinstance(value, _intrinsic):
+        return _digest(value._defn, {}).encode()
     if isinstance(value, ModuleType):
         if not value.__name__.startswith("hyperfab"):
             return value.__name__.encode()

@@ -9,7 +9,9 @@ from scipy.spatial import Delaunay
 
 from hyperfab.numerics.blocks import BlockPattern
 from hyperfab.numerics.dissection import dissect
+from hyperfab.numerics.lapack import addresses
 from hyperfab.numerics.multifrontal import CholeskyFactor, NotPositiveDefiniteError
+from hyperfab.numerics.threads import LIMIT
 
 
 def _pattern(count: int, size: int = 3, dimensions: int = 2, seed: int = 0) -> BlockPattern:
@@ -82,3 +84,53 @@ def test_same_matrix_gives_the_same_bits():
     matrix, right = _definite(pattern), np.ones(pattern.unknowns)
     first, again = (pattern.solver.factorise(matrix).solve(right) for _ in range(2))
     assert first.tobytes() == again.tobytes()
+
+
+@pytest.fixture(scope="module")
+def large():
+    """So many entries that branches are worked side by side."""
+    pattern = _pattern(6000)
+    matrix = _definite(pattern)
+    assert len(pattern.elimination.stages) > 3
+    return pattern, matrix
+
+
+def test_a_large_matrix_is_solved_whatever_the_number_of_threads(large, monkeypatch):
+    pattern, matrix = large
+    right = np.random.default_rng(2).normal(size=pattern.unknowns)
+    found = []
+    for number in ("1", "2", "3"):
+        monkeypatch.setenv(LIMIT, number)
+        found.append(pattern.solver.factorise(matrix).solve(right).tobytes())
+    assert len(set(found)) == 1
+    residual = matrix @ np.frombuffer(found[0]) - right
+    assert np.abs(residual).max() < 1e-12 * np.abs(right).max()
+    factor = pattern.solver.factorise(matrix)
+    assert factor.name == "Cholesky by fronts"
+
+
+def test_ranges_of_a_stage_hang_on_stages_before_alone(large):
+    plan = large[0].elimination
+    done = np.zeros(len(plan.fronts.pivots), bool)
+    for stage in plan.stages:
+        for first, last in stage:
+            for front in range(first, last):
+                children = plan.fronts.children[slice(*plan.fronts.child_starts[front : front + 2])]
+                assert all(done[child] or first <= child < front for child in children)
+        for first, last in stage:
+            assert not done[first:last].any()
+            done[first:last] = True
+    assert done.all()
+
+
+def test_a_large_matrix_that_is_indefinite_is_told(large):
+    pattern, matrix = large
+    values = matrix.data.copy()
+    values[matrix.indptr[700] + np.searchsorted(matrix.indices[slice(*matrix.indptr[700:702])], 700)] = -50.0
+    with pytest.raises(NotPositiveDefiniteError):
+        CholeskyFactor(pattern.elimination, values)
+
+
+def test_a_routine_that_scipy_lacks_is_named():
+    with pytest.raises(ValueError, match="scipy has no dpotrf_none"):
+        addresses("dsyrk", "dpotrf_none")
