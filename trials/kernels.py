@@ -27,6 +27,7 @@ fit --uniaxial specimens/treloar-1944/uniaxial.csv --model ogden-3 --stable -o r
 {DRAPE} -o drape.json
 {DRAPE.replace("24x20", "80x60")} --depth 30mm -o drape.json
 {DRAPE} --sheet membrane --depth 50mm -o shell.json
+{DRAPE.replace("220mmx220mm", "220mm")} --sheet membrane --shape disc --depth 30mm -o disc.json
 drape fabric.json --sheet membrane --mold molds/plate-male.stl --grid 24x20 --depth 10mm -o edges.json
 {DRAPE} --friction 0.3 --load-steps 3 --depth 40mm -o rubbing.json
 {DRAPE} --shear-modulus 0.1MPa --thickness 0.5mm --mass 200g/m2 --blank-holder 50N/m --prestretch 1.05 -o held.json

@@ -125,6 +125,10 @@ class DrapeCase(Case):
         "The flat sheet, as 220mmx220mm.",
         "220mmx220mm",
     )
+    shape: str = choice(
+        "NAME", "Of the flat sheet: rectangle; disc, clamped all round, with --sheet membrane.",
+        ("rectangle", "disc"), "rectangle",
+    )  # fmt: skip
     depth: float = amount(
         "length", "LENGTH", "How far the mold is pushed up.", "60mm", least=0.0, over=("depths",)
     )
@@ -251,6 +255,8 @@ class DrapeCase(Case):
             )
         if self.sheet == "membrane":
             self._check_membrane()
+        if self.shape == "disc":
+            self._check_disc()
         if self.load_steps is not None and not self.has_friction:
             raise UsageError(
                 f"--load-steps {self.load_steps}: only where --friction or --blank-holder makes the way matter"
@@ -273,6 +279,22 @@ class DrapeCase(Case):
         if self.solver == "relaxation":
             raise UsageError(
                 "--solver relaxation is the report's own for its springs; --sheet membrane takes newton or dynamic"
+            )
+
+    def _check_disc(self) -> None:
+        """Refuse what a round sheet cannot be, or what only one with sides knows."""
+        if self.sheet != "membrane":
+            raise UsageError(
+                "--shape disc: springs along warp and weft have no round rim to end at; take --sheet membrane"
+            )
+        if self.size[0] != self.size[1]:
+            raise UsageError(
+                f"--shape disc: {self.size[0]:g} mm by {self.size[1]:g} mm are two diameters; write one: --size 200mm"
+            )
+        if self.clamp != SIDES or self.slide or self.blank_holder:
+            option = "--slide" if self.slide else "--blank-holder" if self.blank_holder else "--clamp"
+            raise UsageError(
+                f"{option}: a disc has one rim, which is clamped; leave {option} out, or take --shape rectangle"
             )
 
     @property

@@ -28,7 +28,8 @@ class Answers:
     """Fields of the draped sheet; nodes (n, m), cells (n - 1, m - 1), springs by direction.
 
     Stresses are nominal (force per undeformed section), at a node the mean of its springs of that direction. Of a
-    membrane the sides of its cells stand for springs; stresses, thickness and slack are its law's, in the ``cells``.
+    membrane stretches along warp and weft are those in the middle of its cells, in place of springs'; stresses,
+    thickness and slack are its law's, in the ``cells``.
     """
 
     stretch_warp: Array  # (n - 1, m) springs
@@ -93,12 +94,12 @@ class Answers:
 def answers(sheet: Sheet, mold: Mold, found: Equilibrium, deepest: Cut | None = None) -> Answers:
     """Fields and figures of an equilibrium; ``deepest`` is how deep the net is in the mold, where that is known."""
     x = found.state.x
-    rest = sheet.arrays.rest
     along = np.linalg.norm(np.diff(x, axis=0), axis=2)
     across = np.linalg.norm(np.diff(x, axis=1), axis=2)
     for (i, j, d, _), length in zip(found.bent, found.bent_length, strict=True):
         (along if d == 0 else across)[i, j] = length
-    warp, weft = along / rest[0], across / rest[1]
+    rest, lengths = sheet.rest, sheet.rest_lengths
+    warp, weft = along / lengths[0], across / lengths[1]
     slack_warp, slack_weft = warp < 1.0 - SLACK, weft < 1.0 - SLACK
     diagonal = (x[1:, 1:] - x[:-1, :-1], x[:-1, 1:] - x[1:, :-1])
     area = 0.5 * np.linalg.norm(np.cross(*diagonal), axis=2)
@@ -108,7 +109,8 @@ def answers(sheet: Sheet, mold: Mold, found: Equilibrium, deepest: Cut | None = 
     )
     # Where springs are laid over an edge the chords cut it off: the area is that of the sides as they run.
     folded, on_edge = np.zeros(area.shape, np.bool_), np.zeros(area.shape, np.bool_)
-    carried = found.bent_length > rest[found.bent[:, 2]] * (1.0 + SLACK)
+    own = np.array([lengths[d][i, j] for i, j, d, _ in found.bent])
+    carried = found.bent_length > own * (1.0 + SLACK)
     for (i, j, d, _), taut in zip(found.bent, carried, strict=True):
         beside = (
             np.s_[i : i + 1, max(j - 1, 0) : j + 1] if d == 0 else np.s_[max(i - 1, 0) : i + 1, j : j + 1]
@@ -154,6 +156,11 @@ def answers(sheet: Sheet, mold: Mold, found: Equilibrium, deepest: Cut | None = 
     cells = cells_of(sheet, x, along, across)
     return replace(
         said,
+        stretch_warp=cells.stretch_warp,
+        stretch_weft=cells.stretch_weft,
+        cell_stretch_warp=cells.stretch_warp,
+        cell_stretch_weft=cells.stretch_weft,
+        cell_shear=cells.shear,
         stress_warp=cells.stress_warp,
         stress_weft=cells.stress_weft,
         cell_thickness=sheet.thickness * cells.thickness,

@@ -33,7 +33,7 @@ class Balance:
         self.press: Array = np.zeros((n, m))
         self.before: Ints = np.full((n, m), -1)  # facet of each node before its last step
         self.stiffness = stiffness_scale(sheet)
-        self.unstretched = RELAXED * self.stiffness * float(self.model.net.rest.max())
+        self.unstretched = RELAXED * sheet.skew * self.stiffness * float(self.model.net.rest.max())
         self.energy, self.strongest = 0.0, 0.0
         self.worst, self.where, self.contacts, self.released = 0.0, 0, 0, 0
 

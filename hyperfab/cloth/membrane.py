@@ -31,9 +31,10 @@ from .energy import Energy
 from .linear import Tangent
 from .mold import Mold
 from .net import Sheet
+from .round import MIDDLE, POINTS, to_grid, to_sheet
 
 #: Gauss points handled by one call of the law: few enough that its arrays stay in the processor's cache.
-POINTS = 8192
+AT_ONCE = 8192
 
 
 class MembraneLaw(Protocol):
@@ -68,6 +69,7 @@ class Membrane(Energy):
         if sharp:  # pulls along sides decide where nodes stop on edges
             self.net = self.net._replace(tension=np.zeros((sheet.n, sheet.m, 2)))
         cells = (sheet.n - 1, sheet.m - 1, 4)
+        self.gradients = sheet.gradients(POINTS) if sheet.round else None
         self.stress, self.moduli = np.zeros((*cells, 3)), np.zeros((*cells, 6))
         self.pull = np.zeros((sheet.n, sheet.m, 2, 3))
         self.scale, self.laid = np.zeros((0, 0, 0)), np.zeros((0, 0, 0), np.int64)
@@ -77,18 +79,26 @@ class Membrane(Energy):
         self._lay(x, clear)
         self._scale(x)
         rows, columns = self.stress.shape[:2]
-        step = max(1, POINTS // (4 * columns))
+        step = max(1, AT_ONCE // (4 * columns))
         strain, sums = np.empty((step, columns, 4, 3)), []
         for i in range(0, rows, step):
             last = min(i + step, rows)
             strains(x, self.scale, self.net.rest, i, last, strain)
+            met = strain[: last - i].reshape(-1, 3)
+            here = None if self.gradients is None else self.gradients[i:last].reshape(-1, 5)
+            if here is not None:
+                to_sheet(here, met)
             with np.errstate(
                 all="ignore"
             ):  # beyond the limit of a law its answer is nan, and the step too long
-                found = self.law(strain[: last - i].reshape(-1, 3))
-            self.stress[i:last] = found.stress.reshape(last - i, columns, 4, 3)
-            self.moduli[i:last] = found.stiffness.reshape(last - i, columns, 4, 6)
-            sums.append(float(found.energy.sum()))
+                found = self.law(met)
+            stress, moduli = self.stress[i:last], self.moduli[i:last]
+            stress[:] = found.stress.reshape(stress.shape)
+            moduli[:] = found.stiffness.reshape(moduli.shape)
+            if here is None:
+                sums.append(float(found.energy.sum()))
+            else:
+                sums.append(to_grid(here, found.energy, stress.reshape(-1, 3), moduli.reshape(-1, 6)))
         largest = side_pulls(x, self.scale, self.net, self.stress, self.pull)
         weigh = node_forces(x, self.net, self.pull, f)
         if len(self.springs):
@@ -130,6 +140,9 @@ class Cells:
     """
 
     stretch: Array  # the larger principal one
+    stretch_warp: Array
+    stretch_weft: Array
+    shear: Array  # degrees by which the angle between warp and weft is below the right one
     cauchy: Array  # MPa, the larger principal stress
     nominal: Array  # MPa, the larger principal nominal stress
     thickness: Array  # stretch
@@ -141,7 +154,7 @@ class Cells:
 
 def cells_of(sheet: Sheet, x: Array, along: Array, across: Array) -> Cells:
     """What a membrane at ``x`` (n, m, 3) mm answers; its sides along warp and weft are ``along`` and ``across`` mm."""
-    law, rest = sheet.membrane, sheet.arrays.rest
+    law, rest = sheet.membrane, sheet.rest
     assert law is not None
     warp, weft = np.diff(x, axis=0), np.diff(x, axis=1)
     warp *= (along / np.linalg.norm(warp, axis=2))[:, :, None]
@@ -149,6 +162,8 @@ def cells_of(sheet: Sheet, x: Array, along: Array, across: Array) -> Cells:
     f1, f2 = 0.5 * (warp[:, :-1] + warp[:, 1:]) / rest[0], 0.5 * (weft[:-1] + weft[1:]) / rest[1]
     shape = f1.shape[:2]
     strain = np.stack([(f1 * f1).sum(2), (f2 * f2).sum(2), (f1 * f2).sum(2)], axis=2).reshape(-1, 3)
+    if sheet.round:
+        to_sheet(sheet.gradients(MIDDLE).reshape(-1, 5), strain)
     with np.errstate(all="ignore"):
         found, principal, margin = law(strain), law.principal(strain), law.margin(strain)
     c11, c22, c12 = strain.T
@@ -156,6 +171,9 @@ def cells_of(sheet: Sheet, x: Array, along: Array, across: Array) -> Cells:
     pull_warp, pull_weft = (s11 * c11 + s12 * c12) / np.sqrt(c11), (s22 * c22 + s12 * c12) / np.sqrt(c22)
     return Cells(
         principal.stretch[:, 0].reshape(shape),
+        np.sqrt(c11).reshape(shape),
+        np.sqrt(c22).reshape(shape),
+        np.degrees(np.arcsin(np.clip(c12 / np.sqrt(c11 * c22), -1.0, 1.0))).reshape(shape),
         principal.cauchy[:, 0].reshape(shape),
         principal.nominal.reshape(shape),
         principal.thickness.reshape(shape),

@@ -14,6 +14,7 @@ from hyperfab.numerics.kernels import inlined, kernel
 from hyperfab.numerics.threads import in_rows
 
 from .law import SpringLaw, evaluate, piecewise_linear
+from .round import MIDDLE, POINTS, gradients, rounded, shares
 
 if TYPE_CHECKING:
     from .membrane import MembraneLaw
@@ -54,7 +55,8 @@ class Sheet:
     law of the angle between the threads, over 1 + that angle; ``mass`` in g/m^2 of undeformed sheet loads the nodes
     downward.
     ``holder`` N/mm at each edge: a blank holder's friction a unit length, against which the edge is drawn in (its bits
-    then hold Z alone). ``membrane``: the law of the sheet as a whole, obeyed in place of the springs'.
+    then hold Z alone). ``membrane``: the law of the sheet as a whole, obeyed in place of the springs'. ``round``: the
+    membrane is the ellipse within ``size``, its rim the four edges of the grid.
 
     >>> law = piecewise_linear([1.0, 2.0], [0.0, 1.0])
     >>> sheet = Sheet(5, 3, (40.0, 20.0), 1.0, law, law)
@@ -74,11 +76,17 @@ class Sheet:
     edges: tuple[int, int, int, int] = (FIXED, FIXED, FIXED, FIXED)  # x-, x+, y-, y+
     holder: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     membrane: MembraneLaw | None = None
+    round: bool = False
 
     @property
     def spacing(self) -> tuple[float, float]:
         """Distance of the nodes along x and y in the flat sheet, mm."""
         return self.size[0] / (self.n - 1), self.size[1] / (self.m - 1)
+
+    @property
+    def rest(self) -> Array:
+        """(2,) mm: the spacing before the flat sheet was stretched."""
+        return np.array(self.spacing) / self.prestretch
 
     @property
     def fixed(self) -> Bytes:
@@ -105,14 +113,49 @@ class Sheet:
         out = np.zeros((self.n, self.m, 3))
         out[:, :, 0] = np.linspace(-0.5, 0.5, self.n)[:, None] * self.size[0]
         out[:, :, 1] = np.linspace(-0.5, 0.5, self.m)[None, :] * self.size[1]
+        if self.round:
+            half = 0.5 * np.array(self.size)
+            out[:, :, 0], out[:, :, 1] = rounded(out[:, :, 0] / half[0], out[:, :, 1] / half[1])
+            out[:, :, :2] *= half
         return out
+
+    def gradients(self, points: Array) -> Array:
+        """What turns a strain of the square grid into one of a round sheet at ``points`` (k, 2) of each cell."""
+        return gradients(self.flat()[:, :, :2] / self.prestretch, self.rest, points)
+
+    @property
+    def rest_lengths(self) -> tuple[Array, Array]:
+        """(n - 1, m) and (n, m - 1) mm: the undeformed sides along warp and along weft of the grid."""
+        if not self.round:
+            along, across = self.rest
+            return np.full((self.n - 1, self.m), along), np.full((self.n, self.m - 1), across)
+        places = self.flat() / (*self.prestretch, 1.0)
+        return np.linalg.norm(np.diff(places, axis=0), axis=2), np.linalg.norm(
+            np.diff(places, axis=1), axis=2
+        )
+
+    @property
+    def skew(self) -> float:
+        """How much more the rounding of a strain is felt in the most skewed cell than in a square: J's condition^2."""
+        if not self.round:
+            return 1.0
+        of = self.gradients(POINTS)
+        return float((0.5 * (of[..., :4] ** 2).sum(-1) * of[..., 4]).max() ** 2)
+
+    @property
+    def areas(self) -> Array:
+        """(n - 1, m - 1) of the undeformed cells, over that of the grid's."""
+        return self.gradients(MIDDLE)[:, :, 0, 4] if self.round else np.ones((self.n - 1, self.m - 1))
 
     @property
     def arrays(self) -> Arrays:
         """The sheet as the kernels take it."""
-        rest = np.array(self.spacing) / self.prestretch
+        rest = self.rest
         across, along = _shares(self.m) * rest[1], _shares(self.n) * rest[0]
         shear = self.shear or NO_FORCE
+        borne = (
+            shares(self.gradients(POINTS), POINTS, rest) if self.round else along[:, None] * across[None, :]
+        )
         return Arrays(
             rest,
             across * self.thickness,
@@ -122,7 +165,7 @@ class Sheet:
             self.weft.arrays,
             shear.arrays,
             self.shear is not None,
-            along[:, None] * across[None, :] * (self.mass * GRAVITY * 1e-9),
+            borne * (self.mass * GRAVITY * 1e-9),
             np.zeros((0, 0, 0)),
         )
 

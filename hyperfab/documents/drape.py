@@ -40,13 +40,13 @@ class SpringUse(Part):
     """How far the law of a direction was used."""
 
     model: str
-    stretch_max: float = Field(description="largest stretch of a spring")
+    stretch_max: float = Field(description="largest stretch of a spring; of a membrane along it in a cell")
     tested_stretch_max: float | None = Field(
         default=None, description="largest stretch of the uniaxial tests behind the constants"
     )
     beyond_tested: int | None = Field(
         default=None,
-        description="springs stretched beyond the tests; absent where nothing says how far these went",
+        description="springs, or cells of a membrane, beyond the tests; absent where nothing says how far these went",
     )
     softens_at: float | None = Field(default=None, description="stretch at which the stress stops rising")
     ends_at: float | None = Field(
@@ -155,6 +155,7 @@ class DrapeDocument(Document):
     thickness_mm: float = Field(description="of the flat sheet")
     grid: list[int] = Field(description="nodes along warp and weft")
     size_mm: list[float]
+    shape: str = Field(default="rectangle", description="of the flat sheet: rectangle, or disc")
     depth_mm: float
     temperature_degC: float | None = Field(default=None, description="of the fabric's constants, where known")
     constants_degC: float | None = Field(

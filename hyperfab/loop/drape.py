@@ -11,6 +11,7 @@ import numpy as np
 from scipy.interpolate import RectBivariateSpline
 
 from hyperfab.arrays import Array
+from hyperfab.cloth.round import rounded, squared
 from hyperfab.loop.catalogue import catalogue
 from hyperfab.loop.catalogue.drape import DataContext
 from hyperfab.loop.emulator import Axis
@@ -45,7 +46,8 @@ class Draped:
     The settings are the law's relative constants ``names``, of which some ``scales`` the stress, then the depth, then
     the effects. A sheet that is stiffer throughout, and heavier by as much, rests as before: settings are brought to a
     sheet as stiff as the model's own, ``carried`` being the shear modulus [MPa] and mass [g/m^2] that has (None where
-    it has what does not scale so: a holder, a measured law of shear).
+    it has what does not scale so: a holder, a measured law of shear). ``round``: the sheet is the ellipse within
+    ``size``.
     """
 
     kriged: Kriged
@@ -55,6 +57,7 @@ class Draped:
     names: tuple[str, ...]
     scales: tuple[bool, ...]
     carried: tuple[float, float] | None
+    round: bool = False
 
     def shift(self, settings: Array) -> Array:
         """Return the nodes' shift (n, m, 3) on the emulated grid."""
@@ -88,8 +91,11 @@ class DrapeProblem(Problem):
     def extras(self) -> Sequence[Extra]:
         """Return what could be marked next: all of the sheet, the rim's surroundings, the top."""
         a, b = (0.5 * side for side in self.draped.size)
-        u = np.linspace(-0.95, 0.95, 15)
-        x, y = (one.ravel() for one in np.meshgrid(a * u, b * u, indexing="ij"))
+        line = np.linspace(-0.95, 0.95, 15)
+        u, v = (one.ravel() for one in np.meshgrid(line, line, indexing="ij"))
+        if self.draped.round:
+            u, v = rounded(u, v)
+        x, y = a * u, b * v
         far = np.maximum(np.abs(x) / a, np.abs(y) / b)
         menu = [
             ("markers all over the sheet, 15 by 15", np.ones(len(x), dtype=bool)),
@@ -139,6 +145,9 @@ def settings_of(draped: Draped, own: Array, amounts: Mapping[str, float]) -> Arr
 
 def at_markers(draped: Draped, flat: Array) -> tuple[Array, Array]:
     """Return where the model has markers (m, 3), and the weights (m, n m) of the emulated nodes there."""
+    if draped.round:
+        half = 0.5 * np.array(draped.size)
+        flat = half * np.stack(squared(*(flat / half).T), axis=1)
     base = np.stack([_spline(draped.base[:, :, k], draped.size)(flat[:, 0], flat[:, 1], grid=False)
                      for k in range(3)], axis=1)  # fmt: skip
     n, m = draped.grid

@@ -591,13 +591,81 @@ def test_a_membrane_whose_law_ends_before_the_mold_does_is_refused(drape, folder
     assert "less --depth" in " ".join(err.split())
 
 
+def test_a_disc_is_the_one_of_the_published_loads_and_drapes_again_from_its_document(drape, folder):
+    mesh = trimesh.creation.icosphere(subdivisions=5, radius=40.0)
+    (folder / "fine.stl").write_bytes(stl_bytes(mesh.vertices, mesh.faces))
+    given = [
+        "--sheet",
+        "membrane",
+        "--shape",
+        "disc",
+        "--size",
+        "200mm",
+        "--grid",
+        "61x61",
+        "--depths",
+        "40mm,60mm",
+    ]
+    assert drape(*given, "--thickness", "1mm", "-o", "disc.json", mold="fine.stl")[0] == 0
+    document = json.loads((folder / "disc.json").read_text())
+    assert document["shape"] == document["setup"]["shape"] == "disc"
+    for (_, force), exact in zip(document["force_depth"], (14.679562516, 41.576556565), strict=True):
+        assert force == pytest.approx(exact, rel=4e-3)
+    assert document["stretch_max"] == pytest.approx(1.2854086307, abs=2e-3)
+    assert document["stress_max_MPa"] == pytest.approx(0.4 * (1.2854086307**2 - 1.2854086307**-4), rel=5e-3)
+    assert (document["wrinkled_area_fraction"], document["slack_springs"]) == (0.0, 0)
+    again = [
+        "--like",
+        "disc.json",
+        "--size",
+        "200mm",
+        "--grid",
+        "21x21",
+        "--depth",
+        "40mm",
+        "-o",
+        "again.json",
+    ]
+    assert drape(*again, mold="fine.stl")[0] == 0
+    shallow = json.loads((folder / "again.json").read_text())
+    assert (shallow["shape"], shallow["size_mm"]) == ("disc", [200.0, 200.0])
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ((), "no round rim to end at; take --sheet membrane"),
+        (("--sheet", "membrane", "--size", "200mmx180mm"), "two diameters"),
+        (("--sheet", "membrane", "--size", "200mm", "--clamp", "x-,x+"), "leave --clamp out"),
+        (
+            ("--sheet", "membrane", "--size", "200mm", "--clamp", "x-,x+,y-", "--slide", "y+"),
+            "leave --slide out",
+        ),
+        (("--sheet", "membrane", "--size", "200mm", "--blank-holder", "1N/mm"), "leave --blank-holder out"),
+    ],
+)
+def test_what_a_disc_cannot_be_is_refused(drape, options, words):
+    status, _, err = drape("--shape", "disc", *options)
+    assert status == 2
+    assert words in " ".join(err.split())
+
+
 @pytest.mark.slow
-def test_a_membrane_over_a_ball_agrees_with_the_elements_of_fabric_contact(drape, folder, monkeypatch, capfd):
+@pytest.mark.parametrize("shape", ["square", "disc"])
+def test_a_membrane_over_a_ball_agrees_with_the_elements_of_fabric_contact(
+    drape, folder, monkeypatch, capfd, shape
+):
     mesh = trimesh.creation.icosphere(subdivisions=7, radius=40.0)
     (folder / "fine.stl").write_bytes(stl_bytes(mesh.vertices, mesh.faces))
+    orthotropic = {"C10_MPa": 0.15, "C20_MPa": 0.01, "k1_warp_MPa": 0.4, "k2_warp": 0.3, "G_MPa": 0.03}
+    if shape == "disc":
+        (folder / "fabric.json").write_text(
+            json.dumps({**FABRIC, "model": "orthotropic", "parameters": orthotropic})
+        )
     options = ("--grid", "151x151", "--size", "200mmx200mm", "--depth", "60mm", "--sheet", "membrane")
+    options += ("--shape", "disc" if shape == "disc" else "rectangle")
     assert drape(*options, "-o", "sheet.json", mold="fine.stl")[0] == 0
-    words = "hf fabric-contact fabric.json --shape square --size 200mm --depth 60mm --mesh-size 5mm"
+    words = f"hf fabric-contact fabric.json --shape {shape} --size 200mm --depth 60mm --mesh-size 5mm"
     monkeypatch.setattr("sys.argv", [*words.split(), "--sphere-radius", "40mm", "-o", "contact.json"])
     with pytest.raises(SystemExit) as end:
         main()

@@ -108,11 +108,11 @@ def read_markers(job: Job, name: str, layout: Layout | None) -> tuple[Markers, A
 
 
 def _check_places(sheet: Sheet, files: Sequence[Markers]) -> None:
-    half = 0.5 * np.array(sheet.size)
+    half, order = 0.5 * np.array(sheet.size), 2 if sheet.round else np.inf
     for one in files:
-        away = np.max(np.abs(one.flat) - half, axis=1)
+        away = np.linalg.norm(one.flat / half, order, axis=1)
         worst = int(np.argmax(away))
-        if away[worst] > 1e-6 * float(half.max()):
+        if away[worst] > 1.0 + 1e-6:
             x, y = one.flat[worst]
             raise InputError(
                 f"the marker at ({x:g}, {y:g}) mm is not on the sheet of {sheet.size[0]:g} by {sheet.size[1]:g} mm",
@@ -241,7 +241,7 @@ def pose_sheet(forward: Forward, tick: Callable[[float], None]) -> Draped:
     alike = not case.blank_holder and case.shear_law is None
     carried = (case.shear_modulus or 0.0, case.mass) if alike else None
     kriged = krige(axes, np.array(settings), np.array(values))
-    return Draped(kriged, forward.grid, fine, sheet.size, names, scales, carried)
+    return Draped(kriged, forward.grid, fine, sheet.size, names, scales, carried, sheet.round)
 
 
 def pose(draped: Draped, files: Sequence[Markers], prior: float, fix: Sequence[str]) -> DrapeProblem:

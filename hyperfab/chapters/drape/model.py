@@ -148,6 +148,7 @@ def sheet_of(case: DrapeCase, files: Files) -> Sheet:
         edges=_held(case),
         holder=_holder(case),
         membrane=None if fabric.whole is None else fabric.whole.law,
+        round=case.shape == "disc",
     )
 
 

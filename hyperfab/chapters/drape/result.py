@@ -85,7 +85,9 @@ def document_of(model: Model, states: list[State]) -> DrapeDocument:
             if fields.cells is None
             else fields.cells.nominal.max()
         ),
-        wrinkled_area_fraction=None if fields.cells is None else float(fields.cells.wrinkled.mean()),
+        wrinkled_area_fraction=None
+        if fields.cells is None
+        else float(np.average(fields.cells.wrinkled, weights=sheet.areas)),
         slack_springs=fields.slack_springs,
         stress_warp_max_MPa=float(fields.stress_warp.max()),
         stress_weft_max_MPa=float(fields.stress_weft.max()),
@@ -93,6 +95,7 @@ def document_of(model: Model, states: list[State]) -> DrapeDocument:
         thickness_mm=sheet.thickness,
         grid=[sheet.n, sheet.m],
         size_mm=list(sheet.size),
+        shape=case.shape,
         depth_mm=depths[-1],
         temperature_degC=fabric.temperature,
         constants_degC=fabric.held_at,
