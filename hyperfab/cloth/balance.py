@@ -15,6 +15,8 @@ from .state import Equilibrium, State, Step
 
 #: Springs whose forces stay below their section's stiffness times this are unstretched but for rounding.
 RELAXED = 1e-8
+#: A node's unbalanced force is rounding below the stiffest spring's stiffness times this share of the sheet's size.
+ROUNDED = 4.0 * float(np.finfo(float).eps)
 
 
 class Balance:
@@ -33,7 +35,9 @@ class Balance:
         self.press: Array = np.zeros((n, m))
         self.before: Ints = np.full((n, m), -1)  # facet of each node before its last step
         self.stiffness = stiffness_scale(sheet)
-        self.unstretched = RELAXED * sheet.skew * self.stiffness * float(self.model.net.rest.max())
+        # What a sheet that only just touches the mold is measured by: its own forces are rounding.
+        relaxed = RELAXED * sheet.skew * float(self.model.net.rest.max())
+        self.unstretched = self.stiffness * max(relaxed, ROUNDED * max(sheet.size) / tolerance)
         self.energy, self.strongest = 0.0, 0.0
         self.worst, self.where, self.contacts, self.released = 0.0, 0, 0, 0
 

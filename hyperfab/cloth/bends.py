@@ -9,7 +9,8 @@ from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.kernels import kernel, part
 from hyperfab.surface import bvh
 
-from .mold import Creases
+from .depth import deepest_of, room
+from .mold import Creases, Mold
 
 #: What a crease is to the straight way of a spring.
 CLEAR, CUT, BURIED = 0, 1, 2
@@ -97,7 +98,7 @@ def _crossed(creases: Creases, c: int, p: Array, q: Array, g: Array, h: Array) -
     """Crease near ``c`` over which the way from p to q is bent, at the place g of its line along h; -1: none.
 
     Near a corner where creases meet it is the one with the shortest way, so that the length of the way does not jump
-    from one crease to the next; a convex corner is in the way only where all of its creases are.
+    from one crease to the next.
     """
     c, s, length = _over(creases, c, p, q, h)
     _place(creases, c, s, h, g)
@@ -116,8 +117,6 @@ def _crossed(creases: Creases, c: int, p: Array, q: Array, g: Array, h: Array) -
             at, _ = _on(creases, other, p, q, h)
             _place(creases, other, at, h, g)
             where = _parted(creases, other, p, q, g, h)
-            if where == CLEAR and creases.convex[c, end]:
-                return -1
             if where == CUT:
                 way = _distance(p, g) + _distance(g, q)
                 if way < shortest:
@@ -148,7 +147,7 @@ def _place(creases: Creases, c: int, s: float, h: Array, g: Array) -> None:
 def find_bends(
     x: Array,
     clear: Array,
-    creases: Creases,
+    mold: Mold,
     straight: npt.NDArray[np.bool_],
     springs: Ints,
     ways: Array,
@@ -160,7 +159,7 @@ def find_bends(
     than fits. Springs marked in ``straight`` (n, m, 2) are left out.
     """
     n, m = x.shape[0], x.shape[1]
-    stack, stack_d = np.empty(bvh.DEPTH, np.int64), np.empty(bvh.DEPTH)
+    creases, work = mold.creases, room()
     h, g = np.empty(3), np.empty(3)
     for i in range(first, last):
         for j in range(m):
@@ -184,8 +183,8 @@ def find_bends(
                         creases.right,
                         creases.start,
                         creases.number,
-                        stack,
-                        stack_d,
+                        work.stack,
+                        work.stack_d,
                     )
                     t = (
                         (ex - p[0]) * (q[0] - p[0])
@@ -195,6 +194,10 @@ def find_bends(
                     t = min(max(t, 0.0), 1.0)
                 c = _crossed(creases, c, p, q, g, h)
                 if c < 0:
+                    continue
+                # Wedges at creases have no end, the mold has: beside a corner they may be in the way where it is not.
+                deep, _ = deepest_of(mold, p, q, creases.facet[c, 0], ON_FACET, ON_FACET, work)
+                if deep <= ON_FACET:
                     continue
                 if found < springs.shape[0]:
                     springs[found, 0], springs[found, 1], springs[found, 2], springs[found, 3] = i, j, d, c

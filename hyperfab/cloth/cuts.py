@@ -1,10 +1,4 @@
-"""How deep nodes and springs are in the mold, to a proven bound, and how far the mold stands out between them.
-
-The depth of a point is its distance to the mold's surface where it is inside. Along a spring it changes by no more than
-the way (it is Lipschitz), and never exceeds the distance to any one facet, which is convex along the spring: on a piece
-it is at most the larger of the distances of both ends to the same facet. Pieces are halved until no bound is above the
-deepest point found, so that nothing is missed between probes.
-"""
+"""How deep a net's nodes and springs are in the mold, and how far the mold stands out between them."""
 
 from __future__ import annotations
 
@@ -13,18 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from hyperfab.arrays import Array, Ints
-from hyperfab.numerics.kernels import kernel, part
 from hyperfab.surface import Surface
-from hyperfab.surface.bvh import DEPTH, closest_on_triangle, nearest_one
 
+from .depth import deepest
 from .mold import Mold
 from .net import Sheet
 from .state import State
 
 #: The deepest point of a spring is found to this many mm.
 SURE = 1e-6
-#: No mold has a slit this thin in front of a facet, in mm: what hovers lower above one is outside.
-THIN = 1e-3
 #: Springs handled by one call of a kernel.
 ROWS = 100_000
 
@@ -37,91 +28,6 @@ class Cut:
     edge: float
     flat: tuple[float, float]
     draped: tuple[float, float, float]
-
-
-@part
-def _depth(mold: Mold, p: Array, hint: int, stack: Ints, stack_d: Array) -> tuple[float, int]:
-    """Depth of a point, negative outside, and the facet nearest to it."""
-    cx, cy, cz, near, feature = nearest_one(
-        p[0], p[1], p[2], hint, mold.corners, mold.bounds, mold.right, mold.start, mold.number, stack, stack_d
-    )
-    x, y, z, n = p[0] - cx, p[1] - cy, p[2] - cz, mold.normals[near, feature]
-    away = np.sqrt(x * x + y * y + z * z)
-    return (away if x * n[0] + y * n[1] + z * n[2] < 0.0 else -away), near
-
-
-@part
-def _to(mold: Mold, slot: int, p: Array) -> float:
-    cx, cy, cz, _ = closest_on_triangle(mold.corners[slot], p[0], p[1], p[2])
-    return np.sqrt((p[0] - cx) ** 2 + (p[1] - cy) ** 2 + (p[2] - cz) ** 2)
-
-
-@part
-def _above(mold: Mold, slot: int, a: Array, b: Array) -> bool:
-    """Does the way from a to b run straight above a facet, less than THIN off it?"""
-    corner, normal = mold.corners[slot, 0], mold.normals[slot, 0]
-    for side in range(2):
-        p = a if side == 0 else b
-        height = 0.0
-        for r in range(3):
-            height += (p[r] - corner[r]) * normal[r]
-        if height < 0.0 or height > THIN or _to(mold, slot, p) > height + 1e-12:
-            return False
-    return True
-
-
-@kernel
-def deepest(
-    starts: Array, ends: Array, slots: Ints, mold: Mold, best: float, sure: float
-) -> tuple[float, int, float]:
-    """Deepest point in the mold of the segments ``starts`` to ``ends`` (k, 3), beyond ``best`` mm and to ``sure`` mm.
-
-    ``slots``: a facet near each start, or -1. Returns its depth, its segment (-1: none is deeper than ``best``) and the
-    share of the way to it.
-    """
-    stack, stack_d = np.empty(DEPTH, np.int64), np.empty(DEPTH)
-    part_t, part_f = np.empty((128, 2)), np.empty((128, 2))
-    part_s = np.empty((128, 2), np.int64)
-    a, b, middle = np.empty(3), np.empty(3), np.empty(3)
-    where, share = -1, 0.0
-    for k in range(starts.shape[0]):
-        size = 0.0
-        for r in range(3):
-            size += (ends[k, r] - starts[k, r]) ** 2
-        size = np.sqrt(size)
-        part_t[0, 0], part_t[0, 1] = 0.0, 1.0
-        part_f[0, 0], part_s[0, 0] = _depth(mold, starts[k], slots[k], stack, stack_d)
-        part_f[0, 1], part_s[0, 1] = _depth(mold, ends[k], part_s[0, 0], stack, stack_d)
-        for side in range(2):
-            if part_f[0, side] > best:
-                best, where, share = part_f[0, side], k, float(side)
-        top = 1
-        while top > 0:
-            top -= 1
-            t0, t1, f0, f1 = part_t[top, 0], part_t[top, 1], part_f[top, 0], part_f[top, 1]
-            s0, s1 = part_s[top, 0], part_s[top, 1]
-            length = (t1 - t0) * size
-            if length <= sure or 0.5 * (f0 + f1 + length) <= best + sure:
-                continue
-            t = 0.5 * (t0 + t1)
-            for r in range(3):
-                a[r] = starts[k, r] + t0 * (ends[k, r] - starts[k, r])
-                b[r] = starts[k, r] + t1 * (ends[k, r] - starts[k, r])
-                middle[r] = starts[k, r] + t * (ends[k, r] - starts[k, r])
-            if max(abs(f0), _to(mold, s0, b)) <= best + sure or max(_to(mold, s1, a), abs(f1)) <= best + sure:
-                continue
-            if _above(mold, s0, a, b) or _above(mold, s1, a, b):
-                continue
-            f, s = _depth(mold, middle, s0, stack, stack_d)
-            if f > best:
-                best, where, share = f, k, t
-            if max(_to(mold, s, a), _to(mold, s, b)) <= best + sure:
-                continue
-            part_t[top, 0], part_t[top, 1], part_t[top + 1, 0], part_t[top + 1, 1] = t0, t, t, t1
-            part_f[top, 0], part_f[top, 1], part_f[top + 1, 0], part_f[top + 1, 1] = f0, f, f, f1
-            part_s[top, 0], part_s[top, 1], part_s[top + 1, 0], part_s[top + 1, 1] = s0, s, s, s1
-            top += 2
-    return best, where, share
 
 
 def cut(x: Array, sheet: Sheet, mold: Mold, state: State, bent: Ints, bent_at: Array) -> Cut:

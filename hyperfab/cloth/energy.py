@@ -95,7 +95,7 @@ class Energy:
             springs, ways, found = np.empty((room, 4), np.int64), np.empty((room, 13)), 0
             for i in range(0, n, rows):
                 found = find_bends(
-                    x, clear, self.mold.creases, self.straight, springs, ways, i, min(i + rows, n), found
+                    x, clear, self.mold, self.straight, springs, ways, i, min(i + rows, n), found
                 )
             if found <= room:
                 break

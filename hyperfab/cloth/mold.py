@@ -30,7 +30,6 @@ class Creases(NamedTuple):
     normals: Array  # (c, 2, 3) of the two facets
     beyond: Ints  # (c, 2) the crease that goes on at each end, or -1
     meeting: Ints  # (c, 2, 4) creases that meet it at a corner of several, or -1
-    convex: npt.NDArray[np.bool_]  # (c, 2) no edge at that end turns inward
     facet: Ints  # (c, 2) slot of a facet of the mold, and which of its edges the crease is
 
 
@@ -114,7 +113,6 @@ def creases_of(surface: Surface, shift: tuple[float, float, float] = (0.0, 0.0, 
         np.ascontiguousarray(normals[order]),
         np.ascontiguousarray(beyond[order]),
         np.ascontiguousarray(_corners_of(ends, count, place)[order]),
-        np.ascontiguousarray(_convex(surface)[ends][order]),
         np.ascontiguousarray(np.stack([surface.slot_of_face[face], edge], 1)[order]),
     )
 
@@ -128,13 +126,4 @@ def _corners_of(ends: Ints, count: Ints, place: Ints) -> Ints:
     for crease, end in zip(*np.nonzero(count[ends] > 2), strict=True):
         others = [int(place[c]) for c in at[int(ends[crease, end])] if c != crease][:4]
         out[crease, end, : len(others)] = others
-    return out
-
-
-def _convex(surface: Surface) -> npt.NDArray[np.bool_]:
-    """(v,) vertices at which no edge turns inward by more than rounding."""
-    out = np.ones(len(surface.vertices), np.bool_)
-    face, edge = np.nonzero(surface.edge_turn < -1e-6)
-    out[surface.faces[face, edge]] = False
-    out[surface.faces[face, (edge + 1) % 3]] = False
     return out
