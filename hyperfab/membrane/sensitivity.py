@@ -52,10 +52,11 @@ class Neighbourhood:
         test: Change,
         step: float,
         moved: Array,
-        figures: Callable[[Solved], Mapping[str, float]],
-    ) -> dict[str, float]:
-        """Return what ``figures`` of the equilibrium change by with a number, where the places move as ``moved``."""
-        total: dict[str, float] = {}
+        figures: Callable[[Solved], Mapping[str, float | Array]],
+    ) -> dict[str, float | Array]:
+        """Return what ``figures`` of the equilibrium, numbers or fields (n,), change by with a number, where the places
+        move as ``moved``."""
+        total: dict[str, float | Array] = {}
         for way, weight in _POINTS:
             other, depth = test(way * step)
             beside, _ = self._beside(other)

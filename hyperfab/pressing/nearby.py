@@ -7,7 +7,7 @@ in the sandwich. Forces, areas and where a female balances then follow by the sa
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -97,9 +97,15 @@ class Found:
 
 
 class Neighbourhood:
-    """A press that is closed, and those beside it; ``growths`` are those of the male and the female."""
+    """A press that is closed, and those beside it; ``growths`` are those of the male and the female, and ``modes`` of
+    each what it may grow by besides."""
 
-    def __init__(self, closed: Closed, growths: tuple[Growth, Growth]) -> None:
+    def __init__(
+        self,
+        closed: Closed,
+        growths: tuple[Growth, Growth],
+        modes: tuple[Sequence[Growth], Sequence[Growth]] = ((), ()),
+    ) -> None:
         self._closed = closed
         press, pose = closed.press, closed.pose
         first = replace(press.base, opening=closed.first_touch)
@@ -110,6 +116,10 @@ class Neighbourhood:
         self._grown = [
             growth.at(points)
             for growth, points in zip((growths[0], *2 * (growths[1],)), self._cold, strict=True)
+        ]
+        self._modes = [
+            np.array([mode.at(points) for mode in each]).reshape(len(each), *points.shape)
+            for each, points in zip((modes[0], *2 * (modes[1],)), self._cold, strict=True)
         ]
 
     def _feet(self, known: _Known, growth: Growth) -> Array:
@@ -122,6 +132,7 @@ class Neighbourhood:
         sandwich: Sandwich,
         *,
         growths: tuple[Displacement | float, Displacement | float] = (1.0, 1.0),
+        modes: tuple[Array | None, Array | None] = (None, None),
         gap: float | None,
         force: float | None,
         frame: float | None,
@@ -131,16 +142,25 @@ class Neighbourhood:
     ) -> Found:
         """Return what the press does with another ``sandwich`` and other settings.
 
-        ``growths`` of male and female are other displacements, or factors on those there are. Raises NotConverged
-        where the female finds no balance.
+        ``growths`` of male and female are other displacements, or factors on those there are, and ``modes`` so much of
+        each mode (k,) more. Raises NotConverged where the female finds no balance.
         """
         closed = self._closed
         start = self._start if gap is None else gap - closed.datum.gap
         male, female, first = (
-            grown * by if isinstance(by, float) else by(cold)
-            for grown, by, cold in zip(self._grown, (growths[0], *2 * (growths[1],)), self._cold, strict=True)
+            (grown * by if isinstance(by, float) else by(cold))
+            + (0.0 if amounts is None else np.tensordot(amounts, along, axes=1))
+            for grown, by, cold, amounts, along in zip(
+                self._grown,
+                (growths[0], *2 * (growths[1],)),
+                self._cold,
+                (modes[0], *2 * (modes[1],)),
+                self._modes,
+                strict=True,
+            )
         )
-        front = closed.front if growths[0] == 1.0 else _moved(closed.front, closed.cold + male)
+        stays = growths[0] == 1.0 and modes[0] is None
+        front = closed.front if stays else _moved(closed.front, closed.cold + male)
         rise = np.array([*(offset - self._offset), start - self._start])
         mount = closed.press.base.pivot[2] + float(rise[2])
         base = Pose(0.0, tilt, (*at, mount))

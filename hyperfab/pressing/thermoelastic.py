@@ -43,10 +43,11 @@ def mounting(mesh: TetraMesh, side: int, flat: bool, line: Array) -> Mounting:
 def deform(mesh: TetraMesh, strain: Array, mount: Mounting, poisson: float = POISSON) -> Array:
     """Return the displacements (n, 3) [mm] under free thermal ``strain`` (n,) at the nodes, z the closing axis.
 
-    A strain that is linear in space leaves a free body free of stress, and quadratic elements give that to rounding.
+    Of several strains (k, n), which all meet one stiffness, (k, n, 3). A strain that is linear in space leaves a free
+    body free of stress, and quadratic elements give that to rounding.
     Raises NotConverged where the equations are not solved, as on a mesh with torn elements.
     """
-    matrix, load = _assemble(mesh, strain, poisson)
+    matrix, loads = _assemble(mesh, np.atleast_2d(strain), poisson)
     held = _held(mesh, mount)
     free = np.ones(3 * len(mesh.points), dtype=bool)
     free[held] = False
@@ -54,19 +55,24 @@ def deform(mesh: TetraMesh, strain: Array, mount: Mounting, poisson: float = POI
     keep = sparse.diags_array(free.astype(float))
     hold = sparse.diags_array(np.where(free, 0.0, matrix.diagonal()))
     matrix = sparse.csr_matrix(keep @ matrix @ keep + hold)
-    found = conjugate_gradients(
-        matrix, load, _preconditioner(mesh, matrix, free), free, tolerance=1e-10, iterations=400
-    )
-    if not found.residual < 1e-7:
-        raise NotConverged(
-            f"the deformation of the mold was not found: residual {found.residual:.1e}",
-            remedy="mesh the mold again with another mesh_size",
-        )
-    return _seated(mesh, found.x.reshape(-1, 3), mount)
+    preconditioner = _preconditioner(mesh, matrix, free)
+    moved = []
+    for load in loads:
+        if not load[free].any():
+            moved.append(np.zeros((len(mesh.points), 3)))
+            continue
+        found = conjugate_gradients(matrix, load, preconditioner, free, tolerance=1e-10, iterations=400)
+        if not found.residual < 1e-7:
+            raise NotConverged(
+                f"the deformation of the mold was not found: residual {found.residual:.1e}",
+                remedy="mesh the mold again with another mesh_size",
+            )
+        moved.append(_seated(mesh, found.x.reshape(-1, 3), mount))
+    return np.array(moved).reshape(*np.shape(strain), 3)
 
 
 def _assemble(mesh: TetraMesh, strain: Array, poisson: float) -> tuple[sparse.csr_matrix, Array]:
-    """Stiffness and thermal load for a Young's modulus of one."""
+    """Stiffness and thermal loads (k, 3 n) of strains (k, n) for a Young's modulus of one."""
     mu = 0.5 / (1.0 + poisson)
     lam = poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson))
     nodes, count = len(mesh.points), len(mesh.elements)
@@ -74,7 +80,7 @@ def _assemble(mesh: TetraMesh, strain: Array, poisson: float) -> tuple[sparse.cs
     keys, place = np.unique(pairs, return_inverse=True)
     place = place.reshape(count, 100)
     data = np.zeros((len(keys), 3, 3))
-    load = np.zeros((nodes, 3))
+    load = np.zeros((len(strain), nodes, 3))
     for start in range(0, count, _BLOCK):
         chosen = slice(start, start + _BLOCK)
         at = samples(mesh, chosen)
@@ -89,15 +95,16 @@ def _assemble(mesh: TetraMesh, strain: Array, poisson: float) -> tuple[sparse.cs
         for i in range(3):
             for j in range(3):
                 data[:, i, j] += np.bincount(flat, weights=block[..., i, j].ravel(), minlength=len(keys))
-        thermal = (3.0 * lam + 2.0 * mu) * (strain[mesh.elements[chosen]] @ at.value.T)
-        force = np.einsum("mqai,mq->mai", at.slope, thermal * at.volume)
-        for i in range(3):
-            load[:, i] += np.bincount(
-                mesh.elements[chosen].ravel(), weights=force[..., i].ravel(), minlength=nodes
-            )
+        for one, total in zip(strain, load, strict=True):
+            thermal = (3.0 * lam + 2.0 * mu) * (one[mesh.elements[chosen]] @ at.value.T)
+            force = np.einsum("mqai,mq->mai", at.slope, thermal * at.volume)
+            for i in range(3):
+                total[:, i] += np.bincount(
+                    mesh.elements[chosen].ravel(), weights=force[..., i].ravel(), minlength=nodes
+                )
     rows = np.searchsorted(keys // nodes, np.arange(nodes + 1))
     matrix = sparse.bsr_array((data, keys % nodes, rows), shape=(3 * nodes, 3 * nodes))
-    return sparse.csr_matrix(matrix), load.ravel()
+    return sparse.csr_matrix(matrix), load.reshape(len(strain), -1)
 
 
 def _held(mesh: TetraMesh, mount: Mounting) -> Ints:

@@ -19,7 +19,7 @@ from hyperfab.thermal.history import History, Target
 from hyperfab.thermal.ledger import Ledger
 from hyperfab.thermal.medium import Medium
 from hyperfab.thermal.model import HeatModel
-from hyperfab.thermal.projected import Face, ProjectedMedium, ProjectedModel, Scaled
+from hyperfab.thermal.projected import Face, ProjectedMedium, ProjectedModel, Scaled, Together
 from hyperfab.thermal.radiation import Radiation
 from hyperfab.thermal.step import State, initial_state, take_step
 from hyperfab.thermal.tables import Table
@@ -42,7 +42,8 @@ class Change:
 
     ``flow`` are factors on the flow of conditions, ``ambient`` [K] how much warmer their surroundings are, by the
     number of the condition; ``conductivity`` and ``capacity`` are factors by the number of the material among the
-    model's, ``start`` [K] by the number of the part.
+    model's, ``start`` [K] by the number of the part; ``film`` by how many standard deviations a condition's film is
+    off.
     """
 
     flow: Mapping[int, float] = field(default_factory=dict)
@@ -50,6 +51,7 @@ class Change:
     conductivity: Mapping[str, float] = field(default_factory=dict)
     capacity: Mapping[str, float] = field(default_factory=dict)
     start: Mapping[int, float] = field(default_factory=dict)
+    film: Mapping[int, float] = field(default_factory=dict)
 
 
 class Neighbourhood:
@@ -77,6 +79,11 @@ class Neighbourhood:
         self._parts = {
             name: self._base.medium if alike else ProjectedMedium.of(medium, self.lift)
             for name, medium in self._media.items()
+        }
+        self._spreads = {
+            number: Face(_spread(model, number), self.lift, last.time)
+            for change in changes
+            for number in change.film
         }
         self._start = self._coordinates(history.states[0].temperature - last.temperature)
         self._warmer = {
@@ -135,10 +142,15 @@ class Neighbourhood:
             more = change.capacity.get(name, 1.0) - 1.0, change.conductivity.get(name, 1.0) - 1.0
             medium = medium.with_more(self._parts[name], *more)
         conditions = list(self._base.conditions)
+        spreads = dict(self._spreads)
         for number, kelvin in change.ambient.items():
             face = conditions[number]
             assert isinstance(face, Face)
             conditions[number] = face.warmer(kelvin)
+            if number in spreads:
+                spreads[number] = spreads[number].warmer(kelvin)
+        for number, by in change.film.items():
+            conditions[number] = Together((conditions[number], Scaled(spreads[number], by)))
         for number, by in change.flow.items():
             conditions[number] = Scaled(conditions[number], by)
         return self._base.changed_to(medium, conditions)
@@ -199,6 +211,8 @@ class Neighbourhood:
                 condition = model.conditions[number]
                 assert isinstance(condition, Convection | Radiation)
                 load += _warmed(condition, kelvin).flow(time, at) - condition.flow(time, at)
+            for number in change.film:
+                load += _spread(model, number).flow(time, at)
             for name in change.conductivity:
                 medium = self._media[name]
                 load += medium.pattern.matrix(medium.conduction(at)) @ (at - at.mean())
@@ -219,6 +233,13 @@ class Neighbourhood:
 
 def _size(load: Array) -> float:
     return float(np.sqrt(dot(load, load)))
+
+
+def _spread(model: HeatModel, number: int) -> Convection:
+    """Return a film with its standard deviation as coefficient."""
+    film = model.conditions[number]
+    assert isinstance(film, Convection)
+    return Convection(film.name, film.facets, film.film.spread, film.ambient)
 
 
 def _warmed(condition: Convection | Radiation, kelvin: float) -> Convection | Radiation:

@@ -92,6 +92,21 @@ class Scaled:
         return self.by * self.condition.tangent(time, coordinates)
 
 
+@dataclass(frozen=True)
+class Together:
+    """Conditions that act at once."""
+
+    conditions: tuple[Projected, ...]
+
+    def flow(self, time: float, coordinates: Array) -> Array:
+        """Return the heat flow into each basis vector (r,) [W]."""
+        return np.asarray(sum(one.flow(time, coordinates) for one in self.conditions))
+
+    def tangent(self, time: float, coordinates: Array) -> Array:
+        """Return minus its derivative (r, r) [W/K]."""
+        return np.asarray(sum(one.tangent(time, coordinates) for one in self.conditions))
+
+
 class Face:
     """A film or a radiating face, linear about the origin but for what is seen at a few points."""
 

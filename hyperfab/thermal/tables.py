@@ -12,7 +12,8 @@ from hyperfab.arrays import Array
 
 @dataclass(frozen=True)
 class Table:
-    """A piecewise linear function y(x); ``x`` rising, both (n,).
+    """A piecewise linear function y(x); ``x`` rising, both (n,). ``sd`` (n,) is one standard deviation of y, that of
+    all rows together, where it is known.
 
     >>> t = Table(np.array([0.0, 10.0]), np.array([1.0, 3.0]))
     >>> t(np.array([-5.0, 5.0, 20.0])), t.slope(np.array([5.0, 20.0])), float(t.integral(np.array(10.0)))
@@ -21,11 +22,21 @@ class Table:
 
     x: Array
     y: Array
+    sd: Array | None = None
 
     @staticmethod
     def constant(value: float) -> Table:
         """Return the function that is ``value`` everywhere."""
         return Table(np.array([0.0]), np.array([float(value)]))
+
+    @property
+    def spread(self) -> Table:
+        """Return the standard deviation as a function of its own; zero where it is not known."""
+        return Table(self.x, np.zeros_like(self.y) if self.sd is None else self.sd)
+
+    def off(self, by: float) -> Table:
+        """Return the function by so many standard deviations off."""
+        return Table(self.x, self.y + by * self.spread.y, self.sd)
 
     @property
     def is_constant(self) -> bool:

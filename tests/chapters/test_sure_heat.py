@@ -83,3 +83,37 @@ def test_no_mold_is_meshed_again_for_its_neighbours(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(recipe.MoldBuilder, "build", lambda *given: (meshed.append(1), build(*given))[1])
     assert heated(UNSURE).document["uncertainty"]["quantities"]
     assert len(meshed) == 1
+
+
+SURE_FILM = "temperature [degC],h [W/m^2/K],h sd [W/m^2/K]\n25,5,{0}\n100,9,{1}\n250,13,{2}\n"
+
+
+def filmed(rows: str, *words: str, mold: str = FINE) -> dict[str, Any]:
+    """Return the document of a mold whose film's table has these rows."""
+    case = read(case_class("mold-heat"), ["mold.toml", *words])
+    return rerun(case, "-", {"mold.toml": mold.encode(), "film.csv": rows.encode()}).document
+
+
+@pytest.mark.parametrize("way", ["on the states of the run", "run anew"])
+def test_a_table_of_films_that_says_how_sure_it_is_errs_as_one(
+    way: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """All rows by their standard deviations at once: the half difference of two runs with other tables."""
+    if way == "run anew":
+        monkeypatch.setattr(recipe.nearby, "beside", lambda *given: None)
+    mold = FINE.replace('target = "200 degC"', 'until = "900 s"').replace("3000 W", "300 W")
+    sure = filmed(SURE_FILM.format(1, 2, 1.5), "--uncertainty", "linear", mold=mold)["uncertainty"][
+        "quantities"
+    ]
+    plain = "temperature [degC],h [W/m^2/K]\n"
+    up, down = (
+        filmed(plain + rows, mold=mold) for rows in ("25,6\n100,11\n250,14.5\n", "25,4\n100,7\n250,11.5\n")
+    )
+    for group, key in (("energy", "lost_J"), ("work_surface", "mean_degC")):
+        band, exact = sure[f"{group}.{key}"], 0.5 * abs(up[group][key] - down[group][key])
+        assert band["sd"] == pytest.approx(exact, rel=0.01)
+        assert band["budget"] == [{"source": "film.csv: h", "share": pytest.approx(1.0)}]
+
+
+def test_a_table_without_a_column_of_standard_deviations_says_nothing() -> None:
+    assert "uncertainty" not in filmed("temperature [degC],h [W/m^2/K]\n25,5\n100,9\n250,13\n")

@@ -14,6 +14,7 @@ from hyperfab.cases.options import read
 from hyperfab.cases.registry import case_class
 from hyperfab.chapters.press_contact import command, warmth
 from hyperfab.chapters.rerun import Made, rerun
+from hyperfab.io.json_io import dump_json
 from hyperfab.io.stl_write import stl_bytes
 from hyperfab.io.vtu_read import read_vtu
 from hyperfab.samples import cup
@@ -117,3 +118,18 @@ def test_where_nothing_is_stated_fields_have_no_twin() -> None:
     made = pressed("cup", "--gap", "3mm", foam=foam, target="press.json")
     grid = read_vtu(made.siblings[".vtu"], "press.vtu")
     assert not [name for name in grid.point_data if name.endswith("_sd") or name == "touch_probability"]
+
+
+def test_a_press_goes_with_the_specimens_of_its_foam(folder: Path) -> None:
+    """A foam that is stiffer by a share presses harder by that share, and between plates by nothing else."""
+    sure = {"order": ["mu1_MPa", "alpha1", "nu1"], "specimens": 4, "degrees_of_freedom": 3, "source": "specimens",
+            "covariance": np.diag([(0.05 * 0.02) ** 2, 0.0, 0.0]).tolist()}  # fmt: skip
+    fit = {"E2": 0.0, "relative_rms": 0.0, "nrmse": 0.0, "points": 9, "uncertainty": sure}
+    constants = {"mu1_MPa": 0.02, "alpha1": 6.0, "nu1": 0.1}
+    document = {"format": "hyperfab.material/1", "model": "hyperfoam-1", "parameters": constants, "fit": fit}
+    (folder / "foam.json").write_bytes(dump_json(document))
+    foam = 'format = "hyperfab.foam/1"\nthickness = "4.5 mm"\ncompression = { material = "foam.json" }\n'
+    made = pressed("plate", "--gap", "4mm", "--uncertainty", "linear", foam=foam)
+    band = made.document["uncertainty"]["quantities"]["force_N"]
+    assert band["sd"] == pytest.approx(0.05 * made.document["force_N"], rel=1e-6)
+    assert band["budget"] == [{"source": "foam.json: constants, 4 specimens", "share": pytest.approx(1.0)}]

@@ -15,6 +15,7 @@ from hyperfab.chapters.drape.result import document_of, judge, say, tears
 from hyperfab.chapters.drape.states import State, at_depths
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.uncertainty import carry
+from hyperfab.chapters.uncertainty.carry import Sure
 from hyperfab.chapters.uncertainty.sources import Origins, origins
 from hyperfab.cloth import BeyondLaw, HeldNodeInside, Step
 from hyperfab.cloth.cascade import grid_sizes
@@ -35,16 +36,18 @@ def run(job: Job, case: DrapeCase) -> int:
     note_ranges(job, model.files.fabric, found[-1].fields.stretch_warp, found[-1].fields.stretch_weft)
     sound = judge(job, document, found[-1].fields)
     torn = tears(job, document, model.sheet, found[-1], case.max_stretch)
-    if out.wants_files:
-        files.write(out, model, found)
+    sure = Sure()
     if document.converged:
-        document.uncertainty = carry(
+        sure = carry(
             job,
             case,
             document,
             lambda: _origins(job, case),
             lambda origins: beside(job, model, found[-1], origins),
-        ).uncertainty
+        )
+        document.uncertainty = sure.uncertainty
+    if out.wants_files:
+        files.write(out, model, found, {**sure.twins, **sure.handed})
     job.write(out, document, case, thickness_mm=model.sheet.thickness)
     if document.converged:
         say(job, document)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from hyperfab.arrays import Array, Ints
@@ -29,12 +31,16 @@ HISTORY = (
 )
 
 
-def write(out: Output, model: Model, states: list[State]) -> None:
-    """Queue the files: of the last state, and where several were asked for a field of each; the mold as it stands."""
+def write(out: Output, model: Model, states: list[State], sure: Mapping[str, Array] = {}) -> None:
+    """Queue the files: of the last state, and where several were asked for a field of each; the mold as it stands.
+
+    ``sure`` are standard deviations and derivatives of the last fields, where they are known, an entry a node, a
+    cell or a node's coordinate.
+    """
     sheet, max_stretch, last = model.sheet, model.case.max_stretch, states[-1]
     surface = model.files.placed.surface
     corners = surface.vertices + np.array(model.files.placed.standing(last.depth))
-    out.add(".vtu", field(sheet, last, max_stretch))
+    out.add(".vtu", field(sheet, last, max_stretch, sure))
     if len(states) > 1:
         names = []
         for number, state in enumerate(states, 1):
@@ -47,7 +53,7 @@ def write(out: Output, model: Model, states: list[State]) -> None:
     out.add(".png", picture(sheet, states, (corners, surface.faces)))
 
 
-def field(sheet: Sheet, state: State, max_stretch: float | None) -> bytes:
+def field(sheet: Sheet, state: State, max_stretch: float | None, sure: Mapping[str, Array] = {}) -> bytes:
     """The draped net as quads; ``flat_mm`` is each node's place on the flat sheet."""
     n, m = sheet.n, sheet.m
     found, fields = state.found, state.fields
@@ -79,6 +85,11 @@ def field(sheet: Sheet, state: State, max_stretch: float | None) -> bytes:
         cells["over_max_stretch"] = (fields.cell_stretch > max_stretch).ravel()
     if fields.cells is not None:
         cells["stress_larger_MPa"] = fields.cells.cauchy.ravel()
+    for name, values in sure.items():
+        if len(values) == len(quads):
+            cells[name] = values
+        else:
+            points[name] = values.reshape(n * m, -1).squeeze()
     return vtu.unstructured(found.state.x.reshape(-1, 3), {"quad": quads}, points, cells)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +13,7 @@ from hyperfab.chapters.drape.model import Model, sheet_of
 from hyperfab.chapters.drape.states import State
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import Listener, Overlay
-from hyperfab.chapters.uncertainty.carry import Answer, Changes, Figures
+from hyperfab.chapters.uncertainty.carry import Answer, Changes, Figures, Slopes
 from hyperfab.chapters.uncertainty.sources import Origins, Setting
 from hyperfab.cloth import Sheet
 from hyperfab.cloth.sensitivity import Neighbourhood
@@ -35,9 +34,10 @@ class Beside:
         self._near = Neighbourhood(model.sheet, state.mold, state.found, state.fields.cut)
         self._moves: list[Array] = []
 
-    def gradient(self) -> Mapping[str, Array]:
-        """Return what each figure changes by with each number, source by source."""
+    def gradient(self) -> Slopes:
+        """Return what figures and fields change by with each number, source by source."""
         slopes: dict[str, list[float]] = {}
+        fields: dict[str, list[Array]] = {}
         self._moves = []
         for index, one in enumerate(self._origins.found):
             sd = np.sqrt(np.diag(one.source.covariance))
@@ -48,12 +48,17 @@ class Beside:
                 move = self._near.move(sheets[0], sheets[1], step)
                 self._moves.append(move)
                 up, down = (
-                    self._figures(sheet, way * step * move)
+                    self._answer(sheet, way * step * move)
                     for sheet, way in zip(sheets, (1.0, -1.0), strict=True)
                 )
-                for name in up:
-                    slopes.setdefault(name, []).append((up[name] - down[name]) / (2.0 * step))
-        return {name: np.array(values) for name, values in slopes.items()}
+                for name, value in up.figures.items():
+                    slopes.setdefault(name, []).append((value - down.figures[name]) / (2.0 * step))
+                for name, values in up.fields.items():
+                    fields.setdefault(name, []).append((values - down.fields[name]) / (2.0 * step))
+        return Slopes(
+            {name: np.array(values) for name, values in slopes.items()},
+            {name: np.array(values) for name, values in fields.items()},
+        )
 
     def at(self, changes: Changes) -> Answer:
         """Return the figures with numbers changed."""
@@ -66,7 +71,7 @@ class Beside:
             ]
         )
         moved = np.tensordot(amounts, np.array(self._moves), axes=1)
-        return Answer(self._figures(self._sheet(changes), moved))
+        return self._answer(self._sheet(changes), moved)
 
     def _sheet(self, changes: Changes) -> Sheet:
         inputs = self._job.inputs
@@ -78,9 +83,9 @@ class Beside:
         fabric = read_fabric(Job(self._job.command, (), Listener(), Overlay(given)), case)
         return sheet_of(case, replace(self._model.files, fabric=fabric))
 
-    def _figures(self, sheet: Sheet, moved: Array) -> Figures:
+    def _answer(self, sheet: Sheet, moved: Array) -> Answer:
         fields = self._near.answers(sheet, moved)
-        found = {
+        found: Figures = {
             "force_N": fields.press_force,
             "stress_warp_max_MPa": float(fields.stress_warp.max()),
             "stress_weft_max_MPa": float(fields.stress_weft.max()),
@@ -88,7 +93,17 @@ class Beside:
             "thickness_min_mm": float(fields.cell_thickness.min()),
             "energy_J": 1e-3 * fields.spring_energy,
         }
-        return found if fields.cells is None else found | {"stress_max_MPa": float(fields.cells.cauchy.max())}
+        by_name = {
+            "thickness_mm": fields.cell_thickness.ravel(),
+            "stress_warp_MPa": fields.stress_warp.ravel(),
+            "stress_weft_MPa": fields.stress_weft.ravel(),
+            "thickness_ratio": fields.cell_thickness.ravel() / sheet.thickness,
+            "place_mm": moved.ravel(),
+        }
+        if fields.cells is not None:
+            found["stress_max_MPa"] = float(fields.cells.cauchy.max())
+            by_name["stress_larger_MPa"] = fields.cells.cauchy.ravel()
+        return Answer(found, by_name)
 
 
 def beside(job: Job, model: Model, state: State, origins: Origins) -> Beside | None:

@@ -14,6 +14,7 @@ from hyperfab.chapters.fabric_contact.result import document, mounted_row, row, 
 from hyperfab.chapters.fabric_contact.setup import Setup, read_geometry, setup_of
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.uncertainty import carry
+from hyperfab.chapters.uncertainty.carry import Sure
 from hyperfab.documents.contact import ContactDocument
 from hyperfab.errors import NotConverged
 from hyperfab.io.csv_write import csv_bytes
@@ -50,15 +51,17 @@ def run(job: Job, case: ContactCase) -> int:
             # A sheet that hangs slack carries nothing: its law is not asked below 1.
             met = np.maximum(fields(last.press.sheet, last.state.places).stretch, 1.0)
             job.ranges.used("stretch", met, known=fabric.tested, source=fabric.name, then="extrapolated")
+    sure = Sure()
     if found.converged:
-        found.uncertainty = carry(
+        sure = carry(
             job,
             case,
             found,
             lambda: origins_of(job, case),
             lambda origins: beside(job, case, geometry, outcomes[0], origins),
-        ).uncertainty
-    _write(job, out, case, fabrics, outcomes, found)
+        )
+        found.uncertainty = sure.uncertainty
+    _write(job, out, case, fabrics, outcomes, found, sure)
     for number, (fabric, outcome, unstable) in enumerate(zip(fabrics, outcomes, instabilities, strict=True)):
         status = status_of(outcome, unstable)
         if status:
@@ -101,6 +104,7 @@ def _write(
     fabrics: list[Fabric],
     outcomes: list[Outcome],
     found: ContactDocument,
+    sure: Sure,
 ) -> None:
     difference = None
     both = len(outcomes) > 1
@@ -110,7 +114,7 @@ def _write(
     if out.wants_files:
         last = outcomes[0].solved[-1]
         shown = difference if difference is not None and pair[0] is last else None
-        out.add(".vtu", vtu(last, shown))
+        out.add(".vtu", vtu(last, shown, sure.twins))
         rows = [mounted_row(last), *(row(solved) for solved in outcomes[0].solved)]
         out.add(".csv", csv_bytes(list(rows[0]), [[float(one[name]) for name in rows[0]] for one in rows]))
         from hyperfab.chapters.fabric_contact.picture import picture  # matplotlib takes a fifth of the start

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from hyperfab.arrays import Array
@@ -10,17 +12,27 @@ from hyperfab.membrane.measures import fields
 from hyperfab.membrane.sphere_contact import Solved
 
 
-def vtu(solved: Solved, difference: Array | None) -> bytes:
-    """Return the whole deformed sheet with its fields; a computed quarter is mirrored."""
-    sheet, state = solved.press.sheet, solved.state
-    found = fields(sheet, state.places)
-    gap = solved.press.punch.near(state.places, state.depth).gap
-    data = {
+def sure_fields(solved: Solved) -> dict[str, Array]:
+    """Return the fields at the nodes (n,) that are told with their standard deviations."""
+    found = fields(solved.press.sheet, solved.state.places)
+    return {
         "stress_1_MPa": found.cauchy[:, 0],
         "stress_2_MPa": found.cauchy[:, 1],
         "stretch_1": found.stretch[:, 0],
         "stretch_2": found.stretch[:, 1],
         "thickness_mm": found.thickness,
+    }
+
+
+def vtu(solved: Solved, difference: Array | None, twins: Mapping[str, Array] = {}) -> bytes:
+    """Return the whole deformed sheet with its fields; a computed quarter is mirrored. ``twins`` (n,) by name are
+    standard deviations of fields, where they are known."""
+    sheet, state = solved.press.sheet, solved.state
+    found = fields(sheet, state.places)
+    gap = solved.press.punch.near(state.places, state.depth).gap
+    data = {
+        **sure_fields(solved),
+        **twins,
         "gap_mm": np.where(state.touching, 0.0, gap),
         "contact": state.touching,
         "pressure_MPa": pressure(solved, found.cauchy, found.thickness),

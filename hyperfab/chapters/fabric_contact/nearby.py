@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.cases.contact import ContactCase
 from hyperfab.chapters.fabric_contact.fabric import read_fabric
+from hyperfab.chapters.fabric_contact.fields import sure_fields
 from hyperfab.chapters.fabric_contact.result import row
 from hyperfab.chapters.fabric_contact.setup import Geometry, setup_of
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import Listener, Overlay
-from hyperfab.chapters.uncertainty.carry import FIGURES, Answer, Changes, Figures
+from hyperfab.chapters.uncertainty.carry import FIGURES, Answer, Changes, Figures, Slopes
 from hyperfab.chapters.uncertainty.sources import Origins, Setting, origins
 from hyperfab.errors import NotConverged
 from hyperfab.membrane.equilibrium import NoEquilibriumError
@@ -54,9 +53,9 @@ class Beside:
         self._near = Neighbourhood(solved)
         self._moves: list[Array] = []
 
-    def gradient(self) -> Mapping[str, Array]:
+    def gradient(self) -> Slopes:
         """Return what each figure changes by with each number, source by source."""
-        slopes: dict[str, list[float]] = {name: [] for name in FIGURES["contact"]}
+        slopes: dict[str, list[float | Array]] = {}
         self._moves = []
         for index, one in enumerate(self._origins.found):
             sd = np.sqrt(np.diag(one.source.covariance))
@@ -68,10 +67,12 @@ class Beside:
                     return self._test({index: change * unit})
 
                 self._moves.append(self._near.move(test, step))
-                found = self._near.slopes(test, step, self._moves[-1], _figures)
-                for name in slopes:
-                    slopes[name].append(found[name])
-        return {name: np.array(values) for name, values in slopes.items()}
+                found = self._near.slopes(test, step, self._moves[-1], _answer)
+                for name, slope in found.items():
+                    slopes.setdefault(name, []).append(slope)
+        by_name = {name: np.array(values) for name, values in slopes.items()}
+        figures = {name: by_name.pop(name) for name in FIGURES["contact"]}
+        return Slopes(figures, by_name)
 
     def at(self, changes: Changes) -> Answer:
         """Return the figures of the equilibrium with numbers changed; NotConverged where there is none.
@@ -89,10 +90,11 @@ class Beside:
         moved = sum(amount * move for amount, move in zip(amounts, self._moves, strict=True))
         test, depth = self._test(changes)
         try:
-            found = _figures(self._near.equilibrium(test, depth, np.asarray(moved)))
+            solved = self._near.equilibrium(test, depth, np.asarray(moved))
         except NoEquilibriumError as error:
             raise NotConverged(str(error)) from None
-        return Answer({name: value for name, value in found.items() if name != "contact_radius_mm"})
+        found = {name: value for name, value in _figures(solved).items() if name != "contact_radius_mm"}
+        return Answer(found, sure_fields(solved))
 
     def _test(self, changes: Changes) -> tuple[SphereTest, float]:
         inputs = self._job.inputs
@@ -115,6 +117,10 @@ def beside(
     if solved.press.tangential.remembers or not set(settings) <= set(_ON_THE_MESH):
         return None
     return Beside(job, case, geometry, solved, origins)
+
+
+def _answer(solved: Solved) -> dict[str, float | Array]:
+    return {**_figures(solved), **sure_fields(solved)}
 
 
 def _figures(solved: Solved) -> Figures:

@@ -25,7 +25,8 @@ FRAMES, SERIES_BYTES = 40, 50e6
 def write_fields(
     out: Output, problem: Problem, history: History, target: float | None, sure: Mapping[str, Array] = {}
 ) -> None:
-    """Queue every sibling of the document; ``sure`` are standard deviations of the last field, where known."""
+    """Queue every sibling of the document; ``sure`` are standard deviation and derivatives of the last field, where
+    known."""
     last = history.states[-1]
     flux = problem.model.medium.flux(last.temperature)
     final = _field(problem, last.temperature, flux, sure)
@@ -84,7 +85,7 @@ def _field(problem: Problem, temperature: Array, flux: Array | None, sure: Mappi
     return unstructured(
         mesh.points[:solid] * 1e3,
         {"tetra10": mesh.elements},
-        {"temperature_degC": temperature[:solid], **{f"{name}_sd": sd for name, sd in sure.items()}},
+        {"temperature_degC": temperature[:solid], **sure},
         cells,
     )
 

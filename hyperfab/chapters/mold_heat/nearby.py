@@ -11,7 +11,7 @@ from hyperfab.cases.mold import MoldCase
 from hyperfab.chapters.mold_heat.problem import Problem
 from hyperfab.chapters.mold_heat.result import efficiency_of, energy_of, probes_of
 from hyperfab.chapters.uncertainty.carry import Answer, Changes, Figures
-from hyperfab.chapters.uncertainty.sources import Entry, Number, Origins
+from hyperfab.chapters.uncertainty.sources import Entry, Film, Number, Origins
 from hyperfab.documents.mold import MoldDocument
 from hyperfab.thermal import surface
 from hyperfab.thermal.contact import Contact
@@ -65,7 +65,7 @@ class Beside:
 
     def _change(self, changes: Changes) -> Change:
         """Return what numbers that change, by the number of their source, make another thing."""
-        found = Change({}, {}, {}, {}, {})
+        found = Change({}, {}, {}, {}, {}, {})
         place = 0
         for index, one in enumerate(self.origins.found):
             for k in range(len(one.numbers)):
@@ -88,7 +88,7 @@ class _Number:
         """Add what it makes when it changes by so much."""
         table = getattr(change, self.kind)
         for key in self.keys:
-            if self.kind in ("ambient", "start"):
+            if self.kind in ("ambient", "start", "film"):
                 table[key] = table.get(key, 0.0) + by
             else:
                 table[key] = table.get(key, 1.0) * (1.0 + by / self.value)
@@ -126,7 +126,7 @@ def beside(
         target = Target(work.load(1.0) / work.area, document.run.target)
     units = []
     for one in known:
-        units.append(Change({}, {}, {}, {}, {}))
+        units.append(Change({}, {}, {}, {}, {}, {}))
         one.add(units[-1], 1.0)
     stops = document.run.until is None
     if stops and history.reached is None:
@@ -136,6 +136,10 @@ def beside(
 
 def _read(number: Number, document: MoldDocument, problem: Problem) -> _Number | None:
     """Return what a number of the document changes; None for those that have no short way."""
+    if isinstance(number, Film):
+        films = problem.model.conditions
+        at = [k for k, one in enumerate(films) if isinstance(one, Convection) and one.film is number.table]
+        return _Number("film", tuple(at), 1.0)
     if not isinstance(number, Entry) or number.value == 0.0:
         return None
     conditions = problem.model.conditions

@@ -16,7 +16,7 @@ from hyperfab.chapters.mold_heat.result import IMBALANCE_ALLOWED, steady_documen
 from hyperfab.chapters.mold_heat.variations import SHARPER, read_variations, variations_csv, vary
 from hyperfab.chapters.uncertainty import carry
 from hyperfab.chapters.uncertainty.carry import Sure, figures_of
-from hyperfab.chapters.uncertainty.sources import origins
+from hyperfab.chapters.uncertainty.sources import Origins, of_films, origins
 from hyperfab.console import Advance
 from hyperfab.documents.base import read_document
 from hyperfab.documents.heat import HeatDocument
@@ -88,14 +88,21 @@ def run(job: Job, case: MoldCase) -> int:
             job,
             case,
             result,
-            lambda: origins(job.inputs, case, documents={mold: MoldDocument}),
+            lambda: _origins(job, case, builder),
             lambda known: nearby.beside(case, document, problem, history, value, known),
         )
         result.uncertainty = sure.uncertainty
     if out.wants_files:
-        write_fields(out, problem, history, document.run.target, sure.fields)
+        write_fields(out, problem, history, document.run.target, {**sure.twins, **sure.handed})
     job.write(out, result, case)
     return 0 if result.converged else NotConverged.exit_status
+
+
+def _origins(job: Job, case: MoldCase, builder: MoldBuilder) -> Origins:
+    """Return what the document and its tables say of how sure they are."""
+    found = origins(job.inputs, case, documents={case.mold: MoldDocument})
+    found.found += of_films(builder.tables.unsure)
+    return found
 
 
 def _note_ranges(job: Job, name: str, builder: MoldBuilder, problem: Problem, history: History) -> None:

@@ -22,6 +22,8 @@ COLUMNS = {
     "power": ("power",),
     "dimensionless": ("contact", "closed"),
 }
+#: Kinds whose tables may say how sure they are, in a column ``NAME sd``.
+_WITH_SD = ("film-coefficient",)
 
 
 class Tables:
@@ -32,6 +34,8 @@ class Tables:
         self._document = document
         #: Tables against temperature by kind and the name that the document gives them: their ends [degC].
         self.tabulated: dict[tuple[str, str], tuple[float, float]] = {}
+        #: Film coefficients that state how sure they are, by the file.
+        self.unsure: dict[str, Table] = {}
 
     def function(self, value: float | TableFile, kind: str, against: str = "temperature") -> Table:
         """Return a constant, or the table of a file: ``kind`` against ``temperature`` or ``time``."""
@@ -44,9 +48,10 @@ class Tables:
         name = self._inputs.beside(self._document, relative)
         data = self._inputs.read(name)
         names = COLUMNS[kind]
-        table = read_table(
-            data, name, {against: against}, optional=dict.fromkeys(names, kind), increasing=against
-        )
+        optional = dict.fromkeys(names, kind)
+        if kind in _WITH_SD:
+            optional |= {f"{column} sd": kind for column in names}
+        table = read_table(data, name, {against: against}, optional=optional, increasing=against)
         found = next((column for column in names if column in table), None)
         if found is None:
             read_table(data, name, {against: against, names[0]: kind})  # says which columns there are
@@ -56,7 +61,13 @@ class Tables:
             self._refuse_negative(name, found, table.lines, values, kind)
         if against == "temperature":
             self.tabulated[kind, relative] = float(table[against][0]), float(table[against][-1])
-        return Table(table[against], values)
+        sd = table.columns.get(f"{found} sd")
+        if sd is not None:
+            self._refuse_negative(name, f"{found} sd", table.lines, sd, kind)
+        read = Table(table[against], values, sd if sd is not None and sd.any() else None)
+        if read.sd is not None:
+            self.unsure[name] = read
+        return read
 
     @staticmethod
     def _refuse_negative(name: str, column: str, lines: np.ndarray, values: np.ndarray, kind: str) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import replace
 
 import numpy as np
@@ -16,11 +15,14 @@ from hyperfab.chapters.press_contact.design import design_of
 from hyperfab.chapters.press_contact.fields import curve_csv, formed_picture, grid_of, picture_of
 from hyperfab.chapters.press_contact.formed import Wanted, formed, read_setting
 from hyperfab.chapters.press_contact.formed import note_ranges as note_set_ranges
+from hyperfab.chapters.press_contact.heat import file_of
+from hyperfab.chapters.press_contact.laws import materials
 from hyperfab.chapters.press_contact.model import Model, model_of, read_files
 from hyperfab.chapters.press_contact.result import document_of
 from hyperfab.chapters.press_contact.told import Told
 from hyperfab.chapters.press_contact.warmth import settled, warmed
 from hyperfab.chapters.uncertainty import carry
+from hyperfab.chapters.uncertainty.handed import identified, join
 from hyperfab.chapters.uncertainty.sources import Origins, origins
 from hyperfab.console import NEGATIVE_VERDICT
 from hyperfab.documents.base import read_document
@@ -96,7 +98,7 @@ def run(job: Job, case: PressCase) -> int:
         job,
         case,
         result,
-        lambda: _origins(job, case, result),
+        lambda: _origins(job, model, result),
         lambda known: nearby.beside(job, model, told.closed, known),
     )
     result.uncertainty = sure.uncertainty
@@ -106,12 +108,18 @@ def run(job: Job, case: PressCase) -> int:
     return _judge(job, result, told.closed, case.min_spotted)
 
 
-def _origins(job: Job, case: PressCase, result: PressDocument) -> Origins:
-    """Return what the inputs say of how sure they are."""
+def _origins(job: Job, model: Model, result: PressDocument) -> Origins:
+    """Return what the inputs say of how sure they are: what is typed, the laws of fabric and foam, and what drape and
+    heat documents hand on."""
+    case = model.case
     stated = {case.foam: FoamDocument} if case.foam.endswith(".toml") else {}
-    found = origins(job.inputs, case, documents=stated)
-    others = [name for name in (case.male_heat, case.female_heat, case.drape) if name is not None]
-    found.left_out += [f"{os.path.basename(name)}: how sure it is" for name in others if found.found]
+    laws = materials(
+        job.inputs, case.foam, model.files.document, 0.5 * sum(grown.temperature for grown in model.grown)
+    )
+    found = origins(job.inputs, case, laws, stated)
+    identified(found, case, job.inputs)
+    heat = [file_of(name)[0] for name in (case.male_heat, case.female_heat) if name is not None]
+    join(found, job.inputs, heat if case.drape is None else [*heat, case.drape])
     told = (("warming", "the sandwich's temperature"), ("formed", "the thickness when the press has opened"))
     found.left_out += [what for key, what in told if found.found and getattr(result, key) is not None]
     return found

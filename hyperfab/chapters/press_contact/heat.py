@@ -11,6 +11,7 @@ from hyperfab.arrays import Array, Ints
 from hyperfab.cases.press import PressCase
 from hyperfab.chapters.field import read_field
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.uncertainty.fields import derivatives
 from hyperfab.documents.base import read_document
 from hyperfab.documents.heat import HeatDocument
 from hyperfab.errors import InputError
@@ -41,9 +42,19 @@ class HeatInput:
 
 
 @dataclass(frozen=True)
+class Mode:
+    """What a mold does with a number that its heat document hands on: its ``mean`` temperature changes [degC], and it
+    grows by ``growth`` more, None where it grows evenly."""
+
+    mean: float
+    growth: Growth | None = None
+
+
+@dataclass(frozen=True)
 class Grown:
     """A mold's growth, the mean temperature [degC] and thermal strain behind it, and how they are known; ``celsius``
-    is its field at the nodes of the growth's mesh, None where it is equally hot."""
+    is its field at the nodes of the growth's mesh, None where it is equally hot. ``modes`` are those of the numbers
+    of its heat document, in their order; none where it hands nothing on."""
 
     growth: Growth
     temperature: float
@@ -51,6 +62,7 @@ class Grown:
     known_from: str
     even: bool
     celsius: Array | None = None
+    modes: tuple[Mode, ...] = ()
 
     def surface(self, points: Array) -> Array:
         """Return the temperature (n,) [degC] at cold ``points`` (n, 3) of the mold's surface."""
@@ -67,7 +79,8 @@ def read_heat(inputs: Inputs, case: PressCase, reference: float) -> tuple[HeatIn
         return given, given
     cold = HeatInput(reference, "cold: the reference temperature", cold=True)
     male, female = (
-        cold if name is None else _read(inputs, name) for name in (case.male_heat, case.female_heat)
+        cold if name is None else _read(inputs, name, case.uncertainty != "none")
+        for name in (case.male_heat, case.female_heat)
     )
     return male, female
 
@@ -109,22 +122,31 @@ def grow(
             f"the STL); the STL's mold grows evenly with the mean temperature of {mean:.1f} degC"
         )
         known = f"mean of the field of {named}another mold's heat document"
-        return Grown(even_growth(mold, strain, line), mean, strain, known, True)
-    moved = deform(
-        found.mesh,
-        np.asarray(expansion.strain(found.celsius)),
-        mounting(found.mesh, mold.side, flat, line),
-        poisson,
-    )
+        even = tuple(Mode(_mean(found.grid, by)) for by in found.by)
+        return Grown(even_growth(mold, strain, line), mean, strain, known, True, modes=even)
+    strains = [expansion.strain(found.celsius)]
+    for by in found.by_node:
+        # One standard deviation is kelvins, and a step of one is a chord of the expansion's table.
+        size = max(float(np.abs(by).max()), 1e-300)
+        up, down = (expansion.strain(found.celsius + way / size * by) for way in (0.5, -0.5))
+        strains.append(size * (up - down))
+    moved, *more = deform(found.mesh, np.array(strains), mounting(found.mesh, mold.side, flat, line), poisson)
     known = f"field of {named}the heat document, thermoelastic"
-    return Grown(FieldGrowth(found.mesh, found.faces, moved), mean, strain, known, False, found.celsius)
+    modes = tuple(
+        Mode(_mean(found.grid, by), FieldGrowth(found.mesh, found.faces, along))
+        for by, along in zip(found.by, more, strict=True)
+    )
+    return Grown(
+        FieldGrowth(found.mesh, found.faces, moved), mean, strain, known, False, found.celsius, modes
+    )
 
 
 @dataclass(frozen=True)
 class _Found:
     """The part of a heat model that is a mold, or is taken for it: its ``grid``, its ``mesh`` in the press frame with
     outer ``faces`` and nodal ``celsius``, how far ``off`` the STL it lies and what is ``allowed`` [mm]; the name of the
-    ``part``, empty for all of the model; how far each of the ``others`` lies off."""
+    ``part``, empty for all of the model; how far each of the ``others`` lies off; what the temperature changes ``by``
+    with each number of the document, at the grid's points and at the mesh's nodes."""
 
     grid: Grid
     mesh: TetraMesh
@@ -134,6 +156,8 @@ class _Found:
     allowed: float
     part: str
     others: list[tuple[str, float]]
+    by: list[Array]
+    by_node: list[Array]
 
 
 def _of_mold(heat: HeatInput, frame: PressFrame, mold: Mold) -> _Found:
@@ -146,11 +170,18 @@ def _of_mold(heat: HeatInput, frame: PressFrame, mold: Mold) -> _Found:
     def tried(part: str) -> _Found:
         grid = _part(whole, heat.parts.index(part)) if part else whole
         mesh, number = merged(frame.inward(grid.points), grid.cells["tetra10"])
-        celsius = np.zeros(len(mesh.points))
-        celsius[number] = grid.point_data["temperature_degC"]
+
+        def at_nodes(values: Array) -> Array:
+            there = np.zeros(len(mesh.points))
+            there[number] = values
+            return there
+
+        celsius = at_nodes(grid.point_data["temperature_degC"])
+        by = derivatives(grid, "temperature_degC")
         faces = boundary(mesh)
         _, distance = at_boundary(mesh, faces, celsius, mold.vertices)
-        return _Found(grid, mesh, faces, celsius, float(np.quantile(distance, 0.95)), allowed, part, [])
+        off = float(np.quantile(distance, 0.95))
+        return _Found(grid, mesh, faces, celsius, off, allowed, part, [], by, [at_nodes(one) for one in by])
 
     if heat.part:
         return tried(heat.part)
@@ -168,18 +199,25 @@ def _part(grid: Grid, index: int) -> Grid:
     return Grid(
         grid.points[used],
         {"tetra10": small.reshape(elements.shape)},
-        {"temperature_degC": grid.point_data["temperature_degC"][used]},
+        {name: values[used] for name, values in grid.point_data.items()},
         {},
     )
 
 
-def _read(inputs: Inputs, given: str) -> HeatInput:
+def file_of(given: str) -> tuple[str, str]:
+    """Return the heat document that an option names, and the part of it; empty where none is named."""
     named = re.fullmatch(r"(.+\.json):([^/\\:]+)", given)
-    name, part = (given, "") if named is None else (named[1], named[2])
+    return (given, "") if named is None else (named[1], named[2])
+
+
+def _read(inputs: Inputs, given: str, unsure: bool) -> HeatInput:
+    name, part = file_of(given)
     heat = read_document(inputs, name, HeatDocument)
     if heat.work_surface is not None and (name == "-" or field_among(heat.files) is None):
         return HeatInput(heat.work_surface.at_end.mean_degC, "mean of the heat document's work surface")
     grid = read_field(inputs, name, heat, "tetra10", "temperature_degC")
+    if not unsure:
+        grid = replace(grid, point_data={"temperature_degC": grid.point_data["temperature_degC"]})
     parts = tuple(heat.mass_by_part_kg)
     if "part" not in grid.cell_data or len(np.unique(grid.cell_data["part"])) != len(parts):
         parts = parts[:1]  # no telling them apart
@@ -189,9 +227,10 @@ def _read(inputs: Inputs, given: str) -> HeatInput:
     return HeatInput(_mean(whole), "field", grid, name, part if len(parts) > 1 else "", parts)
 
 
-def _mean(grid: Grid) -> float:
-    """Mean temperature over the volume."""
+def _mean(grid: Grid, values: Array | None = None) -> float:
+    """Mean over the volume of the temperature, or of other ``values`` (n,) at the points."""
     mesh = TetraMesh(grid.points, grid.cells["tetra10"])
     at = samples(mesh, slice(None))
-    celsius = grid.point_data["temperature_degC"][mesh.elements] @ at.value.T
+    values = grid.point_data["temperature_degC"] if values is None else values
+    celsius = values[mesh.elements] @ at.value.T
     return float(np.average(celsius, weights=at.volume))

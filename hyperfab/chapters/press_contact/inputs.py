@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -11,6 +13,7 @@ from hyperfab.cases.press import PressCase
 from hyperfab.chapters.field import read_field
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.molds import MoldFile, read_mold
+from hyperfab.chapters.uncertainty.fields import derivatives
 from hyperfab.documents.base import read_document
 from hyperfab.documents.drape import DrapeDocument
 from hyperfab.documents.foam import FoamDocument, TableFile
@@ -30,6 +33,8 @@ ALUMINIUM = ((100.0, 300.0), (23.6e-6, 25.2e-6))
 _TORN = 0.8
 #: What is done beyond a table's rows.
 _END_ROWS = "its end rows hold there"
+#: Steps of differences, over a standard deviation.
+_STEP = 0.1
 _REFERENCE_RANGE = (-50.0, 60.0)
 
 
@@ -190,15 +195,43 @@ def _expansion(inputs: Inputs, name: str, value: float | TableFile | None, refer
     return Expansion(reference, tuple(table["temperature"].tolist()), tuple(table["expansion"].tolist()))
 
 
-def thinning(job: Job, drape: str, male: str, vertices: np.ndarray) -> np.ndarray:
-    """Return how much thinner the draped sheet is at each of the male's ``vertices`` (n, 3), as drawn."""
+@dataclass(frozen=True)
+class Draped:
+    """How much ``thinner`` a draped sheet is at each of the male's vertices (n,), and what that changes ``by`` (k, n)
+    with each number of its document, in their order; none where it hands nothing on."""
+
+    thinner: np.ndarray
+    by: np.ndarray
+
+    def at(self, changes: Mapping[int, float]) -> np.ndarray:
+        """Return the thinning where numbers of the document change."""
+        return np.asarray(self.thinner + sum((change * self.by[k] for k, change in changes.items()), 0.0))
+
+
+def thinning(job: Job, drape: str, male: str, vertices: np.ndarray, unsure: bool) -> Draped:
+    """Return how much thinner the draped sheet is at the male's ``vertices`` (n, 3), as drawn, and, where that is
+    ``unsure``, by what it is."""
     document = read_document(job.inputs, drape, DrapeDocument)
     if not document.converged:
         job.console.warn(f"{drape}: the drape did not converge; its thickness is taken as it is")
     grid = read_field(job.inputs, drape, document, "quad", "thickness_mm")
     _check_same_mold(job, document, drape, male)
     factor = grid.cell_data["thickness_mm"] / document.thickness_mm
-    return thinning_at(vertices + np.array(document.mold.shift_mm), grid.points, grid.cells["quad"], factor)
+    at, quads = vertices + np.array(document.mold.shift_mm), grid.cells["quad"]
+    numbers = [] if document.uncertainty is None else document.uncertainty.sources
+    sds = [number.sd for source in numbers for number in source.numbers]
+    found = []
+    known = zip(sds, derivatives(grid, "thickness_ratio"), derivatives(grid, "place_mm"), strict=False)
+    for sd, thicker, moved in known if unsure else ():
+        # Nodes move as their cells thin: a place of the mold then meets another one of the sheet.
+        up, down = (
+            thinning_at(at, grid.points + step * moved, quads, factor + step * thicker)
+            for step in (_STEP * sd, -_STEP * sd)
+        )
+        found.append((up - down) / (2.0 * _STEP * sd))
+    return Draped(
+        thinning_at(at, grid.points, quads, factor), np.array(found).reshape(len(found), len(vertices))
+    )
 
 
 def _check_same_mold(job: Job, document: DrapeDocument, drape: str, male: str) -> None:

@@ -69,6 +69,21 @@ def compression_law(
     return Tempered(found.temperatures, tuple(law.scaled(left) for law in found.laws)), 1.0 - left
 
 
+def materials(inputs: Inputs, name: str, document: FoamDocument, temperature: float) -> dict[str, float]:
+    """Return the material documents whose laws a sandwich takes, by name the temperature [degC] it takes them at."""
+    given = document.fabric
+    found = {}
+    for law in (*document.laws, given.compression):
+        if isinstance(law, MaterialLaw):
+            own = temperature if law.temperature is None else law.temperature
+            found[Inputs.beside(name, law.material)] = own
+    layers = () if given.compression is not None else (given.above, given.below)
+    for path in dict.fromkeys(Inputs.beside(name, layer) for layer in layers if isinstance(layer, str)):
+        if read_document(inputs, path, MaterialDocument).model in ORDERS:
+            found[path] = temperature
+    return found
+
+
 def note_temperature(job: Job, name: str, document: FoamDocument, celsius: np.ndarray | float) -> None:
     """Note the temperatures [degC] at which the laws of ``foam.toml`` are read, beside those they were measured at."""
     known = [law.temperature for law in document.laws if law.temperature is not None]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -36,6 +37,7 @@ class Files:
     fabrics     the layers below and above the foam
     uneven      the foam's thickness at the male's vertices over its nominal one
     thinned     how much thinner a draped sheet is there, and how much its foam; None where none is given
+    draped      the same sheet, with what it goes with
     thinning    by which rule the foam thins; empty where none is draped
     expansions  of the male and the female
     heat        how hot the male and the female are
@@ -50,6 +52,7 @@ class Files:
     fabrics: Fabrics
     uneven: np.ndarray | float
     thinned: tuple[np.ndarray, np.ndarray] | None
+    draped: read.Draped | None
     thinning: str
     expansions: tuple[Expansion, Expansion]
     heat: tuple[HeatInput, HeatInput]
@@ -98,11 +101,11 @@ def read_files(job: Job, case: PressCase) -> Files:
     tilt, offset = (read.across(case.foam, document, key, case.axis) for key in ("tilt", "offset"))
     if case.floating and tilt.any():
         raise UsageError("a floating mold finds its tilt by itself: leave out --float, or the tilt")
-    thinned, rule = None, ""
+    thinned, rule, draped = None, "", None
     if case.drape is not None:
-        fabric = read.thinning(job, case.drape, case.male, one.vertices)
-        foam, rule = thinning(law.at(warm), document, case.foam, fabric)
-        thinned = fabric, foam
+        draped = read.thinning(job, case.drape, case.male, one.vertices, case.uncertainty != "none")
+        foam, rule = thinning(law.at(warm), document, case.foam, draped.thinner)
+        thinned = draped.thinner, foam
     return Files(
         document,
         law,
@@ -110,6 +113,7 @@ def read_files(job: Job, case: PressCase) -> Files:
         layers,
         uneven,
         thinned,
+        draped,
         rule,
         expansions,
         heat,
@@ -120,9 +124,15 @@ def read_files(job: Job, case: PressCase) -> Files:
     )
 
 
-def reread(job: Job, case: PressCase, before: PressCase, files: Files) -> Files:
+def reread(
+    job: Job,
+    case: PressCase,
+    before: PressCase,
+    files: Files,
+    handed: Mapping[str, Mapping[int, float]] = {},
+) -> Files:
     """Return the files of a case like the one ``before`` but for its quantities and those of its foam document, on the
-    same molds and drape."""
+    same molds, with the drape that it is where numbers of its document, of those ``handed`` on, change."""
     document = read.read_foam(job.inputs, case.foam)
     reference = document.expansion.reference
     heat = files.heat
@@ -139,9 +149,16 @@ def reread(job: Job, case: PressCase, before: PressCase, files: Files) -> Files:
     if laid != known or not isinstance(document.compression, TableLaw):
         law, relaxed = compression_law(job, case.foam, document, warm, case.dwell)
     tilt, offset = (read.across(case.foam, document, key, case.axis) for key in ("tilt", "offset"))
+    thinned, changes = files.thinned, handed.get(case.drape or "", {})
+    if files.draped is not None and (
+        changes or law is not files.law or document.poisson != files.document.poisson
+    ):
+        fabric = files.draped.at(changes)
+        thinned = fabric, thinning(law.at(warm), document, case.foam, fabric)[0]
     return replace(
         files,
         document=document,
+        thinned=thinned,
         law=law,
         relaxed=relaxed,
         fabrics=fabrics(job, case.foam, document, warm),

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.cases.press import PressCase
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact.heat import Grown
@@ -27,7 +29,8 @@ class Beside:
     def __init__(self, job: Job, model: Model, closed: Closed, origins: Origins) -> None:
         self._job, self._model, self._closed, self._origins = job, model, closed, origins
         male, female = model.grown
-        self._near = Neighbourhood(closed, (male.growth, female.growth))
+        modes = [[mode.growth for mode in grown.modes if mode.growth is not None] for grown in model.grown]
+        self._near = Neighbourhood(closed, (male.growth, female.growth), (modes[0], modes[1]))
         self._molding = ~closed.front.flange
         self._area = vertex_areas(closed.front, self._molding)
 
@@ -40,29 +43,30 @@ class Beside:
         moved = self._origins.changed(model.case, inputs, {k: list(v) for k, v in changes.items()})
         case: PressCase = moved.case  # type: ignore[assignment]
         quiet = Job(self._job.command, (), Listener(), Overlay(moved.files))
-        files = reread(quiet, case, model.case, model.files)
+        files = reread(quiet, case, model.case, model.files, moved.handed)
+        amounts = [
+            _amounts(grown, moved.handed.get(heat.name, {}))
+            for grown, heat in zip(model.grown, files.heat, strict=True)
+        ]
+        celsius = [
+            (heat.temperature if grown.even and not grown.modes else grown.temperature)
+            + sum(by * mode.mean for by, mode in zip(along, grown.modes, strict=True))
+            for heat, grown, along in zip(files.heat, model.grown, amounts, strict=True)
+        ]
         male, female = (
-            _growth(self._closed, grown, side, (old, new), celsius)
-            for side, (grown, old, new, celsius) in enumerate(
-                zip(
-                    model.grown,
-                    model.files.expansions,
-                    files.expansions,
-                    (h.temperature for h in files.heat),
-                    strict=True,
-                )
+            _growth(self._closed, grown, side, (old, new), hot)
+            for side, (grown, old, new, hot) in enumerate(
+                zip(model.grown, model.files.expansions, files.expansions, celsius, strict=True)
             )
         )
-        warm = 0.5 * sum(
-            heat.temperature if grown.even else grown.temperature
-            for heat, grown in zip(files.heat, model.grown, strict=True)
-        )
+        warm = 0.5 * sum(celsius)
         sandwich, _ = sandwich_of(quiet, case, files, warm)
         joint = joint_of(case, files)
         at = guide_line(self._closed.case.male) if joint is None else joint
         found = self._near.close(
             sandwich.of_vertices(self._closed.front.of_mold),
             growths=(male, female),
+            modes=(_given(model.grown[0], amounts[0]), _given(model.grown[1], amounts[1])),
             gap=case.gap,
             force=case.force,
             frame=None if case.force else case.frame_stiffness or files.document.press.stiffness,
@@ -106,6 +110,16 @@ def beside(job: Job, model: Model, closed: Closed, origins: Origins) -> Beside |
     if not all(grown.even for grown in model.grown) and "expansion.reference" in names:
         return None
     return Beside(job, model, closed, origins)
+
+
+def _amounts(grown: Grown, changes: Mapping[int, float]) -> Array:
+    """Return how much of each mode of a mold there is, where numbers of its heat document change."""
+    return np.array([changes.get(k, 0.0) for k in range(len(grown.modes))])
+
+
+def _given(grown: Grown, amounts: Array) -> Array | None:
+    """Return the amounts of modes that deform a mold, None where none does."""
+    return None if grown.even or not amounts.any() else amounts
 
 
 def _growth(

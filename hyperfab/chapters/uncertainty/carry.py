@@ -12,6 +12,8 @@ from hyperfab.arrays import Array
 from hyperfab.cases.place import put
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import rerun
+from hyperfab.chapters.uncertainty.fields import HANDED
+from hyperfab.chapters.uncertainty.handed import described, identified
 from hyperfab.chapters.uncertainty.sources import Origins
 from hyperfab.documents.base import Document
 from hyperfab.documents.uncertainty import Band, Share, Uncertainty
@@ -41,6 +43,8 @@ FIGURES: dict[str, tuple[str, ...]] = {
         "pressure_max_MPa", "pressure_mean_MPa", "stroke_mm", "energy_J",
     ),
 }  # fmt: skip
+#: Fields that are handed on and not shown.
+_UNSEEN = ("thickness_ratio", "place_mm")
 #: Figures with less than this of themselves as standard deviation do not hang on the inputs.
 _NOTHING = 1e-7
 #: Runs drawn where each is a run of its own.
@@ -59,9 +63,24 @@ class Answer:
 
 @dataclasses.dataclass(frozen=True)
 class Sure:
-    """How sure a document is, None where nothing says so, and the standard deviations of its fields (n,) by name."""
+    """How sure a document is, None where nothing says so, the standard deviations of its fields (n,) by name, and by
+    ``NAME_by_1`` and on what those that are handed on change by with each number."""
 
     uncertainty: Uncertainty | None = None
+    fields: Mapping[str, Array] = dataclasses.field(default_factory=dict)
+    handed: Mapping[str, Array] = dataclasses.field(default_factory=dict)
+
+    @property
+    def twins(self) -> dict[str, Array]:
+        """The standard deviations under the names they have beside their fields."""
+        return {f"{name}_sd": sd for name, sd in self.fields.items()}
+
+
+@dataclasses.dataclass(frozen=True)
+class Slopes:
+    """What figures by key (numbers,) and fields by name (numbers, n) change by with each number, source by source."""
+
+    figures: Mapping[str, Array]
     fields: Mapping[str, Array] = dataclasses.field(default_factory=dict)
 
 
@@ -73,7 +92,7 @@ class Nearby(Protocol):
         """How many are drawn."""
         ...
 
-    def gradient(self) -> Mapping[str, Array] | None:
+    def gradient(self) -> Slopes | None:
         """Return what each figure changes by with each number, source by source; figures it cannot say are absent.
         None where differences are to tell it."""
         ...
@@ -101,6 +120,7 @@ def carry(
         if case.uncertainty is not None:
             job.console.note("the inputs say nothing of how sure they are: there is no uncertainty to carry")
         return Sure()
+    identified(known, case, job.inputs)
     plain = document.to_json()
     value = dict(figures_of(plain, document.KIND))
     found = Carried(job, case, document.KIND, known, value, nearby(known)).run()
@@ -140,6 +160,8 @@ class Carried:
     def run(self) -> Sure:
         """Return the bands: as asked for, else linear where that holds."""
         self.sources = self.origins.sources
+        #: What each field changes by along each direction (r, n), and its standard deviation.
+        self.along: dict[str, Array] = {}
         self.fields: dict[str, Array] = {}
         left_out = list(self.origins.left_out)
         reason = None
@@ -184,18 +206,23 @@ class Carried:
 
             effects, bends = propagation.differences(one, self.value, self.sources)
             pairs = list(zip(runs[::2], runs[1::2], strict=True))
-            self.fields = {
-                name: 0.5 * np.sqrt(sum((up.fields[name] - down.fields[name]) ** 2 for up, down in pairs))
-                for name in runs[0].fields
-            }
+            self._straight(
+                {
+                    name: np.array([0.5 * (up.fields[name] - down.fields[name]) for up, down in pairs])
+                    for name in runs[0].fields
+                }
+            )
             return effects, bends, {}
         ends = np.cumsum([len(one.numbers) for one in self.origins.found])
         starts = [0, *ends[:-1]]
         blocks = propagation.directions(self.sources)
-        effects = {
-            name: np.array([slope[starts[number] : ends[number]] @ column for number, column in blocks])
-            for name, slope in slopes.items()
-        }
+
+        def along_each(slope: Array) -> Array:
+            """Return what goes with numbers as what goes along directions."""
+            return np.array([column @ slope[starts[number] : ends[number]] for number, column in blocks])
+
+        effects = {name: along_each(slope) for name, slope in slopes.figures.items()}
+        self._straight({name: along_each(slope) for name, slope in slopes.fields.items()})
         # One run where the first figure is one standard deviation up: the most probable such place.
         first = next(iter(effects.values()))
         way = first / max(float(np.linalg.norm(first)), 1e-300)
@@ -204,7 +231,12 @@ class Carried:
             name: np.array([there.get(name, np.nan) - self.value[name] - along @ way])
             for name, along in effects.items()
         }
-        return effects, bends, slopes
+        return effects, bends, slopes.figures
+
+    def _straight(self, along: dict[str, Array]) -> None:
+        """Take fields as straight: what they change by along each direction says how sure they are."""
+        self.along = along
+        self.fields = {name: np.sqrt((each**2).sum(axis=0)) for name, each in along.items()}
 
     def _sampled(self, reason: str | None, left_out: list[str]) -> Sure:
         count = self.near.samples if self.near is not None else _WHOLE
@@ -220,8 +252,9 @@ class Carried:
             rows.append(answer.figures)
             kept.append(index)
             for name, values in answer.fields.items():
-                spread.setdefault(name, _Spread()).add(values)
+                spread.setdefault(name, _Spread(len(blocks) if name in self._handed else 0)).add(values, draw)
         self.fields = {name: found.sd for name, found in spread.items()}
+        self.along = {name: found.along for name, found in spread.items()}
         lost = count - len(rows)
         if lost > _FAILED * count:
             self.job.console.warn(f"uncertainty is not carried: {lost} of {count} runs that were drawn fail")
@@ -287,21 +320,54 @@ class Carried:
             left_out=left_out,
             **more,
         )
-        return Sure(told, self.fields)
+        handed: dict[str, Array] = {}
+        for name in self._handed:
+            if len(self.along.get(name, ())):
+                told.handed.append(name)
+                by = self._by_number(self.along[name])
+                handed |= {f"{name}_by_{k}": each for k, each in enumerate(by, 1)}
+        if told.quantities or handed:
+            told.sources = described(self.origins)
+        shown = {name: sd for name, sd in self.fields.items() if name not in _UNSEEN}
+        return Sure(told, shown, handed)
+
+    @property
+    def _handed(self) -> tuple[str, ...]:
+        return HANDED.get(self.kind, ())
+
+    def _by_number(self, along: Array) -> list[Array]:
+        """Return what goes along directions (r, n) as what goes with each number; of numbers that can only go together
+        the sum is what counts, and each has the least there is."""
+        found: list[Array] = []
+        at = 0
+        for one in self.sources:
+            root = one.root
+            found += list(np.linalg.pinv(root).T @ along[at : at + root.shape[1]])
+            at += root.shape[1]
+        return found
 
 
 class _Spread:
-    """Standard deviation of fields that come one after the other (Welford)."""
+    """Standard deviation of fields that come one after the other (Welford), and what of them goes with each of the
+    ``directions`` that are drawn: these have the unit matrix as covariance."""
 
-    def __init__(self) -> None:
+    def __init__(self, directions: int) -> None:
         self._count, self._mean, self._squares = 0, np.zeros(1), np.zeros(1)
+        self._along: Array = np.zeros((directions, 1))
 
-    def add(self, values: Array) -> None:
+    def add(self, values: Array, draw: Array) -> None:
         """Take another one in."""
         self._count += 1
         away = values - self._mean
         self._mean = self._mean + away / self._count
         self._squares = self._squares + away * (values - self._mean)
+        if len(self._along):
+            self._along = self._along + draw[:, None] * values
+
+    @property
+    def along(self) -> Array:
+        """What goes along each direction (r, n), one standard deviation on."""
+        return self._along / max(self._count - 1, 1)
 
     @property
     def sd(self) -> Array:
@@ -320,4 +386,15 @@ def _tell(job: Job, found: Uncertainty, value: Figures) -> None:
     job.console.table(f"How sure ({found.method})", ("figure", "± sd", "95 %", "made of"), rows)
 
 
-__all__ = ["FIGURES", "Answer", "Changes", "Figures", "Nearby", "Source", "Sure", "carry", "figures_of"]
+__all__ = [
+    "FIGURES",
+    "Answer",
+    "Changes",
+    "Figures",
+    "Nearby",
+    "Slopes",
+    "Source",
+    "Sure",
+    "carry",
+    "figures_of",
+]

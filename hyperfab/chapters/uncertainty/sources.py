@@ -16,14 +16,17 @@ from pydantic import BaseModel
 from hyperfab.cases.case import Case
 from hyperfab.cases.place import get, put
 from hyperfab.cases.tolerances import tolerances
+from hyperfab.chapters.uncertainty.fields import moved_fields
 from hyperfab.documents.base import Document, parse_document
 from hyperfab.documents.material import AtTemperature, Direction, FitUncertainty, MaterialDocument
+from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.json_io import dump_json, load_json
 from hyperfab.io.toml_io import dump_toml, load_toml
 from hyperfab.io.units import Toleranced, tolerance
 from hyperfab.materials.law import scaled
 from hyperfab.numerics.propagation import Source
+from hyperfab.thermal.tables import Table
 
 Place = tuple[str | int, ...]
 
@@ -39,6 +42,11 @@ class Number(Protocol):
         """How it is called."""
         ...
 
+    @property
+    def file(self) -> str | None:
+        """The file it stands in; None for one of the case."""
+        ...
+
     def move(self, inputs: Changed, change: float) -> None:
         """Change it."""
         ...
@@ -51,6 +59,10 @@ class Changed:
         self.case = case
         self._inputs = inputs
         self._documents: dict[str, Any] = {}
+        #: Of documents that hand fields on: by how much each number changes, by its place among theirs.
+        self.handed: dict[str, dict[int, float]] = {}
+        #: Other files that are not as they lie on disk, by name.
+        self.written: dict[str, bytes] = {}
 
     def document(self, name: str) -> Any:
         """Return the plain data of a file, to be changed."""
@@ -61,10 +73,15 @@ class Changed:
     @property
     def files(self) -> dict[str, bytes]:
         """The files that are not as they lie on disk, by name."""
-        return dict(self._inputs.given) | {
-            name: dump_toml(data) if name.endswith(".toml") else dump_json(data)
-            for name, data in self._documents.items()
-        }
+        return (
+            dict(self._inputs.given)
+            | {
+                name: dump_toml(data) if name.endswith(".toml") else dump_json(data)
+                for name, data in self._documents.items()
+            }
+            | self.written
+            | moved_fields(self._inputs, self.handed)
+        )
 
 
 @dataclass(frozen=True)
@@ -72,6 +89,7 @@ class Setting:
     """A quantity of an option."""
 
     path: str
+    file: str | None = None
 
     @property
     def name(self) -> str:
@@ -127,11 +145,32 @@ class Stiffness:
 
 
 @dataclass(frozen=True)
+class Film:
+    """By how many of its standard deviations a table of film coefficients is off, all rows together."""
+
+    file: str
+    table: Table
+
+    @property
+    def name(self) -> str:
+        """The file, and its column."""
+        return f"{os.path.basename(self.file)}: h"
+
+    def move(self, inputs: Changed, change: float) -> None:
+        """Change all rows."""
+        moved = self.table.off(change)
+        # A film takes no heat from what is warmer.
+        rows = zip(moved.x, np.maximum(moved.y, 0.0), strict=True)
+        inputs.written[self.file] = csv_bytes(("temperature [degC]", "h [W/m^2/K]"), list(rows))
+
+
+@dataclass(frozen=True)
 class Origin:
     """A source of uncertainty, and the numbers it moves."""
 
     source: Source
     numbers: tuple[Number, ...]
+    ids: tuple[str, ...] = ()
 
 
 @dataclass
@@ -224,6 +263,13 @@ def of_material(document: MaterialDocument, file: str, asked: float | None, orig
         origins.left_out.append(f"{base}: how sure its effects are")
 
 
+def of_films(tables: Mapping[str, Table]) -> Iterator[Origin]:
+    """Yield the film coefficients, by the name of their file, that state how sure they are: one source a table."""
+    for name, table in tables.items():
+        film = Film(name, table)
+        yield Origin(Source(film.name, np.eye(1)), (film,))
+
+
 def origins(
     inputs: Inputs,
     case: Case,
@@ -269,8 +315,11 @@ def _rows(part: Any, asked: float | None) -> list[tuple[Place, Any]]:
 def _constants(own: FitUncertainty, file: str, place: Place, name: str) -> Origin:
     freedom = own.degrees_of_freedom if own.degrees_of_freedom > 0 else math.inf
     shown = f"{name}, {own.specimens} specimens" if own.source == "specimens" else name
-    numbers = tuple(Entry(file, (*place, constant), 0.0) for constant in own.order)
-    return Origin(Source(shown, np.array(own.covariance), freedom), numbers)
+    covariance = np.array(own.covariance)
+    # A constant that is known, as one at its bound, is no source.
+    open_ = np.flatnonzero(np.diag(covariance) > 0.0)
+    numbers = tuple(Entry(file, (*place, own.order[k]), 0.0) for k in open_)
+    return Origin(Source(shown, covariance[np.ix_(open_, open_)], freedom), numbers)
 
 
 def _law(part: MaterialDocument | Direction) -> float | None:
