@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import matplotlib.image
 import numpy as np
@@ -12,6 +14,8 @@ import pytest
 import trimesh
 from cloth_molds import height_block, saddle
 
+from hyperfab.cases.drape import DrapeCase
+from hyperfab.chapters.drape.result import way_out
 from hyperfab.cli import main
 from hyperfab.io.stl_write import stl_bytes
 from hyperfab.surface import Surface
@@ -215,6 +219,25 @@ def test_a_mold_that_reaches_the_clamped_edge_is_refused(drape):
     assert status == 3
     assert "clamped edge" in err
     assert "--size" in err
+
+
+@pytest.mark.parametrize(("solver", "steps"), [("relaxation", 3), ("dynamic", 2)])
+def test_no_equilibrium_names_what_to_try_and_that_works(drape, solver, steps):
+    status, out, err = drape("-o", "-", "--solver", solver, "--steps", str(steps))
+    assert status == 4
+    way = f"; try --solver newton, or --steps {4 * steps}"
+    assert way in err
+    assert json.loads(out)["status"].endswith(way)
+    status, _, _ = drape("-o", "-", "--solver", "newton")
+    assert status == 0
+
+
+def test_where_no_step_lowers_the_energy_another_grid_and_less_depth_are_named():
+    case = DrapeCase(material="f.json", mold=("m.stl",), grid=(40, 31), depth=50.0, size=(200.0, 200.0))
+    model = SimpleNamespace(case=case)
+    assert way_out(model) == "try --grid 41x51, then --depth 40mm, then --solver dynamic (slow)"
+    model.case = replace(case, friction=0.3)
+    assert way_out(model) == "try --load-steps 40, then --grid 41x51, then --depth 40mm"
 
 
 def test_constants_that_soften_where_they_are_used_end_with_status_4(drape, folder):

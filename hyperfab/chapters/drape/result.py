@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hyperfab.cases.drape import SIDES
+from hyperfab.cases.drape import DYNAMIC_STEPS, LOAD_STEPS, RELAXATION_STEPS, SIDES
 from hyperfab.chapters.drape.fabric import use_of
 from hyperfab.chapters.drape.model import Model
 from hyperfab.chapters.drape.states import State
@@ -51,6 +51,7 @@ def document_of(model: Model, states: list[State]) -> DrapeDocument:
         )
         if len(depths) > 1 or state.rest is not None:
             status += f", at a depth of {state.depth:.4g} mm"
+        status += f"; {way_out(model)}"
     left_out = model.absent
     if case.friction > 0.0 and len(state.mold.creases.corners) > 0:
         left_out.append("friction of the threads between nodes where they run over sharp edges")
@@ -170,6 +171,21 @@ def _rubbing(state: State) -> Rubbing:
     )
 
 
+def way_out(model: Model) -> str:
+    """Return what to try where the sheet has found no equilibrium, the likeliest first."""
+    case = model.case
+    if case.solver != "newton":
+        steps = case.steps or (DYNAMIC_STEPS if case.solver == "dynamic" else RELAXATION_STEPS)
+        return f"try --solver newton, or --steps {4 * steps}"
+    along, across = (count + 1 if count % 2 == 0 else count + 20 for count in case.grid)
+    ways = [f"--grid {along}x{across}", f"--depth {0.8 * max(case.wanted):.4g}mm"]
+    if case.has_friction:
+        ways.insert(0, f"--load-steps {2 * (case.load_steps or LOAD_STEPS)}")
+    else:
+        ways.append("--solver dynamic (slow)")
+    return f"try {', then '.join(ways)}"
+
+
 def judge(job: Job, document: DrapeDocument, fields: Answers) -> bool:
     """Say what the user must know before trusting the answer; False where it is no equilibrium to rely on."""
     sound = document.converged
@@ -220,10 +236,14 @@ def judge(job: Job, document: DrapeDocument, fields: Answers) -> bool:
         spacing = max(s / (k - 1) for s, k in zip(document.size_mm, document.grid, strict=True))
         if document.stands_through_mm > THROUGH * spacing:
             x, y = document.stands_through_at_mm.flat
+            odd = (
+                ", or an odd one, which has a node in its middle"
+                if min(k % 2 for k in document.grid) == 0
+                else ""
+            )
             job.console.warn(
                 f"the mold stands {document.stands_through_mm:.3g} mm out through the net, between the nodes about "
-                f"({x:.4g}, {y:.4g}) mm of the flat sheet: take a finer --grid, or an odd one, which has a node in "
-                "its middle"
+                f"({x:.4g}, {y:.4g}) mm of the flat sheet: take a finer --grid{odd}"
             )
     return sound
 
