@@ -11,7 +11,7 @@ from hyperfab.documents.base import document_class, parse_document
 from hyperfab.errors import InputError
 from hyperfab.io.json_io import load_json
 from hyperfab.io.output import write_stdout
-from hyperfab.report.bands import banded, made_of
+from hyperfab.report.bands import banded, made_of, warmup
 
 Plain = Mapping[str, Any]
 
@@ -113,7 +113,7 @@ def _drape(data: Plain) -> Iterator[str]:
 
 def _heat(data: Plain) -> Iterator[str]:
     if "warmup_time_s" in data:
-        yield f"warm-up in {banded(data, 'warmup_time_s', 'min', 1.0 / 60.0, '.1f')}"
+        yield f"warm-up in {warmup(data)}"
     surface = data.get("work_surface", {})
     for moment, words in (("at_warmup", "at warm-up"), ("at_end", "at the end")):
         if moment in surface:

@@ -108,8 +108,15 @@ def hf(
         raise typer.Exit
 
 
+#: What a shell asks for its completion: ``source_bash``, ``complete_zsh``.
+_COMPLETE = "_HF_COMPLETE"
+
+
 def main() -> None:
     """Entry point of ``hf``: exits with the statuses that README.md lists."""
+    asked = os.environ.get(_COMPLETE, "").partition("_")
+    if asked[2] in ("source", "complete"):  # the other order, as click itself and its guides have it
+        os.environ[_COMPLETE] = f"{asked[2]}_{asked[0]}"
     try:
         try:
             app(prog_name="hf")

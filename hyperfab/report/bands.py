@@ -54,6 +54,15 @@ def banded(data: Mapping[str, Any], key: str, unit: str = "", factor: float = 1.
     return f"{text} {unit}".strip()
 
 
+def warmup(data: Mapping[str, Any]) -> str:
+    """Return the time to warm-up of a heat document as every place tells it.
+
+    >>> warmup({"warmup_time_s": 1178.34}), warmup({"warmup_time_s": 3000.6})
+    ('19.6 min', '50.0 min')
+    """
+    return banded(data, "warmup_time_s", "min", 1.0 / 60.0, ".1f")
+
+
 def made_of(data: Mapping[str, Any]) -> Iterator[str]:
     """Yield a line on what the first figure's uncertainty is made of; none where the document has no uncertainty."""
     for key, band in list(_bands(data).items())[:1]:

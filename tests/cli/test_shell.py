@@ -99,6 +99,15 @@ def test_completion_can_be_installed(hf: Run) -> None:
     assert done.stdout.split() == [b"drape"]
 
 
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_both_ways_to_ask_for_the_script_of_completion_give_it(shell: str, hf: Run) -> None:
+    asked, turned = (
+        hf(env={"_HF_COMPLETE": f"{one}_{other}"}) for one, other in (("source", shell), (shell, "source"))
+    )
+    assert b"_hf_completion" in asked.stdout or b"complete" in asked.stdout
+    assert turned.stdout == asked.stdout
+
+
 def test_help_names_all_laws_and_all_kinds(hf: Run) -> None:
     assert LAWS.removesuffix(".").split(", ") == [*laws(), "orthotropic", *ORDERS]
     said = hf("schema", "--help").stdout.decode()

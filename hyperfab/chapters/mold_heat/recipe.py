@@ -195,7 +195,7 @@ def _say(job: Job, result: HeatDocument) -> None:
         console.warn(result.status)
     if result.warmup_time_s is not None:
         console.note(
-            f"warm-up {result.warmup_time_s / 60:.2f} min, {result.steps} steps, {result.unknowns} unknowns"
+            f"warm-up {result.warmup_time_s / 60:.1f} min, {result.steps} steps, {result.unknowns} unknowns"
         )
     if result.reduced is not None:
         told = result.reduced

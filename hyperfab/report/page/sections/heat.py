@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
-from hyperfab.report.bands import banded
+from hyperfab.report.bands import warmup
 from hyperfab.report.page.charts import bars, chart, line
 from hyperfab.report.page.parts import Figure, Section, Source, columns, facts, floats, number, percent, setup
 from hyperfab.report.page.scenes import Field, views
@@ -21,7 +22,7 @@ def section(source: Source) -> Section:
     warm = surface.get("at_warmup") or {}
     energy = data["energy"]
     varied = data.get("variations") or {}
-    minutes = data["warmup_time_s"] / 60 if "warmup_time_s" in data else None
+    warmed = warmup(data) if "warmup_time_s" in data else None
     found.parts += views(
         source,
         "Temperature at the end of the run.",
@@ -32,7 +33,10 @@ def section(source: Source) -> Section:
         facts(
             "Figures of the mold",
             [
-                ("warm-up", number(minutes, "min") if minutes is not None else None),
+                (
+                    "warm-up",
+                    replace(number(data["warmup_time_s"] / 60, "min"), text=warmed) if warmed else None,
+                ),
                 ("work surface at warm-up, mean", _number(warm, "mean_degC", "°C")),
                 ("work surface at warm-up, spread", _number(warm, "spread_K", "K")),
                 ("work surface at the end, mean", _number(surface, "mean_degC", "°C")),
@@ -41,7 +45,7 @@ def section(source: Source) -> Section:
                 ("heat lost", _number(energy, "lost_J", "MJ", 1e-6)),
                 ("heat stored", _number(energy, "stored_J", "MJ", 1e-6)),
                 (
-                    "efficiency: stored of supplied",
+                    "efficiency: heat stored in the parts of that supplied, to warm-up",
                     percent(data["efficiency"]) if data.get("efficiency") is not None else None,
                 ),
                 ("mass", number(data["mass_kg"], "kg")),
@@ -53,11 +57,10 @@ def section(source: Source) -> Section:
             ],
         )
     )
-    if minutes is not None:
-        warmup = banded(data, "warmup_time_s", "min", 1.0 / 60.0, ".3g")
-        found.figures.append(Figure(warmup, "warm-up of the mold"))
+    if warmed is not None:
+        found.figures.append(Figure(warmed, "warm-up of the mold"))
         target = f" at {number(data['target_degC'], '°C').text}" if "target_degC" in data else " warm"
-        found.claim = f"the mold is{target} after {warmup}"
+        found.claim = f"the mold is{target} after {warmed}"
     spread = warm.get("spread_K", surface.get("spread_K"))
     if spread is not None:
         found.figures.append(Figure(f"±{number(spread / 2, 'K', 2).text}", "evenness of the work surface"))
@@ -115,7 +118,7 @@ def _verdict(data: Any) -> tuple[bool | None, str]:
         target = f"{number(data['target_degC'], '°C').text} " if "target_degC" in data else "the target "
         return (
             True,
-            f"The work surface is at {target}after {number(data['warmup_time_s'] / 60, 'min', 3).text}{even}.",
+            f"The work surface is at {target}after {warmup(data)}{even}.",
         )
     if data.get("target_reached") is False or "target_degC" in data:
         return False, f"The work surface does not reach {number(data.get('target_degC'), '°C').text}."
