@@ -35,7 +35,9 @@ def heat_figure(
     across, labels = _view(points, triangles)
     flat = Triangulation(points[:, across[0]], points[:, across[1]], triangles)
     shown = axes[0].tripcolor(flat, temperature, shading="gouraud", cmap="inferno", rasterized=True)
-    figure.colorbar(shown, ax=axes[0], label="temperature [°C]", shrink=0.85)
+    figure.colorbar(shown, ax=axes[0], shrink=0.85).ax.set_title(
+        "°C", fontsize=9
+    )  # the curves beside it have their own label
     axes[0].set_aspect("equal")
     axes[0].set_xlabel(f"{labels[0]} [mm]")
     axes[0].set_ylabel(f"{labels[1]} [mm]")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import pytest
@@ -9,6 +10,7 @@ import pytest
 from hyperfab.chapters.summary import paragraph
 from hyperfab.errors import InputError
 from hyperfab.report.bands import figure
+from hyperfab.report.page.compare import molds
 from hyperfab.report.page.parts import Chart, Source, Table
 from hyperfab.report.page.sections import build
 
@@ -59,3 +61,27 @@ def test_the_page_shows_bands_and_budget() -> None:
     assert [cell.text for cell in table.rows[0]][:2] == ["force, N", "41.8 ± 1.5 N"]
     picture = next(one for one in section.parts if isinstance(one, Chart) and "made of" in one.caption)
     assert [trace["y"] for trace in picture.data] == [[90.0], [pytest.approx(10.0)]]
+
+
+def test_a_warm_up_is_rounded_alike_in_the_summary_and_all_over_the_page() -> None:
+    """At 50.01 min one place said 50.01, one 50.0 and one 50."""
+    data: dict[str, Any] = {
+        "format": "hyperfab.heat/1", "converged": True, "warmup_time_s": 3000.6, "target_degC": 200.0, "mass_kg": 20.7,
+        "efficiency": 0.92, "steps": 12, "unknowns": 900, "probes": {}, "setup": {}, "files": [],
+        "energy": {"supplied_J": 3.5e6, "lost_J": 2.7e5, "stored_J": 3.2e6, "imbalance_relative": 1e-13},
+    }  # fmt: skip
+    assert "warm-up in 50.0 min" in "\n".join(paragraph(data))
+    source = Source("heat.json", "heat", "0" * 64, data, lambda name: b"")
+    found = build(source)
+    compared = molds([source, source])
+    assert compared is not None
+    cells = [
+        cell.text
+        for table in (*(part for part in found.parts if isinstance(part, Table)), compared)
+        for row in table.rows
+        for cell in row
+    ]
+    told = [*cells, found.claim, found.verdict, *(one.text for one in found.figures)]
+    minutes = [match for text in told for match in re.findall(r"[\d.]+ min", text)]
+    assert len(minutes) >= 5
+    assert set(minutes) == {"50.0 min"}

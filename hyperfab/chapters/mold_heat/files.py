@@ -62,7 +62,7 @@ def write_fields(
         mean = problem.work_surface.load(1.0) / problem.work_surface.area
         shown = {"work surface, mean": curve(history, mean, times), **shown}
     at = last if history.reached is None else history.states[history.reached]
-    when = f"{'at the end' if history.reached is None else 'at warm-up'}, {at.time / 60:.2f} min"
+    when = f"{'at the end' if history.reached is None else 'at warm-up'}, {at.time / 60:.1f} min"
     out.add(".png", heat_figure(*_work_surface(problem, at.temperature), shown, times, target, when))
 
 

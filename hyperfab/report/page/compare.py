@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from hyperfab.report.page.parts import Cell, Source, Table, number, word
+from hyperfab.report.page.parts import Cell, Source, Table, number, warmup_cell, word
 
 
 def molds(sources: Sequence[Source]) -> Table | None:
@@ -23,7 +23,7 @@ def molds(sources: Sequence[Source]) -> Table | None:
 
 
 _ROWS: tuple[tuple[str, str, Callable[[Any], Any]], ...] = (
-    ("warm-up", "min", lambda data: data["warmup_time_s"] / 60),
+    ("warm-up", "min", warmup_cell),
     ("spread at warm-up", "K", lambda data: data["work_surface"]["at_warmup"]["spread_K"]),
     ("heat supplied", "MJ", lambda data: data["energy"]["supplied_J"] / 1e6),
     ("heat lost", "MJ", lambda data: data["energy"]["lost_J"] / 1e6),
@@ -38,4 +38,6 @@ def _cell(source: Source, find: Callable[[Any], Any], unit: str) -> Cell:
         value = find(source.data)
     except (KeyError, TypeError):
         return Cell("")
+    if isinstance(value, Cell):
+        return value
     return number(value, unit) if isinstance(value, (int, float)) else Cell("")

@@ -6,10 +6,11 @@ import csv
 import io
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from hyperfab.errors import HyperfabError, InputError
+from hyperfab.report.bands import warmup
 from hyperfab.report.labels import parted
 
 #: Significant digits of a number shown to a person; the full value is a hover away.
@@ -135,6 +136,11 @@ class Section:
     warnings: list[str] = field(default_factory=list)
     claim: str = ""
     figures: list[Figure] = field(default_factory=list)
+
+
+def warmup_cell(data: Mapping[str, Any]) -> Cell:
+    """Return the time to warm-up of a heat document, rounded as everywhere; KeyError where there is none."""
+    return replace(number(data["warmup_time_s"] / 60.0, "min"), text=warmup(data))
 
 
 def number(value: float | int | bool | None, unit: str = "", digits: int = DIGITS) -> Cell:

@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 from hyperfab.report.bands import warmup
 from hyperfab.report.page.charts import bars, chart, line
-from hyperfab.report.page.parts import Figure, Section, Source, columns, facts, floats, number, percent, setup
+from hyperfab.report.page.parts import (
+    Figure,
+    Section,
+    Source,
+    columns,
+    facts,
+    floats,
+    number,
+    percent,
+    setup,
+    warmup_cell,
+)
 from hyperfab.report.page.scenes import Field, views
 
 #: Curves of more rows than this are thinned out for the page; every n-th row is kept.
@@ -33,10 +43,7 @@ def section(source: Source) -> Section:
         facts(
             "Figures of the mold",
             [
-                (
-                    "warm-up",
-                    replace(number(data["warmup_time_s"] / 60, "min"), text=warmed) if warmed else None,
-                ),
+                ("warm-up", warmup_cell(data) if warmed else None),
                 ("work surface at warm-up, mean", _number(warm, "mean_degC", "°C")),
                 ("work surface at warm-up, spread", _number(warm, "spread_K", "K")),
                 ("work surface at the end, mean", _number(surface, "mean_degC", "°C")),
