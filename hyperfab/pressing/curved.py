@@ -8,6 +8,7 @@ quadratic that its three vertex normals ask for; edges that are creases, by more
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,19 +21,29 @@ CREASE_DEG = 25.0
 
 @dataclass(frozen=True)
 class Curving:
-    """What curves the facets of a surface: ``rise`` (m, 3), four times the rise [mm] of the smooth surface over the
-    middle of each edge ab, bc, ca (``e^2 / (2 R)`` on a sphere), zero where an end lies on a crease; ``normals``
-    (n, 3) those of the smooth surface at the vertices; ``smooth`` (m,) facets without a corner on a crease."""
+    """What curves the facets of a surface: ``bulge`` (m, 3, 3), four times the way [mm] from the middle of each edge
+    ab, bc, ca to the smooth surface (``e^2 / (2 R)`` on a sphere), and ``skew`` (m, 3, 3), by how much more the edge
+    bends towards its first end, both zero where an end lies on a crease; ``normals`` (n, 3) those of the smooth surface
+    at the vertices; ``smooth`` (m,) facets without a corner on a crease."""
 
     surface: Surface
     normals: Array
-    rise: Array
+    bulge: Array
+    skew: Array
     smooth: NDArray[np.bool_]
+
+    @cached_property
+    def room(self) -> Array:
+        """How far (m,) [mm] the smooth surface is from each facet at most: products of two weights add up to 1/3."""
+        most = np.linalg.norm(self.bulge, axis=2) + np.linalg.norm(self.skew, axis=2)
+        return np.asarray(most.max(axis=1) / 3.0)
 
     def height(self, face: Ints, points: Array) -> Array:
         """How far (n,) [mm] the smooth surface stands off the facets ``face`` (n,) at ``points`` (n, 3) on them."""
         weights = barycentric(self.surface, face, points)
-        return np.asarray((weights * np.roll(weights, -1, axis=1) * self.rise[face]).sum(axis=1))
+        after = np.roll(weights, -1, axis=1)
+        off = self.bulge[face] + (weights - after)[..., None] * self.skew[face]
+        return np.asarray(np.einsum("ne,nec,nc->n", weights * after, off, self.surface.normals[face]))
 
     def normal(self, face: Ints, points: Array, facet: Array) -> Array:
         """Unit normals (n, 3) of the smooth surface there; beside a crease those of the ``facet`` (n, 3)."""
@@ -53,26 +64,35 @@ class Curving:
 
     def part(self, surface: Surface, faces: NDArray[np.bool_]) -> Curving:
         """The curving of some faces, which are all of ``surface``."""
-        return Curving(surface, self.normals, self.rise[faces], self.smooth[faces])
+        return Curving(surface, self.normals, self.bulge[faces], self.skew[faces], self.smooth[faces])
 
 
 def curving(surface: Surface, smooth: bool = True) -> Curving:
     """Return how the facets of a surface curve; with ``smooth`` false they are taken as flat."""
     if not smooth:
         flat = np.zeros(len(surface.faces), dtype=bool)
-        return Curving(surface, surface.vertex_normals, np.zeros(surface.faces.shape), flat)
+        none = np.zeros((*surface.faces.shape, 3))
+        return Curving(surface, surface.vertex_normals, none, none, flat)
     creased = np.zeros(len(surface.vertices), dtype=bool)
     for edge in range(3):
         sharp = np.abs(surface.edge_turn[:, edge]) > np.radians(CREASE_DEG)
         creased[surface.faces[sharp][:, [edge, (edge + 1) % 3]]] = True
     normals = smooth_normals(surface)
-    rise = np.zeros(surface.faces.shape)
+    bulge, skew = np.zeros((2, *surface.faces.shape, 3))
     for edge in range(3):
         a, b = surface.faces[:, edge], surface.faces[:, (edge + 1) % 3]
-        chord = surface.vertices[b] - surface.vertices[a]
-        turn = normals[b] - normals[a]
-        rise[:, edge] = np.where(creased[a] | creased[b], 0.0, 0.5 * (chord * turn).sum(axis=1))
-    return Curving(surface, normals, rise, np.asarray(~creased[surface.faces].any(axis=1)))
+        # From the lower number to the higher: both facets of an edge find the same to the last bit.
+        low, high = np.minimum(a, b), np.maximum(a, b)
+        chord = surface.vertices[high] - surface.vertices[low]
+        mean, turn = normals[low] + normals[high], normals[high] - normals[low]
+        length = np.linalg.norm(mean, axis=1)
+        # Where normals are opposite no curve is told.
+        told = ~(creased[a] | creased[b] | (length < 0.5))
+        mean = np.where(told[:, None], mean / np.where(told, length, 1.0)[:, None], 0.0)
+        # The middle of a circle's arc exactly; at both ends upright on the normals.
+        bulge[:, edge] = (2.0 * (chord * turn).sum(axis=1) / (2.0 + length))[:, None] * mean
+        skew[:, edge] = (np.where(a < b, -1.0, 1.0) * (chord * mean).sum(axis=1))[:, None] * mean
+    return Curving(surface, normals, bulge, skew, np.asarray(~creased[surface.faces].any(axis=1)))
 
 
 def smooth_normals(surface: Surface) -> Array:

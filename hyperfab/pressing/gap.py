@@ -35,9 +35,8 @@ class Front:
 @dataclass(frozen=True)
 class Gap:
     """The gap at n points: ``nearest`` [mm], negative inside the female; ``direction`` (n, 3), from the female's
-    nearest point to the point: the gradient of ``nearest``, of length 1 on flat facets and to the square of their size
-    on the smooth surface behind them; the ``face`` of the female that is nearest; ``at_border`` where that is an open
-    edge of the female.
+    nearest point to the point: the gradient of ``nearest``; the ``face`` of the female that is nearest; ``at_border``
+    where that is an open edge of the female.
     """
 
     nearest: Array
@@ -55,22 +54,19 @@ def nearest_gap(points: Array, female: Mold, order: Ints | None = None) -> Gap:
     if not female.smooth:
         return Gap(near.distance, near.normal, near.face, border)
     curving = female.curving
-    distance, gradient = smooth_gap(
+    distance, gradient, face = smooth_gap(
         np.ascontiguousarray(points),
         near.distance,
-        near.point,
-        near.normal,
         near.face,
-        near.feature,
-        border,
+        near.normal,
         surface.vertices,
         surface.faces,
-        curving.normals,
-        curving.rise,
-        curving.smooth,
-        float(np.cos(np.radians(CREASE_DEG))),
+        curving.bulge,
+        curving.skew,
+        curving.room,
+        *surface.incident,
     )
-    return Gap(distance, gradient, near.face, border)
+    return Gap(distance, gradient, face, border)
 
 
 def normal_gap(points: Array, normals: Array, female: Mold) -> Array:

@@ -1,4 +1,9 @@
-"""From the nearest point on the facets to the nearest distance from the smooth surface behind them, compiled."""
+"""The nearest point of the smooth surface behind the facets, compiled.
+
+The surface is one of curved patches, a facet each, that meet in the same curve along every edge (``Curving``). Of the
+patch under the nearest facet and of those around it that may be nearer, the nearest point counts: the distance to a
+surface without gaps is continuous, wherever the patch changes, and its gradient is the direction to the nearest point.
+"""
 
 from __future__ import annotations
 
@@ -6,142 +11,206 @@ from typing import Any
 
 import numpy as np
 
-from hyperfab.arrays import Array, Flags, Ints
-from hyperfab.numerics.kernels import kernel, part
+from hyperfab.arrays import Array, Ints
+from hyperfab.numerics.kernels import inlined, kernel, part
+from hyperfab.surface.bvh import closest_on_triangle
+
+#: A foot is found where Newton's method moves it by less than this share of the patch; beyond so many sizes of the
+#: patch it is on an edge.
+_FOUND, _ROUNDS, _FAR = 1e-11, 30, 30.0
+#: Of patches that are as near as each other, to this share, the first one met is told: that under the nearest facet.
+_AS_NEAR = 1e-12
 
 
 @kernel
 def smooth_gap(
     points: Array,
     distance: Array,
-    projection: Array,
-    away: Array,
     face: Ints,
-    feature: Ints,
-    border: Flags,
+    away: Array,
     vertices: Array,
     faces: Ints,
-    normals: Array,
-    rise: Array,
-    smooth: Flags,
-    least: float,
-) -> tuple[Array, Array]:
-    """Return the distance (n,) of ``points`` (n, 3) from the smooth surface, and its gradient (n, 3).
+    bulge: Array,
+    skew: Array,
+    room: Array,
+    first: Ints,
+    facets: Ints,
+) -> tuple[Array, Array, Ints]:
+    """Return the signed distance (n,) of ``points`` (n, 3) from the smooth surface, its gradient (n, 3), and the facet
+    (n,) whose patch is nearest.
 
-    The points' ``distance`` (n,) from the facets, their ``projection`` (n, 3) on facet ``face`` (n,) and on which
-    ``feature`` of it (0 inside, 1 to 3 edge, 4 to 6 corner), the unit vector ``away`` (n, 3) from it; ``border`` says
-    where the foot lies on an open edge. Of the surface: ``vertices``, ``faces``, the ``normals`` at the vertices,
-    ``rise`` and ``smooth`` of ``Curving``; ``least`` is the cosine of the angle between ``away`` and the facet's
-    normal up to which the foot counts as lying under the point.
+    The points' ``distance`` (n,) from the facets, the nearest ``face`` (n,) and the unit vector ``away`` (n, 3) from
+    it. Of the surface: ``vertices``, ``faces``, the ``bulge``, ``skew`` and ``room`` of ``Curving``, and the ``facets``
+    at each vertex, from ``first`` on.
 
-    The distance is ``(distance - height) (away . m)`` with the smooth normal m, and ``distance - height (away . n)``
-    with the facet's n where m is no guide. The gradient is that of the number returned, not of the surface it stands
-    for: a force along it is the rate of the energy to rounding, however coarse the facets.
+    Where the foot lies within a patch its normal tells the side; on an edge or a corner, as on a border or a crease,
+    the facets do, unless the point lies between them and the patches.
     """
-    out, gradient = np.empty(len(points)), np.empty((len(points), 3))
-    corner, of, m, flat = np.empty((3, 3)), np.empty((3, 3)), np.empty(3), np.empty(3)
+    out, gradient, patch = np.empty(len(points)), np.empty((len(points), 3)), np.empty(len(points), np.int64)
+    corner, terms, x, xu, xv = np.empty((3, 3)), np.empty((10, 3)), np.empty(3), np.empty(3), np.empty(3)
+    foot, normal = np.empty(3), np.empty(3)
     for i in range(len(points)):
-        f, a = face[i], away[i]
-        for k in range(3):
-            for c in range(3):
-                corner[k, c] = vertices[faces[f, k], c]
-        n, double = _normal(corner)
-        size = np.sqrt(double) if double > 0.0 else 1.0
-        flat[0], flat[1], flat[2] = n[0] / size, n[1] / size, n[2] / size
-        weight = _weights(corner, n, double, projection[i])
-        _weight_rates(corner, flat, size, feature[i], of)
-        height = weight[0] * weight[1] * rise[f, 0] + weight[1] * weight[2] * rise[f, 1]
-        height += weight[2] * weight[0] * rise[f, 2]
-        lift = distance[i] - height
-        along = _dot(a, flat)
-        curved = smooth[f] and not border[i] and along > least
-        length = 1.0
-        m[:] = flat
-        if curved:
-            # The facet's foot lies a little beside that of the smooth surface. The distance to the tangent plane there
-            # is right to second order all the same, the distance to the foot itself would be too long. Along ``away``
-            # the lift is the same from either facet of an edge.
-            m[:] = 0.0
-            for k in range(3):
-                for c in range(3):
-                    m[c] += weight[k] * normals[faces[f, k], c]
-            length = np.sqrt(_dot(m, m))
-            m /= length
-        slope = _dot(a, m)
-        # At an open edge, on a crease, or far beside a face, the distance is that of the facets.
-        out[i] = lift * slope if curved else distance[i] - height * slope
+        f, p = face[i], points[i]
+        best, best_inside, near = np.inf, False, 0.0
+        # The nearest facet's own patch, then those around it: no other is near enough where facets are small
+        # against the molds' curvature.
+        for turn in range(-1, 3):
+            begin, end = 0, 1
+            if turn >= 0:
+                begin, end = first[faces[f, turn]], first[faces[f, turn] + 1]
+            for k in range(begin, end):
+                other = f if turn < 0 else facets[k]
+                if turn >= 0 and (other == f or _met_before(faces, f, turn, other)):
+                    continue
+                for a in range(3):
+                    for c in range(3):
+                        corner[a, c] = vertices[faces[other, a], c]
+                if turn >= 0:
+                    y0, y1, y2, _ = closest_on_triangle(corner, p[0], p[1], p[2])
+                    far = np.sqrt((p[0] - y0) ** 2 + (p[1] - y1) ** 2 + (p[2] - y2) ** 2)
+                    if far - room[other] > best:
+                        continue
+                _terms(corner, bulge, skew, other, terms)
+                u, v, inside = _foot(terms, p)
+                _place(terms, u, v, x, xu, xv)
+                far = np.sqrt((p[0] - x[0]) ** 2 + (p[1] - x[1]) ** 2 + (p[2] - x[2]) ** 2)
+                if far < best * (1.0 - _AS_NEAR):
+                    best, best_inside, patch[i], near = far, inside, other, max(near, room[other])
+                    foot[:] = x
+                    for c in range(3):
+                        normal[c] = xu[(c + 1) % 3] * xv[(c + 2) % 3] - xu[(c + 2) % 3] * xv[(c + 1) % 3]
+        size = np.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
+        height = 0.0
         for c in range(3):
-            gradient[i, c] = a[c] * (slope if curved else 1.0)
-        for k in range(3):
-            # What the height and the normal change by as the foot wanders over the facet.
-            higher = weight[(k + 1) % 3] * rise[f, k] + weight[(k + 2) % 3] * rise[f, (k + 2) % 3]
-            rate = -higher * slope
-            if curved:
-                v = faces[f, k]
-                for c in range(3):
-                    rate += lift / length * (a[c] - slope * m[c]) * normals[v, c]
-            for c in range(3):
-                gradient[i, c] += rate * of[k, c]
-        if feature[i] > 0 and abs(distance[i]) > 0.0:
-            # On an edge or a corner ``away`` turns with the point, about the edge.
-            turning = (lift if curved else -height) / distance[i]
-            edge = np.zeros(3)
-            if feature[i] < 4:
-                for c in range(3):
-                    edge[c] = corner[feature[i] % 3, c] - corner[feature[i] - 1, c]
-                edge /= np.sqrt(_dot(edge, edge))
-            share = _dot(edge, m)
-            for c in range(3):
-                gradient[i, c] += turning * (m[c] - slope * a[c] - share * edge[c])
-    return out, gradient
-
-
-@part
-def _dot(one: Array, two: Array) -> Any:
-    return one[0] * two[0] + one[1] * two[1] + one[2] * two[2]
-
-
-@part
-def _weight_rates(corner: Array, flat: Array, double: float, feature: int, out: Array) -> None:
-    """Gradients (3, 3) of the barycentric coordinates of a foot on a ``feature`` of a triangle, with its unit normal
-    and twice its area, as the point above it moves."""
-    out[:] = 0.0
-    if feature == 0:
-        for k in range(3):
-            a, b = (k + 1) % 3, (k + 2) % 3
-            ex, ey, ez = corner[b, 0] - corner[a, 0], corner[b, 1] - corner[a, 1], corner[b, 2] - corner[a, 2]
-            out[k, 0] = (flat[1] * ez - flat[2] * ey) / double
-            out[k, 1] = (flat[2] * ex - flat[0] * ez) / double
-            out[k, 2] = (flat[0] * ey - flat[1] * ex) / double
-    elif feature < 4:
-        a, b = feature - 1, feature % 3
-        square = 0.0
+            normal[c] = normal[c] / size if size > 0.0 else away[i, c]
+            height += (p[c] - foot[c]) * normal[c]
+        side = 1.0 if distance[i] >= 0.0 else -1.0
+        if (best_inside or abs(distance[i]) <= 2.0 * near) and height != 0.0:
+            side = 1.0 if height > 0.0 else -1.0
+        out[i] = side * best
         for c in range(3):
-            out[b, c] = corner[b, c] - corner[a, c]
-            square += out[b, c] * out[b, c]
+            beside = side * (p[c] - foot[c]) / best if best > 0.0 else away[i, c]
+            gradient[i, c] = normal[c] if best_inside else beside
+    return out, gradient, patch
+
+
+@part
+def _met_before(faces: Ints, f: int, turn: int, other: int) -> bool:
+    """Whether facet ``other`` touches a corner of ``f`` before that of ``turn``."""
+    for k in range(turn):
+        for v in range(3):
+            if faces[other, v] == faces[f, k]:
+                return True
+    return False
+
+
+@inlined
+def _terms(corner: Array, bulge: Array, skew: Array, f: int, out: Array) -> None:
+    """Fill the terms (10, 3) of a patch: those of 1, u, v, u^2, uv, v^2, u^3, u^2 v, u v^2, v^3.
+
+    The patch is ``sum w_k corner_k + sum w_a w_b (bulge_ab + (w_a - w_b) skew_ab)`` in barycentric coordinates w, of
+    which u and v are those of the second and the third corner.
+    """
+    for c in range(3):
+        r0, r1, r2 = bulge[f, 0, c], bulge[f, 1, c], bulge[f, 2, c]
+        q0, q1, q2 = skew[f, 0, c], skew[f, 1, c], skew[f, 2, c]
+        out[0, c] = corner[0, c]
+        out[1, c] = corner[1, c] - corner[0, c] + r0 + q0
+        out[2, c] = corner[2, c] - corner[0, c] + r2 - q2
+        out[3, c] = -r0 - 3.0 * q0
+        out[4, c] = r1 - r0 - r2 + 2.0 * (q2 - q0)
+        out[5, c] = -r2 + 3.0 * q2
+        out[6, c] = 2.0 * q0
+        out[7, c] = 3.0 * q0 + q1 - q2
+        out[8, c] = q0 - q1 - 3.0 * q2
+        out[9, c] = -2.0 * q2
+
+
+@inlined
+def _place(terms: Array, u: float, v: float, x: Array, xu: Array, xv: Array) -> None:
+    """Fill a place (3,) of the patch and its derivatives (3,) by u and v."""
+    for c in range(3):
+        x[c], xu[c], xv[c] = _along(terms, c, u, v)
+
+
+@part
+def _foot(terms: Array, p: Array) -> Any:
+    """Return u and v of the place of a patch that is nearest to ``p`` (3,), and whether it is within, on no edge."""
+    u, v = 1.0 / 3.0, 1.0 / 3.0
+    for _ in range(_ROUNDS):
+        gu, gv, uu, uv, vv, cu, cw, cv = _rates(terms, u, v, p)
+        hu, hw, hv = uu + cu, uv + cw, vv + cv
+        det = hu * hv - hw * hw
+        if not (det > 1e-3 * (uu * vv - uv * uv) and hu > 0.0):
+            hu, hw, hv = uu, uv, vv  # beyond the centre of curvature: the way down all the same
+            det = hu * hv - hw * hw
+        if not det > 0.0:
+            break  # a facet without area has its edges alone
+        du, dv = (hw * gv - hv * gu) / det, (hw * gu - hu * gv) / det
+        u, v = u + du, v + dv
+        if abs(u) + abs(v) > _FAR:
+            break
+        if abs(du) + abs(dv) < _FOUND:
+            if u >= 0.0 and v >= 0.0 and u + v <= 1.0:
+                return u, v, True
+            break
+    # The nearest point of the triangle lies on an edge beyond which the foot was found.
+    known = v < 0.0 or u + v > 1.0 or u < 0.0
+    best, best_u, best_v = np.inf, 0.0, 0.0
+    for k in range(3):
+        if known and not (v < 0.0 if k == 0 else (u + v > 1.0 if k == 1 else u < 0.0)):
+            continue
+        # From corner k to the next.
+        u0, v0 = 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0
+        du, dv = (1.0 if k == 0 else -1.0 if k == 1 else 0.0), (0.0 if k == 0 else 1.0 if k == 1 else -1.0)
+        t = 0.5
+        for _ in range(_ROUNDS):
+            gu, gv, uu, uv, vv, cu, cw, cv = _rates(terms, u0 + t * du, v0 + t * dv, p)
+            square = du * du * uu + 2.0 * du * dv * uv + dv * dv * vv
+            curved = square + du * du * cu + 2.0 * du * dv * cw + dv * dv * cv
+            if not square > 0.0:
+                break
+            step = (du * gu + dv * gv) / (curved if curved > 1e-3 * square else square)
+            moved = min(max(t - step, 0.0), 1.0)
+            step, t = abs(moved - t), moved
+            if step < _FOUND:
+                break
+        far = 0.0
         for c in range(3):
-            out[b, c] /= square
-            out[a, c] = -out[b, c]
+            x, _, _ = _along(terms, c, u0 + t * du, v0 + t * dv)
+            far += (x - p[c]) ** 2
+        if far < best:
+            best, best_u, best_v = far, u0 + t * du, v0 + t * dv
+    return best_u, best_v, False
 
 
-@part
-def _normal(corner: Array) -> Any:
-    """Normal of a triangle (3, 3), twice its area long, and its square."""
-    ux, uy, uz = corner[1, 0] - corner[0, 0], corner[1, 1] - corner[0, 1], corner[1, 2] - corner[0, 2]
-    vx, vy, vz = corner[2, 0] - corner[0, 0], corner[2, 1] - corner[0, 1], corner[2, 2] - corner[0, 2]
-    x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
-    return (x, y, z), x * x + y * y + z * z
+@inlined
+def _rates(terms: Array, u: float, v: float, p: Array) -> Any:
+    """Derivatives of half the squared distance to ``p``: by u, v; the products of the patch's by uu, uv, vv; what its
+    curvature adds to them."""
+    gu, gv, uu, uv, vv, cu, cw, cv = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for c in range(3):
+        x, xu, xv = _along(terms, c, u, v)
+        off = x - p[c]
+        gu, gv = gu + off * xu, gv + off * xv
+        uu, uv, vv = uu + xu * xu, uv + xu * xv, vv + xv * xv
+        cu += 2.0 * off * (terms[3, c] + 3.0 * u * terms[6, c] + v * terms[7, c])
+        cw += off * (terms[4, c] + 2.0 * (u * terms[7, c] + v * terms[8, c]))
+        cv += 2.0 * off * (terms[5, c] + 3.0 * v * terms[9, c] + u * terms[8, c])
+    return gu, gv, uu, uv, vv, cu, cw, cv
 
 
-@part
-def _weights(corner: Array, n: tuple[float, float, float], double: float, at: Array) -> Any:
-    """Barycentric coordinates of a point ``at`` (3,) of a triangle (3, 3), kept within it."""
-    px, py, pz = at[0] - corner[0, 0], at[1] - corner[0, 1], at[2] - corner[0, 2]
-    ux, uy, uz = corner[1, 0] - corner[0, 0], corner[1, 1] - corner[0, 1], corner[1, 2] - corner[0, 2]
-    vx, vy, vz = corner[2, 0] - corner[0, 0], corner[2, 1] - corner[0, 1], corner[2, 2] - corner[0, 2]
-    whole = double if double > 0.0 else 1.0
-    wb = (py * vz - pz * vy) * n[0] + (pz * vx - px * vz) * n[1] + (px * vy - py * vx) * n[2]
-    wc = (uy * pz - uz * py) * n[0] + (uz * px - ux * pz) * n[1] + (ux * py - uy * px) * n[2]
-    wb, wc = wb / whole, wc / whole
-    wa = 1.0 - wb - wc
-    return min(max(wa, 0.0), 1.0), min(max(wb, 0.0), 1.0), min(max(wc, 0.0), 1.0)
+@inlined
+def _along(terms: Array, c: int, u: float, v: float) -> Any:
+    """One coordinate of a place of the patch, and its derivatives by u and v."""
+    k1, k2, k3, k4, k5 = terms[1, c], terms[2, c], terms[3, c], terms[4, c], terms[5, c]
+    k6, k7, k8, k9 = terms[6, c], terms[7, c], terms[8, c], terms[9, c]
+    x = (
+        terms[0, c]
+        + u * (k1 + u * (k3 + u * k6))
+        + v * (k2 + v * (k5 + v * k9))
+        + u * v * (k4 + u * k7 + v * k8)
+    )
+    xu = k1 + u * (2.0 * k3 + 3.0 * u * k6) + v * (k4 + 2.0 * u * k7 + v * k8)
+    xv = k2 + v * (2.0 * k5 + 3.0 * v * k9) + u * (k4 + u * k7 + 2.0 * v * k8)
+    return x, xu, xv

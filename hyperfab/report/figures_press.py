@@ -18,6 +18,9 @@ _RED = (0.80, 0.10, 0.10)
 #: Least pressure to largest, as paste that is pressed away deepens.
 _PASTE = ("#bcd3f2", "#5b8fd6", "#0d3399", "#06174d")
 
+#: The gaps' bars span this at least [mm].
+_LEAST_WIDTH_MM = 1e-3
+
 
 @dataclass(frozen=True)
 class SpottedMold:
@@ -99,7 +102,12 @@ def _plan(figure: Any, axes: Any, mold: SpottedMold) -> None:
 
 def _histogram(axes: Any, mold: SpottedMold) -> None:
     finite = np.isfinite(mold.gap)
-    axes.hist(mold.gap[finite], bins=60, weights=mold.areas[finite] / 100.0, color="0.6")
+    gap = mold.gap[finite]
+    low, high = (float(gap.min()), float(gap.max())) if len(gap) else (0.0, 1.0)
+    # A gap that is the same everywhere, to rounding, has no width to be cut into bars.
+    room = max(0.5 * (_LEAST_WIDTH_MM - (high - low)), 0.0)
+    across = (low - room, high + room)
+    axes.hist(gap, bins=60, range=across, weights=mold.areas[finite] / 100.0, color="0.6")
     axes.axvline(mold.thickness, color=_BLUE, linewidth=1.2)
     axes.set_xlabel("gap [mm]; the line is the sandwich's thickness")
     axes.set_ylabel("area [cm²]")

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from hyperfab.io.stl_write import stl_bytes
+from hyperfab.report.figures_press import SpottedMold, spotting
 
 from .test_press_contact import FOAM, press
 
@@ -282,3 +283,14 @@ def test_touched_and_pressed_area_of_flat_faces_are_the_face(tmp_path, monkeypat
     rows = np.genfromtxt(tmp_path / "press.csv", delimiter=",", names=True)
     assert rows["pressed_area_mm2"][1:] == pytest.approx(found["molding_area_mm2"], rel=1e-12)
     assert found["contact_area_mm2"] == pytest.approx(found["molding_area_mm2"], rel=1e-12)
+
+
+@pytest.mark.parametrize("apart", [0.0, 1e-15, 1e-9, 0.5])
+def test_gaps_that_hardly_differ_are_drawn_too(apart):
+    places = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    gap = 4.0 + apart * np.arange(3)
+    mold = SpottedMold(
+        places, np.array([[0, 1, 2]]), np.tile([0.0, 0.0, 1.0], (3, 1)), gap, 0.0 * gap, 5.0 - gap, np.ones(3), 5.0,
+        ("x", "y"),
+    )  # fmt: skip
+    assert spotting(mold, np.array([[0.0, 0.0], [1.0, 2.0]]), "even").startswith(b"\x89PNG")

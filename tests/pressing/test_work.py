@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from hyperfab.pressing.foam_law import FoamLaw, hyperfoam, linear, plateau, table
 from hyperfab.pressing.gap import molding_front, nearest_gap
@@ -116,16 +117,52 @@ def test_the_gaps_gradient_is_that_of_the_number_told(shapes):
     assert np.quantile(off, 0.99) < 1e-7
 
 
-def test_the_work_of_a_closing_is_its_energy():
-    """Where a nearest facet changes, the smooth surface behind it is another by thousandths of a millimetre, less on
-    finer facets: that is what is left over a whole closing."""
-    for cells, smooth, tolerance in ((24, False, 1e-6), (24, True, 5e-5), (48, True, 1e-6)):
-        male, female = cups(cells, smooth)
-        press = Press(molding_front(male, female), female, Sandwich(4.5, 0.0, linear(0.05)))
-        touch = press.first_touch()
-        nodes, weights = np.polynomial.legendre.leggauss(8)
-        ends = np.linspace(0.0, touch, 17)
-        half = 0.5 * np.diff(ends)[:, None]
-        strokes = ends[:-1, None] + half * (nodes + 1.0)
-        force = [press.at(touch - stroke).closing_force for stroke in strokes.ravel()]
-        assert (half * weights).ravel() @ force == pytest.approx(press.at(0.0).energy, rel=tolerance)
+@pytest.mark.parametrize("name", ["spheres", "cups", "cone 55", "waves"])
+def test_no_nearest_gap_jumps(shapes, name):
+    """A distance changes by no more than the way, also where the nearest facet and the curve behind it change."""
+    male, female = molds(shapes, name, True)
+    front = molding_front(male, female)
+    press = Press(front, female, Sandwich(4.5, 0.0, linear(0.05)))
+    touch, metal = press.first_touch(), press.metal_contact()
+    openings = np.linspace(touch, metal, 400)
+    found = [press.gap(Pose(opening)) for opening in openings]
+    step = openings[0] - openings[1]
+    changed = np.stack([one.face for one in found[1:]]) != np.stack([one.face for one in found[:-1]])
+    rise = np.diff(np.stack([one.nearest for one in found]), axis=0)
+    assert changed.sum() > 100
+    assert np.abs(rise).max() <= step + 1e-12
+    lengths = np.linalg.norm(found[0].direction, axis=1)
+    assert lengths == pytest.approx(1.0, abs=1e-12)
+
+
+def test_the_gap_is_the_distance_of_the_smooth_surface_that_is_told(shapes):
+    """No place of the patches is nearer, and the foot that is told lies on them: both by places taken closely."""
+    _, female = waves(shapes, True)
+    scatter = np.random.default_rng(5)
+    inner = np.abs(female.vertices[:, :2]).max(axis=1) < 25.0
+    points = female.vertices[inner] + scatter.normal(0.0, 1.0, (int(inner.sum()), 3)) - [0.0, 0.0, 1.5]
+    found = nearest_gap(points, female)
+    ticks = np.linspace(0.0, 1.0, 31)
+    u, v = (one.ravel() for one in np.meshgrid(ticks, ticks))
+    w = np.stack([1.0 - u - v, u, v], axis=1)[u + v <= 1.0 + 1e-12]
+    bend, lean = w * np.roll(w, -1, axis=1), w - np.roll(w, -1, axis=1)
+    corners, curving = female.vertices[female.faces], female.curving
+    patches = np.einsum("wk,fkc->fwc", w, corners) + np.einsum("we,fec->fwc", bend, curving.bulge)
+    patches += np.einsum("we,fec->fwc", bend * lean, curving.skew)
+    near, _ = cKDTree(patches.reshape(-1, 3)).query(points)
+    assert (near - np.abs(found.nearest)).min() > -1e-9
+    # Some place lies within 0.2 mm of the foot, whose distance stands upright on the way there.
+    assert (near - np.sqrt(found.nearest**2 + 0.2**2)).max() < 0.0
+
+
+@pytest.mark.parametrize(("cells", "smooth"), [(24, False), (24, True), (48, True), (68, True)])
+def test_the_work_of_a_closing_is_its_energy(cells, smooth):
+    male, female = cups(cells, smooth)
+    press = Press(molding_front(male, female), female, Sandwich(4.5, 0.0, linear(0.05)))
+    touch = press.first_touch()
+    nodes, weights = np.polynomial.legendre.leggauss(8)
+    ends = np.linspace(0.0, touch, 33)
+    half = 0.5 * np.diff(ends)[:, None]
+    strokes = ends[:-1, None] + half * (nodes + 1.0)
+    force = [press.at(touch - stroke).closing_force for stroke in strokes.ravel()]
+    assert (half * weights).ravel() @ force == pytest.approx(press.at(0.0).energy, rel=1e-6)

@@ -259,7 +259,7 @@ def _mold_part(mold: Mold, told: Told, index: int) -> MoldPart:
 
 def _chord_error(mold: Mold) -> float:
     """How far the smooth surface stands off 95 % of the area of the facets that look at the other mold [mm]."""
-    height = np.abs(mold.front_curving.rise).max(axis=1) / 4.0
+    height = np.linalg.norm(mold.front_curving.bulge, axis=2).max(axis=1) / 4.0
     order = np.argsort(height)
     share = np.cumsum(mold.front.areas[order])
     return float(height[order][np.searchsorted(share, 0.95 * share[-1])])
