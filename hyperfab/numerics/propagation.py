@@ -21,6 +21,8 @@ LEVEL = 0.95
 #: Parts of a standard deviation by which the linear answer may be off: JCGM 101, 8.1, asks for half a unit of the last
 #: of one or two figures that are told of it, between 0.05 and 0.5 of it with one.
 NUMERICAL = 0.25
+#: Results whose changes have this cosine or more go the same way.
+_SAME_WAY = 0.98
 #: Directions of a covariance with less than this part of its trace, scaled to correlations, are rounding.
 _ROUNDING = 1e-12
 _SEED = 20
@@ -127,14 +129,46 @@ def sampled(value: float, outcomes: Array, drawn: Array, sources: Sequence[Sourc
     )
 
 
-def bent(linear_sd: float, effects: Array, bends: Array) -> bool:
-    """Whether a result is too curved for the linear answer: ``bends`` (r,) are what it leaves the straight line by at
-    one standard deviation along each direction.
+def ends(effects: Mapping[str, Array]) -> list[Array]:
+    """Return the places (r,), over standard deviations of each direction, where results are to be asked whether they go
+    straight: both ends of the interval of each result, at the most probable place that has it there.
 
-    >>> bent(1.0, np.array([1.0]), np.array([0.1])), bent(1.0, np.array([1.0]), np.array([0.4]))
+    Those of results that go nearly the same way stand for each other.
+
+    >>> [place.round(2).tolist() for place in ends({"force": np.array([1.0, 0.0]), "work": np.array([2.0, 0.02])})]
+    [[1.96, 0.0], [-1.96, -0.0]]
+    """
+    from scipy.special import ndtri
+
+    ways: list[Array] = []
+    for along in effects.values():
+        size = float(np.linalg.norm(along))
+        if size > 0.0 and all(abs(along @ way) < _SAME_WAY * size for way in ways):
+            ways.append(along / size)
+    return [sign * float(ndtri(0.5 + 0.5 * LEVEL)) * way for way in ways for sign in (1.0, -1.0)]
+
+
+def bent(linear_sd: float, off: Array) -> bool:
+    """Whether a result is too curved for the linear answer: ``off`` is by how much it leaves the straight line where
+    that has an end of its interval.
+
+    >>> bent(1.0, np.array([0.1, -0.1])), bent(1.0, np.array([0.0, 0.4]))
     (False, True)
     """
-    return bool(np.abs(bends).sum() > NUMERICAL * linear_sd) and bool(np.abs(effects).any() or bends.any())
+    return bool((np.abs(off) > NUMERICAL * linear_sd).any())
+
+
+def off_by_bends(along: Array, bends: Array) -> float:
+    """Return by how much a result leaves the straight line at the ends of its interval, where it leaves it by ``bends``
+    (r,) one standard deviation along each direction: as a parabola along the result's own, by its mean along others.
+
+    >>> round(off_by_bends(np.array([1.0, 0.0]), np.array([0.1, 0.2])), 2)  # 0.1 times 1.96 squared, and 0.2
+    0.58
+    """
+    from scipy.special import ndtri
+
+    share = along**2 / max(float(along @ along), 1e-300)
+    return float(np.sum(np.abs(bends) * (1.0 + (ndtri(0.5 + 0.5 * LEVEL) ** 2 - 1.0) * share)))
 
 
 def differences(
@@ -170,9 +204,13 @@ def _coverage(variance: Array, sources: Sequence[Source]) -> float:
 
 
 def _budget(variance: Array, sources: Sequence[Source], rest: float = 0.0) -> tuple[tuple[str, float], ...]:
-    total = float(variance.sum()) + rest
+    alone = float(variance.sum())
+    rest = (
+        rest if rest > 1e-3 * (alone + rest) else 0.0
+    )  # so little is not told, and shares make up the whole
+    total = alone + rest
     if total <= 0.0:
         return ()
     named = [(one.name, float(v) / total) for one, v in zip(sources, variance, strict=True)]
-    named += [("together", rest / total)] if rest > 1e-3 * total else []
+    named += [("together", rest / total)] if rest > 0.0 else []
     return tuple(sorted(named, key=lambda part: -part[1]))

@@ -160,6 +160,27 @@ def test_samples_agree_with_the_linear_answer_where_that_holds(made: Any) -> Non
             assert abs(again[end] - band[end]) < 0.25 * band["sd"], key
 
 
+@pytest.mark.parametrize(("depth", "sd", "method"), [("40mm", 0.5, "linear"), ("45mm", 6.0, "sampled")])
+def test_the_straight_line_is_left_where_it_misses_the_ends_of_the_interval(
+    made: Any, depth: str, sd: float, method: str
+) -> None:
+    """The force goes with a power of the depth: at a seventh of it the line is good for one deviation, not for two."""
+    words = [*CONTACT, "--depth", f"{depth} +- {sd}mm"]
+    del words[CONTACT.index("--depth") : CONTACT.index("--depth") + 2]
+    straight = made((*words, "--uncertainty", "linear"), fabric_json=material())["uncertainty"]["quantities"]
+    drawn = made((*words, "--uncertainty", "sampled"), fabric_json=material())["uncertainty"]["quantities"]
+    off = max(
+        abs(straight[key][end] - drawn[key][end]) / drawn[key]["sd"]
+        for key in drawn
+        for end in ("low", "high")
+    )
+    assert (off > 0.25) == (method == "sampled")
+    chosen = made(tuple(words), fabric_json=material())["uncertainty"]
+    assert chosen["method"] == method
+    if method == "sampled":
+        assert "force_N" in chosen["reason"]
+
+
 def test_a_drape_goes_with_all_stiffness(made: Any) -> None:
     found = made(
         (*DRAPE, "--tolerance", "1e-10", "--uncertainty", "linear"), fabric_json=material(scaled(0.03))

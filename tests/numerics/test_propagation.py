@@ -21,3 +21,12 @@ def test_what_goes_straight_with_its_sources_has_its_exact_deviation_and_no_shar
     assert band.sd == pytest.approx(np.linalg.norm(slopes), rel=1e-12)
     assert "together" not in dict(band.budget)
     assert sum(share for _, share in band.budget) == pytest.approx(1.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("bend", [0.0, 0.01, 0.02, 0.03, 0.3])
+def test_shares_make_up_the_whole(bend: float) -> None:
+    sources = [Source("a", np.eye(1)), Source("b", np.eye(1))]
+    drawn = draws(sources, 400)
+    outcomes = drawn @ [1.0, 0.5] + bend * drawn[:, 0] * drawn[:, 1]
+    budget = sampled(0.0, outcomes, drawn, sources).budget
+    assert sum(share for _, share in budget) == pytest.approx(1.0, abs=1e-12)

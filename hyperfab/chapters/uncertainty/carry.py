@@ -47,6 +47,8 @@ FIGURES: dict[str, tuple[str, ...]] = {
 _UNSEEN = ("thickness_ratio", "place_mm")
 #: Figures with less than this of themselves as standard deviation do not hang on the inputs.
 _NOTHING = 1e-7
+#: Figures that leave the straight line by less than this of themselves do not bend: runs are no sharper than that.
+_SLIGHT = 1e-5
 #: Runs drawn where each is a run of its own.
 _WHOLE = 64
 #: Samples of which more than this part fails say nothing of the rest.
@@ -168,8 +170,9 @@ class Carried:
         if self.case.uncertainty != "sampled":
             try:
                 effects, bends, slopes = self._effects()
+                off = self._off(effects, bends)
             except HyperfabError as error:
-                reason = f"a run one standard deviation away fails ({error})"
+                reason = f"a run within the interval fails ({error})"
             else:
                 bands = {
                     name: propagation.linear(self.value[name], along, self.sources)
@@ -181,17 +184,17 @@ class Carried:
                 curved = [
                     name
                     for name, band in bands.items()
-                    if self._counts(name, band) and propagation.bent(band.sd, effects[name], bends[name])
+                    if propagation.bent(
+                        max(band.sd, _SLIGHT / propagation.NUMERICAL * abs(self.value[name])), off[name]
+                    )
                 ]
                 if not curved or self.near is None or self.case.uncertainty == "linear":
                     left_out += [
-                        f"{name}: bends within one standard deviation; --uncertainty sampled"
-                        for name in curved
+                        f"{name}: bends within its interval; --uncertainty sampled" for name in curved
                     ]
                     return self._told("linear", bands, left_out, slopes=slopes)
-                reason = (
-                    f"{', '.join(curved)} bend{'s' if len(curved) == 1 else ''} within one standard deviation"
-                )
+                one = len(curved) == 1
+                reason = f"{', '.join(curved)} bend{'s' if one else ''} within {'its' if one else 'their'} interval"
         return self._sampled(reason, left_out)
 
     def _effects(self) -> tuple[dict[str, Array], dict[str, Array], Mapping[str, Array]]:
@@ -223,20 +226,26 @@ class Carried:
 
         effects = {name: along_each(slope) for name, slope in slopes.figures.items()}
         self._straight({name: along_each(slope) for name, slope in slopes.fields.items()})
-        # One run where the first figure is one standard deviation up: the most probable such place.
-        first = next(iter(effects.values()))
-        way = first / max(float(np.linalg.norm(first)), 1e-300)
-        there = self.near.at(self._moved(way, blocks)).figures
-        bends = {
-            name: np.array([there.get(name, np.nan) - self.value[name] - along @ way])
-            for name, along in effects.items()
-        }
-        return effects, bends, slopes.figures
+        return effects, {}, slopes.figures
 
     def _straight(self, along: dict[str, Array]) -> None:
         """Take fields as straight: what they change by along each direction says how sure they are."""
         self.along = along
         self.fields = {name: np.sqrt((each**2).sum(axis=0)) for name, each in along.items()}
+
+    def _off(self, effects: Mapping[str, Array], bends: Mapping[str, Array]) -> dict[str, Array]:
+        """Return by how much each figure leaves the straight line where an interval ends: its own, and the others'."""
+        off = {name: [propagation.off_by_bends(effects[name], one)] for name, one in bends.items()}
+        if self.near is not None:
+            blocks = propagation.directions(self.sources)
+            for place in propagation.ends(
+                {name: one for name, one in effects.items() if np.isfinite(one).all()}
+            ):
+                there = self._answer(self._moved(place, blocks)).figures
+                for name, along in effects.items():
+                    away = there.get(name, np.nan) - self.value[name] - along @ place
+                    off.setdefault(name, []).append(abs(float(away)))
+        return {name: np.array(found) for name, found in off.items()}
 
     def _sampled(self, reason: str | None, left_out: list[str]) -> Sure:
         count = self.near.samples if self.near is not None else _WHOLE
