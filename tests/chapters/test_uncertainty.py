@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +19,7 @@ from hyperfab.cases.registry import case_class
 from hyperfab.chapters import commands
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import Listener, rerun
+from hyperfab.console import Console
 from hyperfab.documents.base import schema
 from hyperfab.io.stl_write import stl_bytes
 from hyperfab.samples import cup
@@ -230,6 +233,27 @@ def test_a_warm_up_without_losses_takes_as_long_as_the_power_is_small(made: Any)
     assert found["uncertainty"]["quantities"]["warmup_time_s"]["sd"] == pytest.approx(0.02 * exact, rel=2e-3)
     budget = found["uncertainty"]["quantities"]["warmup_time_s"]["budget"]
     assert budget == [{"source": "plate.toml: heater.0.power", "share": pytest.approx(1.0)}]
+
+
+def test_samples_say_how_far_they_are(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By what is told in between a long carrying of uncertainty is forecast, and shows that it lives."""
+    monkeypatch.chdir(folder)
+    told: dict[str, list[float]] = {}
+
+    @contextlib.contextmanager
+    def progress(self: Console, description: str, size: str = "") -> Iterator[Any]:
+        fractions = told.setdefault(f"{description}: {size}", [])
+        yield lambda fraction, text="": fractions.append(fraction)
+
+    monkeypatch.setattr(Listener, "progress", progress, raising=False)
+    mold = INSULATED.replace("3000 W", "3000 W ± 2 %").encode()
+    case = read(case_class("mold-heat"), ["plate.toml", "--uncertainty", "sampled"])
+    count = rerun(case, "-", {"plate.toml": mold}).document["uncertainty"]["samples"]
+    fractions = told[f"Carrying uncertainty: {count} runs"]
+    assert len(fractions) == count
+    assert fractions == sorted(fractions)
+    assert fractions[0] == 0.0
+    assert 0.99 < fractions[-1] < 1.0
 
 
 def test_rooms_stated_alike_are_one_room(made: Any) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Protocol
@@ -15,6 +16,7 @@ from hyperfab.chapters.rerun import rerun
 from hyperfab.chapters.uncertainty.fields import HANDED
 from hyperfab.chapters.uncertainty.handed import described, identified
 from hyperfab.chapters.uncertainty.sources import Origins
+from hyperfab.console import Advance
 from hyperfab.documents.base import Document
 from hyperfab.documents.uncertainty import Band, Share, Uncertainty
 from hyperfab.errors import HyperfabError
@@ -203,11 +205,15 @@ class Carried:
         if self.near is None or slopes is None:
             runs: list[Answer] = []
 
-            def one(number: int, change: Array) -> Figures:
-                runs.append(self._answer({number: change}))
-                return runs[-1].figures
+            total = 2 * len(propagation.directions(self.sources))
+            with self._progress(total) as advance:
 
-            effects, bends = propagation.differences(one, self.value, self.sources)
+                def one(number: int, change: Array) -> Figures:
+                    runs.append(self._answer({number: change}))
+                    advance(len(runs) / total)
+                    return runs[-1].figures
+
+                effects, bends = propagation.differences(one, self.value, self.sources)
             pairs = list(zip(runs[::2], runs[1::2], strict=True))
             self._straight(
                 {
@@ -253,15 +259,19 @@ class Carried:
         drawn = propagation.draws(self.sources, count)
         rows, kept = [], []
         spread: dict[str, _Spread] = {}
-        for index, draw in enumerate(drawn):
-            try:
-                answer = self._answer(self._moved(draw, blocks))
-            except HyperfabError:
-                continue
-            rows.append(answer.figures)
-            kept.append(index)
-            for name, values in answer.fields.items():
-                spread.setdefault(name, _Spread(len(blocks) if name in self._handed else 0)).add(values, draw)
+        with self._progress(count) as advance:
+            for index, draw in enumerate(drawn):
+                advance(index / count)
+                try:
+                    answer = self._answer(self._moved(draw, blocks))
+                except HyperfabError:
+                    continue
+                rows.append(answer.figures)
+                kept.append(index)
+                for name, values in answer.fields.items():
+                    spread.setdefault(name, _Spread(len(blocks) if name in self._handed else 0)).add(
+                        values, draw
+                    )
         self.fields = {name: found.sd for name, found in spread.items()}
         self.along = {name: found.along for name, found in spread.items()}
         lost = count - len(rows)
@@ -280,6 +290,10 @@ class Carried:
                 continue
             bands[name] = propagation.sampled(value, outcomes[told], drawn[kept][told], self.sources)
         return self._told("sampled", bands, left_out, reason=reason, samples=len(rows))
+
+    def _progress(self, runs: int) -> contextlib.AbstractContextManager[Advance]:
+        """Return what tells how far so many runs have come, and early how long they will take."""
+        return self.job.console.progress("Carrying uncertainty", f"{runs} runs")
 
     def _moved(self, shares: Array, blocks: Sequence[tuple[int, Array]]) -> Changes:
         """Return what the numbers of all sources change by, ``shares`` of each independent direction on."""
