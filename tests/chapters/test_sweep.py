@@ -84,6 +84,7 @@ def test_what_cannot_work_is_refused_by_name_before_anything_runs(
 def test_real_commands_run_in_warm_workers(hf: Run, tmp_path: Path) -> None:
     status, said = sweep(hf, tmp_path, STUDY)
     assert status in (0, 1), said  # 1: neo-Hooke is not accepted on Treloar's rubber
+    assert "2 cases, 2 steps at most\n" in said  # before anything ran
     document = json.loads((tmp_path / "out" / "sweep.json").read_bytes())
     jsonschema.validate(document, schema("sweep"))
     assert document["figures"]["relative_rms"]["cases"] == 2

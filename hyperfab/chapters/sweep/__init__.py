@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import math
-import time
 from collections.abc import Callable
 from types import ModuleType
 
@@ -25,8 +23,6 @@ from hyperfab.studies.store import Store
 
 #: A study of more cases than this is more often a slip than a wish.
 MANY = 1_000_000
-#: Seconds between two lines about the progress where nobody watches a terminal.
-LINE_S = 60.0
 
 
 def run(job: Job, case: SweepCase, commands: ModuleType = steps) -> int:
@@ -69,8 +65,12 @@ def _run_cases(
     """Run what is not finished; return the engine, or the exit status where the user stopped it."""
     needed = _is_anything_open(plan, store, case.retry_failed)
     try:
-        with job.console.progress(f"{plan.study.name}") as advance:
-            tell = _teller(job, len(plan), len(plan.study.step), advance)
+        most = len(plan) * len(plan.study.step)
+        size = f"{len(plan)} cases, {most} steps at most"
+        if needed:
+            job.console.note(f"{plan.study.name}: {size}")
+        with job.console.progress(plan.study.name, size) as advance:
+            tell = _teller(most, advance)
             engine = Engine(
                 None,
                 store,
@@ -119,30 +119,14 @@ def _is_anything_open(plan: Plan, store: Store, retry_failed: bool) -> bool:
     return False
 
 
-def _teller(job: Job, cases: int, steps: int, advance: Advance) -> Callable[[Progress], None]:
-    """Return what the engine calls each second: a bar on a terminal, else a line a minute."""
-    start = last = time.monotonic()
+def _teller(most: int, advance: Advance) -> Callable[[Progress], None]:
+    """Return what the engine calls each second; steps that cases share are seen once, so there are ``most`` at most."""
 
     def tell(progress: Progress) -> None:
-        nonlocal last
-        now = time.monotonic()
         done = progress.run + progress.reused + progress.skipped
-        # Shared steps are seen once, so the number of all steps is only known at the end.
-        fraction = done / max(cases * steps, 1)
-        rate = progress.run / max(now - start, 1e-9)
-        left = (cases * steps - done) / rate if rate else math.inf
-        text = f"{done} steps, {rate:.2g} a second"
-        text += f", about {_minutes(left)} left" if math.isfinite(left) else ""
-        advance(fraction, text)
-        if now - last >= LINE_S:
-            last = now
-            job.console.note(f"{job.command}: {text}")
+        advance(done / max(most, 1), f"{done} of {most} steps at most")
 
     return tell
-
-
-def _minutes(seconds: float) -> str:
-    return f"{seconds:.0f} s" if seconds < 90 else f"{seconds / 60:.0f} min"
 
 
 def _account(plan: Plan, progress: Progress) -> str:
