@@ -108,6 +108,10 @@ class Candidate(_Part):
     refitted: bool = Field(
         description="whether delta_bic is of a fit of all constants; else it follows from the score (0: not visible)"
     )
+    probability: float | None = Field(
+        default=None,
+        description="that the model lacks it, from what each model leaves; none where nothing was fitted",
+    )
     confounded_with: list[str] = Field(default_factory=list)
     shown_by: str = Field(description="the measurement that tells it from its look-alikes")
 
@@ -165,6 +169,9 @@ class LoopDocument(Document):
     held_out: Errors | None = None
     residual: Residual
     candidates: list[Candidate] = Field(default_factory=list)
+    something_else: float | None = Field(
+        default=None, description="probability that what the model lacks is no entry of the catalogue"
+    )
     indistinguishable: list[list[str]] = Field(
         default_factory=list,
         description="sets of effects that these data cannot tell apart, the named one first",

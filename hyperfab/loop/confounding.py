@@ -9,12 +9,13 @@ import numpy as np
 from scipy.special import chdtrc
 
 from hyperfab.arrays import Array
+from hyperfab.loop.candidate import Candidate
 from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.judge import common_bic
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.score import orthonormal, projected
-from hyperfab.loop.search import Candidate, Search
+from hyperfab.loop.search import Search
 from hyperfab.loop.thresholds import (
     ALIKE,
     FEWEST_CONSTANTS,
@@ -66,6 +67,8 @@ def rivals(search: Search, best: Candidate) -> list[Rival]:
                 continue
             # Else a rival with more constants than the found law would pass for nearly anything.
             fitted = search.with_term(without, effect, most=most)
+            if fitted is not None and best.fit.forms[name].free:
+                fitted = search.enriched(search.state(fitted)).fit
             one = None if fitted is None else _rival(search, best, name, effect.id, fitted, imprint)
             if (
                 free is not None

@@ -9,16 +9,19 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
+from hyperfab.loop.belief import Belief, belief, explains
+from hyperfab.loop.candidate import Candidate, Evidence
 from hyperfab.loop.confounding import Rival, indistinguishable, rivals
 from hyperfab.loop.dependence import dependence, suggestion
 from hyperfab.loop.design import NextMeasurement, next_measurement
+from hyperfab.loop.fewest import fewest, or_these
 from hyperfab.loop.fitting import Fit, fit, least_misfits
 from hyperfab.loop.judge import common_bic
 from hyperfab.loop.noise import Noise, estimate_noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.replicates import replicates
-from hyperfab.loop.search import Candidate, Evidence, Search
-from hyperfab.loop.thresholds import ENOUGH, EXPLAINED, MARGIN, MOST_SCATTER, ONE_CLOTH, SMALL
+from hyperfab.loop.search import Search
+from hyperfab.loop.thresholds import EXPLAINED, MARGIN, MOST_SCATTER, ONE_CLOTH, SMALL
 
 #: Terms added at most, and models carried along at each number of terms.
 _DEPTH, _BEAM = 3, 2
@@ -59,6 +62,7 @@ class Finding:
     doubted: tuple[str, ...] = ()
     worse: tuple[str, ...] = ()
     assumed: float = 0.0
+    belief: Belief | None = None
 
 
 def close(
@@ -85,6 +89,9 @@ def close(
     scores = {effect.id: score for effect, score in search.ranking(before)}
     worth = search.worth(before)
 
+    def sure_of() -> Belief:
+        return belief(before, search.states, sum(not effect.not_sought for effect in problem.effects))
+
     def finding(
         verdict: str, after: Candidate, added: dict[str, Evidence], tried: dict[str, Evidence]
     ) -> Finding:
@@ -96,15 +103,14 @@ def close(
             hint = suggestion(left[first], level.sd[first], states)
         return Finding(
             verdict, level, before, after, added, tried, scores, worth,
-            rides_on=dependence(after.fit.residual[first], states), suggestion=hint,
+            rides_on=dependence(after.fit.residual[first], states), suggestion=hint, belief=sure_of(),
         )  # fmt: skip
 
     if before.judgement.is_noise:
         return finding("noise", before, {}, {})
     best, tried = _grow(search, before)
     best = _pruned(search, best)
-    if best is not before and not explains(before, best):
-        best = search.enriched(best)
+    best, as_good = fewest(search, before, best, tried)
     helpful = _no_worse(search, before, best, apart)
     worse = tuple(name for name in best.ids if name not in helpful.ids)
     best = helpful
@@ -123,7 +129,7 @@ def close(
     found = replace(found, doubted=doubted, worse=worse)
     tick("rivals")
     others = rivals(search, best)
-    sets = indistinguishable(problem, others, best)
+    sets = or_these(indistinguishable(problem, others, best), best, as_good)
     verdict = "ambiguous" if sets and found.verdict == "effect" else found.verdict
     measurements: list[NextMeasurement] = []
     if sets and design:
@@ -134,8 +140,16 @@ def close(
             if rival.state is not None
             and any(rival.effect in one and rival.instead_of == one[0] for one in sets)
         ]
+        same += [state.fit for state in as_good]
         measurements = next_measurement(problem, level, [best.fit, *same]) if same else []
-    return replace(found, verdict=verdict, rivals=others, indistinguishable=sets, measurements=measurements)
+    return replace(
+        found,
+        verdict=verdict,
+        rivals=others,
+        indistinguishable=sets,
+        measurements=measurements,
+        belief=sure_of(),
+    )
 
 
 def _grow(search: Search, base: Candidate) -> tuple[Candidate, dict[str, Evidence]]:
@@ -190,13 +204,6 @@ def _worth_a_name(base: Candidate, smaller: Candidate, larger: Candidate, eviden
         nearly = evidence.variance_share >= EXPLAINED or explains(base, larger)
         return larger.judgement.is_noise or (smaller is base and nearly)
     return True
-
-
-def explains(base: Candidate, state: Candidate) -> bool:
-    """Whether what a model leaves is noise, or so little beside what was there that its terms are what was lacking."""
-    left = state.judgement
-    most = min(ENOUGH, np.sqrt(1.0 - EXPLAINED) * base.judgement.structured)
-    return left.is_small or left.structured <= most
 
 
 def _undoubted(search: Search, best: Candidate) -> Candidate:

@@ -49,16 +49,20 @@ def judge(problem: Problem, noise: Noise, fit: Fit, found: list[Signature]) -> J
     """Judge the residual of a fit; ``found`` are the signatures of the entries not in the model."""
     free = _degrees(fit)
     ratio = fit.chi2 / free
-    beyond = [ratio - 1.0, *_beyond_of_each(fit, problem)]
     return Judgement(
         chi2_reduced=ratio,
-        structured=float(np.sqrt(max(*beyond, 0.0))),
+        structured=structured(fit, problem),
         p_lack_of_fit=min(
             _by_chance(ratio, free, noise.dof), _worst_by_chance(fit, noise.dof, problem.curves)
         ),
         p_autocorrelation=autocorrelation(fit.residual, problem.curves),
         p_greatest_score=greatest_by_chance(found, noise.dof),
     )
+
+
+def structured(fit: Fit, problem: Problem) -> float:
+    """Return the rms of what is not noise, in its standard deviations, of the kind of reading that is missed most."""
+    return float(np.sqrt(max(fit.chi2 / _degrees(fit) - 1.0, *_beyond_of_each(fit, problem), 0.0)))
 
 
 def _beyond_of_each(fit: Fit, problem: Problem) -> list[float]:

@@ -38,7 +38,9 @@ class Form:
 
     ``starts`` are where a joint fit begins; ``probes`` the small departures whose imprint on the prediction is the
     effect's signature. ``refines`` names the simpler form, or forms, that it is tried after (of none: it is not tried).
-    ``of_each``: a constant for the first specimen, and for each further one what it has more.
+    ``of_each``: a constant for the first specimen, and for each further one what it has more. ``free``: its amount is
+    a smooth function of what the effect rides on, by a few values; it is tried for names that stand, or might, where
+    no formula leaves noise.
     """
 
     name: str
@@ -47,6 +49,7 @@ class Form:
     probes: tuple[tuple[float, ...], ...] = ()
     refines: str | tuple[str, ...] | None = None
     of_each: bool = False
+    free: bool = False
 
     @property
     def null(self) -> tuple[float, ...]:
@@ -66,6 +69,17 @@ class Form:
         known = {one.name: float(value) for one, value in zip(simpler.constants, values, strict=True)}
         pairs = zip(self.constants, self.starts[0], strict=True)
         return np.array([known.get(one.name, start) for one, start in pairs])
+
+
+def fixed(name: str, value: float) -> Constant:
+    """Return a constant that stays: a length or a time that the others are told by."""
+    return Constant(name, value, value, value, abs(value) or 1.0)
+
+
+def freely(forms: Sequence[Form], name: str, constants: Sequence[Constant], start: Sequence[float]) -> Form:
+    """Return the form of that name whose amount is a smooth function, tried where none of ``forms`` leaves noise."""
+    simpler = tuple(form.name for form in forms)
+    return Form(name, tuple(constants), (tuple(start),), refines=simpler, free=True)
 
 
 #: Why an entry is not sought that the model already has.
@@ -180,6 +194,8 @@ class Problem(ABC):
     #: Whether two effects may hide each other, so that neither pays until the other is there: where entries are few and
     #: physics. Among many that only describe, some pair would pass for anything.
     hiding: ClassVar[bool] = False
+    #: The entry that is the model's own law made richer: it may stand beside any other.
+    plain: ClassVar[str] = ""
     starts: tuple[Array, ...] = ()
     #: Noise that curves without replicates have at least, as a share of their largest reading: published curves are
     #: drawn smooth, and readings that repeat each other are no more sure than the specimen.

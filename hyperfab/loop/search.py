@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 
 from hyperfab.arrays import Array
+from hyperfab.loop.candidate import Candidate, Evidence
 from hyperfab.loop.fitting import Fit, fit, inverse
-from hyperfab.loop.heldout import Forecast, HeldOut, Help, forecast, help_of, leave_curves_out
-from hyperfab.loop.judge import Judgement, correlation_time, judge, prior_misfit, scaled_chi2
+from hyperfab.loop.heldout import help_of
+from hyperfab.loop.judge import correlation_time, prior_misfit, scaled_chi2
 from hyperfab.loop.noise import Noise, with_misfit
 from hyperfab.loop.problem import Effect, Form, Problem
-from hyperfab.loop.score import Signature, points_at, signatures
-from hyperfab.loop.thresholds import FIRST_SHARE, HELPED, HELPED_OF_THREE, MARGIN, NEXT_SHARE, TAKEN, WRONG
+from hyperfab.loop.score import points_at
+from hyperfab.loop.thresholds import MARGIN, WRONG
 
 #: Refinements of the terms of a model that leaves much.
 _STEPS = 4
@@ -23,80 +23,6 @@ _STEPS = 4
 _FEW = 5
 #: Forms of an entry that are tried, and entries of which the forms that refine them are tried too.
 _FORMS, _RICH = 3, 3
-
-
-@dataclass
-class Candidate:
-    """A model with some terms, fitted; judged when asked."""
-
-    problem: Problem
-    noise: Noise
-    fit: Fit
-    #: The noise it was fitted under, where that is another.
-    under: Noise | None = None
-
-    @cached_property
-    def found(self) -> list[Signature]:
-        """What the entries that are not in the model would do to its prediction."""
-        others = [
-            effect
-            for effect in self.problem.effects
-            if effect.id not in self.fit.forms and not effect.not_sought
-        ]
-        return signatures(self.problem, self.noise, self.fit, others)
-
-    @cached_property
-    def judgement(self) -> Judgement:
-        """Whether what is left is noise."""
-        return judge(self.problem, self.noise, self.fit, self.found)
-
-    @cached_property
-    def held_out(self) -> HeldOut:
-        """Each test predicted from the others."""
-        return leave_curves_out(self.fit, self.problem.curves)
-
-    @cached_property
-    def forecast(self) -> Forecast:
-        """Each test predicted by a fit to the others."""
-        return forecast(self.problem, self.under or self.noise, self.fit)
-
-    @property
-    def excess(self) -> float:
-        """Mean square of what is left, in squared standard deviations of the noise."""
-        return self.fit.chi2 / max(len(self.fit.residual) - len(self.fit.x), 1)
-
-    @property
-    def ids(self) -> tuple[str, ...]:
-        """The effects in it, in the order they were added."""
-        return tuple(self.fit.forms)
-
-
-@dataclass(frozen=True)
-class Evidence:
-    """Why a term was added, or not.
-
-    ``restores``: it leaves noise, and brings the constants back to what is known of them beforehand by more than the
-    margin. Readings that are predicted as well without it then say nothing against it.
-    """
-
-    delta_bic: float
-    variance_share: float
-    help: Help | None
-    certain: bool
-    restores: bool = False
-
-    def accepted(self, first: bool) -> bool:
-        """Whether the term pays, and helps most of the tests that can tell."""
-        if self.help is None or self.restores:
-            return self.pays(first)
-        many = HELPED if self.help.tests > 3 else HELPED_OF_THREE
-        return self.pays(first) and self.help.helped >= many
-
-    def pays(self, first: bool) -> bool:
-        """Whether the term is worth its constants: in likelihood, in size, and on tests left out."""
-        needed = FIRST_SHARE if first else NEXT_SHARE
-        pays = self.delta_bic >= MARGIN and self.variance_share >= needed and self.certain
-        return pays and (self.help is None or self.restores or self.help.taken >= TAKEN)
 
 
 @dataclass
@@ -136,6 +62,11 @@ class Search:
         if key not in self._states:
             self._states[key] = Candidate(self.problem, self.noise, fitted)
         return self._states[key]
+
+    @property
+    def states(self) -> list[Candidate]:
+        """All models that were judged."""
+        return list(self._states.values())
 
     def ranking(self, state: Candidate) -> list[tuple[Effect, float]]:
         """Return the entries not in the model, the one the residual points at most first."""
@@ -183,7 +114,11 @@ class Search:
         if not fits:
             return None
         found = self.lowest(fits)
-        rich = [one for one in fits if any(form.enriches(one.forms[effect.id].name) for form in effect.forms)]
+        rich = [
+            one
+            for one in fits
+            if any(form.enriches(one.forms[effect.id].name) and not form.free for form in effect.forms)
+        ]
         for one in sorted(rich, key=lambda one: one.chi2)[:families]:
             if not _is_spent(found):
                 found = self.lowest([found, self._refined(state.fit, effect, one, most)])
@@ -197,6 +132,7 @@ class Search:
                 found
                 for form in effect.forms
                 if form.enriches(name)
+                and not form.free
                 and len(form.constants) <= most
                 and (found := self._joint(parent, effect, form, best)) is not None
                 and not (form.of_each and _is_of_few(found, effect.id))
@@ -233,13 +169,30 @@ class Search:
 
         For names that stand already: where much is left of what they are to explain, the simplest law is not the aim.
         """
-        best = state.fit
+        best = self._richest(self._richest(state.fit, free=False), free=True)
+        return state if best is state.fit else self.state(best)
+
+    def freed(self, base: Candidate, ids: Sequence[str]) -> Candidate | None:
+        """Return the model of ``base`` with some terms, in their free forms where these pay; None if one has no fit."""
+        state = base
+        for name in ids:
+            fitted = self.with_term(state, self.problem.effect(name))
+            if fitted is None:
+                return None
+            state = self.state(fitted)
+        best = self._richest(state.fit, free=True)
+        return self.state(best)
+
+    def _richest(self, best: Fit, free: bool) -> Fit:
         for _ in range(_STEPS):
+            if _is_spent(best):
+                break
             richer = [
                 found
                 for name in best.forms
                 for form in self.problem.effect(name).forms
                 if form.enriches(best.forms[name].name)
+                and form.free is free
                 and (found := self._enriched(best, name, form)) is not None
             ]
             if not richer:
@@ -252,7 +205,7 @@ class Search:
             if gain / time < 2.0 * (len(found.x) - len(best.x)) or found.chi2 > 0.9 * best.chi2:
                 break
             best = found
-        return state if best is state.fit else self.state(best)
+        return best
 
     def _enriched(self, parent: Fit, name: str, form: Form) -> Fit | None:
         forms = {key: (form if key == name else one) for key, one in parent.forms.items()}

@@ -210,6 +210,20 @@ def table(
             )
             tally["#right or in the set"] += named and all(in_answer(name, found) for name in truth)
             tally["#one right"] += named and any(in_answer(name, found) for name in truth)
+            if found.belief is not None:
+                # Each probability that was stated, in its tenth, and whether it was right; of the plain law, where the
+                # truth's is no model's, nobody knows.
+                for name, stated in (*found.belief.of.items(), ("", found.belief.something_else)):
+                    known = name in truths.IDS or name == ""
+                    if known and (name not in beside or name in truth):
+                        right = name in truth if name else bool(truth) and not set(truth) <= set(truths.IDS)
+                        tally[f"@{min(int(10.0 * stated), 9)} n"] += 1
+                        tally[f"@{min(int(10.0 * stated), 9)} right"] += right
+                        tally[f"@{min(int(10.0 * stated), 9)} stated"] += round(1000.0 * stated)
+            worse = found.after.fit.predicted, found.before.fit.predicted
+            first = problem.channel == 0
+            miss, was = (float(np.sum((problem.measured - one)[first] ** 2)) for one in worse)
+            tally["#after > before"] += miss > was
             tally["#held out <= 1.2"] += bool(found.after.held_out.mean_square <= 1.44)
             tally["#wrong alone"] += found.verdict == "effect" and not any(in_answer(n, found) for n in truth)
             tally["#ms"] += round(1000.0 * took)
@@ -248,17 +262,23 @@ def main() -> None:
     else:
         effects = [(name,) for name in truths.IDS] + [()] + [(name,) for name in outside]
     whole: Counter[str] = Counter()
+    stated: Counter[str] = Counter()
     for truth, tally in table(effects, trials, poor, show, which, "--next" in sys.argv).items():
         counted = {key: value for key, value in tally.items() if key.startswith("#") and key != "#slowest ms"}
+        stated.update({key: value for key, value in tally.items() if key.startswith("@")})
         if any(name in truths.IDS for name in truth):
             whole.update(counted)
             whole["#trials"] += trials
-        names = {key: value for key, value in tally.items() if not key.startswith("#")}
+        names = {key: value for key, value in tally.items() if key[0] not in "#@"}
         sums = ", ".join(f"{key[1:]} {value}" for key, value in tally.items() if key.startswith("#"))
         print(
             f"{'+'.join(truth) or 'none':28s} {sums} | "
             + ", ".join(f"{key} {value}" for key, value in Counter(names).most_common())
         )
+    for tenth in range(10):
+        if count := stated[f"@{tenth} n"]:
+            mean, right = stated[f"@{tenth} stated"] / 1000.0 / count, stated[f"@{tenth} right"] / count
+            print(f"stated {mean:.2f}, right {right:.2f} of {count}")
     print("effects of the catalogue together: " + ", ".join(f"{key[1:]} {n}" for key, n in whole.items()))
 
 

@@ -13,11 +13,12 @@ from loop.generators import fabric as truths
 
 from hyperfab.chapters.close_loop.words import _at_bounds
 from hyperfab.curve import TestCurve
+from hyperfab.loop.candidate import Candidate
 from hyperfab.loop.engine import _no_worse, _pruned, close, is_no_worse
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
 from hyperfab.loop.fitting import fit
 from hyperfab.loop.noise import Noise, estimate_noise
-from hyperfab.loop.search import Candidate, Search
+from hyperfab.loop.search import Search
 from hyperfab.materials.registry import law
 
 

@@ -21,13 +21,14 @@ from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
 from hyperfab.loop import confounding, engine, fabric_tests, heldout, judge, replicates, scatter, thresholds
+from hyperfab.loop.candidate import Evidence
 from hyperfab.loop.design import NextMeasurement
 from hyperfab.loop.heldout import HeldOut, Help, help_of
 from hyperfab.loop.judge import Judgement
 from hyperfab.loop.noise import Noise, estimate_noise
 from hyperfab.loop.problem import Constant, Curve
 from hyperfab.loop.scatter import Guess
-from hyperfab.loop.search import Evidence, Search
+from hyperfab.loop.search import Search
 
 NAMES = [name for name in vars(thresholds) if name.isupper()]
 PAGE = Path(__file__).parents[2] / "docs" / "close-loop-thresholds.md"

@@ -83,6 +83,7 @@ def describe(
             suggestion_share=found.suggestion[1] if found.suggestion else None,
         ),
         candidates=_candidates(problem, found),
+        something_else=found.belief.something_else if found.belief else None,
         indistinguishable=found.indistinguishable,
         next_measurement=_next(found),
         left_out=dict(left_out),
@@ -213,6 +214,7 @@ def _candidates(problem: Problem, found: Finding) -> list[Candidate]:
                 delta_bic=gains.get(effect.id, float(found.worth.get(effect.id, 0.0))),
                 strength=strength(gains.get(effect.id, float(found.worth.get(effect.id, 0.0)))),
                 refitted=effect.id in gains,
+                probability=found.belief.of.get(effect.id) if found.belief else None,
                 confounded_with=confounded,
                 shown_by=effect.shown_by,
             )

@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from hyperfab.curve import TestCurve
 from hyperfab.documents.material import AtTemperature, MaterialDocument
+from hyperfab.materials.effects.fabric import Fabric
+from hyperfab.materials.effects.path import uniaxial_pull
 from hyperfab.materials.effects.thermal_softening import LAWS
+from hyperfab.materials.identification.design import Problem as LawProblem
+from hyperfab.materials.identification.fit import fit_law
+from hyperfab.materials.identification.rows import Rows
+from hyperfab.materials.law import Law
 from hyperfab.materials.registry import bind, law_of
 
 
@@ -66,10 +74,28 @@ def soften(
         place.temperatures = [
             AtTemperature(
                 temperature_degC=one,
-                parameters=law.scaled(
-                    place.parameters, float(LAWS[form](np.array(one), reference_degC, *map(float, values)))
-                ),
+                parameters=_at(law, place.parameters, form, values, one - reference_degC, reference_degC),
             )
             for one in degrees
         ]
     result.temperature_degC = reference_degC
+
+
+def _at(
+    law: Law, own: Mapping[str, float], form: str, values: Sequence[float], rise: float, reference: float
+) -> dict[str, float]:
+    """Return the constants some degrees above the ``reference``: scaled, or those that come nearest.
+
+    Nearest, over the tests' reach, to what a law says that softens otherwise at each strain.
+    """
+    if form in LAWS:
+        return law.scaled(own, float(LAWS[form](np.array(reference + rise), reference, *map(float, values))))
+    reach = np.linspace(0.0, values[0], 41)[1:]
+    pull = replace(uniaxial_pull(1.0 + reach), temperature_degC=np.full_like(reach, rise))
+    constants = np.array([own[name] for name in law.names])
+    stress = Fabric(law, pull, 0.0).stress(constants, None, {"thermal-softening": (form, np.array(values))})
+    curve = TestCurve(
+        "uniaxial", 1.0 + reach, stress, np.full_like(reach, 1.0 / float(np.max(np.abs(stress))))
+    )
+    near = fit_law(LawProblem(law, Rows.of([curve])))
+    return dict(own) if near is None else {name: near.material.parameters[name] for name in law.names}

@@ -9,6 +9,7 @@ import numpy as np
 
 from hyperfab.materials.effects.anisotropy import weft_share
 from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL, Path
+from hyperfab.materials.effects.smooth import through
 from hyperfab.materials.kinematics import Array
 
 #: Newton steps for the volume; each doubles the digits.
@@ -96,21 +97,29 @@ def of_shape(mode: Array, stretch: Array, second: Array, ratio: Array) -> tuple[
 
 @dataclass(frozen=True)
 class Contraction:
-    """A form of the effect: an exponent of the whole sheet, or of ``each`` direction; ``bent``: with its bend."""
+    """A form of the effect: an exponent of the whole sheet, or of ``each`` direction; ``bent``: with its bend.
+
+    ``smooth``: a smooth function of the logarithm of the stretch.
+    """
 
     each: bool = False
     bent: bool = False
+    smooth: bool = False
 
     def absent(self, values: Array) -> bool:
         """Whether the sheet keeps its volume."""
+        if self.smooth:
+            return bool(values[1] == 0.5 and not np.any(values[2:]))
         return bool(np.all(values[: len(values) - self.bent] == 0.5) and not (self.bent and values[-1]))
 
     def poisson(self, values: Array) -> float | None:
         """Return the one number that says it all, None where there is no such."""
-        return None if self.each or self.bent else float(values[0])
+        return None if self.each or self.bent or self.smooth else float(values[0])
 
     def exponent(self, path: Path, values: Array) -> tuple[Array, float]:
         """Return the exponent of every row, and the bend."""
+        if self.smooth:  # the reach, the exponent at rest, and what it has more at thirds of the reach
+            return values[1] + through(np.log(path.stretch) / np.log1p(values[0]), values[2:]), 0.0
         nu = np.full_like(path.stretch, values[0])
         if self.each:
             nu = nu + weft_share(path) * (values[1] - values[0])
@@ -169,6 +178,8 @@ FORMS: Mapping[str, Contraction] = {
     "split": Split(),
     "slope-bent": Slope(bent=True),
     "uniform-bent": Contraction(bent=True),
+    "uniform-smooth": Contraction(smooth=True),
+    "slope-smooth": Slope(smooth=True),
     "directions": Contraction(each=True),
     "directions-bent": Contraction(each=True, bent=True),
 }

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.special import expit
 
+from hyperfab.materials.effects.smooth import cardinal, straight
 from hyperfab.materials.kinematics import Sheet
 from hyperfab.materials.log_i2 import log_I2
 from hyperfab.materials.term import InvariantTerm, PowerTerm, Term, of_I1, of_I2
@@ -82,6 +83,18 @@ def _exponential(sheet: Sheet, b: float) -> list[Term]:
     return [of_I1(np.expm1(power) / b, grown, b * grown)]
 
 
+def _smooth(sheet: Sheet, reach: float) -> list[Term]:
+    """Return energies of I1 whose slopes are smooth functions, each 1 at one fifth of ``reach``, and I2 - 3."""
+    slopes = cardinal(5)
+    stored = slopes.antiderivative()
+    x = sheet.x / reach
+    energy, slope, bend = (np.moveaxis(straight(stored, x, order), -1, 0) for order in range(3))
+    terms: list[Term] = [
+        of_I1(reach * w, w1, w11 / reach) for w, w1, w11 in zip(energy, slope, bend, strict=True)
+    ]
+    return [*terms, of_I2(sheet.y, 1.0 + 0.0 * sheet.y, 0.0 * sheet.y)]
+
+
 _POWERS = Added(
     ("C20_MPa", "C30_MPa"),
     lambda sheet: [_power(sheet, 2.0), _power(sheet, 3.0)],
@@ -103,6 +116,7 @@ FORMS: Mapping[str, Added] = {
     "high-powers": Added(("C40_MPa",), lambda sheet: [_power(sheet, 4.0)]).and_log(),
     "second-invariant": Added(("C01_MPa", "C11_MPa", "C02_MPa"), _second_invariant),
     "straightening": _TOE,
+    "smooth": Added(("reach", *(f"D_{k}_MPa" for k in range(1, 6)), "C01_MPa"), _smooth).and_log(),
     "straightening-log": _TOE.and_log(),
     "ogden-log": _OGDEN.and_log(),
     "exponential-log": _FUNG.and_log(),

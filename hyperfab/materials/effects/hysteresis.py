@@ -54,6 +54,24 @@ def friction(path: Path, stretch: Array, slip: Array, strain: float) -> Array:
     return along(keep, gain)
 
 
+def friction_of_many(at: State, stress: Array, values: Array) -> Array:
+    """Return the stress with the friction of four sets of yarns that turn over a hundredth to a half of ``reach``.
+
+    ``values`` are the reach, the share of the load at which each set slides, the stress [MPa] at which it slides
+    beside that, and the power of the stretch with which both grow. The spectrum of Prandtl and Ishlinskii, rounded:
+    Visintin (1994), Differential Models of Hysteresis, ch. III.
+    """
+    count = (len(values) - 2) // 2
+    reach, shares, levels, growth = values[0], values[1 : count + 1], values[count + 1 : -1], values[-1]
+    grown = at.stretch**growth
+    total = np.zeros_like(stress)
+    for strain, share, level in zip(np.geomspace(0.01, 0.5, count), shares, levels, strict=True):
+        if share or level:
+            slip = (share * np.abs(stress) + level) * grown
+            total = total + friction(at.path, at.stretch, slip, reach * strain)
+    return np.asarray(stress + total)
+
+
 def returning(path: Path, stretch: Array, amount: float, power: float) -> Array:
     """Return the factor ``1 - amount (1 - (strain/turning strain)^power)`` on the way down, 1 on every way up.
 
@@ -100,6 +118,7 @@ FORMS: Mapping[str, Acts] = {
     "friction-dry": Yarns(("share", "stress")),
     "friction-two": Yarns(("share", "share")),
     "dry-two": Yarns(("stress", "stress")),
+    "smooth": friction_of_many,
     "stop": Yarns(("stress",), by_stress=True),
     "stop-two": Yarns(("stress", "stress"), by_stress=True),
 }

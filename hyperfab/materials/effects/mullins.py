@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.special import erf
 
+from hyperfab.materials.effects.smooth import through
 from hyperfab.materials.effects.state import Acts, State
 from hyperfab.materials.kinematics import Array
 
@@ -66,6 +67,21 @@ def damaged(peak: Array, amount: float, strain: float, power: float = 1.0) -> Ar
     return np.asarray(1.0 + amount * np.expm1(-(((peak - 1.0) / strain) ** power)))
 
 
+def worn_smoothly(at: State, stress: Array, values: Array) -> Array:
+    """Return the stress of a fabric whose wear is a smooth function of the largest strain em so far.
+
+    ``P (1 - lost(em/reach) - depth(em/reach) (1 - kept^n) (1 - (e/em)^power)^outer)``, n the number of returns:
+    ``values`` are the reach, ``power``, ``outer`` and ``kept``, then ``depth`` and ``lost`` at thirds of the reach.
+    """
+    reach, power, outer, kept = values[:4]
+    most = np.maximum(at.path.peak - 1.0, 1e-12)
+    depth, lost = (through(most / reach, part) for part in np.split(values[4:], 2))
+    share = np.clip((at.path.stretch - 1.0) / most, 1e-12, 1.0)
+    below = np.maximum(1.0 - share**power, 1e-300) ** outer * (share < 1.0)
+    gone = 1.0 - np.power(max(kept, 1e-12), np.maximum(at.path.returns, 1.0))
+    return np.asarray(stress * np.maximum(1.0 - lost - depth * gone * below, 0.0))
+
+
 def _by_energy(at: State, stress: Array, values: Array) -> Array:
     return stress * softened(at.energy, at.greatest, *values)
 
@@ -87,6 +103,7 @@ FORMS: Mapping[str, Acts] = {
     "strain-cycles": lambda at, stress, values: (
         stress * worn(at.path.stretch, at.path.peak, at.path.returns, *values)
     ),
+    "smooth": worn_smoothly,
     "damage": _by_damage,
     "damage-power": _by_damage,
 }

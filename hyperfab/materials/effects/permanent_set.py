@@ -8,6 +8,7 @@ import numpy as np
 
 from hyperfab.materials.effects.path import Path
 from hyperfab.materials.effects.recurrence import along
+from hyperfab.materials.effects.smooth import through
 from hyperfab.materials.kinematics import Array
 
 
@@ -59,6 +60,23 @@ def crept(path: Path, share: float, strain: float, *, added: bool = False) -> Ar
     keep[first] = 0.0
     rest = along(keep, (1.0 - np.exp(-pulled / strain)) * share * (path.peak - 1.0))
     return left_of(path.stretch, rest, added)
+
+
+def crept_smoothly(path: Path, values: Array) -> Array:
+    """Return the elastic stretch over a set that follows a smooth function of the largest strain, over way and time.
+
+    ``values`` are the reach, the strain pulled and the time [s] over which the set comes nearer to it, and its values
+    at thirds of the reach.
+    """
+    reach, strain, time = values[:3]
+    first = list(path.starts[:-1])
+    pulled = np.maximum(np.diff(path.stretch, prepend=1.0), 0.0)
+    pulled[first] = np.maximum(path.stretch[first] - 1.0, 0.0)
+    passed = pulled / strain + (path.waited / time if path.knows_time else 0.0)
+    keep = np.exp(-passed)
+    keep[first] = 0.0
+    rest = along(keep, -np.expm1(-passed) * np.maximum(through((path.peak - 1.0) / reach, values[3:]), 0.0))
+    return left_of(path.stretch, rest, added=False)
 
 
 def kept_on(path: Path, share: float, power: float, *, added: bool = False) -> Array:
@@ -138,6 +156,7 @@ FORMS: Mapping[str, Lengthens] = {
     "next-pull-added": _next_pull(added=True),
     "crept": _crept(),
     "crept-added": _crept(added=True),
+    "smooth": lambda path, stretch, peak, values: np.minimum(stretch, crept_smoothly(path, values)),
     "cycles": _cycles(),
     "cycles-added": _cycles(added=True),
 }

@@ -144,6 +144,26 @@ def _thinning(change, keep, begins, flow):  # type: ignore[no-untyped-def]
     return found
 
 
+def spectrum(at: State, stress: Array, values: Array) -> Array:
+    """Return the stress with Maxwell branches at times spread evenly, in logarithm, from the first to the last.
+
+    ``values`` are these two times [s], the power of the stretch with which the branches stiffen, how much the clock of
+    the material quickens with strain (all times are shorter by ``exp(quick strain)``), and the share of each branch:
+    the spectrum of relaxation by a few values. Ferry (1980), Viscoelastic Properties of Polymers, chs. 3 and 11.
+    """
+    first, last, bend, quick = values[:4]
+    change, begins = _steps(at.path, stress * at.path.stretch**bend)
+    elapsed = at.path.waited * np.exp(quick * (at.path.stretch - 1.0))
+    total = np.zeros_like(stress)
+    for share, tau in zip(values[4:], np.geomspace(first, last, len(values) - 4), strict=True):
+        if share:
+            ratio = elapsed / tau
+            keep = np.where(begins, 0.0, np.exp(-ratio))
+            gain = np.where(ratio > 1e-9, -np.expm1(-ratio) / np.maximum(ratio, 1e-9), 1.0)
+            total = total + along(keep, share * gain * change)
+    return np.asarray(stress + total)
+
+
 def quickened(speed: Array, reference: float, amount: float) -> Array:
     """Return the factor ``1 + amount ln(speed/reference)`` of a strain-rate hardening law on the strain rate [1/s].
 
@@ -202,6 +222,7 @@ FORMS: Mapping[str, Acts] = {
     "thinning-bent": _thinning_driven,
     "flow": _flow,
     "flow-strain": _flow,
+    "smooth": spectrum,
     "viscous": lambda at, stress, values: stress + resisting(at.path, values[0], values[1], at.pace),
     "log-rate": _log_rate,
 }

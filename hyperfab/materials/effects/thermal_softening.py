@@ -6,7 +6,8 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from hyperfab.materials.effects.state import Acts
+from hyperfab.materials.effects.smooth import through
+from hyperfab.materials.effects.state import Acts, State
 from hyperfab.materials.kinematics import Array
 
 
@@ -49,6 +50,18 @@ def towards_glass(
     return np.asarray(np.exp(step * moved - softening * (temperature - reference)))
 
 
+def with_strain(at: State, stress: Array, values: Array) -> Array:
+    """Return the stress of a fabric that softens otherwise at another strain.
+
+    ``P exp(-dT (softening + more(e/reach)) - curvature dT^2)``: ``values`` are the reach, softening [1/K], curvature
+    [1/K2] and what is ``more`` [1/K] at halves of the reach.
+    """
+    reach, softening, curvature = values[:3]
+    rise = at.path.temperature_degC - at.reference_degC
+    more = through(np.maximum(at.path.stretch - 1.0, 0.0) / reach, values[3:])
+    return np.asarray(stress * np.exp(-rise * (softening + more) - curvature * rise**2))
+
+
 #: The law of each form: of the temperature, the reference and the form's constants.
 LAWS: Mapping[str, Callable[..., Array]] = {"exponential": factor, "curved": factor, "glass": towards_glass}
 
@@ -58,4 +71,4 @@ def _acts(law: Callable[..., Array]) -> Acts:
 
 
 #: What each form makes of the stress.
-FORMS: Mapping[str, Acts] = {form: _acts(law) for form, law in LAWS.items()}
+FORMS: Mapping[str, Acts] = {form: _acts(law) for form, law in LAWS.items()} | {"smooth": with_strain}

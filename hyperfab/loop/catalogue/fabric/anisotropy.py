@@ -51,8 +51,11 @@ def entry(context: DataContext) -> Effect:
     if set(law.names) <= GROUND:
         shear = Constant("G_MPa", 0.0, 0.0, scale=0.1 * stiff)
         start = (0.3 * stiff, 0.3 * stiff, 0.1 / far**2, 0.05 * stiff)
-        simpler = ("warp-fibres", "weft-fibres") if off_axis else ()
-        forms.append(Form("threads", (warp, across, growth, shear), (start,), refines=simpler))
+        # A strip along the threads contracts otherwise than one across: where that was read it tells them too.
+        simpler = tuple(form.name for form in forms) if context.transverse else ()
+        simpler = ("warp-fibres", "weft-fibres") if off_axis else simpler
+        threads = (warp, across, growth, shear)
+        forms.append(Form("threads", threads, (start,), refines=simpler, free=not off_axis))
     return Effect(
         id="anisotropy",
         title="warp and weft differ",

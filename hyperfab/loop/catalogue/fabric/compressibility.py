@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from hyperfab.loop.catalogue.fabric import DataContext
-from hyperfab.loop.problem import HAS_IT, Constant, Effect, Form
+from hyperfab.loop.problem import HAS_IT, Constant, Effect, Form, fixed, freely
 
 
 def entry(context: DataContext) -> Effect:
@@ -28,6 +28,11 @@ def entry(context: DataContext) -> Effect:
         across = Constant("nu_weft", 0.5, 0.0, 0.5, 0.05)
         forms.append(Form("directions", (nu, across), ((0.4, 0.4),), ((0.48, 0.5), (0.5, 0.48))))
         forms.append(Form("directions-bent", (nu, across, bend), ((0.4, 0.4, 0.05),), refines="directions"))
+    free = []
+    if context.transverse:
+        more = [Constant(f"more_{k}", 0.0, -0.6, 0.6, 0.05) for k in range(1, 4)]
+        both, start = (fixed("reach", context.reach), nu, *more), (context.reach, 0.4, 0.0, 0.0, 0.0)
+        free = [freely(forms, f"{kind}-smooth", both, start) for kind in ("uniform", "slope")]
     return Effect(
         id="compressibility",
         title="the sheet does not keep its volume",
@@ -35,7 +40,7 @@ def entry(context: DataContext) -> Effect:
         rides_on=("mode", "transverse stretch"),
         shown_by="the transverse stretch of a uniaxial test, or uniaxial and biaxial tests of one sheet",
         source="Blatz & Ko (1962), doi:10.1122/1.548937; Flory (1961), doi:10.1039/tf9615700829",
-        forms=tuple(forms),
+        forms=(*forms, *free),
         confounded_share=0.97,
         smooth=False,
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from hyperfab.loop.catalogue.fabric import DataContext
-from hyperfab.loop.problem import Constant, Effect, Form
+from hyperfab.loop.problem import Constant, Effect, Form, fixed, freely
 
 _ALL = {"C20_MPa", "C30_MPa"}
 
@@ -69,13 +69,16 @@ def entry(context: DataContext) -> Effect:
         simple = next(form for form in forms if form.name == name)
         start = (*simple.starts[0], 0.01 * size)
         forms.append(Form(f"{name}-log", (*simple.constants, log), (start,), refines=name))
+    slopes = [Constant(f"D_{k}_MPa", 0.0, scale=0.1 * size) for k in range(1, 6)]
+    both = (*slopes, mixed[0], log)
+    smooth = freely(forms, "smooth", (fixed("reach", far), *both), (far, *(0.01 * size for _ in both)))
     return Effect(
         id="elastic-law",
         title="the strain-energy law is too poor",
         rides_on=("stretch", "mode"),
         shown_by="one more mode (planar shear or biaxial), and a pull farther than the product is stretched",
         source="Yeoh (1993), doi:10.5254/1.3538343; Fung (1967); Gent & Thomas (1958), doi:10.1002/pol.1958.1202811814",
-        forms=tuple(forms),
+        forms=(*forms, smooth),
         smooth=False,
     )
 

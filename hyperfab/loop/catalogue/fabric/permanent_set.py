@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hyperfab.loop.catalogue.fabric import DataContext
-from hyperfab.loop.problem import Constant, Effect, Form
+from hyperfab.loop.problem import Constant, Effect, Form, fixed, freely
 
 
 def entry(context: DataContext) -> Effect:
@@ -41,6 +41,11 @@ def entry(context: DataContext) -> Effect:
     ]
     network = form("network")
     bent = Form("network-power", (share, power), ((0.1, 0.7),), refines="network")
+    forms = (*plain, *curved, crept, more, *sums, network, bent)
+    sets = [Constant(f"set_{k}", 0.0, 0.0, 0.6 * reach, 0.01 * reach) for k in range(1, 4)]
+    over = (Constant("strain", 0.1 * reach, 0.01 * reach, 50.0 * reach, reach), _slowly(context))
+    start = (reach, 0.3 * reach, over[1].value, 0.02 * reach, 0.05 * reach, 0.1 * reach)
+    smooth = freely(forms, "smooth", (fixed("reach", reach), *over, *sets), start)
     return Effect(
         id="permanent-set",
         title="part of the strain stays",
@@ -48,5 +53,13 @@ def entry(context: DataContext) -> Effect:
         rides_on=("cycle", "branch"),
         shown_by="unloading to zero force, a wait, and a second pull: the stretch at which force begins",
         source="ASTM D412 (tension set); Andrews, Tobolsky & Hanson (1946), doi:10.1063/1.1707724",
-        forms=(*plain, *curved, crept, more, *sums, network, bent),
+        forms=(*forms, smooth),
     )
+
+
+def _slowly(context: DataContext) -> Constant:
+    """Return the time over which a set creeps; none of it is known where the tests state no time."""
+    if not context.path.knows_time:
+        return fixed("creep_s", 1e9)
+    whole = context.times[1]
+    return Constant("creep_s", 100.0 * whole, 0.01 * whole, 1e4 * whole, whole)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from hyperfab.loop.catalogue.fabric import DataContext
-from hyperfab.loop.problem import Constant, Effect, Form
+from hyperfab.loop.problem import Constant, Effect, Form, fixed, freely
 
 
 def entry(context: DataContext) -> Effect:
@@ -14,8 +14,8 @@ def entry(context: DataContext) -> Effect:
     span = float(np.ptp(context.temperatures)) if several else 30.0
     linear = Constant("softening_1_K", 0.0, -5.0 / span, 5.0 / span, 0.1 / span)
     forms = [Form("exponential", (linear,), ((0.2 / span,), (-0.2 / span,)), ((0.02 / span,),))]
+    bend = Constant("softening_1_K2", 0.0, -5.0 / span**2, 5.0 / span**2, 0.1 / span**2)
     if len(context.temperatures) > 2:
-        bend = Constant("softening_1_K2", 0.0, -5.0 / span**2, 5.0 / span**2, 0.1 / span**2)
         forms.append(Form("curved", (linear, bend), ((0.2 / span, 0.05 / span**2),), refines="exponential"))
     if len(context.temperatures) > 3:
         low, high = float(np.min(context.temperatures)), float(np.max(context.temperatures))
@@ -27,6 +27,12 @@ def entry(context: DataContext) -> Effect:
         )
         colder = (0.05 / span, 1.0, low + 0.3 * span, 0.1 * span), (0.05 / span, 3.0, low, 0.15 * span)
         forms.append(Form("glass", glass, colder, colder[:1], refines=("exponential", "curved")))
+    bends = len(context.temperatures) > 2
+    curvature = bend if bends else fixed("softening_1_K2", 0.0)
+    reach = fixed("reach", context.reach)
+    more = [Constant(f"with_strain_{k}_1_K", 0.0, -5.0 / span, 5.0 / span, 0.1 / span) for k in (1, 2)]
+    start = (context.reach, 0.2 / span, *3 * (0.0,))
+    smooth = freely(forms, "smooth", (reach, linear, curvature, *more), start)
     return Effect(
         id="thermal-softening",
         title="stiffness changes with temperature",
@@ -34,7 +40,7 @@ def entry(context: DataContext) -> Effect:
         rides_on=("temperature",),
         shown_by="the same pull at two temperatures 30 K or more apart",
         source="Ferry (1980), Viscoelastic Properties of Polymers, ch. 11",
-        forms=tuple(forms),
+        forms=(*forms, smooth),
         confounded_share=0.95,
         smooth=False,
     )

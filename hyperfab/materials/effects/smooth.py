@@ -1,0 +1,44 @@
+"""A smooth function of one state variable by a few values: what a law of an effect is where no formula is known."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.interpolate import CubicSpline, PPoly
+
+from hyperfab.materials.kinematics import Array
+
+
+def cardinal(count: int) -> CubicSpline:
+    """Return the natural cubic splines (count) that are 1 at one of 1/count, 2/count, ... 1 and 0 at the others and 0.
+
+    De Boor (2001), A Practical Guide to Splines, ch. IV.
+    """
+    knots = np.linspace(0.0, 1.0, count + 1)
+    return CubicSpline(knots, np.eye(count + 1)[:, 1:], bc_type="natural")
+
+
+def through(x: Array, values: Array) -> Array:
+    """Return the smooth function (n,) of ``x`` (n,) that is 0 at 0 and has ``values`` (k,) at 1/k, 2/k, ... 1.
+
+    Beyond 1 it goes on straight.
+
+    >>> through(np.array([0.0, 0.25, 0.5, 1.0, 2.0]), np.array([1.0, 2.0]))
+    array([0. , 0.5, 1. , 2. , 4. ])
+    """
+    spline = CubicSpline(np.linspace(0.0, 1.0, len(values) + 1), [0.0, *values], bc_type="natural")
+    return straight(spline, x)
+
+
+def straight(spline: PPoly, x: Array, order: int = 0) -> Array:
+    """Return a spline on 0 to 1, or its derivative of an ``order``, which goes on straight beyond 1.
+
+    >>> straight(cardinal(1).antiderivative(), np.array([1.0, 2.0]), 1)[:, 0]
+    array([1., 2.])
+    """
+    inside = np.clip(x, 0.0, 1.0)
+    beyond = (x - inside).reshape(x.shape + (1,) * (spline.c.ndim - 2))
+    if order > 0:
+        return np.asarray(spline(inside, order) + beyond * spline(inside, order + 1))
+    rise = spline(inside) + beyond * spline(inside, 1)
+    # What is a slope itself goes on straight, so that its integral goes on as a parabola.
+    return np.asarray(rise + 0.5 * beyond**2 * spline(inside, 2))

@@ -1,0 +1,124 @@
+"""Effects by what they ride on: where no formula leaves noise the name stands by a smooth law, and how sure it is."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from loop.blind import case
+from scipy.interpolate import CubicSpline
+
+from hyperfab.loop.belief import belief
+from hyperfab.loop.engine import close
+from hyperfab.loop.heldout import HeldOut, help_of
+from hyperfab.loop.problem import Curve
+from hyperfab.materials.effects.elastic_law import FORMS
+from hyperfab.materials.effects.path import uniaxial_pull
+from hyperfab.materials.effects.rate import relaxing, spectrum
+from hyperfab.materials.effects.smooth import cardinal, straight, through
+from hyperfab.materials.effects.state import State
+from hyperfab.materials.kinematics import Sheet
+
+
+@pytest.mark.parametrize(
+    ("effect", "seed"),
+    [("hysteresis", 3), ("rate", 2), ("permanent-set", 1), ("thermal-softening", 1)],
+)
+def test_an_effect_of_no_known_formula_is_called_by_its_name(effect: str, seed: int) -> None:
+    problem, _, _, _ = case(seed, (effect,), poor=False, which="smooth")
+    found = close(problem, design=False)
+    assert (found.verdict, found.after.ids) == ("effect", (effect,))
+    assert found.belief is not None
+    assert found.belief.of[effect] > 0.5
+
+
+def test_a_plain_law_that_is_not_the_models_hides_no_effect() -> None:
+    """An Ogden sheet that changes its volume: contraction alone leaves the biaxial test worse than before."""
+    problem, _, _, _ = case(2, ("compressibility",), poor=False, which="smooth")
+    found = close(problem, design=False)
+    assert found.verdict in ("effect", "ambiguous")
+    assert set(found.after.ids) == {"compressibility", "elastic-law"}
+
+
+def test_a_smooth_function_is_the_natural_spline_through_its_values_and_goes_on_straight() -> None:
+    values, x = np.array([0.3, -0.2, 0.5]), np.linspace(0.0, 1.0, 31)
+    again = CubicSpline([0.0, 1 / 3, 2 / 3, 1.0], [0.0, *values], bc_type="natural")
+    np.testing.assert_allclose(through(x, values), again(x), atol=1e-14)
+    np.testing.assert_allclose(np.diff(through(np.linspace(1.0, 3.0, 9), values), 2), 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_what_goes_on_straight_has_the_slopes_it_says(order: int) -> None:
+    spline, x, step = cardinal(4).antiderivative(), np.array([0.13, 0.4, 0.9, 1.2, 1.9]), 1e-5
+    ahead, behind = (straight(spline, x + s, order - 1) for s in (step, -step))
+    np.testing.assert_allclose(
+        straight(spline, x, order), (ahead - behind) / (2.0 * step), rtol=1e-7, atol=1e-7
+    )
+
+
+def test_a_smooth_elastic_law_is_one_energy() -> None:
+    """Stress is the slope of the energy, and the sheet without stretch has none."""
+    l1, l2, step = np.array([1.0, 1.2, 1.5, 1.9]), np.array([1.0, 0.9, 1.1, 0.8]), 1e-6
+    form = FORMS["smooth"]
+    for k in range(len(form.linear)):
+
+        def energy(stretch: np.ndarray, k: int = k) -> np.ndarray:
+            sheet = Sheet.of(stretch, l2)
+            return np.asarray(form.terms(sheet, 0.8)[k].membrane(sheet).W)
+
+        stress = form.terms(Sheet.of(l1, l2), 0.8)[k].stress(Sheet.of(l1, l2))
+        np.testing.assert_allclose(
+            stress, (energy(l1 + step) - energy(l1 - step)) / (2 * step), rtol=1e-5, atol=1e-7
+        )
+        assert stress[0] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_spectrum_of_one_time_is_that_branch() -> None:
+    lam = np.concatenate([np.linspace(1.0, 1.4, 20), np.linspace(1.4, 1.0, 20)[1:]])
+    path = uniaxial_pull(lam)
+    path = path.__class__(**{**vars(path), "time_s": np.arange(39.0)})
+    at = State(path, lam, np.zeros(39), 20.0, None)
+    stress = lam - 1.0
+    got = spectrum(at, stress, np.array([5.0, 5.0, 0.0, 0.0, 0.3]))
+    np.testing.assert_allclose(got, stress + relaxing(path, stress, [0.3], [5.0]), rtol=1e-12)
+
+
+def test_one_test_that_no_law_foresees_does_not_speak_for_all_others() -> None:
+    """Twelve tests are predicted within noise, as they were not; the only one of its mode is missed as before."""
+    places = tuple(slice(30 * k, 30 * k + 30) for k in range(13))
+
+    def of(rms: list[float]) -> HeldOut:
+        return HeldOut(np.repeat(rms, 30), tuple(range(13)), np.array(rms), places)
+
+    before, after = of([2.0] * 6 + [11.0] * 6 + [31.0]), of([1.05] * 12 + [57.0])
+    told = help_of(before, after, np.full(390, 1.0))
+    assert told is not None
+    assert told.taken > 0.8
+    worse = help_of(before, of([2.3] * 6 + [12.0] * 6 + [31.0]), np.full(390, 1.0))
+    assert worse is not None
+    assert worse.taken < 0.0
+
+
+def model(names: tuple[str, ...], left: float) -> Any:
+    """Return a model that leaves so much, in standard deviations of the noise, of a thousand readings."""
+    curves = (Curve("t", 0, 1000, np.arange(1000.0)),)
+    problem = SimpleNamespace(curves=curves, channel=np.zeros(1000, dtype=np.int64))
+    size = (1.0 + left**2) * 1000.0
+    fit = SimpleNamespace(residual=np.sqrt(size / 1000.0) * np.ones(1000), x=np.empty(0), chi2=size)
+    return SimpleNamespace(ids=names, problem=problem, fit=fit)
+
+
+def test_probabilities_are_of_one_whole_and_follow_what_is_left() -> None:
+    base = model((), 4.0)
+    clear = belief(base, [model(("rate",), 0.1), model(("mullins",), 3.0)], 8)
+    assert clear.of["rate"] > 0.9
+    assert sum(clear.of.values()) + clear.nothing + clear.something_else == pytest.approx(1.0)
+    alike = belief(base, [model(("rate",), 0.1), model(("mullins",), 0.1)], 8)
+    assert alike.of["rate"] == pytest.approx(alike.of["mullins"])
+    assert belief(base, [model(("rate",), 2.0), model(("mullins",), 3.0)], 8).something_else > 0.9
+    assert belief(model((), 0.0), [], 8).nothing > 0.85
+    # A second name that takes nothing adds little.
+    both = belief(base, [model(("rate",), 0.1), model(("rate", "mullins"), 0.1)], 8)
+    assert both.of["mullins"] < 0.15
