@@ -208,7 +208,7 @@ def labs_of(name: str, tests: tuple[str, ...], specimens: int, scatter: float, l
         known = found.certainty.scatter
         assert known is not None
         values.append(list(found.material.parameters.values()))
-        sources.append(Source("constants", known.covariance, known.freedom))
+        sources.append(Source("constants", known.covariance, known.freedom, known.parts))
     return Labs(name, len(tests), specimens, scatter, np.array(values), sources)
 
 

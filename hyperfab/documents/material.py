@@ -70,6 +70,13 @@ class NextSpecimen(_Part):
     high_MPa: list[float] = Field(description="upper end of the band")
 
 
+class ScatterPart(_Part):
+    """What the specimens of one kind add to how unsure the constants are."""
+
+    covariance: list[list[float]] = Field(description="of the constants")
+    degrees_of_freedom: float
+
+
 class FitUncertainty(_Part):
     """How sure the constants are: covariance, and where it comes from."""
 
@@ -88,6 +95,11 @@ class FitUncertainty(_Part):
         default=None,
         description="how far the stress of other accepted laws is from this one's, relative, over all modes up to "
         "the tests' I1 (--model all)",
+    )
+    parts: list[ScatterPart] | None = Field(
+        default=None,
+        description="what each kind of specimens adds, where there are several: their sum is the covariance but for "
+        "what few degrees of freedom widen it by, constant by constant; what hangs on several constants takes these",
     )
     next_specimen: list[NextSpecimen] | None = Field(
         default=None,

@@ -30,11 +30,15 @@ _SEED = 20
 
 @dataclass(frozen=True)
 class Source:
-    """Numbers that err together: ``covariance`` (k, k), known with ``freedom`` degrees of freedom."""
+    """Numbers that err together: ``covariance`` (k, k), known with ``freedom`` degrees of freedom.
+
+    Where what makes them err comes in independent ``parts``, each is a covariance with degrees of freedom of its own.
+    """
 
     name: str
     covariance: Array
     freedom: float = inf
+    parts: tuple[tuple[Array, float], ...] = ()
 
     @cached_property
     def root(self) -> Array:
@@ -43,14 +47,24 @@ class Source:
         >>> Source("a", np.array([[4.0, 2.0], [2.0, 1.0]])).root.shape
         (2, 1)
         """
-        sd = np.sqrt(np.diag(self.covariance))
-        scale = np.where(sd > 0.0, sd, 1.0)
-        values, vectors = np.linalg.eigh(self.covariance / np.outer(scale, scale))
-        kept = values > _ROUNDING * len(sd)
-        found = (vectors[:, kept] * np.sqrt(values[kept]) * scale[:, None])[:, ::-1]
-        # An eigenvector's sign is the library's choice.
-        sign = np.sign(found[np.abs(found).argmax(axis=0), np.arange(found.shape[1])])
-        return np.asarray(found * sign)
+        return np.concatenate([root for root, _ in self.blocks], axis=1)
+
+    @cached_property
+    def blocks(self) -> tuple[tuple[Array, float], ...]:
+        """The directions of each part, and its degrees of freedom."""
+        parts = self.parts or ((self.covariance, self.freedom),)
+        return tuple((_root(covariance), freedom) for covariance, freedom in parts)
+
+
+def _root(covariance: Array) -> Array:
+    sd = np.sqrt(np.diag(covariance))
+    scale = np.where(sd > 0.0, sd, 1.0)
+    values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
+    kept = values > _ROUNDING * len(sd)
+    found = (vectors[:, kept] * np.sqrt(values[kept]) * scale[:, None])[:, ::-1]
+    # An eigenvector's sign is the library's choice.
+    sign = np.sign(found[np.abs(found).argmax(axis=0), np.arange(found.shape[1])])
+    return np.asarray(found * sign)
 
 
 @dataclass(frozen=True)
@@ -83,7 +97,7 @@ def linear(value: float, effects: Array, sources: Sequence[Source]) -> Band:
     owners = np.array([number for number, _ in directions(sources)], dtype=int)
     variance = np.bincount(owners, weights=effects**2, minlength=len(sources)).astype(np.float64)
     sd = float(np.sqrt(variance.sum()))
-    half = _coverage(variance, sources) * sd
+    half = _coverage(effects, sources) * sd
     return Band(sd, value - half, value + half, _budget(variance, sources))
 
 
@@ -115,10 +129,10 @@ def sampled(value: float, outcomes: Array, drawn: Array, sources: Sequence[Sourc
     sd = float(np.std(outcomes, ddof=1))
     away = outcomes - outcomes.mean()
     effects, *_ = np.linalg.lstsq(drawn - drawn.mean(axis=0), away, rcond=None)
+    wider = _coverage(effects, sources) / _coverage(np.zeros_like(effects), sources)
     explained = np.bincount(owners, weights=effects**2, minlength=len(sources)).astype(np.float64)
     # By chance an outcome that hangs on nothing goes a little with everything.
     explained *= min(1.0, sd**2 / max(explained.sum(), 1e-300))
-    wider = _coverage(explained, sources) / _coverage(np.zeros(len(sources)), sources)
     low, high = np.quantile(outcomes, [0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL])
     rest = max(sd**2 - float(explained.sum()), 0.0)
     return Band(
@@ -192,15 +206,19 @@ def differences(
             {name: np.array(found) for name, found in bends.items()})  # fmt: skip
 
 
-def _coverage(variance: Array, sources: Sequence[Source]) -> float:
+def _coverage(effects: Array, sources: Sequence[Source]) -> float:
     """Return the half-width of the interval over the standard deviation."""
     from scipy.special import ndtri, stdtrit
 
-    finite = [(v, one.freedom) for v, one in zip(variance, sources, strict=True) if np.isfinite(one.freedom)]
-    below = sum(v**2 / freedom for v, freedom in finite)
+    blocks = [block for one in sources for block in one.blocks]
+    each = np.split(effects**2, np.cumsum([root.shape[1] for root, _ in blocks])[:-1])
+    variance = [float(own.sum()) for own in each]
+    below = sum(
+        v**2 / freedom for v, (_, freedom) in zip(variance, blocks, strict=True) if np.isfinite(freedom)
+    )
     if below <= 0.0:
         return float(ndtri(0.5 + 0.5 * LEVEL))
-    return float(stdtrit(variance.sum() ** 2 / below, 0.5 + 0.5 * LEVEL))
+    return float(stdtrit(sum(variance) ** 2 / below, 0.5 + 0.5 * LEVEL))
 
 
 def _budget(variance: Array, sources: Sequence[Source], rest: float = 0.0) -> tuple[tuple[str, float], ...]:

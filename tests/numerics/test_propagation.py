@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hyperfab.numerics.propagation import Source, draws, sampled
+from hyperfab.numerics.propagation import Source, draws, linear, sampled
 
 
 @pytest.mark.parametrize("count", [60, 200, 1000])
@@ -30,3 +30,17 @@ def test_shares_make_up_the_whole(bend: float) -> None:
     outcomes = drawn @ [1.0, 0.5] + bend * drawn[:, 0] * drawn[:, 1]
     budget = sampled(0.0, outcomes, drawn, sources).budget
     assert sum(share for _, share in budget) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_what_hangs_on_one_part_has_that_parts_degrees_of_freedom() -> None:
+    """Two numbers, the sum and the difference of two known by three specimens each: their sum is twice the one."""
+    one, other = np.array([[1.0, 1.0], [1.0, 1.0]]), np.array([[1.0, -1.0], [-1.0, 1.0]])
+    source = Source("constants", one + other, 4.0, ((one, 2.0), (other, 2.0)))
+    for slope, sd, wide in (
+        (np.array([1.0, 1.0]), 2.0, 4.302653),
+        (np.array([1.0, 0.0]), 2.0**0.5, 2.776445),
+    ):
+        band = linear(0.0, source.root.T @ slope, [source])
+        assert band.sd == pytest.approx(sd, rel=1e-12)
+        assert band.high == pytest.approx(wide * sd, rel=1e-6)
+        assert band.budget == (("constants", pytest.approx(1.0)),)

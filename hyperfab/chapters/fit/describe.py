@@ -19,6 +19,7 @@ from hyperfab.documents.material import (
     MaterialDocument,
     ModelRow,
     OutlierReading,
+    ScatterPart,
     StablePlane,
     StableRange,
     Tested,
@@ -78,6 +79,11 @@ def uncertainty(sure: Certainty, specimens: int) -> FitUncertainty:
         specimens=specimens if one is None else one.specimens,
         degrees_of_freedom=0 if one is None else one.freedom,
         source="readings" if one is None else "specimens",
+        parts=None
+        if one is None or len(one.parts) < 2
+        else [
+            ScatterPart(covariance=part.tolist(), degrees_of_freedom=freedom) for part, freedom in one.parts
+        ],
     )
 
 

@@ -319,7 +319,9 @@ def _constants(own: FitUncertainty, file: str, place: Place, name: str) -> Origi
     # A constant that is known, as one at its bound, is no source.
     open_ = np.flatnonzero(np.diag(covariance) > 0.0)
     numbers = tuple(Entry(file, (*place, own.order[k]), 0.0) for k in open_)
-    return Origin(Source(shown, covariance[np.ix_(open_, open_)], freedom), numbers)
+    square = np.ix_(open_, open_)
+    parts = tuple((np.array(one.covariance)[square], one.degrees_of_freedom) for one in own.parts or ())
+    return Origin(Source(shown, covariance[square], freedom, parts), numbers)
 
 
 def _law(part: MaterialDocument | Direction) -> float | None:

@@ -64,9 +64,7 @@ class Certainty:
     def reordered(self, order: Sequence[int]) -> Certainty:
         """Return the certainty with the constants, under the same names, in another order."""
         square = np.ix_(order, order)
-        scatter = self.scatter
-        if scatter is not None:
-            scatter = replace(scatter, covariance=scatter.covariance[square])
+        scatter = None if self.scatter is None else self.scatter.reordered(order)
         return replace(self, sd=self.sd[order], correlation=self.correlation[square], scatter=scatter)
 
 

@@ -9,7 +9,7 @@ doi:10.2307/1402588; degrees of freedom by Satterthwaite (1946), Biometrics Bull
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,11 +25,22 @@ _NO_SAY = 1e-12
 
 @dataclass(frozen=True)
 class Scatter:
-    """Covariance (p, p) of the published constants from ``specimens``, to be used with Student's t of ``freedom``."""
+    """Covariance (p, p) of the published constants from ``specimens``, to be used with Student's t of ``freedom``.
+
+    ``parts`` are what kinds of specimens add to it, each with its own degrees of freedom: what hangs on several
+    constants may hang on other kinds than each of them, and has degrees of freedom of its own.
+    """
 
     covariance: Array
     freedom: int
     specimens: int
+    parts: tuple[tuple[Array, int], ...] = ()
+
+    def reordered(self, order: Sequence[int]) -> Scatter:
+        """Return the scatter of the constants in another order."""
+        square = np.ix_(order, order)
+        parts = tuple((one[square], freedom) for one, freedom in self.parts)
+        return replace(self, covariance=self.covariance[square], parts=parts)
 
 
 @dataclass(frozen=True)
@@ -100,4 +111,5 @@ def by_specimen(
         each = total**2 / (diagonal**2 / np.array(own_freedom)[:, None]).sum(axis=0)
     each = np.clip(np.where(total > 0.0, each, freedom), 1.0, freedom)
     wider = stdtrit(each, _LEVEL) / stdtrit(freedom, _LEVEL)  # quantiles of Student's t
-    return Scatter(covariance * np.outer(wider, wider), freedom, len(names))
+    apart = tuple(zip(parts, own_freedom, strict=True))
+    return Scatter(covariance * np.outer(wider, wider), freedom, len(names), apart)
