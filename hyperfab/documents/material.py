@@ -288,6 +288,11 @@ class MaterialDocument(Document):
         default=None,
         description="physical terms beyond the law, as hf close-loop adds them; tentative: beside it something is left",
     )
+    joint_uncertainty: FitUncertainty | None = Field(
+        default=None,
+        description="how sure the constants of an extended model are, those of its effects too, all together; by their "
+        "places in the document",
+    )
     tested: dict[str, Tested] | None = Field(
         default=None, description="by test: the range of the data behind the constants"
     )

@@ -11,6 +11,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol, Self
 
 import numpy as np
@@ -148,7 +149,7 @@ class Face:
         if len(self._origin):
             away = self._rows @ coordinates
             loss, rate, cooling = self._base
-            now, _, _ = _loss(self.condition, self._origin + away, ambient)
+            now = _lost(self.condition, self._origin + away, ambient)
             linear = loss + rate * away - _warmer(self.condition, self._at, ambient) * cooling
             found -= (now - linear) @ self._weighted
         return found
@@ -170,6 +171,14 @@ def _spread(origin: Array, rows: Array, weights: Array) -> Array:
     columns = np.column_stack([origin - origin.mean(), rows[:, main]])
     reach = np.abs(columns).max(axis=0)
     return np.asarray(columns / np.where(reach > 0.0, reach, 1.0))
+
+
+def _lost(condition: Convection | Radiation, at: Array, ambient: float) -> Array:
+    """Return the heat lost per area at surface temperatures."""
+    if isinstance(condition, Convection):
+        return np.asarray(condition.film(at) * (at - ambient))
+    hot = np.maximum(at + ZERO_CELSIUS, 0.0)
+    return np.asarray(condition.emissivity * SIGMA * (hot**4 - (ambient + ZERO_CELSIUS) ** 4))
 
 
 def _loss(condition: Convection | Radiation, at: Array, ambient: float) -> tuple[Array, Array, Array]:
@@ -246,6 +255,11 @@ class ProjectedMedium:
             (origin - level) @ conducted,
         )
 
+    @cached_property
+    def uniform(self) -> Array:
+        """The uniform field of one kelvin (r,), in coordinates."""
+        return np.asarray(np.linalg.solve(self.mass, self.weights))
+
     def with_more(self, other: ProjectedMedium, capacity: float, conduction: float) -> ProjectedMedium:
         """Return it with so many times the capacity and the conduction of another one added."""
         return ProjectedMedium(
@@ -298,7 +312,7 @@ class ProjectedModel:
 
     def total(self, by_vector: Array) -> float:
         """Return the heat, or the flow, of the whole mold."""
-        return float(self.medium.weights @ np.linalg.solve(self.mass, by_vector))
+        return float(self.medium.uniform @ by_vector)
 
     def moved(self, stored: Array) -> float:
         """What moves inside is not counted: the account is then held against less."""

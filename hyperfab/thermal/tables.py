@@ -56,8 +56,11 @@ class Table:
         if len(self.x) == 1:
             return np.zeros_like(x)
         piece = np.searchsorted(self.x, x, side="right")
-        slopes = np.concatenate([[0.0], np.diff(self.y) / np.diff(self.x), [0.0]])
-        return slopes[piece]
+        return self._slopes[piece]
+
+    @cached_property
+    def _slopes(self) -> Array:
+        return np.concatenate([[0.0], np.diff(self.y) / np.diff(self.x), [0.0]])
 
     def integral(self, x: Array) -> Array:
         """Return the integral of y from 0 to ``x``."""

@@ -186,10 +186,15 @@ def test_an_extended_model_says_nothing_of_the_old_constants_and_carries_the_ran
     assert model["directions"]["weft"]["tested"]["uniaxial"]["stretch"][1] == pytest.approx(
         reach[1], rel=0.05
     )
+    # How sure the effects are goes with them, and on from there.
+    told = json.loads((tmp_path / "loop.json").read_text())["effects"]
+    assert len(told) == len(model["effects"]) > 0
+    for one, own in zip(told, model["effects"], strict=True):
+        assert own["parameters_sd"] == pytest.approx(one["parameters_sd"], rel=1e-6)
     (tmp_path / "cup.stl").write_bytes((root / "molds" / "cup-male.stl").read_bytes())
     model["directions"]["weft"]["tested"]["uniaxial"]["stretch"] = [1.0, 1.05]
     (tmp_path / "short.json").write_text(json.dumps(model))
-    draped = hf("drape", "short.json", *DRAPE, "-", cwd=tmp_path)
+    draped = hf("drape", "short.json", "--uncertainty", "none", *DRAPE, "-", cwd=tmp_path)
     found = json.loads(draped.stdout)
     assert found["weft"]["beyond_tested"] > 0 == found["warp"]["beyond_tested"]
 

@@ -289,3 +289,20 @@ def test_a_command_that_carries_no_tolerance_says_so(tmp_path: Path) -> None:
     listener = Listener()
     commands.run(Job("export", (), listener, target=str(tmp_path / "card.feb")), case)
     assert any("does not carry tolerances: that of --density" in told for told in listener.warnings)
+
+
+def test_constants_and_effects_of_an_extended_model_are_one_source(made: Any) -> None:
+    """All stiffness by a share, and a rate's effect that these commands do not take: the force by that share."""
+    values = np.array(list(CONSTANTS.values()))
+    column = np.append(0.03 * values, 0.2)
+    joint = {
+        "order": [*(f"parameters.{name}" for name in CONSTANTS), "effects.0.parameters.exponent"],
+        "covariance": np.outer(column, column).tolist(), "specimens": 5, "degrees_of_freedom": 0, "source": "specimens",
+    }  # fmt: skip
+    effects = [{"id": "unknown", "form": "power", "parameters": {"exponent": 0.1}}]
+    extended = json.loads(material(joint_uncertainty=joint, effects=effects))
+    del extended["fit"]
+    found = made(CONTACT, fabric_json=json.dumps(extended).encode())
+    assert relative(found, "force_N") == pytest.approx(0.03, rel=1e-6)
+    budget = found["uncertainty"]["quantities"]["force_N"]["budget"]
+    assert [one["source"] for one in budget] == ["fabric.json: constants and effects, 5 specimens"]

@@ -21,6 +21,8 @@ FULL = {
     "replicates": [{"test": "uniaxial", "specimens": 3, "scatter": 0.01}], "bulk_modulus_MPa": 5.0,
     "warnings": ["weak"], "models": [{"model": "gent"}], "effects": [{"id": "rate"}],
     "tested": {"uniaxial": {"stretch": [1.0, 1.8]}}, "files": ["a.csv"],
+    "joint_uncertainty": {"order": ["parameters.C10_MPa"], "covariance": [[1e-4]], "specimens": 3,
+                          "degrees_of_freedom": 2.0, "source": "specimens"},
     "undetermined": [{"constant": "G_MPa", "value": 0.0, "test": "a slanted one"}],
 }  # fmt: skip
 #: Keys that other constants leave true.

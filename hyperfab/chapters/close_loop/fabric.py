@@ -12,6 +12,7 @@ from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended import extend, held_terms
 from hyperfab.chapters.close_loop.finalise import Axis, picture, ticking
 from hyperfab.chapters.close_loop.measured_tests import Measured, given_as, read_measured
+from hyperfab.chapters.close_loop.sure import tell_sure
 from hyperfab.chapters.close_loop.tentative import mark
 from hyperfab.chapters.fabric import ORTHOTROPIC
 from hyperfab.chapters.job import Job
@@ -75,6 +76,7 @@ def run(job: Job, given: Given) -> int:
             apart=None if apart is None else apart.misses,
         )
     model = extend(document, problem, found.after.fit, problem.law)
+    tell_sure(model, found, lambda fit: extend(document, problem, fit, problem.law), len(problem.tests))
     model.format = model.format_name()
     mark(model.effects or [], found)
     _warn_of_nearness(job, model, tests)

@@ -145,6 +145,27 @@ class Stiffness:
 
 
 @dataclass(frozen=True)
+class Along:
+    """Numbers of a document at ``places`` that change together by ``column``, one standard deviation on."""
+
+    file: str
+    index: int
+    places: tuple[Place, ...]
+    column: tuple[float, ...]
+
+    @property
+    def name(self) -> str:
+        """The file, and which of the independent directions of its constants."""
+        return f"{os.path.basename(self.file)}: constants and effects, direction {self.index}"
+
+    def move(self, inputs: Changed, change: float) -> None:
+        """Change them."""
+        for place, by in zip(self.places, self.column, strict=True):
+            at = _inside(inputs.document(self.file), place[:-1])
+            at[place[-1]] = float(at[place[-1]]) + change * by
+
+
+@dataclass(frozen=True)
 class Film:
     """By how many of its standard deviations a table of film coefficients is off, all rows together."""
 
@@ -251,6 +272,11 @@ def of_material(document: MaterialDocument, file: str, asked: float | None, orig
         spread = _law(part) or _law(document)
         if spread:
             laws.append((spread, Stiffness(file, tuple(places), of)))
+    if document.joint_uncertainty is not None:
+        origins.found.append(_joint(document.joint_uncertainty, file))
+        if document.joint_uncertainty.source != "specimens":
+            origins.left_out.append(f"{base}: how specimens scatter is not known from these tests")
+        return
     if not known:
         return
     origins.found += known
@@ -322,6 +348,18 @@ def _constants(own: FitUncertainty, file: str, place: Place, name: str) -> Origi
     square = np.ix_(open_, open_)
     parts = tuple((np.array(one.covariance)[square], one.degrees_of_freedom) for one in own.parts or ())
     return Origin(Source(shown, covariance[square], freedom, parts), numbers)
+
+
+def _joint(own: FitUncertainty, file: str) -> Origin:
+    """Return the constants of an extended model as one source, a number each independent direction of theirs."""
+    root = Source("", np.array(own.covariance)).root
+    steps = [name.split(".") for name in own.order]
+    places = tuple(tuple(int(step) if step.isdigit() else step for step in one) for one in steps)
+    numbers = tuple(Along(file, k, places, tuple(map(float, column))) for k, column in enumerate(root.T, 1))
+    freedom = own.degrees_of_freedom if own.degrees_of_freedom > 0 else math.inf
+    shown = f", {own.specimens} specimens" if own.source == "specimens" else ""
+    name = f"{os.path.basename(file)}: constants and effects{shown}"
+    return Origin(Source(name, np.eye(len(numbers)), freedom), numbers)
 
 
 def _law(part: MaterialDocument | Direction) -> float | None:

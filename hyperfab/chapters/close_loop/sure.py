@@ -1,0 +1,74 @@
+"""How sure an extended model is: the covariance of all that was fitted, as the numbers of its document have it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from hyperfab.arrays import Array
+from hyperfab.documents.material import FitUncertainty, MaterialDocument
+from hyperfab.loop.engine import Finding
+from hyperfab.loop.fitting import Fit
+from hyperfab.numerics.propagation import Source
+
+#: Steps of differences, over a standard deviation.
+_STEP = 0.02
+
+
+def tell_sure(
+    document: MaterialDocument, found: Finding, extended: Callable[[Fit], MaterialDocument], specimens: int
+) -> None:
+    """Write into an extended ``document`` how sure its numbers are, and into its effects each constant's own.
+
+    ``extended`` makes the document of a fit: constants of a document are not those of the fit, where one law is told
+    along warp and weft or at each temperature. Nothing is written where the data leave a constant open.
+    """
+    fit, noise = found.after.fit, found.noise
+    # Where something is left, the readings scatter by more than their noise.
+    covariance = fit.covariance * max(found.after.judgement.chi2_reduced, 1.0)
+    source = Source("", covariance)
+    if not np.isfinite(covariance).all() or not covariance.any():
+        return
+    names = [place for place, _ in numbers(document.to_json())]
+
+    def at(x: Array) -> Array:
+        known = dict(numbers(extended(replace(fit, x=x)).to_json()))
+        return np.array([known.get(name, np.nan) for name in names])
+
+    columns = [(at(fit.x + _STEP * way) - at(fit.x - _STEP * way)) / (2.0 * _STEP) for way in source.root.T]
+    along = np.array(columns).T
+    if not np.isfinite(along).all():
+        return
+    sd = dict(zip(names, np.sqrt((along**2).sum(axis=1)), strict=True))
+    for index, record in enumerate(document.effects or []):
+        own = {
+            name: float(sd[f"effects.{index}.parameters.{name}"])
+            for name in record["parameters"]
+            if f"effects.{index}.parameters.{name}" in sd
+        }
+        record["parameters_sd"] = own
+    document.joint_uncertainty = FitUncertainty(
+        order=names,
+        covariance=(along @ along.T).tolist(),
+        specimens=specimens,
+        degrees_of_freedom=float(noise.dof) if np.isfinite(noise.dof) else 0.0,
+        source="specimens" if noise.gain_sd > 0.0 else "readings",
+    )
+
+
+def numbers(data: Any, place: str = "") -> Iterator[tuple[str, float]]:
+    """Yield the constants of a material document, plain data, by their place in it.
+
+    >>> list(numbers({"parameters": {"C10_MPa": 0.2}, "effects": [{"id": "rate", "parameters": {"g": 0.1}}]}))
+    [('parameters.C10_MPa', 0.2), ('effects.0.parameters.g', 0.1)]
+    """
+    inside = data.items() if isinstance(data, dict) else enumerate(data)
+    for key, value in inside:
+        at = f"{place}.{key}" if place else str(key)
+        if key == "parameters":
+            yield from ((f"{at}.{name}", one) for name, one in value.items() if isinstance(one, float))
+        elif key in ("directions", "temperatures", "effects", "warp", "weft") or isinstance(key, int):
+            yield from numbers(value, at)
