@@ -87,6 +87,11 @@ class TestCurve:
         return self.stretch2 if self.mode == "uniaxial" else None
 
     @property
+    def principal(self) -> Array:
+        """The principal stretch along the load; in simple shear ``stretch`` holds the shear strain."""
+        return np.exp(np.arcsinh(0.5 * self.stretch)) if self.mode == "simple-shear" else self.stretch
+
+    @property
     def angle_deg(self) -> float:
         """Degrees from the warp, nan where that is not known."""
         return np.nan if self.direction is None else self.direction

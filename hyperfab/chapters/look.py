@@ -36,7 +36,7 @@ def remarks(tests: Sequence[TestData], silent: Collection[str] = ()) -> list[str
             continue
         across = test.stretch2 if test.mode == "biaxial-general" else None
         for doubt in look(
-            test.stretch,
+            test.principal,
             test.stress,
             stretch2=across,
             time=test.time_s,

@@ -136,3 +136,70 @@ def test_a_foam_that_nothing_presses_is_told(hf, tmp_path, heads, told) -> None:
     if not told:
         found = json.loads((tmp_path / "block.json").read_text())["parameters"]
         assert found == pytest.approx(COLD.parameters, rel=1e-4)
+
+
+def _there_and_back(stretch, stress):
+    """A test loaded and, softer, unloaded."""
+    return np.append(stretch, stretch[-2::-1]), np.append(stress, 0.7 * stress[-2::-1])
+
+
+def test_the_loading_branch_of_every_test_is_kept_and_nothing_else(hf, tmp_path) -> None:
+    tests = {
+        "down": ("uniaxial", np.linspace(1.0, 0.4, 25)),
+        "up": ("uniaxial", np.linspace(1.0, 1.3, 25)),
+        "shear": ("simple-shear", np.linspace(0.0, 0.5, 25)),
+        "back": ("simple-shear", np.linspace(0.0, -0.5, 25)),
+        "plates": ("confined-compression", np.linspace(1.0, 0.4, 25)),
+    }
+    for name, (test, stretch) in tests.items():
+        _write(tmp_path, f"{name}.csv", test, *_there_and_back(stretch, COLD.stress(test, stretch)))
+    files = [f"{name}.csv" for name in tests]
+    run = hf("fit", *files, "--model", "hyperfoam-1", "--branch", "load", "-o", "foam.json", cwd=tmp_path)
+    assert run.returncode == 0, run.stderr.decode()
+    document = json.loads((tmp_path / "foam.json").read_text())
+    assert document["parameters"] == pytest.approx(COLD.parameters, rel=1e-6)
+    assert document["fit"]["tests"]["simple-shear"]["points"] == 50
+    assert b"120 rows left out: not on the load branch" in run.stderr
+
+
+def test_rest_is_counted_from_in_shear_and_in_compression_too(hf, tmp_path) -> None:
+    """Readings that begin beside zero, and platens that come down on the block a little late."""
+    shear, down = np.linspace(0.0, 0.5, 25), np.linspace(1.0, 0.4, 60)
+    _write(tmp_path, "shear.csv", "simple-shear", shear + 0.07, COLD.stress("simple-shear", shear) + 3e-4)
+    _write(tmp_path, "down.csv", "confined-compression", down, COLD.stress("confined-compression", down))
+    run = hf(
+        "fit", "shear.csv", "down.csv", "--model", "hyperfoam-1", "--zero", "-o", "zero.json", cwd=tmp_path
+    )
+    assert run.returncode == 0, run.stderr.decode()
+    found = json.loads((tmp_path / "zero.json").read_text())["parameters"]
+    assert found == pytest.approx(COLD.parameters, rel=1e-6)
+    late, no = np.append(np.linspace(1.03, 1.001, 5), down), np.zeros(5)
+    _write(tmp_path, "late.csv", "confined-compression", late / 1.03,
+           np.append(no, COLD.stress("confined-compression", down)) * 1.03)  # fmt: skip
+    run = hf(
+        "fit", "late.csv", "--model", "hyperfoam-1", "--preload", "1e-7MPa", "-o", "late.json", cwd=tmp_path
+    )
+    assert run.returncode == 0, run.stderr.decode()
+    document = json.loads((tmp_path / "late.json").read_text())
+    assert document["fit"]["nrmse"] < 0.02
+    assert b"slack, before the preload" in run.stderr
+
+
+def test_a_block_that_does_not_widen_is_told_of_as_it_is(hf, tmp_path) -> None:
+    """Where its sides were read, a Poisson's ratio of nought is told; and a flat block is no strip to pull."""
+    law, stretch = Hyperfoam((0.02,), (6.0,), (0.0,)), np.linspace(1.0, 0.4, 25)
+    rows = "".join(
+        f"{40.0 * (a - 1.0):.9g},{40.0**2 * b:.9g},{across:.9g}\n"
+        for a, b, across in zip(
+            stretch, law.stress("uniaxial", stretch), law.lateral("uniaxial", stretch), strict=True
+        )
+    )
+    sizes = "# test: uniaxial\n# gauge length: 40 mm\n# width: 40 mm\n# thickness: 40 mm\n"
+    (tmp_path / "block.csv").write_text(sizes + "extension [mm],force [N],stretch 2\n" + rows)
+    run = hf("fit", "block.csv", "--model", "hyperfoam-1", "-o", "block.json", cwd=tmp_path)
+    assert run.returncode == 0, run.stderr.decode()
+    assert b"times as long as wide" not in run.stderr
+    assert b"not told" not in run.stderr
+    assert json.loads((tmp_path / "block.json").read_text())["parameters"]["nu1"] == pytest.approx(
+        0.0, abs=1e-3
+    )

@@ -147,12 +147,12 @@ def _select(
 
 def _branch(curve: TestData) -> Ints:
     """Return 1 on loading and -1 on unloading: as the file says, else by the turns of the stretch."""
-    return branches(curve.stretch) if curve.branch is None else curve.branch
+    return branches(curve.principal) if curve.branch is None else curve.branch
 
 
 def _numbered(curve: TestData) -> Ints:
     """Return the cycle of each row: as the file says, else counted by the turns of the stretch."""
-    return cycles(curve.stretch, _branch(curve)) if curve.cycle is None else curve.cycle
+    return cycles(curve.principal, _branch(curve)) if curve.cycle is None else curve.cycle
 
 
 def _of_cycle(curve: TestData, wanted: str) -> Array:
@@ -162,20 +162,29 @@ def _of_cycle(curve: TestData, wanted: str) -> Array:
 
 
 def _zeroed(curve: TestData) -> TestData:
-    first2 = None if curve.stretch2 is None else curve.stretch2 / curve.stretch2[0]
+    first2 = None if curve.stretch2 is None else float(curve.stretch2[0])
     return replace(
-        curve,
-        stretch=curve.stretch / curve.stretch[0],
-        stretch2=first2,
+        _counted_from(curve, float(curve.stretch[0]), first2),
         stress=curve.stress - curve.stress[0],
         stress2=None if curve.stress2 is None else curve.stress2 - curve.stress2[0],
     )
 
 
+def _counted_from(curve: TestData, origin: float, origin2: float | None) -> TestData:
+    """Return the curve with its stretches over those of the new rest; a shear strain is a difference."""
+    return replace(
+        curve,
+        stretch=curve.stretch - origin if curve.mode == "simple-shear" else curve.stretch / origin,
+        stretch2=None if curve.stretch2 is None or origin2 is None else curve.stretch2 / origin2,
+    )
+
+
 def _after_preload(curve: TestData, preload: float, left_out: Counter[str]) -> TestData:
-    """Count the stretch from where the stress passes the preload for good; lengths of the slack are no strain."""
-    peak = int(np.argmax(curve.stretch))
-    below = np.flatnonzero(curve.stress[: peak + 1] < preload)
+    """Count the stretch from where the stress, pulling or pressing, passes the preload for good; lengths of the slack
+    are no strain."""
+    peak = int(np.argmax(np.abs(np.log(curve.principal))))
+    stress = -curve.stress if curve.principal[peak] < 1.0 else curve.stress
+    below = np.flatnonzero(stress[: peak + 1] < preload)
     start = int(below[-1]) + 1 if len(below) else 0
     if start > peak:
         raise InputError(
@@ -183,25 +192,17 @@ def _after_preload(curve: TestData, preload: float, left_out: Counter[str]) -> T
             file=curve.source,
             remedy="give a smaller --preload",
         )
-    if start == 0:
-        origin, origin2 = (
-            float(curve.stretch[0]),
-            None if curve.stretch2 is None else float(curve.stretch2[0]),
-        )
-    else:
-        low, high = curve.stress[start - 1], curve.stress[start]
-        share = (preload - low) / (high - low)
-        origin = float(curve.stretch[start - 1] + share * (curve.stretch[start] - curve.stretch[start - 1]))
-        origin2 = None
-        if curve.stretch2 is not None:
-            origin2 = float(
-                curve.stretch2[start - 1] + share * (curve.stretch2[start] - curve.stretch2[start - 1])
-            )
+    share = (preload - stress[start - 1]) / (stress[start] - stress[start - 1]) if start else 0.0
+
+    def there(column: Array) -> float:
+        return float(column[start - 1] + share * (column[start] - column[start - 1]) if start else column[0])
+
     if start:
         left_out["slack, before the preload"] += start
     kept = curve.take(np.arange(start, len(curve.stretch)))
-    stretch2 = None if kept.stretch2 is None or origin2 is None else kept.stretch2 / origin2
-    return replace(kept, stretch=kept.stretch / origin, stretch2=stretch2)
+    return _counted_from(
+        kept, there(curve.stretch), None if curve.stretch2 is None else there(curve.stretch2)
+    )
 
 
 def _resampled(curve: TestData, points: int) -> TestData:

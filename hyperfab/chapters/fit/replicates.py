@@ -118,7 +118,7 @@ def _kinds(curves: Sequence[TestCurve]) -> Iterator[tuple[TestCurve, list[_Loadi
 
 
 def _loading(curves: Sequence[TestCurve]) -> _Loading:
-    first = [curve.take(first_loading(curve.stretch, curve.branch, curve.cycle)) for curve in curves]
+    first = [curve.take(first_loading(curve.principal, curve.branch, curve.cycle)) for curve in curves]
     stretch, stress = (
         np.concatenate([getattr(one, name) for one in first]) for name in ("stretch", "stress")
     )

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from hyperfab.cases.reading import ReadingCase
 from hyperfab.chapters.look import named
 from hyperfab.errors import UsageError
@@ -48,7 +50,8 @@ def aspect_warnings(tests: Sequence[TestData]) -> list[str]:
         if test.gauge_length_mm is None or test.width_mm is None:
             continue
         ratio = test.gauge_length_mm / test.width_mm
-        if test.mode == "uniaxial" and ratio < 9.5:
+        pulled = float(np.max(test.stretch)) - 1.0 > 1.0 - float(np.min(test.stretch))
+        if test.mode == "uniaxial" and pulled and ratio < 9.5:
             text = (
                 f"the specimen is {ratio:.2g} times as long as wide; below 10 its ends hinder the "
                 "contraction and it reads too stiff for uniaxial tension"
