@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from hyperfab.chapters.job import Job
+from hyperfab.chapters.rerun import Listener, Overlay
 from hyperfab.chapters.uncertainty.carry import Answer, Carried, Changes, Slopes
 from hyperfab.chapters.uncertainty.sources import Origin, Origins, Setting
 from hyperfab.numerics.propagation import Source
@@ -36,7 +38,7 @@ def test_a_figure_that_bends_where_the_first_one_does_not_is_sampled(
     """The first figure goes straight with x alone, the other is asked along what it goes with itself."""
 
     class Beside:
-        samples = 400
+        samples, step = 400, 1.0
 
         def gradient(self) -> Slopes:
             step = 1e-6
@@ -49,6 +51,10 @@ def test_a_figure_that_bends_where_the_first_one_does_not_is_sampled(
 
     known = Origins([Origin(Source(name, np.eye(1)), (Setting(name),), (name,)) for name in "xy"])
     value = {"force_N": 10.0, "energy_J": work(0.0, 0.0)}
-    found = Carried(None, Case(), "contact", known, value, Beside()).run().uncertainty  # type: ignore[arg-type]
+    found = (
+        Carried(Job("fabric-contact", (), Listener(), Overlay({})), Case(), "contact", known, value, Beside())
+        .run()
+        .uncertainty
+    )  # type: ignore[arg-type]
     assert found is not None
     assert found.method == method

@@ -227,12 +227,22 @@ def test_warp_and_weft_are_sources_of_their_own(made: Any) -> None:
 
 def test_a_warm_up_without_losses_takes_as_long_as_the_power_is_small(made: Any) -> None:
     mold = INSULATED.replace("3000 W", "3000 W ± 2 %")
-    found = made(("mold-heat", "plate.toml"), plate_toml=mold.encode())
+    found = made(("mold-heat", "plate.toml", "--uncertainty", "linear"), plate_toml=mold.encode())
     # The surface lags by as long whatever the power is: t = C dT/P + lag.
     exact = found["heat_capacity_J_K"] * 175.0 / 3000.0
-    assert found["uncertainty"]["quantities"]["warmup_time_s"]["sd"] == pytest.approx(0.02 * exact, rel=2e-3)
+    assert found["uncertainty"]["quantities"]["warmup_time_s"]["sd"] == pytest.approx(0.02 * exact, rel=3e-4)
     budget = found["uncertainty"]["quantities"]["warmup_time_s"]["budget"]
     assert budget == [{"source": "plate.toml: heater.0.power", "share": pytest.approx(1.0)}]
+
+
+def test_ends_of_a_warm_up_are_those_of_its_derivative_with_a_wide_tolerance(made: Any) -> None:
+    """t = C dT/P + lag: its derivative by the power is known, however large the tolerance."""
+    mold = INSULATED.replace("3000 W", "3000 W ± 7 %")
+    found = made(("mold-heat", "plate.toml", "--uncertainty", "linear"), plate_toml=mold.encode())
+    half = 1.959964 * 0.07 * found["heat_capacity_J_K"] * 175.0 / 3000.0
+    band = found["uncertainty"]["quantities"]["warmup_time_s"]
+    for end, sign in (("low", -1.0), ("high", 1.0)):
+        assert sign * (band[end] - found["warmup_time_s"]) == pytest.approx(half, rel=1e-3)
 
 
 def test_samples_say_how_far_they_are(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

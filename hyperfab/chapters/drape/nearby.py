@@ -27,7 +27,7 @@ _STEP = 0.05
 class Beside:
     """What the figures become beside an equilibrium without friction: nodes move along the tangent there."""
 
-    samples = 100
+    samples, step = 100, 1.0
 
     def __init__(self, job: Job, model: Model, state: State, origins: Origins) -> None:
         self._job, self._model, self._origins = job, model, origins

@@ -43,7 +43,7 @@ def origins_of(job: Job, case: ContactCase) -> Origins:
 class Beside:
     """What the figures become beside an equilibrium without friction, on its mesh."""
 
-    samples = 400
+    samples, step = 400, 1.0
 
     def __init__(
         self, job: Job, case: ContactCase, geometry: Geometry, solved: Solved, origins: Origins

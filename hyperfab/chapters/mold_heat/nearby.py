@@ -42,6 +42,11 @@ class Beside:
         """How many are drawn."""
         return 200
 
+    @property
+    def step(self) -> float:
+        """Of differences, over a standard deviation: the basis and the steps of time are the same for all."""
+        return 0.25
+
     def __post_init__(self) -> None:
         # What the basis leaves out is the same for all: they count from the run itself.
         self._off = Answer({})

@@ -24,7 +24,7 @@ from hyperfab.pressing.nearby import Displacement, Neighbourhood
 class Beside:
     """What the figures become beside a press: gaps follow to the first order, pressures and areas from them."""
 
-    samples = 1000
+    samples, step = 1000, 1.0
 
     def __init__(self, job: Job, model: Model, closed: Closed, origins: Origins) -> None:
         self._job, self._model, self._closed, self._origins = job, model, closed, origins

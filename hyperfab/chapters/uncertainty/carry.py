@@ -96,6 +96,11 @@ class Nearby(Protocol):
         """How many are drawn."""
         ...
 
+    @property
+    def step(self) -> float:
+        """Of differences, over a standard deviation: as small as what jumps in the figures lets it be."""
+        ...
+
     def gradient(self) -> Slopes | None:
         """Return what each figure changes by with each number, source by source; figures it cannot say are absent.
         None where differences are to tell it."""
@@ -205,6 +210,7 @@ class Carried:
         if self.near is None or slopes is None:
             runs: list[Answer] = []
 
+            step = 1.0 if self.near is None else self.near.step
             total = 2 * len(propagation.directions(self.sources))
             with self._progress(total) as advance:
 
@@ -213,11 +219,11 @@ class Carried:
                     advance(len(runs) / total)
                     return runs[-1].figures
 
-                effects, bends = propagation.differences(one, self.value, self.sources)
+                effects, bends = propagation.differences(one, self.value, self.sources, step)
             pairs = list(zip(runs[::2], runs[1::2], strict=True))
             self._straight(
                 {
-                    name: np.array([0.5 * (up.fields[name] - down.fields[name]) for up, down in pairs])
+                    name: np.array([0.5 / step * (up.fields[name] - down.fields[name]) for up, down in pairs])
                     for name in runs[0].fields
                 }
             )
