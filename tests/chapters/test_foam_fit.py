@@ -203,3 +203,23 @@ def test_a_block_that_does_not_widen_is_told_of_as_it_is(hf, tmp_path) -> None:
     assert json.loads((tmp_path / "block.json").read_text())["parameters"]["nu1"] == pytest.approx(
         0.0, abs=1e-3
     )
+
+
+@pytest.mark.parametrize(("power", "told"), [(0.0, True), (-0.5, True), (-1.1, False), (-2.0, False)])
+def test_a_plateau_that_no_stable_law_has_is_told(power, told) -> None:
+    """Stress as a power of the stretch: in logarithmic strains it must grow faster than 1 / stretch."""
+    from hyperfab.chapters.fit.hyperfoam import _plateaus
+    from hyperfab.curve import TestCurve
+
+    down = np.linspace(1.0, 0.4, 60)
+    rise = -np.expm1(-(1.0 - down) / 0.02)
+    curve = TestCurve("uniaxial", down, -0.01 * rise * down**power, source="block.csv")
+    assert bool(_plateaus([curve])) is told
+    back = TestCurve(
+        "uniaxial",
+        np.append(down, down[::-1]),
+        np.append(curve.stress, 0.3 * curve.stress[::-1]),
+        source="block.csv",
+    )
+    assert bool(_plateaus([back])) is told
+    assert bool(_plateaus([curve.take(np.arange(60)[::-1])])) is told

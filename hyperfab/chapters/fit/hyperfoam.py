@@ -24,10 +24,13 @@ from hyperfab.documents.material import (
 )
 from hyperfab.errors import InputError
 from hyperfab.materials.hyperfoam import Hyperfoam, Rows, identify
+from hyperfab.numerics.hygiene import first_loading
 from hyperfab.report.figures_fit import fit_figure
 
 #: A Poisson's ratio this near to what bounds it was not found by the tests.
 _EDGE = 0.005
+#: Compression whose stress times the stretch falls by more than this share is carried by no stable law.
+_FALLS = 0.05
 #: Steps of the scan of stable stretches, and how far beyond the tests it goes.
 _SCAN, _BEYOND = 200, 1.5
 
@@ -167,6 +170,7 @@ def fit_foam(readings: Readings, setting: Setting, terms: int) -> FoamFit:
             file=used[0].source,
             remedy="give more rows or tests",
         )
+    readings.warnings.extend(_plateaus(used))
     temperatures = temperatures_of(used)
     reference = reference_of(temperatures)
     first = identify(_tests(used, temperatures[reference]), terms)
@@ -185,6 +189,37 @@ def fit_foam(readings: Readings, setting: Setting, terms: int) -> FoamFit:
     fit = FoamFit(tuple(laws), temperatures, reference, curves, setting, unknown)
     fit.refuse_unstable(law.name, "take fewer terms")
     return fit
+
+
+def _plateaus(curves: Sequence[TestCurve]) -> list[str]:
+    """Say which test, the worst of all, presses a foam on a plateau that no stable law has.
+
+    An energy that is convex in the logarithmic strains (Hill) has a Kirchhoff stress along the load, stress times
+    stretch where the sides are free or held, that grows with the compression.
+    """
+    found: dict[float, str] = {}
+    for curve in curves:
+        if curve.mode not in ("uniaxial", "confined-compression"):
+            continue
+        part = curve.take(first_loading(curve.principal, curve.branch, curve.cycle) & (curve.stretch < 1.0))
+        if len(part.stretch) < 3:
+            continue
+        part = part.take(np.argsort(-part.stretch, kind="stable"))
+        kirchhoff = -part.stress * part.stretch
+        # The least of three: one reading that is high by chance is no peak.
+        steady = np.minimum(np.minimum(kirchhoff[:-2], kirchhoff[1:-1]), kirchhoff[2:])
+        peak = np.maximum.accumulate(steady)
+        later = np.maximum(np.maximum(kirchhoff[:-2], kirchhoff[1:-1]), kirchhoff[2:])
+        falls = np.where(peak > 0.0, 1.0 - later / np.where(peak > 0.0, peak, 1.0), 0.0)
+        worst = int(np.argmax(falls))
+        if falls[worst] > _FALLS:
+            begins = float(part.stretch[1 + int(np.argmax(steady[: worst + 1]))])
+            found[float(falls[worst])] = (
+                f"{curve.source}: between stretches of {begins:.2f} and {part.stretch[1 + worst]:.2f} the stress falls "
+                f"behind 1 / stretch by {100.0 * falls[worst]:.0f} %: no stable law has a plateau so flat, of however "
+                "many terms; what is nearest to all tests is taken, and the press takes a compression as a table too"
+            )
+    return [found[max(found)]] if found else []
 
 
 def _side(curves: Sequence[TestCurve], side: str) -> list[TestCurve]:
