@@ -298,6 +298,21 @@ def loop(**more: Any) -> dict[str, Any]:
     return {"verdict": "effect", "error": errors, "candidates": [], **more}
 
 
+@pytest.mark.parametrize(
+    ("verdict", "claim"),
+    [
+        ("effect", "the model meets measurement to 20 %"),
+        ("noise", "the model meets measurement to 20 %"),
+        ("unexplained", "the model misses measurement by 20 %"),
+        ("ambiguous", "the model meets measurement to 20 %"),
+    ],
+)
+def test_a_model_that_lacks_something_does_not_meet_the_measurement(verdict: str, claim: str) -> None:
+    found = build(source("loop", loop(verdict=verdict)))
+    assert found.claim == claim
+    assert [one.text for one in found.figures] == ["20 %"]  # nothing was added: no before and after
+
+
 def drawn(abscissa: np.ndarray, states: dict[str, np.ndarray]) -> dict[str, Any]:
     """What the picture of a loop takes."""
     count = len(abscissa)

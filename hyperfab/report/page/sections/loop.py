@@ -45,13 +45,16 @@ def section(source: Source) -> Section:
     found.parts += _against_measurement(source, data)
     found.parts.append(_errors(data))
     before, after = (data["error"][moment]["relative_rms"] for moment in ("before", "after"))
-    found.figures = [
-        Figure(
-            f"{percent(before, 2).text} → {percent(after, 2).text}",
-            "the model misses measurement by, before and after",
-        )
-    ]
-    found.claim = f"the model meets measurement to {percent(after, 2).text}"
+    missed = percent(after, 2).text
+    if data.get("effects"):
+        change = f"{percent(before, 2).text} → {missed}"
+        found.figures = [Figure(change, "the model misses measurement by, before and after")]
+    else:
+        found.figures = [Figure(missed, "the model misses measurement by")]
+    sound = data["verdict"] != "unexplained"
+    found.claim = (
+        f"the model meets measurement to {missed}" if sound else f"the model misses measurement by {missed}"
+    )
     if data.get("effects"):
         found.parts.append(_effects(data["effects"]))
     if data.get("candidates"):
