@@ -22,7 +22,7 @@ LEVEL = 0.95
 #: of one or two figures that are told of it, between 0.05 and 0.5 of it with one.
 NUMERICAL = 0.25
 #: Results whose changes have this cosine or more go the same way.
-_SAME_WAY = 0.98
+_SAME_WAY = 0.9
 #: Directions of a covariance with less than this part of its trace, scaled to correlations, are rounding.
 _ROUNDING = 1e-12
 _SEED = 20
