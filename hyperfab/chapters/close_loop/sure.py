@@ -14,8 +14,8 @@ from hyperfab.loop.engine import Finding
 from hyperfab.loop.fitting import Fit
 from hyperfab.numerics.propagation import Source
 
-#: Steps of differences, over a standard deviation.
-_STEP = 0.02
+#: Steps of differences, over a standard deviation; no constant moves by more than a share of itself and a little.
+_STEP, _SHARE, _LEAST = 0.02, 0.01, 1e-6
 
 
 def tell_sure(
@@ -38,7 +38,11 @@ def tell_sure(
         known = dict(numbers(extended(replace(fit, x=x)).to_json()))
         return np.array([known.get(name, np.nan) for name in names])
 
-    columns = [(at(fit.x + _STEP * way) - at(fit.x - _STEP * way)) / (2.0 * _STEP) for way in source.root.T]
+    columns = []
+    for way in source.root.T:
+        # Constants that the data leave open have standard deviations beyond all that a law stands.
+        step = min(_STEP, float(np.min((_SHARE * np.abs(fit.x) + _LEAST) / np.maximum(np.abs(way), 1e-300))))
+        columns.append((at(fit.x + step * way) - at(fit.x - step * way)) / (2.0 * step))
     along = np.array(columns).T
     if not np.isfinite(along).all():
         return
