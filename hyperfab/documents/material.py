@@ -339,6 +339,8 @@ class MaterialDocument(Document):
             for name, field in type(part).model_fields.items():
                 if name not in kept:
                     setattr(part, name, field.get_default(call_default_factory=True))
+        for effect in result.effects or []:
+            effect.pop("parameters_sd", None)
         result.format = result.format_name()
         return result
 

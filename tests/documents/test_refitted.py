@@ -19,7 +19,7 @@ FULL = {
     "accepted_by": "relative_rms",
     "objective": "relative", "fit_on": ["uniaxial"], "left_out": {"zero": 1}, "preparation": ["zeroed"],
     "replicates": [{"test": "uniaxial", "specimens": 3, "scatter": 0.01}], "bulk_modulus_MPa": 5.0,
-    "warnings": ["weak"], "models": [{"model": "gent"}], "effects": [{"id": "rate"}],
+    "warnings": ["weak"], "models": [{"model": "gent"}], "effects": [{"id": "rate", "parameters_sd": {"g": 0.1}}],
     "tested": {"uniaxial": {"stretch": [1.0, 1.8]}}, "files": ["a.csv"],
     "joint_uncertainty": {"order": ["parameters.C10_MPa"], "covariance": [[1e-4]], "specimens": 3,
                           "degrees_of_freedom": 2.0, "source": "specimens"},
@@ -46,6 +46,7 @@ def test_nothing_said_of_the_old_constants_is_left() -> None:
     found = MaterialDocument.model_validate(FULL).refitted().to_json()
     assert set(found) == KEPT
     assert found["files"] == []
+    assert found["effects"] == [{"id": "rate"}]
     assert set(found["directions"]["warp"]) == {"parameters", "temperatures", "tested"}
     assert found["directions"]["warp"]["temperatures"] == found["temperatures"] == [
         {"temperature_degC": 23.0, "parameters": {"C10_MPa": 0.2}}

@@ -26,6 +26,8 @@ def tell_sure(
     ``extended`` makes the document of a fit: constants of a document are not those of the fit, where one law is told
     along warp and weft or at each temperature. Nothing is written where the data leave a constant open.
     """
+    for record in document.effects or []:
+        record.pop("parameters_sd", None)  # of the constants it had
     fit, noise = found.after.fit, found.noise
     # Where something is left, the readings scatter by more than their noise.
     covariance = fit.covariance * max(found.after.judgement.chi2_reduced, 1.0)
