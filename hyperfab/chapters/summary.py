@@ -136,11 +136,9 @@ def _press(data: Plain) -> Iterator[str]:
         f"({banded(data, 'contact_area_mm2', 'mm2', form='.0f')}), "
         f"force {banded(data, 'force_N', 'N')}, pressure up to {banded(data, 'pressure_max_MPa', 'kPa', 1e3, '.3g')}"
     )
-    hot = any(
-        data[mold]["temperature_degC"] != data["reference_temperature_degC"] for mold in ("male", "female")
-    )
+    warm = " and ".join(dict.fromkeys(f"{data[mold]['temperature_degC']:.4g}" for mold in ("male", "female")))
     least, mean, most = (data[f"gap_{which}_mm"] for which in ("min", "mean", "max"))
-    yield f"{'hot gap' if hot else 'gap'} {least:.2f} to {most:.2f} mm, mean {mean:.2f} mm"
+    yield f"gap at {warm} degC {least:.2f} to {most:.2f} mm, mean {mean:.2f} mm"
     for change in (data.get("sensitivity") or [])[:3]:
         step = f"{change['typical_step']:g} {change.get('unit', '')}".strip()
         yield f"{change['change']} by {step} moves the gap by {change['gap_rms_at_step_mm']:.2g} mm"

@@ -85,3 +85,15 @@ def test_a_warm_up_is_rounded_alike_in_the_summary_and_all_over_the_page() -> No
     minutes = [match for text in told for match in re.findall(r"[\d.]+ min", text)]
     assert len(minutes) >= 5
     assert set(minutes) == {"50.0 min"}
+
+
+@pytest.mark.parametrize(
+    ("female", "told"), [(25.0, "gap at 25 degC 1.00"), (180.0, "gap at 25 and 180 degC 1.00")]
+)
+def test_a_gap_is_told_at_the_temperature_of_the_molds(female: float, told: str) -> None:
+    data: dict[str, Any] = {
+        "format": "hyperfab.press/1", "contact_fraction": 0.5, "contact_area_mm2": 9.0, "force_N": 3.0,
+        "pressure_max_MPa": 0.01, "gap_min_mm": 1.0, "gap_mean_mm": 2.0, "gap_max_mm": 3.0, "converged": True,
+        "reference_temperature_degC": 20.0, "male": {"temperature_degC": 25.0}, "female": {"temperature_degC": female},
+    }  # fmt: skip
+    assert any(told in line for line in paragraph(data))
