@@ -18,7 +18,7 @@ from hyperfab.surface.bvh import DEPTH, nearest_one, ray_one
 
 from .creases import over_edge
 from .features import FLAT, borne, copy, dot, edge_reached, outward, unfold, valley
-from .landing import edge_at, landed, sharp_edge_at
+from .landing import landed, ridge_at, sharp_edge_at
 from .mold import FREE, ON_FACE, SHARP, Mold
 from .net import Arrays
 from .pinning import pinned
@@ -147,7 +147,7 @@ def move(  # noqa: C901
                     for k in range(3):
                         xt[i, j, k] = begin[k] + t * u[k]
                     slot_t[i, j], clear_t[i, j] = met, 0.0
-                    state_t[i, j] = ON_FACE + edge_at(mold, met, xt[i, j], xt[i, j])
+                    state_t[i, j] = ON_FACE + ridge_at(mold, met, xt[i, j], xt[i, j])
                     continue
             slot_t[i, j] = near
             if not turned and state[i, j] == FREE and not inside:
@@ -160,6 +160,8 @@ def move(  # noqa: C901
                 continue
             xt[i, j, 0], xt[i, j, 1], xt[i, j, 2] = cx, cy, cz
             feature = landed(mold, near, feature, y, xt[i, j])
+            if feature == 0 and mold.creases.corners.shape[0] > 0:
+                feature = 1 + sharp_edge_at(mold, near, xt[i, j])
             state_t[i, j], clear_t[i, j] = ON_FACE + feature, 0.0
 
 

@@ -30,14 +30,7 @@ def landed(mold: Mold, slot: int, feature: int, y: Array, x: Array) -> int:
                 return 4 + e
     if feature > 3:
         return 0 if beside(mold, slot, feature, x) else feature
-    return feature if feature > 0 else edge_at(mold, slot, y, x)
-
-
-@part
-def edge_at(mold: Mold, slot: int, y: Array, x: Array) -> int:
-    """Ridge or sharp edge, of a facet on which a node at y lands at x, on which the node is put; 0: neither."""
-    feature = ridge_at(mold, slot, y, x)
-    return feature if feature > 0 else 1 + sharp_edge_at(mold, slot, x)
+    return ridge_at(mold, slot, y, x) if feature == 0 else feature
 
 
 @part
