@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 
 from hyperfab.errors import HyperfabError, InputError, UsageError
 from hyperfab.io.unit_table import DIMENSIONLESS, Dimension, Unit, UnitError, parse_unit
@@ -218,6 +219,11 @@ def _exact(value: object, kind: Kind) -> float:
         raise UnitError(f'{_article(kind)} needs its unit; write "{_form(repr(value), kind)}"')
     if not isinstance(value, str):
         raise UnitError(f"{_article(kind)} is written {kind.example}")
+    return _of_text(value, kind)
+
+
+@lru_cache(4096)
+def _of_text(value: str, kind: Kind) -> float:
     match = _QUANTITY.fullmatch(value) if len(value) <= 120 else None
     if match is None or match[2].startswith(","):
         comma = ", with a decimal point" if "," in value else ""

@@ -28,6 +28,8 @@ _CLOSED = 1e-11
 #: And what is left of it at most where rounding lets no step lower the energy.
 _NEARLY = 1e-7
 _STEPS = 50
+#: A strain no larger than this is rounding.
+_RESTING = 1e-12
 #: Directions tried where the one the law presses in leads nowhere.
 _DIRECTIONS = 24
 _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
@@ -93,7 +95,9 @@ class RelaxedSheet:
         slack = principal_directions(C)[0] <= 1.0
         S = own.stress
         pressed = (S[:, 0] + S[:, 1] < 0.0) | (S[:, 0] * S[:, 1] < S[:, 2] ** 2)
-        wrinkled = np.flatnonzero(pressed & ~slack)
+        # At rest rounding says which way the law presses: no wrinkle is to be found there.
+        resting = np.abs(C - np.array([1.0, 1.0, 0.0])).max(axis=1) <= _RESTING
+        wrinkled = np.flatnonzero(pressed & ~slack & ~resting)
         found.state[slack] = SLACK
         found.energy[slack], found.stress[slack], found.stiffness[slack] = 0.0, 0.0, 0.0
         found.natural[slack] = np.array([1.0, 1.0, 0.0])

@@ -102,7 +102,7 @@ def test_a_pressure_that_bends_is_sampled_without_being_asked() -> None:
     made = pressed("plate", "--gap", "4.3mm +- 0.3mm")
     sure = made.document["uncertainty"]
     assert sure["method"] == "sampled"
-    assert "bend within one standard deviation" in sure["reason"]
+    assert "bend within their interval" in sure["reason"]
     band = sure["quantities"]["force_N"]
     assert band["low"] == pytest.approx(0.0, abs=1e-9)
     # The mean square of what is left of a normal number above 0 (truncated normal), times stiffness and area.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 from hyperfab.arrays import Array
@@ -63,6 +65,7 @@ class Beside:
                 unit = np.eye(len(one.numbers))[place]
                 step = _STEP * float(sd[place])
 
+                @cache
                 def test(change: float, index: int = index, unit: Array = unit) -> tuple[SphereTest, float]:
                     return self._test({index: change * unit})
 

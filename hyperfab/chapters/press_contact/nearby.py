@@ -42,7 +42,7 @@ class Beside:
         inputs, model = self._job.inputs, self._model
         moved = self._origins.changed(model.case, inputs, {k: list(v) for k, v in changes.items()})
         case: PressCase = moved.case  # type: ignore[assignment]
-        quiet = Job(self._job.command, (), Listener(), Overlay(moved.files))
+        quiet = Job(self._job.command, (), Listener(), Overlay(moved.documents))
         files = reread(quiet, case, model.case, model.files, moved.handed)
         amounts = [
             _amounts(grown, moved.handed.get(heat.name, {}))

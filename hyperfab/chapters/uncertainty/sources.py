@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import json
 import math
 import os
 import re
@@ -21,7 +22,7 @@ from hyperfab.documents.base import Document, parse_document
 from hyperfab.documents.material import AtTemperature, Direction, FitUncertainty, MaterialDocument
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.inputs import Inputs
-from hyperfab.io.json_io import dump_json, load_json
+from hyperfab.io.json_io import load_json
 from hyperfab.io.toml_io import dump_toml, load_toml
 from hyperfab.io.units import Toleranced, tolerance
 from hyperfab.materials.law import scaled
@@ -53,11 +54,11 @@ class Number(Protocol):
 
 
 class Changed:
-    """A case and its files, with other numbers in them."""
+    """A case and its files, with other numbers in them. ``texts`` keeps the plain data of files once they are read."""
 
-    def __init__(self, case: Case, inputs: Inputs) -> None:
+    def __init__(self, case: Case, inputs: Inputs, texts: dict[str, str]) -> None:
         self.case = case
-        self._inputs = inputs
+        self._inputs, self._texts = inputs, texts
         self._documents: dict[str, Any] = {}
         #: Of documents that hand fields on: by how much each number changes, by its place among theirs.
         self.handed: dict[str, dict[int, float]] = {}
@@ -67,21 +68,27 @@ class Changed:
     def document(self, name: str) -> Any:
         """Return the plain data of a file, to be changed."""
         if name not in self._documents:
-            self._documents[name] = plain_document(self._inputs, name)
+            if name not in self._texts:
+                self._texts[name] = json.dumps(plain_document(self._inputs, name))
+            self._documents[name] = json.loads(self._texts[name])
         return self._documents[name]
 
     @property
-    def files(self) -> dict[str, bytes]:
-        """The files that are not as they lie on disk, by name."""
+    def documents(self) -> dict[str, bytes]:
+        """The documents and tables that are not as they lie on disk, by name."""
         return (
             dict(self._inputs.given)
             | {
-                name: dump_toml(data) if name.endswith(".toml") else dump_json(data)
+                name: dump_toml(data) if name.endswith(".toml") else json.dumps(data).encode()
                 for name, data in self._documents.items()
             }
             | self.written
-            | moved_fields(self._inputs, self.handed)
         )
+
+    @property
+    def files(self) -> dict[str, bytes]:
+        """The files that are not as they lie on disk, by name: those, and fields that documents hand on."""
+        return self.documents | moved_fields(self._inputs, self.handed)
 
 
 @dataclass(frozen=True)
@@ -200,6 +207,7 @@ class Origins:
 
     found: list[Origin] = field(default_factory=list)
     left_out: list[str] = field(default_factory=list)
+    _texts: dict[str, str] = field(default_factory=dict, repr=False)
 
     @property
     def sources(self) -> list[Source]:
@@ -213,7 +221,7 @@ class Origins:
 
     def changed(self, case: Case, inputs: Inputs, changes: Mapping[int, Sequence[float]]) -> Changed:
         """Return the inputs with the numbers of some sources changed: ``changes`` by the source's number."""
-        moved = Changed(case, inputs)
+        moved = Changed(case, inputs, self._texts)
         for index, values in changes.items():
             for number, change in zip(self.found[index].numbers, values, strict=True):
                 number.move(moved, float(change))
