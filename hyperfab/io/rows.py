@@ -29,10 +29,11 @@ _WIDE_GAP = re.compile(r" *\t[\t ]*| {2,}")
 def lines_of(text: str, name: str) -> list[str]:
     """Return the lines of a text; InputError where it has too many or too long ones."""
     text = text.replace("\r\n", "\n").replace("\r", "\n").replace("\x0b", "\n").replace("\x0c", "\n")
-    text = _FORTRAN.sub(r"\1E\2", text)
     if text.count("\n") > MAX_ROWS + 1000:
         raise InputError(f"has more than {MAX_ROWS} rows", file=name, remedy="thin the recording out")
     lines = text.split("\n")
+    if "D+" in text or "D-" in text or "d+" in text or "d-" in text:
+        lines = [_FORTRAN.sub(r"\1E\2", line) if len(line) <= MAX_LINE else line for line in lines]
     if '"' in text:
         lines = _whole([_FORMULA.sub(r'\1"\2"', line) for line in lines] if '="' in text else lines)
     if max(map(len, lines)) > MAX_LINE:

@@ -141,10 +141,12 @@ def read_loading(
         raise missing(
             sheet, roles, "the second direction of a general biaxial test", '"stretch 2" and "stress 2 [MPa]"'
         )
-    column = roles.first(STRESSES)
+    column = roles.first(("force",))
     pulled = test == "uniaxial" and stretch[int(np.abs(stretch - 1.0).argmax())] > 1.0
     if pulled and column is not None and not column.minus and stress.max() < 0.05 * -stress.min():
-        stress = 0.0 - stress  # a rheometer's normal force, a load cell that counts pulling as negative
+        stress = (
+            0.0 - stress
+        )  # a rheometer's normal force, a load cell that counts pulling as negative; a stress is as stated
         notes.append(f"{column.heading.title} counts pushing as positive: what pulls is taken as positive")
     if compression and test in ("uniaxial", "confined-compression"):
         if stretch[int(np.abs(stretch - 1.0).argmax())] > 1.0:

@@ -31,8 +31,6 @@ from hyperfab.materials.term import InvariantTerm, Term
 #: A term: its form and its constants, in the order of the form.
 Terms = Mapping[str, tuple[str, Array]]
 _KEPT = 12
-#: Steps towards the place where load and way of grips agree; each leaves a tenth or so of what the last one left.
-_YIELDS = 4
 #: The effects within the law.
 _IN_LAW: Mapping[str, Mapping[str, Any]] = {
     "anisotropy": anisotropy.FORMS,
@@ -77,8 +75,8 @@ class Fabric:
         """
         path = self.path
         terms = _present(terms)
+        stretch, place = self._stretch(terms)
         with np.errstate(all="ignore"):
-            stretch, place = self._stretch(terms, warp, weft)
             stress, energy = self._elastic(warp, weft, terms, stretch, place)
             if terms.get("permanent-set", ("",))[0] in permanent_set.NETWORKS:
                 peak = self._peak(stretch)
@@ -91,13 +89,13 @@ class Fabric:
                     stress = forms[form](state, stress, values)
         return np.asarray(stress)
 
-    def across(self, terms: Terms, warp: Array | None = None, weft: Array | None = None) -> Array:
+    def across(self, terms: Terms, warp: Array | None = None) -> Array:
         """Return the transverse stretch of uniaxial rows; the other rows are without meaning.
 
-        ``warp`` and ``weft`` are the law's constants: a sheet of threads asks for them, and grips that yield.
+        ``warp`` are the law's constants: a sheet of threads asks for them.
         """
         terms = _present(terms)
-        stretch, _ = self._stretch(terms, warp, weft)
+        stretch, _ = self._stretch(terms)
         if _is_of_threads(terms):
             assert warp is not None
             return self._of_threads(warp, terms, stretch)[2]
@@ -106,35 +104,18 @@ class Fabric:
         form, values = terms["compressibility"]
         return compressibility.FORMS[form].across(self.path, stretch, values)
 
-    def _stretch(
-        self, terms: Terms, warp: Array | None, weft: Array | None
-    ) -> tuple[Array, tuple[object, ...]]:
+    def _stretch(self, terms: Terms) -> tuple[Array, tuple[object, ...]]:
         stretch = self.path.stretch
         place: tuple[object, ...] = ()
         if "grip-slack" in terms:
             form, values = terms["grip-slack"]
             stretch = grip_slack.FORMS[form](self.path, stretch, values)
             place = (*place, *values)
-            if form in grip_slack.OF_LOAD and np.any(values[2:]):
-                assert warp is not None
-                place = (*place, *warp, *(() if weft is None else weft))
-                stretch = self._yielded(warp, weft, terms, stretch, place)
         form, values = terms.get("permanent-set", ("", np.empty(0)))
         if form in permanent_set.FORMS:
             stretch = permanent_set.FORMS[form](self.path, stretch, self._peak(stretch), values)
             place = (*place, form, *values)
         return stretch, place
-
-    def _yielded(
-        self, warp: Array, weft: Array | None, terms: Terms, stretch: Array, place: tuple[object, ...]
-    ) -> Array:
-        """Return the stretch of the specimen where the grips have yielded to the law's own load."""
-        in_law = {name: term for name, term in terms.items() if name in _IN_LAW}
-        place = (*place, *(v for _, values in in_law.values() for v in values))
-        for step in range(_YIELDS):
-            load, _ = self._elastic(warp, weft, in_law, stretch, (*place, "yields", step))
-            stretch = grip_slack.yielded(self.path.stretch, load, terms["grip-slack"][1])
-        return stretch
 
     def _peak(self, stretch: Array) -> Array:
         if stretch is self.path.stretch:

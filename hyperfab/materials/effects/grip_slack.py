@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from hyperfab.materials.effects.path import Path
-from hyperfab.materials.effects.smooth import through
 from hyperfab.materials.kinematics import Array
 
 
@@ -41,21 +40,9 @@ def of_each(path: Path, values: Array) -> Array:
     return found
 
 
-def yielded(stretch: Array, load: Array, values: Array) -> Array:
-    """Return the specimen's stretch in grips that give way as the ``load`` [MPa] grows, after the slack.
-
-    ``values`` are the load [MPa] that the way is told up to, the slack, and the way, a strain, at thirds of that load.
-    """
-    way = through(np.maximum(load, 0.0) / values[0], values[2:])
-    return np.asarray(np.maximum(taken_up(stretch, values[1]) - way, np.minimum(stretch, 1.0)))
-
-
-#: Forms that ask for the load: their way is taken off the stretch where load and way agree.
-OF_LOAD = ("smooth",)
 #: The specimen's stretch in each form: of the path, the stretch read, and the form's constants.
 FORMS: Mapping[str, Callable[[Path, Array, Array], Array]] = {
     "play": lambda path, stretch, values: taken_up(stretch, *values),
     "toe": lambda path, stretch, values: taken_up(stretch, *values),
     "each": lambda path, stretch, values: taken_up(stretch, of_each(path, values)),
-    "smooth": lambda path, stretch, values: taken_up(stretch, values[1]),
 }
