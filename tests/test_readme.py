@@ -35,7 +35,18 @@ def shop(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "sh")], ids=lambda page: page.name)
+#: Pages whose commands take longest.
+LONG = ("drape.md", "fabric-contact.md", "press-contact.md", "uncertainty.md")
+
+
+@pytest.mark.parametrize(
+    "page",
+    [
+        pytest.param(page, marks=[pytest.mark.slow] if page.name in LONG else [], id=page.name)
+        for page in PAGES
+        if blocks(page, "sh")
+    ],
+)
 def test_shell_blocks_run(page: Path, shop: Path, tmp_path: Path) -> None:
     # Who follows the README begins with nothing; the other pages are read by who has the samples.
     folder = tmp_path if page.name == "README.md" else shop

@@ -68,6 +68,7 @@ def film(folder: Path, effects: tuple[str, ...], again: int | None = None) -> No
     csv(folder / "film.csv", "x [mm],y [mm],z [mm],pressure [MPa]", read.places, read.values)
 
 
+@pytest.mark.slow
 def test_tilt_of_a_press_is_found_and_the_extended_press_lacks_nothing(press: Path, hf: Run) -> None:
     film(press, ("tilt",))
     done = hf("close-loop", "press.json", "--measured", "film.csv", "-o", "loop.json", cwd=press)

@@ -45,6 +45,7 @@ def press(hf, tmp_path):
     return run
 
 
+@pytest.mark.slow
 def test_half_the_thickness_on_the_sphere_is_offered_and_its_size_told(press):
     """A sheet of 2 mm over 40 mm: its middle surface is that of a thin sheet over 41 mm."""
     common = ("--thickness", "2mm", "--depth", "30mm", "--mesh-size", "15mm", "--steps", "2")

@@ -24,7 +24,12 @@ from hyperfab.materials.kinematics import Sheet
 
 @pytest.mark.parametrize(
     ("effect", "seed"),
-    [("hysteresis", 3), ("rate", 2), ("permanent-set", 1), ("thermal-softening", 1)],
+    [
+        ("hysteresis", 3),
+        ("rate", 2),
+        pytest.param("permanent-set", 1, marks=pytest.mark.slow),
+        ("thermal-softening", 1),
+    ],
 )
 def test_an_effect_of_no_known_formula_is_called_by_its_name(effect: str, seed: int) -> None:
     problem, _, _, _ = case(seed, (effect,), poor=False, which="smooth")

@@ -97,6 +97,7 @@ def test_grips_count_little_where_nothing_shears_or_the_strip_is_long():
     np.testing.assert_allclose(stiffening(law.turned(), 120.0, 1.3, lam), own, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_shear_is_found_from_a_short_strip_without_what_its_grips_add():
     law, lam = Orthotropic.of(SHEET), np.linspace(1.002, 1.04, 12)
     tests = []

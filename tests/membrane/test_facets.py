@@ -44,6 +44,7 @@ def test_gap_and_height_of_facets_are_the_spheres_to_their_depth():
     assert fine.height(np.array([[90.0, 0.0]]), 5.0)[0] == -np.inf
 
 
+@pytest.mark.slow
 def test_force_on_a_faceted_sphere_errs_by_the_square_of_the_facets():
     errors = []
     for subdivisions in (3, 4):

@@ -163,6 +163,7 @@ def test_compression_carried_makes_the_slack_sheet_softer_to_press():
     assert run([test], [60.0], 1e-4)[0].solved[-1].state.force == pytest.approx(31.2721545, rel=5e-4)
 
 
+@pytest.mark.slow
 def test_softening_law_turns_back_and_is_unstable_before():
     outcome = _press(SOFTENING, [40.0, 57.0, 70.0])
     limit = outcome.path.limit

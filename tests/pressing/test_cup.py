@@ -98,6 +98,7 @@ def test_shuffled_triangles_give_the_same_answer():
     assert found.touching.sum() == pytest.approx(straight.touching.sum(), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_female_in_more_facets_gives_the_same_press():
     """The same facets split are flat: what changes is the smooth surface read from them, by the chord of 0.02 mm.
 
