@@ -143,6 +143,34 @@ def sampled(value: float, outcomes: Array, drawn: Array, sources: Sequence[Sourc
     )
 
 
+class Spread:
+    """Standard deviation of fields that come one after the other (Welford), and what of them goes with each of the
+    ``directions`` that are drawn: these have the unit matrix as covariance."""
+
+    def __init__(self, directions: int) -> None:
+        self._count, self._mean, self._squares = 0, np.zeros(1), np.zeros(1)
+        self._along: Array = np.zeros((directions, 1))
+
+    def add(self, values: Array, draw: Array) -> None:
+        """Take another one in."""
+        self._count += 1
+        away = values - self._mean
+        self._mean = self._mean + away / self._count
+        self._squares = self._squares + away * (values - self._mean)
+        if len(self._along):
+            self._along = self._along + draw[:, None] * values
+
+    @property
+    def along(self) -> Array:
+        """What goes along each direction (r, n), one standard deviation on."""
+        return self._along / max(self._count - 1, 1)
+
+    @property
+    def sd(self) -> Array:
+        """Of those so far."""
+        return np.sqrt(self._squares / max(self._count - 1, 1))
+
+
 def ends(effects: Mapping[str, Array]) -> list[Array]:
     """Return the places (r,), over standard deviations of each direction, where results are to be asked whether they go
     straight: both ends of the interval of each result, at the most probable place that has it there.

@@ -21,7 +21,7 @@ from hyperfab.documents.base import Document
 from hyperfab.documents.uncertainty import Band, Share, Uncertainty
 from hyperfab.errors import HyperfabError
 from hyperfab.numerics import propagation
-from hyperfab.numerics.propagation import LEVEL, Source
+from hyperfab.numerics.propagation import LEVEL, Spread
 from hyperfab.report.bands import figure, shares
 
 Figures = dict[str, float]
@@ -264,7 +264,7 @@ class Carried:
         blocks = propagation.directions(self.sources)
         drawn = propagation.draws(self.sources, count)
         rows, kept = [], []
-        spread: dict[str, _Spread] = {}
+        spread: dict[str, Spread] = {}
         with self._progress(count) as advance:
             for index, draw in enumerate(drawn):
                 advance(index / count)
@@ -275,7 +275,7 @@ class Carried:
                 rows.append(answer.figures)
                 kept.append(index)
                 for name, values in answer.fields.items():
-                    spread.setdefault(name, _Spread(len(blocks) if name in self._handed else 0)).add(
+                    spread.setdefault(name, Spread(len(blocks) if name in self._handed else 0)).add(
                         values, draw
                     )
         self.fields = {name: found.sd for name, found in spread.items()}
@@ -376,34 +376,6 @@ class Carried:
         return found
 
 
-class _Spread:
-    """Standard deviation of fields that come one after the other (Welford), and what of them goes with each of the
-    ``directions`` that are drawn: these have the unit matrix as covariance."""
-
-    def __init__(self, directions: int) -> None:
-        self._count, self._mean, self._squares = 0, np.zeros(1), np.zeros(1)
-        self._along: Array = np.zeros((directions, 1))
-
-    def add(self, values: Array, draw: Array) -> None:
-        """Take another one in."""
-        self._count += 1
-        away = values - self._mean
-        self._mean = self._mean + away / self._count
-        self._squares = self._squares + away * (values - self._mean)
-        if len(self._along):
-            self._along = self._along + draw[:, None] * values
-
-    @property
-    def along(self) -> Array:
-        """What goes along each direction (r, n), one standard deviation on."""
-        return self._along / max(self._count - 1, 1)
-
-    @property
-    def sd(self) -> Array:
-        """Of those so far."""
-        return np.sqrt(self._squares / max(self._count - 1, 1))
-
-
 def _tell(job: Job, found: Uncertainty, value: Figures) -> None:
     """Show the bands to a person."""
     if found.reason is not None:
@@ -422,7 +394,6 @@ __all__ = [
     "Figures",
     "Nearby",
     "Slopes",
-    "Source",
     "Sure",
     "carry",
     "figures_of",

@@ -126,15 +126,17 @@ def draw(random: Generator, effects: Sequence[str], kind: int | None = None) -> 
 
 def measure(truth: Truth, setups: Sequence[Setup], random: Generator, noise: float) -> list[Reading]:
     """Carry out the tests: readings with white noise of sd ``noise`` [MPa]."""
-    found = []
-    for number, setup in enumerate(setups):
-        reading = _answer(truth, setup, number)
+    return noisy([_answer(truth, setup, number) for number, setup in enumerate(setups)], random, noise)
+
+
+def noisy(readings: list[Reading], random: Generator, noise: float) -> list[Reading]:
+    """Return readings of one specimen each with white noise of sd ``noise`` [MPa], and 0.002 of the width."""
+    for number, reading in enumerate(readings):
         reading.stress = reading.stress + noise * random.standard_normal(len(reading.stress))
         if reading.transverse is not None:
             reading.transverse = reading.transverse + 0.002 * random.standard_normal(len(reading.stress))
         reading.specimen = f"s{number}"
-        found.append(reading)
-    return found
+    return readings
 
 
 def _answer(truth: Truth, setup: Setup, number: int) -> Reading:

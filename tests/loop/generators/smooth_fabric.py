@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from loop.generators.fabric import Reading, Setup, program
-from loop.generators.other_fabric import protocol
+from loop.generators.other_fabric import noisy, protocol
 from numpy.random import Generator
 from numpy.typing import NDArray
 
@@ -71,16 +71,7 @@ def draw(random: Generator, effects: Sequence[str], kind: int | None = None) -> 
 
 def measure(truth: Truth, setups: Sequence[Setup], random: Generator, noise: float) -> list[Reading]:
     """Carry out the tests: readings with white noise of sd ``noise`` [MPa]."""
-    found = []
-    for number, setup in enumerate(setups):
-        reading = _answer(truth, setup, number)
-        reading.stress = reading.stress + noise * random.standard_normal(len(reading.stress))
-        if reading.transverse is not None:
-            wobble = 0.002 * random.standard_normal(len(reading.stress))
-            reading.transverse = reading.transverse + wobble
-        reading.specimen = f"s{number}"
-        found.append(reading)
-    return found
+    return noisy([_answer(truth, setup, number) for number, setup in enumerate(setups)], random, noise)
 
 
 def elastic(truth: Truth, mode: str, lam: Array, width: Array | None = None) -> Array:
