@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
 
@@ -17,6 +16,9 @@ def stl_bytes(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> bytes:
     >>> len(stl_bytes(np.eye(3), np.array([[0, 1, 2]])))
     134
     """
+    # Imported where it is needed: it takes as long to load as numba, and bad input is refused without it.
+    import trimesh
+
     # process=False: vertices are neither merged nor reordered.
     surface = trimesh.Trimesh(vertices, faces, process=False)
     data: bytes = trimesh.exchange.stl.export_stl(surface)

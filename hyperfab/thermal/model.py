@@ -129,8 +129,10 @@ class HeatModel:
 
     def flow(self, time: float, temperature: Array) -> Array:
         """Return the heat flow to each node (n,) [W]."""
-        # A uniform temperature conducts nothing; taking one off keeps its rounding out of the account of heat.
-        level = 0.5 * (float(temperature.min()) + float(temperature.max()))
+        # A uniform temperature conducts nothing; taking one off keeps its rounding out of the account of heat. What
+        # is laid on the mold has nodes of its own, which may be far colder and conduct nothing here.
+        solid = temperature[: self.mesh.solid]
+        level = 0.5 * (float(solid.min()) + float(solid.max()))
         total = -product(self.pattern.matrix(self.medium.conduction(temperature)), temperature - level)
         for condition in self.conditions:
             total += condition.flow(time, temperature)

@@ -120,7 +120,7 @@ def test_a_piece_of_foam_warms_as_the_slab_of_the_series_does(tmp_path):
 def test_a_piece_between_two_molds_conducts_from_one_to_the_other(tmp_path):
     more = 'other = { h = "100 W/m^2/K", temperature = "150 degC" }\npieces = 1\n'
     text = mold(PIECE.replace("30 s", "4000 s").replace("50 s", "5000 s") + more)
-    text = text.replace('"even", thickness', '"foam", thickness').replace("2702 kg", "2.7e8 kg")
+    text = text.replace('"even", thickness', '"foam", thickness').replace("2702 kg", "2.7e6 kg")
     _, document, _ = heat(tmp_path, text)
     last = document["production"]["last"]
     resistance = 1 / 400.0 + 0.002 / 0.05 + 1 / 100.0
@@ -129,7 +129,8 @@ def test_a_piece_between_two_molds_conducts_from_one_to_the_other(tmp_path):
     stored = AREA * 0.002 * 1.5e5 * (150.0 + 50.0 * (0.01 + 0.02) / resistance - 20.0)
     assert last["heat_from_mold_J"] + last["heat_from_other_J"] == pytest.approx(stored, rel=1e-3)
     assert -last["heat_from_other_J"] == pytest.approx(through, rel=0.01)
-    assert document["energy"]["imbalance_relative"] < BALANCED
+    # The piece is cold when it is laid in, and its cells conduct to no node of the mold: they cost no digits.
+    assert document["energy"]["imbalance_relative"] < 1e-10
 
 
 def test_the_last_field_is_that_of_closing_and_a_production_begins_from_a_warmup(tmp_path):
