@@ -12,8 +12,6 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from hyperfab.documents.provenance import Provenance
 from hyperfab.documents.validity import Validity
 from hyperfab.errors import InputError, UsageError, near
-from hyperfab.io.json_io import load_json
-from hyperfab.io.toml_io import load_toml
 
 if TYPE_CHECKING:
     from hyperfab.io.inputs import Inputs
@@ -107,9 +105,7 @@ def read_document(inputs: Inputs, name: str, cls: type[DocumentT]) -> DocumentT:
 
     Raises InputError naming the file and the key where the document is not sound.
     """
-    data = inputs.read(name)
-    loaded = load_toml(data, name) if name.endswith(".toml") else load_json(data, name)
-    return parse_document(loaded, name, cls)
+    return inputs.parsed(name, cls, lambda loaded: parse_document(loaded, name, cls))
 
 
 def parse_document(loaded: object, name: str, cls: type[DocumentT]) -> DocumentT:

@@ -7,13 +7,18 @@ import hashlib
 import os
 import stat
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, TypeVar
 
 from hyperfab.errors import InputError
+from hyperfab.io.json_io import load_json
+from hyperfab.io.toml_io import load_toml
 from hyperfab.io.xlsx import split_sheet
 from hyperfab.system import AT_ONCE, BINARY, wait_for_bytes
+
+Parsed = TypeVar("Parsed")
 
 #: No input of the toolchain is larger; a device or a runaway pipe must not fill the memory.
 MAX_BYTES = 256 * 2**20
@@ -52,6 +57,15 @@ class Inputs:
     def given(self) -> Mapping[str, bytes]:
         """Files that do not lie on disk, by name: none."""
         return {}
+
+    def plain(self, name: str) -> Any:
+        """Return the plain data of a JSON or a TOML document; InputError where it is none."""
+        data = self.read(name)
+        return load_toml(data, name) if name.endswith(".toml") else load_json(data, name)
+
+    def parsed(self, name: str, kind: object, parse: Callable[[Any], Parsed]) -> Parsed:
+        """Return the document of a ``kind`` that ``parse`` makes of the plain data of a file."""
+        return parse(self.plain(name))
 
     def read(self, name: str, limit: int = MAX_BYTES) -> bytes:
         """Return the bytes of file ``name``; ``-`` is standard input, ``FILE.xlsx:SHEET`` the workbook.

@@ -108,10 +108,12 @@ def draws(sources: Sequence[Source], count: int) -> Array:
     the deviation and the shares that it has to all orders, and none is taken for what several do together.
     """
     from scipy.special import ndtri
-    from scipy.stats import qmc
 
     width = len(directions(sources))
-    drawn = np.asarray(ndtri(qmc.LatinHypercube(width, seed=_SEED).random(count)))
+    # One number in each of as many parts of equal probability, their order another one in each direction.
+    rng = np.random.default_rng(_SEED)
+    parts = rng.permuted(np.tile(np.arange(count), (width, 1)), axis=1).T
+    drawn = np.asarray(ndtri((parts + rng.random((count, width))) / count))
     if count <= width + 1:
         return drawn
     drawn -= drawn.mean(axis=0)

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
-from hyperfab.pressing.contact import Contact, stiffness
+from hyperfab.pressing.gap import Front
 from hyperfab.pressing.pose import Pose
-from hyperfab.pressing.press import Press
+from hyperfab.pressing.sums import Totals
 
 #: A floating mold that turns further than this has tipped over.
 TIPPED_DEG = 10.0
@@ -19,19 +20,41 @@ _TOLERANCE = 1e-9
 _STEPS = 60
 
 
+Acting = TypeVar("Acting", bound=Totals)
+
+
+class Balanced(Protocol[Acting]):
+    """What is balanced: a female over a male's ``front``."""
+
+    @property
+    def front(self) -> Front:
+        """The molding part of the male."""
+        ...
+
+    def at(self, pose: Pose) -> Acting:
+        """Return what acts with the female at a pose."""
+        ...
+
+    def tangent(self, pose: Pose, here: Acting) -> Array:
+        """Return what raising the female and turning it about x and y change (3, 3), by what acts ``here``."""
+        ...
+
+
 def balance(
-    press: Press,
+    press: Balanced[Acting],
     start: Pose,
     force: float | None,
     frame: float | None,
     floating: bool,
     begun: Pose | None = None,
-) -> Pose:
-    """Return the pose at which everything balances, from ``start`` on; looked for from ``begun`` on, where it is given.
+    tolerance: float = _TOLERANCE,
+) -> tuple[Pose, Acting]:
+    """Return the pose at which everything balances, and what acts there.
 
-    With ``force`` [N] the closing force is that; else the position was set at ``start`` and the press ``frame``
-    [N/mm] yields under the force (None: it does not). A ``floating`` female turns about its pivot until the pressure
-    has no moment there. Newton's method on the energy of sandwich, frame and load, with the tangent of the sandwich.
+    It is looked for from ``start`` on, or from ``begun`` where that is given. With ``force`` [N] the closing force is
+    that; else the position was set at ``start`` and the press ``frame`` [N/mm] yields under the force (None: it does
+    not). A ``floating`` female turns about its pivot until the pressure has no moment there. Newton's method on the
+    energy of sandwich, frame and load, with the tangent of the sandwich, to a ``tolerance`` over the load.
 
     Raises NotConverged where the female tips over: the force acts outside the area that could carry it.
     """
@@ -39,18 +62,20 @@ def balance(
     free = np.array([force is not None or frame is not None, floating, floating])
     pose = begun or start
     here = press.at(pose)
-    residual = _residual(press, here, pose, start, force, frame)
+    residual = _residual(here, pose, start, force, frame)
+    half = 0.5 * float(np.ptp(press.front.vertices[:, :2], axis=0).max()) if floating else 1.0
     for _ in range(_STEPS):
-        scale = _scale(press, here, force)
-        if not free.any() or np.abs(residual / scale)[free].max() < _TOLERANCE:
-            return pose
+        newton = max(here.load, force or 0.0, 1e-12)
+        scale = np.array([newton, newton * half, newton * half])
+        if not free.any() or np.abs(residual / scale)[free].max() < tolerance:
+            return pose, here
         step = _newton_step(press, here, pose, residual, force, frame, free)
         for _ in range(12):
             moved = _moved(pose, step)
             if np.degrees(moved.angle) > TIPPED_DEG:
                 break
             there = press.at(moved)
-            left = _residual(press, there, moved, start, force, frame)
+            left = _residual(there, moved, start, force, frame)
             if np.linalg.norm((left / scale)[free]) < np.linalg.norm((residual / scale)[free]):
                 pose, here, residual = moved, there, left
                 break
@@ -58,7 +83,7 @@ def balance(
         else:
             # Rounding is reached where the residual is already tiny; anything else is no balance.
             if np.abs(residual / scale)[free].max() < 1e-6:
-                return pose
+                return pose, here
             break
         if np.degrees(moved.angle) > TIPPED_DEG:
             break
@@ -70,36 +95,26 @@ def balance(
     )
 
 
-def _residual(
-    press: Press, here: Contact, pose: Pose, start: Pose, force: float | None, frame: float | None
-) -> Array:
+def _residual(here: Totals, pose: Pose, start: Pose, force: float | None, frame: float | None) -> Array:
     """Unbalanced force along the axis [N], positive where the female is pushed open, and moments [N mm]."""
-    arm = np.array(pose.pivot) + np.array([0.0, 0.0, pose.opening])
     # The female feels the opposite of what acts on the male.
-    moment = -(here.moment - np.cross(arm, here.force))
+    moment = -(here.moment - np.cross(pose.arm, here.force))
     held = force if force is not None else (frame or 0.0) * (pose.opening - start.opening)
     return np.array([here.closing_force - held, moment[0], moment[1]])
 
 
 def _newton_step(
-    press: Press,
-    here: Contact,
+    press: Balanced[Acting],
+    here: Acting,
     pose: Pose,
     residual: Array,
     force: float | None,
     frame: float | None,
     free: NDArray[np.bool_],
 ) -> Array:
-    lever = press.front.vertices - np.array(pose.pivot) - np.array([0.0, 0.0, pose.opening])
-    up, along_x, along_y = np.eye(3)[[2, 0, 1]]
-    # Raising or turning the female is the male moving the other way.
-    modes = -np.stack(
-        [np.broadcast_to(up, lever.shape), np.cross(along_x, lever), np.cross(along_y, lever)], axis=-1
-    )
-    tangent = stiffness(press.front, here, press.sandwich, modes)
+    tangent = press.tangent(pose, here)[np.ix_(free, free)]
     if force is None and frame is not None:
         tangent[0, 0] += frame
-    tangent = tangent[np.ix_(free, free)]
     tangent += 1e-12 * np.trace(tangent) * np.eye(len(tangent)) + 1e-300 * np.eye(len(tangent))
     step = np.zeros(3)
     step[free] = np.linalg.solve(tangent, residual[free])
@@ -109,9 +124,3 @@ def _newton_step(
 def _moved(pose: Pose, step: Array) -> Pose:
     tilt = (pose.tilt[0] + float(step[1]), pose.tilt[1] + float(step[2]))
     return replace(pose, opening=pose.opening + float(step[0]), tilt=tilt)
-
-
-def _scale(press: Press, here: Contact, force: float | None) -> Array:
-    newton = max(here.load, force or 0.0, 1e-12)
-    half = 0.5 * float(np.ptp(press.front.vertices[:, :2], axis=0).max())
-    return np.array([newton, newton * half, newton * half])

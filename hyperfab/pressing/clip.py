@@ -16,11 +16,11 @@ from hyperfab.numerics.kernels import kernel
 # Six points of degree 4 on the triangle: D. A. Dunavant, Int. J. Numer. Meth. Eng. 21 (1985) 1129.
 _A, _B = 0.445948490915965, 0.091576213509771
 _WA, _WB = 0.223381589678011, 0.109951743655322
-_POINTS = np.array(
+POINTS = np.array(
     [[p if corner != k else 1.0 - 2.0 * p for corner in range(3)] for p in (_A, _B) for k in range(3)]
 )
-_WEIGHTS = np.array([_WA] * 3 + [_WB] * 3)
-_WEIGHTS = _WEIGHTS / _WEIGHTS.sum()
+WEIGHTS = np.array([_WA] * 3 + [_WB] * 3)
+WEIGHTS = WEIGHTS / WEIGHTS.sum()
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Quadrature:
         out = np.empty((count, 6, width))
         whole = count - len(self.cut)
         # Whole faces have the same points: one matrix product for all of them.
-        together = _POINTS @ flat[:whole].transpose(1, 0, 2).reshape(3, whole * width)
+        together = POINTS @ flat[:whole].transpose(1, 0, 2).reshape(3, whole * width)
         out[:whole] = together.reshape(6, whole, width).transpose(1, 0, 2)
         out[whole:] = self.cut @ flat[whole:]
         return out.reshape(count, 6, *values.shape[1:])
@@ -51,7 +51,7 @@ class Quadrature:
     def resultant(self, faces: Ints, load: Array, direction: Array, places: Array) -> tuple[Array, Array]:
         """Force (3,) and moment (3,) about the origin of ``load`` (k, 6) at the points, along the ``direction``
         (n, 3) and at the ``places`` (n, 3) given at the vertices and linear between them."""
-        found: tuple[Array, Array] = _resultant(faces, self.face, _POINTS, self.cut, load, direction, places)
+        found: tuple[Array, Array] = _resultant(faces, self.face, POINTS, self.cut, load, direction, places)
         return found
 
     def per_face(self, density: Array, count: int) -> Array:
@@ -116,8 +116,8 @@ def positive_part(level: Array, faces: Ints, areas: Array) -> Quadrature:
     corners = np.concatenate([c for _, c in pieces])
     share = np.ones(len(face))
     share[len(whole) :] = np.abs((corners[:, 0] * np.cross(corners[:, 1], corners[:, 2])).sum(axis=1))
-    area = (areas[face] * share)[:, None] * _WEIGHTS
-    return Quadrature(face, _POINTS @ corners, area)
+    area = (areas[face] * share)[:, None] * WEIGHTS
+    return Quadrature(face, POINTS @ corners, area)
 
 
 def _zero(value_a: Array, value_b: Array, a: Array, b: Array) -> Array:

@@ -153,4 +153,5 @@ def press_again(closed: Closed, sandwich: Sandwich) -> Closed:
 def _pose(case: Case, press: Press) -> Pose:
     opening = 0.0 if case.force is None else press.opening_for(case.force)
     start = replace(press.base, opening=opening)
-    return balance(press, start, case.force, None if case.force else case.frame, case.floating)
+    pose, _ = balance(press, start, case.force, None if case.force else case.frame, case.floating)
+    return pose

@@ -11,32 +11,22 @@ from hyperfab.arrays import Array, Ints
 from hyperfab.pressing.clip import Quadrature, positive_part
 from hyperfab.pressing.gap import Front, Gap
 from hyperfab.pressing.sandwich import Sandwich
+from hyperfab.pressing.sums import Totals
 
 
 @dataclass(frozen=True)
-class Contact:
+class Contact(Totals):
     """What the sandwich does at one position.
 
     ``gap`` (n,) [mm], its ``direction`` (n, 3) and the ``pressure`` (n,) [MPa] at the vertices of the front, from the
-    nearest distance. ``force`` (3,) [N] and ``moment`` (3,) [N mm] about the origin act on the male, ``load`` [N] is
-    the pressure's integral whatever its direction, ``energy`` [N mm] what the sandwich stores. ``pressed`` are the
-    quadrature points of all that, ``face`` (n,) the female's nearest faces.
+    nearest distance. ``pressed`` are the quadrature points of the totals, ``face`` (n,) the female's nearest faces.
     """
 
     gap: Array
     direction: Array
     face: Ints
     pressure: Array
-    force: Array
-    moment: Array
-    load: float
-    energy: float
     pressed: Quadrature
-
-    @property
-    def closing_force(self) -> float:
-        """Force [N] that holds the molds at this position, along the closing axis."""
-        return float(0.0 - self.force[2])
 
     @property
     def pressed_area(self) -> float:

@@ -14,17 +14,20 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.pressing.balance import balance
-from hyperfab.pressing.clip import Quadrature
 from hyperfab.pressing.closing import Closed
-from hyperfab.pressing.contact import Contact
+from hyperfab.pressing.foam_law import FoamLaw
 from hyperfab.pressing.gap import Front, Gap
 from hyperfab.pressing.growth import Growth, ungrown
 from hyperfab.pressing.pose import Pose
 from hyperfab.pressing.press import Press
 from hyperfab.pressing.sandwich import Sandwich
+from hyperfab.pressing.series import knots
+from hyperfab.pressing.sums import Stack, Sums
 
 #: The male's normal meets a wall no flatter than this: what it sees of a change is bounded.
 _STEEP = 0.2
+#: Over the load: what is asked of neighbours is how far apart they are, to a thousandth.
+_BALANCED = 1e-5
 #: Displacements (n, 3) [mm] of cold points (n, 3).
 Displacement = Callable[[Array], Array]
 
@@ -50,50 +53,65 @@ class _Known:
 
 
 @dataclass(frozen=True)
-class Beside(Press):
-    """A press whose gaps are those ``known`` at a pose, but for the moves of its points and ``moved`` (n, 3) [mm] of
-    the female's."""
+class Beside:
+    """A press at ``base`` whose gaps are those ``known`` at a pose, but for the moves of the points of its ``front``
+    and ``moved`` (n, 3) [mm] of the female's; whether it ``turns``."""
 
-    known: _Known | None = None
-    moved: Array | float = 0.0
+    front: Front
+    base: Pose
+    stack: Stack
+    known: _Known
+    moved: Array
+    turns: bool
 
-    def gap(self, pose: Pose) -> Gap:
-        """Return the nearest gap from each vertex of the front to the female at ``pose``."""
-        known = self.known
-        assert known is not None
+    def gap(self, pose: Pose) -> tuple[Array, Array]:
+        """Return the nearest gap (n,) [mm] from each vertex of the front at ``pose``, and its direction (n, 3)."""
+        known, direction = self.known, self.known.gap.direction
         away = pose.into_female(self.front.vertices) - known.at - self.moved
-        direction = known.gap.direction
         nearest = known.gap.nearest + np.einsum("nc,nc->n", away, direction)
-        turned = direction if pose.angle == 0.0 else direction @ pose.rotation.T
-        return replace(known.gap, nearest=nearest, direction=turned)
+        return nearest, direction if pose.angle == 0.0 else direction @ pose.rotation.T
+
+    def at(self, pose: Pose) -> Sums:
+        """Return what the sandwich does with the female at ``pose``."""
+        nearest, direction = self.gap(pose)
+        return self.stack.sums(nearest, self.decides(nearest), direction, pose.arm, self.turns)
+
+    def tangent(self, pose: Pose, here: Sums) -> Array:
+        """Return what has been found with what acts ``here``."""
+        return here.tangent
 
     def decides(self, nearest: Array) -> Array:
         """Return the gap that decides what touches, where the nearest one is ``nearest``."""
-        assert self.known is not None
         return self.known.touch + self.known.rate * (nearest - self.known.gap.nearest)
 
     def touched_at(self) -> float:
         """Return the opening at which the sandwich is first touched, from what is known near it."""
-        nearest = self.gap(self.base).nearest
-        assert self.known is not None
-        direction = self.known.gap.direction
-        opens = -(direction if self.base.angle == 0.0 else direction @ self.base.rotation.T)[:, 2]
+        nearest, direction = self.gap(self.base)
+        opens = -direction[:, 2]
         facing = opens > _STEEP
-        room = np.broadcast_to(np.asarray(self.sandwich.thickness), nearest.shape) - nearest
-        return float((room[facing] / opens[facing]).max())
+        return float(((self.stack.thickness - nearest)[facing] / opens[facing]).max())
 
 
 @dataclass(frozen=True)
 class Found:
-    """What a press beside another one does: its ``press``, ``pose`` and ``contact``, the gap that decides what touches,
-    the touching part, and the ``stroke`` [mm] since the first touch."""
+    """What a press beside another one does.
 
-    press: Beside
-    pose: Pose
-    contact: Contact
+    ``gap``        at the front's vertices (n,) [mm], and the ``touch`` that decides what touches there
+    ``thickness``  of the sandwich there (n,) [mm], and its ``pressure`` (n,) [MPa]
+    ``totals``     of what is pressed and touched
+    ``fraction``   of the molding surface that is touched
+    ``stroke``     since the first touch [mm]
+    ``place``      of the female: its opening [mm] and tilt [rad]
+    """
+
+    gap: Array
     touch: Array
-    part: Quadrature
+    thickness: Array
+    pressure: Array
+    totals: Sums
+    fraction: float
     stroke: float
+    place: Array
 
 
 class Neighbourhood:
@@ -107,6 +125,8 @@ class Neighbourhood:
         modes: tuple[Sequence[Growth], Sequence[Growth]] = ((), ()),
     ) -> None:
         self._closed = closed
+        self._laws: tuple[FoamLaw, FoamLaw | None] | None = None
+        self._knots: Array = np.zeros((5, 2))
         press, pose = closed.press, closed.pose
         first = replace(press.base, opening=closed.first_touch)
         self._known, self._first = _Known.of(press, pose), _Known.of(press, first)
@@ -139,11 +159,13 @@ class Neighbourhood:
         tilt: tuple[float, float],
         offset: Array,
         at: tuple[float, float],
+        begun: Array | None = None,
     ) -> Found:
         """Return what the press does with another ``sandwich`` and other settings.
 
         ``growths`` of male and female are other displacements, or factors on those there are, and ``modes`` so much of
-        each mode (k,) more. Raises NotConverged where the female finds no balance.
+        each mode (k,) more; balance is looked for from ``begun`` (3,) on, as ``Found.place``. Raises NotConverged where
+        the female finds none.
         """
         closed = self._closed
         start = self._start if gap is None else gap - closed.datum.gap
@@ -164,19 +186,38 @@ class Neighbourhood:
         rise = np.array([*(offset - self._offset), start - self._start])
         mount = closed.press.base.pivot[2] + float(rise[2])
         base = Pose(0.0, tilt, (*at, mount))
-        press = Beside(
-            front, closed.press.female, sandwich, base, self._known, female - self._grown[1] + rise
-        )
+        stack = self._stack(front, sandwich)
+        floating = closed.case.floating
+        press = Beside(front, base, stack, self._known, female - self._grown[1] + rise, floating)
         pose = replace(base, opening=closed.pose.opening if force is not None else 0.0)
-        if force is not None or frame is not None or closed.case.floating:
-            begun = replace(base, opening=closed.pose.opening)
-            if closed.case.floating:
-                begun = replace(begun, tilt=closed.pose.tilt)
-            pose = balance(press, pose, force, frame, closed.case.floating, begun)
-        contact = press.at(pose)
-        touch = press.decides(contact.gap)
+        if force is not None or frame is not None or floating:
+            place = (
+                [closed.pose.opening, *(closed.pose.tilt if floating else tilt)] if begun is None else begun
+            )
+            first_guess = replace(base, opening=float(place[0]), tilt=(float(place[1]), float(place[2])))
+            pose, totals = balance(press, pose, force, frame, floating, first_guess, _BALANCED)
+        else:
+            totals = press.at(pose)
+        nearest, _ = press.gap(pose)
+        touch = press.decides(nearest)
         there = replace(press, known=self._first, moved=first - self._grown[2] + rise)
-        return Found(press, pose, contact, touch, press.touching(touch), there.touched_at() - pose.opening)
+        return Found(
+            nearest,
+            touch,
+            stack.thickness,
+            sandwich.pressure(nearest),
+            totals,
+            totals.touched.counted / float(front.areas[~front.flange].sum()),
+            there.touched_at() - pose.opening,
+            np.array([pose.opening, *pose.tilt]),
+        )
+
+    def _stack(self, front: Front, sandwich: Sandwich) -> Stack:
+        laws = sandwich.law, sandwich.fabric_law
+        if self._laws is None or any(one is not two for one, two in zip(self._laws, laws, strict=True)):
+            self._laws, self._knots = laws, np.array(knots(*laws))
+        thick = [np.full(len(front.vertices), part, dtype=float) for part in (sandwich.foam, sandwich.fabric)]
+        return Stack(front, thick[0], thick[1], self._knots)
 
 
 def _moved(front: Front, vertices: Array) -> Front:

@@ -31,6 +31,11 @@ class Pose:
         return float(np.hypot(*self.tilt))
 
     @property
+    def arm(self) -> Array:
+        """Where it turns (3,) [mm]."""
+        return np.array([self.pivot[0], self.pivot[1], self.pivot[2] + self.opening])
+
+    @property
     def rotation(self) -> Array:
         """The rotation matrix (3, 3): the rotation vector (tilt x, tilt y, 0), by Rodrigues' formula."""
         angle = self.angle

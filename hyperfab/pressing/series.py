@@ -38,12 +38,7 @@ class Series:
     @cached_property
     def knots(self) -> tuple[Array, Array, Array, Array, Array]:
         """Pressures (k,) [MPa], strains of both (k,), and the energies of both there (k,) [MPa]."""
-        one, two = _straight(self.first), _straight(self.second)
-        pressure = np.unique(np.concatenate([[0.0], one[1], two[1]]))
-        strains = [np.interp(pressure, law[1], law[0]) for law in (one, two)]
-        middle = 0.5 * (pressure[1:] + pressure[:-1])
-        energies = [np.concatenate([[0.0], np.cumsum(middle * np.diff(e))]) for e in strains]
-        return pressure, strains[0], strains[1], energies[0], energies[1]
+        return knots(self.first, self.second)
 
     def at(self, closing: Array, first: float | Array, second: float | Array) -> Shared:
         """Return how layers ``first`` and ``second`` [mm] thick, (n,) or numbers, share a ``closing`` (..., n) [mm]."""
@@ -106,6 +101,24 @@ class Series:
             stiffness=np.where(closing > 0.0, slope / (first + second * rate * slope), 0.0),
             energy=first * self.first.energy(strain) + second * energy,
         )
+
+
+def knots(first: FoamLaw, second: FoamLaw | None) -> tuple[Array, Array, Array, Array, Array]:
+    """Return pressures (k,) [MPa], the strains of two laws in series there (k,), and the energies of both (k,) [MPa].
+
+    A second law of None is rigid.
+
+    >>> [rows[1].round(6).item() for rows in knots(foam_law.linear(0.02), None)]
+    [0.02, 1.0, 0.0, 0.01, 0.0]
+    """
+    laws = [_straight(first)] + ([] if second is None else [_straight(second)])
+    pressure = np.unique(np.concatenate([[0.0], *(law[1] for law in laws)]))
+    strains = [np.interp(pressure, law[1], law[0]) for law in laws]
+    middle = 0.5 * (pressure[1:] + pressure[:-1])
+    energies = [np.concatenate([[0.0], np.cumsum(middle * np.diff(e))]) for e in strains]
+    if second is None:
+        strains, energies = [*strains, np.zeros(len(pressure))], [*energies, np.zeros(len(pressure))]
+    return pressure, strains[0], strains[1], energies[0], energies[1]
 
 
 @dataclass(frozen=True)

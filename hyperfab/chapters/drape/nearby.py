@@ -12,7 +12,7 @@ from hyperfab.chapters.drape.fabric import read_fabric
 from hyperfab.chapters.drape.model import Model, sheet_of
 from hyperfab.chapters.drape.states import State
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.rerun import Listener, Overlay
+from hyperfab.chapters.rerun import Listener
 from hyperfab.chapters.uncertainty.carry import Answer, Changes, Figures, Slopes
 from hyperfab.chapters.uncertainty.sources import Origins, Setting
 from hyperfab.cloth import Sheet
@@ -77,10 +77,7 @@ class Beside:
         inputs = self._job.inputs
         moved = self._origins.changed(self._model.case, inputs, {k: list(v) for k, v in changes.items()})
         case: DrapeCase = moved.case  # type: ignore[assignment]
-        given = dict(moved.files)
-        if case.material == "-":
-            given.setdefault("-", inputs.read("-"))
-        fabric = read_fabric(Job(self._job.command, (), Listener(), Overlay(given)), case)
+        fabric = read_fabric(Job(self._job.command, (), Listener(), moved.inputs), case)
         return sheet_of(case, replace(self._model.files, fabric=fabric))
 
     def _answer(self, sheet: Sheet, moved: Array) -> Answer:

@@ -13,7 +13,7 @@ from hyperfab.chapters.fabric_contact.fields import sure_fields
 from hyperfab.chapters.fabric_contact.result import row
 from hyperfab.chapters.fabric_contact.setup import Geometry, setup_of
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.rerun import Listener, Overlay
+from hyperfab.chapters.rerun import Listener
 from hyperfab.chapters.uncertainty.carry import FIGURES, Answer, Changes, Figures, Slopes
 from hyperfab.chapters.uncertainty.sources import Origins, Setting, origins
 from hyperfab.errors import NotConverged
@@ -103,10 +103,8 @@ class Beside:
         inputs = self._job.inputs
         moved = self._origins.changed(self._case, inputs, {k: list(v) for k, v in changes.items()})
         case: ContactCase = moved.case  # type: ignore[assignment]
-        name = case.material
-        given = {name: inputs.read(name), **moved.files}
-        quiet = Job(self._job.command, (), Listener(), Overlay(given))
-        fabric = read_fabric(quiet, name, case.temperature)
+        quiet = Job(self._job.command, (), Listener(), moved.inputs)
+        fabric = read_fabric(quiet, case.material, case.temperature)
         setup = setup_of(case, self._geometry, fabric)
         return setup.test(fabric), setup.depth
 

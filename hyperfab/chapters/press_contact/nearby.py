@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import partial
 
 import numpy as np
 
@@ -12,7 +11,7 @@ from hyperfab.cases.press import PressCase
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact.heat import Grown
 from hyperfab.chapters.press_contact.model import Model, joint_of, offset_of, reread, sandwich_of, tilt_of
-from hyperfab.chapters.rerun import Listener, Overlay
+from hyperfab.chapters.rerun import Listener
 from hyperfab.chapters.uncertainty.carry import Answer, Changes
 from hyperfab.chapters.uncertainty.sources import Origins
 from hyperfab.pressing.closing import Closed
@@ -31,8 +30,8 @@ class Beside:
         male, female = model.grown
         modes = [[mode.growth for mode in grown.modes if mode.growth is not None] for grown in model.grown]
         self._near = Neighbourhood(closed, (male.growth, female.growth), (modes[0], modes[1]))
-        self._molding = ~closed.front.flange
-        self._area = vertex_areas(closed.front, self._molding)
+        self._guess = _Guess()
+        self._area = vertex_areas(closed.front, ~closed.front.flange)
 
     def gradient(self) -> None:
         """Nothing: pressures and areas bend, so they are told by differences."""
@@ -42,7 +41,7 @@ class Beside:
         inputs, model = self._job.inputs, self._model
         moved = self._origins.changed(model.case, inputs, {k: list(v) for k, v in changes.items()})
         case: PressCase = moved.case  # type: ignore[assignment]
-        quiet = Job(self._job.command, (), Listener(), Overlay(moved.documents))
+        quiet = Job(self._job.command, (), Listener(), moved.inputs)
         files = reread(quiet, case, model.case, model.files, moved.handed)
         amounts = [
             _amounts(grown, moved.handed.get(heat.name, {}))
@@ -63,6 +62,12 @@ class Beside:
         sandwich, _ = sandwich_of(quiet, case, files, warm)
         joint = joint_of(case, files)
         at = guide_line(self._closed.case.male) if joint is None else joint
+        amount = np.concatenate(
+            [
+                np.asarray(changes.get(k, np.zeros(len(one.numbers))))
+                for k, one in enumerate(self._origins.found)
+            ]
+        )
         found = self._near.close(
             sandwich.of_vertices(self._closed.front.of_mold),
             growths=(male, female),
@@ -73,28 +78,50 @@ class Beside:
             tilt=tilt_of(case, files),
             offset=offset_of(files),
             at=(float(at[0]), float(at[1])),
+            begun=self._guess.at(amount),
         )
-        contact, part, front = found.contact, found.part, found.press.front
-        area = float(part.area.sum())
-        touching = part.per_face(np.ones(part.area.shape), len(front.faces))
-        there = found.press.sandwich.at(partial(part.at_corners, front.faces))
-        borne = float((there.pressure(part.at_corners(front.faces, contact.gap)) * part.area).sum())
-        thickness = np.broadcast_to(np.asarray(found.press.sandwich.thickness), contact.gap.shape)
+        self._guess.add(amount, found.place)
+        touched = found.totals.touched
         return Answer(
             {
-                "contact_fraction": float(touching[self._molding].sum() / front.areas[self._molding].sum()),
-                "contact_area_mm2": area,
-                "force_N": contact.closing_force,
-                "gap_min_mm": float(contact.gap.min()),
-                "gap_mean_mm": float(np.average(contact.gap, weights=self._area)),
-                "gap_max_mm": float(contact.gap[self._area > 0.0].max()),
-                "pressure_max_MPa": float(contact.pressure.max()),
-                "pressure_mean_MPa": borne / area if area > 0.0 else 0.0,
+                "contact_fraction": found.fraction,
+                "contact_area_mm2": touched.area,
+                "force_N": found.totals.closing_force,
+                "gap_min_mm": float(found.gap.min()),
+                "gap_mean_mm": float(np.average(found.gap, weights=self._area)),
+                "gap_max_mm": float(found.gap[self._area > 0.0].max()),
+                "pressure_max_MPa": float(found.pressure.max()),
+                "pressure_mean_MPa": touched.load / touched.area if touched.area > 0.0 else 0.0,
                 "stroke_mm": found.stroke,
-                "energy_J": 1e-3 * contact.energy,
+                "energy_J": 1e-3 * found.totals.energy,
             },
-            {"gap_mm": contact.gap, "pressure_MPa": contact.pressure, ROOM: thickness - found.touch},
+            {"gap_mm": found.gap, "pressure_MPa": found.pressure, ROOM: found.thickness - found.touch},
         )
+
+
+class _Guess:
+    """Where a female is to be looked for: as those that have been found lie, straight with what was changed."""
+
+    def __init__(self) -> None:
+        self._rows: list[Array] = []
+        self._places: list[Array] = []
+        self._line: Array | None = None
+
+    def at(self, amount: Array) -> Array | None:
+        """Return the place (3,) for numbers changed by an ``amount`` (k,), None while too few are known."""
+        return None if self._line is None else np.append(1.0, amount) @ self._line
+
+    def add(self, amount: Array, place: Array) -> None:
+        """Take one in that has been found."""
+        if self._line is None:
+            self._rows.append(np.append(1.0, amount))
+            self._places.append(place)
+            if len(self._rows) > 2 * len(self._rows[0]):
+                rows = np.array(self._rows)
+                scale = np.maximum(np.abs(rows).max(axis=0), 1e-300)
+                self._line = (
+                    np.linalg.lstsq(rows / scale, np.array(self._places), rcond=None)[0] / scale[:, None]
+                )
 
 
 #: By how much the sandwich is thicker than the gap it stands in [mm]: it touches where that is above 0.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import json
 import math
 import os
 import re
@@ -17,13 +16,11 @@ from pydantic import BaseModel
 from hyperfab.cases.case import Case
 from hyperfab.cases.place import get, put
 from hyperfab.cases.tolerances import tolerances
-from hyperfab.chapters.uncertainty.fields import moved_fields
+from hyperfab.chapters.uncertainty.changed import Changed, Kept
 from hyperfab.documents.base import Document, parse_document
 from hyperfab.documents.material import AtTemperature, Direction, FitUncertainty, MaterialDocument
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.inputs import Inputs
-from hyperfab.io.json_io import load_json
-from hyperfab.io.toml_io import dump_toml, load_toml
 from hyperfab.io.units import Toleranced, tolerance
 from hyperfab.materials.law import scaled
 from hyperfab.numerics.propagation import Source
@@ -51,44 +48,6 @@ class Number(Protocol):
     def move(self, inputs: Changed, change: float) -> None:
         """Change it."""
         ...
-
-
-class Changed:
-    """A case and its files, with other numbers in them. ``texts`` keeps the plain data of files once they are read."""
-
-    def __init__(self, case: Case, inputs: Inputs, texts: dict[str, str]) -> None:
-        self.case = case
-        self._inputs, self._texts = inputs, texts
-        self._documents: dict[str, Any] = {}
-        #: Of documents that hand fields on: by how much each number changes, by its place among theirs.
-        self.handed: dict[str, dict[int, float]] = {}
-        #: Other files that are not as they lie on disk, by name.
-        self.written: dict[str, bytes] = {}
-
-    def document(self, name: str) -> Any:
-        """Return the plain data of a file, to be changed."""
-        if name not in self._documents:
-            if name not in self._texts:
-                self._texts[name] = json.dumps(plain_document(self._inputs, name))
-            self._documents[name] = json.loads(self._texts[name])
-        return self._documents[name]
-
-    @property
-    def documents(self) -> dict[str, bytes]:
-        """The documents and tables that are not as they lie on disk, by name."""
-        return (
-            dict(self._inputs.given)
-            | {
-                name: dump_toml(data) if name.endswith(".toml") else json.dumps(data).encode()
-                for name, data in self._documents.items()
-            }
-            | self.written
-        )
-
-    @property
-    def files(self) -> dict[str, bytes]:
-        """The files that are not as they lie on disk, by name: those, and fields that documents hand on."""
-        return self.documents | moved_fields(self._inputs, self.handed)
 
 
 @dataclass(frozen=True)
@@ -207,7 +166,7 @@ class Origins:
 
     found: list[Origin] = field(default_factory=list)
     left_out: list[str] = field(default_factory=list)
-    _texts: dict[str, str] = field(default_factory=dict, repr=False)
+    _kept: Kept = field(default_factory=Kept, repr=False)
 
     @property
     def sources(self) -> list[Source]:
@@ -221,7 +180,7 @@ class Origins:
 
     def changed(self, case: Case, inputs: Inputs, changes: Mapping[int, Sequence[float]]) -> Changed:
         """Return the inputs with the numbers of some sources changed: ``changes`` by the source's number."""
-        moved = Changed(case, inputs, self._texts)
+        moved = Changed(case, inputs, self._kept)
         for index, values in changes.items():
             for number, change in zip(self.found[index].numbers, values, strict=True):
                 number.move(moved, float(change))
@@ -320,15 +279,9 @@ def origins(
     return found
 
 
-def plain_document(inputs: Inputs, name: str) -> Any:
-    """Return the plain data of a JSON or TOML file."""
-    data = inputs.read(name)
-    return load_toml(data, name) if name.endswith(".toml") else load_json(data, name)
-
-
 def read_as(inputs: Inputs, name: str, cls: type[Document]) -> tuple[Any, Any]:
     """Return the document of a file, and its plain data."""
-    plain = plain_document(inputs, name)
+    plain = inputs.plain(name)
     return parse_document(copy.deepcopy(plain), name, cls), plain
 
 
