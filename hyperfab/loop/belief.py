@@ -1,8 +1,8 @@
 """How sure the names are: the probability of each entry, and of something else, from what each model leaves.
 
-A right name has a law that is nearly right: what it leaves of the misfit has a standard deviation of its own, half of
-what the loop lets pass as explained. Something else leaves anything up to all. Beforehand nothing is as likely as not,
-every entry and something else are alike, and so is each further name beside the first.
+A model with the right names still misses the truth by a smooth discrepancy, whose scale is not known: about a share of
+the misfit that there was, beside what is too small to matter. Given an inverse-gamma distribution of that scale the
+marginal likelihood of what is left is Student's. Kennedy & O'Hagan (2001), doi:10.1111/1467-9868.00294.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 
 from hyperfab.loop.candidate import Candidate
 from hyperfab.loop.judge import structured
-from hyperfab.loop.thresholds import ENOUGH, EXPLAINED, SMALL
+from hyperfab.loop.thresholds import ELSEWHERE, ENOUGH, EXPLAINED, LAW, MARGIN, SMALL, VALUES
 
 
 @dataclass(frozen=True)
@@ -41,25 +41,40 @@ def explains(base: Candidate, state: Candidate) -> bool:
     return left.is_small or left.structured <= allowed(base.judgement.structured)
 
 
+def surprise(base: Candidate, state: Candidate) -> float:
+    """Return minus the logarithm of what the data and what is known beforehand say for a model with some names.
+
+    ``base`` is the model without any. What is left counts by Student's distribution, whatever number of constants the
+    law has; each name after the first counts for odds of fifty to one.
+    """
+    scale = _scale(structured(base.fit, base.problem))
+    return _student(structured(state.fit, state.problem), scale) + 0.5 * MARGIN * (len(state.ids) - 1)
+
+
 def belief(base: Candidate, models: Iterable[Candidate], entries: int) -> Belief:
-    """Return how sure each entry is, given all ``models`` that were fitted; ``entries`` is how many could be it."""
+    """Return how sure each entry is, given all ``models`` that were fitted.
+
+    Beforehand nothing is as likely as any of the ``entries`` or something else, and these are alike.
+    """
     before = structured(base.fit, base.problem)
     least: dict[frozenset[str], float] = {}
     for model in models:
         if model.ids and np.isfinite(model.fit.chi2):
-            left = structured(model.fit, model.problem)
-            least[frozenset(model.ids)] = min(left, least.get(frozenset(model.ids), np.inf))
-    each = 1.0 / (entries + 2.0)
-    # One standard deviation is half of what passes: as `explains` has it, two are the most.
-    sd = max(0.5 * max(allowed(before), SMALL), 1e-9)
-    weights = {ids: each ** len(ids) * _half_normal(left, sd) for ids, left in least.items()}
-    nothing = 0.5 * _half_normal(before, 0.5 * SMALL)
-    other = each / max(before, SMALL)
+            ids = frozenset(model.ids)
+            least[ids] = min(surprise(base, model), least.get(ids, np.inf))
+    weights = {ids: float(np.exp(-one)) for ids, one in least.items()}
+    nothing = (entries + 1.0) * float(np.exp(-_student(before, SMALL)))
+    other = float(np.exp(-_student(ELSEWHERE * before, _scale(before))))
     total = sum(weights.values()) + nothing + other
     names = sorted({name for ids in weights for name in ids})
     of = {name: sum(weight for ids, weight in weights.items() if name in ids) / total for name in names}
     return Belief(of, nothing / total, other / total)
 
 
-def _half_normal(left: float, sd: float) -> float:
-    return float(np.sqrt(2.0 / np.pi) / sd * np.exp(-0.5 * (left / sd) ** 2))
+def _scale(before: float) -> float:
+    """Return how much a right law leaves: half of what is too small to matter, and a share of what there was."""
+    return float(np.hypot(0.5 * SMALL, LAW * before))
+
+
+def _student(left: float, scale: float) -> float:
+    return float(0.5 * VALUES * np.log1p((left / scale) ** 2))

@@ -11,7 +11,7 @@ from hyperfab.loop.judge import Judgement, judge
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.score import Signature, signatures
-from hyperfab.loop.thresholds import FIRST_SHARE, HELPED, HELPED_OF_THREE, MARGIN, NEXT_SHARE, TAKEN
+from hyperfab.loop.thresholds import HELPED, MARGIN, SHARE, TAKEN
 
 
 @dataclass
@@ -74,15 +74,13 @@ class Evidence:
     certain: bool
     restores: bool = False
 
-    def accepted(self, first: bool) -> bool:
+    def accepted(self) -> bool:
         """Whether the term pays, and helps most of the tests that can tell."""
         if self.help is None or self.restores:
-            return self.pays(first)
-        many = HELPED if self.help.tests > 3 else HELPED_OF_THREE
-        return self.pays(first) and self.help.helped >= many
+            return self.pays()
+        return self.pays() and self.help.helped >= HELPED
 
-    def pays(self, first: bool) -> bool:
+    def pays(self) -> bool:
         """Whether the term is worth its constants: in likelihood, in size, and on tests left out."""
-        needed = FIRST_SHARE if first else NEXT_SHARE
-        pays = self.delta_bic >= MARGIN and self.variance_share >= needed and self.certain
+        pays = self.delta_bic >= MARGIN and self.variance_share >= SHARE and self.certain
         return pays and (self.help is None or self.restores or self.help.taken >= TAKEN)

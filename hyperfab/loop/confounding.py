@@ -18,10 +18,10 @@ from hyperfab.loop.score import orthonormal, projected
 from hyperfab.loop.search import Search
 from hyperfab.loop.thresholds import (
     ALIKE,
+    EXPLAINED,
     FEWEST_CONSTANTS,
     IMPOSSIBLE,
     MARGIN,
-    SHARE_WHERE_STRAINED,
     STRAINED,
 )
 
@@ -121,7 +121,7 @@ def indistinguishable(problem: Problem, found: Sequence[Rival], best: Candidate)
     """Return, for each found effect, the set of it and the rivals the data cannot tell from it."""
     sets = []
     strained = is_strained(problem, best.fit)
-    most = SHARE_WHERE_STRAINED if strained else 1.0
+    most = EXPLAINED if strained else 1.0
     for name in best.ids:
         effect = problem.effect(name)
         # Of the sets the plan cannot tell apart, those that are in the model already are no alternatives.

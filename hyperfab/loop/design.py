@@ -12,7 +12,7 @@ from hyperfab.arrays import Array
 from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Extra, Problem
-from hyperfab.loop.thresholds import DECISIVE
+from hyperfab.loop.thresholds import CLEARLY
 
 _MOST_RIVALS = 3
 
@@ -31,7 +31,7 @@ class NextMeasurement:
     @property
     def decisive(self) -> bool:
         """Whether it would settle the matter against the present noise."""
-        return self.misfit >= DECISIVE
+        return self.misfit >= CLEARLY
 
 
 def next_measurement(problem: Problem, noise: Noise, fits: Sequence[Fit]) -> list[NextMeasurement]:

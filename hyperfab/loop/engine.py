@@ -14,7 +14,7 @@ from hyperfab.loop.candidate import Candidate, Evidence
 from hyperfab.loop.confounding import Rival, indistinguishable, rivals
 from hyperfab.loop.dependence import dependence, suggestion
 from hyperfab.loop.design import NextMeasurement, next_measurement
-from hyperfab.loop.fewest import fewest, or_these
+from hyperfab.loop.fewest import fewest, nearly_as_likely, or_these
 from hyperfab.loop.fitting import Fit, fit, least_misfits
 from hyperfab.loop.judge import common_bic
 from hyperfab.loop.noise import Noise, estimate_noise
@@ -110,7 +110,7 @@ def close(
         return finding("noise", before, {}, {})
     best, tried = _grow(search, before)
     best = _pruned(search, best)
-    best, as_good = fewest(search, before, best, tried)
+    best = fewest(search, before, best, tried)
     helpful = _no_worse(search, before, best, apart)
     worse = tuple(name for name in best.ids if name not in helpful.ids)
     best = helpful
@@ -129,6 +129,7 @@ def close(
     found = replace(found, doubted=doubted, worse=worse)
     tick("rivals")
     others = rivals(search, best)
+    as_good = nearly_as_likely(search, before, best)
     sets = or_these(indistinguishable(problem, others, best), best, as_good)
     verdict = "ambiguous" if sets and found.verdict == "effect" else found.verdict
     measurements: list[NextMeasurement] = []
@@ -166,7 +167,7 @@ def _grow(search: Search, base: Candidate) -> tuple[Candidate, dict[str, Evidenc
                     tried[larger.ids[-1]] = evidence
                 ids = frozenset(larger.ids)
                 (grown if evidence.delta_bic >= MARGIN else idle).setdefault(ids, larger)
-                if evidence.accepted(first=depth == 0) and _worth_a_name(base, state, larger, evidence):
+                if evidence.accepted() and _worth_a_name(base, state, larger, evidence):
                     accepted.add(ids)
         if not grown and depth == 0 and search.problem.hiding:
             grown = idle
@@ -270,7 +271,7 @@ def _pruned(search: Search, best: Candidate) -> Candidate:
     while best.ids:
         worth = {name: search.without(best, name) for name in best.ids}
         evidence = {name: search.evidence(smaller, best) for name, smaller in worth.items()}
-        weak = [name for name in best.ids if not evidence[name].pays(first=len(best.ids) == 1)]
+        weak = [name for name in best.ids if not evidence[name].pays()]
         if not weak:
             break
         best = worth[min(weak, key=lambda name: evidence[name].delta_bic)]

@@ -4,52 +4,77 @@ from __future__ import annotations
 
 from itertools import combinations
 
-from hyperfab.loop.belief import explains
+import numpy as np
+
+from hyperfab.loop.belief import explains, surprise
 from hyperfab.loop.candidate import Candidate, Evidence
-from hyperfab.loop.judge import common_bic
 from hyperfab.loop.search import Search
-from hyperfab.loop.thresholds import MARGIN
+from hyperfab.loop.thresholds import ODDS
 
+#: Names beside which the plain law is made richer.
+_LIKELY = 2
 #: First terms of which a smooth law is tried.
-_LIKELY = 3
+_FIRST = 4
 
 
-def fewest(
-    search: Search, before: Candidate, best: Candidate, tried: dict[str, Evidence]
-) -> tuple[Candidate, list[Candidate]]:
-    """Return the model with the fewest names that leaves noise, of richer forms or free ones, and those as good.
+def fewest(search: Search, before: Candidate, best: Candidate, tried: dict[str, Evidence]) -> Candidate:
+    """Return the likeliest model that leaves noise, of richer forms or free ones.
 
     A further name may only make up for a formula that is not quite the fabric's, and where no name could be found none
     may have had the right one. The name is what a smooth law of it explains; each further one has to pay.
     """
     explained = best is not before and explains(before, best)
     if explained and len(best.ids) == 1:
-        return best, []
+        return best
     whole = best if best is before or explained else search.enriched(best)
-    if not any(form.free for effect in search.problem.effects for form in effect.forms):
-        return whole, []
-    explained = whole is not before and explains(before, whole)
-    likely = sorted(tried, key=lambda name: -tried[name].delta_bic)[:_LIKELY]
-    names = tuple(dict.fromkeys([*best.ids, *likely, search.problem.plain]))
-    found: dict[frozenset[str], Candidate] = {frozenset(whole.ids): whole} if explained else {}
-    for ids in (*combinations(names, 1), *combinations(names, 2)):
-        if len(ids) > 1 and any(len(one) == 1 for one in found):
-            break
-        if len(ids) == 1 or search.problem.plain in ids or set(ids) <= set(best.ids):
-            state = search.freed(before, ids)
-            if state is None or not explains(before, state) or not _all_pay(search, state):
-                continue
-            other = found.get(frozenset(ids), state)
-            found[frozenset(ids)] = state if search.lowest([state.fit, other.fit]) is state.fit else other
+    if not _is_free(search):
+        return whole
+    plain = search.problem.plain
+    first = sorted(tried, key=lambda name: -tried[name].delta_bic)[:_FIRST]
+    names = dict.fromkeys([*best.ids, *first, plain])
+    found = {frozenset(whole.ids): whole} if whole is not before and explains(before, whole) else {}
+    alone: dict[str, float] = {}
+
+    def ask(*ids: str) -> None:
+        state = search.freed(before, ids)
+        if state is None:
+            return
+        if len(ids) == 1:
+            alone[ids[0]] = surprise(before, state)
+        if explains(before, state) and _all_pay(search, state):
+            found[frozenset(ids)] = min(
+                state, found.get(frozenset(ids), state), key=lambda one: surprise(before, one)
+            )
+
+    for name in names:
+        ask(name)
+    likely = sorted(alone, key=lambda name: alone[name])[:_LIKELY]
+    for name in likely:
+        if name != plain and plain in names:
+            ask(name, plain)
+    if not any(len(ids - {plain}) < 2 for ids in found):
+        for ids in combinations([name for name in best.ids if name != plain], 2):
+            ask(*ids)
     if not found:
-        return whole, []
-    bic = common_bic([state.fit for state in found.values()], search.problem)
-    cost = {ids: bic[state.ids] + MARGIN * len(ids) for ids, state in found.items()}
-    # What explains already loses names; it does not change them.
-    own = {*whole.ids, search.problem.plain} if explained else set(names)
-    chosen = min((ids for ids in found if ids <= own), key=lambda ids: cost[ids])
-    as_good = [found[ids] for ids in found if ids != chosen and cost[ids] < cost[chosen] + MARGIN]
-    return found[chosen], as_good
+        return whole
+    return min(found.values(), key=lambda state: surprise(before, state))
+
+
+def nearly_as_likely(search: Search, before: Candidate, best: Candidate) -> list[Candidate]:
+    """Return the models of other names that leave noise too and are not much less likely than the ``best``."""
+    if not _is_free(search):
+        return []
+    most = surprise(before, best) + np.log(ODDS)
+    near = [
+        state
+        for state in search.states
+        if state.ids and frozenset(state.ids) != frozenset(best.ids) and surprise(before, state) < most
+    ]
+    return [state for state in near if explains(before, state)]
+
+
+def _is_free(search: Search) -> bool:
+    return any(form.free for effect in search.problem.effects for form in effect.forms)
 
 
 def or_these(sets: list[list[str]], best: Candidate, as_good: list[Candidate]) -> list[list[str]]:
@@ -66,5 +91,4 @@ def or_these(sets: list[list[str]], best: Candidate, as_good: list[Candidate]) -
 
 def _all_pay(search: Search, state: Candidate) -> bool:
     """Whether each term of a model helps, most tests left out too."""
-    first = len(state.ids) == 1
-    return all(search.evidence(search.without(state, name), state).accepted(first) for name in state.ids)
+    return all(search.evidence(search.without(state, name), state).accepted() for name in state.ids)

@@ -12,7 +12,7 @@ from hyperfab.arrays import Array
 from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Curve, Problem
-from hyperfab.loop.thresholds import DETERMINED, SEEN, TEST_NOISE, TOLD
+from hyperfab.loop.thresholds import BEYOND, DETERMINED, SEEN, TEST_NOISE
 
 Rows = slice | NDArray[np.int64]
 
@@ -132,7 +132,7 @@ def help_of(before: HeldOut, after: HeldOut, gone: Array) -> Help | None:
     matters = np.abs(old - new) > 0.02 * np.maximum(old, 1.0)
     # Two predictions that lie nearer to each other than readings can tell are neither better nor worse.
     moved = [float(np.sum((before.residual[rows] - after.residual[rows]) ** 2)) for rows in before.rows(both)]
-    matters &= np.array(moved) > TOLD
+    matters &= np.array(moved) > BEYOND
     # What was noise and stays so moves by chance alone: the less it moves beside the others, the less it says.
     change = np.abs(old**2 - new**2)
     voice = np.minimum(change / max(float(np.mean(change)), 1e-300), 1.0)

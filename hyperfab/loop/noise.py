@@ -16,10 +16,10 @@ from hyperfab.loop.thresholds import (
     ASSUMED,
     BEYOND,
     BY_CHANCE,
-    EARNS,
     FEW,
     FEWEST_READ,
     FEWEST_TOGETHER,
+    MARGIN,
 )
 
 #: Of a normal distribution: standard deviation over median absolute deviation.
@@ -243,7 +243,7 @@ def _from_differences(y: Array, curves: Sequence[Curve], rows: Array) -> tuple[A
             # Winsorised: a corner the pieces do not know of must not speak for a louder noise.
             misfit = 2.0 * float(np.sum(np.log(spread * shape)))
             misfit += float(np.sum(np.minimum(scaled / spread, 3.0) ** 2))
-            misfit += EARNS * ((ratio > 0.0) + (0 if each is alike else len(parts) - 1))
+            misfit += MARGIN * ((ratio > 0.0) + (0 if each is alike else len(parts) - 1))
             tried.append((misfit, a, a * ratio / size, each))
     # Of what the data hardly tell apart, the least in proportion: rows near zero must not pass for surer than they are.
     least = min(misfit for misfit, *_ in tried)

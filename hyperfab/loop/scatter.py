@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 from hyperfab.arrays import Array
 from hyperfab.loop.noise import MAD, third_differences
 from hyperfab.loop.problem import Curve
-from hyperfab.loop.thresholds import ASSUMED, EARNS, FEWEST_TOGETHER
+from hyperfab.loop.thresholds import ASSUMED, FEWEST_TOGETHER, MARGIN
 
 #: Neighbours a plane is laid through.
 _NEIGHBOURS = 9
@@ -66,7 +66,7 @@ def proportional(guesses: Sequence[Guess], top: float) -> float:
         return 0.0
     misfits = []
     for ratio in _RATIOS:
-        misfit = EARNS * (ratio > 0.0)
+        misfit = MARGIN * (ratio > 0.0)
         for found, level in known:
             shape = np.hypot(1.0, ratio * level / top)
             size = max(_size(found / shape), 1e-9 * top)

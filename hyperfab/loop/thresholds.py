@@ -23,8 +23,6 @@ FEWEST_READ = 12
 ASSUMED = 0.02
 #: Noise a fabric's test has at least, as a share of its peak: half a class of a testing machine (ISO 7500-1, class 1).
 MACHINE = 0.005
-#: A constant of the noise more has to lower minus twice the logarithm of the likelihood of the differences by this.
-EARNS = 6.0
 #: Chance of telling levels of noise apart that are alike.
 BY_CHANCE = 1e-4
 
@@ -32,7 +30,7 @@ BY_CHANCE = 1e-4
 
 #: A scatter seen in one pair may be greater by this many times itself (by fewer with more pairs), as Student's
 #: distribution has it for so few degrees of freedom. Only what readings cannot explain to two of their standard
-#: deviations counts.
+#: deviations counts, of replicates and of two predictions of a test.
 FEW, BEYOND = 1.5, 4.0
 #: Scatters are tried up to this many times that: a single specimen that carries a term is the farthest out of all.
 MOST_SCATTER = 2.0
@@ -40,26 +38,34 @@ MOST_SCATTER = 2.0
 ONE_CLOTH = 0.05
 #: Replicates turn at places that differ by less than this share of the strain: specimens slip and stretch a little.
 SAME_WAY = 0.2
-#: Lower by this, chi-squared says that replicates differ by an offset or by slack rather than in stiffness.
+#: Lower by this, chi-squared says that replicates differ by an offset or by slack rather than in stiffness, and that a
+#: next measurement tells rivals, refitted, from each other: five standard deviations.
 CLEARLY = 25.0
 
 # ---- when a term is named ----------------------------------------------------------------------------------
 
 #: A term must lower BIC by this much; minus twice the logarithm of the likelihood as well, though specimens may
-#: scatter as they like.
+#: scatter as they like. So must a constant of the noise more.
 MARGIN = 8.0
-#: Shares of the structured variance a first and a further term must take.
-FIRST_SHARE, NEXT_SHARE = 0.01, 0.05
-#: Shares of the structured held-out error and of the tests; of three tests, two are enough.
-TAKEN, HELPED, HELPED_OF_THREE = 0.2, 0.7, 0.6
+#: Share of the structured variance that a term must take.
+SHARE = 0.05
+#: Shares of the structured held-out error and of the tests: two of three.
+TAKEN, HELPED = 0.2, 0.65
 #: A test is counted only where the others determine its prediction to this many standard deviations of the noise (rms).
 DETERMINED = 1.0
 #: A test is noise up to this (rms).
 TEST_NOISE = 1.5
 #: Share of what a term explains that has to be in tests the others predict, for these to be asked.
 SEEN = 0.5
-#: Square of the distance of two predictions of a test that its readings can tell: two standard deviations.
-TOLD = 4.0
+
+# ---- how sure a name is (found on drawn fabrics whose own formula was taken out of the catalogue) ----------------
+
+#: Share of the misfit that a right name's law may leave, and how many values of it count: neighbours miss alike.
+LAW, VALUES = 0.15, 8.0
+#: What something else leaves of it, where no name does better.
+ELSEWHERE = 0.4
+#: Another name is told beside the likeliest where that is no more than so many times as likely.
+ODDS = 3.0
 
 # ---- who could stand in its place --------------------------------------------------------------------------
 
@@ -69,12 +75,10 @@ FEWEST_CONSTANTS = 2
 #: would have to have nearly all. A little of a large effect has not all in common with it either: that is the measure.
 ALIKE = 0.2
 #: Where the model's own constants are this unlikely to be so far from what is known of them, a rival passes that
-#: reproduces this share: the found law is then not sure to be the whole truth.
-STRAINED, SHARE_WHERE_STRAINED = 1e-3, 0.95
+#: explains as much as is enough: the found law is then not sure to be the whole truth.
+STRAINED = 1e-3
 #: Where much is known of the own constants a rival is none that needs them this unlikely far off, the found law not.
 IMPOSSIBLE = 1e-6
-#: A next measurement decides where rivals, refitted, still miss each other's prediction by this (chi-squared).
-DECISIVE = 20.0
 
 # ---- what is known of the model's own constants ------------------------------------------------------------
 

@@ -3,9 +3,9 @@ prints the table.
 
 Run as ``PYTHONPATH=.:tests python -m loop.blind fabric [trials] [effect or effect+effect ...]``; deterministic for
 given arguments. ``--poor`` takes one rate, one cycle, one direction, ``--other`` the second set of generators, whose
-laws and protocols are others, ``--third`` the third, to which nothing is tuned and whose plain law is no model's.
-``--next`` carries out the measurement that an ambiguous finding asks for, and beside it
-the old test once more.
+laws and protocols are others, ``--third`` and ``--fourth`` sets to which nothing is tuned and whose plain laws are no
+model's. ``--next`` carries out the measurement that an ambiguous finding asks for, and beside it the old test once
+more.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 from loop.generators import fabric as truths
-from loop.generators import other_fabric, smooth_fabric, third_energy, third_fabric
+from loop.generators import fourth_fabric, other_fabric, smooth_fabric, third_energy, third_fabric
 
 from hyperfab.curve import TestCurve
 from hyperfab.loop.engine import Finding, close
@@ -27,8 +27,10 @@ from hyperfab.loop.fabric import FabricProblem, fabric_problem
 from hyperfab.materials.registry import law
 
 #: A fabric of any set, and what draws and measures those of another set than the first.
-AnyTruth = truths.Truth | other_fabric.Truth | third_energy.Truth | smooth_fabric.Truth
-SETS: Mapping[str, Any] = {"other": other_fabric, "third": third_fabric, "smooth": smooth_fabric}
+AnyTruth = truths.Truth | other_fabric.Truth | third_energy.Truth | smooth_fabric.Truth | fourth_fabric.Truth
+SETS: Mapping[str, Any] = {
+    "other": other_fabric, "third": third_fabric, "smooth": smooth_fabric, "fourth": fourth_fabric,
+}  # fmt: skip
 
 #: Pairs for the trials with two effects.
 PAIRS = (
@@ -203,7 +205,7 @@ def table(
             named = found.verdict in ("effect", "ambiguous")
             tally["#named alone"] += found.verdict == "effect" and set(found.after.ids) == set(truth)
             # Where the plain law is no model's, elastic-law beside the truth is right too.
-            beside = {"elastic-law"} if which in ("third", "smooth") else set()
+            beside = {"elastic-law"} if which in ("third", "smooth", "fourth") else set()
             extra = set(found.after.ids) - set(truth)
             tally["#named, with the plain law"] += (
                 found.verdict == "effect" and set(truth) <= set(found.after.ids) and extra <= beside

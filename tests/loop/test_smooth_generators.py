@@ -1,20 +1,25 @@
-"""The set of random smooth effects is what it says: finite, repeatable, and of a size that can be seen."""
+"""The set of random smooth effects and the fourth are what they say: finite, repeatable, of a size that can be seen."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from loop.blind import SETS, case
-from loop.generators import smooth_fabric as fabrics
+from loop.generators import fourth_fabric, smooth_fabric
 
-CASES = [(effect, kind) for effect, count in fabrics.KINDS.items() for kind in range(count)]
-CASES += [(effect, 0) for effect in fabrics.OUTSIDE]
+CASES = [
+    (fabrics, effect, kind)
+    for fabrics in (smooth_fabric, fourth_fabric)
+    for effect, count in {**fabrics.KINDS, **dict.fromkeys(fabrics.OUTSIDE, 1)}.items()
+    for kind in range(count)
+]
 
 
-@pytest.mark.parametrize(("effect", "kind"), CASES)
-def test_every_kind_is_finite_repeatable_and_seen(effect: str, kind: int) -> None:
+@pytest.mark.parametrize(("fabrics", "effect", "kind"), CASES)
+def test_every_kind_is_finite_repeatable_and_seen(fabrics: Any, effect: str, kind: int) -> None:
     truth = fabrics.draw(np.random.default_rng([kind, len(effect)]), [effect], kind)
     setups = [replace(one, points=20) for one in fabrics.protocol(np.random.default_rng(2))]
     reads, again, plain = (
@@ -29,7 +34,7 @@ def test_every_kind_is_finite_repeatable_and_seen(effect: str, kind: int) -> Non
 
 @pytest.mark.parametrize("seed", range(20))
 def test_a_drawn_curve_rises_from_nothing_to_one(seed: int) -> None:
-    curve = fabrics.rising(np.random.default_rng(seed))
+    curve = smooth_fabric.rising(np.random.default_rng(seed))
     assert curve(np.array([0.0, 1.0])) == pytest.approx([0.0, 1.0])
     assert (np.diff(curve(np.linspace(0.0, 2.0, 50))) > 0.0).all()
 

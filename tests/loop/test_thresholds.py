@@ -20,7 +20,18 @@ from hyperfab.chapters.close_loop import readings
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
-from hyperfab.loop import confounding, engine, fabric_tests, heldout, judge, replicates, scatter, thresholds
+from hyperfab.loop import (
+    confounding,
+    engine,
+    fabric_tests,
+    fewest,
+    heldout,
+    judge,
+    replicates,
+    scatter,
+    thresholds,
+)
+from hyperfab.loop.belief import belief
 from hyperfab.loop.candidate import Evidence
 from hyperfab.loop.design import NextMeasurement
 from hyperfab.loop.heldout import HeldOut, Help, help_of
@@ -248,42 +259,82 @@ def wrong(times: float) -> bool:
     return Search(problem, WHITE).base().under is not None
 
 
+def leaving(names: tuple[str, ...], left: float) -> Any:
+    """A model with some names that leaves so much, in standard deviations of the noise, of a thousand readings."""
+    problem = SimpleNamespace(
+        curves=(Curve("t", 0, 1000, np.arange(1000.0)),),
+        channel=np.zeros(1000, dtype=np.int64),
+        effects=(SimpleNamespace(forms=(SimpleNamespace(free=True),)),),
+    )
+    chi2 = (1.0 + left**2) * 1000.0
+    found = SimpleNamespace(residual=np.full(1000, np.sqrt(chi2 / 1000.0)), x=np.empty(0), chi2=chi2)
+    return SimpleNamespace(ids=names, problem=problem, fit=found, judgement=judged(min(left, 0.4)))
+
+
+def as_likely(left: float) -> bool:
+    """Whether a name that leaves so much of ten standard deviations is told beside one that leaves nothing."""
+    base, one, other = leaving((), 10.0), leaving(("rate",), 0.0), leaving(("mullins",), left)
+    search = SimpleNamespace(problem=base.problem, states=[base, one, other])
+    return bool(fewest.nearly_as_likely(search, base, one))  # type: ignore[arg-type]
+
+
+def something_else(left: float) -> float:
+    return belief(leaving((), 10.0), [leaving(("rate",), left)], 8).something_else
+
+
 #: What is said below a number and above it; the cases lie within a factor of two of it on either side.
 CASES: dict[str, tuple[Callable[[pytest.MonkeyPatch], Any], Any]] = {
     "ALPHA": (lambda _: [judged(9.0, p).is_noise for p in (0.0035, 0.007)], [False, True]),
     "SMALL": (lambda _: [judged(left).is_small for left in (0.3, 0.6)], [True, False]),
-    "EXPLAINED": (lambda _: [explained(2.6, left) for left in (0.5, 0.64)], [True, False]),
+    "EXPLAINED": (
+        lambda _: [
+            [explained(2.6, left) for left in (0.5, 0.64)],
+            [stands_in(share) for share in (0.93, 0.97)],
+        ],
+        [[True, False], [False, True]],
+    ),
     "ENOUGH": (lambda _: [explained(100.0, left) for left in (0.5, 0.9)], [True, False]),
     "FEWEST_TOGETHER": (lambda _: [judged_alone(rows) for rows in (6, 12)], [False, True]),
     "FEWEST_READ": (lambda _: [read(rows) for rows in (9, 18)], [False, True]),
     "ASSUMED": (lambda _: sd_of(4) == pytest.approx(0.02), True),
     "MACHINE": (lambda _: sd_of(60) == pytest.approx(0.005), True),
-    "EARNS": (lambda _: [in_proportion(gain) for gain in (4.5, 8.0)], [False, True]),
     "BY_CHANCE": (lambda _: [alike(p) for p in (0.7e-4, 1.4e-4)], [False, True]),
     "FEW": (lambda _: (lambda told: 2.3 < told.gain_doubt / told.gain_sd < 2.6)(pair(40.0)[1]), True),
-    "BEYOND": (lambda _: [beyond(one) for one in (3.0, 6.0)], [False, True]),
+    "BEYOND": (
+        lambda _: [
+            [beyond(one) for one in (3.0, 6.0)],
+            [round(helped((9.0, 1.0), (3.0, 3.0 + d)), 1) for d in (0.3, 0.45)],
+        ],
+        [[False, True], [1.0, 0.5]],
+    ),
     "MOST_SCATTER": (lambda _: 1.4 < scatter_tried() <= 2.0, True),
     "ONE_CLOTH": (lambda _: [cloth(share) for share in (0.04, 0.06)], ["noise", "unexplained"]),
     "SAME_WAY": (lambda _: [led_alike(share) for share in (0.15, 0.3)], [True, False]),
-    "CLEARLY": (lambda _: [offset_told(gained) for gained in (18.0, 35.0)], [False, True]),
-    "MARGIN": (lambda _: [evidence(bic=bic).pays(True) for bic in (6.0, 12.0)], [False, True]),
-    "FIRST_SHARE": (lambda _: [evidence(share=one).pays(True) for one in (0.007, 0.015)], [False, True]),
-    "NEXT_SHARE": (lambda _: [evidence(share=one).pays(False) for one in (0.035, 0.075)], [False, True]),
-    "TAKEN": (lambda _: [evidence(help=Help(one, 1.0, 6)).pays(True) for one in (0.15, 0.3)], [False, True]),
-    "HELPED": (lambda _: [evidence(help=Help(1.0, one, 6)).accepted(True) for one in (0.5, 0.9)], [False, True]),
-    "HELPED_OF_THREE": (
-        lambda _: [evidence(help=Help(1.0, one, 3)).accepted(True) for one in (0.4, 0.66)], [False, True]
+    "CLEARLY": (
+        lambda _: [
+            [offset_told(gained) for gained in (18.0, 35.0)],
+            [NextMeasurement("", {}, one).decisive for one in (18.0, 35.0)],
+        ],
+        [[False, True], [False, True]],
     ),
+    "MARGIN": (
+        lambda _: [[evidence(bic=bic).pays(), in_proportion(bic)] for bic in (6.0, 12.0)],
+        [[False, False], [True, True]],
+    ),
+    "SHARE": (lambda _: [evidence(share=one).pays() for one in (0.035, 0.075)], [False, True]),
+    "TAKEN": (lambda _: [evidence(help=Help(one, 1.0, 6)).pays() for one in (0.15, 0.3)], [False, True]),
+    "HELPED": (lambda _: [evidence(help=Help(1.0, one, 3)).accepted() for one in (0.4, 0.66)], [False, True]),
     "DETERMINED": (lambda _: [counts(sd) for sd in (0.7, 1.4)], [True, False]),
     "TEST_NOISE": (lambda _: [helped((9.0, 1.0), (1.0, top)) > 0.6 for top in (1.4, 1.9)], [True, False]),
     "SEEN": (lambda _: [left_out((3.0, 1.0), (3.0, 1.0), gone=share) is None for share in (0.35, 0.7)], [True, False]),
-    "TOLD": (lambda _: [round(helped((9.0, 1.0), (3.0, 3.0 + d)), 1) for d in (0.3, 0.45)], [1.0, 0.5]),
     "FEWEST_CONSTANTS": (lambda patch: rivals_asked(patch, 1, 1.0), [2]),
     "ALIKE": (lambda patch: [rivals_asked(patch, 3, one) for one in (0.15, 0.3)], [[], [3]]),
     "STRAINED": (lambda _: [strained(p) for p in (0.0007, 0.0015)], [True, False]),
-    "SHARE_WHERE_STRAINED": (lambda _: [stands_in(share) for share in (0.93, 0.97)], [False, True]),
     "IMPOSSIBLE": (lambda _: [strained(p, confounding._is_impossible) for p in (0.7e-6, 1.5e-6)], [True, False]),
-    "DECISIVE": (lambda _: [NextMeasurement("", {}, one).decisive for one in (15.0, 30.0)], [False, True]),
+    "LAW": (lambda _: [as_likely(left) for left in (0.75, 0.95)], [True, False]),
+    "VALUES": (lambda _: [as_likely(left) for left in (0.75, 0.95)], [True, False]),
+    "ODDS": (lambda _: [as_likely(left) for left in (0.75, 0.95)], [True, False]),
+    "ELSEWHERE": (lambda _: [something_else(left) > 0.5 for left in (3.2, 5.0)], [False, True]),
     "PRIOR": (lambda _: Given("", {}, [], SimpleNamespace(prior=None), None, None).surely, 0.1),  # type: ignore[arg-type]
     "WRONG": (lambda _: [wrong(times) for times in (3.0, 6.0)], [False, True]),
 }  # fmt: skip
