@@ -7,8 +7,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
-from scipy.special import ndtr
 
 from hyperfab.arrays import Array
 from hyperfab.loop.catalogue import catalogue
@@ -16,13 +14,12 @@ from hyperfab.loop.catalogue.press import DataContext, FoamContext, PressEffect
 from hyperfab.loop.known import known, known_curve, sure, without_prior
 from hyperfab.loop.press_extras import menu
 from hyperfab.loop.press_reading import THERE, UNITS, Changes, Reading, Setting, Warmth, variation
-from hyperfab.loop.press_table import Moved, PressTable, found_tilt, loads
+from hyperfab.loop.press_set import SetPress, Summed
+from hyperfab.loop.press_table import Moved, PressTable, loads
 from hyperfab.loop.problem import Constant, Curve, Extra, Problem
 from hyperfab.loop.scatter import patches
 from hyperfab.pressing.series import together
 
-#: A place reads half contact half open over this much of a gap [mm]: a film's or a paste's own thickness.
-CONTACT_BLUR = 0.05
 #: Readings over the stroke that are left out together, about.
 _SEGMENT = 15
 #: What is known of the press beside the foam's stiffness: gap [mm], force and foam thickness (shares), zero of a
@@ -48,7 +45,7 @@ class PressProblem(Problem):
         value = dict(zip((one.name for one in self.own), own, strict=True))
         changes = self.changes(terms)
         guided: dict[float | None, Moved] = {}
-        presses: dict[tuple[object, ...], _Set] = {}
+        presses: dict[tuple[object, ...], SetPress] = {}
         found = []
         for reading, scale in zip(self.readings, self.scale, strict=True):
             warm = None if reading.warmth is None else reading.warmth.temperature
@@ -60,7 +57,7 @@ class PressProblem(Problem):
                 mean = float(np.mean(left))
                 key = (reading.warmth and reading.warmth.temperature, mean)
                 if key not in presses:
-                    presses[key] = _Set(self, start.relaxed(mean), value)
+                    presses[key] = self._set(start.relaxed(mean), value)
                 # Foam alone bears in proportion: the share that is left may be another at each row.
                 return presses[key].read(reading, left / mean if np.ndim(left) else 1.0, changes)
 
@@ -98,142 +95,31 @@ class PressProblem(Problem):
         compliance = self.setting.compliance + changes.compliance
         return Moved(tables[0], tables[1], value["foam.compression"], compliance, shift, np.zeros(2))
 
+    def _set(self, now: Moved, value: Mapping[str, float]) -> SetPress:
+        return SetPress(now, self.setting, value, self._sum, self._arm if self.setting.floating else None)
+
     def self_aligned(self, value: Mapping[str, float], terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return the tilt (2,) [rad] a floating female adds to the model's own; ``value`` has the own constants."""
-        guided = self._moved(value, self.changes(terms))
-        return self._floated(guided, value).turn
+        return self._set(self._moved(value, self.changes(terms)), value).hangs.turn
 
-    def _floated(self, now: Moved, value: Mapping[str, float]) -> Moved:
-        """Return the press with the female turned as it hangs."""
-        start, factor = self._opening(now, value), now.factor
-        shut = self.setting.opening + value.get("gap", 0.0) + now.shift
-        wanted = None if self.setting.force is None else self.setting.force * value.get("force", 1.0)
-
-        def unbalanced(opening: float, force: float) -> float:
-            exact = factor * force * float(self._exactness(np.array(force / now.left)))
-            return exact - wanted if wanted is not None else opening - shut - now.compliance * exact
-
-        turn = found_tilt(now.table, self._arm, start, unbalanced)
-        settings = Changes(tilt=turn).settings
-        return replace(now, table=now.table.moved(settings), places=now.places.moved(settings), turn=turn)
+    @cached_property
+    def _sum(self) -> Summed:
+        """The thinned sum of the model as it is at its openings, made to rise as they fall."""
+        forces = np.maximum.accumulate(self.summed.force(self.summed.openings)[::-1])
+        return Summed(forces, self.correction[::-1])
 
     @cached_property
     def _arm(self) -> Array:
         """Where [mm] the thinned sum has the arm of the force at the model's own balance."""
         now = self._moved(self._given, Changes())
-        load = loads(now.table, self._opening(now, self._given), np.zeros(2))
+        load = loads(now.table, SetPress(now, self.setting, self._given, self._sum).opening, np.zeros(2))
         return np.asarray(load[1:] / max(load[0], 1e-300))
-
-    def _sum(self, now: Moved, openings: Array) -> Array:
-        """Return the force (m,) [N] of the law as it is, corrected for the thinned sum."""
-        forces = now.table.force(openings)
-        return forces * self._exactness(forces / now.left)
-
-    @cached_property
-    def _own_forces(self) -> Array:
-        """The thinned sum [N] of the model as it is at its openings, made to rise as they fall."""
-        return np.maximum.accumulate(self.summed.force(self.summed.openings)[::-1])
-
-    def _exactness(self, force: Array) -> Array:
-        """Return what the exact sum has over the thinned one at its ``force``: it hangs on how far the foam is pressed.
-
-        Not on the opening: of foam that is uneven the first touch says little.
-        """
-        return np.interp(force, self._own_forces, self.correction[::-1])
-
-    def _opening(self, now: Moved, value: Mapping[str, float]) -> float:
-        table, force, factor = now.table, self.setting.force, now.factor
-        if force is not None:
-            wanted = force * value.get("force", 1.0)
-            forces = factor * self._sum(now, table.openings)
-            falling = np.flatnonzero(np.diff(forces) < 0.0)
-            if not len(falling) or wanted > forces[0]:
-                return float(table.openings[0])
-            order = slice(falling[0], falling[-1] + 2)
-            guess = float(np.interp(-wanted, -forces[order], table.openings[order]))
-            return self._solved(lambda s: factor * self._sum(now, s) - wanted, guess)
-        start = self.setting.opening + value.get("gap", 0.0) + now.shift
-        if now.compliance == 0.0:
-            return start
-        guess = start
-        for _ in range(3):
-            guess = start + now.compliance * factor * float(self._sum(now, np.array([guess]))[0])
-        return self._solved(lambda s: now.compliance * factor * self._sum(now, s) - (s - start), guess)
-
-    @staticmethod
-    def _solved(value, guess: float) -> float:  # type: ignore[no-untyped-def]
-        """Secant steps on a falling function of the opening."""
-        a, b = guess, guess + 0.01
-        fa, fb = (float(value(np.array([s]))[0]) for s in (a, b))
-        for _ in range(6):
-            if fb == fa:
-                break
-            c = b - fb * (b - a) / (fb - fa)
-            a, fa, b = b, fb, float(np.clip(c, b - 0.5, b + 0.5))
-            fb = float(value(np.array([b]))[0])
-            if abs(b - a) < 1e-8:
-                break
-        return b
-
-    def _force(self, now: Moved, left: Array | float, reading: Reading, zero: float) -> Array:
-        assert reading.stroke is not None
-        touch, factor = now.table.first_touch, now.factor * left
-        stroke = reading.stroke - zero
-        if now.compliance == 0.0:
-            return np.asarray(factor * self._sum(now, touch - stroke))
-        grid = np.linspace(touch + 0.2, now.table.openings[0], 60)
-        forces = now.factor * self._sum(now, grid)
-        machine = touch - grid + now.compliance * forces
-        opening = PchipInterpolator(machine, grid, extrapolate=True)(stroke)
-        return np.asarray(factor * self._sum(now, opening))
-
-    def _of_fabric(self, now: Moved, reading: Reading) -> Array:
-        """Return the thickness (m,) [mm] of the fabrics alone under the loads of a reading."""
-        assert reading.load is not None
-        law, whole = now.table.fabric_law, sum(self.setting.fabric)
-        if law is None:
-            return np.full(len(reading.load), whole)
-        strain = np.append(law.knots, law.limit)
-        return np.asarray(whole * (1.0 - np.interp(reading.load, now.factor * law.stress(strain), strain)))
-
-    def _of_mounting(self, now: Moved, changes: Changes, reading: Reading) -> Array:
-        """Return how much further (m,) [mm] the female's mounting face stands off at places, less their mean."""
-        assert reading.places is not None
-        x, y = reading.places[:, 0], reading.places[:, 1]
-        about_x, about_y = self.setting.tilt + (now.turn if self.setting.floating else changes.tilt)
-        height = about_x * y - about_y * x
-        return np.asarray(height - np.mean(height))
-
-    def _at_places(
-        self, now: Moved, left: Array | float, opening: float, reading: Reading, stays: Array
-    ) -> Array:
-        assert reading.corners is not None
-        assert reading.weights is not None
-        table, weights, corners = now.places, reading.weights, reading.corners
-
-        def there(values: Array) -> Array:
-            return np.asarray(np.sum(values[corners] * weights, axis=1))
-
-        at = np.array([opening])
-        gap = there(table.at(at, table.gap)[0])
-        sandwich = table.sandwich.at(there)
-        if reading.kind == "contact":
-            touch = there(table.at(at, table.touch)[0])
-            return np.asarray(ndtr((sandwich.thickness - touch) / CONTACT_BLUR))
-        if reading.kind in ("thickness", "formed"):
-            pressed, fabric = sandwich.pressed(gap)
-            if reading.kind == "thickness":
-                return np.asarray(fabric + pressed)
-            strain = 1.0 - pressed / sandwich.foam
-            had = table.stays if np.ndim(table.stays) == 0 else there(np.asarray(table.stays))
-            share = np.clip(had + stays[0] + stays[1] * strain, 0.0, 1.0)
-            return np.asarray(sandwich.thickness - share * strain * sandwich.foam)
-        return np.asarray(now.factor * left * sandwich.pressure(gap))
 
     @cached_property
     def largest_force(self) -> float:
         """The force [N] at the setting, as the model is."""
-        return float(self._sum(self._moved(self._given, Changes()), np.array([self.setting.opening]))[0])
+        now = self._moved(self._given, Changes())
+        return float(self._sum.force(now, np.array([self.setting.opening]))[0])
 
     @property
     def _given(self) -> dict[str, float]:
@@ -264,36 +150,6 @@ class PressProblem(Problem):
             curves=(*self.curves, Curve(reading.name, rows, rows + size, np.arange(size, dtype=np.float64))),
             states={},
         )
-
-
-@dataclass(frozen=True)
-class _Set:
-    """A press as it is ``now``, for reading after reading; where it stands is found once."""
-
-    problem: PressProblem
-    now: Moved
-    value: Mapping[str, float]
-
-    @cached_property
-    def hangs(self) -> Moved:
-        """The press, a floating female turned."""
-        return self.problem._floated(self.now, self.value) if self.problem.setting.floating else self.now
-
-    @cached_property
-    def opening(self) -> float:
-        """Where it is set [mm]."""
-        return self.problem._opening(self.hangs, self.value)
-
-    def read(self, reading: Reading, left: Array | float, changes: Changes) -> Array:
-        """Return the readings (m,); ``left`` scales the foam's stress row by row."""
-        problem, now = self.problem, self.hangs
-        if reading.kind == "force":
-            return problem._force(now, left, reading, self.value.get("stroke.zero", 0.0))
-        if reading.kind == "fabric":
-            return problem._of_fabric(now, reading)
-        if reading.kind == "mounting":
-            return problem._of_mounting(now, changes, reading)
-        return problem._at_places(now, left, self.opening, reading, changes.stays)
 
 
 def _through(left: Array | float, read: Callable[[float], Array]) -> Array:

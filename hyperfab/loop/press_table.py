@@ -32,8 +32,9 @@ _TURN = 2e-3
 class PressTable:
     """Gaps at n vertices of the male's front for each of ``openings`` (k,) [mm], evenly spaced and rising.
 
-    ``gap`` and ``touch`` (k, n) [mm]; ``shift`` (k, n, 6) is what the gap gains per radian of tilt about the two axes
-    across, per thermal strain of male and female, and per mm that the female stands off along the two axes. ``area``
+    ``gap`` (k, n) [mm], the nearest one, and ``along`` (k, n), the one along the normal over it; ``shift`` (6, k, n) is
+    what the gap gains per radian of tilt about the two axes across, per thermal strain of male and female, and per mm
+    that the female stands off along the two axes. ``area``
     (n,) [mm^2] is each vertex' share of the area, ``push`` (k, n) that times how squarely it meets the axis. ``foam``
     and ``fabric`` (n,) [mm] with their laws are the ``sandwich``, ``plan`` (n, 2) the coordinates of thickness
     variation, -1 to 1 over the male, ``stays`` (n,) the share of the foam's strain that stays. ``bend`` (n, 2, 2)
@@ -43,7 +44,7 @@ class PressTable:
 
     openings: Array
     gap: Array
-    touch: Array
+    along: Array
     shift: Array
     push: Array
     area: Array
@@ -65,8 +66,8 @@ class PressTable:
         return replace(
             self,
             gap=self.gap[:, chosen],
-            touch=self.touch[:, chosen],
-            shift=self.shift[:, chosen],
+            along=self.along[:, chosen],
+            shift=self.shift[:, :, chosen],
             push=self.push[:, chosen],
             area=self.area[chosen],
             foam=self.foam[chosen],
@@ -81,9 +82,12 @@ class PressTable:
         """Return the table with ``settings`` (6,) added: tilts [rad], strains and offsets [mm] of the molds."""
         if not np.any(settings):
             return self
-        gap = self.gap + self.shift @ settings + 0.5 * (self.bend @ settings[:2]) @ settings[:2]
-        ratio = np.where(np.abs(self.gap) > 1e-3, self.touch / np.where(self.gap == 0.0, 1.0, self.gap), 1.0)
-        return replace(self, gap=gap, touch=gap * ratio)
+        gap = self.gap
+        for i in np.flatnonzero(settings):
+            gap = gap + settings[i] * self.shift[i]
+        if np.any(settings[:2]) and np.any(self.bend):
+            gap = gap + 0.5 * (self.bend @ settings[:2]) @ settings[:2]
+        return replace(self, gap=gap)
 
     def with_foam(self, factor: Array | float) -> PressTable:
         """Return the table with foam of other thickness."""
@@ -163,13 +167,15 @@ def press_table(
     line = guide_line(closed.case.male)
     male_fixed = np.array([line[0], line[1], closed.case.male.mount])
     pivot = np.array(closed.pose.pivot)
-    gaps, touches, shifts, pushes, exact = [], [], [], [], []
+    gaps, alongs, shifts, pushes, exact = [], [], [], [], []
     area = vertex_areas(front, np.ones(len(front.faces), dtype=bool))
     for opening in openings:
         pose = replace(closed.pose, opening=float(opening))
         found = press.at(pose)
         gaps.append(found.gap)
-        touches.append(press.touch(pose, found.gap)[1])
+        touch = press.touch(pose, found.gap)[1]
+        near = np.abs(found.gap) <= 1e-3  # the two are one where the molds meet
+        alongs.append(np.where(near, 1.0, touch / np.where(near, 1.0, found.gap)))
         exact.append(found.closing_force)
         pushes.append(-area * found.direction[:, 2])
         up = np.array([0.0, 0.0, float(opening)])
@@ -185,14 +191,14 @@ def press_table(
             np.array([-1.0, 0.0, 0.0]),
             np.array([0.0, -1.0, 0.0]),
         )
-        shifts.append(np.stack([np.sum(found.direction * way, axis=1) for way in ways], axis=1))
+        shifts.append(np.stack([np.sum(found.direction * way, axis=1) for way in ways]))
     n = len(front.vertices)
     sandwich = press.sandwich
     table = PressTable(
         openings=openings,
         gap=np.stack(gaps),
-        touch=np.stack(touches),
-        shift=np.stack(shifts),
+        along=np.stack(alongs),
+        shift=np.stack(shifts, axis=1),
         push=np.stack(pushes),
         area=area,
         foam=np.broadcast_to(np.asarray(sandwich.foam, dtype=np.float64), (n,)).copy(),
@@ -238,8 +244,8 @@ def _summed(table: PressTable) -> PressTable:
     # opens one side as far as it closes the other must not change the force.
     by_height = bears[np.argsort(table.gap[len(table.openings) // 2, bears], kind="stable")]
     band = np.arange(len(bears)) * _BANDS // len(bears)
-    side = table.shift[0, by_height]
-    order = by_height[np.lexsort((np.arctan2(side[:, 1], side[:, 0]), band))]
+    side = table.shift[:2, 0, by_height]
+    order = by_height[np.lexsort((np.arctan2(side[1], side[0]), band))]
     chosen = np.linspace(0, len(order) - 1, _PLACES).astype(np.int64)
     few, band_of = table.of(order[chosen]), band[chosen]
     whole = np.bincount(band, table.push[0, order])
@@ -257,7 +263,7 @@ _MOST = 0.05
 def loads(table: PressTable, opening: float, tilt: Array) -> Array:
     """Return the closing force [N] and the moments [N mm] about the joint at an opening and further ``tilt`` (2,)."""
     at = np.array([opening])
-    turns = np.stack([table.at(at, table.shift[:, :, i])[0] for i in (0, 1)], axis=1)
+    turns = np.stack([table.at(at, table.shift[i])[0] for i in (0, 1)], axis=1)
     bent = turns + 0.5 * table.bend @ tilt
     pressure = table.sandwich.pressure(table.at(at, table.gap)[0] + bent @ tilt)
     force = float(pressure @ table.at(at, table.push)[0])
