@@ -43,7 +43,8 @@ def contact(front: Front, gap: Gap, sandwich: Sandwich) -> Contact:
     points = positive_part(np.asarray(sandwich.thickness - gap.nearest), front.faces, front.areas)
     there = sandwich.at(partial(points.at_corners, front.faces))
     gap_there = points.at_corners(front.faces, gap.nearest)
-    load = there.pressure(gap_there) * points.area
+    pressure, energy = there.borne(gap_there)
+    load = pressure * points.area
     # The gap's gradient points from the female to the male: so does the push on the male.
     force, moment = points.resultant(front.faces, load, gap.direction, front.vertices)
     return Contact(
@@ -54,7 +55,7 @@ def contact(front: Front, gap: Gap, sandwich: Sandwich) -> Contact:
         force=force,
         moment=moment,
         load=float(load.sum()),
-        energy=float((there.energy(gap_there) * points.area).sum()),
+        energy=float((energy * points.area).sum()),
         pressed=points,
     )
 

@@ -51,7 +51,8 @@ class FoamLaw:
     def stress(self, strain: ArrayLike) -> Array:
         """Nominal stress [MPa]; zero where the foam is not compressed."""
         inside, beyond = self._split(strain)
-        return self.raw_stress(inside) + self.raw_slope(np.asarray(self.limit)) * beyond
+        found = self.raw_stress(inside)
+        return found + self.raw_slope(np.asarray(self.limit)) * beyond if beyond.any() else found
 
     def slope(self, strain: ArrayLike) -> Array:
         """Tangent modulus [MPa]; zero where the foam is not compressed."""

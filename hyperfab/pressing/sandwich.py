@@ -79,9 +79,15 @@ class Sandwich:
 
     def energy(self, gap: ArrayLike) -> Array:
         """Energy stored per area [N/mm] in a ``gap`` [mm]."""
+        return self.borne(gap)[1]
+
+    def borne(self, gap: ArrayLike) -> tuple[Array, Array]:
+        """Pressure [MPa] and energy per area [N/mm] in a ``gap`` [mm], what is shared out found once."""
         if self._series is not None:
-            return self._shared(self._series, gap).energy
-        return self.law.energy(self.strain(gap)) * self.foam
+            shared = self._shared(self._series, gap)
+            return shared.pressure, shared.energy
+        strain = self.strain(gap)
+        return self.law.stress(strain), self.law.energy(strain) * self.foam
 
     def pressed(self, gap: ArrayLike) -> tuple[Array, Array]:
         """Thickness [mm] of the foam and of both fabrics in a ``gap`` [mm].

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.pressing import foam_law
 from hyperfab.pressing.foam_law import FoamLaw
 
@@ -74,10 +74,10 @@ class Series:
         slopes = np.diff(strains) / np.diff(pressures)
         stored = np.concatenate([[0.0], np.cumsum(0.5 * (pressures[1:] + pressures[:-1]) * np.diff(strains))])
 
-        def yields(pressure: Array) -> tuple[Array, Array, Array]:
+        def yields(pressure: Array) -> tuple[Array, Array, Ints]:
             k = np.clip(np.searchsorted(pressures, pressure, side="right") - 1, 0, len(slopes) - 1)
-            strain = strains[k] + slopes[k] * (pressure - pressures[k])
-            return strain, slopes[k], stored[k] + 0.5 * (pressures[k] + pressure) * (strain - strains[k])
+            rate = slopes[k]
+            return strains[k] + rate * (pressure - pressures[k]), rate, k
 
         low, high = np.zeros(closing.shape), closing / first
         strain = high
@@ -92,8 +92,9 @@ class Series:
             outside = (following < low) | (following > high)
             strain = np.where(outside, 0.5 * (low + high), following)
         pressure = self.first.stress(strain)
-        across, rate, energy = yields(pressure)
+        across, rate, k = yields(pressure)
         slope = self.first.slope(strain)
+        energy = stored[k] + 0.5 * (pressures[k] + pressure) * (across - strains[k])
         return Shared(
             strain=strain,
             second=across,

@@ -104,12 +104,12 @@ class Table:
 
 
 def stays(
-    law: SetLaw, temperature: Callable[[Array, float], Array], dwell: float, strain: Array
+    law: SetLaw, temperature: Callable[[Array, Array], Array], dwell: float, strain: Array
 ) -> tuple[Array, Array]:
     """Return the share (n,) of ``strain`` (n,) that stays, mean over the foam's thickness, and the hottest (n,) [degC].
 
-    ``temperature(times, depth)`` (t, n) [degC] is that of the foam at ``times`` (t,) [s] of the ``dwell``, at a
-    ``depth`` of 0 to 1.
+    ``temperature(times, depths)`` (d, t, n) [degC] is that of the foam at ``depths`` (d,) of 0 to 1 and ``times``
+    (t,) [s] of the ``dwell``.
     """
     nodes, weights = np.polynomial.legendre.leggauss(TIMES)
     root = 0.5 * (nodes + 1.0)
@@ -117,8 +117,7 @@ def stays(
     times, spans = dwell * root**2, dwell * root * weights
     share, hottest = np.zeros(len(strain)), np.full(len(strain), -np.inf)
     depths, shares = np.polynomial.legendre.leggauss(DEPTHS)
-    for depth, part in zip(0.5 * (depths + 1.0), 0.5 * shares, strict=True):
-        at = temperature(times, float(depth))
+    for at, part in zip(temperature(times, 0.5 * (depths + 1.0)), 0.5 * shares, strict=True):
         share += part * law.after(at, spans, strain)
         hottest = np.maximum(hottest, at.max(axis=0))
     return share, hottest

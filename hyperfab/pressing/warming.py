@@ -4,7 +4,8 @@ Each place is a column of its own: heat flows through the thickness, which is a 
 layer is exact (no mesh through the thickness): in Laplace's variable s a layer of resistance R and capacity C turns
 the impedance Z seen from one side into ``Zc (Z + Zc tanh a) / (Zc + Z tanh a)``, a = sqrt(s R C), Zc = R / a (the
 thermal quadrupole: Carslaw and Jaeger, Conduction of Heat in Solids, 1959, 3.7; D. Maillet et al., Thermal
-Quadrupoles, 2000). Back in time by Talbot's contour with the constants of L. N. Trefethen, J. A. C. Weideman and
+Quadrupoles, 2000). Within the foam the answer is a wave from either side, so that one solution tells all depths. Back
+in time by Talbot's contour with the constants of L. N. Trefethen, J. A. C. Weideman and
 T. Schmelzer, BIT 46 (2006) 653, whose error falls as 3.89^-N at any time after the closing.
 """
 
@@ -23,8 +24,8 @@ from hyperfab.numerics.threads import in_blocks
 _POINTS = 12
 #: Places that are computed together.
 _BLOCK = 2048
-#: Halvings of the dwell in search of the time that a target is reached: to 1e-9 of it.
-_HALVINGS = 30
+#: A target is reached to this share of how far it is from the start; it takes about eight of so many steps at most.
+_CLOSE, _STEPS = 1e-8, 60
 
 _THETA = np.pi * np.arange(1, _POINTS, 2) / _POINTS
 _COT = 1.0 / np.tan(0.6407 * _THETA)
@@ -61,22 +62,29 @@ class Column:
         """Return the foam's temperature (..., n) [degC] at ``times`` (...) [s] after the closing.
 
         ``share`` says where through the thickness of the foam: 0 at the fabric on the male, 1 at that on the female.
-        Times of each place's own go to ``at_own``.
+        Times of each place's own go to ``at_own``, several depths to ``at_depths``.
         """
         seconds = np.asarray(times, dtype=float)
-        flat = np.broadcast_to(seconds.reshape(-1, 1), (seconds.size, len(self.male)))
-        return self.at_own(flat, share).reshape(*seconds.shape, len(self.male))
+        return self.at_depths(seconds.ravel(), np.array([share])).reshape(*seconds.shape, len(self.male))
+
+    def at_depths(self, times: Array, shares: Array) -> Array:
+        """Return the temperature (d, t, n) [degC] at depths ``shares`` (d,) of the foam and ``times`` (t,) [s]."""
+        return self._at(times[:, None], shares)
 
     def at_own(self, times: Array, share: float = 0.5) -> Array:
         """Return the temperature (k, n) [degC] at ``times`` (k, n) [s] of each place's own."""
-        out = np.empty(times.shape)
+        return np.asarray(self._at(times, np.array([share]))[0])
+
+    def _at(self, times: Array, shares: Array) -> Array:
+        times = np.broadcast_to(times, (len(times), len(self.male)))
+        out = np.empty((len(shares), *times.shape))
         outer = np.stack([self.male - self.start, self.female - self.start])
 
         def work(first: int, last: int) -> None:
             of = slice(first, last)
             _respond(
                 times[:, of], outer[:, of], self.contact[:, of], self.resistance[:, of], self.capacity[:, of],
-                share, _Z, _WEIGHT, out[:, of],
+                shares, _Z, _WEIGHT, out[:, :, of],
             )  # fmt: skip
 
         in_blocks(work, times.shape[1], _BLOCK)
@@ -84,14 +92,27 @@ class Column:
 
     def reaches(self, target: float, dwell: float, share: float = 0.5) -> Array:
         """Return when (n,) [s] the temperature passes ``target`` [degC], NaN where it does not within ``dwell`` [s]."""
-        low, high = np.zeros((1, len(self.male))), np.full((1, len(self.male)), dwell)
         rising = 1.0 if target >= self.start else -1.0
-        passed = rising * (self.at_own(high, share) - target) >= 0.0
-        for _ in range(_HALVINGS if passed.any() else 0):
-            middle = 0.5 * (low + high)
-            there = rising * (self.at_own(middle, share) - target) >= 0.0
-            low, high = np.where(there, low, middle), np.where(there, middle, high)
-        return np.asarray(np.where(passed, high, np.nan)[0])
+
+        def over(when: Array) -> Array:
+            return np.asarray(rising * (self.at_own(when[None], share)[0] - target))
+
+        low, high = np.zeros(len(self.male)), np.full(len(self.male), dwell)
+        before, after = np.full(len(self.male), rising * (self.start - target)), over(high)
+        passed, when, side = after >= 0.0, high, np.zeros(len(self.male))
+        close = _CLOSE * max(abs(target - self.start), 1e-300)
+        for _ in range(_STEPS if passed.any() else 0):
+            # The secant, an end that stays counted half from the second time on (the Illinois method).
+            when = high - after * (high - low) / np.where(after > before, after - before, 1.0)
+            here = over(when)
+            if np.abs(here[passed]).max() <= close:
+                break
+            there = here >= 0.0
+            before = np.where(there, np.where(side > 0.0, 0.5 * before, before), here)
+            after = np.where(there, here, np.where(side < 0.0, 0.5 * after, after))
+            low, high = np.where(there, low, when), np.where(there, when, high)
+            side = np.where(there, 1.0, -1.0)
+        return np.where(passed, when, np.nan)
 
 
 @kernel
@@ -101,30 +122,51 @@ def _respond(
     contact: Array,
     resistance: Array,
     capacity: Array,
-    share: float,
+    shares: Array,
     points: NDArray[np.complex128],
     weights: NDArray[np.complex128],
     out: Array,
 ) -> None:
-    """How far the temperature has moved by each time, ``outer`` (2, n) being where the molds would have it."""
+    """How far the temperature has moved at each depth by each time, ``outer`` (2, n) being where the molds would have
+    it."""
+    depths = len(shares)
+    alike = True  # depths that are their own mirror image: what comes from one side fades as what comes from the other
+    for d in range(depths):
+        alike = alike and abs(shares[d] + shares[depths - 1 - d] - 1.0) < 1e-15
+    fades, rises = np.empty(depths, dtype=np.complex128), np.empty(depths, dtype=np.complex128)
     for k in range(times.shape[0]):
         for i in range(times.shape[1]):
+            for d in range(depths):
+                out[d, k, i] = 0.0
             if times[k, i] <= 0.0:
-                out[k, i] = 0.0
                 continue
-            total = 0.0
+            R = resistance[1, i]
             for j in range(len(points)):
                 s = points[j] / times[k, i]
                 one, z_one = _layer(s, resistance[0, i], capacity[0, i], outer[0, i] + 0j, contact[0, i] + 0j)
-                one, z_one = _layer(s, share * resistance[1, i], share * capacity[1, i], one, z_one)
-                rest = 1.0 - share
                 two, z_two = _layer(s, resistance[2, i], capacity[2, i], outer[1, i] + 0j, contact[1, i] + 0j)
-                two, z_two = _layer(s, rest * resistance[1, i], rest * capacity[1, i], two, z_two)
-                # Where both sides hold the place without any resistance, they hold it at one temperature.
-                both = z_one + z_two
-                held = (one * z_two + two * z_one) / both if abs(both) > 0.0 else 0.5 * (one + two)
-                total += (weights[j] * held).real
-            out[k, i] = total
+                a = np.sqrt(s * (R * capacity[1, i])) if R > 0.0 else 0j
+                if abs(a) < 1e-6:
+                    # It stores nothing: a straight line between both sides.
+                    for d in range(depths):
+                        left, right = z_one + shares[d] * R, z_two + (1.0 - shares[d]) * R
+                        both = left + right
+                        # Where both sides hold the place without any resistance, they hold it at one temperature.
+                        held = (one * right + two * left) / both if abs(both) > 0.0 else 0.5 * (one + two)
+                        out[d, k, i] += (weights[j] * held).real
+                    continue
+                for d in range(depths):
+                    fades[d] = np.exp(-shares[d] * a)
+                for d in range(depths):
+                    rises[d] = fades[depths - 1 - d] if alike else np.exp(-(1.0 - shares[d]) * a)
+                # A wave from the male that is one there, and one from the female: decaying exponentials alone, so
+                # that a short time cannot overflow.
+                decay, r_one, r_two = np.exp(-a), z_one * a / R, z_two * a / R
+                across = (1.0 + r_one) * (1.0 + r_two) - decay * decay * (1.0 - r_one) * (1.0 - r_two)
+                first = weights[j] * (one * (1.0 + r_two) - two * decay * (1.0 - r_one)) / across
+                second = weights[j] * (two * (1.0 + r_one) - one * decay * (1.0 - r_two)) / across
+                for d in range(depths):
+                    out[d, k, i] += (first * fades[d] + second * rises[d]).real
 
 
 @part

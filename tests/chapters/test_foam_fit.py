@@ -208,18 +208,65 @@ def test_a_block_that_does_not_widen_is_told_of_as_it_is(hf, tmp_path) -> None:
 @pytest.mark.parametrize(("power", "told"), [(0.0, True), (-0.5, True), (-1.1, False), (-2.0, False)])
 def test_a_plateau_that_no_stable_law_has_is_told(power, told) -> None:
     """Stress as a power of the stretch: in logarithmic strains it must grow faster than 1 / stretch."""
-    from hyperfab.chapters.fit.hyperfoam import _plateaus
+    from hyperfab.chapters.fit.plateau import plateau
     from hyperfab.curve import TestCurve
 
     down = np.linspace(1.0, 0.4, 60)
     rise = -np.expm1(-(1.0 - down) / 0.02)
     curve = TestCurve("uniaxial", down, -0.01 * rise * down**power, source="block.csv")
-    assert bool(_plateaus([curve])) is told
+    assert bool(plateau([curve])) is told
     back = TestCurve(
         "uniaxial",
         np.append(down, down[::-1]),
         np.append(curve.stress, 0.3 * curve.stress[::-1]),
         source="block.csv",
     )
-    assert bool(_plateaus([back])) is told
-    assert bool(_plateaus([curve.take(np.arange(60)[::-1])])) is told
+    assert bool(plateau([back])) is told
+    assert bool(plateau([curve.take(np.arange(60)[::-1])])) is told
+
+
+def test_a_plateau_that_no_law_has_is_pressed_as_the_table_that_is_named(hf, tmp_path) -> None:
+    """Raw blocks whose force falls behind a peak: the table and command that hf fit names bear what was measured."""
+    from hyperfab.io.stl_write import stl_bytes
+    from hyperfab.samples.cup import plate
+
+    def stress(e):  # MPa: a peak, a plateau that falls by a tenth, densification
+        return 0.004 * (-np.expm1(-e / 0.02) - 0.2 * e) + 1e-4 * (e / (1.0 - e)) ** 3
+
+    random = np.random.default_rng(5)
+    e = np.concatenate([np.linspace(0.0, 0.7, 400), np.linspace(0.7, 0.0, 400)])
+    for name in ("one", "two"):
+        force = 2500.0 * stress(e) * np.repeat([1.0, 0.6], 400) + 0.1 * random.standard_normal(800)
+        head = f"# test: uniaxial\n# specimen: {name}\n# gauge length: 25 mm\n# width: 50 mm\n# thickness: 50 mm\n"
+        rows = "".join(f"{-25.0 * a:.9g},{-b:.9g}\n" for a, b in zip(e, force, strict=True))
+        (tmp_path / f"{name}.csv").write_text(f"{head}extension [mm],force [N]\n{rows}")
+    words = ("one.csv", "two.csv", "--model", "hyperfoam-1", "--branch", "load")
+    run = hf("fit", *words, "-o", "pu.json", cwd=tmp_path)
+    assert b"no stable law has a plateau so flat" in run.stderr
+    document = json.loads((tmp_path / "pu.json").read_text())
+    assert set(document["files"]) == {"pu.compression.csv", "pu.csv", "pu.png"}
+    said = " ".join(run.stderr.decode().split())
+    law = said[said.index("compression = {") : said.index(" and thickness =")]
+    command = said[said.index("hf press-contact") :].split(" --gap 3mm")[0].split()
+    (tmp_path / "foam.toml").write_text(f'format = "hyperfab.foam/1"\nthickness = "4 mm"\n{law}\n')
+    for name, solid in (("m", plate(-30.0, 0.0)), ("f", plate(10.0, 40.0))):
+        (tmp_path / f"{name}.stl").write_bytes(stl_bytes(solid.vertices, solid.faces))
+    for gap in (3.6, 2.8, 1.6):
+        pressed = hf(*command[1:], "--gap", f"{gap}mm", "-o", "press.json", cwd=tmp_path)
+        assert pressed.returncode == 0, pressed.stderr.decode()
+        found = json.loads((tmp_path / "press.json").read_text())
+        assert found["pressure_max_MPa"] == pytest.approx(stress(1.0 - gap / 4.0), rel=0.03)
+
+
+def test_a_table_of_several_loadings_is_their_mean_and_never_falls() -> None:
+    from hyperfab.chapters.fit.plateau import table_of
+    from hyperfab.curve import TestCurve
+
+    down = np.linspace(1.0, 0.3, 700)
+    curves = [TestCurve("uniaxial", down, -share * (1.0 - down)) for share in (0.9, 1.1)]
+    strain, stress, levelled = table_of(curves, "uniaxial")
+    assert stress == pytest.approx(strain, abs=2e-3)
+    assert (strain[-1], levelled) == (pytest.approx(0.7, abs=0.01), pytest.approx(0.0, abs=1e-12))
+    humped = TestCurve("uniaxial", down, -np.sin(4.0 * (1.0 - down)))
+    assert (np.diff(table_of([humped], "uniaxial")[1]) >= 0.0).all()
+    assert table_of([humped], "uniaxial")[2] > 0.2

@@ -48,7 +48,7 @@ def test_the_set_of_a_slab_that_warms_is_the_integral_over_time_and_depth():
         return 3e8 * np.exp(-95e3 / (GAS * (at(t, x) + ZERO_CELSIUS)))
 
     exact = quad(lambda x: -np.expm1(-quad(speed, 0.0, 40.0, args=(x,), epsabs=1e-12)[0]), 0.0, 1.0)[0]
-    found, hottest = stays(LAW, lambda t, x: at(t, x)[:, None], 40.0, np.ones(1))
+    found, hottest = stays(LAW, lambda t, x: np.stack([at(t, one)[:, None] for one in x]), 40.0, np.ones(1))
     assert found[0] == pytest.approx(exact, abs=1e-4)  # 0.2 micrometres of a foam pressed by 2 mm
     assert hottest[0] == pytest.approx(200.0, abs=1.0)
 
@@ -85,5 +85,5 @@ def test_a_table_knows_strains_and_sets_nothing_when_cold():
 
 
 def test_a_plain_share_is_that_share():
-    found, _ = stays(Share(0.7), lambda t, x: np.full((len(t), 3), 25.0), 10.0, np.zeros(3))
+    found, _ = stays(Share(0.7), lambda t, x: np.full((len(x), len(t), 3), 25.0), 10.0, np.zeros(3))
     assert found == pytest.approx([0.7] * 3)

@@ -103,6 +103,16 @@ def test_three_layers_against_a_fine_march():
         assert sandwich.at(seconds)[0] == pytest.approx(middle, abs=0.01)
 
 
+@pytest.mark.parametrize("shares", [[0.1, 0.5, 0.9], [0.0, 0.3, 0.4, 1.0]])
+@pytest.mark.parametrize("fabric", [(0.0, 0.0), (5e-4, 3e-4)])
+def test_depths_told_together_are_each_told_alone(shares, fabric):
+    sandwich, times = column(220.0, 180.0, (1e-3, 0.0), fabric, n=3), np.array([0.0, 0.05, 4.0, 60.0])
+    together = sandwich.at_depths(times, np.array(shares))
+    assert together.shape == (len(shares), 4, 3)
+    for found, share in zip(together, shares, strict=True):
+        np.testing.assert_allclose(found, sandwich.at(times, share), rtol=0, atol=1e-10)
+
+
 def test_a_target_is_reached_when_the_temperature_says_so():
     sandwich = column(male=np.nan, n=3)
     sandwich = Column(25.0, np.array([200.0, 180.0, 120.0]), np.array([200.0, 200.0, 120.0]), *(

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from hyperfab.chapters.fit.describe import document_of
 from hyperfab.chapters.fit.identify import Setting, reference_of, temperatures_of
+from hyperfab.chapters.fit.plateau import Plateau, plateau, table_csv, table_of
 from hyperfab.chapters.fit.readings import Readings
 from hyperfab.chapters.fit.siblings import curves_csv, grid_of, line
 from hyperfab.chapters.fit.whole import Answer, WholeFit
@@ -24,19 +25,19 @@ from hyperfab.documents.material import (
 )
 from hyperfab.errors import InputError
 from hyperfab.materials.hyperfoam import Hyperfoam, Rows, identify
-from hyperfab.numerics.hygiene import first_loading
 from hyperfab.report.figures_fit import fit_figure
 
 #: A Poisson's ratio this near to what bounds it was not found by the tests.
 _EDGE = 0.005
-#: Compression whose stress times the stretch falls by more than this share is carried by no stable law.
-_FALLS = 0.05
 #: Steps of the scan of stable stretches, and how far beyond the tests it goes.
 _SCAN, _BEYOND = 200, 1.5
 
 
+@dataclass(frozen=True)
 class FoamFit(WholeFit[Hyperfoam]):
-    """The energy of a foam; pulling and pressing are told apart."""
+    """The energy of a foam; pulling and pressing are told apart. ``flat`` is a plateau that no stable law has."""
+
+    flat: Plateau | None = None
 
     def predict(self, curve: TestCurve) -> Answer:
         """Return the stress [MPa] at each row, and the lateral stretch of a uniaxial test."""
@@ -132,6 +133,18 @@ class FoamFit(WholeFit[Hyperfoam]):
         told = ((curve, self.predict(curve)) for curve in self.curves)
         return curves_csv(told, self.setting.fit_on, ("direction", "stretch_2"))
 
+    def table(self) -> tuple[bytes, float] | None:
+        """Return the loading of the tests whose plateau no stable law has as a table, at the law's temperature, and by
+        which share of its peak it was levelled; None where a law has it."""
+        if self.flat is None:
+            return None
+        own = [
+            c for c in self.used(self.curves) if c.temperature in (self.temperatures[self.reference], None)
+        ]
+        mode = self.flat.mode if any(c.mode == self.flat.mode for c in own) else own[0].mode
+        strain, stress, levelled = table_of(own, mode)
+        return table_csv(strain, stress), levelled
+
     def picture(self) -> bytes:
         """Return the PNG of the fit, a panel a test; in simple shear the stretch is the shear strain."""
         panels = []
@@ -170,7 +183,8 @@ def fit_foam(readings: Readings, setting: Setting, terms: int) -> FoamFit:
             file=used[0].source,
             remedy="give more rows or tests",
         )
-    readings.warnings.extend(_plateaus(used))
+    flat = plateau(used)
+    readings.warnings.extend([] if flat is None else [str(flat)])
     temperatures = temperatures_of(used)
     reference = reference_of(temperatures)
     first = identify(_tests(used, temperatures[reference]), terms)
@@ -186,40 +200,9 @@ def fit_foam(readings: Readings, setting: Setting, terms: int) -> FoamFit:
         for i, nu in enumerate(law.nu)
         if not sides_told and (nu > 0.5 - _EDGE or (nu < _EDGE and min(law.mu) >= 0.0))
     ]
-    fit = FoamFit(tuple(laws), temperatures, reference, curves, setting, unknown)
+    fit = FoamFit(tuple(laws), temperatures, reference, curves, setting, unknown, flat)
     fit.refuse_unstable(law.name, "take fewer terms")
     return fit
-
-
-def _plateaus(curves: Sequence[TestCurve]) -> list[str]:
-    """Say which test, the worst of all, presses a foam on a plateau that no stable law has.
-
-    An energy that is convex in the logarithmic strains (Hill) has a Kirchhoff stress along the load, stress times
-    stretch where the sides are free or held, that grows with the compression.
-    """
-    found: dict[float, str] = {}
-    for curve in curves:
-        if curve.mode not in ("uniaxial", "confined-compression"):
-            continue
-        part = curve.take(first_loading(curve.principal, curve.branch, curve.cycle) & (curve.stretch < 1.0))
-        if len(part.stretch) < 3:
-            continue
-        part = part.take(np.argsort(-part.stretch, kind="stable"))
-        kirchhoff = -part.stress * part.stretch
-        # The least of three: one reading that is high by chance is no peak.
-        steady = np.minimum(np.minimum(kirchhoff[:-2], kirchhoff[1:-1]), kirchhoff[2:])
-        peak = np.maximum.accumulate(steady)
-        later = np.maximum(np.maximum(kirchhoff[:-2], kirchhoff[1:-1]), kirchhoff[2:])
-        falls = np.where(peak > 0.0, 1.0 - later / np.where(peak > 0.0, peak, 1.0), 0.0)
-        worst = int(np.argmax(falls))
-        if falls[worst] > _FALLS:
-            begins = float(part.stretch[1 + int(np.argmax(steady[: worst + 1]))])
-            found[float(falls[worst])] = (
-                f"{curve.source}: between stretches of {begins:.2f} and {part.stretch[1 + worst]:.2f} the stress falls "
-                f"behind 1 / stretch by {100.0 * falls[worst]:.0f} %: no stable law has a plateau so flat, of however "
-                "many terms; what is nearest to all tests is taken, and the press takes a compression as a table too"
-            )
-    return [found[max(found)]] if found else []
 
 
 def _side(curves: Sequence[TestCurve], side: str) -> list[TestCurve]:

@@ -21,6 +21,7 @@ from hyperfab.console import NEGATIVE_VERDICT
 from hyperfab.documents.material import FitFigures, MaterialDocument, TestFigures
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.layout import layout
+from hyperfab.io.output import Output
 from hyperfab.io.specimen import Geometry
 from hyperfab.io.units import quantity
 from hyperfab.materials import law, laws
@@ -32,7 +33,7 @@ from hyperfab.materials.law import Law
 
 def run(job: Job, case: FitCase) -> int:
     """Identify constants and write the material document; 1 where no law is accepted."""
-    out = job.opened(job.target, (".csv", ".png"))
+    out = job.opened(job.target, (".csv", ".png", *((_TABLE,) if case.model in ORDERS else ())))
     model, relative = case.model, case.objective == "relative"
     named = {
         "": case.files,
@@ -58,15 +59,18 @@ def run(job: Job, case: FitCase) -> int:
     fitted = _whole if foam or model == "orthotropic" else _by_direction
     document, beside = fitted(job, readings, setting, case)
     if out.wants_files:
-        csv, picture = beside()
-        out.add(".csv", csv)
-        out.add(".png", picture)
+        for suffix, data in beside().items():
+            out.add(suffix, data)
     job.write(out, document, case, thickness_mm=document.thickness_mm)
     return 0 if document.accepted else NEGATIVE_VERDICT
 
 
-#: The document, and what makes the table and the picture beside it.
-_Fitted = tuple[MaterialDocument, Callable[[], tuple[bytes, bytes]]]
+#: The document, and what makes the tables and the picture beside it, by suffix.
+_Fitted = tuple[MaterialDocument, Callable[[], dict[str, bytes]]]
+#: Of the table that the press takes where no law has a foam's plateau.
+_TABLE = ".compression.csv"
+#: A table that was levelled by less only scatters.
+_LEVELLED = 0.01
 
 
 def _by_direction(job: Job, readings: Readings, setting: Setting, case: FitCase) -> _Fitted:
@@ -89,10 +93,10 @@ def _by_direction(job: Job, readings: Readings, setting: Setting, case: FitCase)
         known = document.tested_stretch(way)
         job.ranges.used("stretch", curve.stretch, known=known, source=curve.source, direction=way)
 
-    def beside() -> tuple[bytes, bytes]:
+    def beside() -> dict[str, bytes]:
         from hyperfab.chapters.fit.siblings import law_csv, law_picture
 
-        return law_csv(best, sets, setting), law_picture(best, sets, setting)
+        return {".csv": law_csv(best, sets, setting), ".png": law_picture(best, sets, setting)}
 
     return document, beside
 
@@ -101,9 +105,9 @@ def _whole(job: Job, readings: Readings, setting: Setting, case: FitCase) -> _Fi
     """Identify one energy for all tests: that of a foam, or of the whole sheet."""
     with job.console.progress("Identifying") as advance:
         advance(0.0, case.model)
-        if case.model in ORDERS:
-            from hyperfab.chapters.fit.hyperfoam import fit_foam
+        from hyperfab.chapters.fit.hyperfoam import FoamFit, fit_foam
 
+        if case.model in ORDERS:
             fit: WholeFit[Any] = fit_foam(readings, setting, ORDERS[case.model])
         else:
             from hyperfab.chapters.fit.orthotropic import fit_sheet
@@ -142,7 +146,25 @@ def _whole(job: Job, readings: Readings, setting: Setting, case: FitCase) -> _Fi
         job.ranges.used(
             "stretch", curve.stretch, known=known, source=curve.source, direction=curve.direction_name
         )
-    return document, lambda: (fit.curves_csv(), fit.picture())
+
+    def beside() -> dict[str, bytes]:
+        found = {".csv": fit.curves_csv(), ".png": fit.picture()}
+        table = fit.table() if isinstance(fit, FoamFit) else None
+        if table is not None:
+            found[_TABLE] = table[0]
+            _tell_table(job, Output(job.target).path(_TABLE).name, table[1])
+        return found
+
+    return document, beside
+
+
+def _tell_table(job: Job, name: str, levelled: float) -> None:
+    """Say how the press takes what no law has."""
+    why = f", levelled by {100.0 * levelled:.1f} % of its peak where it falls" if levelled > _LEVELLED else ""
+    job.console.note(
+        f'{name} is the loading as a table{why}. In foam.toml: compression = {{ table = "{name}" }} and thickness = '
+        '"10 mm", that of the foam; then: hf press-contact --male m.stl --female f.stl --foam foam.toml --gap 3mm'
+    )
 
 
 def _stress(text: str | None, option: str, sizes: Geometry) -> float | None:

@@ -87,7 +87,7 @@ def formed(setting: Setting, column: Column, dwell: float, closed: Closed) -> Fo
     foam = np.broadcast_to(np.asarray(sandwich.foam, dtype=float), gap.shape)
     now, fabric = sandwich.pressed(gap)
     strain = 1.0 - now / foam
-    share, hottest = stays(setting.law, column.at, dwell, strain)
+    share, hottest = stays(setting.law, column.at_depths, dwell, strain)
     thickness = np.asarray(sandwich.thickness - share * strain * foam)
     return Formed(setting, thickness, thickness - now - fabric, share, strain > 0.0, hottest)
 
