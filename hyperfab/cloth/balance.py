@@ -8,7 +8,9 @@ from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.threads import in_rows
 
 from .contact import Laid, move, settle
+from .halves import mirrors, reflect
 from .membrane import energy_of
+from .mirror import mean
 from .mold import Mold
 from .net import Sheet
 from .state import Equilibrium, State, Step
@@ -38,6 +40,10 @@ class Balance:
         # What a sheet that only just touches the mold is measured by: its own forces are rounding.
         relaxed = RELAXED * sheet.skew * float(self.model.net.rest.max())
         self.unstretched = self.stiffness * max(relaxed, ROUNDED * max(sheet.size) / tolerance)
+        self.mirrors = mirrors(sheet, mold)
+        for axis in self.mirrors:
+            if self.size[axis] % 2:  # the nodes in the plane stay in it
+                np.moveaxis(self.fixed, axis, 0)[self.size[axis] // 2] |= np.uint8(1 << axis)
         self.energy, self.strongest = 0.0, 0.0
         self.worst, self.where, self.contacts, self.released = 0.0, 0, 0, 0
 
@@ -53,7 +59,20 @@ class Balance:
 
     def forces(self, now: State) -> None:
         """Find the energy and the forces."""
-        self.energy, self.strongest = self.model.forces(now.x, now.clear, self.f)
+        self.energy, self.strongest = self.found(now, self.f)
+
+    def found(self, at: State, f: Array) -> tuple[float, float]:
+        """Energy and largest spring force at a place, and into ``f`` the forces."""
+        energy, strongest = self.model.forces(at.x, at.clear, f)
+        for axis in self.mirrors:
+            mean(f, axis)
+            self.model.push[axis] = 0.0
+        return energy, strongest
+
+    def even(self, now: State) -> None:
+        """Let nodes follow their images where sheet and mold are their own mirror image."""
+        for axis in self.mirrors:
+            reflect(now, axis, self.model.mold, self.fixed)
 
     def settle(self, now: State) -> None:
         """Decide the contact of every node under the forces; nodes put onto a valley or off an edge change them."""
@@ -85,6 +104,7 @@ class Balance:
         """``out`` = nodes at ``now.x + alpha d``, back on the mold where they touch it; ``laid`` as at ``now``."""
         laid, mold = laid or self.laid(), self.model.mold
         in_rows(lambda first, last: move(now, d, alpha, mold, out, laid, first, last), *self.size)
+        self.even(out)
 
     def line(self, iteration: int, alpha: float = 1.0, inner: int = 0) -> Step:
         """A line of the history."""

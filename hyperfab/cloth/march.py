@@ -42,6 +42,7 @@ def march(
     now, trial = start.copy(), start.copy()
     history: list[Step] = []
     limit = np.inf
+    balance.even(now)
     for iteration in range(largest + 1):
         balance.forces(now)
         if take_back is not None:

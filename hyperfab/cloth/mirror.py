@@ -55,8 +55,8 @@ def _is_even(r: Array, q: Array, mirror: int, forces: float) -> bool:
 
 
 @kernel
-def _even(d: Array, mirror: int) -> None:
-    """d = the mean of d and its image."""
+def mean(d: Array, mirror: int) -> None:
+    """d (n, m, 3) = the mean of d and its image by one of the mirrors."""
     n, m = d.shape[0], d.shape[1]
     for i in range(n):
         for j in range(m):
@@ -73,4 +73,4 @@ def even(d: Array, r: Array, q: Array, worst: float) -> None:
     """Mirror a step ``d`` (n, m, 3) as the forces ``r`` and projectors ``q`` (n, m, 6) are; ``worst``: largest r."""
     for mirror in range(MIRRORS if r.shape[0] == r.shape[1] else 2):
         if _is_even(r, q, mirror, FORCES * worst):
-            _even(d, mirror)
+            mean(d, mirror)

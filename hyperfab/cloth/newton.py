@@ -49,6 +49,7 @@ def equilibrium(
     now, trial = start.copy(), start.copy()
     tangent, solver = Tangent.empty(n, m, model.directions, balance.q), Solver(n, m, model.directions)
     spare, d = np.zeros((n, m, 3)), np.zeros((n, m, 3))
+    balance.even(now)
     balance.forces(now)
     history: list[Step] = []
     if not np.isfinite(balance.energy):
@@ -89,7 +90,7 @@ def equilibrium(
             if friction is not None:
                 friction.catch(trial.x, trial.contact, trial.slot, trial.clear)
                 spent = friction.cost(now.x, trial.x, balance.q)
-            energy_t, strongest_t = model.forces(trial.x, trial.clear, spare)
+            energy_t, strongest_t = balance.found(trial, spare)
             rounding = 1e-14 * abs(energy) + 1e-300
             if energy_t + spent <= energy - 1e-4 * alpha * slope + rounding:
                 break
