@@ -24,10 +24,11 @@ ROUNDED = 4.0 * float(np.finfo(float).eps)
 class Balance:
     """Forces ``f``, projectors ``q`` on the allowed subspaces, unbalanced forces ``r`` and contact forces ``press``.
 
-    A node is let go by the mold when pulled off it by more than a thousandth of ``tolerance`` (relative).
+    A node is let go by the mold when pulled off it by more than a thousandth of ``tolerance`` (relative). ``even``:
+    where sheet and mold are their own mirror image, so is what is sought.
     """
 
-    def __init__(self, sheet: Sheet, mold: Mold, tolerance: float) -> None:
+    def __init__(self, sheet: Sheet, mold: Mold, tolerance: float, even: bool = True) -> None:
         n, m = sheet.n, sheet.m
         self.size, self.fixed, self.tolerance = (n, m), sheet.fixed, tolerance
         self.model = energy_of(sheet, mold)
@@ -40,7 +41,7 @@ class Balance:
         # What a sheet that only just touches the mold is measured by: its own forces are rounding.
         relaxed = RELAXED * sheet.skew * float(self.model.net.rest.max())
         self.unstretched = self.stiffness * max(relaxed, ROUNDED * max(sheet.size) / tolerance)
-        self.mirrors = mirrors(sheet, mold)
+        self.mirrors = mirrors(sheet, mold) if even else ()
         for axis in self.mirrors:
             if self.size[axis] % 2:  # the nodes in the plane stay in it
                 np.moveaxis(self.fixed, axis, 0)[self.size[axis] // 2] |= np.uint8(1 << axis)

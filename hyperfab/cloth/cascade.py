@@ -58,7 +58,10 @@ def _begun(sheet: Sheet, mold: Mold) -> State:
     start = lowered(sheet, mold)
     if sheet.membrane is None:
         return start
-    start = equilibrium(replace(sheet, membrane=None), mold, start, COARSE_TOLERANCE).state
+    net = replace(sheet, membrane=None)
+    start = equilibrium(
+        net, mold, start, COARSE_TOLERANCE, even_shapes=False
+    ).state  # as its membrane is sought
     if all(bits & (X | Y) == X | Y for bits in sheet.edges):
         return start
     return equilibrium(sheet, mold, start, COARSE_TOLERANCE, longest=0.5).state

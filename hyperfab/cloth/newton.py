@@ -31,6 +31,7 @@ def equilibrium(
     report: Callable[[Step], None] | None = None,
     friction: Friction | None = None,
     longest: float = 1.0,
+    even_shapes: bool = True,
 ) -> Equilibrium:
     """Move a sheet from ``start`` to where no node feels an unbalanced force.
 
@@ -38,10 +39,10 @@ def equilibrium(
     normals), Newton's step is found in the allowed subspace of every node, and shortened until the energy has fallen.
     Nodes that would enter the mold are set on it. Ends when the largest unbalanced nodal force is below ``tolerance``
     times the largest spring force. ``friction`` resists within one load step. ``longest``: the share of Newton's step
-    that is tried first.
+    that is tried first. ``even_shapes``: a net and a mold that are their own mirror image rest so.
     """
     n, m = sheet.n, sheet.m
-    balance = Balance(sheet, mold, tolerance)
+    balance = Balance(sheet, mold, tolerance, even_shapes)
     model = balance.model
     sharp = len(mold.creases.corners) > 0
     if largest is None:

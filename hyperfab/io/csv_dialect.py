@@ -114,6 +114,16 @@ def _of_workbook(data: bytes, name: str, picked: str | None, fits: Fits, layout:
         blocks = blocks[:1] if layout.skip_rows is not None else understood(blocks, f"{name}:{title}")
         full = name if picked else f"{name}:{title}"
         found += [replace(_sheet(block, full, "cell", {}, fits, layout), label=title) for block in blocks]
+    if not found:  # the only table there is: its columns are then named in the message
+        tables = [
+            (title, block)
+            for title, rows in worksheets(data, name, picked)
+            for block in find([row for row in rows if any(row[1])], lambda heads: len(heads) > 1, layout)
+        ]
+        if len(tables) == 1:
+            [(title, block)] = tables
+            full = name if picked else f"{name}:{title}"
+            return [replace(_sheet(block, full, "cell", {}, fits, layout), label=title)]
     heads = {tuple(one.title for one in sheet.headings) for sheet in found}
     if len(heads) > 1 or not found:
         names = [title for title, _ in worksheets(data, name, picked)]

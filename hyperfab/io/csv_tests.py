@@ -20,7 +20,7 @@ from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import kind_named, word_for
 from hyperfab.io.layout import Choice, Layout, filled_in, layout
 from hyperfab.io.roles import STRESSES, STRETCHES, Roles, fits, no_test, roles, specimens, understood
-from hyperfab.io.row_states import directions, of_each_row, words_or_stated
+from hyperfab.io.row_states import directions, held_down, of_each_row, words_or_stated
 from hyperfab.io.specimen import Geometry, Loading, read_geometry, read_loading
 from hyperfab.io.tables import NO_READING, is_number
 
@@ -123,7 +123,7 @@ def _read_sheet(
     notes: list[str] = []
     sizes = read_geometry(sheet, geometry, mark, notes)
     ways = directions(sheet, columns)
-    named = words_or_stated(sheet, columns, "specimen")
+    named = held_down(words_or_stated(sheet, columns, "specimen"))
     numbered = (
         [label] * len(sheet.lines) if label and len(set(named)) <= 1 and not (named and named[0]) else named
     )

@@ -186,13 +186,19 @@ def meaning(head: Heading) -> Meaning | None:
         first, _, last = label.rpartition(" ")
         if last in ("nr", "no", "id", "num"):
             return Meaning("aside")
+        if setting(last) is not None and is_known(re.sub(r"[ 0-9]+$", "", first)):
+            return Meaning("aside")  # a size that the channel was set up with: Extensometer 1.L0
         if first and len(last) <= 2 and last not in _AXES:  # a symbol: Kraft F, Zeit t
             found = [replace(one, rank=1) for one in looked_up(first)]
+            own = {one.name for one in looked_up(last)} & {"length"}
+            if own and found and not own & {one.name for one in found}:
+                return None  # word and symbol gainsay each other: Extensometer L
     if not found:
         core = " ".join(word for word in label.split() if not _is_filler(word))
         found = [replace(one, rank=2) for one in looked_up(core)] if core != label else []
-    if not found and ":" in head.label:  # a group of channels before the one: Analog input: Force
-        behind = meaning(replace(head, label=head.label.rpartition(":")[2].strip()))
+    group = re.fullmatch(r".*(?::|[^\W_]\.(?=[^\W\d]))(.+)", head.label)
+    if not found and group:  # a group of channels before the one: Analog input: Force, Extensometer 1.ΔL
+        behind = meaning(replace(head, label=group[1].strip()))
         return behind and replace(behind, rank=2)
     found = [replace(one, name=name) for one in found if (name := _measured(one.name, head.title))]
     fitting = [one for one in (_fitted(one, head.unit) for one in found) if one is not None]

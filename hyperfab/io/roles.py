@@ -311,20 +311,25 @@ def proposed(sheet: CsvSheet, found: Roles) -> list[tuple[str, str]]:
         one for one in sheet.headings
         if one.index not in entries and one.title and any(map(is_number, sheet.columns[one.index][:5]))
         and not any(column.heading.index == one.index for column in found.columns.values())
-        and not is_unread(one)
+        and not is_unread(one) and not _is_size(one)
     ]  # fmt: skip
     for one in numeric:
-        kind = next((name for kind, name in _BY_KIND.items() if one.unit and is_of(one.unit, kind)), None)
+        own = one.unit or unit_of(one.title)  # a head may be of units alone
+        kind = next((name for kind, name in _BY_KIND.items() if own and is_of(own, kind)), None)
         if (yarn := _FINENESS.fullmatch(one.unit or "")) and not have & set(STRESSES):
             have.add("force")
             entries[one.index] = (one.title, f"force [{yarn[1]}]")
         if kind is None and one.unit is not None and unit_of(one.unit) and is_of(one.unit, "dimensionless"):
             kind = "strain"
+        if kind == "extension" and _is_long(sheet.columns[one.index]):
+            kind = "length"
         if kind and kind not in have:
             have.add(kind)
-            entries[one.index] = (one.title, f"{kind} [{one.unit}]")
+            entries[one.index] = (one.title, f"{kind} [{own}]")
     rest = [
-        one for one in numeric if one.index not in entries and (one.unit is None or not is_unit(one.unit))
+        one
+        for one in numeric
+        if one.index not in entries and not ((own := one.unit or unit_of(one.title)) and is_unit(own))
     ]
     if not have & set(STRETCHES) and rest:
         one = rest.pop(0)
@@ -333,6 +338,17 @@ def proposed(sheet: CsvSheet, found: Roles) -> list[tuple[str, str]]:
         one = rest.pop(0)
         entries[one.index] = (one.title, "stress [MPa]")
     return [entries[index] for index in sorted(entries)]
+
+
+def _is_size(head: Heading) -> bool:
+    """Whether a column tells a length that the channel was set up with, as Extensometer L0 does."""
+    return meaning(head) == Meaning("aside") and head.unit is not None and is_of(head.unit, "length")
+
+
+def _is_long(cells: Sequence[str]) -> bool:
+    """Whether a column begins with more than it changes by: the length itself, no change of one."""
+    values = [float(cell.replace(",", ".")) for cell in cells if re.fullmatch(r"[-+]?\d*[.,]?\d+", cell)]
+    return bool(values) and values[0] > max(values) - min(values) > 0.0
 
 
 def unitless(sheet: CsvSheet, columns: Sequence[Column]) -> str:

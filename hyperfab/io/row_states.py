@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -75,6 +76,19 @@ def words_or_stated(sheet: CsvSheet, columns: Roles, name: str) -> list[str | No
         return [text or None for text in words(sheet, column.heading)]
     entry = stated(sheet, name)
     return [entry.value or None if entry else None] * len(sheet.lines)
+
+
+def held_down(told: Sequence[str | None]) -> list[str | None]:
+    """Names that stand in the first of their rows alone, as merged cells have them, down to the next.
+
+    >>> held_down(["A", None, None, "B", None]), held_down([None, "A"]), held_down(["A", None, "A"])
+    (['A', 'A', 'A', 'B', 'B'], [None, 'A'], ['A', None, 'A'])
+    """
+    found, once = list(told), [text for text in told if text is not None]
+    if found and found[0] is not None and len(set(once)) == len(once):
+        for row in range(1, len(found)):
+            found[row] = found[row] or found[row - 1]
+    return found
 
 
 def of_each_row(

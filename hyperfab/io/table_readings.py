@@ -32,6 +32,11 @@ def readings(block: Block, fits: Fits, name: str, separator: str, layout: Layout
     width = len(block.headings)
     kept: list[Row] = []
     waiting: list[Row] = []
+    properties = _properties(block.rows)
+    if properties:
+        block.left_out["property of the channels, no reading"] += properties
+        block.words += [cells[0][:40] for _, cells in block.rows[:properties]]
+        block.rows = block.rows[properties:]
     reading = [k for k, (_, cells) in enumerate(block.rows) if _reads(cells, block.headings)]
     while len(reading) > 2 and _is_remark([block.rows[k][1] for k in reading]):
         reading.pop()
@@ -49,6 +54,23 @@ def readings(block: Block, fits: Fits, name: str, separator: str, layout: Layout
             waiting.append((line, cells))
     block.rows = kept
     return [block]
+
+
+def _properties(rows: Sequence[Row]) -> int:
+    """How many rows below the head tell of the channels (sensor, calibration) and are named in a column of their own.
+
+    Below them that column is empty, and at least one says in words what stands in numbers there.
+    """
+    count = next((k for k, (_, cells) in enumerate(rows) if not cells[0]), 0)
+    if not 0 < count < len(rows) or any(cells[0] for _, cells in rows[count:]):
+        return 0
+    below = rows[count][1]
+    words = any(
+        cell[:1].isalpha() and NO_READING.fullmatch(cell) is None and is_number(number)
+        for _, cells in rows[:count]
+        for cell, number in zip(cells, below, strict=False)
+    )
+    return count if words and all(cells[0][0].isalpha() for _, cells in rows[:count]) else 0
 
 
 def _is_remark(rows: Sequence[Sequence[str]]) -> bool:

@@ -12,6 +12,7 @@ import machine_exports as exports
 import numpy as np
 import office_exports
 import pytest
+import stand_exports
 
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_tests import TestData, read_tests
@@ -45,8 +46,13 @@ MACHINES = (
     "thousands",
     "percent_cells",
 )
-OTHERS = exports.others() | office_exports.office() | lab_exports.labs()
-UNDECIDED = exports.undecided() | office_exports.to_settle() | lab_exports.labs_to_settle()
+OTHERS = exports.others() | office_exports.office() | lab_exports.labs() | stand_exports.stands()
+UNDECIDED = (
+    exports.undecided()
+    | office_exports.to_settle()
+    | lab_exports.labs_to_settle()
+    | stand_exports.stands_to_settle()
+)
 
 
 def read(data: bytes, name: str, **options: object) -> list[TestData]:
@@ -91,6 +97,21 @@ def test_a_guess_that_could_be_wrong_is_refused_with_the_option_that_settles_it(
     assert match, caught.value
     [pasted] = shlex.split(match[1])
     same_bits(read(UNDECIDED[name], name, columns=layout([pasted])))
+
+
+def test_properties_of_channels_that_could_be_readings_are_not_left_out() -> None:
+    """Without a column of their own a row of words is refused, and a specimen named in its first row alone is data."""
+    rows = [f"{k},{x},{f}" for k, (x, f) in enumerate(exports.raw())]
+    with pytest.raises(InputError, match=r"line 3, .*Float is no number"):
+        read(
+            exports.joined(["Time,Extension,Force", "s,mm,N", "Float,Float,Float", "1,2,3", *rows]).encode(),
+            "a",
+        )
+    named = ["Specimen,Time,Extension,Force", ",s,mm,N", f"A,{rows[0]}", *[f",{row}" for row in rows[1:]]]
+    [found] = read(exports.joined(named).encode(), "b")
+    assert len(found.stretch) == len(rows)
+    [told] = read(stand_exports.stands()["channels_with_properties"], "c")
+    assert told.left_out == {"property of the channels, no reading": 4}
 
 
 @pytest.mark.parametrize(
