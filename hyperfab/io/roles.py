@@ -24,7 +24,7 @@ from hyperfab.io.headings import (
     unit_of,
 )
 from hyperfab.io.layout import filled_in
-from hyperfab.io.tables import is_number, shape
+from hyperfab.io.tables import is_length, is_number, shape
 from hyperfab.io.units import is_unit
 
 #: What gives a stretch and what a stress, the surest first.
@@ -321,7 +321,7 @@ def proposed(sheet: CsvSheet, found: Roles) -> list[tuple[str, str]]:
             entries[one.index] = (one.title, f"force [{yarn[1]}]")
         if kind is None and one.unit is not None and unit_of(one.unit) and is_of(one.unit, "dimensionless"):
             kind = "strain"
-        if kind == "extension" and _is_long(sheet.columns[one.index]):
+        if kind == "extension" and is_length(sheet.columns[one.index]):
             kind = "length"
         if kind and kind not in have:
             have.add(kind)
@@ -343,12 +343,6 @@ def proposed(sheet: CsvSheet, found: Roles) -> list[tuple[str, str]]:
 def _is_size(head: Heading) -> bool:
     """Whether a column tells a length that the channel was set up with, as Extensometer L0 does."""
     return meaning(head) == Meaning("aside") and head.unit is not None and is_of(head.unit, "length")
-
-
-def _is_long(cells: Sequence[str]) -> bool:
-    """Whether a column begins with more than it changes by: the length itself, no change of one."""
-    values = [float(cell.replace(",", ".")) for cell in cells if re.fullmatch(r"[-+]?\d*[.,]?\d+", cell)]
-    return bool(values) and values[0] > max(values) - min(values) > 0.0
 
 
 def unitless(sheet: CsvSheet, columns: Sequence[Column]) -> str:

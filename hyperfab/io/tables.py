@@ -189,10 +189,20 @@ def transposed(rows: Sequence[Row]) -> list[Row]:
 
 def shape(cells: Sequence[str]) -> str:
     """Return the name that the first readings of a column of stretches suggest."""
-    values = [float(cell.replace(",", ".")) for cell in cells if re.fullmatch(r"[-+]?\d*[.,]?\d+", cell)]
+    values = _values(cells)
     if values and values[0] >= 0.9 and max(values) < 20.0:
         return "stretch"
     return "strain [%]" if values and max(values) > 3.0 else "strain [-]"
+
+
+def is_length(cells: Sequence[str]) -> bool:
+    """Whether a column begins with more than it changes by: a length itself, no change of one."""
+    values = _values(cells)
+    return bool(values) and values[0] > max(values) - min(values) > 0.0
+
+
+def _values(cells: Sequence[str]) -> list[float]:
+    return [float(cell.replace(",", ".")) for cell in cells if re.fullmatch(r"[-+]?\d*[.,]?\d+", cell)]
 
 
 def _joined(rows: Sequence[Row], place: int, upper: int | None, width: int) -> list[str]:

@@ -30,3 +30,12 @@ def position(text: str, offset: int) -> tuple[int, int]:
     (2, 2)
     """
     return text.count("\n", 0, offset) + 1, offset - text.rfind("\n", 0, offset)
+
+
+def number_of_rows(count: int) -> str:
+    """Return a number of rows in words.
+
+    >>> number_of_rows(1), number_of_rows(240)
+    ('1 row', '240 rows')
+    """
+    return f"{count} row{'' if count == 1 else 's'}"

@@ -45,7 +45,7 @@ def rows(*pairs: tuple[float, float]) -> str:
 
 def test_a_curve_is_taken_as_it_stands_up_to_its_last_reading(read):
     curve, said = read(rows((1.0, 0.0), (1.2, 0.1), (1.5, 0.4), (1.8, 1.0)))
-    assert [line.split(": ", 1)[1] for line in said] == ["1 rows left out: not stretched"]
+    assert [line.split(": ", 1)[1] for line in said] == ["1 row left out: not stretched"]
     assert curve.tested == 1.8
     assert curve.fails_at is None
     assert curve.thickness is None
@@ -79,7 +79,7 @@ def test_specimens_are_averaged_as_far_as_all_of_them_go(read):
     assert curve.tested == pytest.approx(1.4)
     expected = [0.5 * (0.2 + 0.4), 0.5 * (0.3 + 0.6), 0.5 * (0.4 + 0.8)]
     assert curve.law([1.2, 1.3, 1.4])[1] == pytest.approx(expected, rel=1e-12)
-    assert any("1 rows left out: beyond the stretch that all specimens reach" in line for line in said)
+    assert any("1 row left out: beyond the stretch that all specimens reach" in line for line in said)
 
 
 def test_a_stress_that_falls_is_levelled_to_the_nearest_rising_curve(read):

@@ -9,8 +9,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import skfem
 from conftest import Run
+from skfem.models.elasticity import linear_elasticity
 
+from hyperfab.chapters.fit.specimens import HELD
 from hyperfab.materials import bind, laws
 from hyperfab.materials.modes import nominal_stress
 
@@ -348,6 +351,23 @@ def test_force_and_extension_of_a_standard_specimen(hf: Run, tmp_path: Path) -> 
     )
     assert found["parameters"]["C10_MPa"] == pytest.approx(0.2, rel=1e-6)
     assert "5 times as long as wide" in found["stderr"]
+    assert "about 1.3 % at the first" in found["stderr"]
+
+
+@pytest.mark.parametrize("aspect", [2, 4, 8])
+def test_a_strip_whose_ends_keep_their_width_is_so_much_stiffer(aspect: int) -> None:
+    """Quadratic finite elements of linear plane stress, Poisson's ratio a half, against what the warning says."""
+    cells = 12
+    mesh = skfem.MeshQuad.init_tensor(
+        np.linspace(0.0, aspect, cells * aspect + 1), np.linspace(0.0, 1.0, cells + 1)
+    )
+    basis = skfem.Basis(mesh, skfem.ElementVector(skfem.ElementQuad2()))
+    stiffness = linear_elasticity(0.5 / (1.0 - 0.25), 1.0 / 3.0).assemble(basis)
+    ends = [basis.get_dofs(lambda x, at=at: np.abs(x[0] - at) < 1e-9) for at in (0.0, aspect)]
+    u = basis.zeros()
+    u[ends[1].nodal["u^1"]] = u[ends[1].facet["u^1"]] = 1.0
+    u = skfem.solve(*skfem.condense(stiffness, x=u, D=np.concatenate([one.flatten() for one in ends])))
+    assert (u @ (stiffness @ u)) * aspect - 1.0 == pytest.approx(HELD / aspect, rel=0.04)
 
 
 def test_volumetric_test_gives_the_bulk_modulus(hf: Run, tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ from hyperfab.cloth import SpringLaw, piecewise_linear
 from hyperfab.errors import InputError
 from hyperfab.io.csv_tests import TestData, read_tests
 from hyperfab.io.specimen import Geometry
+from hyperfab.io.text import number_of_rows
 from hyperfab.numerics.hygiene import first_loading
 
 #: Tests further apart than this in temperature [K] are not of one curve.
@@ -67,7 +68,7 @@ def read_curve(job: Job, option: str, name: str, direction: float, thickness: fl
         )
     for reason, count in sorted(dropped.items()):
         if count:
-            job.console.note(f"{name}: {count} rows left out: {reason}")
+            job.console.note(f"{name}: {number_of_rows(count)} left out: {reason}")
     try:
         law = piecewise_linear(stretch, level)
     except ValueError as error:

@@ -23,6 +23,7 @@ from hyperfab.errors import InputError, UsageError
 from hyperfab.io.layout import layout
 from hyperfab.io.output import Output
 from hyperfab.io.specimen import Geometry
+from hyperfab.io.text import number_of_rows
 from hyperfab.io.units import quantity
 from hyperfab.materials import law, laws
 from hyperfab.materials.hyperfoam import ORDERS
@@ -303,7 +304,7 @@ def _tell_data(job: Job, document: MaterialDocument, figures: str) -> None:
     for text in document.warnings or ():
         job.console.warn(text)
     for reason, count in (document.left_out or {}).items():
-        job.console.note(f"{count} rows left out: {reason}")
+        job.console.note(f"{number_of_rows(count)} left out: {reason}")
     job.console.note(figures)
 
 
