@@ -23,7 +23,8 @@ _SHEARED = "simple-shear"
 class Line:
     """One test: its readings, the curve of the constants, whether it was predicted, where it turns unstable.
 
-    ``expected`` are stretches and both ends of the band in which readings of one more specimen are to be expected.
+    ``back`` marks readings taken on the way back. ``expected`` are stretches and both ends of the band in which
+    readings of one more specimen are to be expected.
     """
 
     label: str
@@ -35,6 +36,7 @@ class Line:
     predicted: bool
     unstable_from: float | None
     expected: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None
+    back: NDArray[np.bool_] | None = None
 
 
 def fit_figure(panels: Sequence[tuple[str, Sequence[Line]]]) -> bytes:
@@ -74,18 +76,22 @@ def _panel(
     ends: tuple[float, float],
     words: tuple[str, str] = ("stretch", "nominal stress [MPa]"),
 ) -> None:
-    banded = False
+    banded, returned = False, False
     for number, line in enumerate(lines):
         colour = _COLOURS[number % len(_COLOURS)]
+        back = np.zeros(len(line.stretch), bool) if line.back is None else line.back
         axes.plot(
-            line.stretch,
-            line.stress,
+            line.stretch[~back],
+            line.stress[~back],
             _MARKS[number % len(_MARKS)],
             color=colour,
             markersize=3.5,
             markerfacecolor="none",
             alpha=0.45,
         )
+        if back.any():
+            returned = True
+            axes.plot(line.stretch[back], line.stress[back], ".", color=colour, markersize=2.5, alpha=0.45)
         if line.expected is not None:
             axes.fill_between(*line.expected, color=colour, alpha=0.15, linewidth=0)
             banded = True
@@ -108,5 +114,7 @@ def _panel(
     axes.grid(alpha=0.3)
     if banded:
         axes.fill_between([], [], [], color="0.5", alpha=0.3, linewidth=0, label="next specimen, 95 %")
+    if returned:
+        axes.plot([], [], ".", color="0.4", markersize=4, label="unloading")
     if lines:
         axes.legend(fontsize=8)

@@ -59,11 +59,13 @@ def loop_drawing(
     verdict: str,
     added: Sequence[str],
     value_words: Mapping[str, Sequence[str]] | None = None,
+    delivered: Array | None = None,
 ) -> Figure:
     """Return the picture.
 
     ``curves`` are the rows of each test, ``states`` the state variables the residual (in units of ``sd``) is drawn
     against; readings at scattered places are drawn as maps. ``value_words`` name what the values of a state number.
+    ``delivered``: what the model tells before any of its constants was refitted.
     """
     places = next((pair for pair in PLACES if all(name in states for name in pair)), None)
     shown = {name: values for name, values in states.items() if _varies(values)}
@@ -103,8 +105,20 @@ def loop_drawing(
             axes.set_ylabel("measured - model, in sd of a reading about its curve")
             axes.legend(fontsize=8, loc="best", markerscale=4)
     heading = _VERDICTS[verdict].format(", ".join(added) or "nothing")
-    figure.suptitle(heading)
+    figure.suptitle(f"{heading}\n{_missed(measured, delivered, before, after)}")
     return figure
+
+
+def _missed(measured: Array, delivered: Array | None, before: Array, after: Array) -> str:
+    """Return by how much of the readings (rms) the model misses them, as it was given and as it became."""
+    size = float(np.sqrt(np.mean(measured**2))) or 1.0
+    models = {"as delivered": delivered, "refitted": before, "at the end": after}
+    told = [
+        f"{100.0 * float(np.sqrt(np.mean((measured - one) ** 2))) / size:.2g} % {name}"
+        for name, one in models.items()
+        if one is not None and np.all(np.isfinite(one))
+    ]
+    return f"misses the readings by {', '.join(told)}" if told else ""
 
 
 def _varies(values: Array) -> bool:

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from conftest import Run
+from matplotlib.figure import Figure
 
+from hyperfab.chapters.fit.siblings import line
+from hyperfab.curve import TestCurve
 from hyperfab.materials import bind
 from hyperfab.materials.stability import stable_ranges
+from hyperfab.report.figures_fit import _panel
 
 from .test_fit import fit
 
@@ -99,3 +104,17 @@ def test_the_range_of_stability_is_told_with_what_ends_it(hf: Run, tmp_path: Pat
     t = fine * 2.0 * (fine - fine**-2) * (0.3 - 0.06 * y)
     assert told["first_unstable_stretch"] <= fine[np.argmax(t)] + 1e-4
     assert told["first_unstable_stretch"] > 1.2
+
+
+def test_readings_on_the_way_back_are_drawn_apart() -> None:
+    stretch = np.array([1.0, 1.5, 2.0, 1.5, 1.1])
+    curve = TestCurve("uniaxial", stretch, np.array([0.0, 0.4, 1.0, 0.2, 0.0]))
+    drawn = line([curve], None, (stretch, stretch), ["uniaxial"])
+    assert drawn.back is not None
+    assert drawn.back.tolist() == [False, False, False, True, True]
+    told = replace(curve, branch=np.array([1, 1, 1, 1, -1]))
+    assert line([told], None, (stretch, stretch), ["uniaxial"]).back.tolist() == [False] * 4 + [True]  # type: ignore[union-attr]
+    axes = Figure().add_subplot()
+    _panel(axes, "", [drawn], (0.0, 1.0))
+    assert [len(one.get_xdata()) for one in axes.lines][:2] == [3, 2]
+    assert "unloading" in [text.get_text() for text in axes.get_legend().get_texts()]

@@ -72,7 +72,7 @@ def describe(
             spread=spread[first],
             whitened=(before.residual[first], after.residual[first]),
             curves=_of_first(problem),
-            delivered=_delivered(problem)[first],
+            delivered=delivered_of(problem)[first],
         ),
         held_out=_held_out(problem, found, unit),
         residual=Residual(
@@ -141,7 +141,8 @@ def _judged(judgement: Judgement) -> dict[str, Any]:
     return {name: getattr(judgement, name) for name in Judged.model_fields}
 
 
-def _delivered(problem: Problem) -> Array:
+def delivered_of(problem: Problem) -> Array:
+    """Return what the model predicts with its constants as they were given."""
     return problem.predict(np.array([constant.value for constant in problem.own]), {})
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.cases.case import Case
 from hyperfab.cases.options import words
-from hyperfab.chapters.close_loop.describe import column, describe, errors_of, lowered, say
+from hyperfab.chapters.close_loop.describe import column, delivered_of, describe, errors_of, lowered, say
 from hyperfab.chapters.close_loop.tentative import caution, noted
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import rerun
@@ -288,4 +288,5 @@ def picture(
         verdict=found.verdict,
         added=found.after.ids,
         value_words=value_words,
+        delivered=delivered_of(problem)[first],
     )
