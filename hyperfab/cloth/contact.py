@@ -212,7 +212,8 @@ def settle(
     """Decide the contact of every node under the forces f.
 
     Fills the projectors ``q``, the unbalanced force ``r`` and the normal force ``press`` (n, m) N; nodes are let go
-    when the force points outward by more than ``slack`` N. ``before`` is the slot of each node before the last move.
+    when the force points outward by more than ``slack`` N, or presses a membrane on a flat with less. ``before`` is the
+    slot of each node before the last move.
     Returns the largest unbalanced force, its node (flat index), the number of nodes on the mold, how many were let
     go, and how many were put onto a valley's line or off a sharp edge, so that the forces are no longer theirs.
     """
@@ -223,6 +224,9 @@ def settle(
     t, u = np.empty(3), np.empty(3)
     normals = np.empty((2, 3))
     worst, where, contacts, changed, moved = 0.0, 0, 0, 0, 0
+    # Beside a sharp edge a membrane may rise off a flat facet that it does not press on. Were its nodes held until they
+    # are pulled off, one row of them a step would follow the row before.
+    least = -slack if net.tension.shape[0] > 0 else slack
     for i in range(n):
         for j in range(m):
             press[i, j] = 0.0
@@ -243,7 +247,7 @@ def settle(
                         state[i, j] = s
                         before[i, j] = slot[i, j]
                         moved += 1
-                if s == ON_FACE and dot(f[i, j], mold.normals[slot[i, j], 0]) > slack:
+                if s == ON_FACE and dot(f[i, j], mold.normals[slot[i, j], 0]) > least:
                     s = FREE
             elif s > ON_FACE and s <= ON_FACE + 3 and mold.turn[slot[i, j], s - ON_FACE - 1] > SHARP:
                 s = pinned(mold, net, x, f, i, j, slot, s, bent, ways, hinges, slack)

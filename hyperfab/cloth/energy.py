@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from hyperfab.arrays import Array, Ints
 
@@ -39,8 +38,8 @@ class Energy:
 
         Where edges meet, or beside a curved one, a spring has several ways around that jump from one to the next, and
         no equilibrium may exist. What it then cuts off the mold is part of the penetration reported. ``where``: leave
-        the springs of this node (flat index) and its neighbours instead. False where there are none. Finds the
-        forces' ways at ``trial``.
+        the springs of this node (flat index) and its neighbours instead. False where there are none. What the last
+        forces found of a place stays.
         """
         near = np.zeros(self.straight.shape, np.bool_)
         if where is None:
@@ -52,24 +51,21 @@ class Energy:
         else:
             i, j = divmod(where, near.shape[1])
             near[max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2] = True
-            near &= self._laid(now)
+            springs, _ = self._found(now.x, now.clear)
+            laid = np.zeros(near.shape, np.bool_)
+            laid[springs[:, 0], springs[:, 1], springs[:, 2]] = True
+            near &= laid
         near &= ~self.straight
         self.straight |= near
         return bool(near.any())
-
-    def _laid(self, at: State) -> npt.NDArray[np.bool_]:
-        out = np.zeros(self.straight.shape, np.bool_)
-        self._lay(at.x, at.clear)
-        out[self.springs[:, 0], self.springs[:, 1], self.springs[:, 2]] = True
-        return out
 
     def _lengths(self, at: State) -> Array:
         """(n, m, 2) mm: all springs, bent ones along their ways."""
         out = np.zeros(self.straight.shape)
         out[:-1, :, 0] = np.linalg.norm(np.diff(at.x, axis=0), axis=2)
         out[:, :-1, 1] = np.linalg.norm(np.diff(at.x, axis=1), axis=2)
-        self._lay(at.x, at.clear)
-        out[self.springs[:, 0], self.springs[:, 1], self.springs[:, 2]] = self.ways[:, 12]
+        springs, ways = self._found(at.x, at.clear)
+        out[springs[:, 0], springs[:, 1], springs[:, 2]] = ways[:, 12]
         return out
 
     def forces(self, x: Array, clear: Array, f: Array) -> tuple[float, float]:
@@ -85,22 +81,26 @@ class Energy:
 
     def _lay(self, x: Array, clear: Array) -> None:
         self.push = np.zeros(3)
-        if x[:, :, 2].min() > self.highest:  # no spring reaches down to a sharp edge
-            self.springs, self.ways = self.springs[:0], self.ways[:0]
-            return
-        n, m = x.shape[:2]
+        self.springs, self.ways = self._found(x, clear)
+
+    def _found(self, x: Array, clear: Array) -> tuple[Ints, Array]:
+        """Springs that are bent at a place, and their ways."""
         room = max(256, 2 * len(self.springs))
+        springs, ways = np.empty((room, 4), np.int64), np.empty((room, 13))
+        if x[:, :, 2].min() > self.highest:  # no spring reaches down to a sharp edge
+            return springs[:0], ways[:0]
+        n, m = x.shape[:2]
         rows = max(1, ROWS // m)
         while True:
-            springs, ways, found = np.empty((room, 4), np.int64), np.empty((room, 13)), 0
+            found = 0
             for i in range(0, n, rows):
                 found = find_bends(
                     x, clear, self.mold, self.straight, springs, ways, i, min(i + rows, n), found
                 )
             if found <= room:
-                break
+                return springs[:found], ways[:found]
             room = found
-        self.springs, self.ways = springs[:found], ways[:found]
+            springs, ways = np.empty((room, 4), np.int64), np.empty((room, 13))
 
     def over(self, x: Array) -> Array:
         """(k, 3) mm: where the bent springs run over their edges."""

@@ -16,6 +16,8 @@ from .state import Equilibrium, State, Step
 
 #: Steps without progress after which springs that jump over edges of the mold are taken for what keeps it away.
 PATIENCE = 12
+#: Where two steps in a row are cut below this share and the way of a spring jumps, that spring is left straight.
+SHORT = 2.0**-6
 #: Steps allowed, and where nodes stop on sharp edges one by one.
 STEPS, SHARP_STEPS = 60, 240
 #: The linear systems are solved at least this well: setting them up costs more than a few inner steps.
@@ -57,6 +59,7 @@ def equilibrium(
         return balance.ended(now, "the law has no answer where the sheet begins", history)
     alpha, inner, relative_old, retried = 1.0, 0, 1.0, False
     lowest, least, idle = np.inf, np.inf, 0  # energy and residual, and steps since either fell
+    crawls = False  # the step before was cut below SHORT
     across = 0  # steps in a row that led over an edge of the mold to no lower energy
     status = "no equilibrium within the allowed steps"
     for iteration in range(largest + 1):
@@ -84,7 +87,7 @@ def equilibrium(
         even(d, balance.r, balance.q, balance.worst)
         inner, slope = solver.iterations, dot(balance.r, d)
         energy = balance.energy
-        alpha, laid, stops = longest, balance.laid(), False
+        alpha, laid, stops, left = longest, balance.laid(), False, False
         while True:
             balance.move(now, d, alpha, trial, laid)
             spent = 0.0
@@ -95,16 +98,22 @@ def equilibrium(
             rounding = 1e-14 * abs(energy) + 1e-300
             if energy_t + spent <= energy - 1e-4 * alpha * slope + rounding:
                 break
-            if stops or not sharp:
+            if not sharp:
                 alpha *= 0.5
+            elif (
+                stops
+            ):  # by the parabola through slope and energies; where a way jumps the energy rises steeply
+                rise = energy_t + spent - energy
+                alpha *= min(0.5, max(0.1, 0.5 * slope * alpha / (rise + slope * alpha)))
             else:  # a way over a sharp edge may lead uphill: nodes stop on it first
                 now.crossed[:], stops = 1, True
-            if alpha < 1e-6:
+            left = alpha < SHORT and sharp and crawls and model.leave(now, trial)
+            if left or alpha < 1e-6:
                 break
         fell = energy < lowest - 1e-9 * abs(lowest) or relative < 0.9 * least
         lowest, least, idle = min(energy, lowest), min(relative, least), 0 if fell else idle + 1
         stalled = sharp and (alpha < 1e-6 or idle > PATIENCE)
-        if stalled and (model.leave(now, trial) or model.leave(now, trial, balance.where)):
+        if left or (stalled and (model.leave(now, trial) or model.leave(now, trial, balance.where))):
             lowest, least = np.inf, np.inf
             balance.forces(now)
             continue
@@ -119,6 +128,7 @@ def equilibrium(
             break
         else:
             across = 0
+        crawls = alpha < SHORT
         if friction is not None:
             friction.blocked[:] = False
         retried = False

@@ -138,7 +138,8 @@ def settings_of(draped: Draped, own: Array, amounts: Mapping[str, float]) -> Arr
         ratio = {name: ratio[name] / factor if scales else ratio[name]
                  for name, scales in zip(draped.names, draped.scales, strict=True)}  # fmt: skip
         for name, had in zip(("shear", "mass"), draped.carried, strict=True):
-            given[name] = (had + given[name]) / factor - had
+            if name in given:
+                given[name] = (had + given[name]) / factor - had
     return np.array([given[a.name] if a.name in given else ratio[a.name.removeprefix("law ")]
                      for a in draped.kriged.axes])  # fmt: skip
 
@@ -210,7 +211,7 @@ def drape_problem(
     context = DataContext(
         prestretch=(axes["prestretch"].down, axes["prestretch"].up),
         friction=axes["friction"].up if axes["friction"].up > 1e-3 else 0.0,
-        shear=axes["shear"].up,
+        shear=axes["shear"].up if "shear" in axes else 0.0,
         mass=axes["mass"].up,
     )
 
@@ -258,7 +259,7 @@ _SMOOTH = ("prestretch", "shear", "mass")
 
 
 def places(axes: Sequence[Axis]) -> list[dict[str, float]]:
-    """Return the settings to run besides the base, by axis, as shares of its reach.
+    """Return the settings to run besides the base, by axis, as shares of its reach; those without an axis are left out.
 
     >>> axes = [Axis("law warp", 1.0, 0.3), *(Axis(n, 0.0, 1.0) for n in ("prestretch", "shear", "mass", "friction"))]
     >>> len(places([*axes, Axis("weft more", 0.0, 1.0)]))
@@ -280,7 +281,8 @@ def places(axes: Sequence[Axis]) -> list[dict[str, float]]:
     found += [{"friction": a, name: b} for name in _SMOOTH for a, b in _RUBBING]
     found += [{"friction": 0.5, "weft more": 0.3}]
     found += [{name: _OWN, effect: _BESIDE} for name in own for effect in (*_SMOOTH, "friction")]
-    return found
+    names = {axis.name for axis in axes}
+    return [place for place in found if place.keys() <= names]
 
 
 def reached(axis: Axis, settings: Array) -> Axis:

@@ -230,3 +230,33 @@ def test_weight_of_a_draped_sheet_is_found(tmp_path: Path, hf: Run) -> None:
     warp = np.loadtxt(tmp_path / "loop.model.warp.csv", delimiter=",", skiprows=1)
     factor = document["constants"]["with_effects"]["warp"]  # type: ignore[index]
     assert warp[-1, 1] == pytest.approx(factor * nets.stress(np.array([2.0]), nets.WARP)[0][0], rel=1e-6)
+
+
+@pytest.mark.slow
+def test_the_law_of_a_membrane_has_its_own_shear(tmp_path: Path, hf: Run) -> None:
+    (tmp_path / "ball.stl").write_bytes(nets.ball_stl(rings=20, around=40))
+    fabric = {"format": "hyperfab.material/1", "model": "neo-hookean", "parameters": {"C10_MPa": 0.2}}
+    (tmp_path / "fabric.json").write_text(json.dumps(fabric))
+    words = [
+        "fabric.json",
+        "--sheet",
+        "membrane",
+        "--mold",
+        "ball.stl",
+        "--grid",
+        "9x9",
+        "--thickness",
+        "1mm",
+    ]
+    words += ["--size", f"{nets.SIDE}mmx{nets.SIDE}mm", "--depth", f"{nets.DEPTH}mm"]
+    done = hf("drape", *words, "-o", "drape.json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr.decode()
+    random = np.random.default_rng(7)
+    flat, found = nets.measure(nets.draw(random, ("gravity",)), random, 0.05, "poor")
+    csv(tmp_path / "markers.csv", "x0 [mm],y0 [mm],x [mm],y [mm],z [mm]", flat, found)
+    done = hf("close-loop", "drape.json", "--measured", "markers.csv", "-o", "loop.json", cwd=tmp_path)
+    assert done.returncode in (0, 1), done.stderr.decode()  # the markers are of a net of unlike threads
+    document = closed(tmp_path, "drape")
+    (shear,) = (one for one in document["candidates"] if one["id"] == "shear-stiffness")  # type: ignore[attr-defined]
+    assert shear["not_sought"] == "the law of a membrane has its own shear"
+    assert not [one for one in document["effects"] if one["id"] == "shear-stiffness"]  # type: ignore[attr-defined]

@@ -172,6 +172,44 @@ def test_a_sharp_punch_is_felt_alike_on_all_grids():
     assert np.ptp(forces) < 0.02 * np.mean(forces)
 
 
+def test_asking_which_sides_to_leave_straight_changes_nothing_that_is_known_of_the_forces():
+    mold = mold_of(punch(90), (0.0, 0.0, 40.0))
+    sheet = membrane(24, 24, IsotropicSheet(RUBBER), (200.0, 200.0))
+    found = drape(sheet, mold, 1e-4)
+    model, f = Membrane(sheet, mold), np.zeros_like(found.state.x)
+    model.forces(found.state.x, found.state.clear, f)
+    springs, ways, push = model.springs.copy(), model.ways.copy(), model.push.copy()
+    assert push[2] > 1.0
+    start = found.state._replace(x=np.add(sheet.flat(), [0.0, 0.0, 50.0]))
+    assert not model.leave(start, start)
+    assert not model.leave(start, start, 0)
+    np.testing.assert_array_equal(model.push, push)
+    np.testing.assert_array_equal(model.springs, springs)
+    np.testing.assert_array_equal(model.ways, ways)
+    assert found.push[2] == pytest.approx(push[2], rel=1e-12)
+
+
+def test_steps_that_a_jump_cuts_again_and_again_are_not_crawled():
+    """Facets of the chest turn by just more than a sharp edge's angle here and there: ways over such an edge jump."""
+    sheet, steps = membrane(100, 100, IsotropicSheet(RUBBER), (220.0, 220.0)), []
+    surface = torso()
+    found = drape(sheet, mold_of(surface, under(surface, 40.0)), report=steps.append)
+    assert found.converged
+    assert len([one for one in steps if one.nodes == (100, 100)]) <= 14  # 17, of 10 to 20 tries each
+    assert sum(one.step_length < 2.0**-6 for one in steps) <= 2
+
+
+def test_a_membrane_rises_off_a_flat_at_once():
+    """Beside an edge that runs across its cells it is lifted a little; rows of nodes must not leave one a step."""
+    sheet, steps = membrane(200, 200, IsotropicSheet(RUBBER), (220.0, 220.0)), []
+    surface = block(turn=0.3)
+    found = drape(sheet, mold_of(surface, under(surface, 40.0)), report=steps.append)
+    assert found.converged
+    fine = [one for one in steps if one.nodes == (200, 200)]
+    assert fine[-1].contacts < 200
+    assert max(one.contacts for one in fine[3:]) < 200  # released row by row: thousands, and 27 steps
+
+
 def test_a_membrane_rubs_and_is_drawn_in_with_its_energy_balanced():
     mold = mold_of(ball(4, 40.0), (0.0, 0.0, -40.0))
     sheet = membrane(

@@ -17,6 +17,8 @@ from hyperfab.loop.catalogue.drape import DataContext as DrapeContext
 from hyperfab.loop.catalogue.fabric import DataContext as FabricContext
 from hyperfab.loop.catalogue.heat import DataContext as HeatContext
 from hyperfab.loop.catalogue.press import DataContext as PressContext
+from hyperfab.loop.drape import places
+from hyperfab.loop.emulator import Axis
 from hyperfab.loop.fabric import fabric_problem
 from hyperfab.loop.fabric_extras import menu
 from hyperfab.loop.heat import _MENU
@@ -190,3 +192,13 @@ def test_effects_that_make_one_loop_are_told_apart_by_second_pulls_and_by_rates(
     assert alike((loop, 0.01)) == [{*one_loop, "rate"}]
     assert alike((loop, 0.01), (loop, 0.1)) == [one_loop]
     assert alike((np.concatenate([loop, loop[1:]]), 0.01)) == []
+
+
+def test_a_membrane_is_asked_for_no_shear_beside_its_laws():
+    context = DrapeContext((0.05, 0.2), 0.5, 0.0, 300.0)
+    (shear,) = (one for one in catalogue.catalogue("drape", context) if one.id == "shear-stiffness")
+    assert shear.not_sought == "the law of a membrane has its own shear"
+    assert not shear.forms
+    names = ("prestretch", "weft more", "friction", "mass")
+    runs = places([Axis("law C10", 1.0, 0.3), *(Axis(name, 0.0, 1.0) for name in names)])
+    assert {name for run in runs for name in run} == {"law C10", *names}

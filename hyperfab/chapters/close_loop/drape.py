@@ -218,9 +218,10 @@ def pose_sheet(forward: Forward, tick: Callable[[float], None]) -> Draped:
         Setting("prestretch", 0.0, _MOST_STRETCH, down),
         Setting("weft more", 0.0, _MOST_STRETCH, _MOST_STRETCH),
         Setting("friction", 0.0, _MOST_FRICTION),
-        Setting("shear", 0.0, 0.4 * modulus),
-        Setting("mass", 0.0, float(np.clip(heavy, *_MASSES))),
     ]
+    if sheet.membrane is None:  # a membrane's law has its own shear
+        axes.append(Setting("shear", 0.0, 0.4 * modulus))
+    axes.append(Setting("mass", 0.0, float(np.clip(heavy, *_MASSES))))
     base = forward.nodes({})
     settings, values = [np.array([axis.base for axis in axes])], [base.ravel()]
     plan = places(axes)

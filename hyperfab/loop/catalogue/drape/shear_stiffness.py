@@ -6,15 +6,17 @@ from hyperfab.loop.catalogue.drape import DataContext, DrapeEffect
 from hyperfab.loop.problem import Constant, Form
 
 
-def entry(context: DataContext) -> DrapeEffect | None:
-    """Return the effect: a shear modulus, added to the model's own."""
+def entry(context: DataContext) -> DrapeEffect:
+    """Return the effect: a shear modulus, added to the model's own; a membrane's law has its own shear."""
     modulus = Constant("modulus_MPa", 0.0, 0.0, context.shear, 0.02 * context.shear, places=("shear",))
     starts = ((0.1 * context.shear,), (0.5 * context.shear,))
+    form = Form("linear", (modulus,), starts, ((0.03 * context.shear,),))
     return DrapeEffect(
         id="shear-stiffness",
         title="the fabric resists shear",
         rides_on=("x0_mm", "y0_mm"),
         shown_by="a bias test, cut at 45 degrees to the warp; or markers on the diagonals",
         source="energy of the angle between the threads, G gamma^2/2",
-        forms=(Form("linear", (modulus,), starts, ((0.03 * context.shear,),)),),
+        forms=(form,) if context.shear else (),
+        not_sought="" if context.shear else "the law of a membrane has its own shear",
     )
