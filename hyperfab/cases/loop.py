@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from hyperfab.cases.field import amount, file, setting, text, texts
+from hyperfab.cases.field import amount, file, flag, setting, text, texts
 from hyperfab.cases.field import files as several
 from hyperfab.cases.kinds import File, Many
 from hyperfab.cases.reading import ReadingCase
@@ -52,6 +52,10 @@ class LoopCase(ReadingCase):
         "dimensionless", "SHARE", "Standard deviation of the model's own constants, as 10%; else they are free.",
         example="10%, at most 100%", above=0.0, most=1.0,
     )  # fmt: skip
+
+    upstream: bool = flag(
+        "Also trace the misfit of a press or a drape to the documents behind it: which is off, and put right."
+    )
 
     @property
     def readings(self) -> list[str]:

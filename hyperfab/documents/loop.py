@@ -151,6 +151,59 @@ class NextMeasurement(_Part):
     instead: list[str] = Field(default_factory=list, description="the next best measurements")
 
 
+class MovedConstant(_Part):
+    """A constant of a document upstream, in that document's unit."""
+
+    name: str = Field(
+        description="the document, and the key in it; of the model itself the key of its set-up"
+    )
+    change: float = Field(description="what it would have to change by")
+    sd: float = Field(description="how sure that is, with all constants of the chapter free")
+    known_sd: float = Field(description="how sure it was taken to be: as stated, else 10 % or what is usual")
+
+
+class ChapterTried(_Part):
+    """One document behind the model, its constants together."""
+
+    chapter: str
+    document: str | None = Field(
+        default=None, description="relative to this one; absent where it is the model's own set-up"
+    )
+    probability: float
+    off: float = Field(description="standard deviations of what was known of its constants, together")
+    error: Errors = Field(
+        description="by the derivatives of the chain: as its documents are, and with these constants"
+    )
+    constants: list[MovedConstant]
+    shown_by: str = Field(description="the measurement that shows this chapter by itself")
+
+
+class Upstream(_Part):
+    """Which of the documents behind the model is off, each chapter's constants together."""
+
+    verdict: Literal["chapter", "ambiguous", "as stated", "something else"]
+    chapter: str | None = Field(default=None, description="the one that is off, where it is one")
+    document: str | None = Field(
+        default=None, description="its document; where several may be, the likeliest one's"
+    )
+    probability: dict[str, float] = Field(
+        description="of each chapter, that all is as stated, and that it is something else"
+    )
+    error: Errors | None = Field(
+        default=None,
+        description="of the whole chain run anew with the corrected document, beside it as it was",
+    )
+    written: str | None = Field(default=None, description="the corrected document, relative to this one")
+    command: str | None = Field(
+        default=None, description="the command that takes it, from this document's folder"
+    )
+    chapters: list[ChapterTried]
+    indistinguishable: list[str] = Field(
+        default_factory=list, description="chapters of which one is off, and these data cannot tell which"
+    )
+    left_out: list[str] = Field(default_factory=list, description="what was not looked at")
+
+
 class LoopDocument(Document):
     """What ``hf close-loop`` found."""
 
@@ -177,6 +230,9 @@ class LoopDocument(Document):
         description="sets of effects that these data cannot tell apart, the named one first",
     )
     next_measurement: NextMeasurement | None = None
+    upstream: Upstream | None = Field(
+        default=None, description="with --upstream: the documents behind the model"
+    )
     model: str | None = Field(default=None, description="the extended model, relative to this document")
     model_command: str | None = Field(
         default=None, description="the command that makes the extended model again, from its folder"

@@ -80,6 +80,9 @@ STRAINED = 1e-3
 #: Where much is known of the own constants a rival is none that needs them this unlikely far off, the found law not.
 IMPOSSIBLE = 1e-6
 
+#: Documents upstream are blamed that have this probability together.
+BLAMED = 0.9
+
 # ---- what is known of the model's own constants ------------------------------------------------------------
 
 #: Relative standard deviation of the constants of a mold, a foam or a sheet, where none is stated.

@@ -30,6 +30,7 @@ from hyperfab.loop import (
     replicates,
     scatter,
     thresholds,
+    upstream,
 )
 from hyperfab.loop.belief import belief
 from hyperfab.loop.candidate import Evidence
@@ -55,6 +56,11 @@ def evidence(bic: float = 99.0, share: float = 0.9, help: Help | None = None) ->
 
 def explained(before: float, left: float) -> bool:
     return engine.explains(*(SimpleNamespace(judgement=judged(one)) for one in (before, left)))  # type: ignore[arg-type]
+
+
+def suspects(probability: float) -> tuple[str, ...]:
+    shares = {"foam": probability, upstream.ELSE: 1.0 - probability, upstream.STATED: 0.0}
+    return upstream._suspects(shares)
 
 
 def judged_alone(rows: int) -> bool:
@@ -335,6 +341,7 @@ CASES: dict[str, tuple[Callable[[pytest.MonkeyPatch], Any], Any]] = {
     "VALUES": (lambda _: [as_likely(left) for left in (0.75, 0.95)], [True, False]),
     "ODDS": (lambda _: [as_likely(left) for left in (0.75, 0.95)], [True, False]),
     "ELSEWHERE": (lambda _: [something_else(left) > 0.5 for left in (3.2, 5.0)], [False, True]),
+    "BLAMED": (lambda _: [suspects(p) for p in (0.85, 0.95)], [("foam", upstream.ELSE), ("foam",)]),
     "PRIOR": (lambda _: Given("", {}, [], SimpleNamespace(prior=None), None, None).surely, 0.1),  # type: ignore[arg-type]
     "WRONG": (lambda _: [wrong(times) for times in (3.0, 6.0)], [False, True]),
 }  # fmt: skip

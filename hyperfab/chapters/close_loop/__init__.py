@@ -34,6 +34,8 @@ def run(job: Job, case: LoopCase) -> int:
         )
     if kind != "material":
         how.check(kind)
+    if case.upstream and kind not in ("press", "drape"):
+        raise UsageError(f"--upstream is for a press or a drape document, and the model is a {kind}")
     _refuse_doubles(job, measured, case.held)
     given = Given(model, data, measured, case, layout(case.columns, case.skip_rows, case.decimal), how)
     return domain_of(kind)(job, given)

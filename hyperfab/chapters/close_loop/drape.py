@@ -18,6 +18,7 @@ from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, Axis, finish, 
 from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, spread, widened
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
 from hyperfab.chapters.close_loop.softening import linear_of, scaled_material
+from hyperfab.chapters.close_loop.upstream import WRITTEN
 from hyperfab.chapters.drape.fabric import read_fabric
 from hyperfab.chapters.drape.model import Model, model_of, read_files
 from hyperfab.chapters.job import Job
@@ -57,6 +58,7 @@ def run(job: Job, given: Given) -> int:
         job.target,
         (
             *MODEL_SUFFIXES,
+            *WRITTEN,
             ".model.[0-9]*.vtu",
             ".model.pvd",
             ".model.mold.stl",
@@ -81,6 +83,12 @@ def run(job: Job, given: Given) -> int:
     with job.console.progress("Closing the loop") as advance:
         draped = pose_sheet(forward, lambda share: advance(0.3 * share, "forward runs"))
     problem = pose(draped, files.plain, given.surely, given.fix)
+    upstream = None
+    if given.case.upstream:
+        # It drapes sheets as this module does.
+        from hyperfab.chapters.close_loop.upstream_drape import tracing
+
+        upstream = tracing(forward, problem, given.surely, out)
     return finish(
         job,
         out,
@@ -92,6 +100,7 @@ def run(job: Job, given: Given) -> int:
         extend=lambda found: extend(out, made.case, material, forward.sheet, problem, found),
         rounds=forward.corrected,
         apart=(lambda p: widened(p, files.apart)) if files.apart else None,
+        upstream=upstream,
     )
 
 

@@ -53,7 +53,7 @@ def extend(
     output: names of other files are counted from the latter.
     """
     mold = copy.deepcopy(dict(data))
-    _relocate(mold, folders)
+    relocate(mold, folders)
     files: dict[str, bytes] = {}
     own = dict(zip((constant.name for constant in problem.own), (float(v) for v in fit.x), strict=False))
     # A term at its null is not there: the document stays the one that was given.
@@ -83,17 +83,21 @@ def _named(node: Any, stem: str) -> None:
             _named(value, stem)
 
 
-def _relocate(node: Any, folders: tuple[str, str]) -> None:
-    """Count the names of files from the new document's folder."""
+def relocate(node: Any, folders: tuple[str, str]) -> None:
+    """Count the names of files from the new document's folder, the second; they were counted from the first."""
     if isinstance(node, dict):
         for key, value in node.items():
-            if key in _FILES and isinstance(value, str) and not os.path.isabs(value):
+            if isinstance(value, str) and _names_file(key, value) and not os.path.isabs(value):
                 node[key] = os.path.relpath(os.path.join(folders[0], value), folders[1] or ".")
             else:
-                _relocate(value, folders)
+                relocate(value, folders)
     elif isinstance(node, list):
         for item in node:
-            _relocate(item, folders)
+            relocate(item, folders)
+
+
+def _names_file(key: str, value: str) -> bool:
+    return key in _FILES or value.endswith(".json")
 
 
 @dataclass

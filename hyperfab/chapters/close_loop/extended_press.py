@@ -6,13 +6,13 @@ import copy
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import tomli_w
 
 from hyperfab.cases.press import PressCase
+from hyperfab.chapters.close_loop.extended_mold import relocate
 from hyperfab.chapters.close_loop.finalise import Extension
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact.inputs import ALUMINIUM
@@ -59,7 +59,7 @@ def extend(
 ) -> Extension:
     """Return the case of the extended press, and the files it reads."""
     foam = copy.deepcopy(dict(load_toml(job.inputs.read(case.foam), case.foam)))
-    _relocate(foam, os.path.dirname(case.foam), str(out.path("").parent))
+    relocate(foam, (os.path.dirname(case.foam), str(out.path("").parent)))
     draft = _Draft(case, foam, told, problem, out.path("").name)
     fit = found.after.fit
     own = {one.name: float(v) for one, v in zip(problem.own, fit.x, strict=False)}
@@ -259,14 +259,3 @@ WRITERS: Mapping[str, Callable[[_Draft, Mapping[str, float]], None]] = {
     "thickness-variation": _vary,
     "tilt": _tilt,
 }
-
-
-def _relocate(node: Any, old: str, new: str) -> None:
-    """Count the names of tables and documents from the new document's folder."""
-    items = node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ()
-    for key, value in list(items):
-        named = isinstance(value, str) and (key == "table" or value.endswith(".json"))
-        if named and not os.path.isabs(value):
-            node[key] = os.path.relpath(Path(old) / value, new or ".")
-        else:
-            _relocate(value, old, new)

@@ -86,16 +86,19 @@ def finish(
     apart: Callable[[Problem], tuple[Problem, Array]] | None = None,
     left_out: Mapping[str, int] | None = None,
     warnings: Sequence[str] = (),
+    upstream: Callable[[Finding, LoopDocument], Sequence[str]] | None = None,
 ) -> int:
     """Close the loop, write the finding and the extended model; return the exit status.
 
     ``noise`` estimates the noise, from the readings less what a model predicts. ``rounds`` returns the problem posed
     anew around a finding (a better linearisation), or None where it is good. ``apart`` returns the problem with the
-    rows of readings that take no part at its end, and these readings.
+    rows of readings that take no part at its end, and these readings. ``upstream`` traces the misfit to the documents
+    behind the model and returns what it says.
     """
     for text in warnings:
         job.console.warn(text)
     told = list(warnings)
+    traced: Sequence[str] = ()
     with job.console.progress("Closing the loop") as advance:
         tick = ticking(advance, 0.3, _REFITS)
         problem, found = close_rounds(
@@ -108,7 +111,13 @@ def finish(
             tick("the extended model")
             _model(job, out, extend(found), result, caution(found))
             _files(out, problem, found, axis(problem))
+        if upstream is not None:
+            tick("the documents behind the model")
+            traced = upstream(found, result)
     say(job.console, problem, found, result)
+    result.summary += traced
+    for text in traced:
+        job.console.note(text)
     job.write(out, result, case)
     return NEGATIVE_VERDICT if found.verdict == "unexplained" else 0
 

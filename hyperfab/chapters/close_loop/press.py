@@ -17,6 +17,7 @@ from hyperfab.chapters.close_loop.extended_press import FOAM, SET, extend
 from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, Axis, finish, stated
 from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, spread, widened
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
+from hyperfab.chapters.close_loop.upstream import WRITTEN
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact.command import solve
 from hyperfab.chapters.press_contact.formed import formed, read_setting
@@ -64,7 +65,7 @@ _OFF = 0.03
 
 def run(job: Job, given: Given) -> int:
     """Close the loop on a press document."""
-    out = job.opened(job.target, (*MODEL_SUFFIXES, FOAM, SET, ".png", ".csv"))
+    out = job.opened(job.target, (*MODEL_SUFFIXES, *WRITTEN, FOAM, SET, ".png", ".csv"))
     level = stated(given.noise, tuple(_KINDS))
     made = unchanged(earlier(PressCase, given.data, given.name))
     files = read_measured(given, lambda name: read_press(job, name, given.layout))
@@ -79,6 +80,12 @@ def run(job: Job, given: Given) -> int:
         check_unchanged(job, made, [*given.measured, *given.held])
         advance(0.15, "gaps over the stroke")
         problem, others = pose_with(told, files.measured, given.surely, given.fix, files.apart)
+    upstream = None
+    if given.case.upstream:
+        # It closes presses as this module does.
+        from hyperfab.chapters.close_loop.upstream_press import tracing
+
+        upstream = tracing(job, made.case, given.surely, out, problem)
     return finish(
         job,
         out,
@@ -90,6 +97,7 @@ def run(job: Job, given: Given) -> int:
         extend=lambda found: extend(job, out, made.case, told, problem, found),
         apart=(lambda p: widened(p, others)) if others else None,
         warnings=warnings,
+        upstream=upstream,
     )
 
 
@@ -202,7 +210,7 @@ def pose_with(
         if reading.places is None or reading.kind == "mounting":
             placed.append(reading)
             continue
-        corners, weights = _on_front(front, told.frame.inward(reading.places), reading)
+        corners, weights = on_front(front, told.frame.inward(reading.places), reading)
         placed.append(replace(reading, corners=corners, weights=weights))
         used.append(np.unique(corners))
     spare = np.linspace(0, len(whole.foam) - 1, 80).astype(np.int64)
@@ -314,7 +322,7 @@ def across(told: Told) -> list[int]:
     return [i for i, axis in enumerate("xyz") if axis != told.frame.axis]
 
 
-def _on_front(front: Surface, places: Array, reading: Reading) -> tuple[np.ndarray, Array]:
+def on_front(front: Surface, places: Array, reading: Reading) -> tuple[np.ndarray, Array]:
     """Return the corners (m, 3) of the facets nearest to places, and the places' weights on them."""
     near = front.nearest(places)
     size = float(np.ptp(front.vertices, axis=0).max())

@@ -17,7 +17,8 @@ from hyperfab.chapters.uncertainty.sources import Origins
 from hyperfab.pressing.closing import Closed
 from hyperfab.pressing.gap import vertex_areas
 from hyperfab.pressing.growth import Expansion, even_growth, guide_line
-from hyperfab.pressing.nearby import Displacement, Neighbourhood
+from hyperfab.pressing.nearby import Displacement, Found, Neighbourhood
+from hyperfab.pressing.sandwich import Sandwich
 
 
 class Beside:
@@ -36,8 +37,9 @@ class Beside:
     def gradient(self) -> None:
         """Nothing: pressures and areas bend, so they are told by differences."""
 
-    def at(self, changes: Changes) -> Answer:
-        """Return figures and fields with numbers changed; NotConverged where a female finds no balance."""
+    def close(self, changes: Changes) -> tuple[Found, Sandwich]:
+        """Return the press with numbers changed, and its sandwich at the front's vertices; NotConverged where a female
+        finds no balance."""
         inputs, model = self._job.inputs, self._model
         moved = self._origins.changed(model.case, inputs, {k: list(v) for k, v in changes.items()})
         case: PressCase = moved.case  # type: ignore[assignment]
@@ -68,8 +70,9 @@ class Beside:
                 for k, one in enumerate(self._origins.found)
             ]
         )
+        sandwich = sandwich.of_vertices(self._closed.front.of_mold)
         found = self._near.close(
-            sandwich.of_vertices(self._closed.front.of_mold),
+            sandwich,
             growths=(male, female),
             modes=(_given(model.grown[0], amounts[0]), _given(model.grown[1], amounts[1])),
             gap=case.gap,
@@ -81,6 +84,11 @@ class Beside:
             begun=self._guess.at(amount),
         )
         self._guess.add(amount, found.place)
+        return found, sandwich
+
+    def at(self, changes: Changes) -> Answer:
+        """Return figures and fields with numbers changed; NotConverged where a female finds no balance."""
+        found, _ = self.close(changes)
         touched = found.totals.touched
         return Answer(
             {

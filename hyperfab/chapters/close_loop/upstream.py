@@ -1,0 +1,246 @@
+"""A misfit traced upstream: which of the documents behind a model is off, and that document put right."""
+
+from __future__ import annotations
+
+import os
+import shlex
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hyperfab.arrays import Array
+from hyperfab.cases.case import Case
+from hyperfab.cases.options import words
+from hyperfab.chapters.close_loop.describe import errors_of
+from hyperfab.chapters.close_loop.extended_mold import relocate
+from hyperfab.chapters.rerun import rerun
+from hyperfab.chapters.uncertainty.sources import Number
+from hyperfab.documents.loop import ChapterTried, LoopDocument, MovedConstant, Upstream
+from hyperfab.documents.provenance import relative_name
+from hyperfab.errors import NotConverged
+from hyperfab.io.json_io import dump_json, load_json
+from hyperfab.io.output import Output
+from hyperfab.io.toml_io import dump_toml, load_toml
+from hyperfab.loop.upstream import ELSE, STATED, Chapter, Readings, Trace, trace
+
+#: Endings of what is written.
+WRITTEN = tuple(
+    f".upstream{end}"
+    for end in (
+        ".json", ".toml", ".vtu", ".[0-9]*.vtu", ".pvd", ".csv", ".png", ".formed.png", ".mold.stl", ".design.stl",
+        ".compensated.stl",
+    )
+)  # fmt: skip
+#: What shows a chapter by itself.
+CHECKS = {
+    "fabric": "test the fabric along warp and weft again (hf fit), or mark the sheet and look where it drapes",
+    "temperature": "a thermocouple on each mold's work surface when the press closes",
+    "foam": "press the foam alone between plates (force over travel), and gauge its thickness",
+    "mounting": "dial gauges at four sides of the female's mounting face, and a feeler gauge at the datum",
+    "friction": "pull a strip of the fabric over the mold's material (ISO 8295)",
+}
+
+
+@dataclass(frozen=True)
+class Link:
+    """A chapter of a model: its ``document``, the numbers that may be off with their ``covariance`` (k, k), and what
+    the model shows at the readings (n,) where they change by (k,)."""
+
+    chapter: str
+    document: str
+    numbers: tuple[Number, ...]
+    covariance: Array
+    predict: Callable[[Array], Array]
+
+
+@dataclass(frozen=True)
+class Corrected:
+    """A chain put right: the ``case`` of the model and ``files`` that are not as they lie there, by name; the bytes of
+    the ``document`` that was at fault (None: the case itself), and the ``command`` that takes it."""
+
+    case: Case
+    files: Mapping[str, bytes]
+    document: bytes | None
+    command: Case
+
+
+class Chain(Protocol):
+    """A model and the documents behind it."""
+
+    left_out: list[str]
+
+    def links(self, readings: Sequence[Any]) -> tuple[Array, list[Link]]:
+        """Return what the model shows at readings (n,) as its documents are, and each chapter."""
+        ...
+
+    def corrected(self, link: Link, change: Array) -> Corrected:
+        """Return the chain with a chapter's constants changed."""
+        ...
+
+    def shown(self, link: Link, change: Array, corrected: Corrected, readings: Sequence[Any]) -> Array:
+        """Return what the corrected chain shows at the readings (n,), run anew."""
+        ...
+
+
+@dataclass(frozen=True)
+class Traced:
+    """What came out: the verdict, the likeliest link at fault and the chain with it put right, None where it is none,
+    and what is shown then (n,)."""
+
+    trace: Trace
+    verdict: str
+    link: Link | None = None
+    corrected: Corrected | None = None
+    shown: Array | None = None
+
+
+def follow(chain: Chain, readings: Sequence[Any], read: Readings) -> tuple[Traced, list[Link]]:
+    """Return which document behind a model is off; the chapter that is named is one with which the whole chain, run
+    anew, misses by less."""
+    stated, links = chain.links(readings)
+    chapters = [
+        Chapter(one.chapter, tuple(number.name for number in one.numbers), one.covariance, one.predict)
+        for one in links
+    ]
+    found = trace(read, stated, chapters)
+    if not found.suspects or found.suspects[0] == ELSE:
+        return Traced(found, found.verdict), links
+    link = next(one for one in links if one.chapter == found.suspects[0])
+    change = found.blamed[link.chapter].change
+    try:
+        put_right = chain.corrected(link, change)
+        shown = chain.shown(link, change, put_right, readings)
+    except NotConverged as error:
+        chain.left_out.append(f"{link.chapter}: the chain with it put right has no answer: {error}")
+        return Traced(found, ELSE), links
+    missed = [float(np.mean(((read.measured - one) / read.sd) ** 2)) for one in (stated, shown)]
+    if missed[1] >= missed[0]:
+        return Traced(found, ELSE), links
+    return Traced(found, found.verdict, link, put_right, shown), links
+
+
+def add(
+    out: Output,
+    result: LoopDocument,
+    chain: Chain,
+    readings: Sequence[Any],
+    read: Readings,
+    first: NDArray[np.bool_],
+) -> list[str]:
+    """Trace the misfit, say it in ``result``, and queue the corrected document; return what is to be said.
+
+    ``first`` (n,) are the rows whose error is told: those of one unit.
+    """
+    traced, links = follow(chain, readings, read)
+    found = traced.trace
+    unit = result.error.unit
+
+    def errors(after: Array) -> Any:
+        return errors_of(read.measured[first], found.stated[first], after[first], read.sd[first], unit)
+
+    told = Upstream(
+        verdict=traced.verdict,
+        probability=dict(found.probability),
+        chapters=[
+            ChapterTried(
+                chapter=link.chapter,
+                document=link.document or None,
+                probability=found.probability[link.chapter],
+                off=found.blamed[link.chapter].off,
+                error=errors(found.blamed[link.chapter].predicted),
+                constants=_constants(link, found),
+                shown_by=CHECKS.get(link.chapter.rpartition(" ")[2], ""),
+            )
+            for link in links
+        ],
+        indistinguishable=list(found.suspects) if traced.verdict == "ambiguous" else [],
+        left_out=list(chain.left_out),
+    )
+    if traced.link is not None and traced.corrected is not None and traced.shown is not None:
+        told.chapter = traced.link.chapter if traced.verdict == "chapter" else None
+        told.document = traced.link.document or None
+        told.error = errors(traced.shown)
+        if out.wants_files:
+            told.written, told.command = _write(out, traced.link, traced.corrected)
+    result.upstream = told
+    return _say(told)
+
+
+def _constants(link: Link, found: Trace) -> list[MovedConstant]:
+    best = found.blamed[link.chapter]
+    known = np.sqrt(np.diag(link.covariance))
+    return [
+        MovedConstant(name=number.name, change=float(by), sd=float(sd), known_sd=float(before))
+        for number, by, sd, before in zip(link.numbers, best.change, best.sd, known, strict=True)
+    ]
+
+
+def _write(out: Output, link: Link, corrected: Corrected) -> tuple[str, str]:
+    """Queue the corrected document; return its name and the command that takes it."""
+    if corrected.document is None:
+        target = str(out.path(".upstream.json"))
+        made = rerun(corrected.case, target, corrected.files)
+        out.add(".upstream.json", dump_json(made.document))
+        for suffix, data in made.siblings.items():
+            out.add(f".upstream{suffix}", data)
+        name, command = target, corrected.case
+    else:
+        suffix = ".upstream.toml" if link.document.endswith(".toml") else ".upstream.json"
+        name = str(out.path(suffix))
+        out.add(suffix, _relocated(corrected.document, link.document, name))
+        changed = {
+            one.name: name
+            for one in corrected.command.settings().values()
+            if getattr(corrected.command, one.name) == link.document
+        }
+        command = replace(corrected.command, **changed)
+    shown = [
+        relative_name(word, name) if os.path.exists(word) or word == name else word for word in words(command)
+    ]
+    return os.path.basename(name), shlex.join(["hf", command.COMMAND, *shown])
+
+
+def _relocated(data: bytes, old: str, new: str) -> bytes:
+    """Return a document whose tables and documents are counted from where it is written now."""
+    if not old.endswith(".toml"):
+        return dump_json(load_json(data, old))
+    plain = dict(load_toml(data, old))
+    relocate(plain, (os.path.dirname(old), os.path.dirname(new)))
+    return dump_toml(plain)
+
+
+def _say(told: Upstream) -> list[str]:
+    """Return the finding in sentences."""
+    likely = max(told.chapters, key=lambda one: one.probability)
+    if told.verdict == STATED:
+        return ["Upstream: nothing says that one of the documents behind the model is off."]
+    if told.verdict == ELSE or told.error is None:
+        return [
+            "Upstream: no one document behind the model explains the misfit with constants near what it states; the "
+            f"nearest is {likely.chapter} ({_percent(likely.probability)})."
+        ]
+    error, lines = told.error, []
+    how = max(likely.constants, key=lambda one: abs(one.change) / max(one.known_sd, 1e-300))
+    begins = f"{likely.chapter} is off ({_percent(likely.probability)})"
+    if told.verdict == "ambiguous":
+        checks = {one.chapter: one.shown_by for one in told.chapters}
+        ways = "; ".join(f"{name}: {checks[name]}" for name in told.indistinguishable if name in checks)
+        lines = [
+            f"Upstream: {' or '.join(told.indistinguishable)}; these data cannot tell. Measure next: {ways}."
+        ]
+        begins = f"if {likely.chapter} is off ({_percent(likely.probability)})"
+    text = (
+        f"Upstream: {begins}, it is most of all {how.name}, by {how.change:.3g} ± {how.sd:.2g}; the chain, run anew, "
+        f"then misses by {error.after.rms:.3g} {error.unit} instead of {error.before.rms:.3g} {error.unit}."
+    )
+    if told.written:
+        what = os.path.basename(told.document) if told.document else "the model"
+        text += f" {told.written} is {what} put right: {told.command}"
+    return [*lines, text]
+
+
+def _percent(probability: float) -> str:
+    return "over 99.9 %" if probability > 0.999 else f"{100.0 * probability:.3g} %"

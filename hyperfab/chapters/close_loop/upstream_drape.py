@@ -1,0 +1,142 @@
+"""The documents behind a drape: its fabric, how it is mounted, what it rubs on; each put right."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hyperfab.arrays import Array
+from hyperfab.cases.drape import DrapeCase
+from hyperfab.chapters.close_loop.drape import Forward
+from hyperfab.chapters.close_loop.extended_drape import drape_applied
+from hyperfab.chapters.close_loop.softening import scaled_material
+from hyperfab.chapters.close_loop.unsure import TOGETHER
+from hyperfab.chapters.close_loop.upstream import Corrected, Link, add
+from hyperfab.chapters.uncertainty.changed import Changed
+from hyperfab.documents.loop import LoopDocument
+from hyperfab.io.json_io import dump_json
+from hyperfab.io.output import Output
+from hyperfab.loop.drape import DEPTH_SD, DrapeProblem, Markers, at_markers, settings_of
+from hyperfab.loop.engine import Finding
+from hyperfab.loop.upstream import Readings
+
+#: What a sheet is mounted off by in stretch, and what its friction is off by, where nothing is stated.
+_STRETCH, _FRICTION = 0.01, 0.1
+
+
+@dataclass(frozen=True)
+class Moved:
+    """A number of the fabric (a factor on it) or of the set-up that the emulator of the drape moves."""
+
+    name: str
+    sd: float
+    file: str | None = None
+    size: float = 1.0
+
+    def move(self, inputs: Changed, change: float) -> None:
+        """Nothing: the chain is put right as a whole."""
+
+
+class DrapeChain:
+    """A drape and the fabric behind it, by the emulator that the loop has made of it."""
+
+    def __init__(self, forward: Forward, problem: DrapeProblem, share: float) -> None:
+        self.forward, self.problem, self.share = forward, problem, share
+        self.left_out = ["the mold: its surface is taken as it is drawn"]
+        if forward.material is None:
+            self.left_out.append(
+                "fabric: tests that are taken as laws as they stand; hf fit makes a document of them"
+            )
+
+    def _chapters(self) -> dict[str, list[Moved]]:
+        draped, material = self.problem.draped, self.forward.material
+        rubs = next(axis for axis in draped.kriged.axes if axis.name == "friction").up > 1e-3
+        fabric = []
+        if material is not None:
+            file, known = self.forward.case.material, material.parameters
+            fabric = [Moved(name, self.share, file, float(known.get(name, 1.0))) for name in draped.names]
+        return {
+            "fabric": fabric,
+            "mounting": [
+                Moved("depth", DEPTH_SD),
+                Moved("prestretch", _STRETCH),
+                Moved("weft more", _STRETCH),
+            ],
+            "friction": [Moved("friction", _FRICTION)] if rubs else [],
+        }
+
+    def links(self, readings: Sequence[Markers]) -> tuple[Array, list[Link]]:
+        """Return where the markers are as the documents have them (n,), and each chapter."""
+        links = []
+        for chapter, numbers in self._chapters().items():
+            sd = np.array([one.sd * one.size for one in numbers])
+            # Constants of one fabric err together in part.
+            alike = TOGETHER if chapter == "fabric" else 0.0
+            covariance = alike * np.outer(sd, sd) + (1.0 - alike) * np.diag(sd**2)
+            if numbers:
+                document = self.forward.case.material if chapter == "fabric" else None
+                links.append(
+                    Link(chapter, document or "", tuple(numbers), covariance, self._predict(numbers))
+                )
+        return self._at(np.array([one.value for one in self.problem.own]), {}), links
+
+    def _predict(self, numbers: Sequence[Moved]) -> Callable[[Array], Array]:
+        def predict(change: Array) -> Array:
+            own, amounts = self._moved(numbers, change)
+            if amounts.get("friction", 0.0) < -self.forward.case.friction or np.any(own[:-1] <= 0.0):
+                return np.full(sum(one.values.size for one in self.problem.files), np.nan)
+            return self._at(own, amounts)
+
+        return predict
+
+    def _moved(self, numbers: Sequence[Moved], change: Array) -> tuple[Array, dict[str, float]]:
+        """Return the loop's own constants, and what is added to the emulator's settings."""
+        by = {one.name: float(v) / one.size for one, v in zip(numbers, change, strict=True)}
+        own = np.array([one.value + by.pop(one.name, 0.0) for one in self.problem.own])
+        return own, by
+
+    def _at(self, own: Array, amounts: dict[str, float]) -> Array:
+        problem = self.problem
+        shift = problem.draped.shift(settings_of(problem.draped, own, amounts)).reshape(-1, 3)
+        pairs = zip(problem.base_at, problem.weights, strict=True)
+        return np.concatenate([(base + weights @ shift).T.ravel() for base, weights in pairs])
+
+    def corrected(self, link: Link, change: Array) -> Corrected:
+        """Return the drape with a chapter's constants changed."""
+        numbers = [one for one in link.numbers if isinstance(one, Moved)]
+        own, amounts = self._moved(numbers, change)
+        case: DrapeCase = drape_applied(self.forward.case, {"depth": float(own[-1]), **amounts})
+        material = self.forward.material
+        if material is None or link.chapter != "fabric":
+            return Corrected(case, {}, None, case)
+        factors = dict(zip(self.problem.draped.names, map(float, own), strict=False))
+        document = dump_json(scaled_material(material, factors).to_json())
+        return Corrected(case, {link.document: document}, document, case)
+
+    def shown(self, link: Link, change: Array, corrected: Corrected, readings: Sequence[Markers]) -> Array:
+        """Return where the markers are, draped anew on the whole grid (n,)."""
+        numbers = [one for one in link.numbers if isinstance(one, Moved)]
+        own, amounts = self._moved(numbers, change)
+        draped, sheet = self.problem.draped, self.forward.sheet
+        settings = {f"law {name}": float(v) for name, v in zip(draped.names, own, strict=False)}
+        nodes = self.forward.nodes(settings | {"depth": float(own[-1]), **amounts}, (sheet.n, sheet.m))
+        there = replace(draped, base=nodes)
+        return np.concatenate([at_markers(there, one.flat)[0].T.ravel() for one in readings])
+
+
+def tracing(
+    forward: Forward, problem: DrapeProblem, share: float, out: Output
+) -> Callable[[Finding, LoopDocument], list[str]]:
+    """Return what traces a finding on a drape to the documents behind it."""
+    files = problem.files
+    places = np.concatenate([np.tile(one.flat, (3, 1)) for one in files])
+    kind = np.concatenate([np.repeat([0, 1, 2], len(one.flat)) for one in files])
+
+    def traced(found: Finding, result: LoopDocument) -> list[str]:
+        rows = len(places)
+        read = Readings(problem.measured[:rows], found.noise.sd[:rows], places, kind, found.noise.dof)
+        return add(out, result, DrapeChain(forward, problem, share), files, read, np.ones(rows, dtype=bool))
+
+    return traced

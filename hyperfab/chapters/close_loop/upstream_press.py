@@ -1,0 +1,332 @@
+"""The documents behind a press: what each may be off by, what the press then shows, and each one put right."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.linalg import block_diag
+from scipy.special import ndtr
+
+from hyperfab.arrays import Array
+from hyperfab.cases.case import Case
+from hyperfab.cases.drape import DrapeCase
+from hyperfab.cases.like import earlier
+from hyperfab.cases.mold import MoldCase
+from hyperfab.cases.press import PressCase
+from hyperfab.cases.tolerances import tolerances
+from hyperfab.chapters.close_loop.press import closed_press, on_front
+from hyperfab.chapters.close_loop.unsure import (
+    is_length,
+    mounted,
+    of_sandwich,
+    together,
+    unsure_fabric,
+    unsure_mold,
+)
+from hyperfab.chapters.close_loop.upstream import Corrected, Link, add
+from hyperfab.chapters.job import Job
+from hyperfab.chapters.press_contact.command import solve
+from hyperfab.chapters.press_contact.heat import file_of
+from hyperfab.chapters.press_contact.model import model_of, read_files
+from hyperfab.chapters.press_contact.nearby import beside
+from hyperfab.chapters.press_contact.told import Told
+from hyperfab.chapters.rerun import Listener, Overlay, rerun, unchanged
+from hyperfab.chapters.uncertainty.changed import Changed, Kept
+from hyperfab.chapters.uncertainty.handed import Handed, join
+from hyperfab.chapters.uncertainty.sources import (
+    Entry,
+    Number,
+    Origin,
+    Origins,
+    Setting,
+    Stiffness,
+    origins,
+    read_as,
+)
+from hyperfab.documents.base import parse_document
+from hyperfab.documents.loop import LoopDocument
+from hyperfab.documents.material import MaterialDocument
+from hyperfab.documents.mold import MoldDocument
+from hyperfab.errors import UsageError
+from hyperfab.io.json_io import dump_json
+from hyperfab.io.output import Output
+from hyperfab.io.toml_io import dump_toml
+from hyperfab.loop.engine import Finding
+from hyperfab.loop.noise import Noise
+from hyperfab.loop.press import GAP_SD, PressProblem
+from hyperfab.loop.press_reading import Reading
+from hyperfab.loop.press_set import CONTACT_BLUR
+from hyperfab.loop.upstream import Readings
+from hyperfab.pressing.sandwich import Sandwich
+from hyperfab.surface import Surface
+
+#: What both molds' temperature is off by [K], where nothing is stated.
+_KELVINS = 5.0
+#: Readings that are traced: those taken at places while the press is closed.
+KINDS = ("pressure", "thickness", "contact")
+
+
+@dataclass(frozen=True)
+class _Behind:
+    """A document that hands a field on: its file, the case it was made by, and the document that case reads."""
+
+    file: str
+    case: Case
+    source: str
+    chapter: str
+
+
+class PressChain:
+    """A press and the documents behind it, each as unsure as one at fault may be."""
+
+    def __init__(self, job: Job, case: PressCase, share: float) -> None:
+        self.job, self.case, self.share = job, replace(case, uncertainty=None), share
+        self.behind = list(self._documents())
+        self.sources = {one.chapter: one.source for one in reversed(self.behind)}
+        self.left_out: list[str] = []
+        #: The sandwich as it is, with a place for all that may be off.
+        self.foam: dict[str, bytes] = {}
+        given: dict[str, bytes] = {}
+        for one in self.behind:
+            given |= self._unsure(one)
+        if case.foam.endswith(".toml"):
+            self.foam[case.foam] = dump_toml(mounted(job.inputs.plain(case.foam), case))
+            self.case = replace(self.case, tilt=None)
+        given |= self.foam
+        self.quiet = replace(job, console=Listener(), inputs=Overlay(given))
+        self.files = read_files(self.quiet, self.case)
+        self.model = model_of(self.quiet, self.case, self.files)
+        self.closed = solve(self.quiet, self.model).closed
+        self.origins, self.owners = Origins(), dict[str, list[int]]()
+        self._own()
+        self._handed()
+        near = beside(self.quiet, self.model, self.closed, self.origins)
+        if near is None:
+            raise UsageError(
+                "--upstream: where each place has the foam's law of its own temperature nothing is traced; give one law"
+            )
+        self.near = near
+
+    def _documents(self) -> list[_Behind]:
+        """Return the documents whose fields the press takes, and what they were made from."""
+        found, case = [], self.case
+        if case.drape is not None:
+            made = self._made(DrapeCase, case.drape)
+            if made.material is not None:
+                found.append(_Behind(case.drape, made, made.material, "fabric"))
+        heat = [(side, file_of(name)[0]) for side, name in (("male", case.male_heat), ("female", case.female_heat))
+                if name is not None]  # fmt: skip
+        sides = {name: side for side, name in reversed(heat)}
+        molds = {name: self._made(MoldCase, name) for name in sides}
+        alone = len({made.mold for made in molds.values()}) == 1
+        for name, made in molds.items():
+            found.append(
+                _Behind(name, made, made.mold, "temperature" if alone else f"{sides[name]} temperature")
+            )
+        return found
+
+    def _made(self, cls: Any, name: str) -> Any:
+        return unchanged(earlier(cls, self.job.inputs.plain(name), name)).case
+
+    def _unsure(self, one: _Behind) -> dict[str, bytes]:
+        """Return a document made anew from a source that states how unsure it is, and its field: files by name."""
+        plain = self.job.inputs.plain(one.source)
+        fabric = one.chapter == "fabric"
+        source = (
+            dump_json(unsure_fabric(plain, self.share))
+            if fabric
+            else dump_toml(unsure_mold(plain, self.share))
+        )
+        return {one.source: source} | _made_again(one, {one.source: source}, "linear")
+
+    def _own(self) -> None:
+        """Add what the press itself and its sandwich may be off by."""
+        name, case = self.case.foam, self.case
+        if self.foam:
+            for chapter, one in of_sandwich(self.quiet.inputs, name, self.share):
+                self._add(chapter, one)
+            self._layers(name)
+        else:
+            material, _ = read_as(self.quiet.inputs, name, MaterialDocument)
+            thick = Entry(name, ("thickness_mm",), 0.0)
+            self._add("foam", together([Stiffness(name, (("parameters",),), "")], self.share))
+            self._add("foam", together([thick], self.share * float(material.thickness_mm or 0.0)))
+            self.left_out.append(
+                "mounting: a foam's material document has no place for tilt and offset; write a foam.toml"
+            )
+        for field, chapter, sd in (
+            ("gap", "mounting", GAP_SD),
+            ("temperature", "temperature", _KELVINS),
+        ):
+            value = getattr(case, field)
+            if value is not None:
+                key = case.settings()[field].key
+                self._add(chapter, together([Setting(key)], tolerances(value, key).get(key, sd)))
+
+    def _layers(self, name: str) -> None:
+        """Add the thickness of fabrics that the sandwich takes from their documents."""
+        layers = self.quiet.inputs.plain(name).get("fabric", {})
+        named = (layers.get(key) for key in ("above", "below"))
+        for text in dict.fromkeys(text for text in named if text and not is_length(text)):
+            file = self.job.inputs.beside(name, text)
+            thick = read_as(self.quiet.inputs, file, MaterialDocument)[0].thickness_mm
+            if thick is not None:
+                self._add("fabric", together([Entry(file, ("thickness_mm",), 0.0)], self.share * thick))
+                self.sources.setdefault("fabric", file)
+
+    def _handed(self) -> None:
+        """Add what the documents behind hand on; a number that acts by way of several is one."""
+        for one in self.behind:
+            known = len(self.origins.found)
+            join(self.origins, self.quiet.inputs, [one.file])
+            self.owners.setdefault(one.chapter, []).extend(range(known, len(self.origins.found)))
+
+    def _add(self, chapter: str, one: Origin) -> None:
+        self.owners.setdefault(chapter, []).append(len(self.origins.found))
+        self.origins.found.append(one)
+
+    def links(self, readings: Sequence[Reading]) -> tuple[Array, list[Link]]:
+        """Return what the press shows at readings as its documents are, and each chapter."""
+        look = _Look(self.closed.cold, self.closed.front.faces, self.model.files.frame.inward, readings)
+
+        def seen(changes: Mapping[int, Array]) -> Array:
+            found, sandwich = self.near.close(changes)
+            return look(sandwich, found.gap, found.touch)
+
+        links = []
+        for chapter, owned in self.owners.items():
+            if not owned:
+                continue
+            sources = [self.origins.found[k] for k in owned]
+            cuts = np.cumsum([len(one.numbers) for one in sources])[:-1]
+
+            def predict(change: Array, owned: list[int] = owned, cuts: Array = cuts) -> Array:
+                return seen(dict(zip(owned, np.split(change, cuts), strict=True)))
+
+            numbers = tuple(number for one in sources for number in one.numbers)
+            covariance = block_diag(*(one.source.covariance for one in sources))
+            links.append(Link(chapter, self._document(chapter), numbers, covariance, predict))
+        return seen({}), links
+
+    def _document(self, chapter: str) -> str:
+        return self.sources.get(chapter) or (self.case.foam if chapter in ("foam", "mounting") else "")
+
+    def corrected(self, link: Link, change: Array) -> Corrected:
+        """Return the press with a chapter's constants changed: its case and the files that are other than on disk."""
+        moved = Changed(self.case, Overlay(self.foam), Kept())
+        for number, by in zip(link.numbers, change, strict=True):
+            own = number.own if isinstance(number, Handed) else number
+            if own is not None:
+                own.move(moved, float(by))
+        case: PressCase = moved.case  # type: ignore[assignment]
+        written = dict(moved.files)
+        upstream: dict[str, bytes] = {}
+        for one in self.behind:
+            if one.chapter != link.chapter:
+                continue
+            source = upstream.get(one.source) or self._put_right(one, link.numbers, change, written)
+            upstream[one.source] = source
+            written |= {one.source: source} | _made_again(one, {one.source: source}, "none")
+        document = upstream.get(link.document) or written.get(link.document)
+        command = next((one.case for one in self.behind if one.chapter == link.chapter), case)
+        return Corrected(case, written, document, command)
+
+    def _put_right(
+        self, one: _Behind, numbers: Sequence[Number], change: Array, written: Mapping[str, bytes]
+    ) -> bytes:
+        """Return the document behind a field, as ``written`` so far, with the numbers changed that it hands on."""
+        unsure = self.quiet.inputs
+        if one.chapter == "fabric":
+            asked: float | None = one.case.temperature  # type: ignore[attr-defined]
+            own = origins(unsure, one.case, {one.source: asked}).numbers
+        else:
+            own = origins(unsure, one.case, documents={one.source: MoldDocument}).numbers
+        moved = Changed(one.case, Overlay(written), Kept())
+        for number, by in zip(numbers, change, strict=True):
+            if isinstance(number, Handed) and number.at.get(one.file, len(own)) < len(own):
+                own[number.at[one.file]].move(moved, float(by))
+        data = moved.document(one.source)
+        if one.chapter == "fabric":
+            return dump_json(parse_document(data, one.source, MaterialDocument).refitted().to_json())
+        return dump_toml(data)
+
+    def shown(self, link: Link, change: Array, corrected: Corrected, readings: Sequence[Reading]) -> Array:
+        """Return what the corrected press shows at the readings, the whole chain run anew."""
+        case: PressCase = corrected.case  # type: ignore[assignment]
+        told: Told = closed_press(replace(self.job, inputs=Overlay(corrected.files)), case)[0]
+        closed = told.closed
+        look = _Look(closed.cold, closed.front.faces, told.frame.inward, readings)
+        return look(closed.press.sandwich, closed.contact.gap, closed.touch)
+
+
+class _Look:
+    """What is read at places of the male's front."""
+
+    def __init__(self, cold: Array, faces: Any, inward: Any, readings: Sequence[Reading]) -> None:
+        front = Surface(cold, faces)
+        self.readings = [(one.kind, *on_front(front, inward(one.places), one)) for one in readings]
+
+    def __call__(self, sandwich: Sandwich, gap: Array, touch: Array) -> Array:
+        """Return the readings (n,) over gaps at the front's vertices."""
+        found = []
+        for kind, corners, weights in self.readings:
+
+            def there(values: Array, corners: Any = corners, weights: Array = weights) -> Array:
+                return np.asarray(np.sum(values[corners] * weights, axis=1))
+
+            here, open_ = sandwich.at(there), there(gap)
+            if kind == "pressure":
+                found.append(np.asarray(here.pressure(open_)))
+            elif kind == "thickness":
+                pressed, fabric = here.pressed(open_)
+                found.append(np.asarray(fabric + pressed))
+            else:
+                found.append(np.asarray(ndtr((here.thickness - there(touch)) / CONTACT_BLUR)))
+        return np.concatenate(found)
+
+
+def placed(problem: PressProblem, noise: Noise) -> tuple[list[Reading], Readings]:
+    """Return the readings that are traced, and their rows, in the ``noise`` of all rows of the problem."""
+    found = [
+        (reading, np.arange(curve.start, curve.stop))
+        for reading, curve in zip(problem.readings, problem.curves, strict=False)
+        if reading.kind in KINDS and reading.places is not None and reading.warmth is None
+    ]
+    rows = np.concatenate([rows for _, rows in found])
+    readings = [reading for reading, _ in found]
+    places = np.concatenate([reading.places for reading in readings if reading.places is not None])
+    kind = np.concatenate([np.full(len(one.values), KINDS.index(one.kind)) for one in readings])
+    return readings, Readings(problem.measured[rows], noise.sd[rows], places, kind, noise.dof)
+
+
+def _made_again(one: _Behind, given: Mapping[str, bytes], how: str) -> dict[str, bytes]:
+    """Return the document behind a field made anew, and what lies beside it, by name."""
+    path = Path(one.file)
+    # Nothing is written, and the document's own folder may be one where nothing can be.
+    target = str(Path(tempfile.gettempdir()) / path.name)
+    made = rerun(replace(one.case, uncertainty=how), target, given)  # type: ignore[call-arg]
+    beside_it = {str(path.with_name(path.stem + suffix)): data for suffix, data in made.siblings.items()}
+    return {one.file: dump_json(made.document)} | beside_it
+
+
+def tracing(
+    job: Job, case: PressCase, share: float, out: Output, problem: PressProblem
+) -> Callable[[Finding, LoopDocument], list[str]]:
+    """Return what traces a finding on a press to the documents behind it; UsageError where nothing can be traced."""
+    if case.zero == "hot":
+        raise UsageError("--upstream traces no clearance that is set on hot molds: take --zero cold")
+    if not any(one.kind in KINDS and one.warmth is None for one in problem.readings):
+        raise UsageError(
+            "--upstream traces pressure, thickness or contact at places of the closed press, and none was measured"
+        )
+
+    def traced(found: Finding, result: LoopDocument) -> list[str]:
+        readings, read = placed(problem, found.noise)
+        return add(out, result, PressChain(job, case, share), readings, read, read.kind == read.kind[0])
+
+    return traced

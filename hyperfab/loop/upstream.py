@@ -1,0 +1,212 @@
+"""Which of the documents behind a model is off: each chapter's constants together, by their marginal likelihood.
+
+A chapter is what one document upstream says: the foam, the fabric's constants, the molds' temperature, how the press is
+mounted. Its constants have a covariance beforehand, and a chapter at fault may be off by a few times that (``SCALES``,
+alike beforehand). Against each stand that all is as stated, and that it is something else: a smooth field over the
+places, or readings noisier than they were told to be. Laplace's approximation at each chapter's own best constants
+(MacKay, Information Theory, Inference, and Learning Algorithms, 2003, chapter 27).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import logsumexp
+
+from hyperfab.arrays import Array
+from hyperfab.loop.thresholds import BLAMED, EXPLAINED
+from hyperfab.numerics.propagation import Source
+
+#: Beside the chapters: nothing is off, or something that no chapter has.
+STATED, ELSE = "as stated", "something else"
+#: Lengths over which something else is alike, as shares of what the readings span, and its sizes, in standard
+#: deviations of the noise.
+_LENGTHS, _SIZES = (0.1, 0.25, 0.5), (1.0, 3.0, 10.0, 30.0)
+#: Degrees of freedom beyond which no noise is known, however it was stated: to a tenth.
+_SURE_NOISE = 50.0
+#: Steps of Gauss and Newton, and their differences in standard deviations.
+_STEPS, _DIFFERENCE = 6, 0.05
+#: How many times what was known beforehand the constants of a chapter at fault may be off, alike beforehand.
+SCALES = (0.3, 1.0, 3.0)
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """The constants of one document: what they are called, their ``covariance`` (k, k) beforehand, and what the model
+    predicts at the readings (n,) where they change by (k,)."""
+
+    name: str
+    constants: tuple[str, ...]
+    covariance: Array
+    predict: Callable[[Array], Array]
+
+
+@dataclass(frozen=True)
+class Readings:
+    """What was ``measured`` (n,), its noise ``sd`` (n,), where (n, d), and of which ``kind`` (n,) each is; the size of
+    the noise is known with ``freedom`` degrees of freedom."""
+
+    measured: Array
+    sd: Array
+    places: Array
+    kind: Array
+    freedom: float = np.inf
+
+    def likely(self, misfit: float, volume: float) -> float:
+        """Return the logarithm of a marginal likelihood: Student's, as the size of the noise is not known for sure.
+
+        ``misfit`` is the square of the residual in its covariance, ``volume`` the logarithm of that one's determinant.
+        """
+        known = min(self.freedom, _SURE_NOISE)
+        return -0.5 * (volume + (len(self.measured) + known) * float(np.log1p(misfit / known)))
+
+
+@dataclass(frozen=True)
+class Blamed:
+    """A chapter at its best: what its constants change by (k,) with their sd (k,), what is predicted then (n,), and the
+    logarithm of its marginal likelihood."""
+
+    chapter: Chapter
+    change: Array
+    sd: Array
+    predicted: Array
+    evidence: float
+
+    @property
+    def off(self) -> float:
+        """How many standard deviations of what was known the constants are off, together."""
+        root = Source("", self.chapter.covariance).root
+        return float(np.linalg.norm(np.linalg.pinv(root) @ self.change))
+
+
+@dataclass(frozen=True)
+class Trace:
+    """The ``probability`` of each chapter, of STATED and of ELSE, the chapters at their best, what the model predicts
+    as its documents are, ``stated`` (n,), and the ``suspects`` of which one is at fault, the likeliest first."""
+
+    probability: Mapping[str, float]
+    blamed: Mapping[str, Blamed]
+    stated: Array
+    suspects: tuple[str, ...]
+
+    @property
+    def verdict(self) -> str:
+        """``as stated``: that is not ruled out; ``chapter``, ``something else``; ``ambiguous``: one of several."""
+        if not self.suspects:
+            return STATED
+        return "ambiguous" if len(self.suspects) > 1 else ELSE if self.suspects[0] == ELSE else "chapter"
+
+
+def trace(readings: Readings, stated: Array, chapters: Sequence[Chapter]) -> Trace:
+    """Return which chapter is at fault; ``stated`` (n,) is what the model predicts as its documents are.
+
+    >>> rng = np.random.default_rng(1)
+    >>> x = np.linspace(0.0, 1.0, 40)
+    >>> made = [Chapter(n, ("c",), np.eye(1), lambda c, p=p: c[0] * x**p) for n, p in (("flat", 0), ("slope", 1))]
+    >>> read = Readings(0.5 * x + 0.01 * rng.standard_normal(40), np.full(40, 0.01), x[:, None], np.zeros(40))
+    >>> found = trace(read, np.zeros(40), made)
+    >>> found.verdict, found.suspects, round(float(found.blamed["slope"].change[0]), 2)
+    ('chapter', ('slope',), 0.5)
+    """
+    left = (readings.measured - stated) / readings.sd
+    beyond = max(float(np.mean(left**2)) - 1.0, 0.0)
+    # A right chapter's model is itself inexact: by as much as the loop lets pass as explained.
+    sd = readings.sd * np.sqrt(1.0 + (1.0 - EXPLAINED) * beyond)
+    blamed = {one.name: _blamed(one, readings, stated, sd) for one in chapters}
+    left = (readings.measured - stated) / sd
+    evidence = {STATED: readings.likely(float(left @ left), 0.0), ELSE: _something(left, readings)}
+    evidence |= {name: one.evidence for name, one in blamed.items()}
+    # Beforehand it is as likely as not that nothing is off; all that may be are alike.
+    prior = {name: 0.5 if name == STATED else 0.5 / (len(chapters) + 1) for name in evidence}
+    weights = np.array([evidence[name] + np.log(prior[name]) for name in evidence])
+    shares = np.exp(weights - logsumexp(weights))
+    probability = dict(zip(evidence, map(float, shares), strict=True))
+    return Trace(probability, blamed, stated, _suspects(probability))
+
+
+def _suspects(probability: Mapping[str, float]) -> tuple[str, ...]:
+    """Return what is at fault, the likeliest first: as few as have BLAMED together; none where it is not ruled out that
+    all is as stated."""
+    found: list[str] = []
+    for name in sorted(set(probability) - {STATED}, key=lambda name: -probability[name]):
+        found.append(name)
+        if sum(probability[one] for one in found) >= BLAMED:
+            return tuple(found)
+    return ()
+
+
+def _blamed(chapter: Chapter, readings: Readings, stated: Array, sd: Array) -> Blamed:
+    """Return a chapter at its best; its constants in independent directions of one standard deviation each."""
+    root, measured = Source("", chapter.covariance).root, readings.measured
+    place, value = np.zeros(root.shape[1]), stated
+    found: list[tuple[float, Array, Array, Array]] = []
+    for scale in SCALES:
+        place, value, slope = _best(chapter, root, measured, sd, scale, place, value)
+        left = (measured - value) / sd
+        # In units of the scale: the more constants the readings tell, the more the chapter had to choose from.
+        grown = np.linalg.slogdet(np.eye(len(place)) + scale**2 * slope.T @ slope)[1]
+        known = float(place @ place) / scale**2
+        found.append((readings.likely(float(left @ left) + known, float(grown)), place, value, slope))
+    weights = np.array([one[0] for one in found])
+    best = int(np.argmax(weights))
+    _, place, value, slope = found[best]
+    precision = slope.T @ slope + np.eye(len(place)) / SCALES[best] ** 2
+    spread = root @ np.linalg.inv(precision) @ root.T
+    evidence = float(logsumexp(weights) - np.log(len(weights)))
+    return Blamed(chapter, root @ place, np.sqrt(np.diag(spread)), value, evidence)
+
+
+def _best(
+    chapter: Chapter, root: Array, measured: Array, sd: Array, scale: float, place: Array, value: Array
+) -> tuple[Array, Array, Array]:
+    """Return the likeliest place (r,) of a chapter's constants, the prediction there, and its whitened slope (n, r)."""
+
+    def misfit(at: Array, predicted: Array) -> float:
+        left = (measured - predicted) / sd
+        return float(left @ left) + float(at @ at) / scale**2
+
+    slope = _slope(chapter, root, sd, place, value)
+    for _ in range(_STEPS):
+        normal = slope.T @ slope + np.eye(len(place)) / scale**2
+        step = np.linalg.solve(normal, slope.T @ ((measured - value) / sd) - place / scale**2)
+        before, share = misfit(place, value), 1.0
+        while share > 0.05:
+            there = chapter.predict(root @ (place + share * step))
+            if np.isfinite(there).all() and misfit(place + share * step, there) < before:
+                break
+            share *= 0.5
+        else:
+            break
+        place, value = place + share * step, there
+        slope = _slope(chapter, root, sd, place, value)
+        if before - misfit(place, value) < 1e-3 * max(before, 1.0):
+            break
+    return place, value, slope
+
+
+def _slope(chapter: Chapter, root: Array, sd: Array, place: Array, value: Array) -> Array:
+    columns = []
+    for way in np.eye(len(place)) * _DIFFERENCE:
+        columns.append((chapter.predict(root @ (place + way)) - value) / (_DIFFERENCE * sd))
+    return np.array(columns).T.reshape(len(value), len(place))
+
+
+def _something(left: Array, readings: Readings) -> float:
+    """Return the logarithm of the marginal likelihood of whitened readings (n,) that are off by no chapter's doing.
+
+    A Gaussian field of one length over the places, another for each kind of reading; or more noise.
+    """
+    span = float(np.ptp(readings.places, axis=0).max()) or 1.0
+    apart = np.linalg.norm(readings.places[:, None, :] - readings.places[None, :, :], axis=2) / span
+    alike = readings.kind[:, None] == readings.kind[None, :]
+    eye = np.eye(len(left))
+    found = []
+    for mode in (eye, *(np.where(alike, np.exp(-0.5 * (apart / one) ** 2), 0.0) for one in _LENGTHS)):
+        values, vectors = np.linalg.eigh(mode)
+        along = (vectors.T @ left) ** 2
+        for size in _SIZES:
+            variance = 1.0 + size**2 * np.maximum(values, 0.0)
+            found.append(readings.likely(float(np.sum(along / variance)), float(np.sum(np.log(variance)))))
+    return float(logsumexp(found) - np.log(len(found)))

@@ -1,0 +1,176 @@
+"""``hf close-loop --upstream``: which document behind a press is off, and that document put right."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import Run
+from loop.blind_chain import (
+    DRAPE,
+    DRAWN,
+    GAP,
+    ON_THE_SHEET,
+    Tracing,
+    Truth,
+    fabric,
+    film,
+    foam,
+    markers,
+    molds,
+    outcome,
+)
+
+from hyperfab.chapters.close_loop.unsure import unsure_fabric, unsure_mold
+from hyperfab.documents.base import parse_document
+from hyperfab.documents.material import MaterialDocument
+from hyperfab.io.vtu_read import read_vtu
+
+NOISE = 0.02
+PLAIN = ("--male", "male.stl", "--female", "female.stl", "--foam", "foam.toml", "--temperature", "180degC",
+         "--gap", f"{GAP}mm", "--strokes", "2")  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def traced(hf: Run, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
+    """A press of a foam 3.6 mm thick, traced by a film that was read in one of 3.8 mm."""
+    folder = tmp_path_factory.mktemp("upstream")
+    files = {**molds(), "fabric.json": fabric(Truth()), "foam.toml": foam(Truth())}
+    for name, data in files.items():
+        (folder / name).write_bytes(data)
+    assert hf("press-contact", *PLAIN, "-o", "press.json", cwd=folder).returncode == 0
+    (folder / "foam.toml").write_bytes(foam(Truth(foam={"thickness": 3.8})))
+    assert hf("press-contact", *PLAIN, "-o", "true.json", cwd=folder).returncode == 0
+    (folder / "foam.toml").write_bytes(files["foam.toml"])
+    field = {"press.vtu": (folder / "true.vtu").read_bytes()}
+    peak = float(np.nanmax(read_vtu(field["press.vtu"], "true.vtu").point_data["pressure_MPa"]))
+    (folder / "film.csv").write_bytes(film(field, np.random.default_rng(2), NOISE))
+    words = ("press.json", "film.csv", "--upstream", "--noise", f"{NOISE * peak!r}MPa", "-o", "out/loop.json")
+    (folder / "out").mkdir()
+    done = hf("close-loop", *words, cwd=folder)
+    assert done.returncode == 0, done.stderr.decode()
+    return folder, json.loads((folder / "out" / "loop.json").read_text())
+
+
+def test_the_foam_is_named_and_its_document_put_right(traced: tuple[Path, dict[str, Any]]) -> None:
+    folder, found = traced
+    told = found["upstream"]
+    assert (told["verdict"], told["chapter"], told["document"]) == ("chapter", "foam", "../foam.toml")
+    assert told["probability"]["foam"] >= 0.9
+    assert sum(told["probability"].values()) == pytest.approx(1.0)
+    assert told["written"] == "loop.upstream.toml"
+    written = tomllib.loads((folder / "out" / told["written"]).read_text())
+    [constants] = [one["constants"] for one in told["chapters"] if one["chapter"] == "foam"]
+    [thickness] = [one for one in constants if one["name"] == "../foam.toml: thickness"]
+    assert float(written["thickness"].split()[0]) == pytest.approx(3.6 + thickness["change"])
+    assert thickness["change"] == pytest.approx(0.2, abs=3.0 * thickness["sd"])
+    error = told["error"]
+    assert error["after"]["chi2_reduced"] < 1.4 < 4.0 < error["before"]["chi2_reduced"]
+
+
+def test_the_corrected_document_is_an_ordinary_one(traced: tuple[Path, dict[str, Any]], hf: Run) -> None:
+    """The command that is told takes it, and the press then shows what the film did."""
+    folder, found = traced
+    command = found["upstream"]["command"].split()
+    assert command[:2] == ["hf", "press-contact"]
+    assert hf(*command[1:], "-o", "again.json", cwd=folder / "out").returncode == 0
+    again = read_vtu((folder / "out" / "again.vtu").read_bytes(), "again.vtu").point_data["pressure_MPa"]
+    true = read_vtu((folder / "true.vtu").read_bytes(), "true.vtu").point_data["pressure_MPa"]
+    given = read_vtu((folder / "press.vtu").read_bytes(), "press.vtu").point_data["pressure_MPa"]
+    off = [float(np.sqrt(np.nanmean((one - true) ** 2))) for one in (given, again)]
+    assert off[1] < 0.15 * off[0]
+
+
+def test_the_summary_tells_it(traced: tuple[Path, dict[str, Any]]) -> None:
+    lines = [line for line in traced[1]["summary"] if line.startswith("Upstream:")]
+    assert len(lines) == 1
+    assert "foam is off" in lines[0]
+    assert "loop.upstream.toml is ../foam.toml put right: hf press-contact" in lines[0]
+
+
+def test_only_a_press_or_a_drape_is_traced(hf: Run, traced: tuple[Path, dict[str, Any]]) -> None:
+    done = hf("close-loop", "fabric.json", "film.csv", "--upstream", cwd=traced[0])
+    assert done.returncode == 2
+    assert (
+        "--upstream is for a press or a drape document, and the model is a material" in done.stderr.decode()
+    )
+
+
+def test_a_force_over_stroke_alone_is_not_traced(hf: Run, traced: tuple[Path, dict[str, Any]]) -> None:
+    folder, _ = traced
+    rows = "".join(f"{0.05 * k:.3f},{2.0 * k**1.5:.3f}\n" for k in range(20))
+    (folder / "force.csv").write_text("stroke [mm],force [N]\n" + rows)
+    done = hf("close-loop", "press.json", "force.csv", "--upstream", "-o", "f.json", cwd=folder)
+    assert done.returncode == 2
+    assert "--upstream traces pressure, thickness or contact at places" in done.stderr.decode()
+
+
+def test_documents_made_unsure_are_sound_and_keep_what_they_state() -> None:
+    plain = json.loads(fabric(Truth()))
+    order = list(plain["parameters"])
+    stated = [[1e-6 if i == j else 0.0 for j in range(3)] for i in range(3)]
+    plain["directions"]["warp"]["fit"] = {
+        "E2": 0.0, "relative_rms": 0.0, "nrmse": 0.0, "points": 9,
+        "uncertainty": {"order": order, "covariance": stated, "specimens": 5, "degrees_of_freedom": 4,
+                        "source": "specimens"},
+    }  # fmt: skip
+    found = parse_document(unsure_fabric(plain, 0.1), "fabric.json", MaterialDocument)
+    assert found.directions is not None
+    for way in ("warp", "weft"):
+        part = found.directions[way]
+        assert part.fit is not None
+        assert part.fit.uncertainty is not None
+        more = 1e-6 if way == "warp" else 0.0
+        expected = [(0.1 * value) ** 2 + more for value in part.parameters.values()]
+        assert np.diag(np.array(part.fit.uncertainty.covariance)) == pytest.approx(expected)
+    mold = {
+        "format": "hyperfab.mold/1",
+        "heater": [{"on": "all", "power": "3 kW"}],
+        "run": {"start": "20 degC +- 1 K"},
+    }
+    unsure = unsure_mold(mold, 0.05)
+    assert unsure["heater"][0]["power"] == "3 kW +- 5 %"
+    assert unsure["run"]["start"] == "20 degC +- 1 K"
+
+
+@pytest.mark.slow
+def test_the_chapter_is_named_of_drawn_chains(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One truth of each kind, by film or by markers; and nothing off. Nine of ten are named alone or in the set."""
+    monkeypatch.chdir(tmp_path)
+    tracing = Tracing()
+    found = [outcome(DRAWN[what][0], tracing.of_film(what, 1)) for what in DRAWN]
+    found += [outcome(ON_THE_SHEET[what][0], tracing.of_markers(what, 1)) for what in ON_THE_SHEET]
+    right = [one in ("alone", "in the set") for one in found]
+    assert np.mean(right) >= 0.9
+    assert "wrong alone" not in found
+    assert [outcome("", trace("none", 1)) for trace in (tracing.of_film, tracing.of_markers)] == [
+        "none",
+        "none",
+    ]
+
+
+@pytest.mark.slow
+def test_a_sheet_that_was_mounted_taut_is_put_right(hf: Run, tmp_path: Path) -> None:
+    """Of markers alone: the mounting is named, and the drape that is written is stretched as the sheet was."""
+    for name, data in {**molds(), "fabric.json": fabric(Truth())}.items():
+        (tmp_path / name).write_bytes(data)
+    for target, more in (("drape.json", ()), ("true.json", ("--prestretch", "1.03"))):
+        assert hf("drape", *DRAPE, *more, "-o", target, cwd=tmp_path).returncode == 0
+    field = {"drape.vtu": (tmp_path / "true.vtu").read_bytes()}
+    (tmp_path / "markers.csv").write_bytes(markers(field, np.random.default_rng(2), 0.05))
+    done = hf("close-loop", "drape.json", "markers.csv", "--upstream", "-o", "loop.json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr.decode()
+    told = json.loads((tmp_path / "loop.json").read_text())["upstream"]
+    assert (told["verdict"], told["chapter"], told["written"]) == (
+        "chapter",
+        "mounting",
+        "loop.upstream.json",
+    )
+    written = json.loads((tmp_path / "loop.upstream.json").read_text())
+    assert written["setup"]["prestretch"] == pytest.approx([1.03, 1.03], abs=0.005)
+    assert all((tmp_path / name).is_file() for name in written["files"])
+    assert told["error"]["after"]["rms"] < 0.06
