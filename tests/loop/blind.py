@@ -5,7 +5,8 @@ Run as ``PYTHONPATH=.:tests python -m loop.blind fabric [trials] [effect or effe
 given arguments. ``--poor`` takes one rate, one cycle, one direction, ``--other`` the second set of generators, whose
 laws and protocols are others, ``--third`` and ``--fourth`` sets to which nothing is tuned and whose plain laws are no
 model's. ``--next`` carries out the measurement that an ambiguous finding asks for, and beside it the old test once
-more.
+more; ``--without`` closes the loop again with the formula that was found taken out of the catalogue, as if it were a
+stranger's.
 """
 
 from __future__ import annotations
@@ -151,6 +152,23 @@ def carried_out(
     return made
 
 
+def without_its_formula(problem: FabricProblem, found: Finding) -> FabricProblem | None:
+    """Return the problem with the forms that were found taken out, None where others would be lost with one."""
+    forms = {name: form.name for name, form in found.after.fit.forms.items()}
+    for name, one in forms.items():
+        effect = problem.effect(name)
+        if effect.form(one).refines is None and any(form.enriches(one) for form in effect.forms):
+            return None
+    left = (
+        tuple(form for form in effect.forms if form.name != forms.get(effect.id))
+        for effect in problem.effects
+    )
+    pairs = zip(problem.effects, left, strict=True)
+    return replace(
+        problem, effects=tuple(replace(effect, forms=some or effect.forms) for effect, some in pairs)
+    )
+
+
 def next_tally(
     found: Finding,
     problem: FabricProblem,
@@ -190,14 +208,24 @@ def table(
     show: bool = False,
     which: str = "",
     design: bool = False,
+    without: bool = False,
 ) -> dict[tuple[str, ...], Counter[str]]:
-    """Run the trials and count the verdicts; ``design`` carries out the next measurement of ambiguous ones."""
+    """Run the trials and count the verdicts.
+
+    ``design`` carries out the next measurement of ambiguous ones, ``without`` takes the found formulas out beforehand.
+    """
     counts: dict[tuple[str, ...], Counter[str]] = {}
     for truth in effects:
         counts[tuple(truth)] = Counter()
         for seed in range(trials):
             problem, noise, drawn, setups = case(seed, truth, poor, which)
+            if without:
+                poorer = without_its_formula(problem, close(problem, design=False))
+                if poorer is None:
+                    continue
+                problem = poorer
             began = time.process_time()
+            counts[tuple(truth)]["#trials"] += 1
             found = close(problem, design=design)
             took = time.process_time() - began
             counts[tuple(truth)][label(found)] += 1
@@ -265,12 +293,12 @@ def main() -> None:
         effects = [(name,) for name in truths.IDS] + [()] + [(name,) for name in outside]
     whole: Counter[str] = Counter()
     stated: Counter[str] = Counter()
-    for truth, tally in table(effects, trials, poor, show, which, "--next" in sys.argv).items():
+    found = table(effects, trials, poor, show, which, "--next" in sys.argv, "--without" in sys.argv)
+    for truth, tally in found.items():
         counted = {key: value for key, value in tally.items() if key.startswith("#") and key != "#slowest ms"}
         stated.update({key: value for key, value in tally.items() if key.startswith("@")})
         if any(name in truths.IDS for name in truth):
             whole.update(counted)
-            whole["#trials"] += trials
         names = {key: value for key, value in tally.items() if key[0] not in "#@"}
         sums = ", ".join(f"{key[1:]} {value}" for key, value in tally.items() if key.startswith("#"))
         print(
