@@ -270,3 +270,19 @@ def test_a_table_of_several_loadings_is_their_mean_and_never_falls() -> None:
     humped = TestCurve("uniaxial", down, -np.sin(4.0 * (1.0 - down)))
     assert (np.diff(table_of([humped], "uniaxial")[1]) >= 0.0).all()
     assert table_of([humped], "uniaxial")[2] > 0.2
+
+
+def test_a_foam_is_cut_into_blocks_and_strips_of_any_thickness(hf, tmp_path) -> None:
+    down, up = np.linspace(1.0, 0.4, 25), np.linspace(1.0, 1.3, 25)
+    rows = "".join(
+        f"{50.0 * (a - 1.0):.9g},{2500.0 * b:.9g}\n"
+        for a, b in zip(down, COLD.stress("uniaxial", down), strict=True)
+    )
+    sizes = "# test: uniaxial\n# gauge length: 50 mm\n# width: 50 mm\n# thickness: 50 mm\n"
+    (tmp_path / "block.csv").write_text(f"{sizes}extension [mm],force [N]\n{rows}")
+    _write(tmp_path, "strip.csv", "uniaxial", up, COLD.stress("uniaxial", up))
+    run = hf("fit", "block.csv", "strip.csv", "--model", "hyperfoam-1", "-o", "foam.json", cwd=tmp_path)
+    assert run.returncode == 0, run.stderr.decode()
+    document = json.loads((tmp_path / "foam.json").read_text())
+    assert document["parameters"] == pytest.approx(COLD.parameters, rel=1e-6)
+    assert "thickness_mm" not in document  # neither is that of the foam in the press

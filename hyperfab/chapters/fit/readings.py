@@ -93,16 +93,22 @@ def read_all(
 
 
 def gather(
-    tests: Sequence[TestData], steps: Steps, relative: bool, carried_by: Sequence[str] = CARRIED
+    tests: Sequence[TestData],
+    steps: Steps,
+    relative: bool,
+    carried_by: Sequence[str] = CARRIED,
+    sheet: bool = True,
 ) -> Readings:
-    """Return the curves of ``tests``: one thickness, nominal stress in MPa, one temperature each, after ``steps``.
+    """Return the curves of ``tests``: nominal stress in MPa, one temperature each, after ``steps``.
+
+    Specimens of a ``sheet`` have one thickness; of a body, as foam, blocks and strips may be cut, and none is its own.
 
     With ``relative``, rows whose measured stress says nothing about a ratio are left out and counted; so are tests
     other than those ``carried_by`` the law.
     """
     sheets = [test for test in tests if test.mode != "volumetric"]
     volumetric = [test for test in tests if test.mode == "volumetric"]
-    thickness, nominal = _thickness(sheets)
+    thickness, nominal = _thickness(sheets, sheet)
     found = Readings([], volumetric, thickness, nominal)
     for counts in {id(test.left_out): test.left_out for test in tests}.values():
         found.left_out.update(counts)
@@ -146,8 +152,8 @@ def gather(
     return found
 
 
-def _thickness(tests: Sequence[TestData]) -> tuple[float | None, bool]:
-    """Return the thickness of all tests, and whether it is the nominal 1 mm of tests in N/mm."""
+def _thickness(tests: Sequence[TestData], sheet: bool) -> tuple[float | None, bool]:
+    """Return the thickness of all tests, None where bodies differ; and whether it is the nominal 1 mm of N/mm."""
     per_width = [test for test in tests if test.membrane]
     known = [test for test in tests if test.thickness_mm is not None]
     if per_width and len(per_width) < len(tests):
@@ -161,6 +167,8 @@ def _thickness(tests: Sequence[TestData]) -> tuple[float | None, bool]:
         return 1.0, True
     sizes = sorted({test.thickness_mm for test in known if test.thickness_mm is not None})
     if len(sizes) > 1 and sizes[-1] > 1.02 * sizes[0]:
+        if not sheet:
+            return None, False
         thin, thick = (
             next(test.source for test in known if test.thickness_mm == size) for size in (sizes[0], sizes[-1])
         )

@@ -49,7 +49,7 @@ def run(job: Job, case: FitCase) -> int:
     out.refuse_inputs(job.inputs)
     foam = model in ORDERS
     # A foam's rows count by their share of the largest stress: none is without meaning.
-    readings = gather(tests, steps, relative and not foam, FOAM_TESTS if foam else CARRIED)
+    readings = gather(tests, steps, relative and not foam, FOAM_TESTS if foam else CARRIED, not foam)
     readings.preparation += told
     readings.warnings[:0] = aspect_warnings(tests)
     chosen = _chosen(case.fit_on, readings)
