@@ -225,6 +225,17 @@ def test_a_plateau_that_no_stable_law_has_is_told(power, told) -> None:
     assert bool(plateau([curve.take(np.arange(60)[::-1])])) is told
 
 
+def test_scatter_on_a_low_plateau_is_no_plateau_that_falls() -> None:
+    from hyperfab.chapters.fit.plateau import plateau
+    from hyperfab.curve import TestCurve
+
+    down, random = np.linspace(1.0, 0.3, 80), np.random.default_rng(3)
+    stress = 0.004 * -np.expm1(-(1.0 - down) / 0.03) * down**-1.3 + 0.03 * (1.0 - down) ** 8
+    for _ in range(20):
+        noisy = stress + 0.015 * stress.max() * random.standard_normal(80)
+        assert plateau([TestCurve("uniaxial", down, -noisy, source="block.csv")]) is None
+
+
 def test_a_plateau_that_no_law_has_is_pressed_as_the_table_that_is_named(hf, tmp_path) -> None:
     """Raw blocks whose force falls behind a peak: the table and command that hf fit names bear what was measured."""
     from hyperfab.io.stl_write import stl_bytes

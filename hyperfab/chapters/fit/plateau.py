@@ -10,10 +10,12 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.curve import TestCurve
 from hyperfab.io.csv_write import csv_bytes
-from hyperfab.numerics.hygiene import first_loading
+from hyperfab.numerics.hygiene import first_loading, scatter
 
 #: Compression whose stress times the stretch falls by more than this share is carried by no stable law.
 _FALLS = 0.05
+#: In standard deviations of a reading about its neighbours: a fall by less may be chance.
+_SURE = 4.0
 #: Rows of the table: each is the mean of the readings around it.
 _ROWS = 60
 
@@ -55,6 +57,8 @@ def plateau(curves: Sequence[TestCurve]) -> Plateau | None:
         peak = np.maximum.accumulate(steady)
         later = np.maximum(np.maximum(kirchhoff[:-2], kirchhoff[1:-1]), kirchhoff[2:])
         falls = np.where(peak > 0.0, 1.0 - later / np.where(peak > 0.0, peak, 1.0), 0.0)
+        # Of a plateau far below the largest stress the readings' scatter is a large share.
+        falls[peak - later <= _SURE * scatter(kirchhoff)] = 0.0
         worst = int(np.argmax(falls))
         if falls[worst] > _FALLS:
             begins = float(part.stretch[1 + int(np.argmax(steady[: worst + 1]))])
