@@ -148,6 +148,13 @@ def stands_to_settle() -> dict[str, bytes]:
             ["Data1", "", "Time (s)\tForce/AI 1 (N)\tDisp/AI 2 (mm)"]
             + [f"{k}\t{f}\t{x}" for k, x, f in TIMED]
         ).encode(),
+        "strain_and_its_correction": joined(
+            ["Time (s),Corrected Strain (%),Strain (%),Stress (MPa)"]
+            + [f"{k},{e},{float(e) + 1:.2f},{s}" for k, _, _, e, s in ROWS]
+        ).encode(),
+        "force_and_tared_force": joined(
+            ["Weg (mm);Kraft tariert (N);Kraft (N)"] + [f"{x};{f};{float(f) + 0.5}" for _, x, f in TIMED]
+        ).encode(),
         "units_alone": joined(["s;mm;N", *[f"{k};{comma(x)};{comma(f)}" for k, x, f in TIMED]]).encode(),
         "aramis_length": joined(
             ["Stage;Extensometer L [mm];Extensometer L0 [mm];Force [N]"]

@@ -150,6 +150,10 @@ FILLERS = """analog; analogue; digital; ch; channel; sensor; kanal; canal; canal
         moyenne; media; medio; medie; total; de; del; der; die; das; the; of; en; le; la; specimen; sample; probe;
         engineering; nominal; axial; engr; tech; technical; major; standard; por; a; di; traccion; traction;
         trazione; tracao; 1; 01"""
+#: Words that tell a second reading of the same quantity: beside a column without them, which one is meant is asked.
+MENDED = """corrected; tared; zeroed; compensated; net; korrigiert; korrigierte; tariert; tarierte; genullt;
+        kompensiert; kompensierte; corregida; corregido; tarada; tarado; compensada; compensado; corrigee; corrige;
+        taree; compensee; corretta; corretto; tarata; tarato; corrigida; corrigido"""
 #: The measure of a strain or stress, as image correlation and offices write it beside the name; without a name where
 #: hf does not read it.
 MEASURES: dict[str, dict[str, str]] = {

@@ -183,6 +183,9 @@ def meaning(head: Heading) -> Meaning | None:
         if match and match[1] and (found := list(looked_up(match[1]))):
             axis = _AXES[match[2]]
     if not found:
+        core = " ".join(word for word in label.split() if word not in _mended())
+        found = [replace(one, rank=0) for one in looked_up(core)] if core != label else []
+    if not found:
         first, _, last = label.rpartition(" ")
         if last in ("nr", "no", "id", "num"):
             return Meaning("aside")
@@ -200,7 +203,7 @@ def meaning(head: Heading) -> Meaning | None:
     if not found and group:  # a group of channels before the one: Analog input: Force, Extensometer 1.ΔL
         behind = meaning(replace(head, label=group[1].strip()))
         return behind and replace(behind, rank=2)
-    found = [replace(one, name=name) for one in found if (name := _measured(one.name, head.title))]
+    found = [replace(one, name=name) for one in found if (name := measured(one.name, head.title))]
     fitting = [one for one in (_fitted(one, head.unit) for one in found) if one is not None]
     exact = [
         one
@@ -224,10 +227,15 @@ def _fillers() -> frozenset[str]:
     return words(heading_words.FILLERS)
 
 
-def _measured(name: str, title: str) -> str:
+@cache
+def _mended() -> frozenset[str]:
+    return words(heading_words.MENDED)
+
+
+def measured(name: str, title: str) -> str:
     """Return a strain or stress by the measure that its title names beside it; nothing for one that is not read.
 
-    >>> _measured("strain", "exx [1] - Lagrange"), _measured("stress", "Spannung (wahr) [MPa]")
+    >>> measured("strain", "exx [1] - Lagrange"), measured("stress", "Spannung (wahr) [MPa]")
     ('green strain', 'true stress')
     """
     beside = set(plain(title).split())
@@ -239,7 +247,7 @@ def _measured(name: str, title: str) -> str:
 
 def is_unread(head: Heading) -> bool:
     """Whether a title names a measure of strain or stress that is not read: no guess may take it for another."""
-    return any(_measured(name, head.title) == "" for name in heading_words.MEASURES)
+    return any(measured(name, head.title) == "" for name in heading_words.MEASURES)
 
 
 def _fitted(found: Meaning, unit: str | None) -> Meaning | None:

@@ -19,6 +19,7 @@ from hyperfab.io.headings import (
     is_of,
     is_unread,
     meaning,
+    measured,
     plain,
     suffixed,
     unit_of,
@@ -320,7 +321,7 @@ def proposed(sheet: CsvSheet, found: Roles) -> list[tuple[str, str]]:
             have.add("force")
             entries[one.index] = (one.title, f"force [{yarn[1]}]")
         if kind is None and one.unit is not None and unit_of(one.unit) and is_of(one.unit, "dimensionless"):
-            kind = "strain"
+            kind = measured("strain", one.title)  # epsY_log is a logarithmic one
         if kind == "extension" and is_length(sheet.columns[one.index]):
             kind = "length"
         if kind and kind not in have:

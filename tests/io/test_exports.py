@@ -146,6 +146,12 @@ def test_a_strain_that_is_not_read_is_not_taken_for_another() -> None:
     assert "--columns" not in str(caught.value)
 
 
+def test_the_measure_of_a_strain_is_kept_in_what_is_proposed() -> None:
+    rows = "".join(f"{e},{s}\n" for e, s in exports.PULL)
+    with pytest.raises(InputError, match=r"epsY_log \[-\]=true strain \[-\]"):
+        read(f"epsY_log [-],Force [N]\n{rows}".encode(), "a")
+
+
 def test_what_pulls_counts_positive_whatever_the_load_cell_says() -> None:
     """An extended specimen that pushes back is no material: its load cell counts pulling as negative."""
     rows = "".join(f"{x},-{f}\n" for x, f in exports.raw())
