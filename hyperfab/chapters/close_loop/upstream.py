@@ -173,9 +173,19 @@ def _constants(link: Link, found: Trace) -> list[MovedConstant]:
     best = found.blamed[link.chapter]
     known = np.sqrt(np.diag(link.covariance))
     return [
-        MovedConstant(name=number.name, change=float(by), sd=float(sd), known_sd=float(before))
+        MovedConstant(name=_bare(number.name), change=float(by), sd=float(sd), known_sd=float(before))
         for number, by, sd, before in zip(link.numbers, best.change, best.sd, known, strict=True)
     ]
+
+
+def _bare(name: str) -> str:
+    """Return a number's name with its document as it is called, wherever it was made anew.
+
+    >>> _bare("build/mold.toml: heater.0.power"), _bare("gap_mm")
+    ('mold.toml: heater.0.power', 'gap_mm')
+    """
+    file, mark, key = name.partition(": ")
+    return f"{os.path.basename(file)}{mark}{key}"
 
 
 def _write(out: Output, link: Link, corrected: Corrected) -> tuple[str, str]:
