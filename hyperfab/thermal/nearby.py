@@ -179,7 +179,10 @@ class Neighbourhood:
             if after.slope is not None:
                 columns.append((after.time - past.time) * after.slope)
         columns += [self._began(part) for change in changes for part in change.start]
-        loads = [load for change in changes for load in self._loads(change)]
+        loads: list[Array] = []
+        for change in changes:
+            for load in self._loads(change):
+                _take(loads, load)
         for span in SPANS:
             matrix = model.step_matrix(end, span * end, origin)
             columns += [model.solve(matrix, load, SOLVE) for load in loads]
@@ -225,10 +228,15 @@ class Neighbourhood:
                 for condition in model.conditions:
                     if isinstance(condition, Convection | Radiation):
                         load += condition.flow(time, at + began) - condition.flow(time, at)
-            known = any(abs(dot(load, other)) > (1.0 - 1e-9) * _size(load) * _size(other) for other in found)
-            if load.any() and not known:
-                found.append(load)
+            found.append(load)
         return found
+
+
+def _take(loads: list[Array], load: Array) -> None:
+    """Add a load to others but where it is nothing, or one of them over again."""
+    known = any(abs(dot(load, other)) > (1.0 - 1e-9) * _size(load) * _size(other) for other in loads)
+    if load.any() and not known:
+        loads.append(load)
 
 
 def _size(load: Array) -> float:

@@ -23,22 +23,31 @@ class Case:
 
 
 @pytest.mark.parametrize(
-    ("work", "method"),
+    ("work", "method", "blur"),
     [
-        (lambda x, y: 2.0 * y, "linear"),
+        (lambda x, y: 2.0 * y, "linear", 0.0),
         # The larger of two, at the first of them: seen neither where the force is up nor where the first one is.
-        (lambda x, y: max(y, -1.5 * y), "sampled"),
-        (lambda x, y: y**3 + y, "sampled"),  # as much below as above: the middle of two runs shows nothing
-        (lambda x, y: 1.0 + abs(y), "sampled"),
+        (lambda x, y: max(y, -1.5 * y), "sampled", 0.0),
+        (
+            lambda x, y: y**3 + y,
+            "sampled",
+            0.0,
+        ),  # as much below as above: the middle of two runs shows nothing
+        (lambda x, y: 1.0 + abs(y), "sampled", 0.0),
+        (lambda x, y: 1.0 + abs(y), "sampled", 3.9),
+        (lambda x, y: 1.0 + abs(y), "linear", 4.0),  # by twice 1.96, less than it errs by itself
     ],
 )
 def test_a_figure_that_bends_where_the_first_one_does_not_is_sampled(
-    work: Callable[[float, float], float], method: str
+    work: Callable[[float, float], float], method: str, blur: float
 ) -> None:
     """The first figure goes straight with x alone, the other is asked along what it goes with itself."""
 
     class Beside:
         samples, step = 400, 1.0
+
+        def blur(self, name: str) -> float:
+            return blur
 
         def gradient(self) -> Slopes:
             step = 1e-6

@@ -10,6 +10,7 @@ from builders import PLATE
 
 from hyperfab.cases.options import read
 from hyperfab.cases.registry import case_class
+from hyperfab.chapters.mold_heat import nearby as problem_nearby
 from hyperfab.chapters.mold_heat import problem, recipe
 from hyperfab.chapters.mold_heat.meshing import mesh_mold
 from hyperfab.chapters.rerun import Made, rerun
@@ -117,3 +118,26 @@ def test_a_table_of_films_that_says_how_sure_it_is_errs_as_one(
 
 def test_a_table_without_a_column_of_standard_deviations_says_nothing() -> None:
     assert "uncertainty" not in filmed("temperature [degC],h [W/m^2/K]\n25,5\n100,9\n250,13\n")
+
+
+def test_many_runs_are_parabolas_between_a_few(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two heaters that err apart: the evenness bends, as which end is the warmer one changes from draw to draw."""
+    heater = '[[heater]]\non = "plate.{0}"\npower = "300 W +- 4 %"\n'
+    mold = FINE.replace(
+        '[[heater]]\non = "plate.z-"\npower = "3000 W"\n', heater.format("x-") + heater.format("x+")
+    )
+    runs: list[Any] = []
+    run = problem_nearby.Neighbourhood.run
+    monkeypatch.setattr(problem_nearby.Neighbourhood, "run", lambda *given: (runs.append(1), run(*given))[1])
+    mold = mold.replace(FILM, '"9 W/m^2/K +- 20 %"')
+    few = heated(mold).document["uncertainty"]
+    assert few["method"] == "sampled"
+    assert "work_surface.spread_K" in few["reason"]
+    assert len(runs) < 50
+    monkeypatch.setattr(problem_nearby, "CHECKED", 10**9)
+    every = heated(mold).document["uncertainty"]
+    assert len(runs) > 200
+    for name, band in every["quantities"].items():
+        for key in ("sd", "low", "high"):
+            off = abs(few["quantities"][name][key] - band[key])
+            assert off < 0.02 * band["sd"], (name, key)

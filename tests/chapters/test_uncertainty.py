@@ -12,13 +12,14 @@ import jsonschema
 import numpy as np
 import pytest
 import trimesh
-from builders import PLATE
+from builders import FILM, PLATE
 
 from hyperfab.cases.options import read
 from hyperfab.cases.registry import case_class
-from hyperfab.chapters import commands
+from hyperfab.chapters import commands, drape, fabric_contact, mold_heat, press_contact
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import Listener, rerun
+from hyperfab.chapters.uncertainty.carry import Sure
 from hyperfab.console import Console
 from hyperfab.documents.base import schema
 from hyperfab.io.stl_write import stl_bytes
@@ -44,6 +45,7 @@ DRAPE = (
 PRESS = ("press-contact", "--male", "male.stl", "--female", "female.stl", "--foam", "foam.toml", "--gap", "3mm",
          "--strokes", "2")  # fmt: skip
 FOAM = 'format = "hyperfab.foam/1"\nthickness = "4.5 mm"\ncompression = { law = "linear", modulus = "0.05 MPa" }\n'
+BRIEF = PLATE.replace('target = "200 degC"', 'until = "20 s"')
 INSULATED = PLATE.replace(
     '[[convection]]\non = "exposed"\nh = { table = "film.csv" }\nambient = "25 degC"\n', ""
 )
@@ -143,6 +145,41 @@ def test_what_the_inputs_do_not_state_is_not_made_up(made: Any) -> None:
         assert not {"uncertainty"} & {*plain, *plain["setup"], *asked}
         assert plain["force_N"] == asked["force_N"]
     assert "uncertainty" not in made(CONTACT, fabric_json=material())
+
+
+@pytest.mark.parametrize(
+    ("words", "module", "given"),
+    [
+        (CONTACT, fabric_contact.command, {"fabric.json": material()}),
+        (DRAPE, drape.command, {"fabric.json": material()}),
+        (("mold-heat", "mold.toml"), mold_heat.recipe, {"mold.toml": BRIEF.encode(), "film.csv": FILM}),
+        (PRESS, press_contact.command, {"foam.toml": FOAM.encode()}),
+    ],
+)
+def test_where_nothing_is_stated_every_byte_is_as_if_nothing_were_carried(
+    words: tuple[str, ...],
+    module: Any,
+    given: dict[str, bytes],
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Document, fields and pictures; and no neighbour is asked for, which is all that carrying costs."""
+    monkeypatch.chdir(folder)
+
+    def ran() -> tuple[dict[str, Any], dict[str, bytes]]:
+        found = rerun(read(case_class(words[0]), list(words[1:])), "found.json", given)
+        assert any(suffix.endswith(".vtu") for suffix in found.siblings)
+        return found.document, found.siblings
+
+    place = getattr(module, "nearby", module)
+    carry, nearby = module.carry, place.beside
+    asked: list[Any] = []
+    monkeypatch.setattr(module, "carry", lambda *rest: (asked.append(carry), carry(*rest))[1])
+    monkeypatch.setattr(place, "beside", lambda *rest: (asked.append(nearby), nearby(*rest))[1])
+    whole = ran()
+    assert asked == [carry]
+    monkeypatch.setattr(module, "carry", lambda *rest: Sure())
+    assert ran() == whole
 
 
 def test_samples_agree_with_the_linear_answer_where_that_holds(made: Any) -> None:

@@ -34,6 +34,10 @@ class Beside:
         self._near = Neighbourhood(model.sheet, state.mold, state.found, state.fields.cut)
         self._moves: list[Array] = []
 
+    def blur(self, name: str) -> float:
+        """Return 0: all are of one discretisation, which errs alike."""
+        return 0.0
+
     def gradient(self) -> Slopes:
         """Return what figures and fields change by with each number, source by source."""
         slopes: dict[str, list[float]] = {}
@@ -64,12 +68,7 @@ class Beside:
         """Return the figures with numbers changed."""
         if not self._moves:
             self.gradient()
-        amounts = np.concatenate(
-            [
-                np.asarray(changes.get(k, np.zeros(len(one.numbers))))
-                for k, one in enumerate(self._origins.found)
-            ]
-        )
+        amounts = self._origins.amounts(changes)
         moved = np.tensordot(amounts, np.array(self._moves), axes=1)
         return self._answer(self._sheet(changes), moved)
 

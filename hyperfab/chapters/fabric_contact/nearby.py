@@ -55,6 +55,10 @@ class Beside:
         self._near = Neighbourhood(solved)
         self._moves: list[Array] = []
 
+    def blur(self, name: str) -> float:
+        """Return 0: all are of one discretisation, which errs alike."""
+        return 0.0
+
     def gradient(self) -> Slopes:
         """Return what each figure changes by with each number, source by source."""
         slopes: dict[str, list[float | Array]] = {}
@@ -84,12 +88,7 @@ class Beside:
         """
         if not self._moves:
             self.gradient()
-        amounts = np.concatenate(
-            [
-                np.asarray(changes.get(k, np.zeros(len(one.numbers))))
-                for k, one in enumerate(self._origins.found)
-            ]
-        )
+        amounts = self._origins.amounts(changes)
         moved = sum(amount * move for amount, move in zip(amounts, self._moves, strict=True))
         test, depth = self._test(changes)
         try:

@@ -7,19 +7,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.cases.mold import MoldCase
 from hyperfab.chapters.mold_heat.problem import Problem
 from hyperfab.chapters.mold_heat.result import efficiency_of, energy_of, probes_of
 from hyperfab.chapters.uncertainty.carry import Answer, Changes, Figures
 from hyperfab.chapters.uncertainty.sources import Entry, Film, Number, Origins
 from hyperfab.documents.mold import MoldDocument
-from hyperfab.thermal import surface
+from hyperfab.numerics.trend import Trend
 from hyperfab.thermal.contact import Contact
 from hyperfab.thermal.convection import Convection
+from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.history import History, Target
 from hyperfab.thermal.nearby import Change, Neighbourhood
 from hyperfab.thermal.projected import why_not
+from hyperfab.thermal.trail import Lift
 
 #: Which condition an entry of the mold document speaks of, and where its flow goes with the number.
 _FLOWS = {
@@ -27,15 +30,27 @@ _FLOWS = {
 }  # fmt: skip
 
 
+#: So many runs that are drawn must be as parabolas through those before say, till these stand for the rest; by how much
+#: of their standard deviation figures may be off then.
+CHECKED, CLOSE = 5, 0.05
+#: Temperatures are no sharper than this part of what a step may be off by.
+_SHARP = 0.1
+
+
 @dataclass
 class Beside:
-    """What the figures become beside a run: on the states it went through, with the steps it took."""
+    """What the figures become beside a run: on the states it went through, with the steps it took.
+
+    Extremes over a surface jump from node to node. The temperatures themselves do not, nor do times and energies: many
+    runs are parabolas between a few.
+    """
 
     problem: Problem
     origins: Origins
     reads: Sequence[_Number]
     near: Neighbourhood
     value: Figures
+    tolerance: float
 
     @property
     def samples(self) -> int:
@@ -48,25 +63,70 @@ class Beside:
         return 0.25
 
     def __post_init__(self) -> None:
+        self._trend = Trend(2)
+        self._checked = 0
+        self._known: list[Figures] = []
+        self._names: list[str] = []
+        work = self.problem.work_surface
+        self._even = None if work is None else _Even.of(work, self.near.lift)
         # What the basis leaves out is the same for all: they count from the run itself.
-        self._off = Answer({})
+        self._off: Figures = {}
         base = self.at({})
-        self._off = Answer(
-            {name: self.value[name] - value for name, value in base.figures.items() if name in self.value}
-        )
+        self._off = {
+            name: self.value[name] - value for name, value in base.figures.items() if name in self.value
+        }
+
+    def blur(self, name: str) -> float:
+        """Return below which difference [K] two temperatures are one, 0 for other figures."""
+        return _SHARP * self.tolerance if name.startswith(("work_surface", "probes")) else 0.0
 
     def gradient(self) -> None:
         """Nothing: extremes over nodes and times jump, so they are told by differences."""
 
     def at(self, changes: Changes) -> Answer:
         """Return figures and the field with numbers changed."""
-        history = self.near.run(self._change(changes))
-        last = history.states[-1].temperature
+        amounts = self.origins.amounts(changes)
+        guess = self._trend.at(amounts)
+        if guess is None or self._checked < CHECKED:
+            smooth, coordinates = self._run(changes, amounts, guess)
+        else:
+            smooth, coordinates = self._split(guess)
         found = {
-            name: value + self._off.figures.get(name, 0.0)
-            for name, value in _figures(self.problem, history).items()
+            name: value + self._off.get(name, 0.0)
+            for name, value in self._figures(smooth, coordinates).items()
         }
-        return Answer(found, {"temperature_degC": last[: self.problem.mesh.solid]})
+        field = self.near.lift.nodal(coordinates)
+        return Answer(found, {"temperature_degC": field[: self.problem.mesh.solid]})
+
+    def _run(self, changes: Changes, amounts: Array, guess: Array | None) -> tuple[Figures, Array]:
+        """Return the figures of a run that go smoothly, and where it ends; judge what was guessed of it."""
+        history = self.near.run(self._change(changes))
+        smooth, coordinates = _smooth(self.problem, history), history.states[-1].coordinates
+        figures = self._figures(smooth, coordinates)
+        self._names = self._names or list(smooth)
+        if guess is not None:
+            self._check(guess, figures)
+        elif list(smooth) == self._names:
+            self._known.append(figures)
+            self._trend.add(amounts, np.concatenate([list(smooth.values()), coordinates]))
+        return smooth, coordinates
+
+    def _split(self, guess: Array) -> tuple[Figures, Array]:
+        count = len(self._names)
+        return dict(zip(self._names, map(float, guess[:count]), strict=True)), guess[count:]
+
+    def _figures(self, smooth: Figures, coordinates: Array) -> Figures:
+        return smooth if self._even is None else {**smooth, **self._even.figures(coordinates)}
+
+    def _check(self, guess: Array, figures: Figures) -> None:
+        """Count a run that is as was guessed; one that is not puts an end to guessing."""
+        for name, value in self._figures(*self._split(guess)).items():
+            close = max(CLOSE * float(np.std([one[name] for one in self._known])), self.blur(name))
+            if not abs(value - figures.get(name, np.inf)) <= close:
+                self._trend = Trend(2)  # known again after as many runs more, if ever
+                self._known, self._checked = [], 0
+                return
+        self._checked += 1
 
     def _change(self, changes: Changes) -> Change:
         """Return what numbers that change, by the number of their source, make another thing."""
@@ -136,7 +196,8 @@ def beside(
     stops = document.run.until is None
     if stops and history.reached is None:
         return None
-    return Beside(problem, origins, known, Neighbourhood(model, history, target, stops, units), value)
+    near = Neighbourhood(model, history, target, stops, units)
+    return Beside(problem, origins, known, near, value, document.run.tolerance)
 
 
 def _read(number: Number, document: MoldDocument, problem: Problem) -> _Number | None:
@@ -169,19 +230,35 @@ def _read(number: Number, document: MoldDocument, problem: Problem) -> _Number |
     return _Number("ambient" if ambient else "flow", (mine[int(str(which))],), value)
 
 
-def _figures(problem: Problem, history: History) -> Figures:
+@dataclass(frozen=True)
+class _Even:
+    """How the work surface reads from coordinates: at its nodes, and its mean."""
+
+    nodes: Lift
+    mean: tuple[Array, float]
+
+    @staticmethod
+    def of(work: FacetOperator, lift: Lift) -> _Even:
+        return _Even(lift.part(np.unique(work.nodes)), lift.sensor(work.load(1.0) / work.area))
+
+    def figures(self, coordinates: Array) -> Figures:
+        """Return mean, least, greatest and spread."""
+        nodal = self.nodes.nodal(coordinates)
+        least, greatest = float(nodal.min()), float(nodal.max())
+        return {
+            "work_surface.mean_degC": self.mean[1] + float(self.mean[0] @ coordinates),
+            "work_surface.min_degC": least,
+            "work_surface.max_degC": greatest,
+            "work_surface.spread_K": greatest - least,
+        }
+
+
+def _smooth(problem: Problem, history: History) -> Figures:
+    """Return all figures but those of the work surface."""
     energy = energy_of(history)
     found = {f"energy.{name}": getattr(energy, name) for name in ("supplied_J", "lost_J", "stored_J")}
     if history.reached_time is not None:
         found["warmup_time_s"] = history.reached_time
-    if problem.work_surface is not None:
-        (end,) = surface.of_all(problem.work_surface, [history.states[-1]])
-        found |= {
-            "work_surface.mean_degC": end.mean,
-            "work_surface.min_degC": end.least,
-            "work_surface.max_degC": end.greatest,
-            "work_surface.spread_K": end.spread,
-        }
     for name, probe in probes_of(problem, history).items():
         found |= {f"probes.{name}.final_degC": probe.final_degC, f"probes.{name}.max_degC": probe.max_degC}
     share = efficiency_of(energy)

@@ -14,6 +14,7 @@ from hyperfab.chapters.press_contact.model import Model, joint_of, offset_of, re
 from hyperfab.chapters.rerun import Listener
 from hyperfab.chapters.uncertainty.carry import Answer, Changes
 from hyperfab.chapters.uncertainty.sources import Origins
+from hyperfab.numerics.trend import Trend
 from hyperfab.pressing.closing import Closed
 from hyperfab.pressing.gap import vertex_areas
 from hyperfab.pressing.growth import Expansion, even_growth, guide_line
@@ -31,8 +32,13 @@ class Beside:
         male, female = model.grown
         modes = [[mode.growth for mode in grown.modes if mode.growth is not None] for grown in model.grown]
         self._near = Neighbourhood(closed, (male.growth, female.growth), (modes[0], modes[1]))
-        self._guess = _Guess()
+        # A female is looked for where those before lie.
+        self._places = Trend(1)
         self._area = vertex_areas(closed.front, ~closed.front.flange)
+
+    def blur(self, name: str) -> float:
+        """Return 0: all are of one discretisation, which errs alike."""
+        return 0.0
 
     def gradient(self) -> None:
         """Nothing: pressures and areas bend, so they are told by differences."""
@@ -64,12 +70,7 @@ class Beside:
         sandwich, _ = sandwich_of(quiet, case, files, warm)
         joint = joint_of(case, files)
         at = guide_line(self._closed.case.male) if joint is None else joint
-        amount = np.concatenate(
-            [
-                np.asarray(changes.get(k, np.zeros(len(one.numbers))))
-                for k, one in enumerate(self._origins.found)
-            ]
-        )
+        amount = self._origins.amounts(changes)
         sandwich = sandwich.of_vertices(self._closed.front.of_mold)
         found = self._near.close(
             sandwich,
@@ -81,9 +82,9 @@ class Beside:
             tilt=tilt_of(case, files),
             offset=offset_of(files),
             at=(float(at[0]), float(at[1])),
-            begun=self._guess.at(amount),
+            begun=self._places.at(amount),
         )
-        self._guess.add(amount, found.place)
+        self._places.add(amount, found.place)
         return found, sandwich
 
     def at(self, changes: Changes) -> Answer:
@@ -105,31 +106,6 @@ class Beside:
             },
             {"gap_mm": found.gap, "pressure_MPa": found.pressure, ROOM: found.thickness - found.touch},
         )
-
-
-class _Guess:
-    """Where a female is to be looked for: as those that have been found lie, straight with what was changed."""
-
-    def __init__(self) -> None:
-        self._rows: list[Array] = []
-        self._places: list[Array] = []
-        self._line: Array | None = None
-
-    def at(self, amount: Array) -> Array | None:
-        """Return the place (3,) for numbers changed by an ``amount`` (k,), None while too few are known."""
-        return None if self._line is None else np.append(1.0, amount) @ self._line
-
-    def add(self, amount: Array, place: Array) -> None:
-        """Take one in that has been found."""
-        if self._line is None:
-            self._rows.append(np.append(1.0, amount))
-            self._places.append(place)
-            if len(self._rows) > 2 * len(self._rows[0]):
-                rows = np.array(self._rows)
-                scale = np.maximum(np.abs(rows).max(axis=0), 1e-300)
-                self._line = (
-                    np.linalg.lstsq(rows / scale, np.array(self._places), rcond=None)[0] / scale[:, None]
-                )
 
 
 #: By how much the sandwich is thicker than the gap it stands in [mm]: it touches where that is above 0.

@@ -101,6 +101,10 @@ class Nearby(Protocol):
         """Of differences, over a standard deviation: as small as what jumps in the figures lets it be."""
         ...
 
+    def blur(self, name: str) -> float:
+        """Return below which difference two values of a figure are one, as its own error is larger; 0 where none is."""
+        ...
+
     def gradient(self) -> Slopes | None:
         """Return what each figure changes by with each number, source by source; figures it cannot say are absent.
         None where differences are to tell it."""
@@ -191,9 +195,7 @@ class Carried:
                 curved = [
                     name
                     for name, band in bands.items()
-                    if propagation.bent(
-                        max(band.sd, _SLIGHT / propagation.NUMERICAL * abs(self.value[name])), off[name]
-                    )
+                    if propagation.bent(max(band.sd, self._least(name) / propagation.NUMERICAL), off[name])
                 ]
                 if not curved or self.near is None or self.case.uncertainty == "linear":
                     left_out += [
@@ -275,9 +277,9 @@ class Carried:
                 rows.append(answer.figures)
                 kept.append(index)
                 for name, values in answer.fields.items():
-                    spread.setdefault(name, Spread(len(blocks) if name in self._handed else 0)).add(
-                        values, draw
-                    )
+                    spread.setdefault(
+                        name, Spread(len(blocks) if name in HANDED.get(self.kind, ()) else 0)
+                    ).add(values, draw)
         self.fields = {name: found.sd for name, found in spread.items()}
         self.along = {name: found.along for name, found in spread.items()}
         lost = count - len(rows)
@@ -318,6 +320,10 @@ class Carried:
             given.setdefault("-", self.job.inputs.read("-"))
         return Answer(dict(figures_of(rerun(case, "-", given).document, self.kind)))
 
+    def _least(self, name: str) -> float:
+        """Return below which difference two values of a figure are one."""
+        return max(_SLIGHT * abs(self.value[name]), 0.0 if self.near is None else self.near.blur(name))
+
     def _counts(self, name: str, band: propagation.Band) -> bool:
         return band.sd > _NOTHING * abs(self.value[name])
 
@@ -350,7 +356,7 @@ class Carried:
             **more,
         )
         handed: dict[str, Array] = {}
-        for name in self._handed:
+        for name in HANDED.get(self.kind, ()):
             if len(self.along.get(name, ())):
                 told.handed.append(name)
                 by = self._by_number(self.along[name])
@@ -359,10 +365,6 @@ class Carried:
             told.sources = described(self.origins)
         shown = {name: sd for name, sd in self.fields.items() if name not in _UNSEEN}
         return Sure(told, shown, handed)
-
-    @property
-    def _handed(self) -> tuple[str, ...]:
-        return HANDED.get(self.kind, ())
 
     def _by_number(self, along: Array) -> list[Array]:
         """Return what goes along directions (r, n) as what goes with each number; of numbers that can only go together
@@ -385,16 +387,3 @@ def _tell(job: Job, found: Uncertainty, value: Figures) -> None:
         for name, band in found.quantities.items()
     ]
     job.console.table(f"How sure ({found.method})", ("figure", "± sd", "95 %", "made of"), rows)
-
-
-__all__ = [
-    "FIGURES",
-    "Answer",
-    "Changes",
-    "Figures",
-    "Nearby",
-    "Slopes",
-    "Sure",
-    "carry",
-    "figures_of",
-]

@@ -13,6 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 from pydantic import BaseModel
 
+from hyperfab.arrays import Array
 from hyperfab.cases.case import Case
 from hyperfab.cases.place import get, put
 from hyperfab.cases.tolerances import tolerances
@@ -177,6 +178,11 @@ class Origins:
     def numbers(self) -> list[Number]:
         """All numbers, source by source."""
         return [number for one in self.found for number in one.numbers]
+
+    def amounts(self, changes: Mapping[int, Sequence[float] | Array]) -> Array:
+        """Return by how much each number changes (k,), source by source."""
+        each = [np.asarray(changes.get(k, np.zeros(len(one.numbers)))) for k, one in enumerate(self.found)]
+        return np.concatenate(each)
 
     def changed(self, case: Case, inputs: Inputs, changes: Mapping[int, Sequence[float]]) -> Changed:
         """Return the inputs with the numbers of some sources changed: ``changes`` by the source's number."""

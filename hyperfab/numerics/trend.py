@@ -1,0 +1,47 @@
+"""What goes along with a few numbers, from where it is known."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hyperfab.arrays import Array
+
+
+class Trend:
+    """A vector that goes with numbers (k,) as a polynomial of ``degree`` 1 or 2, by least squares.
+
+    It is known from half as many places more on than it has coefficients, and stays what it is then.
+
+    >>> trend = Trend(2)
+    >>> for x, y in np.random.default_rng(1).normal(size=(9, 2)):
+    ...     trend.add(np.array([x, y]), np.array([1.0 + x * y]))
+    >>> trend.at(np.array([2.0, 3.0])).round(9).tolist()
+    [7.0]
+    """
+
+    def __init__(self, degree: int) -> None:
+        self._degree = degree
+        self._rows: list[Array] = []
+        self._values: list[Array] = []
+        self._found: Array | None = None
+
+    def _row(self, numbers: Array) -> Array:
+        pairs = [np.outer(numbers, numbers)[np.triu_indices(len(numbers))]] if self._degree == 2 else []
+        return np.concatenate([[1.0], numbers, *pairs])
+
+    def add(self, numbers: Array, value: Array) -> None:
+        """Take in what there is at some numbers."""
+        if self._found is not None:
+            return
+        self._rows.append(self._row(numbers))
+        self._values.append(value)
+        if 2 * len(self._rows) >= 3 * len(self._rows[0]):
+            rows = np.array(self._rows)
+            scale = np.abs(rows).max(axis=0)
+            scale[scale == 0.0] = 1.0
+            found, *_ = np.linalg.lstsq(rows / scale, np.array(self._values), rcond=None)
+            self._found = found / scale[:, None]
+
+    def at(self, numbers: Array) -> Array | None:
+        """Return what there is at other numbers, None where it is not known yet."""
+        return None if self._found is None else np.asarray(self._row(numbers) @ self._found)
