@@ -42,6 +42,7 @@ class Balance:
         relaxed = RELAXED * sheet.skew * float(self.model.net.rest.max())
         self.unstretched = self.stiffness * max(relaxed, ROUNDED * max(sheet.size) / tolerance)
         self.mirrors = mirrors(sheet, mold) if even else ()
+        self._free = sheet.fixed
         for axis in self.mirrors:
             if self.size[axis] % 2:  # the nodes in the plane stay in it
                 np.moveaxis(self.fixed, axis, 0)[self.size[axis] // 2] |= np.uint8(1 << axis)
@@ -74,6 +75,10 @@ class Balance:
         """Let nodes follow their images where sheet and mold are their own mirror image."""
         for axis in self.mirrors:
             reflect(now, axis, self.model.mold, self.fixed)
+
+    def lean(self) -> None:
+        """Seek shapes that are not even from now on."""
+        self.mirrors, self.fixed = (), self._free
 
     def settle(self, now: State) -> None:
         """Decide the contact of every node under the forces; nodes put onto a valley or off an edge change them."""

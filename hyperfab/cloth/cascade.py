@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from .dynamic import swing
+from .halves import mirrors
 from .mold import Mold
 from .net import Sheet, X, Y
 from .newton import equilibrium
@@ -93,6 +94,10 @@ def drape(
         goal = tolerance if (n, m) == sizes[-1] else max(tolerance, COARSE_TOLERANCE)
         found = equilibrium(grid, mold, start, goal, report=report)
         history += found.history
+        if not found.converged and mirrors(grid, mold):  # no even shape is found: one that leans may be
+            free = equilibrium(grid, mold, start, goal, report=report, even_shapes=False)
+            history += free.history
+            found = min(found, free, key=lambda one: one.residual_relative)
         if not np.isfinite(found.energy):
             raise BeyondLaw
         for _ in range(ROUNDS):

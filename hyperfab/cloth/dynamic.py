@@ -31,6 +31,8 @@ SAFETY = 1.5
 GAIN = 0.1
 #: Where masses this many times heavier do not keep it, the sheet flies apart.
 HEAVIEST = 1e12
+#: Where a sheet on a mold that is its own mirror image is not at rest after so many time steps, it may lean to a side.
+EVEN_STEPS = 6000
 
 
 @kernel
@@ -61,6 +63,7 @@ def swing(
     balance = Balance(sheet, mold, tolerance)
     tangent = Tangent.empty(sheet.n, sheet.m, balance.model.directions)
     v = np.zeros((sheet.n, sheet.m, 3))
+    steps = 0
     last, mass, heavier = np.inf, np.zeros((0, 0)), 1.0
     began, energy, released = start.copy(), np.inf, 0.0  # of the present swing, and the most it gave away
 
@@ -87,7 +90,13 @@ def swing(
         last = np.inf
 
     def velocity(now: State) -> Array:
-        nonlocal last, heavier
+        nonlocal last, heavier, steps
+        steps += 1
+        if steps == EVEN_STEPS and balance.mirrors:
+            balance.lean()
+            balance.settle(now)
+            begin(now)
+            last = np.inf
         if not mass.size:
             begin(now)
         kinetic = _push(balance.r, balance.q, mass, v)
