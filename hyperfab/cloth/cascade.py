@@ -94,10 +94,6 @@ def drape(
         goal = tolerance if (n, m) == sizes[-1] else max(tolerance, COARSE_TOLERANCE)
         found = equilibrium(grid, mold, start, goal, report=report)
         history += found.history
-        if not found.converged and mirrors(grid, mold):  # no even shape is found: one that leans may be
-            free = equilibrium(grid, mold, start, goal, report=report, even_shapes=False)
-            history += free.history
-            found = min(found, free, key=lambda one: one.residual_relative)
         if not np.isfinite(found.energy):
             raise BeyondLaw
         for _ in range(ROUNDS):
@@ -108,6 +104,10 @@ def drape(
             again = swung if swung.converged else equilibrium(grid, mold, swung.state, goal, report=report)
             history += [] if again is swung else again.history
             found = min(found, again, key=lambda one: one.residual_relative)
+        if not found.converged and mirrors(grid, mold):  # no even shape is found: one that leans may be
+            free = equilibrium(grid, mold, start, goal, report=report, even_shapes=False)
+            history += free.history
+            found = min(found, free, key=lambda one: one.residual_relative)
         state = found.state
     found.history = history
     return found
