@@ -104,7 +104,8 @@ def drape(
             again = swung if swung.converged else equilibrium(grid, mold, swung.state, goal, report=report)
             history += [] if again is swung else again.history
             found = min(found, again, key=lambda one: one.residual_relative)
-        if not found.converged and mirrors(grid, mold):  # no even shape is found: one that leans may be
+        # On the grid asked for a shape that leans may be, where no even one is found.
+        if not found.converged and (n, m) == sizes[-1] and mirrors(grid, mold):
             free = equilibrium(grid, mold, start, goal, report=report, even_shapes=False)
             history += free.history
             found = min(found, free, key=lambda one: one.residual_relative)
