@@ -47,6 +47,9 @@ def equilibrium(
     balance = Balance(sheet, mold, tolerance, even_shapes)
     model = balance.model
     sharp = len(mold.creases.corners) > 0
+    # An even net goes step by step: of several rests beside a sharp edge it comes to the same one when a constant
+    # changes a little. A membrane, with the net it begins from, goes further at a time.
+    jumps = sharp and (sheet.membrane is not None or not even_shapes)
     if largest is None:
         largest = SHARP_STEPS if sharp else STEPS
     now, trial = start.copy(), start.copy()
@@ -98,16 +101,16 @@ def equilibrium(
             rounding = 1e-14 * abs(energy) + 1e-300
             if energy_t + spent <= energy - 1e-4 * alpha * slope + rounding:
                 break
-            if not sharp:
-                alpha *= 0.5
+            if sharp and not stops:  # a way over a sharp edge may lead uphill: nodes stop on it first
+                now.crossed[:], stops = 1, True
             elif (
-                stops
-            ):  # by the parabola through slope and energies; where a way jumps the energy rises steeply
+                jumps
+            ):  # by the parabola through slope and energies: where a way jumps the energy rises steeply
                 rise = energy_t + spent - energy
                 alpha *= min(0.5, max(0.1, 0.5 * slope * alpha / (rise + slope * alpha)))
-            else:  # a way over a sharp edge may lead uphill: nodes stop on it first
-                now.crossed[:], stops = 1, True
-            left = alpha < SHORT and sharp and crawls and model.leave(now, trial)
+            else:
+                alpha *= 0.5
+            left = alpha < SHORT and jumps and crawls and model.leave(now, trial)
             if left or alpha < 1e-6:
                 break
         fell = energy < lowest - 1e-9 * abs(lowest) or relative < 0.9 * least
