@@ -200,7 +200,10 @@ def test_samples_agree_with_the_linear_answer_where_that_holds(made: Any) -> Non
             assert abs(again[end] - band[end]) < 0.25 * band["sd"], key
 
 
-@pytest.mark.parametrize(("depth", "sd", "method"), [("40mm", 0.5, "linear"), ("45mm", 6.0, "sampled")])
+@pytest.mark.parametrize(
+    ("depth", "sd", "method"),
+    [("40mm", 0.5, "linear"), pytest.param("45mm", 6.0, "sampled", marks=pytest.mark.slow)],
+)
 def test_the_straight_line_is_left_where_it_misses_the_ends_of_the_interval(
     made: Any, depth: str, sd: float, method: str
 ) -> None:
