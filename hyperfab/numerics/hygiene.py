@@ -174,7 +174,7 @@ def look(
 
 def _steps_back(way: Array, stress: Array) -> Iterator[Doubt]:
     """A stretch that steps back in mid-pull while the stress does not follow: the extensometer slipped."""
-    step, change = np.diff(way), np.diff(stress)
+    step = np.diff(way)
     least = max(SMALL_STEP * float(np.ptp(way)), FAR * scatter(way))
     rows = []
     for row in np.flatnonzero(step < -least):
@@ -183,8 +183,7 @@ def _steps_back(way: Array, stress: Array) -> Iterator[Doubt]:
             continue  # an unloading begins, goes on or ends here
         if way[row] - way[row + 1] > 0.5 * np.ptp(way):
             continue  # the next pull begins
-        slope = np.median(change[max(row - 4, 0) : row]) / np.median(before)
-        if slope > 0.0 and change[row] > 0.3 * slope * step[row] and way[row + 1 :].max() > way[row]:
+        if way[row + 1 :].max() > way[row] and _stress_stays(way, stress, int(row)):
             rows.append(int(row) + 1)
     if rows:
         size = float(max(way[row - 1] - way[row] for row in rows))
@@ -195,6 +194,23 @@ def _steps_back(way: Array, stress: Array) -> Iterator[Doubt]:
             f"the stretch steps back by {size:.2g} in mid-pull{_times(rows)} and the stress does not follow",
             "did the extensometer slip? leave out what follows, or measure again",
         )
+
+
+def _stress_stays(way: Array, stress: Array, row: int) -> bool:
+    """Whether after the step back behind ``row`` more stress is read than at the same stretch before.
+
+    A specimen let go retraces its curve or lies below it; one whose gauge slipped goes on at the stress it had. The
+    readings of both sides that share stretches are taken together: one reading alone may be off by its noise.
+    """
+    low, stop = way[row + 1], row + 1
+    start = max(row - 3, 0)
+    while start > 0 and low <= way[start] <= way[row]:
+        start -= 1
+    while stop < len(way) and low <= way[stop] <= way[row]:
+        stop += 1
+    slope, level = np.polyfit(way[start : row + 1] - way[row], stress[start : row + 1], 1)
+    above = np.mean(stress[row + 1 : stop] - level - slope * (way[row + 1 : stop] - way[row]))
+    return bool(slope > 0.0 and above > 0.5 * slope * (way[row] - low))
 
 
 def _saturated(way: Array, stress: Array) -> Iterator[Doubt]:

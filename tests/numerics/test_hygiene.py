@@ -60,6 +60,22 @@ def test_two_steps_on_either_side_are_enough_to_tell_a_slip(row: int) -> None:
     assert "step-back" not in kinds(look(stretch[: row + 2], stress[: row + 2]))
 
 
+@pytest.mark.parametrize("count", [60, 240])
+def test_a_slip_is_told_however_the_readings_beside_it_scatter(count: int) -> None:
+    """One noisy reading beside the slip neither hides it in one file of three, nor makes one of a curve retraced."""
+    told = retraced = 0
+    for seed in range(50):
+        stretch, stress = pull(count, seed, noise=0.006)
+        slipped = np.where(np.arange(count) >= 2 * count // 3, stretch - 0.03, stretch)
+        told += kinds(look(slipped, stress)) == {"step-back"}
+        back = np.concatenate([np.arange(2 * count // 3), np.arange(2 * count // 3 - count // 15, count)])
+        noise = 0.006 * stress.max() * np.random.default_rng(100 + seed).standard_normal(len(back))
+        clean = pull(count, seed, noise=0.0)[1]
+        retraced += "step-back" in kinds(look(stretch[back], clean[back] + noise))
+    assert told == 50
+    assert retraced == 0
+
+
 def test_small_unloadings_in_mid_pull_are_no_slip() -> None:
     way = np.concatenate([np.linspace(0.0, 0.3, 100), np.linspace(0.3, 0.25, 12), np.linspace(0.25, 0.5, 90)])
     assert look(1.0 + way, way**2 + way) == []
