@@ -30,13 +30,14 @@ def stress(stretch: np.ndarray) -> np.ndarray:
 def write(
     folder: Path, name: str, *, gain: float = 1.0, noise: float = 0.001, seed: int = 0, head: str = "",
     rows: int = 60, slip: float = 0.0, spike: float = 0.0, most: float = np.inf, unit: str = "MPa",
-    column: str | None = None, ripple: float = 0.0,
+    column: str | None = None, ripple: float = 0.0, offset: float = 0.0,
 ) -> str:  # fmt: skip
     """Write one pull; return the name of the file."""
     rng = np.random.default_rng(seed)
     stretch = np.linspace(1.0, 1.5, rows)
     read = np.minimum(gain * stress(stretch) + noise * rng.standard_normal(rows), most)
     told = stretch - slip * (np.arange(rows) >= 40)
+    read += offset
     read *= 1.0 + ripple * np.sin(0.7 * np.linspace(0.0, 50.0, rows))
     read[rows // 2] += spike * read.max()
     time = np.linspace(0.0, 50.0, rows)
@@ -259,3 +260,14 @@ def test_what_was_left_before_is_told_beside_what_is_left_after(hf: Run, model: 
     assert left["before"]["structured"] > left["structured"]
     assert left["before"]["p_lack_of_fit"] < 1e-6
     assert "What is left is noise" in told
+
+
+def test_looking_at_the_cause_is_advised_before_one_more_test(hf: Run, model: Path) -> None:
+    """A load cell off its zero is seen at rest; a test in another mode has to infer it."""
+    files = [write(model, f"{k}.csv", seed=k, offset=0.02) for k in range(3)]
+    found, told = closed(hf, model, files, status=0)
+    assert any("load-offset" in one for one in found["indistinguishable"])
+    lines = [line for line in found["summary"] if line.startswith(("What shows", "Or measure", "Measure"))]
+    assert [line.split(":")[0] for line in lines] == ["What shows each of them", "Or measure next"]
+    assert "readings at rest, before the pull" in lines[0]
+    assert lines[0] in told.replace("\n", " ")

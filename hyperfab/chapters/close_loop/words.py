@@ -47,13 +47,15 @@ def summary(problem: Problem, found: Finding, document: LoopDocument) -> list[st
         lines.append(f"These data cannot tell apart: {sets}.")
     if document.verdict == "unexplained":
         lines += _unexplained(problem, found, document)
-    if document.next_measurement is not None:
-        sure = "" if document.next_measurement.decisive else " (it may not settle the matter at this noise)"
-        lines.append(f"Measure next: {document.next_measurement.text}{sure}.")
     if document.indistinguishable:
         by = {row.id: row.shown_by for row in document.candidates}
         told = "; ".join(f"{name}: {by[name]}" for name in document.indistinguishable[0])
         lines.append(f"What shows each of them: {told}.")
+    if document.next_measurement is not None:
+        sure = "" if document.next_measurement.decisive else " (it may not settle the matter at this noise)"
+        # Looking at the cause itself settles it at less cost than one more test, whose answer has to be inferred.
+        lead = "Or measure next" if document.indistinguishable else "Measure next"
+        lines.append(f"{lead}: {document.next_measurement.text}{sure}.")
     hidden: dict[str, list[str]] = {}
     for row in document.candidates:
         if not row.visible and row.not_sought != HAS_IT:
