@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -105,7 +106,10 @@ def loop_drawing(
             axes.set_ylabel("measured - model, in sd of a reading about its curve")
             axes.legend(fontsize=8, loc="best", markerscale=4)
     heading = _VERDICTS[verdict].format(", ".join(added) or "nothing")
-    figure.suptitle(f"{heading}\n{_missed(measured, delivered, before, after)}")
+    # A line of the heading holds some 11 letters an inch; constrained layout does not make room to the sides.
+    room = int(10.5 * figure.get_figwidth())
+    told = (heading, _missed(measured, delivered, before, after))
+    figure.suptitle("\n".join(textwrap.fill(line, room, break_on_hyphens=False) for line in told))
     return figure
 
 
