@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from html import escape
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from xml.sax.saxutils import quoteattr
 
-import meshio
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -47,6 +46,9 @@ def unstructured(
     >>> data.startswith(b"<?xml"), b'Name="height_mm"' in data
     (True, True)
     """
+    # Imported where it is needed: bad input is refused without it.
+    import meshio
+
     place = np.asarray(points, dtype=np.float64)
     if place.ndim != 2 or place.shape[1] not in (2, 3) or not np.isfinite(place).all():
         raise ValueError("points must be a finite array (n, 3) or (n, 2)")
@@ -81,7 +83,7 @@ def collection(times_s: Sequence[float], files: Sequence[str]) -> bytes:
     <DataSet timestep="0.0" part="0" file="heat.0.vtu"/>
     """
     sets = [
-        f'<DataSet timestep="{float(time)!r}" part="0" file={quoteattr(file)}/>'
+        f'<DataSet timestep="{float(time)!r}" part="0" file="{escape(file)}"/>'
         for time, file in zip(times_s, files, strict=True)
     ]
     head = ['<?xml version="1.0"?>', '<VTKFile type="Collection" version="0.1">', "<Collection>"]

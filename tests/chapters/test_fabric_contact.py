@@ -212,13 +212,6 @@ def test_document_alone_goes_to_standard_output(hf, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_same_inputs_give_the_same_bytes(press, tmp_path):
-    press(NEO_HOOKEAN, "--depth", "30mm", "--steps", "1", output="a.json")
-    first = {path.suffix: path.read_bytes() for path in tmp_path.glob("a.*")}
-    press(NEO_HOOKEAN, "--depth", "30mm", "--steps", "1", output="a.json")
-    assert first == {path.suffix: path.read_bytes() for path in tmp_path.glob("a.*")}
-
-
 @pytest.mark.parametrize(
     ("options", "said"),
     [

@@ -120,7 +120,10 @@ def test_the_summary_tells_the_figure_the_foam_was_judged_by(foam, hf) -> None:
 
 @pytest.mark.parametrize(
     ("heads", "told"),
-    [("displacement [mm],force [N]", True), ("compressive extension [mm],compressive force [N]", False)],
+    [
+        ("displacement [mm],force [N]", True),
+        pytest.param("compressive extension [mm],compressive force [N]", False, marks=pytest.mark.slow),
+    ],
 )
 def test_a_foam_that_nothing_presses_is_told(hf, tmp_path, heads, told) -> None:
     """A machine that counts pushing as positive without saying so: the block seems to be pulled."""

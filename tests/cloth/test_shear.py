@@ -114,6 +114,7 @@ def test_the_energy_of_a_sheared_sheet_converges_as_the_grid_is_refined():
     assert (e[1] - e[0]) / (e[2] - e[1]) == pytest.approx(4.0, abs=1.2)
 
 
+@pytest.mark.slow
 def test_a_net_with_the_law_of_a_bias_test_answers_that_test_as_measured():
     bias = piecewise_linear([1.0, 1.1, 1.3, 1.6], [0.0, 0.02, 0.08, 0.30])
     law = shear_of_bias(bias, SOFT, STIFF, 1.6)

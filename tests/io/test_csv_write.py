@@ -70,6 +70,7 @@ mesh_size = "20 mm"
 )
 
 
+@pytest.mark.slow
 def test_curves_of_probes_of_any_name_are_read_again(hf: Run, tmp_path: Path) -> None:
     probes = [
         f"[[probe]]\nname = '''{name}'''\nat = [\"{i + 1} mm\", \"1 mm\", \"10 mm\"]\n"

@@ -134,7 +134,9 @@ HOT_FORMS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("kind", HOT_FORMS)
+@pytest.mark.parametrize(
+    "kind", [pytest.param("share", marks=pytest.mark.slow), *(k for k in HOT_FORMS if k != "share")]
+)
 def test_a_hot_press_with_effects_is_the_one_that_is_written(kind: str, tmp_path: Path) -> None:
     before = given(hot=True, dwell=kind == "dwell")
     forms = {name: before.problem.effect(name).form(form) for name, form in HOT_FORMS[kind].items()}

@@ -28,7 +28,7 @@ from hyperfab.materials.kinematics import Sheet
     [
         ("hysteresis", 3),
         ("rate", 0),
-        ("rate", 2),
+        pytest.param("rate", 2, marks=pytest.mark.slow),
         pytest.param("permanent-set", 1, marks=pytest.mark.slow),
         ("thermal-softening", 1),
     ],
