@@ -44,6 +44,7 @@ def write(folder: Path, angles: tuple[float, ...]) -> list[str]:
     return names
 
 
+@pytest.mark.slow
 def test_angles_nobody_cut_are_predicted_and_the_model_is_one_law_of_the_sheet(
     hf: Run, tmp_path: Path
 ) -> None:

@@ -437,6 +437,7 @@ def test_a_specimen_that_failed_says_where_the_fabric_would_tear(drape, folder):
     assert json.loads(out)["warp"]["fails_at"] == pytest.approx(1.1)
 
 
+@pytest.mark.slow
 def test_what_a_bias_test_shows_beyond_its_threads_is_the_law_of_shear(drape, folder):
     # A strip at 45 degrees of threads of modulus E that resist shear by G: 1/E45 = 1/2E + 1/4G at small strain.
     modulus, shear = 3 * 2 * 0.2, 0.05

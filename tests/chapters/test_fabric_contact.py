@@ -143,6 +143,7 @@ def test_chains_that_lock_end_with_4_and_figures_up_to_there(press, limit):
     assert found["stress_max_MPa"] > 100.0 * 0.4 * limit
 
 
+@pytest.mark.slow
 def test_constants_that_fail_end_with_4_and_name_both_depths(press):
     status, found, said = press(SOFTENING, "--depth", "70mm", "--steps", "2")
     assert status == 4

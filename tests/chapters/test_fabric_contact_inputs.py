@@ -102,6 +102,7 @@ def _ball(radius=30.0):
     return trimesh.creation.icosphere(subdivisions=3, radius=radius)
 
 
+@pytest.mark.slow
 def test_a_ball_from_stl_is_pressed_and_told(hf, made):
     _ball().export("ball.stl")
     done = hf(

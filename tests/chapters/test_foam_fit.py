@@ -59,6 +59,7 @@ def test_one_law_carries_every_test_of_the_foam(foam) -> None:
     assert {"foam.csv", "foam.png"} == set(document["files"])
 
 
+@pytest.mark.slow
 def test_the_press_takes_the_fitted_foam_at_its_temperature(foam, hf) -> None:
     from hyperfab.io.stl_write import stl_bytes
     from hyperfab.samples import cup
@@ -118,11 +119,12 @@ def test_the_summary_tells_the_figure_the_foam_was_judged_by(foam, hf) -> None:
     assert b"relative rms" not in told.stderr + told.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("heads", "told"),
     [
         ("displacement [mm],force [N]", True),
-        pytest.param("compressive extension [mm],compressive force [N]", False, marks=pytest.mark.slow),
+        ("compressive extension [mm],compressive force [N]", False),
     ],
 )
 def test_a_foam_that_nothing_presses_is_told(hf, tmp_path, heads, told) -> None:

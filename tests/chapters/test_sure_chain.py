@@ -153,7 +153,8 @@ def test_two_paths_of_one_number_that_cancel_do() -> None:
     assert both["sd"] < 1e-3 * band["sd"]
 
 
-@pytest.mark.parametrize("more", [(), pytest.param(("--zero", "hot"), marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("more", [(), ("--zero", "hot")])
 def test_heat_of_both_molds_against_the_chain_run_anew(more: tuple[str, ...]) -> None:
     """The room, a film and a heater act on both molds: the signed sum of what they do counts, in every figure."""
     heat = ("mold-heat", "mold.toml")

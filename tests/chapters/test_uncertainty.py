@@ -182,6 +182,7 @@ def test_where_nothing_is_stated_every_byte_is_as_if_nothing_were_carried(
     assert ran() == whole
 
 
+@pytest.mark.slow
 def test_samples_agree_with_the_linear_answer_where_that_holds(made: Any) -> None:
     spread = np.diag([0.0024, 0.0012, 0.0005]) ** 2
     linear = made((*CONTACT, "--uncertainty", "linear"), fabric_json=material(spread))
@@ -200,9 +201,10 @@ def test_samples_agree_with_the_linear_answer_where_that_holds(made: Any) -> Non
             assert abs(again[end] - band[end]) < 0.25 * band["sd"], key
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("depth", "sd", "method"),
-    [("40mm", 0.5, "linear"), pytest.param("45mm", 6.0, "sampled", marks=pytest.mark.slow)],
+    [("40mm", 0.5, "linear"), ("45mm", 6.0, "sampled")],
 )
 def test_the_straight_line_is_left_where_it_misses_the_ends_of_the_interval(
     made: Any, depth: str, sd: float, method: str

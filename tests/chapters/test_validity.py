@@ -91,6 +91,7 @@ def test_a_stretch_beyond_the_tests_is_told_and_refused_by_strict(
     assert done.returncode == (1 if tested == 1.01 else 0)
 
 
+@pytest.mark.slow
 def test_a_drape_at_a_temperature_is_that_of_its_constants(hf: Run, shop: Path) -> None:
     """Half-way between two tests the constants are the mean of theirs, and at a test they are its own."""
     for asked, c in (("80degC", 0.05), ("92.5degC", 0.045)):
@@ -184,6 +185,7 @@ def test_what_is_made_of_documents_stands_on_their_ranges(hf: Run, shop: Path) -
             assert (b"beyond what is known: temperature 200 degC" in plain.stderr) is bool(status)
 
 
+@pytest.mark.slow
 def test_the_shrinkage_of_foam_beyond_its_table_is_told(hf: Run, tmp_path: Path, root: Path) -> None:
     foam = (root / "specimens" / "foam.toml").read_text()
     head = foam.index("\nthickness")

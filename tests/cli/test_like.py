@@ -175,6 +175,7 @@ def test_inputs_that_moved_are_found_changed_ones_told_and_missing_ones_named(
     assert b"no such file" in done.stderr
 
 
+@pytest.mark.slow
 def test_a_study_is_taken_up_from_its_document(tmp_path: Path, hf: Run) -> None:
     (tmp_path / "warp.csv").write_text(TEST)
     (tmp_path / "study.toml").write_text(

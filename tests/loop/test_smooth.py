@@ -41,6 +41,7 @@ def test_an_effect_of_no_known_formula_is_called_by_its_name(effect: str, seed: 
     assert found.belief.of[effect] > 0.5
 
 
+@pytest.mark.slow
 def test_a_plain_law_that_is_not_the_models_hides_no_effect() -> None:
     """An Ogden sheet that changes its volume: contraction alone leaves the biaxial test worse than before."""
     problem, _, _, _ = case(2, ("compressibility",), poor=False, which="smooth")

@@ -114,6 +114,7 @@ def test_shear_is_found_from_a_short_strip_without_what_its_grips_add():
     assert strip(uniform, 45.0, lam).stress[-1] > 1.15 * strip(law, 45.0, lam).stress[-1]
 
 
+@pytest.mark.slow
 def test_a_laminate_pulled_along_across_and_at_45_degrees_tells_the_other_angles(hf, data_dir, tmp_path):
     """Stiffness at 3 % of the sheet, against strips at four angles the fit has not seen: within 15 %."""
 

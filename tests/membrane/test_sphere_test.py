@@ -148,6 +148,7 @@ def test_prestretched_sheet():
     assert contact_edge(solved.press, solved.state).mean == pytest.approx(26.85389, abs=0.4)
 
 
+@pytest.mark.slow
 def test_sheet_mounted_slack_wrinkles_at_its_rim():
     solved = _press("neo-hookean", [20.0, 60.0], prestretch=0.95).solved
     assert solved[0].state.force == 0.0
