@@ -59,10 +59,8 @@ def _begun(sheet: Sheet, mold: Mold) -> State:
     start = lowered(sheet, mold)
     if sheet.membrane is None:
         return start
-    net = replace(sheet, membrane=None)
-    start = equilibrium(
-        net, mold, start, COARSE_TOLERANCE, even_shapes=False
-    ).state  # as its membrane is sought
+    net = replace(sheet, membrane=None)  # sought as its membrane is, not among even shapes
+    start = equilibrium(net, mold, start, COARSE_TOLERANCE, even_shapes=False).state
     if all(bits & (X | Y) == X | Y for bits in sheet.edges):
         return start
     return equilibrium(sheet, mold, start, COARSE_TOLERANCE, longest=0.5).state

@@ -103,9 +103,7 @@ def equilibrium(
                 break
             if sharp and not stops:  # a way over a sharp edge may lead uphill: nodes stop on it first
                 now.crossed[:], stops = 1, True
-            elif (
-                jumps
-            ):  # by the parabola through slope and energies: where a way jumps the energy rises steeply
+            elif jumps:  # by the parabola through slope and energies: behind a jump the energy rises steeply
                 rise = energy_t + spent - energy
                 alpha *= min(0.5, max(0.1, 0.5 * slope * alpha / (rise + slope * alpha)))
             else:
