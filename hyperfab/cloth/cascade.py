@@ -60,7 +60,7 @@ def _begun(sheet: Sheet, mold: Mold) -> State:
     if sheet.membrane is None:
         return start
     net = replace(sheet, membrane=None)  # sought as its membrane is, not among even shapes
-    start = equilibrium(net, mold, start, COARSE_TOLERANCE, even_shapes=False).state
+    start = equilibrium(net, mold, start, COARSE_TOLERANCE, even_shapes=False, leaps=True).state
     if all(bits & (X | Y) == X | Y for bits in sheet.edges):
         return start
     return equilibrium(sheet, mold, start, COARSE_TOLERANCE, longest=0.5).state
@@ -86,12 +86,17 @@ def drape(
     """
     state, history = None, []
     sizes = grid_sizes(sheet.n, sheet.m)
+    sharp_net = sheet.membrane is None and len(mold.creases.corners) > 0
     for n, m in sizes:
         grid = sheet.coarser(n, m)
         start = _begun(grid, mold) if state is None else refined(state, grid, mold)
         goal = tolerance if (n, m) == sizes[-1] else max(tolerance, COARSE_TOLERANCE)
         found = equilibrium(grid, mold, start, goal, report=report)
         history += found.history
+        if sharp_net and (n, m) != sizes[-1]:  # of several rests beside a sharp edge, the lower one
+            other = equilibrium(grid, mold, start, goal, report=report, leaps=True)
+            history += other.history
+            found = min(found, other, key=lambda one: (not one.converged, one.energy))
         if not np.isfinite(found.energy):
             raise BeyondLaw
         for _ in range(ROUNDS):
@@ -104,7 +109,7 @@ def drape(
             found = min(found, again, key=lambda one: one.residual_relative)
         # On the grid asked for a shape that leans may be, where no even one is found.
         if not found.converged and (n, m) == sizes[-1] and mirrors(grid, mold):
-            free = equilibrium(grid, mold, start, goal, report=report, even_shapes=False)
+            free = equilibrium(grid, mold, start, goal, report=report, even_shapes=False, leaps=True)
             history += free.history
             found = min(found, free, key=lambda one: one.residual_relative)
         state = found.state

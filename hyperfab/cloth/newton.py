@@ -34,6 +34,7 @@ def equilibrium(
     friction: Friction | None = None,
     longest: float = 1.0,
     even_shapes: bool = True,
+    leaps: bool | None = None,
 ) -> Equilibrium:
     """Move a sheet from ``start`` to where no node feels an unbalanced force.
 
@@ -41,15 +42,15 @@ def equilibrium(
     normals), Newton's step is found in the allowed subspace of every node, and shortened until the energy has fallen.
     Nodes that would enter the mold are set on it. Ends when the largest unbalanced nodal force is below ``tolerance``
     times the largest spring force. ``friction`` resists within one load step. ``longest``: the share of Newton's step
-    that is tried first. ``even_shapes``: a net and a mold that are their own mirror image rest so.
+    that is tried first. ``even_shapes``: a net and a mold that are their own mirror image rest so. ``leaps``: behind
+    a jump at a sharp edge a step is cut by a parabola, not in half, and springs that jump are left straight. By default
+    membranes leap; nets, so that of several rests they come to the same when a constant changes a little, do not.
     """
     n, m = sheet.n, sheet.m
     balance = Balance(sheet, mold, tolerance, even_shapes)
     model = balance.model
     sharp = len(mold.creases.corners) > 0
-    # An even net goes step by step: of several rests beside a sharp edge it comes to the same one when a constant
-    # changes a little. A membrane, with the net it begins from, goes further at a time.
-    jumps = sharp and (sheet.membrane is not None or not even_shapes)
+    leaps = sharp and (sheet.membrane is not None if leaps is None else leaps)
     if largest is None:
         largest = SHARP_STEPS if sharp else STEPS
     now, trial = start.copy(), start.copy()
@@ -103,12 +104,12 @@ def equilibrium(
                 break
             if sharp and not stops:  # a way over a sharp edge may lead uphill: nodes stop on it first
                 now.crossed[:], stops = 1, True
-            elif jumps:  # by the parabola through slope and energies: behind a jump the energy rises steeply
+            elif leaps:  # by the parabola through slope and energies: behind a jump the energy rises steeply
                 rise = energy_t + spent - energy
                 alpha *= min(0.5, max(0.1, 0.5 * slope * alpha / (rise + slope * alpha)))
             else:
                 alpha *= 0.5
-            left = alpha < SHORT and jumps and crawls and model.leave(now, trial)
+            left = alpha < SHORT and leaps and crawls and model.leave(now, trial)
             if left or alpha < 1e-6:
                 break
         fell = energy < lowest - 1e-9 * abs(lowest) or relative < 0.9 * least
