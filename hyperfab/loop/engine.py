@@ -21,7 +21,7 @@ from hyperfab.loop.noise import Noise, estimate_noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.replicates import replicates
 from hyperfab.loop.search import Search
-from hyperfab.loop.thresholds import EXPLAINED, MARGIN, MOST_SCATTER, ONE_CLOTH, SMALL
+from hyperfab.loop.thresholds import AS_SEEN, EXPLAINED, MARGIN, MOST_SCATTER, ONE_CLOTH, SMALL
 
 #: Terms added at most, and models carried along at each number of terms.
 _DEPTH, _BEAM = 3, 2
@@ -211,11 +211,15 @@ def _undoubted(search: Search, best: Candidate) -> Candidate:
     """Take out terms that specimens which scatter more than the few replicates show could explain as well.
 
     The scatter is fitted anew with and without the term, to all specimens: of many that follow a term few need be
-    replicates; of one that stands alone nothing is known but what the others scatter by.
+    replicates; of one that stands alone nothing is known but what the others scatter by. Where no two were tested
+    alike they may scatter as those of one cloth do.
     """
-    while best.ids and search.noise.gain_doubt:
-        whole, _ = _surprise(search, best)
-        worth = {name: _surprise(search, search.without(best, name), best)[0] - whole for name in best.ids}
+    while best.ids and (search.noise.gain_doubt or _none_alike(search)):
+        whole, _ = _surprise(search, best, best)
+        worth = {
+            name: _surprise(search, search.without(best, name), best)[0] - whole - _of_each(best, name)
+            for name in best.ids
+        }
         weakest = min(worth, key=lambda name: worth[name])
         if worth[weakest] >= MARGIN:
             break
@@ -223,10 +227,30 @@ def _undoubted(search: Search, best: Candidate) -> Candidate:
     return best
 
 
+def _none_alike(search: Search) -> bool:
+    """Whether nothing but what specimens of one cloth do tells how much these scatter, several of them."""
+    noise = search.noise
+    return len(noise.groups) > 1 and not noise.gain_sd and not replicates(search.problem.curves)
+
+
+def _of_each(state: Candidate, name: str) -> float:
+    """Return what the constants of a term cost that has one for each specimen, as a stiffness of each would.
+
+    In minus twice the logarithm of the likelihood: each is known from the rows of its specimen.
+    """
+    form = state.fit.forms[name]
+    if not form.of_each:
+        return 0.0
+    count = len(form.constants)
+    return count * float(np.log(max(len(state.fit.residual) / count, 1.0)))
+
+
 def _surprise(search: Search, state: Candidate, best: Candidate | None = None) -> tuple[float, float]:
     """Return minus twice the logarithm of a model's likelihood for the likeliest scatter of specimens, and that.
 
     What ``best`` (the model itself by default) leaves though every specimen has a stiffness of its own counts as noise.
+    Beside it, where no two were tested alike, a few that follow a term by chance must not pass for ones that do not
+    scatter: what is usual counts as so many specimens more (a scaled inverse chi-squared distribution of the variance).
     """
 
     # No larger than replicates allow: that specimens led alike agree says that others do not scatter by any amount.
@@ -241,6 +265,9 @@ def _surprise(search: Search, state: Candidate, best: Candidate | None = None) -
     misfit, entropy = misfits(state)
     least = misfit if best is None else misfits(best)[0]
     surprise = misfit / max(float(least[-1]) / len(state.fit.residual), 1.0) + entropy
+    if best is not None and _none_alike(search):
+        variance = np.array(scatters) ** 2
+        surprise += AS_SEEN * (np.log(variance) + (0.5 * ONE_CLOTH) ** 2 / variance)
     likeliest = int(np.argmin(surprise))
     return float(surprise[likeliest]), scatters[likeliest]
 
@@ -255,6 +282,9 @@ def _without_names(search: Search, before: Candidate, doubted: bool) -> tuple[st
         return "noise", 0.0
     noise = search.noise
     if not noise.groups or (replicates(search.problem.curves) and not doubted):
+        return "unexplained", 0.0
+    if any(off > 0.0 for off in search.problem.forbidden(before.fit.x, {}).values()):
+        # What nature does not allow is not what is left once specimens scatter.
         return "unexplained", 0.0
     likeliest = _surprise(search, before)[1]
     if not noise.gain_sd and likeliest > ONE_CLOTH:

@@ -13,6 +13,8 @@ from hyperfab.loop.thresholds import SAME_WAY
 from hyperfab.materials.effects.path import GENERAL, MODE_NAMES, Path, held, moving
 
 _SMOOTH_DEGREE = 5
+#: Rows slower than this share of a test's mean pace stand still.
+_STANDS = 0.1
 
 
 def path_of(tests: Sequence[TestCurve]) -> tuple[Path, Array]:
@@ -108,10 +110,13 @@ def _pace(test: TestCurve, stretch: Array) -> str:
     temperature = "-" if test.temperature_degC is None else f"{float(np.mean(test.temperature_degC)):.0f}"
     speed = "-" if test.rate_1_s is None else f"{float(np.median(test.rate_1_s)):.2g}"
     if speed == "-" and test.time_s is not None:
-        moved = float(np.sum(np.abs(np.diff(stretch))))
+        moved, took = np.abs(np.diff(stretch)), np.diff(test.time_s)
         span = float(test.time_s[-1] - test.time_s[0])
+        # What waits at a stretch, however long, was pulled there at its own pace.
+        going = moved * span > _STANDS * float(np.sum(moved)) * took
         # Hand-driven machines: within a factor of about two the pace counts as one.
-        speed = f"2^{round(np.log2(max(moved / span, 1e-12)) / 2.0):.0f}" if span > 0.0 else "-"
+        pace = float(np.sum(moved[going]) / np.sum(took[going])) if np.any(going) else 0.0
+        speed = f"2^{round(np.log2(max(pace, 1e-12)) / 2.0):.0f}" if span > 0.0 else "-"
     return f"{test.mode} {test.angle_deg:.0f} {temperature} {speed}"
 
 

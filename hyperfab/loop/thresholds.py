@@ -36,6 +36,8 @@ FEW, BEYOND = 1.5, 4.0
 MOST_SCATTER = 2.0
 #: Where none were tested alike, specimens of one cloth scatter by this at most.
 ONE_CLOTH = 0.05
+#: Half of that is usual, which is known as well as so many specimens would tell it.
+AS_SEEN = 2.0
 #: Replicates turn at places that differ by less than this share of the strain: specimens slip and stretch a little.
 SAME_WAY = 0.2
 #: Lower by this, chi-squared says that replicates differ by an offset or by slack rather than in stiffness, and that a

@@ -4,7 +4,7 @@ than before, add constants that no material has. Each case is a class of data, m
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 import pytest
@@ -95,6 +95,21 @@ def test_replicates_that_turn_elsewhere_are_none() -> None:
     setups = {curve.name: curve.setup for curve in posed(biaxial(0.4)).curves}
     assert setups["strip x 0 at 0"] == setups["strip x 1 at 0"]
     assert len({setups[f"{one} 0 at 0"] for one in ("strip x", "strip y", "even")}) == 3
+
+
+def test_a_long_hold_does_not_make_replicates_of_two_rates() -> None:
+    """Pulls at 0.005 and 0.1 /s, each held for two minutes: their mean pace is nearly one."""
+    tests = []
+    for k, rate in enumerate((0.005, 0.005, 0.1, 0.1)):
+        pull, wait = np.linspace(1.0, 1.5, 60), np.linspace(2.0, 120.0, 60)
+        lam = np.concatenate([pull, np.full(60, 1.5)])
+        lam[60:] += 1e-5 * np.random.default_rng(k).standard_normal(60)
+        time = np.concatenate([(pull - 1.0) / rate, 0.5 / rate + wait])
+        tests.append(TestCurve("uniaxial", lam, rubber(lam), time_s=time, source=f"{k}", specimen=f"{k}"))
+    slow, again, fast, too = (curve.setup for curve in posed(tests).curves)
+    assert slow == again
+    assert fast == too
+    assert slow != fast
 
 
 def test_a_term_is_not_paid_for_what_the_base_alone_would_gain() -> None:
@@ -259,6 +274,33 @@ def test_specimens_that_scatter_without_replicates_are_noise_and_said_to_be() ->
     found = close(posed(tests), design=False)
     assert found.verdict == "noise"
     assert 0.005 < found.assumed < 0.04
+
+
+def single_pulls(seed: int, soften: float = 0.0) -> list[TestCurve]:
+    """One specimen of each of two directions, two rates and two temperatures, of a Gent law; 1.5 % between them."""
+    rng, found = np.random.default_rng([18, seed]), []
+    for k, (angle, rate, degrees) in enumerate(product((0.0, 90.0), (0.01, 0.1), (23.0, 60.0))):
+        lam = np.linspace(1.0, 1.5, 40)
+        gain = (1.0 + 0.015 * rng.standard_normal()) * np.exp(-soften * (degrees - 23.0))
+        stress = gain * 0.2 * 4.0 / (4.0 - (lam**2 + 2.0 / lam - 3.0)) * (lam - lam**-2.0)
+        stress = stress * (1.0 + 0.003 * rng.standard_normal(40)) + 1e-4 * rng.standard_normal(40)
+        found.append(
+            TestCurve(
+                "uniaxial", lam, stress, time_s=(lam - 1.0) / rate, temperature_degC=np.full(40, degrees),
+                direction=angle, source=f"{k}", specimen=f"{k}",
+            )
+        )  # fmt: skip
+    return found
+
+
+@pytest.mark.parametrize("seed", [2, 5, 8])
+def test_nothing_is_named_for_specimens_that_scatter_and_were_not_tested_twice(seed: int) -> None:
+    """A slack or an offset of each, or a rate that eight of them follow by chance, is what scatter looks like."""
+    found = close(posed(single_pulls(seed)), design=False)
+    assert (found.verdict, found.after.ids) == ("noise", ())
+    softer = close(posed(single_pulls(seed, soften=0.0045)), design=False)
+    assert "thermal-softening" in softer.after.ids
+    assert not set(softer.after.ids) & {"load-offset", "grip-slack", "rate"}
 
 
 @pytest.mark.parametrize("seed", range(3))

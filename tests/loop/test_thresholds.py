@@ -185,6 +185,15 @@ def cloth(share: float) -> str:
     return engine.close(posed(tests), design=False).verdict
 
 
+def follow(share: float) -> bool:
+    """Whether softening is named of four specimens, none led alike, that differ by so much from cold to hot."""
+    tests = [
+        pulled(lambda l, g=1.0 + 0.5 * share * way: g * rubber(l), rows=40, seed=k, noise=1e-4, degrees=t, name=f"{k}")
+        for k, (t, way) in enumerate(((20, 1.0), (25, 0.8), (55, -0.8), (60, -1.0)))
+    ]  # fmt: skip
+    return engine.close(posed(tests), design=False).after.ids == ("thermal-softening",)
+
+
 def led_alike(share: float) -> bool:
     return fabric_tests._is_same_way(np.array([[0.4, 0.0]]), np.array([[0.4 * (1.0 - share), 0.0]]))
 
@@ -315,6 +324,7 @@ CASES: dict[str, tuple[Callable[[pytest.MonkeyPatch], Any], Any]] = {
     ),
     "MOST_SCATTER": (lambda _: 1.4 < scatter_tried() <= 2.0, True),
     "ONE_CLOTH": (lambda _: [cloth(share) for share in (0.04, 0.06)], ["noise", "unexplained"]),
+    "AS_SEEN": (lambda _: [follow(share) for share in (0.06, 0.07)], [False, True]),
     "SAME_WAY": (lambda _: [led_alike(share) for share in (0.15, 0.3)], [True, False]),
     "CLEARLY": (
         lambda _: [

@@ -225,9 +225,13 @@ def _doubts(found: Finding) -> list[str]:
     share = 100.0 * found.noise.gain_sd
     more = "two or three specimens of each kind of test would tell."
     if found.doubted:
+        how = (
+            f"a little more than the {share:.2g} % in stiffness seen here"
+            if share
+            else "as those of one cloth do"
+        )
         return [
-            f"Not added: {', '.join(found.doubted)}. Specimens that scatter a little more than the {share:.2g} % in "
-            f"stiffness seen here would explain as much: {more}"
+            f"Not added: {', '.join(found.doubted)}. Specimens that scatter {how} would explain as much: {more}"
         ]
     if found.verdict == "noise" and share:
         return [
