@@ -97,10 +97,11 @@ class Console:
         self._line(shown.getvalue().removesuffix("\n"))
 
     @contextlib.contextmanager
-    def progress(self, description: str, size: str = "") -> Iterator[Advance]:
+    def progress(self, description: str, size: str = "", *, paced: bool = True) -> Iterator[Advance]:
         """Show how far a long piece of work has come: a bar on a terminal, elsewhere a line a minute.
 
-        Where it will be long its ``size`` is told first, and about how long it goes on by the pace of its beginning.
+        Where it will be long its ``size`` is told first, and about how long it goes on by the pace of its beginning;
+        not of what is not ``paced``, whose fractions only say that it lives.
 
         >>> with Console().progress("Warming up") as advance:
         ...     advance(0.5, "100 degC")
@@ -109,7 +110,7 @@ class Console:
             yield lambda fraction, text="": None
             return
         if not sys.stderr.isatty() or os.environ.get("TERM") == "dumb":
-            forecast = self._forecast(description, size, self._line)
+            forecast = self._forecast(description, size, self._line) if paced else None
             yield self._now_and_then(description, forecast)
             return
         from rich.console import Console as RichConsole
@@ -130,10 +131,11 @@ class Console:
             def above(words: str) -> None:
                 bar.console.print(words, markup=False, highlight=False)
 
-            forecast = self._forecast(description, size, above)
+            forecast = self._forecast(description, size, above) if paced else None
 
             def advance(fraction: float, text: str = "") -> None:
-                forecast(fraction, time.monotonic())
+                if forecast is not None:
+                    forecast(fraction, time.monotonic())
                 bar.update(task, completed=min(max(fraction, 0.0), 1.0), text=text)
 
             yield advance
@@ -168,17 +170,22 @@ class Console:
 
         return forecast
 
-    def _now_and_then(self, description: str, forecast: Callable[[float, float], None]) -> Advance:
-        """Say once in ``EVERY_S`` how far the work has come: a log shows that it lives, a short run says nothing."""
+    def _now_and_then(self, description: str, forecast: Callable[[float, float], None] | None) -> Advance:
+        """Say once in ``EVERY_S`` how far the work has come: a log shows that it lives, a short run says nothing.
+
+        How long it took alone where there is no ``forecast``.
+        """
         start = said = time.monotonic()
 
         def advance(fraction: float, text: str = "") -> None:
             nonlocal said
             now = time.monotonic()
-            forecast(fraction, now)
+            if forecast is not None:
+                forecast(fraction, now)
             if now - said >= EVERY_S:
                 said = now
-                words = f"{description}: {100 * fraction:.0f} % after {(now - start) / 60:.0f} min"
+                done = "" if forecast is None else f"{100 * fraction:.0f} % "
+                words = f"{description}: {done}after {(now - start) / 60:.0f} min"
                 self._line(f"{words}, {text}" if text else words)
 
         return advance

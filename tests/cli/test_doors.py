@@ -162,3 +162,20 @@ def test_a_long_run_says_first_its_size_and_how_long_it_takes(
     shown = capfd.readouterr().err.replace("\x1b[2K", "")
     lines = [line.strip() for line in shown.splitlines() if "about" in line]
     assert lines == said
+
+
+@pytest.mark.parametrize("terminal", [False, True])
+def test_what_has_no_pace_is_given_no_forecast(monkeypatch, capfd, terminal: bool) -> None:
+    from hyperfab import console
+
+    now = [0.0]
+    monkeypatch.setattr(console.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal)
+    monkeypatch.setenv("TERM", "xterm")
+    with console.Console().progress("Meshing the mold", paced=False) as advance:
+        for second in range(0, 70, 2):
+            now[0] = float(second)
+            advance(second / (second + 5.0))
+    shown = capfd.readouterr().err
+    assert "pace" not in shown
+    assert terminal or shown.splitlines() == ["Meshing the mold: after 1 min"]

@@ -50,13 +50,16 @@ def run(job: Job, case: MoldCase) -> int:
     out.refuse_inputs(job.inputs)
     for text in builder.doubts:
         job.console.warn(text)
-    with job.console.progress("Meshing the mold") as advance:
+    # A mesher does not say how far it is.
+    with job.console.progress("Meshing the mold", paced=False) as advance:
         known = len(builder.doubts)
         problem = builder.build(lambda seconds: advance(seconds / (seconds + 5.0)))
     for text in builder.doubts[known:]:
         job.console.warn(text)
     start = builder.start_field(problem)
     size = f"{problem.model.size} unknowns in {len(problem.mesh.elements)} elements"
+    if document.run.steady:  # one system of equations: it has no pace to tell beforehand
+        job.console.note(f"steady state of {size}")
     with job.console.progress("Heating the mold", size) as advance:
 
         def warmup() -> float | None:
