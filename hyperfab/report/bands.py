@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from decimal import Decimal
 from math import floor, log10
 from typing import Any
 
@@ -41,16 +42,25 @@ def shares(budget: Sequence[Any], most: int = 3) -> str:
 def banded(data: Mapping[str, Any], key: str, unit: str = "", factor: float = 1.0, form: str = ".4g") -> str:
     """Return a figure of a document for a sentence, rounded by its uncertainty where it has one, with its unit.
 
+    One that ``form`` rounds away is left out: a table tells it.
+
     >>> banded({"force_N": 41.76324}, "force_N", "N")
     '41.76 N'
     >>> banded({"force_N": 41.76324, "uncertainty": {"quantities": {"force_N": {"sd": 1.5}}}}, "force_N", "N")
     '41.8 ± 1.5 N'
+    >>> banded({"force_N": 41.76324, "uncertainty": {"quantities": {"force_N": {"sd": 0.0015}}}}, "force_N", "N")
+    '41.76 N'
     """
     value: Any = data
     for step in key.split("."):
         value = value[step]
     band = _bands(data).get(key)
-    text = format(factor * value, form) if band is None else figure(factor * value, factor * band["sd"])
+    text = format(factor * value, form)
+    if band is not None:
+        whole = figure(factor * value, factor * band["sd"])
+        # The last digit shown stands for so much.
+        digit = 10.0 ** int(Decimal(text).as_tuple().exponent)
+        text = whole if factor * band["sd"] >= 0.5 * digit else text
     return f"{text} {unit}".strip()
 
 

@@ -47,8 +47,10 @@ def section(source: Source) -> Section:
     before, after = (data["error"][moment]["relative_rms"] for moment in ("before", "after"))
     missed = percent(after, 2).text
     if data.get("effects"):
-        change = f"{percent(before, 2).text} → {missed}"
-        found.figures = [Figure(change, "the model misses measurement by, before and after")]
+        given = data["error"].get("delivered")
+        change = f"{percent(given['relative_rms'] if given else before, 2).text} → {missed}"
+        how = "as given" if given else "before"
+        found.figures = [Figure(change, f"the model misses measurement by, {how} and after")]
     else:
         found.figures = [Figure(missed, "the model misses measurement by")]
     sound = data["verdict"] != "unexplained"
