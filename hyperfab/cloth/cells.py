@@ -276,10 +276,7 @@ def bent_stiffness(  # noqa: C901
     diag: Array,
     off: Array,
 ) -> None:
-    """Add the tangent of the cells with laid sides, but for how their ways bend; ``laid`` (n, m, 2): 1 + a side's way.
-
-    How a pull across a laid side turns with it is left out.
-    """
+    """Add the tangent of the cells with laid sides, but for how these turn; ``laid`` (n, m, 2): 1 + a side's way."""
     n, m = x.shape[0], x.shape[1]
     w = 0.25 * net.cell_volume
     e, weight = np.empty((4, 3)), np.empty(4)
@@ -354,22 +351,40 @@ def bent_stiffness(  # noqa: C901
 
 
 @kernel
-def straighten(x: Array, springs: Ints, ways: Array, net: Arrays, diag: Array, off: Array) -> None:
-    """Take out how the pull along the listed sides would turn with their chords: it turns with their ways."""
+def straighten(
+    x: Array, springs: Ints, ways: Array, net: Arrays, pull: Array, diag: Array, off: Array
+) -> None:
+    """Put right how the ``pull`` (n, m, 2, 3) N of the listed sides turns: along with their ways, across with both.
+
+    A side is e = l n, n its chord's direction and l its way's length. Of the second derivative of pull . e what the
+    pull along n makes of n is taken out, as its way's turning is added elsewhere; what its part across n makes of l and
+    n together is added.
+    """
+    n, here, there = np.empty(3), np.empty(3), np.empty(3)  # how the way grows with its start and its end
+    t = np.empty(3)  # the pull across the chord, N
     for b in range(springs.shape[0]):
         i, j, d = springs[b, 0], springs[b, 1], springs[b, 2]
         k, l = (i + 1, j) if d == 0 else (i, j + 1)
-        chord = 0.0
+        w, chord, along = ways[b], 0.0, 0.0
         for r in range(3):
-            chord += (x[k, l, r] - x[i, j, r]) ** 2
-        z = net.tension[i, j, d] * ways[b, 12] / chord
+            n[r] = x[k, l, r] - x[i, j, r]
+            chord += n[r] * n[r]
+            along += n[r] * pull[i, j, d, r]
+        chord = np.sqrt(chord)
+        for r in range(3):
+            t[r] = (pull[i, j, d, r] - along * n[r] / (chord * chord)) / chord
+            n[r] /= chord
+            here[r] = -((w[9] + w[10]) * w[r] + w[11] * w[6 + r]) / w[12]
+            there[r] = ((w[9] + w[10]) * w[3 + r] + w[11] * w[6 + r]) / w[12]
+        longer = w[12] / chord
+        z = net.tension[i, j, d] * longer / chord
         at = 0
         for r in range(3):
             for c in range(3):
-                same = 1.0 if r == c else 0.0
-                v = z * (same - (x[k, l, r] - x[i, j, r]) * (x[k, l, c] - x[i, j, c]) / chord)
-                off[i, j, d, 3 * r + c] += v
+                turned = longer * (t[r] * n[c] + n[r] * t[c])
+                v = z * ((1.0 if r == c else 0.0) - n[r] * n[c]) + turned
+                off[i, j, d, 3 * r + c] += v + here[r] * t[c] - t[r] * there[c]
                 if c >= r:
-                    diag[i, j, at] -= v
-                    diag[k, l, at] -= v
+                    diag[i, j, at] -= v + here[r] * t[c] + t[r] * here[c]
+                    diag[k, l, at] -= v - there[r] * t[c] - t[r] * there[c]
                     at += 1

@@ -115,8 +115,9 @@ def bend_stiffness(
                 own[r, c] = (along - across) * t[r] * t[c]
                 turn[r, c] = w[r] * w[3 + c] + w[6 + r] * w[6 + c] + n1[r] * n2[c]
             own[r, r] += across
-        # Off the surface each end hinges about the crossing alone.
-        p1, p2 = max(force / w[9], floor), max(force / w[10], floor)
+        # Off the surface each end hinges about the crossing alone, by the pull's part square to the edge.
+        square = force * (w[9] + w[10]) / w[12]
+        p1, p2 = max(square / w[9], floor), max(square / w[10], floor)
         e = diag[i, j]
         at = 0
         for r in range(3):

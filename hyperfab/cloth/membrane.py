@@ -123,7 +123,7 @@ class Membrane(Energy):
         cell_stiffness(x, self.scale, *parts)
         if len(self.springs):
             bent_stiffness(x, self.scale, self.laid, self.ways, *parts)
-            straighten(x, self.springs, self.ways, self.net, out.diag, out.off)
+            straighten(x, self.springs, self.ways, self.net, self.pull, out.diag, out.off)
             bend_stiffness(self.net, self.springs, self.ways, floor, out.diag, out.off)
 
 

@@ -159,8 +159,12 @@ def test_no_node_is_inside_a_mold(name, law):
     surface = MOLDS[name]
     sheet = membrane(60, 51, LAWS[law], (220.0, 210.0))
     _, said = rests(sheet, mold_of(surface, under(surface, 40.0)))
-    if name != "torso":  # round: chords cut its sagitta
+    if name == "saddle":  # round along its ridges: a side beside one cuts its arch, of 72 mm radius
+        longest = said.stretch_max * max(sheet.spacing)
+        assert said.edge_penetration < longest**2 / (8.0 * 72.0)
+    elif name != "torso":  # round all over
         assert said.edge_penetration < 1e-6
+    if name != "torso":
         assert said.contact_edges > 0
 
 
@@ -244,5 +248,4 @@ def test_the_forces_of_laid_sides_are_derivatives_of_the_energy_and_the_tangent_
     assert rise / (2 * h) == pytest.approx(-(f * d).sum(), rel=1e-6)
     error = np.abs(turned + (plus - minus) / (2 * h))
     error[on_top, 2] = 0.0
-    assert np.quantile(error, 0.9) < 1e-6 * np.abs(turned).max()
-    assert np.quantile(error, 0.98) < 2e-2 * np.abs(turned).max()
+    assert error.max() < 1e-6 * np.abs(turned).max()
