@@ -23,7 +23,9 @@ class ReportCase(Case):
     documents: tuple[str, ...] = files(
         "DOCUMENT...", "Documents of any kind, in any order.", argument=True, required=True
     )
-    title: str = text("TEXT", "Title of the page.", "From fabric to press")
+    title: str | None = text(
+        "TEXT", "Title of the page; left out, what its one document is, else From fabric to press."
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -100,6 +100,22 @@ def test_everything_from_a_document_is_escaped() -> None:
     assert [item.get("type") for item in Found(clean).named("script")] == ["text/plain", None]
 
 
+def test_a_page_of_one_study_is_called_what_it_is_and_says_what_came_out() -> None:
+    data = {
+        "format": "hyperfab.sweep/1", "name": "Foam and gap", "cases": 4, "by_status": {"0": 4}, "within_limits": 3,
+        "axes": {}, "figures": ["force_N", "contact_fraction"], "table": "none.csv",
+        "senses": {"force_N": "least"}, "best": {"force_N": {"force_N": 97.4321, "number": 2}},
+    }  # fmt: skip
+    one = source("sweep", data)
+    text = page(None, [(one, build(one))], None).decode()
+    assert "<h1>Study: " in text
+    assert "3 of 4 cases keep to the limits, of these the least force is 97.4 N." in text.replace(
+        "\N{NO-BREAK SPACE}", " "
+    )
+    two = [source("material", material()), one]
+    assert "<h1>From fabric to press</h1>" in page(None, [(each, build(each)) for each in two], None).decode()
+
+
 def test_the_policy_allows_the_page_its_own_scripts_and_nothing_else() -> None:
     one = source("material", material())
     text = page("a", [(one, build(one))], None).decode()

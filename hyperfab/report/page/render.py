@@ -36,9 +36,14 @@ from hyperfab.report.page.story import parents
 MAX_LEVELS = 40
 
 
-def page(title: str, told: Sequence[tuple[Source, Section]], comparison: Table | None) -> bytes:
-    """Return the page: the sections in the order given; ``comparison`` sets designs side by side."""
+def page(title: str | None, told: Sequence[tuple[Source, Section]], comparison: Table | None) -> bytes:
+    """Return the page: the sections in the order given; ``comparison`` sets designs side by side.
+
+    Without a ``title`` a page of one document is called what that is.
+    """
     sources = [source for source, _ in told]
+    if not title:
+        title = f"{heading(sources[0])}: {_name(sources[0])}" if len(sources) == 1 else "From fabric to press"
     places = {id(source): f"section-{index + 1}" for index, source in enumerate(sources)}
     items = []
     for source, section in told:

@@ -34,12 +34,17 @@ def section(source: Source) -> Section:
     failed = sum(count for status, count in data["by_status"].items() if status not in ("0", "1"))
     found = Section("", *_verdict(data, failed))
     found.figures = [Figure(str(data["cases"]), f"cases of {data['name']}")]
+    found.claim = f"{data['cases']} cases were computed"
+    if "within_limits" in data:
+        found.claim = f"{data['within_limits']} of {data['cases']} cases keep to the limits"
     for name, sense in senses(data).items():
         row = (data.get("best") or {}).get(name)
         if row is not None:
-            shown = number(row[name], title(name).rpartition(", ")[2] if ", " in title(name) else "", 3).text
-            found.figures.append(Figure(shown, f"{sense} {title(name).partition(', ')[0]}"))
-    found.claim = f"{data['cases']} cases were computed"
+            words, _, unit = title(name).partition(", ")
+            found.figures.append(Figure(number(row[name], unit, 3).text, f"{sense} {words}"))
+    if len(found.figures) > 1:
+        least = [f"the {one.label} is {one.text}" for one in found.figures[1:3]]
+        found.claim += f", of these {' and '.join(least)}"
     if data.get("question"):
         found.notes.append(f"The question: {data['question']}")
     if data.get("best"):
