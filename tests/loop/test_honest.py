@@ -293,14 +293,21 @@ def single_pulls(seed: int, soften: float = 0.0) -> list[TestCurve]:
     return found
 
 
-@pytest.mark.parametrize("seed", [2, 5, 8])
+DRAWS = [8, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 2, 4, 5, 6))]
+
+
+@pytest.mark.parametrize("seed", DRAWS)
 def test_nothing_is_named_for_specimens_that_scatter_and_were_not_tested_twice(seed: int) -> None:
     """A slack or an offset of each, or a rate that eight of them follow by chance, is what scatter looks like."""
     found = close(posed(single_pulls(seed)), design=False)
     assert (found.verdict, found.after.ids) == ("noise", ())
-    softer = close(posed(single_pulls(seed, soften=0.0045)), design=False)
-    assert "thermal-softening" in softer.after.ids
-    assert not set(softer.after.ids) & {"load-offset", "grip-slack", "rate"}
+
+
+@pytest.mark.parametrize("seed", DRAWS)
+def test_what_specimens_do_not_scatter_by_is_named_though_none_was_tested_twice(seed: int) -> None:
+    found = close(posed(single_pulls(seed, soften=0.0045)), design=False)
+    assert "thermal-softening" in found.after.ids
+    assert not set(found.after.ids) & {"load-offset", "grip-slack", "rate"}
 
 
 @pytest.mark.parametrize("seed", range(3))
