@@ -18,6 +18,7 @@ from hyperfab.pressing.closing import Closed
 from hyperfab.pressing.foam_law import FoamLaw
 from hyperfab.pressing.gap import Front, Gap
 from hyperfab.pressing.growth import Growth, ungrown
+from hyperfab.pressing.places import ByPlace
 from hyperfab.pressing.pose import Pose
 from hyperfab.pressing.press import Press
 from hyperfab.pressing.sandwich import Sandwich
@@ -59,7 +60,7 @@ class Beside:
 
     front: Front
     base: Pose
-    stack: Stack
+    stack: Stack | ByPlace
     known: _Known
     moved: Array
     turns: bool
@@ -186,11 +187,12 @@ class Neighbourhood:
         rise = np.array([*(offset - self._offset), start - self._start])
         mount = closed.press.base.pivot[2] + float(rise[2])
         base = Pose(0.0, tilt, (*at, mount))
-        stack = self._stack(front, sandwich)
         floating = closed.case.floating
+        balanced = force is not None or frame is not None or floating
+        stack = self._stack(front, sandwich, balanced)
         press = Beside(front, base, stack, self._known, female - self._grown[1] + rise, floating)
         pose = replace(base, opening=closed.pose.opening if force is not None else 0.0)
-        if force is not None or frame is not None or floating:
+        if balanced:
             place = (
                 [closed.pose.opening, *(closed.pose.tilt if floating else tilt)] if begun is None else begun
             )
@@ -212,7 +214,9 @@ class Neighbourhood:
             np.array([pose.opening, *pose.tilt]),
         )
 
-    def _stack(self, front: Front, sandwich: Sandwich) -> Stack:
+    def _stack(self, front: Front, sandwich: Sandwich, balanced: bool) -> Stack | ByPlace:
+        if sandwich.law.places is not None:
+            return ByPlace(front, sandwich, balanced)
         laws = sandwich.law, sandwich.fabric_law
         if self._laws is None or any(one is not two for one, two in zip(self._laws, laws, strict=True)):
             self._laws, self._knots = laws, np.array(knots(*laws))

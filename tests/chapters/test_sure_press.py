@@ -72,6 +72,34 @@ def test_gaps_to_the_first_order_give_what_presses_closed_anew_do(
         assert near[name] == pytest.approx(sd, rel=0.03), name
 
 
+#: A foam that softens where it is hot, read at each place's own temperature.
+SOFTENING = """format = "hyperfab.foam/1"
+thickness = "3.5 mm +- 0.1 mm"
+compression = [
+  { law = "linear", modulus = "0.05 MPa", temperature = "23 degC" },
+  { law = "linear", modulus = "0.03 MPa", temperature = "200 degC" },
+]
+fabric = { above = "0.5 mm", below = "0.5 mm" }
+conductivity = "0.04 W/m/K +- 10 %"
+specific_heat = "1400 J/kg/K"
+density = "30 kg/m^3"
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("words", [("--gap", "3mm +- 0.05mm"), ("--force", "60N +- 2N")])
+def test_foam_as_soft_as_each_place_is_hot_goes_with_its_temperature_to_the_first_order(
+    words: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    words = (*words, "--temperature", "200 degC +- 3 K", "--dwell", "5s", "--uncertainty", "linear")
+    near = sds(pressed("cup", *words, foam=SOFTENING))
+    monkeypatch.setattr(command.nearby, "beside", lambda *given: None)
+    anew = sds(pressed("cup", *words, foam=SOFTENING))
+    assert set(near) == set(anew)
+    for name, sd in anew.items():
+        assert near[name] == pytest.approx(sd, rel=0.02), name
+
+
 def test_no_press_is_closed_again_for_its_neighbours(monkeypatch: pytest.MonkeyPatch) -> None:
     closed: list[Any] = []
     close = warmth.close_press

@@ -10,6 +10,7 @@ from hyperfab.pressing import foam_law
 from hyperfab.pressing.contact import contact, stiffness
 from hyperfab.pressing.foam_law import FoamLaw
 from hyperfab.pressing.gap import Front, Gap
+from hyperfab.pressing.places import ByPlace
 from hyperfab.pressing.sandwich import Sandwich
 from hyperfab.pressing.series import knots
 from hyperfab.pressing.sums import Stack
@@ -84,3 +85,24 @@ def test_sums_are_those_of_the_points_that_one_press_is_made_of(
     upright = stack.sums(nearest, touch, direction, arm, turns=False)
     assert upright.force == pytest.approx(found.force, rel=1e-14)
     assert upright.tangent[0, 0] == pytest.approx(found.tangent[0, 0], rel=1e-14)
+
+
+def test_sums_of_a_law_by_place_are_those_of_the_one_law_where_all_places_have_it() -> None:
+    male, one = front(), foam_law.linear(0.05)
+    size = len(male.vertices)
+    share = RNG.uniform(0.2, 0.8, size)
+    same = foam_law.mixed([one, foam_law.linear(0.05)], [share, 1.0 - share])
+    assert same.places is not None
+    foam, fabric = uneven(size), 0.3 * uneven(size)
+    gap, arm = RNG.uniform(0.5, 6.0, size), np.array([4.0, 7.0, 9.0])
+    touch, direction = gap + RNG.normal(0.0, 0.3, size), RNG.normal(0.0, 0.3, (size, 3)) - [0.0, 0.0, 1.0]
+    stack = Stack(male, foam, fabric, np.array(knots(one, None)))
+    places = ByPlace(male, Sandwich(foam, fabric, same, None))
+    for turns in (True, False):
+        known, found = (each.sums(gap, touch, direction, arm, turns) for each in (stack, places))
+        assert found.force == pytest.approx(known.force, rel=1e-7)
+        assert found.tangent == pytest.approx(known.tangent, rel=1e-6)
+        assert (found.load, found.energy, found.area) == pytest.approx(
+            (known.load, known.energy, known.area), rel=1e-7
+        )
+        assert vars(found.touched) == pytest.approx(vars(known.touched), rel=1e-7)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,9 +12,11 @@ from hyperfab.cases.press import PressCase
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact.heat import Grown
 from hyperfab.chapters.press_contact.model import Model, joint_of, offset_of, reread, sandwich_of, tilt_of
+from hyperfab.chapters.press_contact.warmth import MOST_ROUNDS, SETTLED, by_place, foam_temperature
 from hyperfab.chapters.rerun import Listener
 from hyperfab.chapters.uncertainty.carry import Answer, Changes
 from hyperfab.chapters.uncertainty.sources import Origins
+from hyperfab.errors import NotConverged
 from hyperfab.numerics.trend import Trend
 from hyperfab.pressing.closing import Closed
 from hyperfab.pressing.gap import vertex_areas
@@ -21,11 +24,19 @@ from hyperfab.pressing.growth import Expansion, even_growth, guide_line
 from hyperfab.pressing.nearby import Displacement, Found, Neighbourhood
 from hyperfab.pressing.sandwich import Sandwich
 
+#: Neighbours drawn: of one law for all places, and of one a place, which take longer each.
+_SAMPLES, _BY_PLACE = 1000, 64
+#: Step from which the slopes of the places' temperature are told, over a standard deviation.
+_STEP = 0.1
+
 
 class Beside:
-    """What the figures become beside a press: gaps follow to the first order, pressures and areas from them."""
+    """What the figures become beside a press: gaps follow to the first order, pressures and areas from them.
 
-    samples, step = 1000, 1.0
+    Where the foam's law is read at the temperature of each place, that temperature follows to the first order too.
+    """
+
+    step = 1.0
 
     def __init__(self, job: Job, model: Model, closed: Closed, origins: Origins) -> None:
         self._job, self._model, self._closed, self._origins = job, model, closed, origins
@@ -35,6 +46,9 @@ class Beside:
         # A female is looked for where those before lie.
         self._places = Trend(1)
         self._area = vertex_areas(closed.front, ~closed.front.flange)
+        self._celsius = foam_temperature(job, model, closed) if by_place(model) else None
+        self._warmer: Array | None = None
+        self.samples = _SAMPLES if closed.press.sandwich.law.places is None else _BY_PLACE
 
     def blur(self, name: str) -> float:
         """Return 0: all are of one discretisation, which errs alike."""
@@ -46,6 +60,45 @@ class Beside:
     def close(self, changes: Changes) -> tuple[Found, Sandwich]:
         """Return the press with numbers changed, and its sandwich at the front's vertices; NotConverged where a female
         finds no balance."""
+        before, places = self._celsius, None
+        if before is not None:
+            if self._warmer is None:
+                self._warmer = self._slopes(before)
+            places = before + self._origins.amounts(changes) @ self._warmer
+        found, sandwich, _ = self._close(changes, places)
+        self._places.add(self._origins.amounts(changes), found.place)
+        return found, sandwich
+
+    def _slopes(self, before: Array) -> Array:
+        """Return what the temperature of the places changes by from ``before`` (n,) [degC] on with each number
+        (numbers, n)."""
+        rows = []
+        for k, origin in enumerate(self._origins.sources):
+            for number, sd in enumerate(np.sqrt(np.diag(origin.covariance))):
+                change = np.zeros(len(origin.covariance))
+                change[number] = _STEP * sd
+                gained = self._settled({k: change}, before) - before if sd > 0.0 else 0.0 * before
+                rows.append(gained / max(change[number], np.finfo(float).tiny))
+        return np.array(rows)
+
+    def _settled(self, changes: Changes, before: Array) -> Array:
+        """Return the temperature of the places [degC] with numbers changed, as pressing and warming agree on it."""
+        for _ in range(MOST_ROUNDS):
+            found, sandwich, model = self._close(changes, before)
+            closed = replace(
+                self._closed,
+                press=replace(self._closed.press, sandwich=sandwich),
+                contact=replace(self._closed.contact, gap=found.gap, pressure=found.pressure),
+            )
+            there = foam_temperature(Job(self._job.command, (), Listener(), self._job.inputs), model, closed)
+            if np.abs(there - before).max() <= SETTLED:
+                return there
+            before = there
+        raise NotConverged("the foam's temperature and its pressing do not settle on each other")
+
+    def _close(self, changes: Changes, places: Array | None) -> tuple[Found, Sandwich, Model]:
+        """Return the same with the foam's law read at the temperature of ``places`` (n,) [degC] where that is given,
+        and the model it is of."""
         inputs, model = self._job.inputs, self._model
         moved = self._origins.changed(model.case, inputs, {k: list(v) for k, v in changes.items()})
         case: PressCase = moved.case  # type: ignore[assignment]
@@ -70,8 +123,9 @@ class Beside:
         sandwich, _ = sandwich_of(quiet, case, files, warm)
         joint = joint_of(case, files)
         at = guide_line(self._closed.case.male) if joint is None else joint
-        amount = self._origins.amounts(changes)
         sandwich = sandwich.of_vertices(self._closed.front.of_mold)
+        if places is not None:
+            sandwich = replace(sandwich, law=files.law.at(places))
         found = self._near.close(
             sandwich,
             growths=(male, female),
@@ -82,10 +136,10 @@ class Beside:
             tilt=tilt_of(case, files),
             offset=offset_of(files),
             at=(float(at[0]), float(at[1])),
-            begun=self._places.at(amount),
+            begun=self._places.at(self._origins.amounts(changes)),
         )
-        self._places.add(amount, found.place)
-        return found, sandwich
+        hot = tuple(replace(one, temperature=now) for one, now in zip(model.grown, celsius, strict=True))
+        return found, sandwich, replace(model, case=case, files=files, grown=(hot[0], hot[1]))
 
     def at(self, changes: Changes) -> Answer:
         """Return figures and fields with numbers changed; NotConverged where a female finds no balance."""
@@ -114,8 +168,9 @@ ROOM = "room_mm"
 
 def beside(job: Job, model: Model, closed: Closed, origins: Origins) -> Beside | None:
     """Return the neighbours of a press; None where the clearance is set on the hot molds, where the foam's law is
-    another at each place, or where a field of temperature deforms the molds and what it counts from is not known."""
-    if model.case.zero == "hot" or closed.press.sandwich.law.places is not None:
+    read at the temperatures of molds whose heat documents hand on how sure they are, or where a field of temperature
+    deforms the molds and what it counts from is not known."""
+    if model.case.zero == "hot" or (by_place(model) and any(grown.modes for grown in model.grown)):
         return None
     names = {number.name.partition(": ")[2] for number in origins.numbers}
     if not all(grown.even for grown in model.grown) and "expansion.reference" in names:

@@ -23,7 +23,7 @@ from hyperfab.pressing.warming import Column
 #: Times of the dwell that are told, close together at its beginning, where the most happens.
 _TIMES = 16
 #: The temperature at which the foam's law is read has settled when it moves by less [K]; it takes two to five rounds.
-_SETTLED, _MOST_ROUNDS = 1e-7, 40
+SETTLED, MOST_ROUNDS = 1e-7, 40
 #: A layer is never pressed thinner than this [mm]: where the molds interfere there is no sandwich.
 _THINNEST = 1e-3
 #: Air: conductivity [W/m/K] against temperature [degC] (Incropera and DeWitt, Fundamentals of Heat and Mass Transfer,
@@ -68,21 +68,25 @@ def warmed(job: Job, model: Model, closed: Closed) -> Warmed | None:
     return Warmed(column, dwell, middle[-1], rows, target, reached)
 
 
+def by_place(model: Model) -> bool:
+    """Return whether the foam's law is read at the temperature of each place, and not at that of the molds."""
+    even = all(grown.celsius is None for grown in model.grown)
+    return len(model.files.law.laws) > 1 and (model.case.dwell is not None or not even)
+
+
 def settled(job: Job, model: Model) -> Closed:
     """Close the press with the foam's law at the temperature of each place.
 
     With a dwell that is the foam's middle at its end, else the mean of both molds there. Temperature and pressing
     depend on each other through contact, thickness and position: both are repeated until neither moves.
     """
-    closed = close_press(model.closing)
-    laws, even = model.files.law, all(grown.celsius is None for grown in model.grown)
-    alike = even and model.grown[0].temperature == model.grown[1].temperature
-    if len(laws.laws) == 1 or (model.case.dwell is None and (even or alike)):
+    closed, laws = close_press(model.closing), model.files.law
+    if not by_place(model):
         return closed
     before: Array | None = None
-    for _ in range(_MOST_ROUNDS):
-        there = _foam_temperature(job, model, closed)
-        if before is not None and np.abs(there - before).max() <= _SETTLED:
+    for _ in range(MOST_ROUNDS):
+        there = foam_temperature(job, model, closed)
+        if before is not None and np.abs(there - before).max() <= SETTLED:
             break
         # Beside the front nothing is pressed: any temperature will do there.
         celsius = np.full(len(model.closing.male.vertices), there.mean())
@@ -98,7 +102,7 @@ def settled(job: Job, model: Model) -> Closed:
     return closed
 
 
-def _foam_temperature(job: Job, model: Model, closed: Closed) -> Array:
+def foam_temperature(job: Job, model: Model, closed: Closed) -> Array:
     """Temperature (n,) [degC] of the foam at the front, at which its law is read."""
     if model.case.dwell is None:
         return np.asarray(0.5 * sum(_on_molds(model, closed)))
