@@ -35,6 +35,7 @@ from hyperfab.chapters.press_contact.heat import file_of
 from hyperfab.chapters.press_contact.model import model_of, read_files
 from hyperfab.chapters.press_contact.nearby import beside
 from hyperfab.chapters.press_contact.told import Told
+from hyperfab.chapters.press_contact.warmth import by_place
 from hyperfab.chapters.rerun import Listener, Overlay, rerun, unchanged
 from hyperfab.chapters.uncertainty.changed import Changed, Kept
 from hyperfab.chapters.uncertainty.handed import Handed, join
@@ -105,7 +106,8 @@ class PressChain:
         self.origins, self.owners = Origins(), dict[str, list[int]]()
         self._own()
         self._handed()
-        near = beside(self.quiet, self.model, self.closed, self.origins)
+        traced = not by_place(self.model)
+        near = beside(self.quiet, self.model, self.closed, self.origins) if traced else None
         if near is None:
             raise UsageError(
                 "--upstream: where each place has the foam's law of its own temperature nothing is traced; give one law"
