@@ -143,12 +143,24 @@ def _place(creases: Creases, c: int, s: float, h: Array, g: Array) -> None:
         g[r] = creases.corners[c, 0, r] + s * h[r]
 
 
+def farthest(creases: Creases) -> float:
+    """How far from a crease, in its own length, the middle of a spring can be that the crease bends.
+
+    A line through a wedge of angle w between two places outside passes its edge within tan((pi - w)/2) of half the way
+    between them. Twice that and the other half, for places beyond the ends of edges.
+    """
+    cosine = np.clip((creases.normals[:, 0] * creases.normals[:, 1]).sum(axis=1), -1.0, 1.0)
+    steepest = np.sqrt((1.0 - cosine) / np.maximum(1.0 + cosine, 1e-300))  # tan of half the angle between normals
+    return 1.0 + float(steepest.max(initial=0.0))
+
+
 @kernel
 def find_bends(
     x: Array,
     clear: Array,
     mold: Mold,
     straight: npt.NDArray[np.bool_],
+    reach: float,
     springs: Ints,
     ways: Array,
     first: int,
@@ -156,7 +168,8 @@ def find_bends(
     found: int,
 ) -> int:
     """List the bent springs of node rows ``first:last`` after the ``found`` ones; their number, also where it is more
-    than fits. Springs marked in ``straight`` (n, m, 2) are left out.
+    than fits. Springs marked in ``straight`` (n, m, 2) are left out, and those whose middle is further from all
+    creases than ``reach`` times their length (``farthest``).
     """
     n, m = x.shape[0], x.shape[1]
     creases, work = mold.creases, room()
@@ -172,7 +185,8 @@ def find_bends(
                 if (clear[i, j] + clear[k, l]) ** 2 > len2 or straight[i, j, d] or len2 == 0.0:
                     continue
                 t, c = 0.5, np.int64(-1)  # a literal would make what takes it compile twice
-                for _ in range(3):
+                far = False
+                for tries in range(3):
                     ex, ey, ez, c, _f = bvh.nearest_one(
                         p[0] + t * (q[0] - p[0]),
                         p[1] + t * (q[1] - p[1]),
@@ -186,13 +200,18 @@ def find_bends(
                         work.stack,
                         work.stack_d,
                     )
+                    if tries == 0:
+                        off = (ex - 0.5 * (p[0] + q[0])) ** 2 + (ey - 0.5 * (p[1] + q[1])) ** 2
+                        far = off + (ez - 0.5 * (p[2] + q[2])) ** 2 > reach * reach * len2
+                        if far:
+                            break
                     t = (
                         (ex - p[0]) * (q[0] - p[0])
                         + (ey - p[1]) * (q[1] - p[1])
                         + (ez - p[2]) * (q[2] - p[2])
                     ) / len2
                     t = min(max(t, 0.0), 1.0)
-                c = _crossed(creases, c, p, q, g, h)
+                c = -1 if far else _crossed(creases, c, p, q, g, h)
                 if c < 0:
                     continue
                 # Wedges at creases have no end, the mold has: beside a corner they may be in the way where it is not.

@@ -6,7 +6,7 @@ import numpy as np
 
 from hyperfab.arrays import Array, Ints
 
-from .bends import find_bends
+from .bends import farthest, find_bends
 from .creases import bend_forces, bend_stiffness, hinge_nodes, unjoin
 from .linear import Tangent
 from .mold import Mold
@@ -31,6 +31,7 @@ class Energy:
         self.push: Array = np.zeros(3)  # N, of the edges on the sheet
         corners = mold.creases.corners
         self.highest = float(corners[:, :, 2].max()) if len(corners) else -np.inf  # of the sharp edges, mm
+        self.reach = farthest(mold.creases)
         self.straight = np.zeros((sheet.n, sheet.m, 2), np.bool_)  # springs not to be laid over edges
 
     def leave(self, now: State, trial: State, where: int | None = None) -> bool:
@@ -95,7 +96,7 @@ class Energy:
             found = 0
             for i in range(0, n, rows):
                 found = find_bends(
-                    x, clear, self.mold, self.straight, springs, ways, i, min(i + rows, n), found
+                    x, clear, self.mold, self.straight, self.reach, springs, ways, i, min(i + rows, n), found
                 )
             if found <= room:
                 return springs[:found], ways[:found]

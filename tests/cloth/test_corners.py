@@ -10,7 +10,7 @@ import trimesh
 from cloth_molds import under
 
 from hyperfab.cloth import Sheet, follow, load_steps, mold_of, tabulate
-from hyperfab.cloth.bends import find_bends
+from hyperfab.cloth.bends import farthest, find_bends
 from hyperfab.cloth.fabric import spring_law
 from hyperfab.cloth.newton import equilibrium
 from hyperfab.cloth.start import settled
@@ -67,7 +67,7 @@ def bent(surface: Surface, start: np.ndarray, end: np.ndarray) -> tuple[np.ndarr
     alone[:, :, 1] = True
     springs, ways = np.empty((count, 4), np.int64), np.empty((count, 13))
     nodes = np.stack([start, end])
-    found = find_bends(nodes, np.zeros((2, count)), mold, alone, springs, ways, 0, 2, 0)
+    found = find_bends(nodes, np.zeros((2, count)), mold, alone, farthest(mold.creases), springs, ways, 0, 2, 0)
     over, length = np.zeros(count, np.bool_), np.linalg.norm(end - start, axis=1)
     over[springs[:found, 1]], length[springs[:found, 1]] = True, ways[:found, 12]
     return over, length
