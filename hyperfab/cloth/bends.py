@@ -150,7 +150,9 @@ def farthest(creases: Creases) -> float:
     between them. Twice that and the other half, for places beyond the ends of edges.
     """
     cosine = np.clip((creases.normals[:, 0] * creases.normals[:, 1]).sum(axis=1), -1.0, 1.0)
-    steepest = np.sqrt((1.0 - cosine) / np.maximum(1.0 + cosine, 1e-300))  # tan of half the angle between normals
+    steepest = np.sqrt(
+        (1.0 - cosine) / np.maximum(1.0 + cosine, 1e-300)
+    )  # tan of half the angle between normals
     return 1.0 + float(steepest.max(initial=0.0))
 
 

@@ -22,6 +22,8 @@ COARSE_TOLERANCE = 1e-4
 #: Where no step of Newton's lowers the energy though the residual is below the first, the sheet swings for so many time
 #: steps before Newton goes on; this often at most. Facets that meet in a valley can hold a node up between them.
 NEARLY, SWINGS, ROUNDS = 0.2, 200, 3
+#: A membrane whose first step on a finer grid is cut below this share swings for so many time steps first.
+CUT, EASING = 0.5, 15
 
 
 class BeyondLaw(Exception):
@@ -66,6 +68,23 @@ def _begun(sheet: Sheet, mold: Mold) -> State:
     return equilibrium(sheet, mold, start, COARSE_TOLERANCE, longest=0.5).state
 
 
+def _eased(
+    sheet: Sheet, mold: Mold, start: State, report: Callable[[Step], None] | None
+) -> tuple[State, list[Step]]:
+    """Where Newton goes on from a coarser grid's answer, and the steps to there.
+
+    Beside sharp edges the nodes between those of the coarser grid stand off the mold or across the edge. Where that
+    cuts a membrane's first step, those that follow would be cut as well; a swing puts right what lies so near by.
+    """
+    if sheet.membrane is None or not len(mold.creases.corners):
+        return start, []
+    tried = equilibrium(sheet, mold, start, COARSE_TOLERANCE, largest=1, report=report)
+    if not tried.history or tried.history[-1].step_length >= CUT:
+        return tried.state, tried.history
+    swung = swing(sheet, mold, start, COARSE_TOLERANCE, EASING, report)
+    return swung.state, tried.history + swung.history
+
+
 def drape(
     sheet: Sheet, mold: Mold, tolerance: float = 1e-6, report: Callable[[Step], None] | None = None
 ) -> Equilibrium:
@@ -89,7 +108,11 @@ def drape(
     sharp_net = sheet.membrane is None and len(mold.creases.corners) > 0
     for n, m in sizes:
         grid = sheet.coarser(n, m)
-        start = _begun(grid, mold) if state is None else refined(state, grid, mold)
+        if state is None:
+            start = _begun(grid, mold)
+        else:
+            start, steps = _eased(grid, mold, refined(state, grid, mold), report)
+            history += steps
         goal = tolerance if (n, m) == sizes[-1] else max(tolerance, COARSE_TOLERANCE)
         found = equilibrium(grid, mold, start, goal, report=report)
         history += found.history

@@ -67,7 +67,9 @@ def bent(surface: Surface, start: np.ndarray, end: np.ndarray) -> tuple[np.ndarr
     alone[:, :, 1] = True
     springs, ways = np.empty((count, 4), np.int64), np.empty((count, 13))
     nodes = np.stack([start, end])
-    found = find_bends(nodes, np.zeros((2, count)), mold, alone, farthest(mold.creases), springs, ways, 0, 2, 0)
+    found = find_bends(
+        nodes, np.zeros((2, count)), mold, alone, farthest(mold.creases), springs, ways, 0, 2, 0
+    )
     over, length = np.zeros(count, np.bool_), np.linalg.norm(end - start, axis=1)
     over[springs[:found, 1]], length[springs[:found, 1]] = True, ways[:found, 12]
     return over, length
