@@ -213,7 +213,9 @@ def find_bends(
                         + (ez - p[2]) * (q[2] - p[2])
                     ) / len2
                     t = min(max(t, 0.0), 1.0)
-                c = -1 if far else _crossed(creases, c, p, q, g, h)
+                if far:
+                    continue
+                c = _crossed(creases, c, p, q, g, h)
                 if c < 0:
                     continue
                 # Wedges at creases have no end, the mold has: beside a corner they may be in the way where it is not.
