@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 # As in `hf` itself: the dense blocks here are too small for threads, which only wait for each other. Before numpy.
@@ -13,6 +13,7 @@ os.environ.update(dict.fromkeys(("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLI
 
 import pytest
 from hypothesis import HealthCheck, settings
+from warm import Warm
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -36,8 +37,19 @@ def root() -> Path:
 
 
 @pytest.fixture(scope="session")
-def hf() -> Run:
-    """Run the real command in a process of its own: ``hf("fit", ..., stdin=b"...", cwd=folder)``."""
+def warm() -> Iterator[Warm]:
+    """A process that has the imports of ``hf`` behind it and forks for each command."""
+    server = Warm()
+    yield server
+    server.close()
+
+
+@pytest.fixture(scope="session")
+def hf(warm: Warm) -> Run:
+    """Run the real command in a process of its own: ``hf("fit", ..., stdin=b"...", cwd=folder)``.
+
+    With an environment of its own it begins from nothing; else it is forked where its imports are done.
+    """
 
     def run(
         *arguments: object,
@@ -46,8 +58,11 @@ def hf() -> Run:
         env: dict[str, str] | None = None,
         timeout: float = 120,
     ) -> subprocess.CompletedProcess[bytes]:
-        command = [sys.executable, "-m", "hyperfab", *map(str, arguments)]
-        environment = {**os.environ, "PYTHONPATH": str(ROOT), **(env or {})}
+        words = [str(argument) for argument in arguments]
+        if env is None:
+            return warm.run(words, stdin, cwd, timeout)
+        command = [sys.executable, "-m", "hyperfab", *words]
+        environment = {**os.environ, "PYTHONPATH": str(ROOT), **env}
         return subprocess.run(
             command, input=stdin, capture_output=True, cwd=cwd, env=environment, timeout=timeout, check=False
         )

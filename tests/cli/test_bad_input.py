@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import signal
 import subprocess
@@ -13,6 +14,7 @@ from pathlib import Path
 
 import pytest
 from builders import FILM, PLATE
+from warm import Warm
 
 ROOT = Path(__file__).resolve().parents[2]
 SECONDS, MEGABYTES = 2.0, 400.0
@@ -251,6 +253,12 @@ def run(arguments: tuple[str, ...], folder: Path, stdin: bytes = b"") -> Outcome
     return Outcome(int(status), stdout, stderr.decode(), float(cpu), wall, float(megabytes))
 
 
+def warm_run(warm: Warm, arguments: tuple[str, ...], folder: Path, stdin: bytes) -> Outcome:
+    """Run ``hf`` where its imports are done; what it weighs is not known."""
+    done = warm.run(list(arguments), stdin, folder, 60.0)
+    return Outcome(done.returncode, done.stdout, done.stderr.decode(), done.cpu_s, math.nan, math.nan)
+
+
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     prepare(tmp_path)
@@ -270,12 +278,22 @@ def everything(folder: Path) -> dict[str, bytes]:
     }
 
 
+#: Each command's first case, and those that could fill the memory, are measured from the start of the interpreter on.
+COLD = {bad.name for bad in {bad.arguments[:1]: bad for bad in reversed(CASES)}.values()} | {
+    bad.name for bad in CASES if sum(map(len, bad.files.values())) + len(bad.stdin) > 10_000
+}
+
+
 @pytest.mark.parametrize("bad", CASES, ids=lambda bad: bad.name)
-def test_bad_input_is_refused_at_once_with_place_and_remedy(bad: Bad, folder: Path) -> None:
+def test_bad_input_is_refused_at_once_with_place_and_remedy(bad: Bad, folder: Path, warm: Warm) -> None:
     for name, data in bad.files.items():
         (folder / name).write_bytes(data)
     before = everything(folder)
-    found = run(bad.arguments, folder, bad.stdin)
+    if bad.name in COLD:
+        found = run(bad.arguments, folder, bad.stdin)
+        assert found.megabytes < MEGABYTES
+    else:
+        found = warm_run(warm, bad.arguments, folder, bad.stdin)
     assert found.status == bad.status, found.stderr
     for words in bad.said:
         assert words in found.stderr
@@ -284,7 +302,6 @@ def test_bad_input_is_refused_at_once_with_place_and_remedy(bad: Bad, folder: Pa
     assert everything(folder) == before
     # Of the processor: the wall clock is the machine's, which runs other tests beside this one.
     assert found.cpu_s < SECONDS
-    assert found.megabytes < MEGABYTES
 
 
 def test_a_full_disk_behind_standard_output_is_status_5() -> None:
