@@ -293,7 +293,7 @@ def test_samples_say_how_far_they_are(folder: Path, monkeypatch: pytest.MonkeyPa
     told: dict[str, list[float]] = {}
 
     @contextlib.contextmanager
-    def progress(self: Console, description: str, size: str = "") -> Iterator[Any]:
+    def progress(self: Console, description: str, size: str = "", **_: object) -> Iterator[Any]:
         fractions = told.setdefault(f"{description}: {size}", [])
         yield lambda fraction, text="": fractions.append(fraction)
 
