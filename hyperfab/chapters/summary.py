@@ -11,7 +11,7 @@ from hyperfab.documents.base import document_class, parse_document
 from hyperfab.errors import InputError
 from hyperfab.io.json_io import load_json
 from hyperfab.io.output import write_stdout
-from hyperfab.report.bands import banded, made_of, warmup
+from hyperfab.report.bands import banded, figure, made_of, warmup
 
 Plain = Mapping[str, Any]
 
@@ -54,8 +54,8 @@ def _kind(loaded: object, name: str) -> str:
 def _material(data: Plain) -> Iterator[str]:
     fits = data.get("directions") or {"": data}
     for direction, part in fits.items():
-        constants = ", ".join(f"{name} {value:.5g}" for name, value in part["parameters"].items())
         fit = part.get("fit")
+        constants = _constants(part["parameters"], fit or {})
         label = f"{direction}: " if direction else ""
         if fit is None:  # written by hand
             yield f"{label}{data['model']}: {constants}"
@@ -66,6 +66,17 @@ def _material(data: Plain) -> Iterator[str]:
                 yield f"{label}{test} test, not used in the fit: {_misfit(data, figures)}"
     if "accepted" in data:
         yield "accepted" if data["accepted"] else "not accepted"
+
+
+def _constants(values: Plain, fit: Plain) -> str:
+    """Return constants with their standard deviations, where those are known, and what these are of."""
+    sd = fit.get("parameters_sd") or {}
+    told = ", ".join(
+        f"{name} {figure(value, sd[name]) if name in sd else format(value, '.5g')}"
+        for name, value in values.items()
+    )
+    alone = (fit.get("uncertainty") or {}).get("source") == "readings"
+    return f"{told} (± one sd of the readings alone)" if sd and alone else told
 
 
 def _misfit(data: Plain, figures: Plain) -> str:
@@ -122,7 +133,6 @@ def _heat(data: Plain) -> Iterator[str]:
                 f"work surface {words}: {figures['mean_degC']:.1f} degC, "
                 f"spread ±{figures['spread_K'] / 2:.2f} K"
             )
-    data["energy"]
     yield (
         f"energy {banded(data, 'energy.supplied_J', 'MJ', 1e-6, '.2f')}, "
         f"lost {banded(data, 'energy.lost_J', 'MJ', 1e-6, '.2f')}, "
@@ -137,8 +147,10 @@ def _press(data: Plain) -> Iterator[str]:
         f"force {banded(data, 'force_N', 'N')}, pressure up to {banded(data, 'pressure_max_MPa', 'kPa', 1e3, '.3g')}"
     )
     warm = " and ".join(dict.fromkeys(f"{data[mold]['temperature_degC']:.4g}" for mold in ("male", "female")))
-    least, mean, most = (data[f"gap_{which}_mm"] for which in ("min", "mean", "max"))
-    yield f"gap at {warm} degC {least:.2f} to {most:.2f} mm, mean {mean:.2f} mm"
+    least, mean, most = (
+        banded(data, f"gap_{which}_mm", "mm", form=".2f") for which in ("min", "mean", "max")
+    )
+    yield f"gap at {warm} degC {least} to {most}, mean {mean}"
     for change in (data.get("sensitivity") or [])[:3]:
         step = f"{change['typical_step']:g} {change.get('unit', '')}".strip()
         yield f"{change['change']} by {step} moves the gap by {change['gap_rms_at_step_mm']:.2g} mm"
@@ -157,15 +169,15 @@ def _sweep(data: Plain) -> Iterator[str]:
     if "within_limits" in data:
         yield f"{data['within_limits']} cases keep to the limits"
     best = data.get("best", {})
-    for figure, sense in (data.get("senses") or dict.fromkeys(best, "least")).items():
-        if figure not in best:
+    for name, sense in (data.get("senses") or dict.fromkeys(best, "least")).items():
+        if name not in best:
             continue
-        row = best[figure]
+        row = best[name]
         shown = ", ".join(
             f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}"
             for key, value in row.items()
         )
-        yield f"{sense} {figure}: {shown}"
+        yield f"{sense} {name}: {shown}"
 
 
 _PARAGRAPHS: dict[str, Callable[[Plain], Iterator[str]]] = {
