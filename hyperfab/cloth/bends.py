@@ -150,9 +150,8 @@ def farthest(creases: Creases) -> float:
     between them. Twice that and the other half, for places beyond the ends of edges.
     """
     cosine = np.clip((creases.normals[:, 0] * creases.normals[:, 1]).sum(axis=1), -1.0, 1.0)
-    steepest = np.sqrt(
-        (1.0 - cosine) / np.maximum(1.0 + cosine, 1e-300)
-    )  # tan of half the angle between normals
+    # The tangent of half the angle between the normals, which is (pi - w)/2.
+    steepest = np.sqrt((1.0 - cosine) / np.maximum(1.0 + cosine, 1e-300))
     return 1.0 + float(steepest.max(initial=0.0))
 
 

@@ -76,8 +76,6 @@ def _eased(
     Beside sharp edges the nodes between those of the coarser grid stand off the mold or across the edge. Where that
     cuts a membrane's first step, those that follow would be cut as well; a swing puts right what lies so near by.
     """
-    if sheet.membrane is None or not len(mold.creases.corners):
-        return start, []
     tried = equilibrium(sheet, mold, start, COARSE_TOLERANCE, largest=1, report=report)
     if not tried.history or tried.history[-1].step_length >= CUT:
         return tried.state, tried.history
@@ -105,18 +103,20 @@ def drape(
     """
     state, history = None, []
     sizes = grid_sizes(sheet.n, sheet.m)
-    sharp_net = sheet.membrane is None and len(mold.creases.corners) > 0
+    net, sharp = sheet.membrane is None, len(mold.creases.corners) > 0
     for n, m in sizes:
         grid = sheet.coarser(n, m)
         if state is None:
             start = _begun(grid, mold)
         else:
-            start, steps = _eased(grid, mold, refined(state, grid, mold), report)
-            history += steps
+            start = refined(state, grid, mold)
+            if sharp and not net:
+                start, steps = _eased(grid, mold, start, report)
+                history += steps
         goal = tolerance if (n, m) == sizes[-1] else max(tolerance, COARSE_TOLERANCE)
         found = equilibrium(grid, mold, start, goal, report=report)
         history += found.history
-        if sharp_net and (n, m) != sizes[-1]:  # of several rests beside a sharp edge, the lower one
+        if sharp and net and (n, m) != sizes[-1]:  # of several rests beside a sharp edge, the lower one
             other = equilibrium(grid, mold, start, goal, report=report, leaps=True)
             history += other.history
             found = min(found, other, key=lambda one: (not one.converged, one.energy))

@@ -106,8 +106,7 @@ class PressChain:
         self.origins, self.owners = Origins(), dict[str, list[int]]()
         self._own()
         self._handed()
-        traced = not by_place(self.model)
-        near = beside(self.quiet, self.model, self.closed, self.origins) if traced else None
+        near = None if by_place(self.model) else beside(self.quiet, self.model, self.closed, self.origins)
         if near is None:
             raise UsageError(
                 "--upstream: where each place has the foam's law of its own temperature nothing is traced; give one law"
