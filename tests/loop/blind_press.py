@@ -17,14 +17,14 @@ from hyperfab.cases.options import read
 from hyperfab.cases.press import PressCase
 from hyperfab.chapters.close_loop.press import closed_press, noise_of, pose
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.press_contact.told import Told
+from hyperfab.chapters.press_contact.press_result import PressResult
 from hyperfab.console import Console
 from hyperfab.loop.design import NextMeasurement
 from hyperfab.loop.press_reading import Reading
 
 
 @cache
-def told(more: str = "", options: tuple[str, ...] = (), foam: str = truths.FOAM_TOML) -> Told:
+def told(more: str = "", options: tuple[str, ...] = (), foam: str = truths.FOAM_TOML) -> PressResult:
     """The press as its document has it; with ``more`` lines of foam.toml, or with its own ``options`` for the gap."""
     folder = Path(tempfile.mkdtemp())
     for which in ("male", "female"):

@@ -16,7 +16,7 @@ from hyperfab.chapters.close_loop.extended_mold import relocate
 from hyperfab.chapters.close_loop.finalise import Extension
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact.inputs import ALUMINIUM
-from hyperfab.chapters.press_contact.told import Told
+from hyperfab.chapters.press_contact.press_result import PressResult
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
 from hyperfab.io.toml_io import load_toml
@@ -47,7 +47,7 @@ class _Draft:
 
     case: PressCase
     foam: dict[str, Any]
-    told: Told
+    told: PressResult
     problem: PressProblem
     stem: str
     files: dict[str, bytes] = field(default_factory=dict)
@@ -55,7 +55,7 @@ class _Draft:
 
 
 def extend(
-    job: Job, out: Output, case: PressCase, told: Told, problem: PressProblem, found: Finding
+    job: Job, out: Output, case: PressCase, told: PressResult, problem: PressProblem, found: Finding
 ) -> Extension:
     """Return the case of the extended press, and the files it reads."""
     foam = copy.deepcopy(dict(load_toml(job.inputs.read(case.foam), case.foam)))

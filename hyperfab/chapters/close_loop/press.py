@@ -23,7 +23,7 @@ from hyperfab.chapters.press_contact.command import solve
 from hyperfab.chapters.press_contact.formed import formed, read_setting
 from hyperfab.chapters.press_contact.laws import compression_law
 from hyperfab.chapters.press_contact.model import model_of, read_files
-from hyperfab.chapters.press_contact.told import Told
+from hyperfab.chapters.press_contact.press_result import PressResult
 from hyperfab.chapters.press_contact.warmth import column_of
 from hyperfab.chapters.rerun import Listener, check_unchanged, unchanged
 from hyperfab.documents.foam import MaterialLaw
@@ -101,7 +101,7 @@ def run(job: Job, given: Given) -> int:
     )
 
 
-def closed_press(job: Job, case: PressCase) -> tuple[Told, list[str]]:
+def closed_press(job: Job, case: PressCase) -> tuple[PressResult, list[str]]:
     """Return the press of a case, closed, and what its files are warned of."""
     listener = Listener()
     quiet = replace(job, console=listener)
@@ -177,7 +177,7 @@ def _temperature(table: Table, name: str) -> float | None:
 
 
 def pose(
-    told: Told,
+    told: PressResult,
     files: Sequence[tuple[Reading, Array | None]],
     prior: float,
     fix: Sequence[str],
@@ -187,7 +187,7 @@ def pose(
 
 
 def pose_with(
-    told: Told,
+    told: PressResult,
     files: Sequence[tuple[Reading, Array | None]],
     prior: float,
     fix: Sequence[str],
@@ -233,7 +233,7 @@ def pose_with(
     return problem, placed[len(files) :]
 
 
-def setting_of(told: Told) -> Setting:
+def setting_of(told: PressResult) -> Setting:
     """Return how the press of a document was set."""
     closed, case = told.closed, told.closed.case
     compliance = 0.0 if case.frame is None or case.force is not None else 1.0 / case.frame
@@ -259,7 +259,7 @@ def setting_of(told: Told) -> Setting:
     )
 
 
-def _warmth(told: Told, mean: float, temperature: float) -> Warmth:
+def _warmth(told: PressResult, mean: float, temperature: float) -> Warmth:
     """Return the press at another mean temperature [degC] of its molds than the model's, both changed alike."""
     male, female = (
         float(expansion.strain(grown.temperature + temperature - mean) - expansion.strain(grown.temperature))
@@ -273,7 +273,7 @@ def _warmth(told: Told, mean: float, temperature: float) -> Warmth:
     return Warmth(temperature, (male, female), laws.at(temperature))
 
 
-def _in_press(told: Told, setting: Setting, reading: Reading) -> Reading:
+def _in_press(told: PressResult, setting: Setting, reading: Reading) -> Reading:
     """Return a reading with what the molds have grown at its temperature; thickness after opening is ``formed``."""
     if reading.kind == "thickness" and told.foam.recovery is not None and told.foam.recovery < 1.0:
         reading = replace(reading, kind="formed")
@@ -284,7 +284,7 @@ def _in_press(told: Told, setting: Setting, reading: Reading) -> Reading:
     return replace(reading, warmth=_warmth(told, setting.temperature, reading.temperature))
 
 
-def _stays(told: Told) -> Array | float:
+def _stays(told: PressResult) -> Array | float:
     """Return the share of the foam's strain that stays as the model has it, at the front; 0 where it says nothing."""
     if told.formed is not None:
         return told.formed.share
@@ -292,7 +292,7 @@ def _stays(told: Told) -> Array | float:
     return float(given) if isinstance(given, float) else 0.0 if back is None else 1.0 - back
 
 
-def _foam_of(told: Told) -> FoamContext:
+def _foam_of(told: PressResult) -> FoamContext:
     """Return what the model has of the sandwich."""
     document, fabrics = told.model.files.document, told.model.files.fabrics
     law = document.laws[0]
@@ -308,7 +308,7 @@ def _foam_of(told: Told) -> FoamContext:
     )
 
 
-def plan_of(told: Told) -> Array:
+def plan_of(told: PressResult) -> Array:
     """Return the coordinates (n, 2) of thickness variation at the vertices of the front."""
     drawn = told.frame.outward(told.closed.case.male.vertices)
     low, high = drawn.min(axis=0), drawn.max(axis=0)
@@ -317,7 +317,7 @@ def plan_of(told: Told) -> Array:
     return np.asarray(scaled[:, across(told)])
 
 
-def across(told: Told) -> list[int]:
+def across(told: PressResult) -> list[int]:
     """Return the drawing's axes across the closing axis."""
     return [i for i, axis in enumerate("xyz") if axis != told.frame.axis]
 

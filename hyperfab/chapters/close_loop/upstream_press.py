@@ -34,7 +34,7 @@ from hyperfab.chapters.press_contact.command import solve
 from hyperfab.chapters.press_contact.heat import file_of
 from hyperfab.chapters.press_contact.model import model_of, read_files
 from hyperfab.chapters.press_contact.nearby import beside
-from hyperfab.chapters.press_contact.told import Told
+from hyperfab.chapters.press_contact.press_result import PressResult
 from hyperfab.chapters.press_contact.warmth import by_place
 from hyperfab.chapters.rerun import Listener, Overlay, rerun, unchanged
 from hyperfab.chapters.uncertainty.changed import Changed, Kept
@@ -259,7 +259,7 @@ class PressChain:
     def shown(self, link: Link, change: Array, corrected: Corrected, readings: Sequence[Reading]) -> Array:
         """Return what the corrected press shows at the readings, the whole chain run anew."""
         case: PressCase = corrected.case  # type: ignore[assignment]
-        told: Told = closed_press(replace(self.job, inputs=Overlay(corrected.files)), case)[0]
+        told: PressResult = closed_press(replace(self.job, inputs=Overlay(corrected.files)), case)[0]
         closed = told.closed
         look = _Look(closed.cold, closed.front.faces, told.frame.inward, readings)
         return look(closed.press.sandwich, closed.contact.gap, closed.touch)

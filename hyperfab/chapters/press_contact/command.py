@@ -18,8 +18,8 @@ from hyperfab.chapters.press_contact.formed import note_ranges as note_set_range
 from hyperfab.chapters.press_contact.heat import file_of
 from hyperfab.chapters.press_contact.laws import materials
 from hyperfab.chapters.press_contact.model import Model, model_of, read_files
+from hyperfab.chapters.press_contact.press_result import PressResult
 from hyperfab.chapters.press_contact.result import document_of
-from hyperfab.chapters.press_contact.told import Told
 from hyperfab.chapters.press_contact.warmth import settled, warmed
 from hyperfab.chapters.uncertainty import carry
 from hyperfab.chapters.uncertainty.handed import identified, join
@@ -125,10 +125,10 @@ def _origins(job: Job, model: Model, result: PressDocument) -> Origins:
     return found
 
 
-def solve(job: Job, model: Model) -> Told:
+def solve(job: Job, model: Model) -> PressResult:
     """Close the press, and follow it from the first touch."""
     closed = settled(job, model)
-    return Told(model, closed, _curve(closed, model.case.strokes))
+    return PressResult(model, closed, _curve(closed, model.case.strokes))
 
 
 def _note_ranges(job: Job, model: Model, closed: Closed) -> None:

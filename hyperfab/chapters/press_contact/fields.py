@@ -9,7 +9,7 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.chapters.press_contact.formed import part_of as formed_part
 from hyperfab.chapters.press_contact.nearby import ROOM
-from hyperfab.chapters.press_contact.told import Told
+from hyperfab.chapters.press_contact.press_result import PressResult
 from hyperfab.documents.press import PressDocument
 from hyperfab.io import vtu
 from hyperfab.io.csv_write import csv_bytes
@@ -18,7 +18,7 @@ from hyperfab.pressing.gap import vertex_areas
 _CURVE_HEADER = ("stroke_mm", "force_N", "pressed_area_mm2", "gap_min_mm", "energy_J")
 
 
-def grid_of(told: Told, sure: Mapping[str, Array] = {}) -> bytes:
+def grid_of(told: PressResult, sure: Mapping[str, Array] = {}) -> bytes:
     """Return the male's front, where its drawing has it, with the gap and what the sandwich does, as .vtu.
 
     ``sure`` are standard deviations of fields, where they are known.
@@ -52,7 +52,7 @@ def grid_of(told: Told, sure: Mapping[str, Array] = {}) -> bytes:
     )
 
 
-def _sure_fields(told: Told, sure: Mapping[str, Array]) -> dict[str, Array]:
+def _sure_fields(told: PressResult, sure: Mapping[str, Array]) -> dict[str, Array]:
     if not sure:
         return {}
     from scipy.special import ndtr
@@ -67,7 +67,7 @@ def _sure_fields(told: Told, sure: Mapping[str, Array]) -> dict[str, Array]:
     }
 
 
-def _formed_fields(told: Told) -> dict[str, Array]:
+def _formed_fields(told: PressResult) -> dict[str, Array]:
     if told.formed is None:
         return {}
     found = {"formed_thickness_mm": told.formed.thickness, "set": told.formed.share}
@@ -82,7 +82,7 @@ def curve_csv(curve: Array) -> bytes:
     return csv_bytes(_CURVE_HEADER, list(curve))
 
 
-def picture_of(told: Told, document: PressDocument) -> bytes:
+def picture_of(told: PressResult, document: PressDocument) -> bytes:
     """Return the picture: the spotted male, the gap's histogram, force over stroke."""
     from hyperfab.report.figures_press import SpottedMold, spotting
 
@@ -107,7 +107,7 @@ def picture_of(told: Told, document: PressDocument) -> bytes:
     return spotting(mold, told.curve[:, :2], title)
 
 
-def formed_picture(told: Told) -> bytes:
+def formed_picture(told: PressResult) -> bytes:
     """Return the picture of what is formed, and of what it misses by."""
     from hyperfab.report.figures_press import FormedMold, formed_map
 

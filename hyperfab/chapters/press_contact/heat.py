@@ -51,7 +51,7 @@ class Mode:
 
 
 @dataclass(frozen=True)
-class Grown:
+class ThermalDisplacement:
     """A mold's growth, the mean temperature [degC] and thermal strain behind it, and how they are known; ``celsius``
     is its field at the nodes of the growth's mesh, None where it is equally hot. ``modes`` are those of the numbers
     of its heat document, in their order; none where it hands nothing on."""
@@ -94,7 +94,7 @@ def grow(
     poisson: float,
     frame: PressFrame,
     flat: bool,
-) -> Grown:
+) -> ThermalDisplacement:
     """Return how ``mold`` has grown; sideways both molds grow from the middle of the ``male``.
 
     With a field of temperature the mold is deformed by finite elements, provided a part of the heat model, or all of
@@ -104,7 +104,9 @@ def grow(
     line = guide_line(male)
     if heat.grid is None:
         strain = float(expansion.strain(heat.temperature))
-        return Grown(even_growth(mold, strain, line), heat.temperature, strain, heat.known_from, True)
+        return ThermalDisplacement(
+            even_growth(mold, strain, line), heat.temperature, strain, heat.known_from, True
+        )
     found = _of_mold(heat, frame, mold)
     mean, strain = _mean(found.grid), float(expansion.strain(_mean(found.grid)))
     named = f"part {found.part} of " if found.part else ""
@@ -123,7 +125,7 @@ def grow(
         )
         known = f"mean of the field of {named}another mold's heat document"
         even = tuple(Mode(_mean(found.grid, by)) for by in found.by)
-        return Grown(even_growth(mold, strain, line), mean, strain, known, True, modes=even)
+        return ThermalDisplacement(even_growth(mold, strain, line), mean, strain, known, True, modes=even)
     strains = [expansion.strain(found.celsius)]
     for by in found.by_node:
         # One standard deviation is kelvins, and a step of one is a chord of the expansion's table.
@@ -136,7 +138,7 @@ def grow(
         Mode(_mean(found.grid, by), FieldGrowth(found.mesh, found.faces, along))
         for by, along in zip(found.by, more, strict=True)
     )
-    return Grown(
+    return ThermalDisplacement(
         FieldGrowth(found.mesh, found.faces, moved), mean, strain, known, False, found.celsius, modes
     )
 

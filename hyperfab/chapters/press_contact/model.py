@@ -10,7 +10,7 @@ import numpy as np
 from hyperfab.cases.press import PressCase
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact import inputs as read
-from hyperfab.chapters.press_contact.heat import Grown, HeatInput, grow, read_heat
+from hyperfab.chapters.press_contact.heat import HeatInput, ThermalDisplacement, grow, read_heat
 from hyperfab.chapters.press_contact.laws import (
     Fabrics,
     compression_law,
@@ -83,7 +83,7 @@ class Model:
     case: PressCase
     files: Files
     closing: Closing
-    grown: tuple[Grown, Grown]
+    grown: tuple[ThermalDisplacement, ThermalDisplacement]
     foam: Foam
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.cases.press import PressCase
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.press_contact.heat import Grown
+from hyperfab.chapters.press_contact.heat import ThermalDisplacement
 from hyperfab.chapters.press_contact.model import Model, joint_of, offset_of, reread, sandwich_of, tilt_of
 from hyperfab.chapters.press_contact.warmth import MOST_ROUNDS, SETTLED, by_place, foam_temperature
 from hyperfab.chapters.rerun import Listener
@@ -178,18 +178,22 @@ def beside(job: Job, model: Model, closed: Closed, origins: Origins) -> Beside |
     return Beside(job, model, closed, origins)
 
 
-def _amounts(grown: Grown, changes: Mapping[int, float]) -> Array:
+def _amounts(grown: ThermalDisplacement, changes: Mapping[int, float]) -> Array:
     """Return how much of each mode of a mold there is, where numbers of its heat document change."""
     return np.array([changes.get(k, 0.0) for k in range(len(grown.modes))])
 
 
-def _given(grown: Grown, amounts: Array) -> Array | None:
+def _given(grown: ThermalDisplacement, amounts: Array) -> Array | None:
     """Return the amounts of modes that deform a mold, None where none does."""
     return None if grown.even or not amounts.any() else amounts
 
 
 def _growth(
-    closed: Closed, grown: Grown, side: int, expansions: tuple[Expansion, Expansion], celsius: float
+    closed: Closed,
+    grown: ThermalDisplacement,
+    side: int,
+    expansions: tuple[Expansion, Expansion],
+    celsius: float,
 ) -> Displacement | float:
     """Return how a mold has grown otherwise: other displacements, or a factor on those there are."""
     old, new = expansions

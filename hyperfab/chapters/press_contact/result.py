@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
 from hyperfab.chapters.press_contact.formed import part_of as formed_part
-from hyperfab.chapters.press_contact.told import Told
+from hyperfab.chapters.press_contact.press_result import PressResult
 from hyperfab.chapters.press_contact.warmth import left_out, part_of
 from hyperfab.documents.foam import MaterialLaw
 from hyperfab.documents.press import (
@@ -33,7 +33,7 @@ _COLD = 1.0
 _SIGNS = {1: "+", -1: "-"}
 
 
-def document_of(told: Told) -> PressDocument:
+def document_of(told: PressResult) -> PressDocument:
     """Return the document, without provenance."""
     closed, frame = told.closed, told.frame
     front, contact = closed.front, closed.contact
@@ -121,13 +121,13 @@ def document_of(told: Told) -> PressDocument:
     )
 
 
-def _tilt_vector(told: Told) -> tuple[float, float, float] | None:
+def _tilt_vector(told: PressResult) -> tuple[float, float, float] | None:
     if not told.closed.case.floating and told.closed.pose.angle == 0.0:
         return None
     return _place(told.frame, np.degrees([*told.closed.pose.tilt, 0.0]))
 
 
-def _centre_of_pressure(told: Told) -> tuple[float, float, float] | None:
+def _centre_of_pressure(told: PressResult) -> tuple[float, float, float] | None:
     """Where the closing force acts: on the mean height of what touches."""
     contact = told.closed.contact
     if contact.closing_force <= 0.0:
@@ -156,7 +156,7 @@ def _histogram(gap: Array, area: Array) -> Histogram:
     return Histogram(edges_mm=[round(float(edge), 12) for edge in edges], area_mm2=[float(a) for a in share])
 
 
-def _sensitivity(told: Told, area: Array) -> list[LeverPart]:
+def _sensitivity(told: PressResult, area: Array) -> list[LeverPart]:
     closed = told.closed
     line = guide_line(closed.case.male)
     rates = [
@@ -246,7 +246,7 @@ def _state_areas(
     )
 
 
-def _mold_part(mold: Mold, told: Told, index: int) -> MoldPart:
+def _mold_part(mold: Mold, told: PressResult, index: int) -> MoldPart:
     expansion, grown = told.expansions[index], told.grown[index]
     return MoldPart(
         temperature_degC=grown.temperature,
@@ -265,7 +265,7 @@ def _chord_error(mold: Mold) -> float:
     return float(height[order][np.searchsorted(share, 0.95 * share[-1])])
 
 
-def _left_out(told: Told) -> list[str]:
+def _left_out(told: PressResult) -> list[str]:
     guided = not told.closed.case.floating and told.closed.pose.angle == 0.0
     out = ["tilt: the molds are guided and stay parallel (--float, --tilt)"] if guided else []
     if any(grown.even and "mean" in grown.known_from for grown in told.grown):

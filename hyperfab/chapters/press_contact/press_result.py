@@ -8,7 +8,7 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.chapters.press_contact.formed import Formed, Wanted
-from hyperfab.chapters.press_contact.heat import Grown
+from hyperfab.chapters.press_contact.heat import ThermalDisplacement
 from hyperfab.chapters.press_contact.model import Foam, Model
 from hyperfab.chapters.press_contact.warmth import Warmed
 from hyperfab.documents.press import CompensationPart, DesignPart, WantedPart
@@ -18,7 +18,7 @@ from hyperfab.pressing.mold import PressFrame
 
 
 @dataclass(frozen=True)
-class Told:
+class PressResult:
     """All that the outputs tell: the model, the closed press, its ``curve``, what the dwell does and the design."""
 
     model: Model
@@ -53,7 +53,7 @@ class Told:
         return self.model.files.expansions
 
     @property
-    def grown(self) -> tuple[Grown, Grown]:
+    def grown(self) -> tuple[ThermalDisplacement, ThermalDisplacement]:
         """How the male and the female have grown."""
         return self.model.grown
 
