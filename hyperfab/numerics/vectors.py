@@ -1,4 +1,4 @@
-"""Inner products without BLAS: on long vectors its threads cost more than they bring, and their number changes sums."""
+"""Long vectors: inner products without BLAS, whose threads cost more than they bring and change sums; copies."""
 
 from __future__ import annotations
 
@@ -7,6 +7,10 @@ import math
 import numpy as np
 
 from hyperfab.arrays import Array
+from hyperfab.numerics.threads import in_blocks
+
+#: Numbers that are worth a thread's while.
+_LONG = 500_000
 
 
 def dot(a: Array, b: Array) -> float:
@@ -25,3 +29,14 @@ def norm(a: Array) -> float:
     5.0
     """
     return math.sqrt(dot(a, a))
+
+
+def copied(a: Array) -> Array:
+    """Return a copy of a vector, made on the cores there are: fresh memory costs more than the copying.
+
+    >>> copied(np.array([1.0, 2.0]))
+    array([1., 2.])
+    """
+    result = np.empty_like(a)
+    in_blocks(lambda first, last: np.copyto(result[first:last], a[first:last]), len(a), _LONG)
+    return result

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from scipy import sparse
@@ -48,6 +49,15 @@ class Pattern:
         data = np.zeros(self.entries) if out is None else out
         _scatter(self.indptr, self.indices, nodes.astype(np.int64), np.ascontiguousarray(blocks), data)
         return data
+
+    @cached_property
+    def _of_diagonal(self) -> Ints:
+        rows = np.repeat(np.arange(self.size), np.diff(self.indptr))
+        return np.flatnonzero(rows == self.indices)
+
+    def diagonal(self, matrix: sparse.csr_matrix) -> Array:
+        """Return the diagonal of a matrix of this pattern: each place is known, none is looked for."""
+        return np.asarray(matrix.data[self._of_diagonal])
 
     def matrix(self, data: Array) -> sparse.csr_matrix:
         """Return the matrix with these entries; pattern and data are shared, not copied."""

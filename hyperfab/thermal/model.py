@@ -20,7 +20,7 @@ from hyperfab.errors import NotConverged
 from hyperfab.numerics.aggregation import hierarchy
 from hyperfab.numerics.multilevel import Direct, Preconditioner, TwoLevel, conjugate_gradients
 from hyperfab.numerics.product import product
-from hyperfab.numerics.vectors import dot, norm
+from hyperfab.numerics.vectors import copied, dot, norm
 from hyperfab.thermal.assembly import Pattern
 from hyperfab.thermal.condition import Condition
 from hyperfab.thermal.heater import Heater
@@ -83,6 +83,7 @@ class HeatModel:
         self.last_matrix: sparse.csr_matrix | None = None
         self._prepared: tuple[float, float] | None = None
         self._preconditioner: Preconditioner | None = None
+        self._volume: tuple[tuple[float, float], Array] | None = None
 
     @property
     def size(self) -> int:
@@ -165,7 +166,7 @@ class HeatModel:
         """
         temperature = guess.copy()
         matrix = self._stage_matrix(time, interval, storage, temperature)
-        scale = norm(matrix.diagonal() * self.free)
+        scale = norm(self.pattern.diagonal(matrix) * self.free)
         goal, size, moved = 0.0, np.inf, np.inf
         residual = change = np.zeros(0)
         for step in range(NEWTON_STEPS):
@@ -263,10 +264,23 @@ class HeatModel:
     def _step_matrix(
         self, time: float, interval: float, storage: float, temperature: Array
     ) -> sparse.csr_matrix:
-        data = interval * self.tangent(time, temperature)
+        data = self._of_the_volume(interval, storage, temperature)
+        for condition in self.conditions:
+            if len(condition.nodes):
+                blocks = interval * condition.tangent(time, temperature)
+                self.pattern.scatter(condition.nodes, blocks, data)
+        return self.pattern.matrix(data)
+
+    def _of_the_volume(self, interval: float, storage: float, temperature: Array) -> Array:
+        """Return the data of what conducts and stores, an array of the caller's own."""
+        if self.medium.linear and self._volume is not None and self._volume[0] == (interval, storage):
+            return copied(self._volume[1])
+        data = interval * self.medium.conduction(temperature)
         if storage:
             data += storage * self.medium.capacity(temperature)
-        return self.pattern.matrix(data)
+        if self.medium.linear and not self.linear:  # the conditions alone change it: it is asked for again
+            self._volume = ((interval, storage), copied(data))
+        return data
 
     def _prepare(self, matrix: sparse.csr_matrix) -> None:
         """Make the preconditioner for a step length; a matrix that only drifts keeps it."""

@@ -30,6 +30,7 @@ from hyperfab.loop.design import NextMeasurement
 from hyperfab.loop.heat import HeatProblem, Run, heat_problem
 from hyperfab.loop.noise import estimate_noise
 from hyperfab.loop.problem import Problem
+from hyperfab.loop.thresholds import PRIOR
 
 #: Standard deviation of a reading [K], and readings of a probe.
 NOISE, ROWS = 0.3, 200
@@ -65,7 +66,7 @@ def mold(protocol: str) -> Mold:
     names = ["T1", "T2", "T3", "T4"][: 2 if poor else 4]
     empty = heat.Thermocouples(np.linspace(0.0, duration, ROWS), np.full((ROWS, len(names)), 20.0), names)
     job = Job("close-loop", [], Console(True))
-    posed, _ = heat.pose(job, document, name, MoldBuilder(document, name, job.inputs), empty, [], heat.PRIOR)
+    posed, _ = heat.pose(job, document, name, MoldBuilder(document, name, job.inputs), empty, [], PRIOR)
     own = [(constant.name, kind) for constant, kind in zip(posed.own, posed.kinds, strict=True)]
     return Mold(posed, own, names)
 
@@ -93,7 +94,7 @@ def posed(truth: truths.Truth | other_heat.Truth, noise: float, protocol: str, s
         one.names,
         one.own,
         list(one.problem.joints),
-        heat.PRIOR,
+        PRIOR,
     )
 
     def again(what: NextMeasurement | None) -> Case:
