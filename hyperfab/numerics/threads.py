@@ -41,20 +41,26 @@ def in_blocks(work: Callable[[int, int], None], count: int, block: int) -> None:
     [1, 1, 1, 1, 1]
     """
     blocks = [(first, min(first + block, count)) for first in range(0, count, block)]
-    number = min(threads(), len(blocks))
-    if number <= 1:
+    others = min(threads(), len(blocks)) - 1
+    if others < 1:
         for first, last in blocks:
             work(first, last)
         return
-    pool = _pool(threads())
-    waiting = [pool.submit(work, first, last) for first, last in blocks]
+    left = iter(blocks)  # each next block goes to whoever is free: one call a thread, not one a block
+
+    def take() -> None:
+        for first, last in left:
+            work(first, last)
+
+    waiting = [_pool(others).submit(take) for _ in range(others)]
     try:
-        for one in waiting:
-            one.result()
+        take()
     finally:
-        for one in waiting:
-            one.cancel()
+        for _ in left:  # after an error or a signal nobody begins another block
+            pass
         wait(waiting)
+    for one in waiting:
+        one.result()
 
 
 def in_rows(work: Callable[[int, int], None], rows: int, columns: int) -> None:
