@@ -56,6 +56,22 @@ class State:
 
 
 @dataclass(frozen=True)
+class Tangent:
+    """Newton's equations at an equilibrium.
+
+    ``per_depth`` (n, 3): how the places move per mm of depth; ``factor`` of the stiffness; ``hold`` (k, 3) [N/mm]:
+    stiff springs along the normals of the touching nodes; ``force`` (n, 3) [N] of the sheet; ``lift`` (n, 3) [N/mm]:
+    what its force along z on the rim changes by with each place.
+    """
+
+    per_depth: Array
+    factor: Factor
+    hold: Array
+    force: Array
+    lift: Array
+
+
+@dataclass(frozen=True)
 class _Linearised:
     """Newton's equations at given places: what the sheet and the punch contribute."""
 
@@ -142,33 +158,27 @@ class Press:
             places, touching = places + step, chosen
         raise NoEquilibriumError(f"Newton's method did not settle within {most} iterations")
 
-    def tangent(self, state: State) -> tuple[Array, Factor]:
-        """Return how the places move per mm of depth (n, 3), and the factorised stiffness at an equilibrium."""
+    def tangent(self, state: State) -> Tangent:
+        """Return Newton's equations at an equilibrium, factorised."""
         grip = self.tangential.begin(state.memory, state.memory.places)
         system = self._linearise(state.depth, state.places, state.touching, grip, 1e-9, False)
         factor = self._factor(system)
         right = np.zeros_like(state.places)
         right[system.nodes] = system.terms.drive
-        return self._solve(factor, right), factor
+        hold = system.spring[:, None] * system.near.normal[system.nodes]
+        rim = np.isin(self.sheet.pattern.rows, self.sheet.mesh.rim)
+        lift = np.zeros_like(state.places)
+        np.add.at(lift, self.sheet.pattern.columns[rim], system.sheet.blocks[rim, 2])
+        return Tangent(self._solve(factor, right), factor, hold, system.sheet.force, lift)
 
-    def imbalance(self, state: State, places: Array, depth: float) -> Array:
-        """Return Newton's right side (n, 3) at other ``places`` and depth, touching as in ``state``."""
-        system = self._at(state, places, depth)
+    def imbalance(self, state: State, places: Array, depth: float, hold: Array) -> tuple[Array, Assembled]:
+        """Return the right side (n, 3) of the ``tangent`` of another press, with its ``hold``, at ``places`` and
+        ``depth`` of this one, without friction and touching as in ``state``; and the sheet there."""
+        grip = self.tangential.begin(state.memory, state.memory.places)
+        system = self._linearise(depth, places, state.touching, grip, 1e-9, False)
         right = -system.unbalanced
-        right[system.nodes] += system.terms.right
-        return right
-
-    def seen(self, state: State, places: Array, depth: float) -> State:
-        """Return what is told of other ``places`` at a depth, which touch as in ``state``, balanced or not."""
-        grip = self.tangential.begin(state.memory, state.memory.places)
-        system = self._at(state, places, depth)
-        return self._state(
-            depth, places, state.touching, system, 0, (state.memory, state.memory.places, grip)
-        )
-
-    def _at(self, state: State, places: Array, depth: float) -> _Linearised:
-        grip = self.tangential.begin(state.memory, state.memory.places)
-        return self._linearise(depth, places, state.touching, grip, 1e-9, False)
+        right[system.nodes] -= hold * system.near.gap[system.nodes, None]
+        return right, system.sheet
 
     @property
     def _movable(self) -> Flags:

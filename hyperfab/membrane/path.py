@@ -169,17 +169,17 @@ def next_footing(press: Press, below: Footing | None, depth: float) -> Footing:
     if state.force == 0.0:
         return Footing(state, 1.0)
     try:
-        motion, factor = press.tangent(state)
+        tangent = press.tangent(state)
     except SingularMatrixError as error:
         raise NoEquilibriumError("the stiffness is singular") from error
-    if press.tangential.symmetric and factor.negative_pivots(_PIVOT_NOISE):
+    if press.tangential.symmetric and tangent.factor.negative_pivots(_PIVOT_NOISE):
         raise NoEquilibriumError("the equilibrium is unstable")
     weak = weakest(press.sheet, state.places)
     if weak.lost:
         raise LostEllipticityError(weak)
-    drift = motion - np.array([0.0, 0.0, 1.0])
+    drift = tangent.per_depth - np.array([0.0, 0.0, 1.0])
     state = replace(state, memory=replace(state.memory, drift=drift))
-    return Footing(state, float(np.sqrt((motion**2).mean())))
+    return Footing(state, float(np.sqrt((tangent.per_depth**2).mean())))
 
 
 def _turning_ahead(footings: list[Footing]) -> float | None:

@@ -19,8 +19,8 @@ from hyperfab.membrane.sphere_contact import Solved, SphereTest, press_on
 #: The test, and how deep it goes [mm], with a number of it changed by so much.
 Change = Callable[[float], tuple[SphereTest, float]]
 
-#: Differences of fourth order, at one and two steps either way: what small steps leave is rounding.
-_POINTS = ((1.0, 8.0 / 12.0), (-1.0, -8.0 / 12.0), (2.0, -1.0 / 12.0), (-2.0, 1.0 / 12.0))
+#: Neighbours are found to this, unbalanced over the punch's force: far below what numbers change forces by.
+_FOUND = 1e-7
 
 
 class Neighbourhood:
@@ -33,44 +33,57 @@ class Neighbourhood:
         if solved.press.tangential.remembers:
             raise ValueError("an equilibrium with friction hangs on how it was reached")
         self.solved = solved
-        _, self._factor = solved.press.tangent(solved.state)
-
-    def move(self, test: Change, step: float) -> Array:
-        """Return how the places move (n, 3) with a number; ``test`` gives the test with the number changed."""
-        press, state = self.solved.press, self.solved.state
-        right, held = np.zeros_like(state.places), np.zeros_like(state.places)
-        for way, weight in _POINTS:
-            other, depth = test(way * step)
-            beside, places = self._beside(other)
-            right += weight / step * beside.imbalance(state, places, depth)
-            held += weight / step * (places - state.places)
-        pattern = press.sheet.pattern
-        return held + pattern.extend(self._factor.solve(pattern.restrict(right)))
+        self._tangent = solved.press.tangent(solved.state)
 
     def slopes(
-        self,
-        test: Change,
-        step: float,
-        moved: Array,
-        figures: Callable[[Solved], Mapping[str, float | Array]],
-    ) -> dict[str, float | Array]:
-        """Return what ``figures`` of the equilibrium, numbers or fields (n,), change by with a number, where the places
-        move as ``moved``."""
+        self, test: Change, step: float, figures: Callable[[Solved], Mapping[str, float | Array]]
+    ) -> tuple[Array, dict[str, float | Array]]:
+        """Return how the places move (n, 3) with a number of the test, and what ``figures`` of the equilibrium's
+        places, force and energy, numbers or fields (n,), change by with it.
+
+        ``test`` gives the test with the number changed; differences are central, ``step`` either way: exact for the
+        balance where the number is a constant that is a stress, which enters it as a factor.
+        """
+        press, state, tangent = self.solved.press, self.solved.state, self._tangent
+        copies, rim = press.sheet.mesh.copies, press.sheet.mesh.rim
+        right, held = np.zeros_like(state.places), np.zeros_like(state.places)
+        energy = force = 0.0
+        pair = []
+        for way in (-step, step):
+            other, depth = test(way)
+            beside, places = self._beside(other)
+            unbalanced, sheet = beside.imbalance(state, places, depth, tangent.hold)
+            share = 0.5 / way
+            right += share * unbalanced
+            held += share * (places - state.places)
+            energy += share * copies * sheet.energy
+            force -= share * copies * float(sheet.force[rim, 2].sum())
+            pair.append((way, beside, depth))
+        pattern = press.sheet.pattern
+        solved = pattern.extend(tangent.factor.solve(pattern.restrict(right)))
+        moved = held + solved
+        energy += copies * float((tangent.force * solved).sum())
+        # In balance the punch pushes as the rim pulls.
+        force -= copies * float((tangent.lift * solved).sum())
         total: dict[str, float | Array] = {}
-        for way, weight in _POINTS:
-            other, depth = test(way * step)
-            beside, _ = self._beside(other)
-            places = self.solved.state.places + way * step * moved
-            found = figures(Solved(beside, beside.seen(self.solved.state, places, depth)))
-            for name, value in found.items():
-                total[name] = total.get(name, 0.0) + weight / step * value
-        return total
+        for way, beside, depth in pair:
+            seen = replace(
+                state,
+                depth=depth,
+                places=state.places + way * moved,
+                energy=state.energy + way * energy,
+                force=state.force + way * force,
+            )
+            for name, value in figures(Solved(beside, seen)).items():
+                total[name] = total.get(name, 0.0) + 0.5 / way * value
+        return moved, total
 
     def equilibrium(self, test: SphereTest, depth: float, moved: Array) -> Solved:
         """Return the equilibrium of another test, from places ``moved`` (n, 3). Raises NoEquilibriumError."""
-        state = self.solved.state
+        press, state = self.solved.press, self.solved.state
         beside, places = self._beside(test)
         free = beside.sheet.pattern.free
+        beside = replace(beside, tolerance=max(press.tolerance, _FOUND))
         found = beside.equilibrium(depth, np.where(free, state.places + moved, places), state.touching)
         return Solved(beside, found)
 
@@ -78,7 +91,6 @@ class Neighbourhood:
         """Return the press of another test, and the places with the rim where it is held then."""
         press, state = self.solved.press, self.solved.state
         beside = press_on(test, press.sheet.mesh)
-        beside = replace(beside, tolerance=press.tolerance)
         if beside.sheet.pattern is not press.sheet.pattern:
             raise NoEquilibriumError("the clamp gives where it held, or the other way round")
         places = np.where(

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from math import ceil, log
 
 import numpy as np
@@ -19,6 +20,7 @@ from hyperfab.membrane.contact_edge import ContactEdge, contact_edge
 from hyperfab.membrane.contact_front import ContactFront
 from hyperfab.membrane.equilibrium import NoEquilibriumError, Press, State
 from hyperfab.membrane.facets import Facets
+from hyperfab.membrane.measures import Fields, fields
 from hyperfab.membrane.mesh import SheetMesh, halved, interpolate, sheet_mesh
 from hyperfab.membrane.meshing import SizeField, Triangles, graded, triangulate
 from hyperfab.membrane.outline import Outline
@@ -91,6 +93,11 @@ class Solved:
     press: Press
     state: State
     error: float | None = None
+
+    @cached_property
+    def fields(self) -> Fields:
+        """Smooth fields at the nodes."""
+        return fields(self.press.sheet, self.state.places)
 
 
 @dataclass

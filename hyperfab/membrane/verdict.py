@@ -8,7 +8,6 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.membrane.equilibrium import NoEquilibriumError, Press, State
-from hyperfab.membrane.measures import fields
 from hyperfab.membrane.path import cold_start
 from hyperfab.membrane.recovery import recovered_strain
 from hyperfab.membrane.sphere_contact import Outcome, Solved
@@ -91,8 +90,8 @@ def stress_difference(first: Solved, second: Solved) -> tuple[float, Array]:
 
     Both are solved on the same mesh, so that nodes are the same material points.
     """
-    a = fields(first.press.sheet, first.state.places).cauchy
-    b = fields(second.press.sheet, second.state.places).cauchy
+    a = first.fields.cauchy
+    b = second.fields.cauchy
     difference = np.abs(b - a).max(axis=1)
     largest = float(np.abs(a).max())
     return 100.0 * float(difference.max()) / largest if largest > 0.0 else 0.0, difference

@@ -29,7 +29,7 @@ class BlockPattern:
     ``elements`` (m, a) are node numbers below ``nodes``; ``free`` (nodes, size) marks the unknowns that stay.
     ``points`` (nodes, d), where given, are their places: neighbours are then eliminated together (``solver``).
     ``block_of`` (m, a, a) is the block of each pair of element nodes, ``diagonal`` (nodes,) that of each node,
-    ``rows`` (blocks,) the node whose rows a block belongs to.
+    ``rows`` and ``columns`` (blocks,) the nodes whose rows and columns a block belongs to.
 
     >>> free = np.array([[False], [True], [True]])
     >>> pattern = BlockPattern(np.array([[0, 1], [1, 2]]), 3, free)
@@ -49,11 +49,12 @@ class BlockPattern:
         keys, inverse = np.unique(rows * nodes + columns, return_inverse=True)
         self.blocks = len(keys)
         self.rows: Ints = keys // nodes
+        self.columns: Ints = keys % nodes
         self.block_of: Ints = inverse.reshape(count, shapes, shapes).astype(np.int64)
         self.diagonal: Ints = np.searchsorted(keys, np.arange(nodes) * (nodes + 1)).astype(np.int64)
         self.free = free
         self.size = free.shape[1]
-        self._index(self.rows, keys % nodes, nodes)
+        self._index(self.rows, self.columns, nodes)
 
     @property
     def unknowns(self) -> int:

@@ -107,7 +107,7 @@ class DirectSolver:
         self._plan = plan
         #: Names of the solvers that have been used.
         self.used: set[str] = set()
-        self._pardiso = pardiso.Solver() if pardiso.installed() else None
+        self._pardiso = pardiso.Solver()
 
     def factorise(self, matrix: sparse.csc_matrix, *, symmetric: bool = True) -> Factor:
         """Factorise a matrix. The last factor alone can be relied on. Raises SingularMatrixError."""
@@ -121,7 +121,7 @@ class DirectSolver:
                 return _Definite(CholeskyFactor(self._plan(), matrix.data))
             except NotPositiveDefiniteError:
                 pass
-        if not symmetric and self._pardiso is not None:
+        if not symmetric and pardiso.installed():
             try:
                 return _Pardiso(self._pardiso.factorise(matrix))
             except pardiso.PardisoError as error:

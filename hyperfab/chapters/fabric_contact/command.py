@@ -21,7 +21,6 @@ from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
 from hyperfab.membrane.equilibrium import State
 from hyperfab.membrane.friction_path import LOAD_STEPS, run_with_friction
-from hyperfab.membrane.measures import fields
 from hyperfab.membrane.sphere_contact import Outcome, Solved
 from hyperfab.membrane.sphere_contact import run as press
 from hyperfab.membrane.verdict import first_instability, stress_difference
@@ -49,7 +48,7 @@ def run(job: Job, case: ContactCase) -> int:
         if outcome.solved:
             last = outcome.solved[-1]
             # A sheet that hangs slack carries nothing: its law is not asked below 1.
-            met = np.maximum(fields(last.press.sheet, last.state.places).stretch, 1.0)
+            met = np.maximum(last.fields.stretch, 1.0)
             job.ranges.used("stretch", met, known=fabric.tested, source=fabric.name, then="extrapolated")
     sure = Sure()
     if found.converged:
@@ -137,7 +136,7 @@ def _names(fabrics: list[Fabric]) -> list[str]:
 def _table(job: Job, fabric: Fabric, outcome: Outcome, number: int) -> None:
     rows = []
     for solved in outcome.solved:
-        found = fields(solved.press.sheet, solved.state.places)
+        found = solved.fields
         rows.append(
             [
                 f"{solved.state.depth:.4g}", f"{solved.state.force:.6g}", f"{1e-3 * solved.state.energy:.5g}",

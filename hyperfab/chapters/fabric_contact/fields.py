@@ -8,13 +8,12 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.io.vtu import unstructured
-from hyperfab.membrane.measures import fields
 from hyperfab.membrane.sphere_contact import Solved
 
 
 def sure_fields(solved: Solved) -> dict[str, Array]:
     """Return the fields at the nodes (n,) that are told with their standard deviations."""
-    found = fields(solved.press.sheet, solved.state.places)
+    found = solved.fields
     return {
         "stress_1_MPa": found.cauchy[:, 0],
         "stress_2_MPa": found.cauchy[:, 1],
@@ -28,7 +27,7 @@ def vtu(solved: Solved, difference: Array | None, twins: Mapping[str, Array] = {
     """Return the whole deformed sheet with its fields; a computed quarter is mirrored. ``twins`` (n,) by name are
     standard deviations of fields, where they are known."""
     sheet, state = solved.press.sheet, solved.state
-    found = fields(sheet, state.places)
+    found = solved.fields
     gap = solved.press.punch.near(state.places, state.depth).gap
     data = {
         **sure_fields(solved),

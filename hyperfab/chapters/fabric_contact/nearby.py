@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 
 from hyperfab.arrays import Array
@@ -67,14 +65,12 @@ class Beside:
             sd = np.sqrt(np.diag(one.source.covariance))
             for place in range(len(one.numbers)):
                 unit = np.eye(len(one.numbers))[place]
-                step = _STEP * float(sd[place])
 
-                @cache
                 def test(change: float, index: int = index, unit: Array = unit) -> tuple[SphereTest, float]:
                     return self._test({index: change * unit})
 
-                self._moves.append(self._near.move(test, step))
-                found = self._near.slopes(test, step, self._moves[-1], _answer)
+                moved, found = self._near.slopes(test, _STEP * float(sd[place]), _answer)
+                self._moves.append(moved)
                 for name, slope in found.items():
                     slopes.setdefault(name, []).append(slope)
         by_name = {name: np.array(values) for name, values in slopes.items()}

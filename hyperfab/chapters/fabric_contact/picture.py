@@ -8,7 +8,6 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.chapters.fabric_contact.fields import mirrors_of
-from hyperfab.membrane.measures import fields
 from hyperfab.membrane.sphere_contact import Outcome, Solved
 from hyperfab.report.figures_contact import Curve, Surface, contact_figure
 
@@ -27,7 +26,7 @@ def picture(
         for name, outcome in zip(names, outcomes, strict=True)
     ]
     last = outcomes[0].solved[-1]
-    stress = fields(last.press.sheet, last.state.places).cauchy.max(axis=1)
+    stress = last.fields.cauchy.max(axis=1)
     return contact_figure(curves, _surface(last, stress), None if compared is None else _surface(*compared))
 
 

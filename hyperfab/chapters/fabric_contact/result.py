@@ -106,7 +106,7 @@ def mounted_row(solved: Solved) -> dict[str, float]:
 
 def row(solved: Solved) -> dict[str, float]:
     """Return one line of the CSV."""
-    smooth = fields(solved.press.sheet, solved.state.places)
+    smooth = solved.fields
     edge = contact_edge(solved.press, solved.state, deformed=True)
     return {
         "depth_mm": solved.state.depth,
@@ -122,7 +122,7 @@ def _add_last(found: ContactDocument, outcome: Outcome) -> None:
     """Fill in what is known at the last depth."""
     last = outcome.solved[-1]
     sheet, state = last.press.sheet, last.state
-    smooth = fields(sheet, state.places)
+    smooth = last.fields
     found.force_N = state.force
     found.force_error_relative = last.error
     found.energy_J = _JOULE * state.energy
@@ -172,7 +172,7 @@ def _compare(
     )
     if other.solved:
         last = other.solved[-1]
-        smooth = fields(last.press.sheet, last.state.places)
+        smooth = last.fields
         part.force_N = last.state.force
         part.stretch_max, part.stress_max_MPa = float(smooth.stretch.max()), float(smooth.cauchy.max())
     found.against = part
