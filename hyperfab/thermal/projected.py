@@ -15,7 +15,7 @@ from functools import cached_property
 from typing import Protocol, Self
 
 import numpy as np
-from scipy import sparse
+from scipy import linalg
 
 from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
@@ -36,6 +36,8 @@ POINTS, DIRECTIONS = 200, 6
 #: Newton's method ends where a step moves the mean square by less [K].
 STILL = 1e-11
 NEWTON_STEPS = 30
+#: A factorised matrix serves from step to step as long as each iteration leaves less than this part of the way.
+SLOW = 0.05
 
 
 class Projected(Protocol):
@@ -285,7 +287,8 @@ class ProjectedModel:
         self.conditions: list[Projected] = [condition for condition in found if condition is not None]
         self.medium = ProjectedMedium.of(model.medium, lift)
         self.free = np.ones(len(self.mass), dtype=bool)
-        self.last_matrix: Array | None = None
+        self.last_matrix: tuple[Array, Array] | None = None
+        self._factorised_for = (0.0, 0.0)
         capacity = model.pattern.matrix(model.medium.capacity(origin))
         shapes = [heater.shape / model.lumped_capacity for heater in model.heaters]
         self._shapes = np.array([heater.shape @ basis for heater in model.heaters]).reshape(
@@ -298,7 +301,7 @@ class ProjectedModel:
     def changed_to(self, medium: ProjectedMedium, conditions: Sequence[Projected]) -> Self:
         """Return the mold with another medium and other conditions on the same basis."""
         found = copy.copy(self)
-        found.medium, found.conditions = medium, list(conditions)
+        found.medium, found.conditions, found.last_matrix = medium, list(conditions), None
         return found
 
     @property
@@ -342,26 +345,37 @@ class ProjectedModel:
         reference: float | None = None,
     ) -> tuple[Array, float]:
         """Solve storage E - interval f(time) = target as ``HeatModel.solve_stage`` does."""
-        found = guess.copy()
+        found, before = guess.copy(), np.inf
+        if self._factorised_for != (interval, storage):
+            self.last_matrix = None
         for _ in range(NEWTON_STEPS):
             residual = target + interval * self.flow(time, found) - storage * self.stored(found)
-            matrix = storage * self.mass + interval * self.medium.conduction
-            for condition in self.conditions:
-                if not isinstance(condition, _Source):
-                    matrix += interval * condition.tangent(time, found)
-            change: Array = np.asarray(np.linalg.solve(matrix, residual), dtype=np.float64)
+            if self.last_matrix is None:
+                self.last_matrix = self._factor(time, interval, found, storage)
+                self._factorised_for = interval, storage
+            change = self.solve(self.last_matrix, residual, 0.0)
             found += change
-            self.last_matrix = matrix
             moved = self.capacity_norm(change)
             if not np.isfinite(moved):
                 break
             if moved <= STILL:
                 return found, moved
+            if moved > SLOW * before:
+                self.last_matrix = None
+            before = moved
         raise NotConverged(f"the reduced mold at {time:.6g} s did not settle", remedy="set reduced = false")
 
-    def solve(self, matrix: Array | sparse.csr_matrix, right: Array, tolerance: float) -> Array:
-        """Solve with the step's matrix."""
-        return np.linalg.solve(matrix, right)
+    def _factor(
+        self, time: float, interval: float, coordinates: Array, storage: float
+    ) -> tuple[Array, Array]:
+        matrix = storage * self.mass + interval * self.medium.conduction
+        for condition in self.conditions:
+            matrix += interval * condition.tangent(time, coordinates)
+        return linalg.lu_factor(matrix, check_finite=False)
+
+    def solve(self, matrix: tuple[Array, Array], right: Array, tolerance: float) -> Array:
+        """Solve with the step's factorised matrix."""
+        return np.asarray(linalg.lu_solve(matrix, right, check_finite=False))
 
     def capacity_norm(self, coordinates: Array) -> float:
         """Return the root of the mean square of a field, weighted with the heat capacity [K]."""
