@@ -29,7 +29,7 @@ from hyperfab.thermal.transient import shortened
 #: Spans of time of the answers, as shares of the run.
 SPANS = (0.5, 0.06, 0.008)
 #: How sharply they are solved for: they are directions.
-SOLVE = 1e-4
+SOLVE = 1e-3
 #: Directions in which vectors of length 1 differ by less are left out.
 DROP = 1e-6
 #: Steps past the last one of the run until the target counts as not reached.
