@@ -74,8 +74,7 @@ class Sphere:
             def test(change: float, unit: Array = unit) -> tuple[SphereTest, float]:
                 return self._test(values + change * unit), DEPTH
 
-            way = near.move(test, STEP * size)
-            found.append(near.slopes(test, STEP * size, way, _force)["force_N"])
+            found.append(near.slopes(test, STEP * size, _force)[1]["force_N"])
         return near.solved.state.force, np.array(found)
 
 
@@ -118,9 +117,8 @@ class Ball:
         slopes = []
         for unit, size in zip(np.eye(len(values)), STEP * np.abs(values), strict=True):
             up, down = self._sheet(values + size * unit), self._sheet(values - size * unit)
-            way = size * near.move(up, down, size)
-            more, less = (near.answers(one, to).press_force for one, to in ((up, way), (down, -way)))
-            slopes.append((more - less) / (2.0 * size))
+            _, more, less = near.slopes(up, down, size)
+            slopes.append((more.press_force - less.press_force) / (2.0 * size))
         return there.press_force, np.array(slopes)
 
 

@@ -10,6 +10,7 @@ long as its way: the stretch across the edge is right, the angle between warp an
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -146,10 +147,17 @@ class Cells:
     cauchy: Array  # MPa, the larger principal stress
     nominal: Array  # MPa, the larger principal nominal stress
     thickness: Array  # stretch
-    margin: Array  # of the law's stability
     wrinkled: npt.NDArray[np.bool_]  # no tension in one direction, or none at all
     stress_warp: Array  # (n, m) MPa
     stress_weft: Array
+    law: MembraneLaw
+    strain: Array  # (k, 3) C11, C22, C12, cell by cell
+
+    @cached_property
+    def margin(self) -> Array:
+        """How stable the law is, negative where it is not."""
+        with np.errstate(all="ignore"):
+            return self.law.margin(self.strain).reshape(self.stretch.shape)
 
 
 def cells_of(sheet: Sheet, x: Array, along: Array, across: Array) -> Cells:
@@ -165,7 +173,7 @@ def cells_of(sheet: Sheet, x: Array, along: Array, across: Array) -> Cells:
     if sheet.round:
         to_sheet(sheet.gradients(MIDDLE).reshape(-1, 5), strain)
     with np.errstate(all="ignore"):
-        found, principal, margin = law(strain), law.principal(strain), law.margin(strain)
+        found, principal = law(strain), law.principal(strain)
     c11, c22, c12 = strain.T
     s11, s22, s12 = found.stress.T
     pull_warp, pull_weft = (s11 * c11 + s12 * c12) / np.sqrt(c11), (s22 * c22 + s12 * c12) / np.sqrt(c22)
@@ -177,10 +185,11 @@ def cells_of(sheet: Sheet, x: Array, along: Array, across: Array) -> Cells:
         principal.cauchy[:, 0].reshape(shape),
         principal.nominal.reshape(shape),
         principal.thickness.reshape(shape),
-        margin.reshape(shape),
         (found.state != 0).reshape(shape),
         _at_nodes(pull_warp.reshape(shape)),
         _at_nodes(pull_weft.reshape(shape)),
+        law,
+        strain,
     )
 
 

@@ -6,6 +6,8 @@ and the nodes move by K dx/dp = Q df/dp with the tangent K there, each node in t
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from hyperfab.arrays import Array
@@ -13,7 +15,7 @@ from hyperfab.arrays import Array
 from .answers import Answers, answers
 from .balance import Balance
 from .cuts import Cut
-from .linear import Solver, Tangent
+from .linear import Solver, Tangent, apply
 from .mold import Mold
 from .multigrid import project
 from .net import Sheet
@@ -39,19 +41,35 @@ class Neighbourhood:
         self._balance.model.tangent(state.x, _FLOOR * self._balance.stiffness, self._tangent)
         self._solver = Solver(sheet.n, sheet.m, self._balance.model.directions)
 
-    def move(self, up: Sheet, down: Sheet, step: float) -> Array:
-        """Return how the nodes move (n, m, 3) with a number, from the sheets with it a ``step`` up and down."""
+    def slopes(self, up: Sheet, down: Sheet, step: float) -> tuple[Array, Answers, Answers]:
+        """Return how the nodes move (n, m, 3) with a number, and what the sheets with it a ``step`` up and down answer
+        with their nodes moved so far."""
         x = self._found.state.x
-        right = (self._forces(up, x).f - self._forces(down, x).f) / (2.0 * step)
+        pair = [(up, step, self._forces(up, x)), (down, -step, self._forces(down, x))]
+        right = (pair[0][2].f - pair[1][2].f) / (2.0 * step)
         project(self._balance.q, right)
-        moved = np.zeros_like(right)
+        moved, pulled = np.zeros_like(right), np.zeros_like(right)
         self._solver(self._tangent, right, moved, _SOLVED, _MOST)
-        return moved
+        everywhere = np.broadcast_to(np.array([1.0, 0.0, 0.0, 1.0, 0.0, 1.0]), self._tangent.q.shape).copy()
+        apply(replace(self._tangent, q=everywhere), moved, pulled)
+        work = float((self._balance.f * moved).sum())
+        found = []
+        for sheet, way, forces in pair:
+            there = forces
+            if len(forces.model.springs):  # laid over edges: how they run there is to be found anew
+                there = self._forces(sheet, x + way * moved)
+            else:  # of second order off, and up as down
+                there.f -= way * pulled
+                there.energy -= way * work
+            found.append(self._answers(sheet, there, x + way * moved))
+        return moved, found[0], found[1]
 
     def answers(self, sheet: Sheet, moved: Array) -> Answers:
         """Return what another sheet answers with its nodes moved (n, m, 3), but for how deep it is in the mold."""
         x = self._found.state.x + moved
-        there = self._forces(sheet, x)
+        return self._answers(sheet, self._forces(sheet, x), x)
+
+    def _answers(self, sheet: Sheet, there: Balance, x: Array) -> Answers:
         there.r = there.f.copy()
         project(self._balance.q, there.r)  # next to nothing: the rest is of mold and clamps
         ended = there.ended(self._found.state.copy()._replace(x=x), "", [])

@@ -16,6 +16,7 @@ from hyperfab.chapters.rerun import Listener
 from hyperfab.chapters.uncertainty.carry import Answer, Changes, Figures, Slopes
 from hyperfab.chapters.uncertainty.sources import Origins, Setting
 from hyperfab.cloth import Sheet
+from hyperfab.cloth.answers import Answers
 from hyperfab.cloth.sensitivity import Neighbourhood
 
 #: Options that change the sheet's law alone.
@@ -49,11 +50,11 @@ class Beside:
                 unit, step = np.eye(len(one.numbers))[place], _STEP * float(sd[place])
 
                 sheets = [self._sheet({index: way * step * unit}) for way in (1.0, -1.0)]
-                move = self._near.move(sheets[0], sheets[1], step)
+                move, *ends = self._near.slopes(sheets[0], sheets[1], step)
                 self._moves.append(move)
                 up, down = (
-                    self._answer(sheet, way * step * move)
-                    for sheet, way in zip(sheets, (1.0, -1.0), strict=True)
+                    _answer(sheet, end, way * step * move)
+                    for sheet, end, way in zip(sheets, ends, (1.0, -1.0), strict=True)
                 )
                 for name, value in up.figures.items():
                     slopes.setdefault(name, []).append((value - down.figures[name]) / (2.0 * step))
@@ -70,7 +71,8 @@ class Beside:
             self.gradient()
         amounts = self._origins.amounts(changes)
         moved = np.tensordot(amounts, np.array(self._moves), axes=1)
-        return self._answer(self._sheet(changes), moved)
+        sheet = self._sheet(changes)
+        return _answer(sheet, self._near.answers(sheet, moved), moved)
 
     def _sheet(self, changes: Changes) -> Sheet:
         inputs = self._job.inputs
@@ -79,28 +81,6 @@ class Beside:
         fabric = read_fabric(Job(self._job.command, (), Listener(), moved.inputs), case)
         return sheet_of(case, replace(self._model.files, fabric=fabric))
 
-    def _answer(self, sheet: Sheet, moved: Array) -> Answer:
-        fields = self._near.answers(sheet, moved)
-        found: Figures = {
-            "force_N": fields.press_force,
-            "stress_warp_max_MPa": float(fields.stress_warp.max()),
-            "stress_weft_max_MPa": float(fields.stress_weft.max()),
-            "stretch_max": fields.stretch_max,
-            "thickness_min_mm": float(fields.cell_thickness.min()),
-            "energy_J": 1e-3 * fields.spring_energy,
-        }
-        by_name = {
-            "thickness_mm": fields.cell_thickness.ravel(),
-            "stress_warp_MPa": fields.stress_warp.ravel(),
-            "stress_weft_MPa": fields.stress_weft.ravel(),
-            "thickness_ratio": fields.cell_thickness.ravel() / sheet.thickness,
-            "place_mm": moved.ravel(),
-        }
-        if fields.cells is not None:
-            found["stress_max_MPa"] = float(fields.cells.cauchy.max())
-            by_name["stress_larger_MPa"] = fields.cells.cauchy.ravel()
-        return Answer(found, by_name)
-
 
 def beside(job: Job, model: Model, state: State, origins: Origins) -> Beside | None:
     """Return the neighbours of the last state; None where they hang on the way there, or on the mold's place."""
@@ -108,3 +88,25 @@ def beside(job: Job, model: Model, state: State, origins: Origins) -> Beside | N
     if model.case.has_friction or not set(settings) <= set(_OF_THE_LAW):
         return None
     return Beside(job, model, state, origins)
+
+
+def _answer(sheet: Sheet, fields: Answers, moved: Array) -> Answer:
+    found: Figures = {
+        "force_N": fields.press_force,
+        "stress_warp_max_MPa": float(fields.stress_warp.max()),
+        "stress_weft_max_MPa": float(fields.stress_weft.max()),
+        "stretch_max": fields.stretch_max,
+        "thickness_min_mm": float(fields.cell_thickness.min()),
+        "energy_J": 1e-3 * fields.spring_energy,
+    }
+    by_name = {
+        "thickness_mm": fields.cell_thickness.ravel(),
+        "stress_warp_MPa": fields.stress_warp.ravel(),
+        "stress_weft_MPa": fields.stress_weft.ravel(),
+        "thickness_ratio": fields.cell_thickness.ravel() / sheet.thickness,
+        "place_mm": moved.ravel(),
+    }
+    if fields.cells is not None:
+        found["stress_max_MPa"] = float(fields.cells.cauchy.max())
+        by_name["stress_larger_MPa"] = fields.cells.cauchy.ravel()
+    return Answer(found, by_name)
