@@ -8,7 +8,7 @@ JCGM 100:2008 (GUM), 5 and annex G; JCGM 101:2008, 7 and 8.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf
 
@@ -200,6 +200,25 @@ def bent(linear_sd: float, off: Array) -> bool:
     (False, True)
     """
     return bool((np.abs(off) > NUMERICAL * linear_sd).any())
+
+
+def curved(value: float, band: Band, low: float, high: float) -> Band:
+    """Return the ``band`` of the linear answer with its ends where the result is there: ``low`` and ``high`` off the
+    straight line at the ends of the normal distribution's interval, growing with the square of how far out.
+
+    >>> band = curved(10.0, Band(1.0, 10.0 - 1.96, 10.0 + 1.96, ()), 0.1, 0.2)
+    >>> round(band.low, 2), round(band.high, 2)
+    (8.14, 12.16)
+    """
+    from scipy.special import ndtri
+
+    normal = float(ndtri(0.5 + 0.5 * LEVEL)) * band.sd
+    if normal == 0.0:
+        return band
+    further = ((band.high - value) / normal) ** 2
+    return replace(
+        band, low=min(value, band.low + further * low), high=max(value, band.high + further * high)
+    )
 
 
 def off_by_bends(along: Array, bends: Array) -> float:

@@ -181,7 +181,7 @@ class Carried:
         if self.case.uncertainty != "sampled":
             try:
                 effects, bends, slopes = self._effects()
-                off = self._off(effects, bends)
+                off, ends = self._off(effects, bends)
             except HyperfabError as error:
                 reason = f"a run within the interval fails ({error})"
             else:
@@ -197,6 +197,9 @@ class Carried:
                     for name, band in bands.items()
                     if propagation.bent(max(band.sd, self._least(name) / propagation.NUMERICAL), off[name])
                 ]
+                for name, way in ends.items():
+                    if name in bands and name not in curved:
+                        bands[name] = propagation.curved(self.value[name], bands[name], *way)
                 if not curved or self.near is None or self.case.uncertainty == "linear":
                     left_out += [
                         f"{name}: bends within its interval; --uncertainty sampled" for name in curved
@@ -247,9 +250,13 @@ class Carried:
         self.along = along
         self.fields = {name: np.sqrt((each**2).sum(axis=0)) for name, each in along.items()}
 
-    def _off(self, effects: Mapping[str, Array], bends: Mapping[str, Array]) -> dict[str, Array]:
-        """Return by how much each figure leaves the straight line where an interval ends: its own, and the others'."""
+    def _off(
+        self, effects: Mapping[str, Array], bends: Mapping[str, Array]
+    ) -> tuple[dict[str, Array], dict[str, tuple[float, float]]]:
+        """Return by how much each figure leaves the straight line where an interval ends, its own and the others'; and
+        with their signs, at the lower and the upper end of its own."""
         off = {name: [propagation.off_by_bends(effects[name], one)] for name, one in bends.items()}
+        own: dict[str, list[tuple[float, float]]] = {}
         if self.near is not None:
             blocks = propagation.directions(self.sources)
             for place in propagation.ends(
@@ -259,7 +266,9 @@ class Carried:
                 for name, along in effects.items():
                     away = there.get(name, np.nan) - self.value[name] - along @ place
                     off.setdefault(name, []).append(abs(float(away)))
-        return {name: np.array(found) for name, found in off.items()}
+                    own.setdefault(name, []).append((float(along @ place), float(away)))
+        ends = {name: (min(one)[1], max(one)[1]) for name, one in own.items()}
+        return {name: np.array(found) for name, found in off.items()}, ends
 
     def _sampled(self, reason: str | None, left_out: list[str]) -> Sure:
         count = self.near.samples if self.near is not None else _WHOLE
