@@ -88,7 +88,7 @@ $(BUILD)/case-a.json $(BUILD)/case-b.json:
 
 # Chapter 2: the sphere on the membrane judges case A against case B.
 $(BUILD)/contact.json: $(BUILD)/case-a.json $(BUILD)/case-b.json
-	$(HF) fabric-contact $(BUILD)/case-a.json --against $(BUILD)/case-b.json --shape disc --size 200mm --thickness 1mm \
+	$(HF) fabric-contact $(BUILD)/case-a.json --against $(BUILD)/case-b.json --shape disc --size 200mm --thickness "1mm +- 0.02mm" \
 	  --sphere-radius 40mm --depth 60mm -o $@
 
 # Chapter 3: the fabric on the cup.
@@ -102,7 +102,7 @@ $(BUILD)/heat-%.json: molds/%.toml specimens/film.csv
 # Chapter 5: the hot molds on the foam sandwich, with the fabric as draped.
 $(BUILD)/press.json: $(BUILD)/drape.json specimens/foam.toml specimens/foam.csv molds/cup-male.stl molds/cup-female.stl
 	$(HF) press-contact --male molds/cup-male.stl --female molds/cup-female.stl --axis z \
-	  --foam specimens/foam.toml --gap 3mm --temperature 200degC --drape $(BUILD)/drape.json -o $@
+	  --foam specimens/foam.toml --gap "3mm +- 0.1mm" --temperature "200degC +- 5K" --drape $(BUILD)/drape.json -o $@
 
 # Chapter 6: what constants from the warp at room temperature lack, judged by the tests across and at 80 and 105 degC.
 $(BUILD)/warp.json: specimens/lycra/warp-23C.csv

@@ -11,7 +11,7 @@ from hyperfab.documents.base import document_class, parse_document
 from hyperfab.errors import InputError
 from hyperfab.io.json_io import load_json
 from hyperfab.io.output import write_stdout
-from hyperfab.report.bands import banded, figure, made_of, warmup
+from hyperfab.report.bands import banded, evenness, figure, made_of, warmup
 
 Plain = Mapping[str, Any]
 
@@ -127,12 +127,10 @@ def _heat(data: Plain) -> Iterator[str]:
         yield f"warm-up in {warmup(data)}"
     surface = data.get("work_surface", {})
     for moment, words in (("at_warmup", "at warm-up"), ("at_end", "at the end")):
-        if moment in surface:
-            figures = surface[moment]
-            yield (
-                f"work surface {words}: {figures['mean_degC']:.1f} degC, "
-                f"spread ±{figures['spread_K'] / 2:.2f} K"
-            )
+        figures = surface.get(moment)
+        if figures is not None and (moment == "at_warmup" or figures != surface.get("at_warmup")):
+            even = evenness(data, figures["spread_K"])
+            yield f"work surface {words}: {figures['mean_degC']:.1f} degC, even to {even}"
     yield (
         f"energy {banded(data, 'energy.supplied_J', 'MJ', 1e-6, '.2f')}, "
         f"lost {banded(data, 'energy.lost_J', 'MJ', 1e-6, '.2f')}, "

@@ -7,7 +7,13 @@ from decimal import Decimal
 from math import floor, log10
 from typing import Any
 
-from hyperfab.report.labels import title
+from hyperfab.report.labels import parted
+
+#: Figures whose budget is told in a sentence.
+HEADLINES = (
+    "force_N", "stress_max_MPa", "stress_warp_max_MPa", "warmup_time_s", "work_surface.spread_K", "energy.supplied_J",
+    "contact_fraction", "pressure_max_MPa", "gap_mean_mm",
+)  # fmt: skip
 
 
 def figure(value: float, sd: float) -> str:
@@ -18,12 +24,25 @@ def figure(value: float, sd: float) -> str:
     """
     if not sd > 0.0:
         return f"{value:.6g}"
+    return f"{_rounded(value, sd)} ± {_rounded(sd, sd)}"
+
+
+def interval(low: float, high: float, sd: float) -> tuple[str, str]:
+    """Return the ends of an interval, rounded as the figure itself.
+
+    >>> interval(198.0312, 199.4121, 0.2081), interval(8631000.0, 9408000.0, 2.0e5)
+    (('198.03', '199.41'), ('8630000', '9410000'))
+    """
+    return _rounded(low, sd), _rounded(high, sd)
+
+
+def _rounded(value: float, sd: float) -> str:
+    if not sd > 0.0:
+        return f"{value:.6g}"
     place = floor(log10(sd))
     if f"{sd / 10.0**place:.1f}" < "3":  # 1.5 rather than 2, and 10 is as short as 9
         place -= 1
-    if place >= 0:
-        return f"{round(value, -place):.0f} ± {round(sd, -place):.0f}"
-    return f"{value:.{-place}f} ± {sd:.{-place}f}"
+    return f"{round(value, -place):.0f}" if place >= 0 else f"{value:.{-place}f}"
 
 
 def shares(budget: Sequence[Any], most: int = 3) -> str:
@@ -73,10 +92,36 @@ def warmup(data: Mapping[str, Any]) -> str:
     return banded(data, "warmup_time_s", "min", 1.0 / 60.0, ".1f")
 
 
+def evenness(data: Mapping[str, Any], spread: float | None = None) -> str:
+    """Return by how much the work surface of a heat document is uneven [K]: half of its ``spread``, at the end of the
+    run if that is not given, with the interval it has there.
+
+    It is nowhere less than in the run itself and may be much more: the interval says it, a deviation would not.
+
+    >>> evenness({"work_surface": {"spread_K": 2.28}})
+    '±1.14 K'
+    >>> band = {"sd": 0.4, "low": 2.28, "high": 3.78}
+    >>> evenness({"work_surface": {"spread_K": 2.28}, "uncertainty": {"quantities": {"work_surface.spread_K": band}}})
+    '±1.14 K (95 %: 1.14 to 1.89)'
+    """
+    own = data["work_surface"]["spread_K"]
+    text = f"±{(own if spread is None else spread) / 2:.2f} K"
+    band = _bands(data).get("work_surface.spread_K")
+    if band is None or spread not in (None, own):
+        return text
+    low, high = interval(band["low"] / 2, band["high"] / 2, band["sd"] / 2)
+    return f"{text} (95 %: {low} to {high})"
+
+
 def made_of(data: Mapping[str, Any]) -> Iterator[str]:
-    """Yield a line on what the first figure's uncertainty is made of; none where the document has no uncertainty."""
-    for key, band in list(_bands(data).items())[:1]:
-        yield f"uncertainty of {title(key)}: {shares(band['budget'])} ({data['uncertainty']['method']}, ± one sd)"
+    """Yield lines on what the uncertainty of the headline figures is made of, one for all that are made alike; none
+    where the document has no uncertainty."""
+    alike: dict[str, list[str]] = {}
+    for key, band in _bands(data).items():
+        if key in HEADLINES:
+            alike.setdefault(shares(band["budget"]), []).append(parted(key)[0].replace(".", " "))
+    for budget, names in alike.items():
+        yield f"uncertainty of {', '.join(names)}: {budget} ({data['uncertainty']['method']}, ± one sd)"
 
 
 def _bands(data: Mapping[str, Any]) -> Mapping[str, Any]:

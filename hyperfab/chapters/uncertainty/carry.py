@@ -22,7 +22,7 @@ from hyperfab.documents.uncertainty import Band, Share, Uncertainty
 from hyperfab.errors import HyperfabError
 from hyperfab.numerics import propagation
 from hyperfab.numerics.propagation import LEVEL, Spread
-from hyperfab.report.bands import figure, shares
+from hyperfab.report.bands import figure, interval, shares
 
 Figures = dict[str, float]
 #: What numbers of sources change by, by the number of the source.
@@ -392,7 +392,12 @@ def _tell(job: Job, found: Uncertainty, value: Figures) -> None:
     if found.reason is not None:
         job.console.note(f"uncertainty is sampled, {found.samples} runs: {found.reason}")
     rows = [
-        [name, figure(value[name], band.sd), f"{band.low:.4g} to {band.high:.4g}", shares(band.budget)]
+        [
+            name,
+            figure(value[name], band.sd),
+            " to ".join(interval(band.low, band.high, band.sd)),
+            shares(band.budget),
+        ]
         for name, band in found.quantities.items()
     ]
     job.console.table(f"How sure ({found.method})", ("figure", "± sd", "95 %", "made of"), rows)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from hyperfab.report.bands import figure, shares
+from hyperfab.report.bands import figure, interval, shares
 from hyperfab.report.labels import parted, title
 from hyperfab.report.page.charts import bars, chart
-from hyperfab.report.page.parts import Cell, Part, Source, Table, number, word
+from hyperfab.report.page.parts import Cell, Part, Source, Table, word
 
 
 def parts(source: Source) -> list[Part]:
@@ -25,8 +25,12 @@ def parts(source: Source) -> list[Part]:
                     f"{value!r} ± {band['sd']!r} {unit}".strip(),
                     True,
                 ),
-                number(band["low"], unit),
-                number(band["high"], unit),
+                *(
+                    Cell(f"{text} {unit}".strip(), f"{band[end]!r} {unit}".strip(), True)
+                    for end, text in zip(
+                        ("low", "high"), interval(band["low"], band["high"], band["sd"]), strict=True
+                    )
+                ),
                 word(shares(band["budget"])),
             ]
         )

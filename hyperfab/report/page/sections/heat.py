@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from hyperfab.report.bands import warmup
+from hyperfab.report.bands import evenness, warmup
 from hyperfab.report.page.charts import bars, chart, line
 from hyperfab.report.page.parts import (
     Figure,
@@ -70,7 +70,7 @@ def section(source: Source) -> Section:
         found.claim = f"the mold is{target} after {warmed}"
     spread = warm.get("spread_K", surface.get("spread_K"))
     if spread is not None:
-        found.figures.append(Figure(f"±{number(spread / 2, 'K', 2).text}", "evenness of the work surface"))
+        found.figures.append(Figure(evenness(data, spread), "evenness of the work surface"))
     table = columns(source.sibling(".csv", but=".history.csv"), source.name)
     if "time_s" in table:
         step = -(-len(table["time_s"]) // MAX_ROWS)
@@ -120,7 +120,7 @@ def _verdict(data: Any) -> tuple[bool | None, str]:
     if not data["converged"]:
         return False, f"Not converged: {data.get('status', '')}."
     spread = (data.get("work_surface") or {}).get("at_warmup", data.get("work_surface") or {}).get("spread_K")
-    even = f", even to ±{number(spread / 2, 'K', 3).text}" if spread is not None else ""
+    even = f", even to {evenness(data, spread)}" if spread is not None else ""
     if "warmup_time_s" in data:
         target = f"{number(data['target_degC'], '°C').text} " if "target_degC" in data else "the target "
         return (
