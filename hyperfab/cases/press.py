@@ -87,6 +87,9 @@ class PressCase(Case):
         "dimensionless", "PERCENT", "Exit 1 where less of the molding surface touches.", example="80", least=0.0,
         most=100.0,
     )  # fmt: skip
+    max_pressure: float | None = amount(
+        "stress", "PRESSURE", "Exit 1 where the pressure is above this anywhere.", example="10kPa", above=0.0
+    )
     design_gap: float | None = amount(
         "length", "LENGTH", "Also write the male that leaves this hot gap everywhere, as STL.", example="2mm",
         above=0.0,

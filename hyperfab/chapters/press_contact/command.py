@@ -105,7 +105,7 @@ def run(job: Job, case: PressCase) -> int:
     if out.wants_files:
         out.add(".vtu", grid_of(told, sure.fields))
     job.write(out, result, case)
-    return _judge(job, result, told.closed, case.min_spotted)
+    return _judge(job, result, told.closed, case)
 
 
 def _origins(job: Job, model: Model, result: PressDocument) -> Origins:
@@ -208,7 +208,7 @@ def _tell_overlap(job: Job, closed: Closed, way: PressFrame) -> None:
         )
 
 
-def _judge(job: Job, result: PressDocument, closed: Closed, min_spotted: float | None) -> int:
+def _judge(job: Job, result: PressDocument, closed: Closed, case: PressCase) -> int:
     percent = 100.0 * result.contact_fraction
     job.console.note(
         f"touching {percent:.1f} % ({result.contact_area_mm2:.0f} mm2), gap {result.gap_min_mm:.3f} to "
@@ -249,7 +249,10 @@ def _judge(job: Job, result: PressDocument, closed: Closed, min_spotted: float |
             f"for {100 * result.border_area_fraction:.0f} % of the male the nearest place is the female's open edge: "
             "the female does not reach over all of the male"
         )
-    if min_spotted is not None and percent < min_spotted:
-        job.console.warn(f"{percent:.1f} % of the molding surface touches, {min_spotted:g} % are asked for")
+    if case.min_spotted is not None and percent < case.min_spotted:
+        job.console.warn(f"{percent:.1f} % of the molding surface touches, {case.min_spotted:g} % are asked for")
+        status = NEGATIVE_VERDICT
+    if case.max_pressure is not None and result.pressure_max_MPa > case.max_pressure:
+        job.console.warn(f"the pressure reaches {result.pressure_max_MPa:g} MPa, {case.max_pressure:g} are allowed")
         status = NEGATIVE_VERDICT
     return status
