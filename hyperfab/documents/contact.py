@@ -126,6 +126,7 @@ class ContactDocument(Document):
     stress_nominal_max_MPa: float | None = Field(
         default=None, description="largest nominal principal stress: force per undeformed section"
     )
+    pressure_max_MPa: float | None = Field(default=None, description="largest contact pressure of the punch")
     energy_J: float | None = Field(default=None, description="strain energy of the sheet")
     wrinkled_area_fraction: float | None = Field(
         default=None, description="of the undeformed area; slack included"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from hyperfab.chapters.fabric_contact.fabric import Fabric
+from hyperfab.chapters.fabric_contact.fields import pressure
 from hyperfab.chapters.fabric_contact.outline import is_file
 from hyperfab.chapters.fabric_contact.setup import Setup
 from hyperfab.documents.contact import BalancePart, ContactDocument, OtherPart, SetupPart, StabilityPart
@@ -128,6 +129,7 @@ def _add_last(found: ContactDocument, outcome: Outcome) -> None:
     found.energy_J = _JOULE * state.energy
     found.stretch_max = float(smooth.stretch.max())
     found.stress_max_MPa = float(smooth.cauchy.max())
+    found.pressure_max_MPa = float(pressure(last, smooth.cauchy, smooth.thickness).max())
     found.stress_nominal_max_MPa = float(smooth.nominal.max())
     found.wrinkled_area_fraction = wrinkled_fraction(sheet, state.places)
     for name, deformed in (("contact_radius_mm", True), ("contact_radius_undeformed_mm", False)):
