@@ -80,6 +80,8 @@ def test_document_holds_the_known_force_and_valid_siblings(press, hf, tmp_path):
     assert found["stress_max_MPa"] == pytest.approx(apex, rel=5e-3)
     nominal = 0.4 * (1.2854086307 - 1.2854086307**-5)
     assert found["stress_nominal_max_MPa"] == pytest.approx(nominal, rel=5e-3)
+    # There the tension in both directions over the sphere's radius: sigma thickness / l^2 (1/R + 1/R).
+    assert found["pressure_max_MPa"] == pytest.approx(2.0 * apex / 1.2854086307**2 / 40.0, rel=5e-3)
     known = {20.0: 1.7959477986, 40.0: 14.679562516, 60.0: 41.576556565}
     assert dict(found["force_depth"][1:]) == pytest.approx(known, rel=2e-4)
     # The estimate is of the size of the true error: no bound, but no stranger either.

@@ -153,6 +153,15 @@ def test_too_little_spotted_is_a_negative_verdict(shop, monkeypatch):
     assert press(shop, monkeypatch, gap="3mm", min_spotted=80.0)[0] == 1
 
 
+def test_too_much_pressure_is_a_negative_verdict(shop, monkeypatch, capsys):
+    status, document = press(shop, monkeypatch, gap="3mm")
+    greatest = document["pressure_max_MPa"]
+    assert status == 0
+    assert press(shop, monkeypatch, gap="3mm", max_pressure=f"{1.01 * greatest!r} MPa")[0] == 0
+    assert press(shop, monkeypatch, gap="3mm", max_pressure=f"{0.99 * greatest!r} MPa")[0] == 1
+    assert "are allowed" in capsys.readouterr().err
+
+
 def test_floating_molds_under_a_force_off_centre_tilt_towards_it(shop, monkeypatch):
     _, middle = press(shop, monkeypatch, force="100N", floating=True)
     _, aside = press(shop, monkeypatch, force="100N", floating=True, force_at="25mm,0mm")

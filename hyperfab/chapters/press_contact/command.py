@@ -250,9 +250,13 @@ def _judge(job: Job, result: PressDocument, closed: Closed, case: PressCase) -> 
             "the female does not reach over all of the male"
         )
     if case.min_spotted is not None and percent < case.min_spotted:
-        job.console.warn(f"{percent:.1f} % of the molding surface touches, {case.min_spotted:g} % are asked for")
+        job.console.warn(
+            f"{percent:.1f} % of the molding surface touches, {case.min_spotted:g} % are asked for"
+        )
         status = NEGATIVE_VERDICT
     if case.max_pressure is not None and result.pressure_max_MPa > case.max_pressure:
-        job.console.warn(f"the pressure reaches {result.pressure_max_MPa:g} MPa, {case.max_pressure:g} are allowed")
+        job.console.warn(
+            f"the pressure reaches {result.pressure_max_MPa:g} MPa, {case.max_pressure:g} are allowed"
+        )
         status = NEGATIVE_VERDICT
     return status
