@@ -59,6 +59,17 @@ class Draped:
     carried: tuple[float, float] | None
     round: bool = False
 
+    @property
+    def axes(self) -> dict[str, Axis]:
+        """The settings by name."""
+        return {axis.name: axis for axis in self.kriged.axes}
+
+    @property
+    def friction(self) -> float:
+        """The coefficient that the runs reach: 0 where no sheet with friction found a rest."""
+        reach = self.axes["friction"].up
+        return reach if reach > 1e-3 else 0.0
+
     def shift(self, settings: Array) -> Array:
         """Return the nodes' shift (n, m, 3) on the emulated grid."""
         at_base = np.array([axis.base for axis in self.kriged.axes])
@@ -207,10 +218,10 @@ def drape_problem(
             row += count
     curves.append(known_curve(priors, row, 1))
     places = [at_markers(draped, part.flat) for part in parts]
-    axes = {axis.name: axis for axis in draped.kriged.axes}
+    axes = draped.axes
     context = DataContext(
         prestretch=(axes["prestretch"].down, axes["prestretch"].up),
-        friction=axes["friction"].up if axes["friction"].up > 1e-3 else 0.0,
+        friction=draped.friction,
         shear=axes["shear"].up if "shear" in axes else 0.0,
         mass=axes["mass"].up,
     )
@@ -261,11 +272,11 @@ _SMOOTH = ("prestretch", "shear", "mass")
 def places(axes: Sequence[Axis]) -> list[dict[str, float]]:
     """Return the settings to run besides the base, by axis, as shares of its reach; those without an axis are left out.
 
-    >>> axes = [Axis("law warp", 1.0, 0.3), *(Axis(n, 0.0, 1.0) for n in ("prestretch", "shear", "mass", "friction"))]
-    >>> len(places([*axes, Axis("weft more", 0.0, 1.0)]))
+    >>> names = ("prestretch", "weft more", "shear", "mass", "friction")
+    >>> len(places([Axis("law warp", 1.0, 0.3, mixes=False), *(Axis(name, 0.0, 1.0) for name in names)]))
     84
     """
-    own = [axis.name for axis in axes if axis.name.startswith("law ") or axis.name == "depth"]
+    own = [axis.name for axis in axes if not axis.mixes]
     found = [{name: way} for name in own for way in (1.0, -1.0)]
     found += [{name: share} for name in (*_SMOOTH, "friction") for share in _ALONE]
     down = next(axis.down / axis.up for axis in axes if axis.name == "prestretch")

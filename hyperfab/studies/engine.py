@@ -17,7 +17,7 @@ from typing import Any
 from hyperfab.errors import OutputError
 from hyperfab.studies.plan import Case, Step
 from hyperfab.studies.store import Outcome, Store
-from hyperfab.studies.work import run_steps
+from hyperfab.studies.work import Runner, run_steps
 
 #: A batch is sized to take about this long, so that the cost of sending it is small beside it.
 BATCH_S = 0.2
@@ -50,7 +50,7 @@ class Engine:
         self,
         client: Any | None,
         store: Store,
-        runner: str,
+        runner: Runner,
         tell: Callable[[Progress], None],
         again: Callable[[Outcome], bool],
     ) -> None:

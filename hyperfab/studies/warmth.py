@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
 import signal
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from distributed import WorkerPlugin
@@ -14,13 +13,13 @@ from distributed import WorkerPlugin
 class Warmth(WorkerPlugin):  # type: ignore[misc, unused-ignore]
     """Imports what the steps will need; in a local worker also leaves Ctrl-C to the driver.
 
-    ``warm`` is a function's place, ``module:function``, and ``commands`` what it is called with.
+    ``warm`` is called with ``commands``; a worker imports it with its module.
     """
 
     name = "hyperfab"
     idempotent = True
 
-    def __init__(self, warm: str, commands: Sequence[str], local: bool) -> None:
+    def __init__(self, warm: Callable[[Sequence[str]], None], commands: Sequence[str], local: bool) -> None:
         self.warm = warm
         self.commands = list(commands)
         self.local = local
@@ -30,5 +29,4 @@ class Warmth(WorkerPlugin):  # type: ignore[misc, unused-ignore]
         if self.local and threading.current_thread() is threading.main_thread():
             # A terminal sends Ctrl-C to the whole family; the driver ends it in order.
             signal.signal(signal.SIGINT, signal.SIG_IGN)
-        module, name = self.warm.split(":")
-        getattr(importlib.import_module(module), name)(self.commands)
+        self.warm(self.commands)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -15,13 +14,12 @@ from hyperfab.studies.store import Outcome, Store
 Runner = Callable[[str, Sequence[str], str], Outcome]
 
 
-def run_steps(folder: str, runner: str, steps: Sequence[Step]) -> list[tuple[str, Outcome, float]]:
+def run_steps(folder: str, run: Runner, steps: Sequence[Step]) -> list[tuple[str, Outcome, float]]:
     """Run ``steps``; return the key of each, how it ended, and the seconds the command itself took.
 
-    ``runner`` is the runner's place, ``module:function``: the worker looks it up once and keeps its imports. A step
-    that is finished already is not run. After a failed write nothing more is tried: the disk is full for all.
+    A step that is finished already is not run. After a failed write nothing more is tried: the disk is full for all.
     """
-    store, run = Store(folder), find_runner(runner)
+    store = Store(folder)
     found: list[tuple[str, Outcome, float]] = []
     for step in steps:
         outcome, seconds = run_step(store, run, step)
@@ -58,13 +56,6 @@ def run_step(store: Store, run: Runner, step: Step) -> tuple[Outcome, float]:
     finally:
         if place is not None:
             store.abandon(place)
-
-
-def find_runner(place: str) -> Runner:
-    """Return the function ``module:function``."""
-    module, name = place.split(":")
-    found: Runner = getattr(importlib.import_module(module), name)
-    return found
 
 
 def _without_places(outcome: Outcome, store: Store, place: Path) -> Outcome:

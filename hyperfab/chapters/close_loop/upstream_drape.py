@@ -52,7 +52,6 @@ class DrapeChain:
 
     def _chapters(self) -> dict[str, list[Moved]]:
         draped, material = self.problem.draped, self.forward.material
-        rubs = next(axis for axis in draped.kriged.axes if axis.name == "friction").up > 1e-3
         fabric = []
         if material is not None:
             file, known = self.forward.case.material, material.parameters
@@ -64,7 +63,7 @@ class DrapeChain:
                 Moved("prestretch", _STRETCH),
                 Moved("weft more", _STRETCH),
             ],
-            "friction": [Moved("friction", _FRICTION)] if rubs else [],
+            "friction": [Moved("friction", _FRICTION)] if draped.friction else [],
         }
 
     def links(self, readings: Sequence[Markers]) -> tuple[Array, list[Link]]:

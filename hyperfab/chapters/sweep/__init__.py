@@ -74,7 +74,7 @@ def _run_cases(
             engine = Engine(
                 None,
                 store,
-                f"{commands.__name__}:run",
+                commands.run,
                 tell,
                 lambda found: case.retry_failed and found.status > 1,
             )
@@ -85,7 +85,7 @@ def _run_cases(
             from hyperfab.studies.warmth import Warmth
 
             used = [step.command for step in plan.study.step]
-            warmth = Warmth(f"{commands.__name__}:warm", used, local=case.scheduler is None)
+            warmth = Warmth(commands.warm, used, local=case.scheduler is None)
             workers = (
                 cluster.remote(case.scheduler, store.folder, warmth)
                 if case.scheduler
