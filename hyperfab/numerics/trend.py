@@ -8,26 +8,24 @@ from hyperfab.arrays import Array
 
 
 class Trend:
-    """A vector that goes with numbers (k,) as a polynomial of ``degree`` 1 or 2, by least squares.
+    """A vector that goes with numbers (k,) as a polynomial of second degree, by least squares.
 
-    It is known from half as many places more on than it has coefficients, and stays what it is then.
+    It is known from a quarter as many places more on than it has coefficients, and stays what it is then.
 
-    >>> trend = Trend(2)
+    >>> trend = Trend()
     >>> for x, y in np.random.default_rng(1).normal(size=(9, 2)):
     ...     trend.add(np.array([x, y]), np.array([1.0 + x * y]))
     >>> trend.at(np.array([2.0, 3.0])).round(9).tolist()
     [7.0]
     """
 
-    def __init__(self, degree: int) -> None:
-        self._degree = degree
+    def __init__(self) -> None:
         self._rows: list[Array] = []
         self._values: list[Array] = []
         self._found: Array | None = None
 
     def _row(self, numbers: Array) -> Array:
-        pairs = [np.outer(numbers, numbers)[np.triu_indices(len(numbers))]] if self._degree == 2 else []
-        return np.concatenate([[1.0], numbers, *pairs])
+        return np.concatenate([[1.0], numbers, np.outer(numbers, numbers)[np.triu_indices(len(numbers))]])
 
     def add(self, numbers: Array, value: Array) -> None:
         """Take in what there is at some numbers."""
@@ -35,7 +33,7 @@ class Trend:
             return
         self._rows.append(self._row(numbers))
         self._values.append(value)
-        if 2 * len(self._rows) >= 3 * len(self._rows[0]):
+        if 4 * len(self._rows) >= 5 * len(self._rows[0]):
             rows = np.array(self._rows)
             scale = np.abs(rows).max(axis=0)
             scale[scale == 0.0] = 1.0

@@ -19,7 +19,7 @@ from hyperfab.thermal.history import History, Target
 from hyperfab.thermal.ledger import Ledger
 from hyperfab.thermal.medium import Medium
 from hyperfab.thermal.model import HeatModel
-from hyperfab.thermal.projected import Face, ProjectedMedium, ProjectedModel, Scaled, Together
+from hyperfab.thermal.projected import Face, ProjectedMedium, ProjectedModel, Together, scaled
 from hyperfab.thermal.radiation import Radiation
 from hyperfab.thermal.step import State, initial_state, take_step
 from hyperfab.thermal.tables import Table
@@ -150,9 +150,9 @@ class Neighbourhood:
             if number in spreads:
                 spreads[number] = spreads[number].warmer(kelvin)
         for number, by in change.film.items():
-            conditions[number] = Together((conditions[number], Scaled(spreads[number], by)))
+            conditions[number] = Together((conditions[number], scaled(spreads[number], by)))
         for number, by in change.flow.items():
-            conditions[number] = Scaled(conditions[number], by)
+            conditions[number] = scaled(conditions[number], by)
         return self._base.changed_to(medium, conditions)
 
     def _began(self, part: int) -> Array:

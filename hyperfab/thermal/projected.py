@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol, Self
 
@@ -93,6 +93,13 @@ class Scaled:
     def tangent(self, time: float, coordinates: Array) -> Array:
         """Return minus its derivative (r, r) [W/K]."""
         return self.by * self.condition.tangent(time, coordinates)
+
+
+def scaled(condition: Projected, by: float) -> Projected:
+    """Return a condition whose flow is ``by`` times as much."""
+    if isinstance(condition, _Source):
+        return replace(condition, shape=by * condition.shape)
+    return Scaled(condition, by)
 
 
 @dataclass(frozen=True)

@@ -63,7 +63,7 @@ class Beside:
         return 0.25
 
     def __post_init__(self) -> None:
-        self._trend = Trend(2)
+        self._trend = Trend()
         self._checked = 0
         self._known: list[Figures] = []
         self._names: list[str] = []
@@ -123,7 +123,7 @@ class Beside:
         for name, value in self._figures(*self._split(guess)).items():
             close = max(CLOSE * float(np.std([one[name] for one in self._known])), self.blur(name))
             if not abs(value - figures.get(name, np.inf)) <= close:
-                self._trend = Trend(2)  # known again after as many runs more, if ever
+                self._trend = Trend()  # known again after as many runs more, if ever
                 self._known, self._checked = [], 0
                 return
         self._checked += 1

@@ -44,7 +44,7 @@ class Beside:
         modes = [[mode.growth for mode in grown.modes if mode.growth is not None] for grown in model.grown]
         self._near = Neighbourhood(closed, (male.growth, female.growth), (modes[0], modes[1]))
         # A female is looked for where those before lie.
-        self._places = Trend(2)
+        self._places = Trend()
         self._area = vertex_areas(closed.front, ~closed.front.flange)
         self._celsius = foam_temperature(job, model, closed) if by_place(model) else None
         self._warmer: Array | None = None
