@@ -44,26 +44,27 @@ class OutlierReading(_Part):
     leverage: float = Field(description="share of the reading in its own prediction")
 
 
-class Replicates(_Part):
-    """How far specimens of one kind differ."""
+class _Alike(_Part):
+    """Specimens of one kind: cut, warmed and tested alike."""
 
     test: str
     direction: str | None = None
     temperature_degC: float | None = None
-    specimens: int
+    specimens: int = Field(description="of this kind")
+
+
+class Replicates(_Alike):
+    """How far specimens of one kind differ."""
+
     scatter: float = Field(
         description="standard deviation of the stress between specimens, rms over the stretches they share, "
         "over the largest stress"
     )
 
 
-class NextSpecimen(_Part):
+class NextSpecimen(_Alike):
     """Where the readings of one more specimen of a kind are to be expected, over the stretches that all share."""
 
-    test: str
-    direction: str | None = None
-    temperature_degC: float | None = None
-    specimens: int = Field(description="that it is known from")
     level: float = Field(description="probability that a reading is within, at each stretch")
     stretch: list[float] = Field(description="of the loading direction; between them the band goes straight")
     low_MPa: list[float] = Field(description="lower end of the band")
@@ -269,7 +270,8 @@ class MaterialDocument(Document):
     accepted: bool | None = Field(default=None, description="whether the fit is within --accept")
     accepted_by: str | None = Field(
         default=None,
-        description="the figure that --accept bounds: relative_rms; nrmse in an absolute fit, which minimises it",
+        description="the figure that --accept bounds: relative_rms (orthotropic: a stress below a tenth of the peak "
+        "counts as that); nrmse in an absolute fit and of a foam, which minimise it",
     )
     objective: str | None = Field(default=None, description="relative or absolute least squares")
     fit_on: list[str] | None = Field(default=None, description="tests that took part in the fit")

@@ -19,10 +19,10 @@ HEADLINES = (
 def figure(value: float, sd: float) -> str:
     """Return a value rounded by its standard deviation, of which two figures are told (one from 3 to 9).
 
-    >>> figure(41.76324, 1.4987), figure(0.01234, 0.00056), figure(1234.5, 310.0), figure(7.0, 0.0)
+    >>> figure(41.76324, 1.4987), figure(0.01234, 0.00056), figure(1234.5, 310.0), figure(7.0, 1e-15)
     ('41.8 ± 1.5', '0.0123 ± 0.0006', '1200 ± 300', '7')
     """
-    if not sd > 0.0:
+    if not sd > 1e-9 * abs(value):  # of a sum, what rounding leaves
         return f"{value:.6g}"
     return f"{_rounded(value, sd)} ± {_rounded(sd, sd)}"
 

@@ -176,6 +176,7 @@ def test_every_law_keeps_the_set_up_it_was_fitted_with(hf: Run, model: str) -> N
     assert found["setup"]["model"] == model
     assert found["setup"]["uniaxial"] == ["uniaxial.csv"]
     assert found["setup"]["accept"] == 0.9
+    assert found["accepted_by"] == ("nrmse" if model == "hyperfoam-1" else "relative_rms")
 
 
 def test_a_fit_that_is_not_accepted_is_written_and_ends_with_status_1(hf: Run) -> None:

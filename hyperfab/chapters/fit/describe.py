@@ -28,6 +28,7 @@ from hyperfab.documents.material import (
 )
 from hyperfab.materials.identification.quality import Certainty, Figures
 from hyperfab.materials.stability import stable_plane
+from hyperfab.report.bands import figure
 
 Reach = Mapping[str, tuple[float, float]]
 
@@ -61,6 +62,7 @@ def document_of(readings: Readings, setting: Setting, **own: Any) -> MaterialDoc
         thickness_mm=readings.thickness,
         thickness_nominal=readings.nominal or None,
         objective="relative" if setting.relative else "absolute",
+        accepted_by="relative_rms" if setting.relative else "nrmse",
         fit_on=list(setting.fit_on),
         left_out=dict(sorted(readings.left_out.items())) or None,
         preparation=readings.preparation or None,
@@ -235,6 +237,5 @@ def parameters_line(found: Identified) -> str:
     for name, value, sd in zip(
         found.certainty.names, found.material.parameters.values(), found.certainty.sd, strict=True
     ):
-        spread = f" ± {sd:.2g}" if math.isfinite(sd) and sd > 0.0 else ""
-        parts.append(f"{name} {value:.6g}{spread}")
+        parts.append(f"{name} {figure(value, sd if math.isfinite(sd) else 0.0)}")
     return ", ".join(parts)

@@ -116,7 +116,6 @@ class FoamFit(WholeFit[Hyperfoam]):
             stability=self.stability,
             stable=self.stable,
             accepted=self.accepted,
-            accepted_by="nrmse",
             undetermined=self.undetermined or None,
             tested=tested_by(c for c in self.curves if c.mode in self.setting.fit_on),
             warnings=readings.warnings or None,

@@ -266,7 +266,6 @@ def _document(
         stability_plane=describe.plane(whole, data_reach, with_plane),
         stable=best.stable,
         accepted=best.accepted,
-        accepted_by="relative_rms" if setting.relative else "nrmse",
         replicates=replicates(readings.curves) or None,
         warnings=[*readings.warnings, *doubts(best, sets, setting)] or None,
         models=None

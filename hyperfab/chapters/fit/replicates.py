@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -31,10 +32,7 @@ def replicates(curves: Sequence[TestCurve]) -> list[Replicates]:
         spread = stress.std(axis=0, ddof=1)
         found.append(
             Replicates(
-                test=group.mode,
-                direction=group.direction_name,
-                temperature_degC=group.temperature,
-                specimens=len(branches),
+                **group,
                 scatter=float(np.sqrt(np.mean(spread**2)) / np.abs(stress).max()),
             )
         )
@@ -48,10 +46,7 @@ def next_specimens(curves: Sequence[TestCurve]) -> list[NextSpecimen]:
         stretch, low, high = band(branches, reach)
         found.append(
             NextSpecimen(
-                test=group.mode,
-                direction=group.direction_name,
-                temperature_degC=group.temperature,
-                specimens=len(branches),
+                **group,
                 level=LEVEL,
                 stretch=stretch.tolist(),
                 low_MPa=low.tolist(),
@@ -104,8 +99,10 @@ def band(specimens: Sequence[_Loading], reach: tuple[float, float]) -> tuple[Arr
     return np.asarray(knots[told]), np.asarray(middle - half), np.asarray(middle + half)
 
 
-def _kinds(curves: Sequence[TestCurve]) -> Iterator[tuple[TestCurve, list[_Loading], tuple[float, float]]]:
-    """Yield a curve of each kind that has replicates, the loading of each specimen, and the stretches all share."""
+def _kinds(
+    curves: Sequence[TestCurve],
+) -> Iterator[tuple[dict[str, Any], list[_Loading], tuple[float, float]]]:
+    """Yield what specimens of each kind with replicates have in common, the loading of each, and what all reach."""
     kinds: dict[Hashable, dict[Hashable, list[TestCurve]]] = {}
     for curve in curves:
         kinds.setdefault(kind_of(curve), {}).setdefault(specimen_of(curve), []).append(curve)
@@ -114,7 +111,9 @@ def _kinds(curves: Sequence[TestCurve]) -> Iterator[tuple[TestCurve, list[_Loadi
         low = max(float(stretch.min()) for stretch, _ in branches)
         high = min(float(stretch.max()) for stretch, _ in branches)
         if len(branches) > 1 and low < high:
-            yield next(iter(specimens.values()))[0], branches, (low, high)
+            one = next(iter(specimens.values()))[0]
+            alike = {"test": one.mode, "direction": one.direction_name, "temperature_degC": one.temperature}
+            yield alike | {"specimens": len(branches)}, branches, (low, high)
 
 
 def _loading(curves: Sequence[TestCurve]) -> _Loading:
