@@ -193,11 +193,7 @@ def find_bends(
                         p[1] + t * (q[1] - p[1]),
                         p[2] + t * (q[2] - p[2]),
                         c,
-                        creases.corners,
-                        creases.bounds,
-                        creases.right,
-                        creases.start,
-                        creases.number,
+                        creases,
                         work.stack,
                         work.stack_d,
                     )

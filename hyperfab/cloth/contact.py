@@ -112,19 +112,7 @@ def move(  # noqa: C901
                         continue
                     crossed_t[i, j] = 1
                     hint = unfold(mold, slot[i, j], edge, x[i, j], y, s)
-            cx, cy, cz, near, feature = nearest_one(
-                y[0],
-                y[1],
-                y[2],
-                hint,
-                mold.corners,
-                mold.bounds,
-                mold.right,
-                mold.start,
-                mold.number,
-                stack,
-                stack_d,
-            )
+            cx, cy, cz, near, feature = nearest_one(y[0], y[1], y[2], hint, mold, stack, stack_d)
             away = np.sqrt((y[0] - cx) ** 2 + (y[1] - cy) ** 2 + (y[2] - cz) ** 2)
             n = mold.normals[near, feature]
             inside = (y[0] - cx) * n[0] + (y[1] - cy) * n[1] + (y[2] - cz) * n[2] <= 0.0
@@ -140,9 +128,7 @@ def move(  # noqa: C901
                 for k in range(3):
                     u[k] = y[k] - x[i, j, k]
                     begin[k] = x[i, j, k] + 1e-9 / way * u[k]
-                t, met = ray_one(
-                    begin, u, near, mold.corners, mold.bounds, mold.right, mold.start, mold.number, stack
-                )
+                t, met = ray_one(begin, u, near, mold, stack)
                 if t < 1.0 and (not inside or away > 0.1 * way):
                     for k in range(3):
                         xt[i, j, k] = begin[k] + t * u[k]

@@ -51,9 +51,7 @@ def room() -> Room:
 @part
 def _depth(mold: Mold, p: Array, hint: int, stack: Ints, stack_d: Array) -> tuple[float, int]:
     """Depth of a point, negative outside, and the facet nearest to it."""
-    cx, cy, cz, near, feature = nearest_one(
-        p[0], p[1], p[2], hint, mold.corners, mold.bounds, mold.right, mold.start, mold.number, stack, stack_d
-    )
+    cx, cy, cz, near, feature = nearest_one(p[0], p[1], p[2], hint, mold, stack, stack_d)
     x, y, z, n = p[0] - cx, p[1] - cy, p[2] - cz, mold.normals[near, feature]
     away = np.sqrt(x * x + y * y + z * z)
     return (away if x * n[0] + y * n[1] + z * n[2] < 0.0 else -away), near

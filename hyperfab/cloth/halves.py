@@ -39,19 +39,7 @@ def _is_image(mold: Mold, axis: int) -> bool:
         for k in range(3):
             p[k] = (mold.corners[s, 0, k] + mold.corners[s, 1, k] + mold.corners[s, 2, k]) / 3.0
         p[axis] = -p[axis]
-        x, y, z, hint, _f = nearest_one(
-            p[0],
-            p[1],
-            p[2],
-            hint,
-            mold.corners,
-            mold.bounds,
-            mold.right,
-            mold.start,
-            mold.number,
-            stack,
-            stack_d,
-        )
+        x, y, z, hint, _f = nearest_one(p[0], p[1], p[2], hint, mold, stack, stack_d)
         if (p[0] - x) ** 2 + (p[1] - y) ** 2 + (p[2] - z) ** 2 > near * near:
             return False
         for k in range(3):
@@ -172,19 +160,7 @@ def reflect(now: State, axis: int, mold: Mold, fixed: np.ndarray) -> None:
                 state[k, l], clear[k, l] = FREE, max(clear[i, j] - (off if own else near), 0.0)
                 copy(p, x[k, l])
                 continue
-            _x, _y, _z, at, _f = nearest_one(
-                p[0],
-                p[1],
-                p[2],
-                slot[k, l],
-                mold.corners,
-                mold.bounds,
-                mold.right,
-                mold.start,
-                mold.number,
-                stack,
-                stack_d,
-            )
+            _x, _y, _z, at, _f = nearest_one(p[0], p[1], p[2], slot[k, l], mold, stack, stack_d)
             feature = int(state[i, j]) - ON_FACE
             feature = _in_plane(mold, at, axis, near, p) if own else _seated(mold, at, feature, p)
             if feature < 0:

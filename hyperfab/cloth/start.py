@@ -48,19 +48,7 @@ def place(
                 continue
             if slot[i, j] >= 0:
                 hint = slot[i, j]
-            cx, cy, cz, near, feature = nearest_one(
-                p[0],
-                p[1],
-                p[2],
-                hint,
-                mold.corners,
-                mold.bounds,
-                mold.right,
-                mold.start,
-                mold.number,
-                stack,
-                stack_d,
-            )
+            cx, cy, cz, near, feature = nearest_one(p[0], p[1], p[2], hint, mold, stack, stack_d)
             hint = near
             n = mold.normals[near, feature]
             dx, dy, dz = p[0] - cx, p[1] - cy, p[2] - cz

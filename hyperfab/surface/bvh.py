@@ -7,7 +7,7 @@ at the median of their centroids along the longest side, so the depth stays belo
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -22,6 +22,18 @@ LEAF = 4
 DEPTH = 64
 #: No fewer triangles are sorted by a thread of its own.
 PART = 10_000
+
+
+class Tree(NamedTuple):
+    """What a search needs, in a mold's own named tuple or alone: ``corners`` (m, 3, 3) in tree order, ``bounds`` (k, 6)
+    and the nodes (k,)."""
+
+    corners: Array
+    bounds: Array
+    right: Ints
+    start: Ints
+    number: Ints
+
 
 # Where on its triangle the nearest point lies.
 FACE, EDGE_AB, EDGE_BC, EDGE_CA, VERTEX_A, VERTEX_B, VERTEX_C = range(7)
@@ -221,11 +233,7 @@ def nearest_one(
     y: float,
     z: float,
     hint: int,
-    corners: Array,
-    bounds: Array,
-    right: Ints,
-    start: Ints,
-    count: Ints,
+    tree: Tree,
     stack: Ints,
     stack_d: Array,
 ) -> tuple[float, float, float, int, int]:
@@ -234,6 +242,7 @@ def nearest_one(
     ``corners`` are in tree order; ``hint`` is a slot to try first, or -1. Among equally near triangles the first
     one met wins.
     """
+    corners, bounds, right, start, number = tree.corners, tree.bounds, tree.right, tree.start, tree.number
     best, bx, by, bz, slot, feature = np.inf, 0.0, 0.0, 0.0, -1, -1
     if hint >= 0:
         bx, by, bz, feature = closest_on_triangle(corners[hint], x, y, z)
@@ -261,7 +270,7 @@ def nearest_one(
             node = a
         if node < 0:
             continue
-        for t in range(start[node], start[node] + count[node]):
+        for t in range(start[node], start[node] + number[node]):
             cx, cy, cz, f = closest_on_triangle(corners[t], x, y, z)
             d = (x - cx) ** 2 + (y - cy) ** 2 + (z - cz) ** 2
             if d < best:
@@ -325,17 +334,14 @@ def ray_one(
     o: Array,
     d: Array,
     hint: int,
-    corners: Array,
-    bounds: Array,
-    right: Ints,
-    start: Ints,
-    count: Ints,
+    tree: Tree,
     stack: Ints,
 ) -> tuple[float, int]:
     """First hit along a ray, either side of a triangle: (distance in lengths of d, slot); inf and -1: none.
 
     ``hint`` is a slot to try first, or -1. Of triangles hit at the same distance the one of the least slot is told.
     """
+    corners, bounds, right, start, number = tree.corners, tree.bounds, tree.right, tree.start, tree.number
     best, slot = np.inf, -1
     x, y, z, u, v, w = o[0], o[1], o[2], _reciprocal(d[0]), _reciprocal(d[1]), _reciprocal(d[2])
     if hint >= 0:
@@ -361,7 +367,7 @@ def ray_one(
             node = a if one < np.inf else -1
         if node < 0:
             continue
-        for t in range(start[node], start[node] + count[node]):
+        for t in range(start[node], start[node] + number[node]):
             along = _hit(corners[t], o, d)
             if along >= 0.0 and (along < best or (along == best and t < slot)):
                 best, slot = along, t
@@ -381,9 +387,7 @@ def ray_many(
     slots: Ints,
 ) -> None:
     """First hit along each ray into ``hit`` and ``slots``; see ``ray_one``. Best in an order of neighbours."""
-    stack, last = np.empty(DEPTH, np.int64), -1
+    stack, last, tree = np.empty(DEPTH, np.int64), -1, Tree(corners, bounds, right, start, count)
     for i in range(origins.shape[0]):
-        hit[i], slots[i] = ray_one(
-            origins[i], directions[i], last, corners, bounds, right, start, count, stack
-        )
+        hit[i], slots[i] = ray_one(origins[i], directions[i], last, tree, stack)
         last = slots[i]
