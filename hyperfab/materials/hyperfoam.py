@@ -185,13 +185,8 @@ class Rows:
             return self.e
         weight = np.abs(np.asarray(law.mu))
         nu = float(weight @ np.asarray(law.nu) / weight.sum())
-        fixed = self.e.sum(axis=1)
-        # At rest exact; one term with free sides: the answer.
-        t = (
-            -nu * fixed / (1.0 - nu * (self.free.sum() - 1.0))
-            if self.free.sum() > 1
-            else -nu / (1.0 - nu) * fixed
-        )
+        # At rest exact; of one term the answer.
+        t = -nu * self.e.sum(axis=1) / (1.0 - nu * (2.0 - self.free.sum()))
         for _ in range(_STEPS):
             e = self.e + t[:, None] * self.free
             force = law.first(e) @ self.free

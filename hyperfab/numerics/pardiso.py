@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import weakref
 from functools import cache
 from importlib.util import find_spec
@@ -31,9 +32,11 @@ def installed() -> bool:
     if find_spec("pypardiso") is None:
         return False
     try:
-        _new()
+        found = _new().libmkl._name
     except (ImportError, OSError):
         return False
+    # PyPardiso looks through all that is installed for its library, each time anew, unless it is told where it lies.
+    os.environ.setdefault("PYPARDISO_MKL_RT", found)
     return True
 
 

@@ -54,6 +54,13 @@ def test_four_tests_have_their_closed_forms() -> None:
     assert MIXED.stress("simple-shear", 1 / L - L) == pytest.approx(-slope, rel=1e-10, abs=1e-14)
 
 
+@pytest.mark.parametrize(("alpha", "nu"), [(25.0, 0.45), (-25.0, 0.45), (3.6, 0.49), (10.0, -0.5)])
+def test_one_term_contracts_by_poissons_ratio_however_far_it_is_stretched(alpha: float, nu: float) -> None:
+    stretch = np.array([0.1, 0.3, 2.0, 8.0])
+    found = Hyperfoam((0.01,), (alpha,), (nu,)).lateral("uniaxial", stretch)
+    assert found == pytest.approx(stretch**-nu, rel=1e-12)
+
+
 @pytest.mark.parametrize("stretch", [0.5, 0.9, 1.3])
 def test_free_sides_take_the_least_energy_and_the_stress_is_its_slope(stretch: float) -> None:
     def least(l1: float) -> float:
