@@ -30,7 +30,18 @@ def shop(tmp_path: Path, root: Path) -> Path:
     return tmp_path
 
 
-CONTACT = ("fabric-contact", "fabric.json", "--depth", "30mm", "--steps", "2", "--tolerance", "1e-2")
+CONTACT = (
+    "fabric-contact",
+    "fabric.json",
+    "--depth",
+    "30mm",
+    "--steps",
+    "2",
+    "--tolerance",
+    "1e-2",
+    "--mesh-size",
+    "20mm",
+)
 DRAPE = ("drape", "fabric.json", "--mold", "cup.stl", "--grid", "15x15", "--depth", "20mm")
 EXPORT = ("export", "fabric.json", "--to", "abaqus")
 

@@ -31,7 +31,7 @@ RUNS: dict[str, tuple[list[str], tuple[str, str], str]] = {
     ),
     "fabric-contact": (
         ["fabric.json", "--size", "200mm", "--depth", "20mm", "--steps", "2", "--mesh-size", "20mm", "--tolerance",
-         "1e-2", "--friction", "0.1"],
+         "1e-2"],
         ("--friction", "0.2"),
         "friction_coefficient",
     ),
