@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable
+from importlib.util import find_spec
 from types import ModuleType
 
 from hyperfab.cases.sweep import SweepCase
@@ -135,7 +135,5 @@ def _account(plan: Plan, progress: Progress) -> str:
 
 
 def _need_pyarrow() -> None:
-    try:
-        importlib.import_module("pyarrow")
-    except ImportError:
-        raise UsageError("--parquet needs pyarrow: pip install 'hyperfab[parquet]'") from None
+    if find_spec("pyarrow") is None:
+        raise UsageError("--parquet needs pyarrow: pip install 'hyperfab[parquet]'")
