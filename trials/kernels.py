@@ -33,7 +33,7 @@ drape fabric.json --sheet membrane --mold molds/plate-male.stl --grid 24x20 --de
 {DRAPE} --shear-modulus 0.1MPa --thickness 0.5mm --mass 200g/m2 --blank-holder 50N/m --prestretch 1.05 -o held.json
 {DRAPE} --clamp y-,y+ --slide x-,x+ --states 2 --depth 30mm -o slid.json
 drape fabric.json --mold molds/torso.stl --grid 24x20 --size 700mmx700mm --depth 30mm -o torso.json
-{DRAPE} --solver dynamic --steps 20 -o dynamic.json
+{DRAPE} --solver dynamic -o dynamic.json
 {DRAPE} --solver relaxation --steps 20 -o relaxed.json
 {CONTACT} --shape disc --size 200mm -o contact.json
 {CONTACT} --shape square --size 200mm --friction 0.3 --element P1 -o square.json
@@ -62,8 +62,13 @@ TESTS = [
 ]
 
 
+def ends(line: str) -> tuple[int, ...]:
+    """Return the statuses with which a line may end: the report's own relaxation comes to no rest."""
+    return (4,) if "--solver relaxation" in line else (0, 1)
+
+
 def run(folder: Path, cache: Path, lines: list[str] = LINES) -> list[str]:
-    """Run the lines in ``folder`` with a cache of their own, and return those that ended otherwise than 0 or 1."""
+    """Run the lines in ``folder`` with a cache of their own, and return those that ended otherwise than they may."""
     env = os.environ | {"PYTHONPATH": str(ROOT), "NUMBA_CACHE_DIR": str(cache)}
     failed = []
     for name, text in FILES.items():
@@ -71,7 +76,7 @@ def run(folder: Path, cache: Path, lines: list[str] = LINES) -> list[str]:
     for line in [*([] if folder.joinpath("molds").exists() else ["sample ."]), *lines]:
         words = [sys.executable, "-m", "hyperfab", *line.split(), *([] if "sample" in line else ["-q"])]
         done = subprocess.run(words, cwd=folder, env=env, check=False)
-        if done.returncode not in (0, 1):
+        if done.returncode not in ends(line):
             failed.append(f"{line}: {done.returncode}")
     return failed
 
