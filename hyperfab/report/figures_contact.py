@@ -16,6 +16,7 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
+from hyperfab.report.bands import draw_interval
 
 _COLOURS = ("#0072B2", "#D55E00")
 
@@ -31,12 +32,13 @@ class Surface:
 
 @dataclass(frozen=True)
 class Curve:
-    """A force-depth curve and its name."""
+    """A force-depth curve and its name; ``interval``: where the last force is to be expected, where that is known."""
 
     name: str
     depth: Sequence[float]
     force: Sequence[float]
     ended: str | None = None
+    interval: tuple[float, float] | None = None
 
 
 def contact_figure(curves: Sequence[Curve], stress: Surface | None, difference: Surface | None) -> bytes:
@@ -55,6 +57,8 @@ def contact_figure(curves: Sequence[Curve], stress: Surface | None, difference: 
     axes = figure.add_subplot(grid[0, 0])
     for curve, colour in zip(curves, _COLOURS, strict=False):
         axes.plot(curve.depth, curve.force, marker="o", markersize=3, color=colour, label=curve.name)
+        if curve.interval is not None:
+            draw_interval(axes, (curve.depth[-1], curve.force[-1]), force=curve.interval, colour=colour)
         if curve.ended and len(curve.depth) > 1:
             axes.plot(curve.depth[-1], curve.force[-1], marker="x", markersize=9, color=colour)
             axes.annotate(

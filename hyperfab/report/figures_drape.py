@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from hyperfab.arrays import Array, Flags
+from hyperfab.report.bands import draw_interval
 
 MOST_LINES = 60  # of the net in the picture, a side
 MOST_FACETS = 4000  # of the mold in the picture; one of more is drawn from corners put together
@@ -47,8 +48,14 @@ class Draped:
     mold: tuple[Array, npt.NDArray[np.int64]]
 
 
-def drape_figure(draped: Draped, force_depth: Sequence[tuple[float, float]] | None = None) -> bytes:
-    """PNG of a draped sheet, and where given the force in N of the press against the depth in mm."""
+def drape_figure(
+    draped: Draped,
+    force_depth: Sequence[tuple[float, float]] | None,
+    force: str,
+    interval: tuple[float, float] | None,
+) -> bytes:
+    """PNG of a draped sheet with the ``force`` of the press in words, and where given in N against the depth in mm;
+    ``interval`` is where the last force is to be expected, where that is known."""
     figure = Figure(figsize=(19.0, 6.6), layout="constrained")
     FigureCanvasAgg(figure)
     grid = figure.add_gridspec(2, 5, width_ratios=(2.6, 1.0, 1.0, 1.0, 1.0))
@@ -59,11 +66,11 @@ def drape_figure(draped: Draped, force_depth: Sequence[tuple[float, float]] | No
     stresses = Normalize(0.0, float(max(draped.stress_warp.max(), draped.stress_weft.max(), 1e-12)))
     scene = figure.add_subplot(left[1:] if force_depth is None else left[1], projection="3d")
     _scene(scene, draped, larger, stretches, 1.0 if force_depth is None else 1.4)
-    _worst(figure.add_subplot(left[0]), draped)
+    _worst(figure.add_subplot(left[0]), draped, force)
     bar = ScalarMappable(stretches, COLOURS)
     figure.colorbar(bar, ax=scene, label="larger stretch", orientation="horizontal", shrink=0.6, pad=0.01)
     if force_depth is not None:
-        _curve(figure.add_subplot(left[2]), force_depth)
+        _curve(figure.add_subplot(left[2]), force_depth, interval)
     turn = max(float(np.abs(draped.shear).max()), 1e-6)
     panels = (
         ("Stretch along warp", draped.stretch_warp, COLOURS, stretches),
@@ -96,21 +103,24 @@ def drape_figure(draped: Draped, force_depth: Sequence[tuple[float, float]] | No
     return out.getvalue()
 
 
-def _worst(axes: Any, draped: Draped) -> None:
+def _worst(axes: Any, draped: Draped, force: str) -> None:
     """What one looks for first, in words above the scene."""
     axes.set_axis_off()
     size, flat, at = draped.peak
     places = [", ".join(f"{round(x, 1) + 0.0:.1f}" for x in place) for place in (flat[:2], at)]
     axes.text(0.0, 1.0, f"Largest stretch {size:.3f}", fontsize=15, weight="bold", va="top")
     below = (
-        f"at the red cross: ({places[0]}) mm of the flat sheet,\n({places[1]}) mm on the mold (grey). "
-        f"Thinnest {draped.thickness.min():.3g} mm."
+        f"at the red cross: ({places[0]}) mm of the flat sheet,\n({places[1]}) mm on the mold (grey).\n"
+        f"Thinnest {draped.thickness.min():.3g} mm. Press force {force}."
     )
     axes.text(0.0, 0.55, below, fontsize=10.5, va="top", linespacing=1.4)
 
 
-def _curve(axes: Any, force_depth: Sequence[tuple[float, float]]) -> None:
+def _curve(
+    axes: Any, force_depth: Sequence[tuple[float, float]], interval: tuple[float, float] | None
+) -> None:
     axes.plot(*zip(*force_depth, strict=True), marker="o", color="tab:blue")
+    draw_interval(axes, force_depth[-1], force=interval, colour="tab:blue")
     axes.set_title("Force of the press", fontsize=10)
     axes.set_xlabel("depth [mm]", fontsize=8)
     axes.set_ylabel("force [N]", fontsize=8)

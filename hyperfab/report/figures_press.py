@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
+from hyperfab.report.bands import draw_interval
 
 _LIGHT = np.array([-0.35, 0.45, 0.82])
 _STEEL = (0.80, 0.81, 0.82)
@@ -38,14 +39,23 @@ class SpottedMold:
     axes: tuple[str, str]
 
 
-def spotting(mold: SpottedMold, curve: Array, title: str) -> bytes:
-    """Return the picture as PNG; ``curve`` (k, 2) is stroke [mm] and force [N]."""
+#: Where a figure is to be expected, None where nothing says so.
+Interval = tuple[float, float] | None
+
+
+def spotting(
+    mold: SpottedMold, curve: Array, title: str, sure: tuple[Interval, Interval] = (None, None)
+) -> bytes:
+    """Return the picture as PNG; ``curve`` (k, 2) is stroke [mm] and force [N], ``sure`` where the last of both are to
+    be expected."""
     target = io.BytesIO()
-    spotting_drawing(mold, curve, title).savefig(target, format="png", metadata={"Software": None})
+    spotting_drawing(mold, curve, title, sure).savefig(target, format="png", metadata={"Software": None})
     return target.getvalue()
 
 
-def spotting_drawing(mold: SpottedMold, curve: Array, title: str) -> Any:
+def spotting_drawing(
+    mold: SpottedMold, curve: Array, title: str, sure: tuple[Interval, Interval] = (None, None)
+) -> Any:
     """Return the picture: the male mold as blue paste would leave it, the gap's histogram, force over stroke."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -56,7 +66,7 @@ def spotting_drawing(mold: SpottedMold, curve: Array, title: str) -> Any:
     grid = GridSpec(2, 2, figure=figure, width_ratios=[1.55, 1.0])
     _plan(figure, figure.add_subplot(grid[:, 0]), mold)
     _histogram(figure.add_subplot(grid[0, 1]), mold)
-    _force(figure.add_subplot(grid[1, 1]), curve)
+    _force(figure.add_subplot(grid[1, 1]), curve, sure)
     figure.suptitle(title, fontsize=11)
     return figure
 
@@ -113,8 +123,9 @@ def _histogram(axes: Any, mold: SpottedMold) -> None:
     axes.set_ylabel("area [cm²]")
 
 
-def _force(axes: Any, curve: Array) -> None:
+def _force(axes: Any, curve: Array, sure: tuple[Interval, Interval]) -> None:
     axes.plot(curve[:, 0], curve[:, 1], color=_BLUE, marker=".", markersize=4)
+    draw_interval(axes, (curve[-1, 0], curve[-1, 1]), across=sure[0], force=sure[1], colour=_BLUE)
     axes.set_xlabel("stroke from first touch [mm]")
     axes.set_ylabel("closing force [N]")
     axes.grid(alpha=0.3)

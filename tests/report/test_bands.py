@@ -5,11 +5,12 @@ from __future__ import annotations
 import re
 from typing import Any
 
+import numpy as np
 import pytest
 
 from hyperfab.chapters.summary import paragraph
 from hyperfab.errors import InputError
-from hyperfab.report.bands import figure
+from hyperfab.report.bands import draw_interval, figure
 from hyperfab.report.page.compare import molds
 from hyperfab.report.page.parts import Chart, Source, Table
 from hyperfab.report.page.sections import build
@@ -97,3 +98,15 @@ def test_a_gap_is_told_at_the_temperature_of_the_molds(female: float, told: str)
         "reference_temperature_degC": 20.0, "male": {"temperature_degC": 25.0}, "female": {"temperature_degC": female},
     }  # fmt: skip
     assert any(told in line for line in paragraph(data))
+
+
+def test_bars_in_pictures_run_from_end_to_end_of_the_intervals() -> None:
+    from matplotlib.figure import Figure
+
+    axes = Figure().add_subplot()
+    draw_interval(axes, (2.0, 10.0), force=(8.5, 12.0), across=(1.5, 2.25), colour="black")
+    ends = [bars.get_segments()[0] for bars in axes.collections]
+    np.testing.assert_allclose(ends, [[[1.5, 10.0], [2.25, 10.0]], [[2.0, 8.5], [2.0, 12.0]]])
+    before = len(axes.collections)
+    draw_interval(axes, (2.0, 10.0), colour="black")
+    assert len(axes.collections) == before

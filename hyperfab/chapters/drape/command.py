@@ -21,6 +21,7 @@ from hyperfab.cloth import BeyondLaw, HeldNodeInside, Step
 from hyperfab.cloth.cascade import grid_sizes
 from hyperfab.cloth.net import FIXED
 from hyperfab.errors import InputError
+from hyperfab.report.bands import banded
 
 
 def run(job: Job, case: DrapeCase) -> int:
@@ -47,7 +48,7 @@ def run(job: Job, case: DrapeCase) -> int:
         )
         document.uncertainty = sure.uncertainty
     if out.wants_files:
-        files.write(out, model, found, {**sure.twins, **sure.handed})
+        files.write(out, model, found, sure, banded(document.to_json(), "force_N", "N"))
     job.write(out, document, case, thickness_mm=model.sheet.thickness)
     if document.converged:
         say(job, document)

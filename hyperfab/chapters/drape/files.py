@@ -10,6 +10,7 @@ from hyperfab.arrays import Array, Ints
 from hyperfab.chapters.drape.model import Model
 from hyperfab.chapters.drape.result import peak
 from hyperfab.chapters.drape.states import State
+from hyperfab.chapters.uncertainty.carry import Sure
 from hyperfab.cloth import Sheet
 from hyperfab.cloth.friction import SLIDES, STARTS, STICKS
 from hyperfab.io import vtu
@@ -31,16 +32,15 @@ HISTORY = (
 )
 
 
-def write(out: Output, model: Model, states: list[State], sure: Mapping[str, Array] = {}) -> None:
+def write(out: Output, model: Model, states: list[State], sure: Sure, force: str) -> None:
     """Queue the files: of the last state, and where several were asked for a field of each; the mold as it stands.
 
-    ``sure`` are standard deviations and derivatives of the last fields, where they are known, an entry a node, a
-    cell or a node's coordinate.
+    ``sure`` says how sure the last state's fields and force are, ``force`` what the press force is, in words.
     """
     sheet, max_stretch, last = model.sheet, model.case.max_stretch, states[-1]
     surface = model.files.placed.surface
     corners = surface.vertices + np.array(model.files.placed.standing(last.depth))
-    out.add(".vtu", field(sheet, last, max_stretch, sure))
+    out.add(".vtu", field(sheet, last, max_stretch, {**sure.twins, **sure.handed}))
     if len(states) > 1:
         names = []
         for number, state in enumerate(states, 1):
@@ -50,7 +50,7 @@ def write(out: Output, model: Model, states: list[State], sure: Mapping[str, Arr
         out.add(".pvd", vtu.collection([state.depth for state in states], names))
     out.add(".csv", history(states))
     out.add(".mold.stl", stl_bytes(corners, surface.faces))
-    out.add(".png", picture(sheet, states, (corners, surface.faces)))
+    out.add(".png", picture(sheet, states, (corners, surface.faces), force, sure.interval("force_N")))
 
 
 def field(sheet: Sheet, state: State, max_stretch: float | None, sure: Mapping[str, Array] = {}) -> bytes:
@@ -113,8 +113,15 @@ def history(states: list[State]) -> bytes:
     return csv_bytes(HISTORY, rows)
 
 
-def picture(sheet: Sheet, states: list[State], mold: tuple[Array, Ints]) -> bytes:
-    """The sheet draped on the mold (corners, facets), and on the flat sheet its stretch and what follows from it."""
+def picture(
+    sheet: Sheet,
+    states: list[State],
+    mold: tuple[Array, Ints],
+    force: str,
+    interval: tuple[float, float] | None,
+) -> bytes:
+    """The sheet draped on the mold (corners, facets), on the flat sheet its stretch and what follows from it, and the
+    ``force`` of the press, in words, with its ``interval`` where it is known."""
     from hyperfab.report.figures_drape import (
         Draped,
         drape_figure,
@@ -139,4 +146,6 @@ def picture(sheet: Sheet, states: list[State], mold: tuple[Array, Ints]) -> byte
             mold,
         ),
         [(0.0, 0.0), *((s.depth, s.fields.press_force) for s in states)] if len(states) > 1 else None,
+        force,
+        interval,
     )

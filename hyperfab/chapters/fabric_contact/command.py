@@ -119,7 +119,7 @@ def _write(
         from hyperfab.chapters.fabric_contact.picture import picture  # matplotlib takes a fifth of the start
 
         compared = (pair[0], difference) if difference is not None else None
-        out.add(".png", picture(_names(fabrics), outcomes, compared))
+        out.add(".png", picture(_names(fabrics), outcomes, compared, sure.interval("force_N")))
     job.write(out, found, case)
 
 

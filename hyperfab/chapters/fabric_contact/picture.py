@@ -13,15 +13,20 @@ from hyperfab.report.figures_contact import Curve, Surface, contact_figure
 
 
 def picture(
-    names: Sequence[str], outcomes: Sequence[Outcome], compared: tuple[Solved, Array] | None
+    names: Sequence[str],
+    outcomes: Sequence[Outcome],
+    compared: tuple[Solved, Array] | None,
+    interval: tuple[float, float] | None,
 ) -> bytes:
-    """Return force against depth, the first law's stress, and where the laws differ if they were ``compared``."""
+    """Return force against depth, the first law's stress, and where the laws differ if they were ``compared``;
+    ``interval`` is that of the first law's last force, where it is known."""
     curves = [
         Curve(
             name,
             [0.0] + [solved.state.depth for solved in outcome.solved],
             [0.0] + [solved.state.force for solved in outcome.solved],
             f"no equilibrium beyond {outcome.path.limit.depth:.1f} mm" if outcome.path.limit else None,
+            interval if outcome is outcomes[0] else None,
         )
         for name, outcome in zip(names, outcomes, strict=True)
     ]

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from hyperfab.arrays import Array
 from hyperfab.chapters.mold_heat.problem import Problem
 from hyperfab.chapters.mold_heat.production import pieces_csv
+from hyperfab.chapters.uncertainty.carry import Sure
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
 from hyperfab.io.vtu import collection, unstructured
@@ -22,14 +23,11 @@ from hyperfab.thermal.sensors import as_shown
 FRAMES, SERIES_BYTES = 40, 50e6
 
 
-def write_fields(
-    out: Output, problem: Problem, history: History, target: float | None, sure: Mapping[str, Array] = {}
-) -> None:
-    """Queue every sibling of the document; ``sure`` are standard deviation and derivatives of the last field, where
-    known."""
+def write_fields(out: Output, problem: Problem, history: History, target: float | None, sure: Sure) -> None:
+    """Queue every sibling of the document; ``sure`` says how sure the last field and the time of warm-up are."""
     last = history.states[-1]
     flux = problem.model.medium.flux(last.temperature)
-    final = _field(problem, last.temperature, flux, sure)
+    final = _field(problem, last.temperature, flux, {**sure.twins, **sure.handed})
     out.add(".vtu", final)
     if not history.ledger.entered:  # a steady state has no curves
         out.add(
@@ -62,8 +60,9 @@ def write_fields(
         mean = problem.work_surface.load(1.0) / problem.work_surface.area
         shown = {"work surface, mean": curve(history, mean, times), **shown}
     at = last if history.reached is None else history.states[history.reached]
-    when = f"{'at the end' if history.reached is None else 'at warm-up'}, {at.time / 60:.1f} min"
-    out.add(".png", heat_figure(*_work_surface(problem, at.temperature), shown, times, target, when))
+    warm = sure.interval("warmup_time_s")
+    title = f"{'at the end' if history.reached is None else 'at warm-up'}, {at.time / 60:.1f} min"
+    out.add(".png", heat_figure(*_work_surface(problem, at.temperature), shown, times, target, title, warm))
 
 
 def frame_count(size: int, final: int) -> int:

@@ -96,7 +96,7 @@ def run(job: Job, case: MoldCase) -> int:
         )
         result.uncertainty = sure.uncertainty
     if out.wants_files:
-        write_fields(out, problem, history, document.run.target, {**sure.twins, **sure.handed})
+        write_fields(out, problem, history, document.run.target, sure)
     job.write(out, result, case)
     return 0 if result.converged else NotConverged.exit_status
 

@@ -87,7 +87,6 @@ def run(job: Job, case: PressCase) -> int:
         advance(0.8, "pictures")
         if out.wants_files:
             out.add(".csv", curve_csv(told.curve))
-            out.add(".png", picture_of(told, result))
             if told.formed is not None:
                 out.add(".formed.png", formed_picture(told))
         if stl:
@@ -104,6 +103,7 @@ def run(job: Job, case: PressCase) -> int:
     result.uncertainty = sure.uncertainty
     if out.wants_files:
         out.add(".vtu", grid_of(told, sure.fields))
+        out.add(".png", picture_of(told, result, sure))
     job.write(out, result, case)
     return _judge(job, result, told.closed, case)
 

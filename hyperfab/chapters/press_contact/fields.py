@@ -10,10 +10,12 @@ from hyperfab.arrays import Array
 from hyperfab.chapters.press_contact.formed import part_of as formed_part
 from hyperfab.chapters.press_contact.nearby import ROOM
 from hyperfab.chapters.press_contact.press_result import PressResult
+from hyperfab.chapters.uncertainty.carry import Sure
 from hyperfab.documents.press import PressDocument
 from hyperfab.io import vtu
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.pressing.gap import vertex_areas
+from hyperfab.report.bands import banded
 
 _CURVE_HEADER = ("stroke_mm", "force_N", "pressed_area_mm2", "gap_min_mm", "energy_J")
 
@@ -82,8 +84,8 @@ def curve_csv(curve: Array) -> bytes:
     return csv_bytes(_CURVE_HEADER, list(curve))
 
 
-def picture_of(told: PressResult, document: PressDocument) -> bytes:
-    """Return the picture: the spotted male, the gap's histogram, force over stroke."""
+def picture_of(told: PressResult, document: PressDocument, sure: Sure) -> bytes:
+    """Return the picture: the spotted male, the gap's histogram, force over stroke, and how ``sure`` both are."""
     from hyperfab.report.figures_press import SpottedMold, spotting
 
     closed = told.closed
@@ -100,11 +102,12 @@ def picture_of(told: PressResult, document: PressDocument) -> bytes:
         thickness=document.sandwich_mm,
         axes=("xyz"[abs(int(turned[0]))], "xyz"[abs(int(turned[1]))]),
     )
+    data = document.to_json()
     title = (
-        f"touching {100 * document.contact_fraction:.1f} %, gap {document.gap_min_mm:.2f} to "
-        f"{document.gap_max_mm:.2f} mm, closing force {document.force_N:.3g} N"
+        f"touching {banded(data, 'contact_fraction', '%', 100.0, '.1f')}, gap {document.gap_min_mm:.2f} to "
+        f"{document.gap_max_mm:.2f} mm, closing force {banded(data, 'force_N', 'N', form='.3g')}"
     )
-    return spotting(mold, told.curve[:, :2], title)
+    return spotting(mold, told.curve[:, :2], title, (sure.interval("stroke_mm"), sure.interval("force_N")))
 
 
 def formed_picture(told: PressResult) -> bytes:

@@ -74,6 +74,11 @@ class Sure:
     fields: Mapping[str, Array] = dataclasses.field(default_factory=dict)
     handed: Mapping[str, Array] = dataclasses.field(default_factory=dict)
 
+    def interval(self, name: str) -> tuple[float, float] | None:
+        """Return where a figure is to be expected, None where nothing says so."""
+        band = None if self.uncertainty is None else self.uncertainty.quantities.get(name)
+        return None if band is None else (band.low, band.high)
+
     @property
     def twins(self) -> dict[str, Array]:
         """The standard deviations under the names they have beside their fields."""
