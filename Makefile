@@ -193,6 +193,7 @@ hunt: $(VENV)/dev
 coverage: $(VENV)/dev
 	PYTHONPATH=. $(BIN)/python -m trials.coverage 100
 	PYTHONPATH=. $(BIN)/python -m trials.coverage_force 400
+	PYTHONPATH=. $(BIN)/python -m trials.foretold 400
 	PYTHONPATH=. OMP_NUM_THREADS=1 $(BIN)/python -m trials.linear_heat
 	PYTHONPATH=. $(BIN)/python -m trials.unseen 3
 

@@ -45,7 +45,19 @@ one over the number of readings or specimens: that is what is foretold. The true
 |---|---|---|---|---|---|---|"""
 TAIL = """
 The caliper's error is stated, and what is foretold of it is met. The scatter of {first} specimens is known to half of
-itself only, one over the root of twice the degrees of freedom; so would be what is foretold of more of them."""
+itself only, one over the root of twice the degrees of freedom; so is what is foretold of more of them. 400 labs each
+that did draw them (`python -m trials.foretold`; a sphere's force, specimens that scatter by 3 %):
+
+| specimens | and then | sd that came over sd foretold, median | within 20 % | by chance alone |
+|---|---|---|---|---|
+| 3 | 8 | 1.08 | 36 % | 35 % |
+| 5 | 10 | 1.00 | 56 % | 56 % |
+| 8 | 16 | 1.03 | 70 % | 71 % |
+| 16 | 32 | 0.98 | 88 % | 87 % |
+| 30 | 60 | 1.00 | 93 % | 95 % |
+
+The budget's word is right in the middle, and as often within 20 % as what few specimens can know of their own scatter
+lets it be."""
 
 
 def curve(way: str, number: int) -> bytes:
