@@ -200,5 +200,5 @@ def test_a_membrane_is_asked_for_no_shear_beside_its_laws():
     assert shear.not_sought == "the law of a membrane has its own shear"
     assert not shear.forms
     names = ("prestretch", "weft more", "friction", "mass")
-    runs = places([Axis("law C10", 1.0, 0.3), *(Axis(name, 0.0, 1.0) for name in names)])
+    runs = places([Axis("law C10", 1.0, 0.3, mixes=False), *(Axis(name, 0.0, 1.0) for name in names)])
     assert {name for run in runs for name in run} == {"law C10", *names}

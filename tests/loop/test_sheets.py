@@ -117,7 +117,8 @@ def test_temperatures_row_by_row_are_those_of_files_of_their_own() -> None:
 
 def test_no_sheet_is_draped_beyond_the_reach_of_an_axis() -> None:
     """Shares of the reach, and on the other side of the base no further than the axis goes there."""
-    axes = [Axis("law warp", 1.0, 0.3, 0.3), Axis("depth", 0.0, 2.0, 2.0), Axis("prestretch", 0.0, 0.4, 0.1)]
+    axes = [Axis("law warp", 1.0, 0.3, 0.3, mixes=False), Axis("depth", 0.0, 2.0, 2.0, mixes=False)]
+    axes += [Axis("prestretch", 0.0, 0.4, 0.1)]
     axes += [
         Axis("weft more", 0.0, 0.4, 0.4),
         *(Axis(name, 0.0, 1.0) for name in ("shear", "mass", "friction")),
