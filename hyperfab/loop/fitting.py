@@ -15,6 +15,13 @@ from hyperfab.loop.problem import Constant, Form, Problem, split
 #: A step is accepted as the last one where it lowers chi-squared by less than this share, or this much; coarser where
 #: fits are only compared: the gain is then below a tenth of what one constant has to earn.
 _SHARE, _AMOUNT, _COARSE = 1e-5, 2e-3, 0.3
+#: Damping a descent begins with, how often it is raised by ten before no step is thought to lower the misfit, and the
+#: share of what was foretold that a step has to bring for the next one to trust the same slopes.
+_DAMPING, _TRIES, _FORESEEN = 1e-4, 8, 0.25
+#: Where the second derivative along a step is read, as a share of it; a bend beside it is at most so long.
+_NEAR, _BENT = 0.1, 0.75
+#: Steps from each of several starts.
+_FEW = 5
 #: How steep the wall is before constants that no material has, in units of what the model misses by.
 _WALL = 1e4
 
@@ -86,112 +93,214 @@ def fit(
     iterations: int = 30,
     coarse: bool = False,
 ) -> Fit:
-    """Fit all constants to ``data`` (the measured values by default) from ``start``, Levenberg-Marquardt.
+    """Fit all constants to ``data`` (the measured values by default) from ``start``: a whole ``Descent``."""
+    if data is not None:
+        return Descent(problem, noise, forms, start, data=data, coarse=coarse).advance(iterations).fit(noise)
+    return descent(problem, noise, forms, [start], iterations=iterations, coarse=coarse).fit(noise)
+
+
+def descent(
+    problem: Problem,
+    noise: Noise,
+    forms: Mapping[str, Form],
+    starts: Sequence[Sequence[float] | Array],
+    *,
+    iterations: int = 30,
+    coarse: bool = False,
+) -> Descent:
+    """Return the descent from that of several starts that leads on, each made once for a problem.
+
+    The same fits are asked for again where all that changes is what readings of one specimen have in common.
+    """
+    names = tuple((effect, form.name) for effect, form in forms.items())
+    begins = tuple(np.asarray(start, dtype=np.float64).tobytes() for start in starts)
+    key = (names, begins, hash(noise.sd.tobytes()), iterations, coarse)
+    if key not in problem.descents:
+        # A few steps from each start tell which of them leads on.
+        tries = [Descent(problem, noise, forms, start, coarse=coarse) for start in starts]
+        if len(tries) > 1:
+            tries = [one.advance(_FEW) for one in tries]
+        problem.descents[key] = min(tries, key=lambda one: one.cost).advance(iterations)
+    found: Descent = problem.descents[key]
+    return found
+
+
+class Descent:
+    """A fit under way, by Levenberg and Marquardt: where it is, and what is known there.
 
     Priors pull towards the constants' values; bounds hold by projection, what is forbidden by a wall. The fit weighs
     rows by their standard deviations alone: in a metric that forgives each specimen its stiffness, a wrong model would
     drift off the data. What is left is then given in the full metric of the noise. ``coarse`` stops where what can
     still be gained no longer matters in a comparison.
     """
-    constants = [*problem.own, *(constant for form in forms.values() for constant in form.constants)]
-    low, high = _column(constants, "low"), _column(constants, "high")
-    scale, prior_sd = _column(constants, "scale"), _column(constants, "prior_sd")
-    centre = _column(constants, "value")
-    weight = np.where(np.isfinite(prior_sd), 1.0 / prior_sd**2, 0.0)
-    target = problem.measured if data is None else data
-    own = len(problem.own)
-    full, noise = noise, noise.plain
 
-    def predict(x: Array) -> Array:
-        return problem.predict(x[:own], split(x[own:], forms))
+    def __init__(
+        self,
+        problem: Problem,
+        noise: Noise,
+        forms: Mapping[str, Form],
+        start: Sequence[float] | Array,
+        *,
+        data: Array | None = None,
+        coarse: bool = False,
+    ) -> None:
+        constants = [*problem.own, *(constant for form in forms.values() for constant in form.constants)]
+        self.problem, self.plain, self.forms = problem, noise.plain, forms
+        self.low, self.high = _column(constants, "low"), _column(constants, "high")
+        self.scale, prior_sd = _column(constants, "scale"), _column(constants, "prior_sd")
+        self.centre, self.own = _column(constants, "value"), len(problem.own)
+        self.weight = np.where(np.isfinite(prior_sd), 1.0 / prior_sd**2, 0.0)
+        self.target = problem.measured if data is None else data
+        self.coarse, self.damping = coarse, _DAMPING
+        self.x = np.clip(np.asarray(start, dtype=np.float64), self.low, self.high)
+        self.value, self.left, self.misfit = self._answer(self.x)
+        if not np.isfinite(self.misfit):
+            self.x = self.centre.copy()
+            self.x[: self.own] = np.asarray(start, dtype=np.float64)[: self.own]
+            self.value, self.left, self.misfit = self._answer(self.x)
+        self.ended = not np.isfinite(self.misfit)
+        self.prior = self.weight if self.ended else self._holds()
+        self.outside = np.zeros(0) if self.ended else self._beyond(self.x)
+        self.jacobian = np.empty((0, len(self.x)))
+        #: Whether the Jacobian may serve the next step, and whether it was asked for where the descent is.
+        self.serves = self.exact = False
+        #: Whether the last step brought what its slopes foretold.
+        self.straight = True
 
-    def state(x: Array) -> tuple[Array, Array, float]:
-        value = predict(x)
+    @property
+    def cost(self) -> float:
+        """Chi-squared with the priors, infinite where the model has no prediction."""
+        return self.misfit + float(self.prior @ (self.x - self.centre) ** 2)
+
+    def advance(self, steps: int) -> Descent:
+        """Go on by so many steps, or to the end."""
+        for _ in range(steps):
+            if self.ended:
+                break
+            self._advance()
+        return self
+
+    def fit(self, noise: Noise) -> Fit:
+        """Return the model as it is fitted so far, in the full metric of the ``noise``."""
+        forms, x, value = dict(self.forms), self.x, self.value
+        if not np.isfinite(self.misfit):
+            empty, far = np.zeros((len(value), len(x))), np.full_like(value, np.inf)
+            return Fit(
+                forms, x, value, far, empty, np.diag(self.weight), np.inf, np.inf, self.weight, self.own
+            )
+        if not self.exact:
+            self._ask()
+        left, jacobian = self.left, self.jacobian
+        if noise.gain_sd or noise.correlation:
+            full = noise.at(value)
+            left = full.whiten(self.target - value)
+            jacobian = full.whiten(jacobian * self.plain.sd[:, None])
+        precision = jacobian.T @ jacobian + np.diag(self.prior)
+        chi2 = float(left @ left)
+        return Fit(forms, x, value, left, jacobian, precision, chi2, self.cost, self.prior, self.own)
+
+    def _advance(self) -> None:
+        """Take a step: by slopes asked for, or by those of the step before as it has changed them.
+
+        That asks for no prediction (Broyden 1965, doi:10.1090/S0025-5718-1965-0198670-6), and serves as long as a step
+        brings what it foretold. A descent ends by slopes that were asked for.
+        """
+        if not self.serves:
+            self._ask()
+        x, jacobian = self.x, self.jacobian
+        self.prior = self._holds()
+        wall = _WALL**2 * max(self.misfit / len(self.left), 1.0)
+        cost = self.cost + wall * float(self.outside @ self.outside)
+        gradient = jacobian.T @ self.left - self.prior * (x - self.centre)
+        normal = jacobian.T @ jacobian + np.diag(self.prior)
+        if np.any(self.outside > 0.0):
+            slope = self._slopes_beyond()
+            gradient = gradient - wall * slope.T @ self.outside
+            normal = normal + wall * slope.T @ slope
+        held = ((x <= self.low) & (gradient < 0.0)) | ((x >= self.high) & (gradient > 0.0))
+        size = np.diag(normal) + 1e-12 / self.scale**2
+        for _ in range(_TRIES if self.exact else 1):
+            step = _step(normal, size, gradient, self.damping, x, self.low, self.high, ~held)
+            if self.exact and (self.damping > _DAMPING or not self.straight):
+                step = step + self._bend(step, normal, size, held)
+            trial = np.clip(x + step, self.low, self.high)
+            value, left, misfit = self._answer(trial)
+            outside = self._beyond(trial)
+            gained = cost - misfit - float(self.prior @ (trial - self.centre) ** 2)
+            gained -= wall * float(outside @ outside)
+            if gained > 0.0:
+                break
+            if self.exact:
+                self.damping = max(self.damping, 1e-6) * 10.0
+        else:
+            self.ended, self.serves, self.straight = self.exact, False, False
+            return
+        small = gained < _SHARE * cost + _AMOUNT
+        # In units of what is left: a misfit counts as noise.
+        small = small or (self.coarse and gained < _COARSE * max(misfit / len(left), 1.0))
+        # A step that a bound cuts short is not the end: the next one goes along the bound.
+        cut = bool(np.any(trial != x + step)) and not np.array_equal(trial, x)
+        went, told = trial - x, self.left - left
+        foretold = 2.0 * float(gradient @ went) - float(went @ normal @ went)
+        self.straight = abs(gained - foretold) < _FORESEEN * foretold
+        self.x, self.value, self.left, self.misfit, self.outside = trial, value, left, misfit, outside
+        self.damping = max(self.damping / 10.0, 1e-9)
+        self.ended = small and self.exact and not cut
+        self.serves = self.straight and not small and not cut
+        if self.ended or self.serves:
+            along = size * went
+            self.jacobian = jacobian + np.outer(told - jacobian @ went, along / float(along @ went))
+        self.exact = self.ended
+
+    def _bend(self, step: Array, normal: Array, size: Array, held: NDArray[np.bool_]) -> Array:
+        """Return what a step along a curved valley has to be bent by: half the geodesic acceleration.
+
+        Transtrum & Sethna (2012), arXiv:1201.5885: from the second derivative along the step, one prediction more.
+        """
+        near = np.clip(self.x + _NEAR * step, self.low, self.high)
+        _, left, misfit = self._answer(near)
+        if not np.isfinite(misfit):
+            return np.zeros_like(step)
+        second = 2.0 / _NEAR * ((self.left - left) / _NEAR - self.jacobian @ ((near - self.x) / _NEAR))
+        bend = 0.5 * _step(
+            normal, size, -self.jacobian.T @ second, self.damping, self.x, self.low, self.high, ~held
+        )
+        far = float(size @ bend**2) > _BENT**2 * float(size @ step**2)
+        return np.zeros_like(step) if far else bend
+
+    def _answer(self, x: Array) -> tuple[Array, Array, float]:
+        """Return the prediction, what it leaves in units of the noise, and chi-squared."""
+        value = self.problem.predict(x[: self.own], split(x[self.own :], self.forms))
         if not np.all(np.isfinite(value)):
             return value, value, np.inf
         # A model that has run away misses by more than a number can hold: infinitely.
         with np.errstate(over="ignore"):
-            left = noise.whiten(target - value)
+            left = self.plain.whiten(self.target - value)
             return value, left, float(left @ left)
 
-    def beyond(x: Array) -> Array:
-        return np.array(list(problem.forbidden(x[:own], split(x[own:], forms)).values()))
+    def _ask(self) -> None:
+        """Ask for the slopes where the descent is, by one-sided differences."""
+        self.jacobian = _jacobian(
+            self.problem, self.forms, self.x, self.value, self.scale, self.low, self.high, self.plain
+        )
+        self.serves = self.exact = True
 
-    def slopes(x: Array, outside: Array) -> Array:
+    def _beyond(self, x: Array) -> Array:
+        """Return by how much the constants are forbidden ones, (k,)."""
+        return np.array(
+            list(self.problem.forbidden(x[: self.own], split(x[self.own :], self.forms)).values())
+        )
+
+    def _slopes_beyond(self) -> Array:
         """Return how what is forbidden (k,) changes with each constant, (k, constants)."""
-        if not np.any(outside > 0.0):
-            return np.zeros((len(outside), len(x)))
-        step = 1e-5 * np.maximum(np.abs(x), scale)
-        moved = np.stack([beyond(x + step[i] * np.eye(len(x))[i]) - outside for i in range(len(x))], axis=1)
-        return np.asarray(moved / step) * (outside > 0.0)[:, None]
+        step = 1e-5 * np.maximum(np.abs(self.x), self.scale)
+        moved = [self._beyond(self.x + one) - self.outside for one in np.diag(step)]
+        return np.asarray(np.stack(moved, axis=1) / step) * (self.outside > 0.0)[:, None]
 
-    def holds(left: Array) -> Array:
+    def _holds(self) -> Array:
+        """Return the weight of each prior."""
         # While the model is wrong its misfit counts as noise: else a wrong model would break what is known before.
-        return weight * max(float(left @ left) / len(left), 1.0)
-
-    x = np.clip(np.asarray(start, dtype=np.float64), low, high)
-    value, left, misfit = state(x)
-    if not np.isfinite(misfit):
-        x = centre.copy()
-        x[:own] = np.asarray(start, dtype=np.float64)[:own]
-        value, left, misfit = state(x)
-    if not np.isfinite(misfit):
-        return _nowhere(forms, x, value, weight, own)
-    jacobian = _jacobian(problem, forms, x, value, scale, low, high, noise)
-    damping = 1e-4
-    prior = holds(left)
-    outside = beyond(x)
-    for _ in range(iterations):
-        prior = holds(left)
-        wall = _WALL**2 * max(misfit / len(left), 1.0)
-        cost = misfit + float(prior @ (x - centre) ** 2) + wall * float(outside @ outside)
-        gradient = jacobian.T @ left - prior * (x - centre)
-        normal = jacobian.T @ jacobian + np.diag(prior)
-        if np.any(outside > 0.0):
-            slope = slopes(x, outside)
-            gradient = gradient - wall * slope.T @ outside
-            normal = normal + wall * slope.T @ slope
-        held = ((x <= low) & (gradient < 0.0)) | ((x >= high) & (gradient > 0.0))
-        size = np.diag(normal) + 1e-12 / scale**2
-        moved = False
-        for _ in range(8):
-            step = _step(normal, size, gradient, damping, x, low, high, ~held)
-            trial = np.clip(x + step, low, high)
-            new_value, new_left, new_misfit = state(trial)
-            new_outside = beyond(trial)
-            new_cost = new_misfit + float(prior @ (trial - centre) ** 2)
-            new_cost += wall * float(new_outside @ new_outside)
-            if new_cost < cost:
-                moved = True
-                break
-            damping = max(damping, 1e-6) * 10.0
-        if not moved:
-            break
-        small = cost - new_cost < _SHARE * cost + _AMOUNT
-        # In units of what is left: a misfit counts as noise.
-        small = small or (coarse and cost - new_cost < _COARSE * max(new_misfit / len(left), 1.0))
-        # A step that a bound cuts short is not the end: the next one goes along the bound.
-        cut = bool(np.any(trial != x + step)) and not np.array_equal(trial, x)
-        x, value, left, misfit, outside = trial, new_value, new_left, new_misfit, new_outside
-        jacobian = _jacobian(problem, forms, x, value, scale, low, high, noise)
-        damping = max(damping / 10.0, 1e-9)
-        if small and not cut:
-            break
-    if full.gain_sd or full.correlation:
-        full = full.at(value)
-        left, jacobian = full.whiten(target - value), full.whiten(jacobian * noise.sd[:, None])
-    return Fit(
-        forms=dict(forms),
-        x=x,
-        predicted=value,
-        residual=left,
-        jacobian=jacobian,
-        precision=jacobian.T @ jacobian + np.diag(prior),
-        chi2=float(left @ left),
-        cost=misfit + float(prior @ (x - centre) ** 2),
-        prior=prior,
-        own=own,
-    )
+        return self.weight * max(float(self.left @ self.left) / len(self.left), 1.0)
 
 
 def _step(
@@ -237,13 +346,6 @@ def least_misfits(problem: Problem, metrics: Sequence[Noise], found: Fit) -> Arr
         step = np.linalg.lstsq(columns, left, rcond=1e-9)[0]
         misfits.append(float(left @ left - (columns @ step) @ (columns @ step)))
     return np.array(misfits)
-
-
-def _nowhere(forms: Mapping[str, Form], x: Array, value: Array, weight: Array, own: int) -> Fit:
-    """Return the fit of a model that has no prediction at ``x``: infinitely bad."""
-    empty = np.zeros((len(value), len(x)))
-    far = np.full_like(value, np.inf)
-    return Fit(dict(forms), x, value, far, empty, np.diag(weight), np.inf, np.inf, weight, own)
 
 
 def _column(constants: Sequence[Constant], name: str) -> Array:

@@ -187,6 +187,8 @@ class Problem(ABC):
     stated_sd: Array | None = None
     nuisance: Array | None = None
     units: tuple[str, ...] = ("",)
+    #: Fits that were made, see ``fitting.descent``.
+    descents: dict[Any, Any] = field(default_factory=dict, init=False, repr=False)
     #: Entries of which the forms that refine them are tried too, for the first term.
     rich: ClassVar[int] = 3
     #: Whether the own constants are known so well that fits start there too, and models that leave it pay for that.

@@ -9,7 +9,7 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.loop.candidate import Candidate, Evidence
-from hyperfab.loop.fitting import Fit, fit, inverse
+from hyperfab.loop.fitting import Fit, descent, fit, inverse
 from hyperfab.loop.heldout import help_of
 from hyperfab.loop.judge import correlation_time, prior_misfit, scaled_chi2
 from hyperfab.loop.noise import Noise, with_misfit
@@ -19,8 +19,6 @@ from hyperfab.loop.thresholds import MARGIN, WRONG
 
 #: Refinements of the terms of a model that leaves much.
 _STEPS = 4
-#: Steps from each of several starts.
-_FEW = 5
 #: Forms of an entry that are tried, and entries of which the forms that refine them are tried too.
 _FORMS, _RICH = 3, 3
 
@@ -252,13 +250,7 @@ class Search:
             # A model that lacks much drifts far from what is known; the way back is long.
             own = [constant.value for constant in self.problem.own]
             starts += [np.concatenate([own, start[len(own) :]]) for start in starts]
-        if len(starts) > 1:
-            # A few steps from each start tell which of them leads on.
-            tries = [
-                fit(self.problem, self.noise, forms, start, iterations=_FEW, coarse=True) for start in starts
-            ]
-            starts = [min(tries, key=lambda one: one.cost).x]
-        best = fit(self.problem, self.noise, forms, starts[0], coarse=True)
+        best = descent(self.problem, self.noise, forms, starts, coarse=True).fit(self.noise)
         if not np.isfinite(best.chi2):
             return None
         self._fits[key] = best

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from itertools import pairwise
 
 import numpy as np
+import pytest
 from scipy.optimize import lsq_linear
 
 from hyperfab.arrays import Array
@@ -47,3 +48,47 @@ def test_one_test_that_misses_is_not_lost_among_those_that_do_not() -> None:
     assert not judge(problem, noise, fit(problem, noise, {}, [0.0]), []).is_noise
     even = posed(left * np.sqrt(80.0) / np.linalg.norm(left), 1.0, 1)
     assert judge(even, noise, fit(even, noise, {}, [0.0]), []).p_lack_of_fit > 0.05
+
+
+class Rational(Problem):
+    """Kowalik and Osborne's rational function of two quadratics, and how often it was asked for."""
+
+    asked = 0
+    places = np.array([4.0, 2.0, 1.0, 0.5, 0.25, 0.167, 0.125, 0.1, 0.0833, 0.0714, 0.0625])
+
+    def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
+        """Return its values."""
+        self.asked += 1
+        x = self.places
+        return np.asarray(own[0] * (x**2 + x * own[1]) / (x**2 + x * own[2] + own[3]))
+
+
+def rational() -> Rational:
+    """Return the problem MGH09 of NIST's Statistical Reference Datasets: a long curved valley."""
+    read = [0.1957, 0.1947, 0.1735, 0.16, 0.0844, 0.0627, 0.0456, 0.0342, 0.0323, 0.0235, 0.0246]
+    own = tuple(Constant(f"b{k}", 0.0, scale=0.1) for k in range(1, 5))
+    return Rational(np.array(read), (Curve("t", 0, 11, np.arange(11.0)),), own, ())
+
+
+SMALL = Noise(np.full(11, 1e-4), np.inf, "known")
+
+
+@pytest.mark.parametrize("start", [[25.0, 39.0, 41.5, 39.0], [0.25, 0.39, 0.415, 0.39]])
+def test_a_fit_finds_the_certified_end_of_a_curved_valley(start: list[float]) -> None:
+    found = fit(rational(), SMALL, {}, start)
+    certified = [1.9280693458e-01, 1.9128232873e-01, 1.2305650693e-01, 1.3606233068e-01]
+    assert found.chi2 * 1e-8 == pytest.approx(3.0750560385e-04, rel=1e-5)
+    assert found.x == pytest.approx(certified, rel=5e-3)
+    deviation = [1.1435312227e-02, 1.9633220911e-01, 8.0842031232e-02, 9.0025542308e-02]
+    assert found.sd * np.sqrt(found.chi2 / 7) == pytest.approx(deviation, rel=5e-3)
+
+
+def test_a_fit_is_made_once_though_specimens_scatter_more() -> None:
+    problem = rational()
+    once = fit(problem, SMALL, {}, [0.25, 0.39, 0.415, 0.39])
+    asked = problem.asked
+    wider = Noise(SMALL.sd, np.inf, "known", gain_sd=0.05, groups=(np.arange(11),), measured=problem.measured)
+    again = fit(problem, wider, {}, [0.25, 0.39, 0.415, 0.39])
+    assert problem.asked == asked
+    assert np.array_equal(again.x, once.x)
+    assert again.chi2 < once.chi2
