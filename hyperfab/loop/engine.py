@@ -21,7 +21,16 @@ from hyperfab.loop.noise import Noise, estimate_noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.replicates import replicates
 from hyperfab.loop.search import Search
-from hyperfab.loop.thresholds import AS_SEEN, EXPLAINED, MARGIN, MOST_SCATTER, ONE_CLOTH, SMALL
+from hyperfab.loop.thresholds import (
+    AS_SEEN,
+    EXPLAINED,
+    FEWEST_TOGETHER,
+    MARGIN,
+    MOST_SCATTER,
+    ONE_CLOTH,
+    SMALL,
+    TEST_NOISE,
+)
 
 #: Terms added at most, and models carried along at each number of terms.
 _DEPTH, _BEAM = 3, 2
@@ -106,7 +115,7 @@ def close(
             rides_on=dependence(after.fit.residual[first], states), suggestion=hint, belief=sure_of(),
         )  # fmt: skip
 
-    if before.judgement.is_noise:
+    if before.judgement.is_noise or _no_more_than_noise(before):
         return finding("noise", before, {}, {})
     best, tried = _grow(search, before)
     best = _pruned(search, best)
@@ -151,6 +160,19 @@ def close(
         measurements=measurements,
         belief=sure_of(),
     )
+
+
+def _no_more_than_noise(base: Candidate) -> bool:
+    """Whether what is left is no more in size than the noise, of each test too, though its order may not be chance's.
+
+    How large the noise is nobody knows so well that a name could rest on less.
+    """
+    left = [
+        base.fit.residual[curve.rows]
+        for curve in base.problem.curves
+        if curve.stop - curve.start >= FEWEST_TOGETHER and not curve.beforehand
+    ]
+    return base.judgement.structured == 0.0 and all(np.mean(one**2) <= TEST_NOISE**2 for one in left)
 
 
 def _grow(search: Search, base: Candidate) -> tuple[Candidate, dict[str, Evidence]]:

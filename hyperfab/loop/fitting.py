@@ -15,8 +15,8 @@ from hyperfab.loop.problem import Constant, Form, Problem, split
 #: A step is accepted as the last one where it lowers chi-squared by less than this share, or this much; coarser where
 #: fits are only compared: the gain is then below a tenth of what one constant has to earn.
 _SHARE, _AMOUNT, _COARSE = 1e-5, 2e-3, 0.3
-#: Damping a descent begins with, how often it is raised by ten before no step is thought to lower the misfit, and the
-#: share of what was foretold that a step has to bring for the next one to trust the same slopes.
+#: Damping a descent begins with (where it takes more the valley is curved), how often it is raised by ten before no
+#: step is thought to lower the misfit, and by what share a step may miss what was foretold for its slopes to serve on.
 _DAMPING, _TRIES, _FORESEEN = 1e-4, 8, 0.25
 #: Where the second derivative along a step is read, as a share of it; a bend beside it is at most so long.
 _NEAR, _BENT = 0.1, 0.75
@@ -164,8 +164,6 @@ class Descent:
         self.jacobian = np.empty((0, len(self.x)))
         #: Whether the Jacobian may serve the next step, and whether it was asked for where the descent is.
         self.serves = self.exact = False
-        #: Whether the last step brought what its slopes foretold.
-        self.straight = True
 
     @property
     def cost(self) -> float:
@@ -221,7 +219,7 @@ class Descent:
         size = np.diag(normal) + 1e-12 / self.scale**2
         for _ in range(_TRIES if self.exact else 1):
             step = _step(normal, size, gradient, self.damping, x, self.low, self.high, ~held)
-            if self.exact and (self.damping > _DAMPING or not self.straight):
+            if self.exact and self.damping > _DAMPING:
                 step = step + self._bend(step, normal, size, held)
             trial = np.clip(x + step, self.low, self.high)
             value, left, misfit = self._answer(trial)
@@ -233,7 +231,7 @@ class Descent:
             if self.exact:
                 self.damping = max(self.damping, 1e-6) * 10.0
         else:
-            self.ended, self.serves, self.straight = self.exact, False, False
+            self.ended, self.serves = self.exact, False
             return
         small = gained < _SHARE * cost + _AMOUNT
         # In units of what is left: a misfit counts as noise.
@@ -242,18 +240,17 @@ class Descent:
         cut = bool(np.any(trial != x + step)) and not np.array_equal(trial, x)
         went, told = trial - x, self.left - left
         foretold = 2.0 * float(gradient @ went) - float(went @ normal @ went)
-        self.straight = abs(gained - foretold) < _FORESEEN * foretold
         self.x, self.value, self.left, self.misfit, self.outside = trial, value, left, misfit, outside
         self.damping = max(self.damping / 10.0, 1e-9)
         self.ended = small and self.exact and not cut
-        self.serves = self.straight and not small and not cut
+        self.serves = abs(gained - foretold) < _FORESEEN * foretold and not small and not cut
         if self.ended or self.serves:
             along = size * went
             self.jacobian = jacobian + np.outer(told - jacobian @ went, along / float(along @ went))
         self.exact = self.ended
 
     def _bend(self, step: Array, normal: Array, size: Array, held: NDArray[np.bool_]) -> Array:
-        """Return what a step along a curved valley has to be bent by: half the geodesic acceleration.
+        """Return what a damped step is bent by to follow a curved valley: half the geodesic acceleration.
 
         Transtrum & Sethna (2012), arXiv:1201.5885: from the second derivative along the step, one prediction more.
         """

@@ -370,3 +370,22 @@ def test_many_readings_that_are_met_do_not_hide_a_kind_that_is_missed() -> None:
     first = problem.channel == 0
     missed = float(np.sqrt(np.mean(base.fit.residual[first] ** 2) - 1.0))
     assert both.structured > 0.9 * missed
+
+
+@pytest.mark.parametrize(
+    ("softer", "hot", "sd", "said"),
+    [(0.05, 4, 0.008, True), (0.05, 4, 0.0096, False), (0.2, 1, 0.0135, True)],
+)
+def test_nothing_is_named_that_is_no_more_in_size_than_the_noise(
+    softer: float, hot: int, sd: float, said: bool
+) -> None:
+    """Twelve pulls, some of them hot: more than the noise, less than one stated too high, one test that misses."""
+    tests = []
+    for k in range(12):
+        gain, degrees = (1.0 - softer, 80) if k < hot else (1.0, 20)
+        given = {"rows": 150, "seed": k, "noise": 0.008, "reach": 0.8, "degrees": degrees, "name": f"{k}"}
+        tests.append(pulled(lambda l, g=gain: g * rubber(l), **given))  # type: ignore[arg-type]
+    found = close(posed(tests), noise=sd, design=False)
+    assert not found.before.judgement.is_noise
+    assert ("thermal-softening" in found.after.ids) == said
+    assert said or found.verdict == "noise"
