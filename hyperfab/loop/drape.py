@@ -140,19 +140,17 @@ class DrapeProblem(Problem):
 
 def settings_of(draped: Draped, own: Array, amounts: Mapping[str, float]) -> Array:
     """Return the emulator's settings for factors of the law and the depth's offset (last), and what effects add."""
-    ratio = dict(zip(draped.names, (float(v) for v in own), strict=False))
-    given = {axis.name: 0.0 for axis in draped.kriged.axes if not axis.name.startswith("law ")}
-    given |= {"depth": float(own[-1]), **amounts}
+    count = len(draped.names)
+    law, axes = np.array(own[:count], dtype=np.float64), draped.kriged.axes[count:]
+    added = {axis.name: 0.0 for axis in axes} | {"depth": float(own[-1]), **amounts}
     if draped.carried is not None:
-        stiffness = [ratio[name] for name, scales in zip(draped.names, draped.scales, strict=True) if scales]
-        factor = float(np.exp(np.mean(np.log(stiffness)))) if stiffness else 1.0
-        ratio = {name: ratio[name] / factor if scales else ratio[name]
-                 for name, scales in zip(draped.names, draped.scales, strict=True)}  # fmt: skip
+        stresses = np.array(draped.scales)
+        factor = float(np.exp(np.mean(np.log(law[stresses])))) if stresses.any() else 1.0
+        law[stresses] /= factor
         for name, had in zip(("shear", "mass"), draped.carried, strict=True):
-            if name in given:
-                given[name] = (had + given[name]) / factor - had
-    return np.array([given[a.name] if a.name in given else ratio[a.name.removeprefix("law ")]
-                     for a in draped.kriged.axes])  # fmt: skip
+            if name in added:
+                added[name] = (had + added[name]) / factor - had
+    return np.array([*law, *(added[axis.name] for axis in axes)])
 
 
 def at_markers(draped: Draped, flat: Array) -> tuple[Array, Array]:

@@ -104,7 +104,8 @@ def test_a_drape_with_effects_rests_where_hf_drape_lays_it(
     steps = ["--load-steps", "10"] if "friction" in settings else []
     case = options.read(DrapeCase, [*words, *given])
     document = parse_document(FABRIC, "fabric.json", MaterialDocument)
-    thought = Draped(quiet("close-loop"), case, document).nodes(settings)
+    forward = Draped(quiet("close-loop"), case, document)
+    thought = forward.nodes(np.ones(len(forward.names)), settings)
     written = options.read(DrapeCase, [*options.words(drape_applied(case, settings)), *steps])
     model = model_of(written, read_files(quiet("drape"), written))
     state = list(at_depths(model, lambda depth, step: None))[-1]

@@ -135,6 +135,10 @@ class Forward:
 
     def __init__(self, job: Job, case: DrapeCase, material: MaterialDocument | None) -> None:
         self.case, self.material = case, material
+        # Laws that came straight from tests are scaled along warp and weft.
+        self.names, self.scales = (
+            (("warp", "weft"), (True, True)) if material is None else linear_of(material)
+        )
         # What the files are warned of was said when the document was made.
         self.job = replace(job, console=Listener())
         self.files = read_files(self.job, case)
@@ -143,10 +147,10 @@ class Forward:
         share = min(1.0, (_NODES - 1) / (max(n, m) - 1))
         self.grid = max(round((n - 1) * share) + 1, 5), max(round((m - 1) * share) + 1, 5)
 
-    def model(self, settings: Mapping[str, float], grid: tuple[int, int] | None = None) -> Model:
-        """Return the model with relative constants of the laws and added effects."""
-        case = replace(drape_applied(self.case, settings), grid=grid or self.grid, load_steps=None)
-        ratios = {key.removeprefix("law "): v for key, v in settings.items() if key.startswith("law ")}
+    def model(self, law: Array, added: Mapping[str, float], grid: tuple[int, int] | None = None) -> Model:
+        """Return the model with relative constants of the laws, in the order of ``names``, and added effects."""
+        case = replace(drape_applied(self.case, added), grid=grid or self.grid, load_steps=None)
+        ratios = {name: float(ratio) for name, ratio in zip(self.names, law, strict=True)}
         files = self.files
         if self.material is not None and any(v != 1.0 for v in ratios.values()):
             changed = dump_json(scaled_material(self.material, ratios).to_json())
@@ -154,15 +158,15 @@ class Forward:
             files = replace(files, fabric=read_fabric(replace(self.job, inputs=inputs), case))
         elif self.material is None:
             warp, weft = (
-                replace(law, pieces=law.pieces * ratios.get(way, 1.0))
-                for way, law in (("warp", self.sheet.warp), ("weft", self.sheet.weft))
+                replace(thread, pieces=thread.pieces * ratios[way])
+                for way, thread in (("warp", self.sheet.warp), ("weft", self.sheet.weft))
             )
             files = replace(files, fabric=replace(files.fabric, warp=warp, weft=weft))
         return model_of(case, files)
 
-    def nodes(self, settings: Mapping[str, float], grid: tuple[int, int] | None = None) -> Array:
+    def nodes(self, law: Array, added: Mapping[str, float], grid: tuple[int, int] | None = None) -> Array:
         """Return where the nodes (n, m, 3) rest; NotConverged where there is no equilibrium."""
-        model = self.model(settings, grid)
+        model = self.model(law, added, grid)
         rise = model.case.wanted[-1]
         try:
             if model.case.has_friction:
@@ -208,20 +212,20 @@ class Forward:
         )
 
     def at(self, axes: Sequence[Setting], settings: Array) -> Array:
-        """Return the nodes (3 n m,) at settings of the axes."""
-        return self.nodes({axis.name: float(v) for axis, v in zip(axes, settings, strict=True)}).ravel()
+        """Return the nodes (3 n m,) at settings of the axes: those of the laws' constants stand first."""
+        count = len(self.names)
+        added = {axis.name: float(v) for axis, v in zip(axes[count:], settings[count:], strict=True)}
+        return self.nodes(settings[:count], added).ravel()
 
 
 def pose_sheet(forward: Forward, tick: Callable[[float], None]) -> Draped:
     """Drape the sheet at chosen settings of its constants and effects, and return what stands for it."""
-    material, sheet = forward.material, forward.sheet
-    # Laws that came straight from tests are scaled along warp and weft.
-    names, scales = (("warp", "weft"), (True, True)) if material is None else linear_of(material)
+    sheet, plain = forward.sheet, np.ones(len(forward.names))
     # A modulus of the threads sets the scale of what resists shear, and of the weight that shows.
     modulus = float(np.mean([float(law(1.001)[2][0]) for law in (sheet.warp, sheet.weft)]))
     heavy = _SAG * modulus * sheet.thickness / (GRAVITY * 1e-9 * max(sheet.size))
     down = min(max(min(sheet.prestretch) - 1.0, 0.0), 0.1)
-    axes = [Setting(f"law {name}", 1.0, 0.35, 0.35, mixes=False) for name in names]
+    axes = [Setting(f"law {name}", 1.0, 0.35, 0.35, mixes=False) for name in forward.names]
     axes += [
         Setting("depth", 0.0, 0.4, 0.4, mixes=False),
         Setting("prestretch", 0.0, _MOST_STRETCH, down),
@@ -231,7 +235,7 @@ def pose_sheet(forward: Forward, tick: Callable[[float], None]) -> Draped:
     if sheet.membrane is None:  # a membrane's law has its own shear
         axes.append(Setting("shear", 0.0, 0.4 * modulus))
     axes.append(Setting("mass", 0.0, float(np.clip(heavy, *_MASSES))))
-    base = forward.nodes({})
+    base = forward.nodes(plain, {})
     settings, values = [np.array([axis.base for axis in axes])], [base.ravel()]
     plan = places(axes)
     for count, place in enumerate(plan):
@@ -246,12 +250,12 @@ def pose_sheet(forward: Forward, tick: Callable[[float], None]) -> Draped:
     axes = [reached(axis, np.array(settings)[:, i]) for i, axis in enumerate(axes)]
     fine = base
     if max(sheet.n, sheet.m) > _NODES:
-        fine = forward.nodes({}, (sheet.n, sheet.m))
+        fine = forward.nodes(plain, {}, (sheet.n, sheet.m))
     case = forward.case
     alike = not case.blank_holder and case.shear_law is None
     carried = (case.shear_modulus or 0.0, case.mass) if alike else None
     kriged = krige(axes, np.array(settings), np.array(values))
-    return Draped(kriged, forward.grid, fine, sheet.size, names, scales, carried, sheet.round)
+    return Draped(kriged, forward.grid, fine, sheet.size, forward.names, forward.scales, carried, sheet.round)
 
 
 def pose(draped: Draped, files: Sequence[Markers], prior: float, fix: Sequence[str]) -> DrapeProblem:

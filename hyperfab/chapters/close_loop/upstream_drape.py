@@ -119,8 +119,7 @@ class DrapeChain:
         numbers = [one for one in link.numbers if isinstance(one, Moved)]
         own, amounts = self._moved(numbers, change)
         draped, sheet = self.problem.draped, self.forward.sheet
-        settings = {f"law {name}": float(v) for name, v in zip(draped.names, own, strict=False)}
-        nodes = self.forward.nodes(settings | {"depth": float(own[-1]), **amounts}, (sheet.n, sheet.m))
+        nodes = self.forward.nodes(own[:-1], {"depth": float(own[-1]), **amounts}, (sheet.n, sheet.m))
         there = replace(draped, base=nodes)
         return np.concatenate([at_markers(there, one.flat)[0].T.ravel() for one in readings])
 
