@@ -16,8 +16,7 @@ from hyperfab.cases.contact import ContactCase
 from hyperfab.cases.drape import DrapeCase
 from hyperfab.chapters.close_loop.contact import Forward as Pressed
 from hyperfab.chapters.close_loop.drape import Forward as Draped
-from hyperfab.chapters.close_loop.extended_contact import contact_applied
-from hyperfab.chapters.close_loop.extended_drape import drape_applied
+from hyperfab.chapters.close_loop.extended_sheet import contact_applied, drape_applied
 from hyperfab.chapters.drape.model import model_of, read_files
 from hyperfab.chapters.drape.states import at_depths
 from hyperfab.chapters.fabric_contact.fabric import read_fabric

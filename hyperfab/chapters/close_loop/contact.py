@@ -13,7 +13,7 @@ from hyperfab.arrays import Array
 from hyperfab.cases.contact import ContactCase
 from hyperfab.cases.like import earlier
 from hyperfab.chapters.close_loop.domain import Given
-from hyperfab.chapters.close_loop.extended_contact import FABRIC, PLACES, contact_applied, extend
+from hyperfab.chapters.close_loop.extended_sheet import FABRIC, PRESSED, contact_applied, extend_contact
 from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, Axis, finish, stated
 from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, read_files, spread, widened
 from hyperfab.chapters.close_loop.softening import linear_of, scaled_material
@@ -80,7 +80,7 @@ def run(job: Job, given: Given) -> int:
         domain="contact",
         case=given.case,
         axis=lambda p: Axis(p.states["depth_mm"], "depth [mm]"),
-        extend=lambda found: extend(out, made.case, material, problem, found),
+        extend=lambda found: extend_contact(out, made.case, material, problem, found),
         rounds=forward.corrected,
         apart=(lambda p: widened(p, files.apart)) if files.apart else None,
     )
@@ -177,7 +177,7 @@ class Forward:
     def test(self, settings: Mapping[str, float] = {}) -> SphereTest:
         """Return the test with relative law constants and added effects."""
         fabric = self.fabric
-        ratios = {key: value for key, value in settings.items() if key not in PLACES}
+        ratios = {key: value for key, value in settings.items() if key not in PRESSED}
         if any(value != 1.0 for value in ratios.values()):
             changed = dump_json(scaled_material(self.material, ratios).to_json())
             job = replace(self.job, inputs=Overlay({self.case.material: changed}))

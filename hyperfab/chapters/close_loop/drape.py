@@ -12,8 +12,7 @@ from hyperfab.arrays import Array
 from hyperfab.cases.drape import DrapeCase
 from hyperfab.cases.like import earlier
 from hyperfab.chapters.close_loop.domain import Given
-from hyperfab.chapters.close_loop.extended_contact import FABRIC
-from hyperfab.chapters.close_loop.extended_drape import THREADS, drape_applied, extend
+from hyperfab.chapters.close_loop.extended_sheet import FABRIC, THREADS, drape_applied, extend_drape
 from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, Axis, finish, stated
 from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, spread, widened
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
@@ -97,7 +96,7 @@ def run(job: Job, given: Given) -> int:
         domain="drape",
         case=given.case,
         axis=lambda p: Axis(p.states["from the middle_mm"], "from the middle [mm]"),
-        extend=lambda found: extend(out, made.case, material, forward.sheet, problem, found),
+        extend=lambda found: extend_drape(out, made.case, material, forward.sheet, problem, found),
         rounds=forward.corrected,
         apart=(lambda p: widened(p, files.apart)) if files.apart else None,
         upstream=upstream,

@@ -12,8 +12,7 @@ from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended import extend, held_terms
 from hyperfab.chapters.close_loop.finalise import Axis, picture, ticking
 from hyperfab.chapters.close_loop.measured_tests import Measured, given_as, read_measured
-from hyperfab.chapters.close_loop.sure import tell_sure
-from hyperfab.chapters.close_loop.tentative import mark
+from hyperfab.chapters.close_loop.sure import mark, tell_sure
 from hyperfab.chapters.fabric import ORTHOTROPIC
 from hyperfab.chapters.job import Job
 from hyperfab.console import NEGATIVE_VERDICT

@@ -15,7 +15,7 @@ from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_mold import TABLES, extend
 from hyperfab.chapters.close_loop.finalise import Axis, picture, ticking
 from hyperfab.chapters.close_loop.readings import Thermocouples, read_thermocouples
-from hyperfab.chapters.close_loop.tentative import caution, noted
+from hyperfab.chapters.close_loop.sure import caution, noted
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.mold_heat.problem import MoldBuilder, Problem
 from hyperfab.console import NEGATIVE_VERDICT

@@ -1,8 +1,9 @@
-"""How sure an extended model is: the covariance of all that was fitted, as the numbers of its document have it."""
+"""How sure an extended model is: the covariance of all that was fitted, as the numbers of its document have it, and the
+mark of terms beside which something stays unexplained, in the model and in words."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -78,3 +79,34 @@ def numbers(data: Any, place: str = "") -> Iterator[tuple[str, float]]:
             yield from ((f"{at}.{name}", one) for name, one in value.items() if isinstance(one, float))
         elif key in ("directions", "temperatures", "effects", "warp", "weft") or isinstance(key, int):
             yield from numbers(value, at)
+
+
+def mark(records: Iterable[dict[str, Any]], found: Finding) -> None:
+    """Mark the terms of a model's ``effects`` that were added though something stays unexplained; unmark all where
+    nothing does."""
+    for record in records:
+        if found.verdict != "unexplained":
+            record.pop("tentative", None)
+        elif record.get("id") in found.after.ids:
+            record["tentative"] = True
+
+
+def caution(found: Finding) -> str:
+    """Return what is to be said of a model with such terms; empty where it has none."""
+    if found.verdict != "unexplained" or not found.after.ids:
+        return ""
+    names = list(found.after.ids)
+    are = "are the nearest" if len(names) > 1 else "is the nearest"
+    return (
+        f"{', '.join(names)} {are} that the catalogue has, though something stays unexplained: constants of the "
+        "extended model may stand for what is not in it, and it is no better than these data beyond them"
+    )
+
+
+def noted(text: str, toml: bytes) -> bytes:
+    """Return a TOML document with ``text`` as a comment at its head.
+
+    >>> noted("take care", b"a = 1"), noted("", b"a = 1")
+    (b'# take care\\na = 1', b'a = 1')
+    """
+    return f"# {text}\n".encode() + toml if text else toml

@@ -10,7 +10,7 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.cases.drape import DrapeCase
 from hyperfab.chapters.close_loop.drape import Forward
-from hyperfab.chapters.close_loop.extended_drape import drape_applied
+from hyperfab.chapters.close_loop.extended_sheet import drape_applied
 from hyperfab.chapters.close_loop.softening import scaled_material
 from hyperfab.chapters.close_loop.unsure import TOGETHER
 from hyperfab.chapters.close_loop.upstream import Corrected, Link, add

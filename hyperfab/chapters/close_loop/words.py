@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from hyperfab.chapters.close_loop.tentative import caution
+from hyperfab.chapters.close_loop.sure import caution
 from hyperfab.documents.loop import Errors, LoopDocument, Misfit, NoiseFigures
 from hyperfab.loop.dependence import period
 from hyperfab.loop.engine import Finding

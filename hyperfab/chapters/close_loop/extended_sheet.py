@@ -1,4 +1,5 @@
-"""The extended sheet: a material document with refitted constants, and the command that presses it with the terms."""
+"""The extended sheet: a fabric, or laws of threads, with refitted constants, and the command that presses it, or
+drapes it, with the terms."""
 
 from __future__ import annotations
 
@@ -9,20 +10,33 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.cases.contact import STICK, ContactCase
+from hyperfab.cases.drape import DrapeCase
 from hyperfab.cases.place import applied
 from hyperfab.chapters.close_loop.finalise import Extension
 from hyperfab.chapters.close_loop.softening import scaled_material, soften
-from hyperfab.chapters.close_loop.tentative import mark
+from hyperfab.chapters.close_loop.sure import mark
+from hyperfab.cloth import Sheet
+from hyperfab.cloth.law import SpringLaw
 from hyperfab.documents.material import MaterialDocument
+from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
 from hyperfab.loop.contact import ContactProblem
+from hyperfab.loop.drape import DrapeProblem
 from hyperfab.loop.engine import Finding
 
-#: Where the refitted fabric is written.
+#: Where the refitted fabric is written, and the tests that are taken as laws.
 FABRIC = ".model.fabric.json"
-#: Where in the set-up of a test the emulator's settings are added.
-PLACES = {"prestretch": ("prestretch",), "friction": ("friction_coefficient",), "slip": ("rim_slip_mm2_N",)}
+THREADS = (".model.warp.csv", ".model.weft.csv")
+#: Where in the set-up of a test, and of a drape, the emulator's settings are added.
+PRESSED = {"prestretch": ("prestretch",), "friction": ("friction_coefficient",), "slip": ("rim_slip_mm2_N",)}
+DRAPED = {
+    "prestretch": ("prestretch.0", "prestretch.1"),
+    "weft more": ("prestretch.1",),
+    "friction": ("friction",),
+    "shear": ("shear_modulus_MPa",),
+    "mass": ("mass_g_m2",),
+}
 
 
 def contact_applied(case: ContactCase, amounts: Mapping[str, float]) -> ContactCase:
@@ -32,10 +46,18 @@ def contact_applied(case: ContactCase, amounts: Mapping[str, float]) -> ContactC
     elif amounts.get("friction", 0.0) < 0.0:
         # Down to none, less what rounding leaves.
         amounts = {**amounts, "friction": max(amounts["friction"], -float(case.friction))}
-    return applied(case, amounts, PLACES)
+    return applied(case, amounts, PRESSED)
 
 
-def extend(
+def drape_applied(case: DrapeCase, amounts: Mapping[str, float]) -> DrapeCase:
+    """Return the case with amounts of the emulator's settings added; a modulus takes the place of a measured law."""
+    at = "depth_mm" if case.depths is None else f"depths_mm.{int(np.argmax(case.depths))}"
+    if amounts.get("shear", 0.0):
+        case = replace(case, shear_law=None)
+    return applied(case, amounts, {**DRAPED, "depth": (at,)})
+
+
+def extend_contact(
     out: Output, case: ContactCase, material: MaterialDocument, problem: ContactProblem, found: Finding
 ) -> Extension:
     """Return the case of the extended sheet, and the fabric it reads."""
@@ -79,3 +101,35 @@ def _soften(fabric: MaterialDocument, problem: ContactProblem, values: list[floa
 def _met(problem: ContactProblem) -> Array:
     """Return the temperatures at which was measured."""
     return np.concatenate([one.temperature for one in problem.files if one.temperature is not None])
+
+
+def extend_drape(
+    out: Output,
+    case: DrapeCase,
+    material: MaterialDocument | None,
+    sheet: Sheet,
+    problem: DrapeProblem,
+    found: Finding,
+) -> Extension:
+    """Return the case of the extended drape, and the fabric it reads."""
+    fit = found.after.fit
+    own = {one.name: float(v) for one, v in zip(problem.own, fit.x, strict=False)}
+    larger = drape_applied(case, {"depth": own["depth"], **problem.amounts(fit.terms)})
+    notes = []
+    if "shear-stiffness" in fit.terms and case.shear_law is not None:
+        notes.append("shear-stiffness: a modulus takes the place of the measured law of shear")
+    if material is None:
+        laws = (_thread(sheet.warp, own["warp"]), _thread(sheet.weft, own["weft"]))
+        warp, weft = (str(out.path(suffix)) for suffix in THREADS)
+        larger = replace(larger, warp=warp, weft=weft, thickness=sheet.thickness)
+        return Extension(larger, dict(zip(THREADS, laws, strict=True)), notes)
+    fabric = scaled_material(material, {name: own[name] for name in problem.draped.names})
+    return Extension(
+        replace(larger, material=str(out.path(FABRIC))), {FABRIC: dump_json(fabric.to_json())}, notes
+    )
+
+
+def _thread(law: SpringLaw, factor: float) -> bytes:
+    """Return a measured law with its stress times ``factor``, as a uniaxial test."""
+    rows = list(zip(law.knots - 1.0, factor * law.pieces[:, 1], strict=True))
+    return csv_bytes(["strain [-]", "stress [MPa]"], rows)
