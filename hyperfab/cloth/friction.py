@@ -9,7 +9,7 @@ each step lowers the springs' energy plus what rubbing costs, and the linear sys
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -26,81 +26,64 @@ STUCK = 1e-5
 NONE, STICKS, STARTS, SLIDES = 0, 1, 2, 3
 
 
-@dataclass
-class Friction:
+class Friction(NamedTuple):
     """Friction during one load step.
 
-    ``anchor`` (n, m, 3) mm: where each node stood on the mold, or would land, when the step began, with its
-    ``contact`` and ``slot``; ``anchored`` (n, m) where there is such a place. ``holder`` (n, m) N: largest force of
-    the blank holder on a node. ``near`` mm: STUCK times the spacing.
+    mu        coefficient on the mold
+    near      mm: STUCK times the spacing
+    holder    (n, m) N: largest force of the blank holder on a node
+    anchor    (n, m, 3) mm: where each node stood on the mold, or would land, when the step began
+    anchored  (n, m) where there is such a place, with its ``contact`` and ``slot`` (n, m)
     """
 
     mu: float
+    near: float
     holder: Array
     anchor: Array
     anchored: npt.NDArray[np.bool_]
     contact: States
     slot: Ints
-    near: float
-    stick_slip: States = field(init=False)
-    most: Array = field(init=False)  # (n, m) N, the largest friction
-    way: Array = field(init=False)  # (n, m, 3) the way slid, of length 1; shorter where a node sticks
-    slid: Array = field(init=False)  # (n, m) mm
-    blocked: npt.NDArray[np.bool_] = field(init=False)
+    stick_slip: States
+    most: Array  # (n, m) N, the largest friction
+    way: Array  # (n, m, 3) the way slid, of length 1; shorter where a node sticks
+    slid: Array  # (n, m) mm
+    blocked: npt.NDArray[np.bool_]
 
-    def __post_init__(self) -> None:
-        n, m = self.holder.shape
-        self.stick_slip, self.most = np.zeros((n, m), np.int8), np.zeros((n, m))
-        self.way, self.slid = np.zeros((n, m, 3)), np.zeros((n, m))
-        self.blocked = np.zeros((n, m), np.bool_)
+    @classmethod
+    def begun(
+        cls,
+        mu: float,
+        near: float,
+        holder: Array,
+        anchor: Array,
+        anchored: npt.NDArray[np.bool_],
+        contact: States,
+        slot: Ints,
+    ) -> Friction:
+        """Return friction of a step in which no node has rubbed yet."""
+        n, m = holder.shape
+        state = np.zeros((n, m), np.int8), np.zeros((n, m)), np.zeros((n, m, 3)), np.zeros((n, m))
+        return cls(mu, near, holder, anchor, anchored, contact, slot, *state, np.zeros((n, m), np.bool_))
 
     def resist(self, x: Array, contact: States, press: Array, q: Array, r: Array) -> tuple[float, int]:
         """Take friction off the unbalanced forces ``r`` and the directions ``q`` a node can move in.
 
         Returns the largest unbalanced force left and its node (flat index).
         """
-        return _resist(
-            x,
-            contact,
-            press,
-            self.mu,
-            self.holder,
-            self.anchor,
-            self.anchored,
-            self.near,
-            self.blocked,
-            q,
-            r,
-            self.stick_slip,
-            self.most,
-            self.way,
-            self.slid,
-        )
+        worst, where = _resist(self, x, contact, press, q, r)
+        return worst, where
 
     def stiffen(self, q: Array, extra: Array) -> None:
         """Add to the nodes' own stiffness that the friction of a sliding node turns with its way."""
-        _stiffen(q, self.stick_slip, self.most, self.way, self.slid, extra)
+        _stiffen(self, q, extra)
 
     def catch(self, x: Array, contact: States, slot: Ints, clear: Array) -> bool:
         """Stop nodes at their anchors that slid back to where they came from; True where there are such."""
-        return bool(
-            _catch(
-                x,
-                contact,
-                slot,
-                clear,
-                self.anchor,
-                self.contact,
-                self.slot,
-                self.stick_slip,
-                self.way,
-                self.blocked,
-            )
-        )
+        return bool(_catch(self, x, contact, slot, clear))
 
     def cost(self, x: Array, trial: Array, q: Array) -> float:
         """Work in N mm that rubbing takes, at the present largest forces, on the way from ``x`` to ``trial``."""
-        return float(_cost(x, trial, q, self.stick_slip, self.most, self.way, self.slid))
+        return float(_cost(self, x, trial, q))
 
     def forces(self) -> Array:
         """(n, m, 3) N: friction on each node."""
@@ -108,23 +91,8 @@ class Friction:
 
 
 @kernel
-def _resist(
-    x: Array,
-    contact: States,
-    press: Array,
-    mu: float,
-    holder: Array,
-    anchor: Array,
-    anchored: npt.NDArray[np.bool_],
-    near: float,
-    blocked: npt.NDArray[np.bool_],
-    q: Array,
-    r: Array,
-    stick_slip: States,
-    most: Array,
-    way: Array,
-    slid: Array,
-) -> tuple[float, int]:
+def _resist(rub: Friction, x: Array, contact: States, press: Array, q: Array, r: Array) -> tuple[float, int]:
+    anchor, stick_slip, most, way, slid = rub.anchor, rub.stick_slip, rub.most, rub.way, rub.slid
     n, m = x.shape[0], x.shape[1]
     s = np.empty(3)
     worst, where = 0.0, 0
@@ -132,11 +100,11 @@ def _resist(
         for j in range(m):
             v, p = r[i, j], q[i, j]
             size = np.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
-            c = holder[i, j]
+            c = rub.holder[i, j]
             if contact[i, j] != FREE:
-                c += mu * press[i, j]
+                c += rub.mu * press[i, j]
             stick_slip[i, j], most[i, j], slid[i, j] = NONE, 0.0, 0.0
-            if c > 0.0 and anchored[i, j] and p[0] + p[3] + p[5] > 0.5:
+            if c > 0.0 and rub.anchored[i, j] and p[0] + p[3] + p[5] > 0.5:
                 most[i, j] = c
                 a, b, d = (
                     x[i, j, 0] - anchor[i, j, 0],
@@ -147,12 +115,12 @@ def _resist(
                 s[1] = p[1] * a + p[3] * b + p[4] * d
                 s[2] = p[2] * a + p[4] * b + p[5] * d
                 length = np.sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2])
-                if length >= near:
+                if length >= rub.near:
                     stick_slip[i, j], slid[i, j] = SLIDES, length
                     for k in range(3):
                         way[i, j, k] = s[k] / length
                         v[k] -= c * way[i, j, k]
-                elif size <= c or blocked[i, j]:
+                elif size <= c or rub.blocked[i, j]:
                     stick_slip[i, j] = STICKS
                     for k in range(6):
                         p[k] = 0.0
@@ -177,11 +145,11 @@ def _resist(
 
 
 @kernel
-def _stiffen(q: Array, stick_slip: States, most: Array, way: Array, slid: Array, extra: Array) -> None:
+def _stiffen(rub: Friction, q: Array, extra: Array) -> None:
     for i in range(q.shape[0]):
         for j in range(q.shape[1]):
-            if stick_slip[i, j] == SLIDES:
-                k, w, p, e = most[i, j] / slid[i, j], way[i, j], q[i, j], extra[i, j]
+            if rub.stick_slip[i, j] == SLIDES:
+                k, w, p, e = rub.most[i, j] / rub.slid[i, j], rub.way[i, j], q[i, j], extra[i, j]
                 e[0] += k * (p[0] - w[0] * w[0])
                 e[1] += k * (p[1] - w[0] * w[1])
                 e[2] += k * (p[2] - w[0] * w[2])
@@ -191,18 +159,8 @@ def _stiffen(q: Array, stick_slip: States, most: Array, way: Array, slid: Array,
 
 
 @kernel
-def _catch(
-    x: Array,
-    contact: States,
-    slot: Ints,
-    clear: Array,
-    anchor: Array,
-    anchor_contact: States,
-    anchor_slot: Ints,
-    stick_slip: States,
-    way: Array,
-    blocked: npt.NDArray[np.bool_],
-) -> bool:
+def _catch(rub: Friction, x: Array, contact: States, slot: Ints, clear: Array) -> bool:
+    anchor, stick_slip, way, blocked = rub.anchor, rub.stick_slip, rub.way, rub.blocked
     caught = False
     for i in range(x.shape[0]):
         for j in range(x.shape[1]):
@@ -218,14 +176,13 @@ def _catch(
             caught = caught or blocked[i, j]
             for k in range(3):
                 x[i, j, k] = anchor[i, j, k]
-            contact[i, j], slot[i, j], clear[i, j] = anchor_contact[i, j], anchor_slot[i, j], 0.0
+            contact[i, j], slot[i, j], clear[i, j] = rub.contact[i, j], rub.slot[i, j], 0.0
     return caught
 
 
 @kernel
-def _cost(
-    x: Array, trial: Array, q: Array, stick_slip: States, most: Array, way: Array, slid: Array
-) -> float:
+def _cost(rub: Friction, x: Array, trial: Array, q: Array) -> float:
+    stick_slip, most, way, slid = rub.stick_slip, rub.most, rub.way, rub.slid
     total = 0.0
     for i in range(x.shape[0]):
         for j in range(x.shape[1]):

@@ -176,14 +176,14 @@ def _rubbing(sheet: Sheet, mold: Mold, state: State, mu: float, rise: float) -> 
     landing = (near.contact != FREE) & ~touching & upright
     anchor = np.where(landing[:, :, None], near.x, state.x)
     anchor[:, :, 2] += np.where(touching | landing, rise, 0.0)
-    return Friction(
+    return Friction.begun(
         mu,
+        STUCK * min(sheet.spacing),
         holder,
         anchor,
         touching | landing | (holder > 0.0),
         np.where(landing, near.contact, state.contact),
         np.where(landing, near.slot, state.slot),
-        STUCK * min(sheet.spacing),
     )
 
 
