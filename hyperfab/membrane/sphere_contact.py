@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from math import ceil, log
 
 import numpy as np
@@ -29,6 +29,7 @@ from hyperfab.membrane.sheet import Sheet
 from hyperfab.membrane.sphere import Sphere
 from hyperfab.membrane.tension_field import SheetLaw
 from hyperfab.membrane.work import doubtful
+from hyperfab.numerics.threads import side_by_side, threads
 
 #: How fast elements grow with distance [mm/mm].
 _GROWTH = 0.25
@@ -60,6 +61,8 @@ _MOST_UNKNOWNS = 200_000
 _WORK_TOLERANCE, _MOST_MORE_DEPTHS = 3e-5, 12
 #: The same on facets, whose edges leave a noise in the force.
 _WORK_TOLERANCE_ON_FACETS, _MOST_MORE_DEPTHS_ON_FACETS = 1e-3, 4
+#: So many of them are computed side by side.
+_AT_ONCE = 2
 
 
 @dataclass(frozen=True)
@@ -213,18 +216,26 @@ def run(
     last = min(outcome.path.states[-1].depth if outcome.path.states else 0.0 for outcome in outcomes)
     for outcome in outcomes:
         _visit(outcome, last)
-    level = 0.0
-    wanted = sorted({state.depth for outcome in outcomes for state in outcome.path.states})
-    for depth in sorted(wanted, key=lambda depth: depth != last):
-        taking = [
-            (test, outcome) for test, outcome in zip(tests, outcomes, strict=True) if _at(outcome, depth)
-        ]
+    pairs = list(zip(tests, outcomes, strict=True))
+    wanted = {state.depth for outcome in outcomes for state in outcome.path.states}
+
+    def at(depth: float, asked: float | None, level: float) -> tuple[list[Outcome], list[Solved], float]:
+        taking = [(test, outcome) for test, outcome in pairs if _at(outcome, depth)]
         roughs = [Solved(outcome.rough, state) for _, outcome in taking if (state := _at(outcome, depth))]
-        asked = tolerance if depth == last else None
         found, level = _fitted([test for test, _ in taking], roughs, asked, level)
-        for (_, outcome), solved in zip(taking, found, strict=True):
-            outcome.solved.append(solved)
-            watch(solved.state)
+        return [outcome for _, outcome in taking], found, level
+
+    level = 0.0
+    first = [partial(at, last, tolerance)] if last in wanted else []
+    # Facets remember where nodes were last: one after the other.
+    beside = 1 if any(test.facets for test in tests) else threads()
+    rest = [partial(at, depth, None) for depth in sorted(wanted - {last})]
+    for some in [first, *(rest[k : k + beside] for k in range(0, len(rest), beside))]:
+        for taking, solved, reached in side_by_side([partial(call, level) for call in some]):
+            level = reached
+            for outcome, one in zip(taking, solved, strict=True):
+                outcome.solved.append(one)
+                watch(one.state)
     for outcome in outcomes:
         outcome.solved.sort(key=lambda solved: solved.state.depth)
     for test, outcome in zip(tests, outcomes, strict=True):
@@ -236,22 +247,27 @@ def _trace(test: SphereTest, outcome: Outcome, watch: Watch) -> None:
     """Fill in the curve of force against depth, with equilibria in between where its integral is in doubt."""
     outcome.trace = [(solved.state.depth, solved.state.force) for solved in outcome.solved]
     limit, footings = outcome.path.limit, list(outcome.path.footings)
-    tolerance, most = _WORK_TOLERANCE, _MOST_MORE_DEPTHS
+    tolerance, left, at_once = _WORK_TOLERANCE, _MOST_MORE_DEPTHS, _AT_ONCE
     if test.facets is not None:
-        tolerance, most = _WORK_TOLERANCE_ON_FACETS, _MOST_MORE_DEPTHS_ON_FACETS
-    for _ in range(0 if outcome.path.jumps else most):
-        depth = doubtful(outcome.trace, tolerance, limit.turning_point if limit else None)
-        if depth is None:
-            return
-        below = [footing for footing in footings if footing.state.depth < depth]
-        try:
-            footing = next_footing(outcome.rough, below[-1] if below else None, depth)
-        except NoEquilibriumError:
-            return
-        footings = sorted([*footings, footing], key=lambda one: one.state.depth)
-        found, _level = _fitted([test], [Solved(outcome.rough, footing.state)], None, 0.0)
-        watch(found[0].state)
-        outcome.trace = sorted([*outcome.trace, (depth, found[0].state.force)])
+        tolerance, left, at_once = _WORK_TOLERANCE_ON_FACETS, _MOST_MORE_DEPTHS_ON_FACETS, 1
+    while left > 0 and not outcome.path.jumps:
+        turning = limit.turning_point if limit else None
+        depths = doubtful(outcome.trace, tolerance, turning, min(at_once, left))
+        near: list[State] = []
+        for depth in depths:
+            below = [footing for footing in footings if footing.state.depth < depth]
+            try:
+                footing = next_footing(outcome.rough, below[-1] if below else None, depth)
+            except NoEquilibriumError:
+                left = 0
+                break
+            footings = sorted([*footings, footing], key=lambda one: one.state.depth)
+            near.append(footing.state)
+        work = [partial(_fitted, [test], [Solved(outcome.rough, state)], None, 0.0) for state in near]
+        for [solved], _level in side_by_side(work):
+            watch(solved.state)
+            outcome.trace = sorted([*outcome.trace, (solved.state.depth, solved.state.force)])
+        left = left - len(near) if near else 0
 
 
 def _at(outcome: Outcome, depth: float) -> State | None:

@@ -38,15 +38,16 @@ def work(trace: Trace, turning: float | None = None) -> float:
     return float(_steps(depth, force, turning, _DEGREE).sum())
 
 
-def doubtful(trace: Trace, tolerance: float, turning: float | None = None) -> float | None:
-    """Return the depth at which one more force would help most, None where the work is sure to ``tolerance`` of itself.
+def doubtful(trace: Trace, tolerance: float, turning: float | None = None, most: int = 1) -> list[float]:
+    """Return the depths at which one more force would help most, none where the work is sure to ``tolerance`` of it.
 
-    The doubt about a step is the difference of two splines; a step in which the sheet takes up the load may have a
-    kink anywhere. Nothing is known of a curve through three points or fewer.
+    They are the fewest without whose steps the rest is sure, or ``most``; one where a kink is closed in on, which moves
+    with each. The doubt about a step is the difference of two splines; a step in which the sheet takes up the load may
+    have a kink anywhere. Nothing is known of a curve through three points or fewer.
     """
     depth, force = _loaded(trace)
     if len(depth) < 2:
-        return None
+        return []
     steps = _steps(depth, force, turning, _DEGREE)
     degree = _degree(_DEGREE, len(depth))
     if degree == 1:
@@ -56,13 +57,18 @@ def doubtful(trace: Trace, tolerance: float, turning: float | None = None) -> fl
     slack = max((deep for deep, pushed in trace if pushed <= 0.0), default=0.0)
     if slack > 0.0:
         doubt[0] = max(doubt[0], _KINK * force[1] * (depth[1] - slack))
-    if doubt.sum() <= tolerance * abs(steps.sum()):
-        return None
-    most = int(np.argmax(doubt))
-    if slack > 0.0 and most == 0:
-        near = float(depth[0] + _SHORT_OF_KINK * (depth[1] - depth[0]))
-        return near if depth[0] > slack else 0.5 * (slack + float(depth[1]))
-    return 0.5 * float(depth[most] + depth[most + 1])
+
+    def within(step: int) -> float:
+        if slack > 0.0 and step == 0:
+            near = float(depth[0] + _SHORT_OF_KINK * (depth[1] - depth[0]))
+            return near if depth[0] > slack else 0.5 * (slack + float(depth[1]))
+        return 0.5 * float(depth[step] + depth[step + 1])
+
+    asked: list[int] = []
+    while len(asked) < (most if slack == 0.0 else 1) and doubt.sum() > tolerance * abs(steps.sum()):
+        asked.append(int(np.argmax(doubt)))
+        doubt[asked[-1]] = 0.0
+    return [within(step) for step in asked]
 
 
 def _loaded(trace: Trace) -> tuple[Array, Array]:

@@ -7,12 +7,20 @@ depend on how many threads there are.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
+from contextlib import contextmanager
 from functools import cache
+from threading import local
+from typing import TypeVar
 
 #: Environment variable that limits the threads of a process; workers of a study are given one each.
 LIMIT = "HYPERFAB_THREADS"
+
+T = TypeVar("T")
+
+#: What a thread does: whether that is side by side with the work of others.
+_here = local()
 
 #: Nodes of a grid that are worth a thread's while.
 NODES = 10_000
@@ -25,7 +33,10 @@ def cores() -> int:
 
 
 def threads() -> int:
-    """Return how many threads may be used: as many as there are cores, or what ``LIMIT`` says."""
+    """Return how many threads may be used: as many as there are cores, or what ``LIMIT`` says; one of work that is
+    done side by side with other work."""
+    if getattr(_here, "beside", False):
+        return 1
     limit = os.environ.get(LIMIT, "")
     return max(1, int(limit)) if limit.isdecimal() else cores()
 
@@ -61,6 +72,35 @@ def in_blocks(work: Callable[[int, int], None], count: int, block: int) -> None:
         wait(waiting)
     for one in waiting:
         one.result()
+
+
+def side_by_side(work: Sequence[Callable[[], T]]) -> list[T]:
+    """Return what each piece of ``work`` returns, done side by side where there are threads.
+
+    For pieces of a second and more that share nothing they change; each of them has one thread to itself.
+
+    >>> side_by_side([lambda: 1, lambda: 2])
+    [1, 2]
+    """
+    found: list[T | None] = [None] * len(work)
+
+    def one(number: int) -> None:
+        with _beside():
+            found[number] = work[number]()
+
+    if min(threads(), len(work)) < 2:
+        return [piece() for piece in work]
+    in_blocks(lambda first, _: one(first), len(work), 1)
+    return found  # type: ignore[return-value]
+
+
+@contextmanager
+def _beside() -> Iterator[None]:
+    _here.beside = True
+    try:
+        yield
+    finally:
+        _here.beside = False
 
 
 def in_rows(work: Callable[[int, int], None], rows: int, columns: int) -> None:

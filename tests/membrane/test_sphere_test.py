@@ -19,6 +19,7 @@ from hyperfab.membrane.sphere import Sphere
 from hyperfab.membrane.sphere_contact import Outcome, SphereTest, fitted_mesh, run
 from hyperfab.membrane.tension_field import IsotropicSheet
 from hyperfab.membrane.verdict import first_instability, stress_difference, work
+from hyperfab.numerics.threads import LIMIT
 from tests.membrane.references import DISC, NEO_HOOKEAN, SQUARE, YEOH
 
 CONSTANTS = {"neo-hookean": NEO_HOOKEAN, "yeoh-3": YEOH}
@@ -261,3 +262,15 @@ def test_errors_fall_with_the_order_of_the_elements(order, sizes, measure, least
             found.append(getattr(state, measure) / expected - 1.0)
         errors.append(np.sqrt(np.mean(np.square(found))))
     assert np.log2(errors[0] / errors[1]) > least
+
+
+def test_depths_side_by_side_are_the_same_to_the_bit(monkeypatch):
+    """Three depths, and those that the work of the punch asks for between them."""
+    found = []
+    for number in ("1", "2", "3"):
+        monkeypatch.setenv(LIMIT, number)
+        outcome = _press("neo-hookean", [20.0, 40.0, 60.0], 0.1, mesh_size=15.0)
+        places = [solved.state.places.tobytes() for solved in outcome.solved]
+        found.append((outcome.trace, places, [solved.error for solved in outcome.solved]))
+    assert len(found[0][0]) > 4
+    assert found[0] == found[1] == found[2]
