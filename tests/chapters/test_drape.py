@@ -156,14 +156,6 @@ def test_springs_are_not_counted_against_a_range_that_nobody_knows(drape):
         assert "tested_stretch_max" not in document[direction]
 
 
-def test_the_same_inputs_give_the_same_bytes(drape, folder):
-    names = ("json", "vtu", "csv", "png", "mold.stl")
-    drape("-o", "drape.json")
-    first = [(folder / f"drape.{name}").read_bytes() for name in names]
-    drape("-o", "drape.json")
-    assert [(folder / f"drape.{name}").read_bytes() for name in names] == first
-
-
 def test_standard_output_carries_the_document_and_nothing_else(drape, folder):
     status, out, _ = drape()
     assert status == 0

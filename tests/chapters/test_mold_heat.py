@@ -109,13 +109,6 @@ def test_files_are_listed_and_read_back(plate):
     assert last == [300.0, document["probes"]["centre"]["final_degC"]]
 
 
-def test_same_input_gives_the_same_bytes(plate, tmp_path):
-    folder, document = plate
-    heat(tmp_path, PLATE)
-    for name in [*document["files"], "heat.json"]:
-        assert (tmp_path / name).read_bytes() == (folder / name).read_bytes(), name
-
-
 def test_warmup_is_hit_exactly_and_the_run_goes_on_to_its_end(tmp_path):
     status, document, _ = heat(tmp_path, PLATE.replace("[run]", '[run]\ntarget = "80 degC"'))
     assert status == 0
