@@ -13,7 +13,7 @@ from hyperfab.cases.case import Case
 from hyperfab.cases.like import Earlier
 from hyperfab.chapters.validity import Ranges
 from hyperfab.console import NEGATIVE_VERDICT, Console
-from hyperfab.documents.base import Document
+from hyperfab.documents.base import Document, stated_kind
 from hyperfab.documents.provenance import record, relative_name
 from hyperfab.errors import UsageError
 from hyperfab.io.inputs import Inputs
@@ -83,8 +83,7 @@ class Job:
         from hyperfab.chapters.summary import paragraph
 
         write_stdout(("\n".join(paragraph(data)) + "\n").encode())
-        name = str(data["format"]).removeprefix("hyperfab.").split("/")[0]
-        self.console.note(f"-o {name}.json keeps it, -o - prints the document")
+        self.console.note(f"-o {stated_kind(data)}.json keeps it, -o - prints the document")
 
     def judge_ranges(self) -> None:
         """Say in one line what was used beyond what is known."""

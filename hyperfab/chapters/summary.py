@@ -7,7 +7,7 @@ from typing import Any
 
 from hyperfab.cases.about import SummaryCase
 from hyperfab.chapters.job import Job
-from hyperfab.documents.base import document_class, parse_document
+from hyperfab.documents.base import document_class, parse_document, stated_kind
 from hyperfab.errors import InputError
 from hyperfab.io.json_io import load_json
 from hyperfab.io.output import write_stdout
@@ -39,8 +39,7 @@ def paragraph(data: Plain) -> list[str]:
 
 
 def _kind(loaded: object, name: str) -> str:
-    found = loaded.get("format") if isinstance(loaded, Mapping) else None
-    kind = str(found).removeprefix("hyperfab.").split("/")[0]
+    kind = stated_kind(loaded)
     if kind not in _PARAGRAPHS:
         raise InputError(
             "is not a document hf sums up",

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hyperfab.documents.validity import Validity
+from hyperfab.documents.base import Validity
 
 #: Ends closer than this, relative to the larger of them, are the same end: a table used at its last row is inside.
 _SAME = 1e-9

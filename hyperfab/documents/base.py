@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from hyperfab.documents.provenance import Provenance
-from hyperfab.documents.validity import Validity
 from hyperfab.errors import InputError, UsageError, near
 
 if TYPE_CHECKING:
@@ -29,6 +28,23 @@ KINDS: dict[str, str] = {
     "study": "hyperfab.documents.study:StudyDocument",
     "sweep": "hyperfab.documents.sweep:SweepDocument",
 }
+
+
+class Validity(BaseModel):
+    """One law or table: the range it was used over beside the range tested or tabulated, in the unit of ``of``."""
+
+    model_config = ConfigDict(extra="allow", allow_inf_nan=False, populate_by_name=True)
+
+    of: str = Field(description="stretch, temperature_degC, strain, or a table's name")
+    direction: str | None = Field(default=None, description="warp or weft, where each has a law of its own")
+    used: tuple[float, float] = Field(description="smallest and largest value met")
+    known: tuple[float, float] | None = Field(
+        default=None, description="smallest and largest value tested or tabulated; absent where nothing says"
+    )
+    within: bool | None = Field(
+        default=None, description="whether used lies in known; absent where that is unknown"
+    )
+    source: str = Field(alias="from", description="the input that the law or the table came from")
 
 
 class Document(BaseModel):
@@ -85,6 +101,16 @@ def document_class(kind: str) -> type[Document]:
     module, name = KINDS[kind].split(":")
     found: type[Document] = getattr(importlib.import_module(module), name)
     return found
+
+
+def stated_kind(loaded: object) -> str:
+    """Return the kind that plain data tells in ``format``, whether there is such a kind or not.
+
+    >>> stated_kind({"format": "hyperfab.drape/1"})
+    'drape'
+    """
+    found = loaded.get("format") if isinstance(loaded, Mapping) else None
+    return str(found).removeprefix("hyperfab.").split("/")[0]
 
 
 def schema(kind: str) -> dict[str, Any]:

@@ -119,3 +119,9 @@ class PowerTerm:
             A12=self.factor * a * power3 / (l1 * l2),
             A22=self.factor * ((a - 1.0) * power2 + (a + 1.0) * power3) / l2**2,
         )
+
+
+def log_I2(sheet: Sheet) -> InvariantTerm:
+    """Return ``ln(I2/3)``; Gent & Thomas (1958), J. Polym. Sci. 28, 625, doi:10.1002/pol.1958.1202811814."""
+    I2 = 3.0 + sheet.y
+    return of_I2(W=np.log1p(sheet.y / 3.0), W2=1.0 / I2, W22=-1.0 / I2**2)

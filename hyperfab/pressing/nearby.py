@@ -9,21 +9,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.pressing.balance import balance
+from hyperfab.pressing.clip import positive_part
 from hyperfab.pressing.closing import Closed
+from hyperfab.pressing.contact import contact, stiffness
 from hyperfab.pressing.foam_law import FoamLaw
 from hyperfab.pressing.gap import Front, Gap
 from hyperfab.pressing.growth import Growth, ungrown
-from hyperfab.pressing.places import ByPlace
 from hyperfab.pressing.pose import Pose
 from hyperfab.pressing.press import Press
 from hyperfab.pressing.sandwich import Sandwich
 from hyperfab.pressing.series import knots
-from hyperfab.pressing.sums import Stack, Sums
+from hyperfab.pressing.sums import Stack, Sums, Touched
 
 #: The male's normal meets a wall no flatter than this: what it sees of a change is bounded.
 _STEEP = 0.2
@@ -229,3 +231,40 @@ def _moved(front: Front, vertices: Array) -> Front:
     ends = [int(np.argmin(front.vertices[:, 0])), int(np.argmax(front.vertices[:, 0]))]
     before, now = (np.linalg.norm(np.diff(points[ends], axis=0)) for points in (front.vertices, vertices))
     return replace(front, vertices=vertices, areas=float(now / before) ** 2 * front.areas)
+
+
+@dataclass(frozen=True)
+class ByPlace:
+    """A ``sandwich`` on a ``front``, given at its vertices: ``sums.Stack`` for laws without common knots. Tangents,
+    which take as long again, are found only where a position is ``balanced``."""
+
+    front: Front
+    sandwich: Sandwich
+    balanced: bool = True
+
+    @cached_property
+    def thickness(self) -> Array:
+        """Of all (n,) [mm]."""
+        return np.broadcast_to(self.sandwich.thickness, len(self.front.vertices))
+
+    def sums(self, gap: Array, touch: Array, direction: Array, arm: Array, turns: bool = True) -> Sums:
+        """Return what ``sums.Stack`` does, from the points that one press is made of."""
+        front, none = self.front, np.zeros(len(gap), dtype=int)
+        found = contact(front, Gap(gap, direction, none, none.astype(bool)), self.sandwich)
+        tangent = np.zeros((3, 3))
+        if self.balanced:
+            # Raising or turning the female is the male moving the other way.
+            modes = np.zeros((len(gap), 3, 3 if turns else 1))
+            modes[:, 2, 0] = -1.0
+            if turns:
+                lever = front.vertices - arm
+                modes[:, :, 1] = -np.cross([1.0, 0.0, 0.0], lever)
+                modes[:, :, 2] = -np.cross([0.0, 1.0, 0.0], lever)
+            size = modes.shape[2]
+            tangent[:size, :size] = stiffness(front, found, self.sandwich, modes)
+        part = positive_part(np.asarray(self.thickness - touch), front.faces, front.areas)
+        there = self.sandwich.at(lambda values: part.at_corners(front.faces, values))
+        load = float((there.pressure(part.at_corners(front.faces, gap)) * part.area).sum())
+        counted = float(part.area[~front.flange[part.face]].sum())
+        touched = Touched(float(part.area.sum()), counted, load)
+        return Sums(found.force, found.moment, found.load, found.energy, tangent, found.pressed_area, touched)

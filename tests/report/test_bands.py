@@ -11,9 +11,9 @@ import pytest
 from hyperfab.chapters.summary import paragraph
 from hyperfab.errors import InputError
 from hyperfab.report.bands import draw_interval, figure
-from hyperfab.report.page.compare import molds
 from hyperfab.report.page.parts import Chart, Source, Table
 from hyperfab.report.page.sections import build
+from hyperfab.report.page.sections.heat import molds
 
 CONTACT: dict[str, Any] = {
     "format": "hyperfab.contact/1", "converged": True, "force_N": 41.76324, "contact_radius_mm": 30.12, "energy_J": 0.4,

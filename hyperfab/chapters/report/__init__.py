@@ -10,16 +10,15 @@ from typing import Any
 
 from hyperfab.cases.about import ReportCase
 from hyperfab.chapters.job import Job
-from hyperfab.documents.base import document_class, parse_document
+from hyperfab.documents.base import document_class, parse_document, stated_kind
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.json_io import load_json
 from hyperfab.io.output import check_place, write_single
-from hyperfab.report.page.compare import molds
-from hyperfab.report.page.parts import Chart, Picture, Scene, Section, Source
+from hyperfab.report.page.parts import Chart, Picture, Scene, Section, Source, in_order
 from hyperfab.report.page.pictures import light
 from hyperfab.report.page.render import page
 from hyperfab.report.page.sections import KINDS, build, heading
-from hyperfab.report.page.story import in_order
+from hyperfab.report.page.sections.heat import molds
 
 #: A page heavier than this opens slowly on a phone.
 LARGE = 8 * 2**20
@@ -80,8 +79,7 @@ def _read(job: Job, name: str) -> tuple[Source, InputError | None]:
     beside = _reader(job, name)
     try:
         loaded = load_json(raw, name)
-        found = loaded.get("format") if isinstance(loaded, Mapping) else None
-        kind = str(found).removeprefix("hyperfab.").split("/")[0]
+        kind = stated_kind(loaded)
         if kind not in KINDS:
             raise InputError(
                 "is no document that a page can show",

@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from hyperfab.documents.base import KINDS, document_class, parse_document
+from hyperfab.documents.base import KINDS, document_class, parse_document, stated_kind
 from hyperfab.errors import InputError
 from hyperfab.studies.plan import Plan
 
@@ -87,7 +87,7 @@ def _model(annotation: Any) -> type[BaseModel] | None:
 
 def _check_document(plan: Plan, name: str) -> None:
     edited = plan.edited(name)
-    kind = str(edited.get("format", "")).removeprefix("hyperfab.").split("/")[0]
+    kind = stated_kind(edited)
     if kind in KINDS:
         parse_document(
             edited, f"{plan.file}, document.{name} as edited for the first case", document_class(kind)

@@ -9,7 +9,7 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.chapters.field import read_field
-from hyperfab.documents.base import Document, read_document
+from hyperfab.documents.base import Document, read_document, stated_kind
 from hyperfab.documents.drape import DrapeDocument
 from hyperfab.documents.heat import HeatDocument
 from hyperfab.io.inputs import Inputs
@@ -50,8 +50,7 @@ def grid_of(inputs: Inputs, name: str, document: Document) -> Grid:
 
 def read_handing(inputs: Inputs, name: str) -> DrapeDocument | HeatDocument:
     """Return a document that may hand fields on."""
-    kind = str(load_json(inputs.read(name), name).get("format"))
-    if kind.startswith("hyperfab.drape/"):
+    if stated_kind(load_json(inputs.read(name), name)) == "drape":
         return read_document(inputs, name, DrapeDocument)
     return read_document(inputs, name, HeatDocument)
 

@@ -10,8 +10,7 @@ from scipy.special import expit
 
 from hyperfab.materials.effects.smooth import cardinal, straight
 from hyperfab.materials.kinematics import Sheet
-from hyperfab.materials.log_i2 import log_I2
-from hyperfab.materials.term import InvariantTerm, PowerTerm, Term, of_I1, of_I2
+from hyperfab.materials.term import InvariantTerm, PowerTerm, Term, log_I2, of_I1, of_I2
 
 
 @dataclass(frozen=True)

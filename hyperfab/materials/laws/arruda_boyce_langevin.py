@@ -12,8 +12,7 @@ import numpy as np
 from hyperfab.materials.kinematics import Sheet
 from hyperfab.materials.langevin import inverse_langevin, langevin
 from hyperfab.materials.law import Axis, Extent, Law, log_axis
-from hyperfab.materials.log_i2 import log_I2
-from hyperfab.materials.term import InvariantTerm, Value, of_I1
+from hyperfab.materials.term import InvariantTerm, Value, log_I2, of_I1
 
 
 class ArrudaBoyceLangevin(Law):

@@ -9,8 +9,7 @@ from collections.abc import Sequence
 
 from hyperfab.materials.kinematics import Sheet
 from hyperfab.materials.laws.gent import Gent, gent_term
-from hyperfab.materials.log_i2 import log_I2
-from hyperfab.materials.term import InvariantTerm, Value
+from hyperfab.materials.term import InvariantTerm, Value, log_I2
 
 
 class GentGent(Gent):

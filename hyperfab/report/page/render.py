@@ -27,10 +27,10 @@ from hyperfab.report.page.parts import (
     Source,
     Table,
     number,
+    parents,
     word,
 )
 from hyperfab.report.page.sections import heading
-from hyperfab.report.page.story import parents
 
 #: Levels of an axis that a filter lists; a drawn axis has more, and gets no filter.
 MAX_LEVELS = 40

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from hyperfab.report.bands import evenness, warmup
 from hyperfab.report.page.charts import bars, chart, line
 from hyperfab.report.page.parts import (
+    Cell,
     Figure,
     Section,
     Source,
+    Table,
     columns,
     facts,
     floats,
@@ -17,6 +20,7 @@ from hyperfab.report.page.parts import (
     percent,
     setup,
     warmup_cell,
+    word,
 )
 from hyperfab.report.page.scenes import Field, views
 
@@ -134,3 +138,38 @@ def _verdict(data: Any) -> tuple[bool | None, str]:
 
 def _number(data: Any, key: str, unit: str, scale: float = 1.0) -> Any:
     return number(data[key] * scale, unit) if data.get(key) is not None else None
+
+
+def molds(sources: Sequence[Source]) -> Table | None:
+    """Return the figures of all molds in one table; None where there are fewer than two."""
+    heated = [source for source in sources if source.kind == "heat"]
+    if len(heated) < 2:
+        return None
+    rows = []
+    for title, unit, find in _ROWS:
+        cells = [_cell(source, find, unit) for source in heated]
+        if any(cell.number for cell in cells):
+            rows.append([word(title), *cells])
+    names = [source.name.rsplit("/", 1)[-1].removesuffix(".json") for source in heated]
+    return Table("The molds of this page", ["", *names], rows)
+
+
+_ROWS: tuple[tuple[str, str, Callable[[Any], Any]], ...] = (
+    ("warm-up", "min", warmup_cell),
+    ("spread at warm-up", "K", lambda data: data["work_surface"]["at_warmup"]["spread_K"]),
+    ("heat supplied", "MJ", lambda data: data["energy"]["supplied_J"] / 1e6),
+    ("heat lost", "MJ", lambda data: data["energy"]["lost_J"] / 1e6),
+    ("heat stored", "MJ", lambda data: data["energy"]["stored_J"] / 1e6),
+    ("efficiency", "%", lambda data: 100.0 * data["efficiency"]),
+    ("mass", "kg", lambda data: data["mass_kg"]),
+)
+
+
+def _cell(source: Source, find: Callable[[Any], Any], unit: str) -> Cell:
+    try:
+        value = find(source.data)
+    except (KeyError, TypeError):
+        return Cell("")
+    if isinstance(value, Cell):
+        return value
+    return number(value, unit) if isinstance(value, (int, float)) else Cell("")
