@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -97,8 +97,8 @@ def read_loading(
     """Return stretch and nominal stress of all rows, taken as a test of kind ``test``.
 
     - stretch: ``stretch``, else ``strain`` + 1 (true and Green strains after their definitions), else 1 +
-    ``extension`` /
-      gauge length (the diameter of a disc); a machine's position counts from its first row, a gap is a length.
+      ``extension`` / gauge length (the diameter of a disc); a machine's position counts from its first row, a gap is a
+      length.
     - nominal stress: ``stress``; else ``true stress`` / stretch, which is the same for uniaxial, planar and
       biaxial tension of an incompressible sheet, since force and area share the direction; else ``membrane stress``
       or ``force`` / width (a disc's radial force: / (pi diameter)), in N/mm, divided by the thickness where it is
@@ -109,13 +109,13 @@ def read_loading(
 
     Raises InputError where columns or sizes are missing.
     """
-    notes: list[str] = []
-    used: list[Column] = []
-    stretch = _stretch(sheet, roles, "", test, sizes, decimal, options, notes, used)
+    reader = _Reader(sheet, roles, test, sizes, decimal, options)
+    notes = reader.notes
+    stretch = reader.stretch("")
     if stretch is None:
         raise missing(sheet, roles, "a stretch", '"stretch", "strain [%]" or "extension [mm]"')
-    stretch2 = _stretch(sheet, roles, " 2", test, sizes, decimal, options, notes, used)
-    stress, membrane, sd = _stress(sheet, roles, "", test, sizes, decimal, stretch, notes, used)
+    stretch2 = reader.stretch(" 2")
+    stress, membrane, sd = reader.stress("", stretch)
     if stress is None:
         raise missing(
             sheet,
@@ -129,7 +129,7 @@ def read_loading(
         raise sheet.two(
             [one.heading for one in (first, second) if one is not None], second.name.removesuffix(" 2")
         )
-    stress2, membrane2, _ = _stress(sheet, roles, " 2", test, sizes, decimal, stretch2, notes, used)
+    stress2, membrane2, _ = reader.stress(" 2", stretch2)
     if stress2 is not None and membrane2 != membrane:
         raise InputError(
             "the two directions are in different units (MPa and N/mm)",
@@ -144,9 +144,8 @@ def read_loading(
     column = roles.first(("force",))
     pulled = test == "uniaxial" and stretch[int(np.abs(stretch - 1.0).argmax())] > 1.0
     if pulled and column is not None and not column.minus and stress.max() < 0.05 * -stress.min():
-        stress = (
-            0.0 - stress
-        )  # a rheometer's normal force, a load cell that counts pulling as negative; a stress is as stated
+        # A rheometer's normal force, a load cell that counts pulling as negative; a stress is as stated.
+        stress = 0.0 - stress
         notes.append(f"{column.heading.title} counts pushing as positive: what pulls is taken as positive")
     if compression and test in ("uniaxial", "confined-compression"):
         if stretch[int(np.abs(stretch - 1.0).argmax())] > 1.0:
@@ -159,121 +158,204 @@ def read_loading(
     curve = TestCurve(
         mode, stretch, stress, stretch2=stretch2, stress2=stress2, stress_sd=sd, membrane=membrane
     )
-    return Loading(curve, tuple(notes), tuple(used))
+    return Loading(curve, tuple(notes), tuple(reader.used))
 
 
-def _signed(values: Array, column: Column, notes: list[str]) -> Array:
-    """Return readings with the signs of mechanics: pulling is positive."""
-    if column.minus:
-        return -values
-    if column.compressive and len(values) and values[int(np.abs(values).argmax())] > 0.0:
-        notes.append(f"{column.heading.title} counts pushing as positive and is taken as negative")
-        return -values
-    return values
+@dataclass
+class _Reader:
+    """Reads the rows of a sheet as a test; tells in ``notes`` what it took for what, and which columns it ``used``."""
 
+    sheet: CsvSheet
+    roles: Roles
+    test: str
+    sizes: Geometry
+    decimal: str
+    options: Geometry
+    notes: list[str] = field(default_factory=list)
+    used: list[Column] = field(default_factory=list)
 
-def _stretch(
-    sheet: CsvSheet,
-    roles: Roles,
-    place: str,
-    test: str,
-    sizes: Geometry,
-    decimal: str,
-    options: Geometry,
-    notes: list[str],
-    used: list[Column],
-) -> Array | None:
-    names = (
-        ("shear strain",)
-        if test == "simple-shear"
-        else tuple(one for one in STRETCHES if one != "shear strain")
-    )
-    column = roles.first(names, place)
-    if column is None:
-        return None
-    used.append(column)
-    name, head = column.name.removesuffix(" 2"), column.heading
-    if name in _LENGTHS:
-        found = _from_lengths(sheet, roles, column, name, test, sizes, decimal, options, notes)
-    else:
-        values = quantities(sheet, head, "dimensionless", decimal, name=name)
-        largest = float(np.abs(values).max()) if len(values) else 0.0
-        contract = head.name.rstrip(" 12") in ("strain", "engineering strain")
-        percent = any("%" in cell for cell in sheet.columns[head.index][:1])
-        if (
-            name != "stretch"
-            and head.unit is None
-            and not percent
-            and largest > (MAX_STRAIN if contract else MAX_MACHINE_STRAIN)
-        ):
-            row = int(np.abs(values).argmax())
-            raise InputError(
-                f"a strain of {values[row]:g} without a unit",
-                file=sheet.name,
-                line=sheet.lines[row],
-                column=head.title,
-                remedy=f'name the column "{head.title} [%]" if it is in percent, "{head.title} [-]" if not, or say '
-                + filled_in([(head.title, f"{name} [%]")]),
-            )
-        values = _signed(values, column, notes)
-        if name == "shear strain":
-            return values
-        if name == "true strain":
-            found = np.exp(values)
-        elif name == "green strain":
-            found = np.sqrt(np.maximum(1.0 + 2.0 * values, 0.0))
+    def _values(self, column: Column, kind: str, name: str) -> Array:
+        return quantities(self.sheet, column.heading, kind, self.decimal, name=name)
+
+    def _signed(self, values: Array, column: Column) -> Array:
+        """Return readings with the signs of mechanics: pulling is positive."""
+        if column.minus:
+            return -values
+        if column.compressive and len(values) and values[int(np.abs(values).argmax())] > 0.0:
+            self.notes.append(f"{column.heading.title} counts pushing as positive and is taken as negative")
+            return -values
+        return values
+
+    def stretch(self, place: str) -> Array | None:
+        """Return the stretch (or shear strain) of a place, the first or the second direction."""
+        names = (
+            ("shear strain",)
+            if self.test == "simple-shear"
+            else tuple(one for one in STRETCHES if one != "shear strain")
+        )
+        column = self.roles.first(names, place)
+        if column is None:
+            return None
+        self.used.append(column)
+        name, head = column.name.removesuffix(" 2"), column.heading
+        if name in _LENGTHS:
+            found = self._from_lengths(column, name)
         else:
-            found = values if name in ("stretch", "volume ratio") else 1.0 + values
-    wrong = np.flatnonzero(found <= 0.0)
-    if wrong.size:
-        row = int(wrong[0])
-        raise InputError(
-            f"a stretch of {found[row]:g} is impossible, it is the length over the first length",
-            file=sheet.name,
-            line=sheet.lines[row],
-            column=head.title,
-            remedy="correct the cell; is the column a strain, or are columns swapped?",
-        )
-    return found
-
-
-def _from_lengths(
-    sheet: CsvSheet,
-    roles: Roles,
-    column: Column,
-    name: str,
-    test: str,
-    sizes: Geometry,
-    decimal: str,
-    options: Geometry,
-    notes: list[str],
-) -> Array:
-    head = column.heading
-    if head.unit is None:
-        raise no_unit(sheet, column, roles)
-    if options.gauge_length is None:
-        conflicting(sheet, decimal)
-    length = sizes.gauge_length or (sizes.diameter if test.startswith("biaxial") else None)
-    values = quantities(sheet, head, "length", decimal, name=name)
-    if name == "length":
-        if length is None:
-            length = float(values[0])
-            notes.append(
-                f"{head.title} is the length; its first, {length:g} mm, is taken as the gauge length"
+            values = self._values(column, "dimensionless", name)
+            largest = float(np.abs(values).max()) if len(values) else 0.0
+            contract = head.name.rstrip(" 12") in ("strain", "engineering strain")
+            percent = any("%" in cell for cell in self.sheet.columns[head.index][:1])
+            if (
+                name != "stretch"
+                and head.unit is None
+                and not percent
+                and largest > (MAX_STRAIN if contract else MAX_MACHINE_STRAIN)
+            ):
+                row = int(np.abs(values).argmax())
+                raise InputError(
+                    f"a strain of {values[row]:g} without a unit",
+                    file=self.sheet.name,
+                    line=self.sheet.lines[row],
+                    column=head.title,
+                    remedy=f'name the column "{head.title} [%]" if it is in percent, "{head.title} [-]" if not, or say '
+                    + filled_in([(head.title, f"{name} [%]")]),
+                )
+            values = self._signed(values, column)
+            if name == "shear strain":
+                return values
+            if name == "true strain":
+                found = np.exp(values)
+            elif name == "green strain":
+                found = np.sqrt(np.maximum(1.0 + 2.0 * values, 0.0))
+            else:
+                found = values if name in ("stretch", "volume ratio") else 1.0 + values
+        wrong = np.flatnonzero(found <= 0.0)
+        if wrong.size:
+            row = int(wrong[0])
+            raise InputError(
+                f"a stretch of {found[row]:g} is impossible, it is the length over the first length",
+                file=self.sheet.name,
+                line=self.sheet.lines[row],
+                column=head.title,
+                remedy="correct the cell; is the column a strain, or are columns swapped?",
             )
-        return values / length
-    if length is None:
-        raise InputError(
-            "needs the gauge length to become a stretch",
-            file=sheet.name,
-            column=head.title,
-            remedy='give --gauge-length 50mm, or add a line "# gauge length: 50 mm" on top',
+        return found
+
+    def _from_lengths(self, column: Column, name: str) -> Array:
+        head = column.heading
+        if head.unit is None:
+            raise no_unit(self.sheet, column, self.roles)
+        if self.options.gauge_length is None:
+            conflicting(self.sheet, self.decimal)
+        length = self.sizes.gauge_length or (self.sizes.diameter if self.test.startswith("biaxial") else None)
+        values = self._values(column, "length", name)
+        if name == "length":
+            if length is None:
+                length = float(values[0])
+                self.notes.append(
+                    f"{head.title} is the length; its first, {length:g} mm, is taken as the gauge length"
+                )
+            return values / length
+        if length is None:
+            raise InputError(
+                "needs the gauge length to become a stretch",
+                file=self.sheet.name,
+                column=head.title,
+                remedy='give --gauge-length 50mm, or add a line "# gauge length: 50 mm" on top',
+            )
+        values = self._signed(values, column)
+        if name == "position":
+            values = values - values[0]
+            self.notes.append(f"{head.title} is counted from its first row")
+        return 1.0 + values / length
+
+    def stress(self, place: str, stretch: Array | None) -> tuple[Array | None, bool, Array | None]:
+        """Return (nominal stress, whether it is N/mm, its standard deviation)."""
+        names = (
+            ("shear stress", "force")
+            if self.test == "simple-shear"
+            else tuple(one for one in STRESSES if one != "shear stress")
         )
-    values = _signed(values, column, notes)
-    if name == "position":
-        values = values - values[0]
-        notes.append(f"{head.title} is counted from its first row")
-    return 1.0 + values / length
+        column = self.roles.first(names, place)
+        if column is None:
+            return None, False, None
+        self.used.append(column)
+        name, head = column.name.removesuffix(" 2"), column.heading
+        if head.unit is None:
+            raise no_unit(
+                self.sheet, column, self.roles, f"{head.title} [{'N' if name == 'force' else 'MPa'}]"
+            )
+        deviation = self.roles.columns.get("stress sd") if not place else None
+        kind, per_width = ("membrane-stress", True) if name == "membrane stress" else ("stress", False)
+        factor: float | Array = 1.0
+        if name == "force":
+            kind = "force"
+            factor, per_width = self._over(column)
+        found = self._signed(self._values(column, kind, name), column) / factor
+        sd = None
+        if deviation is not None:
+            self.used.append(deviation)
+            found_sd = self._deviation(deviation, kind if name != "force" else "stress", found, stretch)
+            if name == "force" and per_width:
+                if self.sizes.thickness is None:
+                    raise InputError(
+                        "needs the thickness",
+                        file=self.sheet.name,
+                        column=deviation.heading.title,
+                        remedy='give --thickness, or add a line "# thickness: 0.6 mm" on top',
+                    )
+                found_sd = found_sd * self.sizes.thickness
+            sd = found_sd
+        if name == "true stress" and self.test != "volumetric":
+            if stretch is None:
+                raise missing(
+                    self.sheet, self.roles, f"the stretch that belongs to {head.title}", f'"stretch{place}"'
+                )
+            found = found / stretch
+            sd = None if sd is None else sd / stretch
+            self.notes.append("true stress taken as nominal stress times the stretch (no change of volume)")
+        if per_width and self.sizes.thickness is not None:
+            found, per_width = found / self.sizes.thickness, False
+            sd = None if sd is None else sd / self.sizes.thickness
+        return found, per_width, sd
+
+    def _over(self, column: Column) -> tuple[float, bool]:
+        """Return what a force is divided by, and whether that is a width [mm] and no area [mm^2]."""
+        if self.test.startswith("biaxial") and self.sizes.diameter is not None:
+            return math.pi * self.sizes.diameter, True
+        if self.sizes.width is not None:
+            return self.sizes.width, True
+        if self.sizes.area is not None:
+            return self.sizes.area, False
+        if self.sizes.diameter is not None:
+            return math.pi * self.sizes.diameter**2 / 4.0, False
+        disc = " or diameter" if self.test.startswith("biaxial") else ""
+        raise InputError(
+            f"needs the width{disc} of the specimen to become a stress",
+            file=self.sheet.name,
+            column=column.heading.title,
+            remedy='give --width 25mm, or add a line "# width: 25 mm" on top',
+        )
+
+    def _deviation(self, column: Column, kind: str, stress: Array, stretch: Array | None) -> Array:
+        """Return standard deviations; one of zero at rest, where a reading was zeroed, the smallest of the others."""
+        values = self._values(column, kind, "stress sd")
+        rest = np.abs(stress) <= 1e-9 * float(np.abs(stress).max())
+        if stretch is not None:
+            rest |= np.abs(stretch - 1.0) <= 1e-9
+        known = values[values > 0.0]
+        if len(known):
+            values = np.where((values == 0.0) & rest, known.min(), values)
+        wrong = np.flatnonzero(values <= 0.0)
+        if wrong.size:
+            raise InputError(
+                f"a standard deviation of {values[wrong[0]]:g}",
+                file=self.sheet.name,
+                line=self.sheet.lines[int(wrong[0])],
+                column=column.heading.title,
+                remedy="it is positive; leave the column out where it is not known",
+            )
+        return values
 
 
 def no_unit(sheet: CsvSheet, column: Column, roles: Roles, example: str = "") -> InputError:
@@ -286,110 +368,3 @@ def no_unit(sheet: CsvSheet, column: Column, roles: Roles, example: str = "") ->
         remedy=f'write it behind the name, as in "{example or f"{column.heading.title} [mm]"}", or say '
         f"{unitless(sheet, [*roles.columns.values()])}",
     )
-
-
-def _stress(
-    sheet: CsvSheet,
-    roles: Roles,
-    place: str,
-    test: str,
-    sizes: Geometry,
-    decimal: str,
-    stretch: Array | None,
-    notes: list[str],
-    used: list[Column],
-) -> tuple[Array | None, bool, Array | None]:
-    """Return (nominal stress, whether it is N/mm, its standard deviation)."""
-    names = (
-        ("shear stress", "force")
-        if test == "simple-shear"
-        else tuple(one for one in STRESSES if one != "shear stress")
-    )
-    column = roles.first(names, place)
-    if column is None:
-        return None, False, None
-    used.append(column)
-    name, head = column.name.removesuffix(" 2"), column.heading
-    if head.unit is None:
-        raise InputError(
-            "has no unit",
-            file=sheet.name,
-            line=sheet.header_line,
-            column=head.title,
-            remedy=f'write it behind the name, as in "{head.title} [{"N" if name == "force" else "MPa"}]", or say '
-            + unitless(sheet, [*roles.columns.values()]),
-        )
-    deviation = roles.columns.get("stress sd") if not place else None
-    kind, per_width = ("membrane-stress", True) if name == "membrane stress" else ("stress", False)
-    factor: float | Array = 1.0
-    if name == "force":
-        kind = "force"
-        factor, per_width = _over(sheet, column, test, sizes)
-    found = _signed(quantities(sheet, head, kind, decimal, name=name), column, notes) / factor
-    sd = None
-    if deviation is not None:
-        used.append(deviation)
-        found_sd = _deviation(
-            sheet, deviation, kind if name != "force" else "stress", decimal, found, stretch
-        )
-        if name == "force" and per_width:
-            if sizes.thickness is None:
-                raise InputError(
-                    "needs the thickness",
-                    file=sheet.name,
-                    column=deviation.heading.title,
-                    remedy='give --thickness, or add a line "# thickness: 0.6 mm" on top',
-                )
-            found_sd = found_sd * sizes.thickness
-        sd = found_sd
-    if name == "true stress" and test != "volumetric":
-        if stretch is None:
-            raise missing(sheet, roles, f"the stretch that belongs to {head.title}", f'"stretch{place}"')
-        found = found / stretch
-        sd = None if sd is None else sd / stretch
-        notes.append("true stress taken as nominal stress times the stretch (no change of volume)")
-    if per_width and sizes.thickness is not None:
-        found, sd, per_width = found / sizes.thickness, None if sd is None else sd / sizes.thickness, False
-    return found, per_width, sd
-
-
-def _over(sheet: CsvSheet, column: Column, test: str, sizes: Geometry) -> tuple[float, bool]:
-    """Return what a force is divided by, and whether that is a width [mm] and no area [mm^2]."""
-    if test.startswith("biaxial") and sizes.diameter is not None:
-        return math.pi * sizes.diameter, True
-    if sizes.width is not None:
-        return sizes.width, True
-    if sizes.area is not None:
-        return sizes.area, False
-    if sizes.diameter is not None:
-        return math.pi * sizes.diameter**2 / 4.0, False
-    disc = " or diameter" if test.startswith("biaxial") else ""
-    raise InputError(
-        f"needs the width{disc} of the specimen to become a stress",
-        file=sheet.name,
-        column=column.heading.title,
-        remedy='give --width 25mm, or add a line "# width: 25 mm" on top',
-    )
-
-
-def _deviation(
-    sheet: CsvSheet, column: Column, kind: str, decimal: str, stress: Array, stretch: Array | None
-) -> Array:
-    """Return standard deviations; one of zero at rest, where a reading was zeroed, is the smallest of the others."""
-    values = quantities(sheet, column.heading, kind, decimal, name="stress sd")
-    rest = np.abs(stress) <= 1e-9 * float(np.abs(stress).max())
-    if stretch is not None:
-        rest |= np.abs(stretch - 1.0) <= 1e-9
-    known = values[values > 0.0]
-    if len(known):
-        values = np.where((values == 0.0) & rest, known.min(), values)
-    wrong = np.flatnonzero(values <= 0.0)
-    if wrong.size:
-        raise InputError(
-            f"a standard deviation of {values[wrong[0]]:g}",
-            file=sheet.name,
-            line=sheet.lines[int(wrong[0])],
-            column=column.heading.title,
-            remedy="it is positive; leave the column out where it is not known",
-        )
-    return values
