@@ -14,7 +14,7 @@ import numpy as np
 
 from hyperfab.loop.candidate import Candidate
 from hyperfab.loop.judge import structured
-from hyperfab.loop.thresholds import ELSEWHERE, ENOUGH, EXPLAINED, LAW, MARGIN, SMALL, VALUES
+from hyperfab.loop.thresholds import ELSEWHERE, FEWEST, LITTLE, MARGIN, SHARE, SMALL
 
 
 @dataclass(frozen=True)
@@ -30,9 +30,9 @@ def allowed(before: float) -> float:
     """Return how much structure a right name may leave of ``before``, both in standard deviations of the noise.
 
     >>> allowed(100.0), round(allowed(1.0), 3)
-    (0.66, 0.224)
+    (0.675, 0.224)
     """
-    return float(min(ENOUGH, np.sqrt(1.0 - EXPLAINED) * before))
+    return float(min(1.5 * SMALL, np.sqrt(SHARE) * before))
 
 
 def explains(base: Candidate, state: Candidate) -> bool:
@@ -73,8 +73,8 @@ def belief(base: Candidate, models: Iterable[Candidate], entries: int) -> Belief
 
 def _scale(before: float) -> float:
     """Return how much a right law leaves: half of what is too small to matter, and a share of what there was."""
-    return float(np.hypot(0.5 * SMALL, LAW * before))
+    return float(np.hypot(0.5 * SMALL, LITTLE * before))
 
 
 def _student(left: float, scale: float) -> float:
-    return float(0.5 * VALUES * np.log1p((left / scale) ** 2))
+    return float(0.5 * FEWEST * np.log1p((left / scale) ** 2))

@@ -11,7 +11,7 @@ from hyperfab.loop.judge import Judgement, judge
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.score import Signature, signatures
-from hyperfab.loop.thresholds import HELPED, MARGIN, SHARE, TAKEN
+from hyperfab.loop.thresholds import LITTLE, MARGIN, MOST, SHARE
 
 
 @dataclass
@@ -78,9 +78,9 @@ class Evidence:
         """Whether the term pays, and helps most of the tests that can tell."""
         if self.help is None or self.restores:
             return self.pays()
-        return self.pays() and self.help.helped >= HELPED
+        return self.pays() and self.help.helped >= MOST
 
     def pays(self) -> bool:
         """Whether the term is worth its constants: in likelihood, in size, and on tests left out."""
         pays = self.delta_bic >= MARGIN and self.variance_share >= SHARE and self.certain
-        return pays and (self.help is None or self.restores or self.help.taken >= TAKEN)
+        return pays and (self.help is None or self.restores or self.help.taken >= LITTLE)

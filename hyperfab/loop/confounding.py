@@ -16,14 +16,7 @@ from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.score import orthonormal, projected
 from hyperfab.loop.search import Search
-from hyperfab.loop.thresholds import (
-    ALIKE,
-    EXPLAINED,
-    FEWEST_CONSTANTS,
-    IMPOSSIBLE,
-    MARGIN,
-    STRAINED,
-)
+from hyperfab.loop.thresholds import FEWEST_CONSTANTS, LITTLE, MARGIN, SHARE, UNLIKELY
 
 
 @dataclass(frozen=True)
@@ -63,7 +56,7 @@ def rivals(search: Search, best: Candidate) -> list[Rival]:
             # bringing these home, and whatever a little of it looks like.
             free = search.with_term(without, effect) if search.problem.well_known else None
             gap = np.inf if free is None else _gap(search, best, search.state(free))
-            if alike[effect.id] < ALIKE * alike.get(name, 1.0) and gap >= MARGIN:
+            if alike[effect.id] < LITTLE * alike.get(name, 1.0) and gap >= MARGIN:
                 continue
             # Else a rival with more constants than the found law would pass for nearly anything.
             fitted = search.with_term(without, effect, most=most)
@@ -121,7 +114,7 @@ def indistinguishable(problem: Problem, found: Sequence[Rival], best: Candidate)
     """Return, for each found effect, the set of it and the rivals the data cannot tell from it."""
     sets = []
     strained = is_strained(problem, best.fit)
-    most = EXPLAINED if strained else 1.0
+    most = 1.0 - SHARE if strained else 1.0
     for name in best.ids:
         effect = problem.effect(name)
         # Of the sets the plan cannot tell apart, those that are in the model already are no alternatives.
@@ -144,10 +137,10 @@ def indistinguishable(problem: Problem, found: Sequence[Rival], best: Candidate)
 def _is_impossible(problem: Problem, rival: Rival) -> bool:
     if not problem.well_known or rival.state is None:
         return False
-    return is_strained(problem, rival.state.fit, IMPOSSIBLE)
+    return is_strained(problem, rival.state.fit)
 
 
-def is_strained(problem: Problem, found: Fit, least: float = STRAINED) -> bool:
+def is_strained(problem: Problem, found: Fit) -> bool:
     """Whether a fit puts the model's own constants, together, further off than what is known of them allows.
 
     ``least`` is the probability below which they are.
@@ -157,7 +150,7 @@ def is_strained(problem: Problem, found: Fit, least: float = STRAINED) -> bool:
         for constant, value in zip(problem.own, found.x, strict=False)
         if np.isfinite(constant.prior_sd)
     ]
-    return bool(away) and float(chdtrc(len(away), np.sum(np.square(away)))) < least
+    return bool(away) and float(chdtrc(len(away), np.sum(np.square(away)))) < UNLIKELY
 
 
 def _misfit(problem: Problem, noise: Noise, truth: Fit, start: Fit) -> float:

@@ -12,7 +12,7 @@ from hyperfab.arrays import Array
 from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Extra, Problem
-from hyperfab.loop.thresholds import CLEARLY
+from hyperfab.loop.thresholds import clearly
 
 _MOST_RIVALS = 3
 
@@ -31,7 +31,7 @@ class NextMeasurement:
     @property
     def decisive(self) -> bool:
         """Whether it would settle the matter against the present noise."""
-        return self.misfit >= CLEARLY
+        return self.misfit >= clearly()
 
 
 def next_measurement(problem: Problem, noise: Noise, fits: Sequence[Fit]) -> list[NextMeasurement]:

@@ -21,16 +21,7 @@ from hyperfab.loop.noise import Noise, estimate_noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.replicates import replicates
 from hyperfab.loop.search import Search
-from hyperfab.loop.thresholds import (
-    AS_SEEN,
-    EXPLAINED,
-    FEWEST_TOGETHER,
-    MARGIN,
-    MOST_SCATTER,
-    ONE_CLOTH,
-    SMALL,
-    TEST_NOISE,
-)
+from hyperfab.loop.thresholds import AS_SEEN, FEWEST, MARGIN, ONE_CLOTH, SHARE, SMALL, TOLD
 
 #: Terms added at most, and models carried along at each number of terms.
 _DEPTH, _BEAM = 3, 2
@@ -170,9 +161,9 @@ def _no_more_than_noise(base: Candidate) -> bool:
     left = [
         base.fit.residual[curve.rows]
         for curve in base.problem.curves
-        if curve.stop - curve.start >= FEWEST_TOGETHER and not curve.beforehand
+        if curve.stop - curve.start >= FEWEST and not curve.beforehand
     ]
-    return base.judgement.structured == 0.0 and all(np.mean(one**2) <= TEST_NOISE**2 for one in left)
+    return base.judgement.structured == 0.0 and all(np.mean(one**2) <= TOLD**2 for one in left)
 
 
 def _grow(search: Search, base: Candidate) -> tuple[Candidate, dict[str, Evidence]]:
@@ -224,7 +215,7 @@ def _worth_a_name(base: Candidate, smaller: Candidate, larger: Candidate, eviden
         return evidence.variance_share >= 0.5 and larger.judgement.is_small
     if evidence.help is None and len(smaller.held_out.counted) > 1:
         # Constants of each specimen cannot be tested on others: they have to explain what is left.
-        nearly = evidence.variance_share >= EXPLAINED or explains(base, larger)
+        nearly = evidence.variance_share >= 1.0 - SHARE or explains(base, larger)
         return larger.judgement.is_noise or (smaller is base and nearly)
     return True
 
@@ -276,7 +267,7 @@ def _surprise(search: Search, state: Candidate, best: Candidate | None = None) -
     """
 
     # No larger than replicates allow: that specimens led alike agree says that others do not scatter by any amount.
-    most = MOST_SCATTER * search.noise.gain_doubt or np.inf
+    most = TOLD * search.noise.gain_doubt or np.inf
     scatters = [scatter for scatter in _SCATTERS if scatter <= most] or [most]
 
     def misfits(one: Candidate) -> tuple[Array, Array]:

@@ -11,7 +11,7 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.loop.known import SURE
 from hyperfab.loop.problem import Curve
-from hyperfab.loop.thresholds import FEWEST_TOGETHER, ONE_CLOTH
+from hyperfab.loop.thresholds import FEWEST, ONE_CLOTH
 
 #: How much faster one of two tests led alike may be: with another gauge length it seems to be.
 _PACE = 3.0
@@ -80,7 +80,7 @@ def _factor(y: Array, one: Curve, other: Curve) -> float:
     x1, x2 = one.places, other.places
     order = np.argsort(x1, kind="stable")
     inside = (x2 >= x1[order[0]]) & (x2 <= x1[order[-1]])
-    if np.count_nonzero(inside) < FEWEST_TOGETHER or not 1.0 / _PACE < _pace(one) / _pace(other) < _PACE:
+    if np.count_nonzero(inside) < FEWEST or not 1.0 / _PACE < _pace(one) / _pace(other) < _PACE:
         return np.nan
     there = np.interp(x2[inside], x1[order], y[one.rows][order])
     factor = float(there @ y[other.rows][inside]) / max(float(there @ there), 1e-300)

@@ -12,7 +12,7 @@ from hyperfab.arrays import Array
 from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Curve, Problem
-from hyperfab.loop.thresholds import BEYOND, DETERMINED, SEEN, TEST_NOISE
+from hyperfab.loop.thresholds import DETERMINED, MOST, TOLD
 
 Rows = slice | NDArray[np.int64]
 
@@ -117,7 +117,7 @@ def help_of(before: HeldOut, after: HeldOut, gone: Array) -> Help | None:
     """
     both = sorted(set(before.counted) & set(after.counted))
     seen = sum(float(np.sum(gone[rows])) for rows in before.rows(both))
-    if len(both) < 2 or seen < SEEN * float(np.sum(gone)):
+    if len(both) < 2 or seen < MOST * float(np.sum(gone)):
         return None
     old, new = before.rms[both], after.rms[both]
     structured = np.median(np.maximum(old**2 - 1.0, 0.0))
@@ -132,10 +132,10 @@ def help_of(before: HeldOut, after: HeldOut, gone: Array) -> Help | None:
     matters = np.abs(old - new) > 0.02 * np.maximum(old, 1.0)
     # Two predictions that lie nearer to each other than readings can tell are neither better nor worse.
     moved = [float(np.sum((before.residual[rows] - after.residual[rows]) ** 2)) for rows in before.rows(both)]
-    matters &= np.array(moved) > BEYOND
+    matters &= np.array(moved) > TOLD**2
     # What was noise and stays so moves by chance alone: the less it moves beside the others, the less it says.
     change = np.abs(old**2 - new**2)
     voice = np.minimum(change / max(float(np.mean(change)), 1e-300), 1.0)
-    voice = np.where(matters, np.where(np.maximum(old, new) > TEST_NOISE, 1.0, voice), 0.0)
+    voice = np.where(matters, np.where(np.maximum(old, new) > TOLD, 1.0, voice), 0.0)
     helped = float(np.sum(voice[new < old]) / np.sum(voice)) if np.any(matters) else 0.0
     return Help(taken, helped, len(both))

@@ -17,7 +17,7 @@ from hyperfab.loop.fitting import Fit
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Curve, Problem
 from hyperfab.loop.score import Signature, greatest_by_chance
-from hyperfab.loop.thresholds import ALPHA, FEWEST_TOGETHER, SMALL
+from hyperfab.loop.thresholds import ALPHA, FEWEST, SMALL
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ def _worst_by_chance(fit: Fit, dof: float, curves: Sequence[Curve]) -> float:
     each = [
         _by_chance(float(np.mean(fit.residual[curve.rows] ** 2)), float(curve.stop - curve.start), dof)
         for curve in curves
-        if not curve.beforehand and curve.stop - curve.start >= FEWEST_TOGETHER
+        if not curve.beforehand and curve.stop - curve.start >= FEWEST
     ]
     return min(1.0, len(each) * min(each)) if each else 1.0
 

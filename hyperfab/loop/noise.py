@@ -12,21 +12,13 @@ from scipy.special import chdtrc
 from hyperfab.arrays import Array
 from hyperfab.loop.problem import Curve, Problem
 from hyperfab.loop.replicates import difference, moving, replicates, told_apart
-from hyperfab.loop.thresholds import (
-    ASSUMED,
-    BEYOND,
-    BY_CHANCE,
-    FEW,
-    FEWEST_READ,
-    FEWEST_TOGETHER,
-    MARGIN,
-)
+from hyperfab.loop.thresholds import FEWEST, MACHINE, MARGIN, TOLD, UNLIKELY
 
 #: Of a normal distribution: standard deviation over median absolute deviation.
 MAD = 1.4826
 #: Smoothed third differences count for about this many independent readings each, their median for less.
 _WORTH = 0.3
-_ASSUMED_SOURCE = f"assumed: {100.0 * ASSUMED:g} % of the largest reading, for too few in a row to tell"
+_ASSUMED_SOURCE = f"assumed: {400.0 * MACHINE:g} % of the largest reading, for too few in a row to tell"
 #: Ratios tried of the noise in proportion, at the largest reading, to that at zero; misfits that are hardly apart.
 _RATIOS = (0.0, 0.3, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 14.0, 20.0, 30.0, 50.0, 100.0)
 _HARDLY = 2.0
@@ -230,7 +222,7 @@ def _from_differences(y: Array, curves: Sequence[Curve], rows: Array) -> tuple[A
     size = float(np.max(np.abs(y[rows]), initial=0.0)) or 1.0
     floor = max(_resolution(y[rows]) / np.sqrt(12.0), 1e-9 * size)
     if len(found) < 4:
-        return np.full(len(rows), max(ASSUMED * size, floor)), 2.0, _ASSUMED_SOURCE
+        return np.full(len(rows), max(4.0 * MACHINE * size, floor)), 2.0, _ASSUMED_SOURCE
     edges = np.cumsum([len(part[0]) for part in parts])[:-1]
     tried = []
     for ratio in _RATIOS:
@@ -260,7 +252,7 @@ def _of_each(scaled: Sequence[Array]) -> Array:
     by what they scatter by chance (James and Stein).
     """
     worth = np.array([_WORTH * len(one) for one in scaled])
-    level = np.array([MAD * float(np.median(one)) if len(one) >= FEWEST_READ else 0.0 for one in scaled])
+    level = np.array([MAD * float(np.median(one)) if len(one) >= FEWEST else 0.0 for one in scaled])
     known = level > 0.0
     factor = np.ones(len(scaled))
     if np.count_nonzero(known) < 2:
@@ -268,7 +260,7 @@ def _of_each(scaled: Sequence[Array]) -> Array:
     size, weight = np.log(level[known]), 2.0 * worth[known]
     middle = float(np.average(size, weights=weight))
     apart, free = float(weight @ (size - middle) ** 2), len(size) - 1
-    if chdtrc(free, apart) > BY_CHANCE:
+    if chdtrc(free, apart) > UNLIKELY:
         return factor
     between = max(apart / free - 1.0, 0.0) / float(np.mean(weight))
     kept = between / (between + 1.0 / weight)
@@ -293,7 +285,7 @@ def _with_replicates(problem: Problem, noise: Noise, free: bool) -> Noise:
     gains, sure, rests, lags, count = [], [], [], [], 0
     for first, second in replicates(problem.curves):
         apart, level, slope, sd = difference(y, noise.sd, first, second)
-        if len(apart) < FEWEST_TOGETHER:
+        if len(apart) < FEWEST:
             continue
         apart, shapes = apart / sd, (level / sd, (1.0 / sd, slope / sd))
         values = apart
@@ -303,7 +295,7 @@ def _with_replicates(problem: Problem, noise: Noise, free: bool) -> Noise:
             values = values - left + _winsorised(apart - values + left)
         gain = float(coefficients[0])
         gains.append(gain**2 / 2.0 - variance)
-        sure.append(gain**2 / 2.0 - BEYOND * variance)
+        sure.append(gain**2 / 2.0 - TOLD**2 * variance)
         quiet = _winsorised(left)
         rests.append(float(quiet @ quiet) / (2.0 * (len(left) - len(coefficients))))
         lags.append(float(quiet[1:] @ quiet[:-1]) / max(float(quiet @ quiet), 1e-300))
@@ -311,7 +303,7 @@ def _with_replicates(problem: Problem, noise: Noise, free: bool) -> Noise:
     if not gains:
         return noise
     gain_sd = float(np.sqrt(max(float(np.mean(gains)), 0.0)))
-    doubt = (1.0 + FEW / len(sure)) * float(np.sqrt(max(float(np.mean(sure)), 0.0)))
+    doubt = (1.0 + TOLD / np.sqrt(2.0 * len(sure))) * float(np.sqrt(max(float(np.mean(sure)), 0.0)))
     rho = float(np.mean(lags))
     # Interpolating one replicate onto the other and a fitted gain correlate a little; below this nothing is claimed.
     rho = rho if rho > 0.3 + 2.0 / np.sqrt(count) else 0.0
@@ -345,7 +337,7 @@ def _louder(problem: Problem, sd: Array, channel: int) -> Array:
         np.mean((apart / spread) ** 2) / 2.0
         for first, second in replicates(problem.curves, channel)
         for apart, _, _, spread in [difference(problem.measured, sd, first, second)]
-        if len(apart) >= FEWEST_TOGETHER
+        if len(apart) >= FEWEST
     ]
     if squares:
         factor[problem.channel == channel] = np.sqrt(max(float(np.mean(squares)), 1.0))

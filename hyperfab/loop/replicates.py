@@ -8,7 +8,7 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.loop.problem import Curve
-from hyperfab.loop.thresholds import CLEARLY
+from hyperfab.loop.thresholds import clearly
 
 
 def replicates(curves: Sequence[Curve], channel: int = 0) -> list[tuple[Curve, Curve]]:
@@ -41,7 +41,7 @@ def told_apart(apart: Array, level: Array, others: Sequence[Array]) -> tuple[Arr
     stiffer = least([level])
     best = min(((*least([other]), other) for other in others), key=lambda one: float(one[2] @ one[2]))
     found = stiffer
-    if float(stiffer[2] @ stiffer[2]) - float(best[2] @ best[2]) > CLEARLY:
+    if float(stiffer[2] @ stiffer[2]) - float(best[2] @ best[2]) > clearly():
         found = least([level, best[3]])
     return found[0], float(found[1][0, 0]), found[2]
 

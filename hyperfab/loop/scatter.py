@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 from hyperfab.arrays import Array
 from hyperfab.loop.noise import MAD, third_differences
 from hyperfab.loop.problem import Curve
-from hyperfab.loop.thresholds import ASSUMED, FEWEST_TOGETHER, MARGIN
+from hyperfab.loop.thresholds import FEWEST, MACHINE, MARGIN
 
 #: Neighbours a plane is laid through.
 _NEIGHBOURS = 9
@@ -58,11 +58,7 @@ def proportional(guesses: Sequence[Guess], top: float) -> float:
     0.0
     """
     known = [(one.found, one.level) for one in guesses if one.found is not None and one.level is not None]
-    if (
-        len(known) < len(guesses)
-        or min((len(found) for found, _ in known), default=0) < FEWEST_TOGETHER
-        or top <= 0.0
-    ):
+    if len(known) < len(guesses) or min((len(found) for found, _ in known), default=0) < FEWEST or top <= 0.0:
         return 0.0
     misfits = []
     for ratio in _RATIOS:
@@ -109,7 +105,7 @@ def guess_of_cloud(places: Array, values: Array, level: Array | None = None) -> 
     top = float(np.max(np.abs(values), initial=0.0)) or 1.0
     count = min(_NEIGHBOURS, len(values) - 1)
     if count < 5:
-        return Guess(ASSUMED * top, 2.0, source)
+        return Guess(4.0 * MACHINE * top, 2.0, source)
     _, near = tree.query(places, count + 1)
     left = np.empty(len(values))
     for i, (mine, others) in enumerate(zip(near[:, 0], near[:, 1:], strict=True)):
@@ -186,5 +182,5 @@ def guess_of_curve(
     left = np.concatenate(found)
     top = float(np.max(np.abs(values), initial=0.0)) or 1.0
     if len(left) < 4:
-        return Guess(ASSUMED * top, 2.0, source)
+        return Guess(4.0 * MACHINE * top, 2.0, source)
     return Guess(max(_size(left), 1e-6 * top), max(0.4 * len(left), 2.0), source, left, np.concatenate(sizes))

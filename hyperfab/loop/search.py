@@ -15,7 +15,7 @@ from hyperfab.loop.judge import correlation_time, prior_misfit, scaled_chi2
 from hyperfab.loop.noise import Noise, with_misfit
 from hyperfab.loop.problem import Effect, Form, Problem
 from hyperfab.loop.score import points_at
-from hyperfab.loop.thresholds import MARGIN, WRONG
+from hyperfab.loop.thresholds import MARGIN, TOLD
 
 #: Refinements of the terms of a model that leaves much.
 _STEPS = 4
@@ -40,7 +40,7 @@ class Search:
         given = np.array([constant.value for constant in self.problem.own])
         fits = [fit(self.problem, self.noise, {}, start) for start in (given, *self.problem.starts)]
         best = min(fits, key=lambda one: one.cost)
-        if not np.isfinite(best.chi2) or best.chi2 <= WRONG * len(best.residual):
+        if not np.isfinite(best.chi2) or best.chi2 <= TOLD**2 * len(best.residual):
             return self.state(best)
         # What the model misses counts as noise: the quietest test must not be all that it is fitted to. What a term is
         # worth is told from the model's own optimum under the noise, as that of every larger one is.
@@ -296,7 +296,7 @@ class Search:
             sd = new.sd[place] * scale
             covariance = new.covariance[place, place] * scale**2
             together = float(away_signed @ inverse(covariance, 1e-10) @ away_signed)
-            if not np.any(away > 2.0 * sd) and together < 4.0 + 2.0 * len(sd):
+            if not np.any(away > TOLD * sd) and together < TOLD**2 + TOLD * len(sd):
                 return False
             if form.of_each and _is_of_few(new, name):
                 return False

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.special import logsumexp
 
 from hyperfab.arrays import Array
-from hyperfab.loop.thresholds import BLAMED, EXPLAINED
+from hyperfab.loop.thresholds import BLAMED, SHARE
 from hyperfab.numerics.propagation import Source
 
 #: Beside the chapters: nothing is off, or something that no chapter has.
@@ -113,7 +113,7 @@ def trace(readings: Readings, stated: Array, chapters: Sequence[Chapter]) -> Tra
     left = (readings.measured - stated) / readings.sd
     beyond = max(float(np.mean(left**2)) - 1.0, 0.0)
     # A right chapter's model is itself inexact: by as much as the loop lets pass as explained.
-    sd = readings.sd * np.sqrt(1.0 + (1.0 - EXPLAINED) * beyond)
+    sd = readings.sd * np.sqrt(1.0 + SHARE * beyond)
     blamed = {one.name: _blamed(one, readings, stated, sd) for one in chapters}
     left = (readings.measured - stated) / sd
     evidence = {STATED: readings.likely(float(left @ left), 0.0), ELSE: _something(left, readings)}

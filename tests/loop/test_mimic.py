@@ -45,9 +45,9 @@ def saturating(size: float) -> Saturating:
 @pytest.mark.parametrize(
     ("away", "strained"),
     [
-        # Chi-squared of 6.25 of five constants is likely, of 22.5 it is not (p = 4e-4).
+        # Chi-squared of 6.25 of five constants is likely, of 32.5 it is not (p = 5e-6).
         ([0.5, -0.5, 2.0, 1.0, 0.87], False),
-        ([3.0, -3.0, 2.0, 0.5, 0.5], True),
+        ([4.0, -4.0, 0.0, 0.5, 0.5], True),
     ],
 )
 def test_constants_are_strained_by_their_chi_squared(away: list[float], strained: bool) -> None:

@@ -36,7 +36,7 @@ def read(values: Array, freedom: float = np.inf) -> Readings:
 @pytest.mark.parametrize("name", WAYS)
 def test_evidence_is_the_exact_one_of_a_linear_chapter(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Students' t of the readings with the chapter's constants integrated out (Bishop 2006, 2.3.7): scipy's own."""
-    monkeypatch.setattr(upstream, "EXPLAINED", 1.0)
+    monkeypatch.setattr(upstream, "SHARE", 0.0)
     rng = np.random.default_rng(4)
     values = rng.standard_normal(len(PLACES)) + 0.7 * WAYS[name][0]
     found = trace(read(values, 30.0), np.zeros(len(PLACES)), [linear(name)])

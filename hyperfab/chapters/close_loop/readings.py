@@ -19,7 +19,7 @@ from hyperfab.io.layout import Layout
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.scatter import Guess, proportional
-from hyperfab.loop.thresholds import BY_CHANCE, FEWEST_READ
+from hyperfab.loop.thresholds import FEWEST, UNLIKELY
 
 
 class Reading(Protocol):
@@ -53,11 +53,11 @@ class Files(Generic[R]):
 def read_files(given: Given, read: Callable[[str], tuple[R, Array | None]]) -> Files[R]:
     """Read every file; InputError where there are too few readings."""
     measured = [read(name) for name in given.measured]
-    if sum(len(one.values) for one, _ in measured) < FEWEST_READ:
+    if sum(len(one.values) for one, _ in measured) < FEWEST:
         raise InputError(
             "has too few readings to tell noise from a residual",
             file=given.measured[0],
-            remedy=f"give {FEWEST_READ} or more",
+            remedy=f"give {FEWEST} or more",
         )
     return Files(measured, [read(name)[0] for name in given.held])
 
@@ -158,7 +158,7 @@ def alike(sizes: Array, dof: Array) -> bool:
     whole = float(dof.sum())
     gap = whole * np.log(np.average(sizes**2, weights=dof)) - float(dof @ np.log(sizes**2))
     share = 1.0 + (float(np.sum(1.0 / dof)) - 1.0 / whole) / (3.0 * (len(sizes) - 1.0))
-    return float(chdtrc(len(sizes) - 1.0, gap / share)) > BY_CHANCE
+    return float(chdtrc(len(sizes) - 1.0, gap / share)) > UNLIKELY
 
 
 @dataclass(frozen=True)
@@ -204,12 +204,12 @@ def read_thermocouples(job: Job, name: str, probes: Sequence[str], layout: Layou
             )
     readings = np.stack([table[column] for column in columns], axis=1)
     for number, column in enumerate(columns):
-        if np.isfinite(readings[:, number]).sum() < FEWEST_READ:
+        if np.isfinite(readings[:, number]).sum() < FEWEST:
             raise InputError(
                 "has too few readings to tell noise from a residual",
                 file=name,
                 column=column,
-                remedy=f"give {FEWEST_READ} or more, or leave the column out",
+                remedy=f"give {FEWEST} or more, or leave the column out",
             )
     power = table["power"] if "power" in table.columns else None
     return Thermocouples(table["time"], readings, [known[column.casefold()] for column in columns], power)
