@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import textwrap
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -37,92 +38,171 @@ _READINGS = {
 PLACES = (("x0_mm", "y0_mm"), ("x_mm", "y_mm"))
 
 
-def loop_figure(**given: Any) -> bytes:
-    """Return the picture as PNG; ``given`` is what ``loop_drawing`` takes."""
-    buffer = io.BytesIO()
-    loop_drawing(**given).savefig(buffer, format="png", dpi=100, metadata={"Software": None})
-    return buffer.getvalue()
+@dataclass(frozen=True)
+class LoopPicture:
+    """What the picture of a closed loop shows.
 
-
-def loop_drawing(
-    *,
-    abscissa: Array,
-    label: str,
-    unit: str,
-    curves: Sequence[slice],
-    measured: Array,
-    before: Array,
-    after: Array,
-    sd: Array,
-    states: Mapping[str, Array],
-    scores: Mapping[str, float],
-    scores_label: str,
-    verdict: str,
-    added: Sequence[str],
-    value_words: Mapping[str, Sequence[str]] | None = None,
-    delivered: Array | None = None,
-) -> Figure:
-    """Return the picture.
-
-    ``curves`` are the rows of each test, ``states`` the state variables the residual (in units of ``sd``) is drawn
-    against; readings at scattered places are drawn as maps. ``value_words`` name what the values of a state number.
-    ``delivered``: what the model tells before any of its constants was refitted.
+    abscissa, label       what the readings are drawn over, and its name
+    unit                  of the readings
+    curves                the rows of each test
+    measured              the readings
+    before, after         what the model says of them, refitted and with what was added
+    sd                    standard deviations of the readings
+    states                the state variables the residual, in units of ``sd``, is drawn against; readings at scattered
+                          places are drawn as maps
+    scores, scores_label  of the entries, and what they are
+    verdict, added        what was found
+    value_words           what the values of a state number
+    delivered             what the model tells before any of its constants was refitted
     """
-    places = next((pair for pair in PLACES if all(name in states for name in pair)), None)
-    shown = {name: values for name, values in states.items() if _varies(values)}
-    shown = dict(list(shown.items())[:_MOST_STATES])
-    columns = max(len(shown), 2)
-    words = value_words or {}
-    kinds = kinds_of_test(curves, states, words) if places is None else {}
-    upper_height = 4.4 if len(kinds) < 4 else 2.2 * _grid(min(len(kinds), _MOST_PANELS))[1]
-    figure = Figure(figsize=(3.1 * columns + 1.0, 3.8 + upper_height), layout="constrained")
-    FigureCanvasAgg(figure)
-    halves = figure.add_gridspec(2, 1, height_ratios=[upper_height, 3.5])
-    split = max(columns - max(columns // 3, 1), 1)
-    upper = halves[0].subgridspec(1, columns)
-    if places is None:
-        _curves(figure, upper[0, :split], kinds, abscissa, label, unit, curves, measured, before, after)
-    else:
-        x, y = (states[name] for name in places)
-        _maps(
-            figure,
-            upper[0, :split],
-            places,
-            x,
-            y,
-            states.get("axis"),
-            measured - before,
-            measured - after,
-            unit,
+
+    abscissa: Array
+    label: str
+    unit: str
+    curves: Sequence[slice]
+    measured: Array
+    before: Array
+    after: Array
+    sd: Array
+    states: Mapping[str, Array]
+    scores: Mapping[str, float]
+    scores_label: str
+    verdict: str
+    added: Sequence[str]
+    value_words: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    delivered: Array | None = None
+
+    def png(self) -> bytes:
+        """Return the picture as PNG."""
+        buffer = io.BytesIO()
+        self.drawing().savefig(buffer, format="png", dpi=100, metadata={"Software": None})
+        return buffer.getvalue()
+
+    def drawing(self) -> Figure:
+        """Return the picture."""
+        places = next((pair for pair in PLACES if all(name in self.states for name in pair)), None)
+        shown = {name: values for name, values in self.states.items() if _varies(values)}
+        shown = dict(list(shown.items())[:_MOST_STATES])
+        columns = max(len(shown), 2)
+        words = self.value_words
+        kinds = kinds_of_test(self.curves, self.states, words) if places is None else {}
+        upper_height = 4.4 if len(kinds) < 4 else 2.2 * _grid(min(len(kinds), _MOST_PANELS))[1]
+        figure = Figure(figsize=(3.1 * columns + 1.0, 3.8 + upper_height), layout="constrained")
+        FigureCanvasAgg(figure)
+        halves = figure.add_gridspec(2, 1, height_ratios=[upper_height, 3.5])
+        split = max(columns - max(columns // 3, 1), 1)
+        upper = halves[0].subgridspec(1, columns)
+        if places is None:
+            self._curves(figure, upper[0, :split], kinds)
+        else:
+            self._maps(figure, upper[0, :split], places)
+        _scores(figure.add_subplot(upper[0, split:]), self.scores, self.scores_label, self.added)
+        scale = np.maximum(self.sd, 1e-300)
+        lower = halves[1].subgridspec(1, columns)
+        for column, (name, values) in enumerate(shown.items()):
+            axes = figure.add_subplot(lower[0, column])
+            rests = (self.measured - self.before) / scale, (self.measured - self.after) / scale
+            _residual(axes, name, values, *rests, words.get(name, ()))
+            if column == 0:
+                axes.set_ylabel("measured - model, in sd of a reading about its curve")
+                axes.legend(fontsize=8, loc="best", markerscale=4)
+        heading = _VERDICTS[self.verdict].format(", ".join(self.added) or "nothing")
+        # A line of the heading holds some 11 letters an inch; constrained layout does not make room to the sides.
+        room = int(10.5 * figure.get_figwidth())
+        told = (heading, self._missed())
+        figure.suptitle("\n".join(textwrap.fill(line, room, break_on_hyphens=False) for line in told))
+        return figure
+
+    def _missed(self) -> str:
+        """Return by how much of the readings (rms) the model misses them, as it was given and as it became."""
+        size = float(np.sqrt(np.mean(self.measured**2))) or 1.0
+        models = {"as delivered": self.delivered, "refitted": self.before, "at the end": self.after}
+        told = [
+            f"{100.0 * float(np.sqrt(np.mean((self.measured - one) ** 2))) / size:.2g} % {name}"
+            for name, one in models.items()
+            if one is not None and np.all(np.isfinite(one))
+        ]
+        return f"misses the readings by {', '.join(told)}" if told else ""
+
+    def _curves(self, figure: Any, place: Any, kinds: Mapping[str, Sequence[int]]) -> None:
+        """Draw the curves in panels of one scale, one for each kind of test."""
+        chosen = list(kinds)
+        if len(chosen) > _MOST_PANELS:
+            chosen = [chosen[round(i)] for i in np.linspace(0, len(chosen) - 1, _MOST_PANELS)]
+        across, down = _grid(len(chosen))
+        panels = place.subgridspec(down, across)
+        first: Any = None
+        for number, kind in enumerate(chosen):
+            axes = figure.add_subplot(panels[divmod(number, across)], sharex=first, sharey=first)
+            for curve in kinds[kind]:
+                rows = self.curves[curve]
+                axes.plot(self.abscissa[rows], self.measured[rows], ".", ms=2.5, color=DATA, label="measured")
+                axes.plot(
+                    self.abscissa[rows], self.before[rows], "-", lw=0.9, color=BEFORE, label="model before"
+                )
+                axes.plot(
+                    self.abscissa[rows], self.after[rows], "-", lw=1.2, color=AFTER, label="model after"
+                )
+            if first is None:
+                first = axes
+                axes.legend(
+                    axes.lines[:3], ["measured", "model before", "model after"], fontsize=8, markerscale=2
+                )
+                axes.set_ylabel(f"{_READINGS.get(self.unit, 'reading')} [{self.unit}]")
+            axes.grid(alpha=0.3)
+            axes.set_title(kind, fontsize=9)
+            axes.tick_params(labelbottom=number + across >= len(chosen), labelleft=number % across == 0)
+            if number + across >= len(chosen):
+                axes.set_xlabel(self.label)
+        if len(chosen) < len(kinds):
+            first.set_ylabel(f"{first.get_ylabel()}; {len(chosen)} of {len(kinds)} kinds of test")
+
+    def _maps(self, figure: Any, place: Any, names: tuple[str, str]) -> None:
+        """Draw what is left at each place, before and after on one scale: arrows where it has two axes in the plane."""
+        x, y = (self.states[name] for name in names)
+        axis = self.states.get("axis")
+        before, after = self.measured - self.before, self.measured - self.after
+        pair = place.subgridspec(1, 2)
+        vectors = axis is not None and len(np.unique(axis)) == 3
+        if vectors:
+            assert axis is not None
+            rows = [np.flatnonzero(axis == k) for k in range(3)]
+            at = rows[0]
+            rests = [np.stack([rest[k] for k in rows], axis=1) for rest in (before, after)]
+            sizes = [np.linalg.norm(rest, axis=1) for rest in rests]
+        else:
+            at, sizes, rests = np.arange(len(x)), [before, after], []
+        top = max(float(np.nanmax(np.abs(sizes[0]))), float(np.nanmax(np.abs(sizes[1]))), 1e-300)
+        scale = Normalize(0.0 if vectors else -top, top)
+        drawn, panels = None, []
+        for number, (words, size) in enumerate(zip(("before", "after"), sizes, strict=True)):
+            axes = figure.add_subplot(pair[0, number])
+            colours = "viridis" if vectors else "RdBu_r"
+            drawn = axes.scatter(
+                x[at], y[at], c=size, cmap=colours, norm=scale, s=14, edgecolors="0.5", linewidths=0.2
+            )
+            if vectors:
+                rest = rests[number]
+                reach = 0.12 * max(float(np.ptp(x[at])), float(np.ptp(y[at])), 1e-9)
+                axes.quiver(
+                    x[at], y[at], rest[:, 0], rest[:, 1], angles="xy", scale_units="xy", scale=top / reach,
+                    color="0.15", width=0.004,
+                )  # fmt: skip
+            root = float(np.sqrt(np.nanmean(size**2)))
+            axes.set_title(f"{words}: {root:.3g} {self.unit} rms", fontsize=9)
+            axes.set_aspect("equal")
+            axes.set_xlabel(title(names[0]), fontsize=8)
+            axes.set_ylabel(title(names[1]) if number == 0 else "", fontsize=8)
+            axes.tick_params(labelsize=7)
+            panels.append(axes)
+        figure.colorbar(
+            drawn,
+            ax=panels,
+            label=f"measured - model [{self.unit}]",
+            shrink=0.75,
+            location="bottom",
+            aspect=40,
         )
-    _scores(figure.add_subplot(upper[0, split:]), scores, scores_label, added)
-    scale = np.maximum(sd, 1e-300)
-    lower = halves[1].subgridspec(1, columns)
-    for column, (name, values) in enumerate(shown.items()):
-        axes = figure.add_subplot(lower[0, column])
-        rests = (measured - before) / scale, (measured - after) / scale
-        _residual(axes, name, values, *rests, words.get(name, ()))
-        if column == 0:
-            axes.set_ylabel("measured - model, in sd of a reading about its curve")
-            axes.legend(fontsize=8, loc="best", markerscale=4)
-    heading = _VERDICTS[verdict].format(", ".join(added) or "nothing")
-    # A line of the heading holds some 11 letters an inch; constrained layout does not make room to the sides.
-    room = int(10.5 * figure.get_figwidth())
-    told = (heading, _missed(measured, delivered, before, after))
-    figure.suptitle("\n".join(textwrap.fill(line, room, break_on_hyphens=False) for line in told))
-    return figure
-
-
-def _missed(measured: Array, delivered: Array | None, before: Array, after: Array) -> str:
-    """Return by how much of the readings (rms) the model misses them, as it was given and as it became."""
-    size = float(np.sqrt(np.mean(measured**2))) or 1.0
-    models = {"as delivered": delivered, "refitted": before, "at the end": after}
-    told = [
-        f"{100.0 * float(np.sqrt(np.mean((measured - one) ** 2))) / size:.2g} % {name}"
-        for name, one in models.items()
-        if one is not None and np.all(np.isfinite(one))
-    ]
-    return f"misses the readings by {', '.join(told)}" if told else ""
 
 
 def _varies(values: Array) -> bool:
@@ -130,101 +210,10 @@ def _varies(values: Array) -> bool:
     return len(known) > 0 and float(np.ptp(known)) > 1e-6 * max(1.0, float(np.abs(known).max()))
 
 
-def _curves(
-    figure: Any,
-    place: Any,
-    kinds: Mapping[str, Sequence[int]],
-    abscissa: Array,
-    label: str,
-    unit: str,
-    curves: Sequence[slice],
-    measured: Array,
-    before: Array,
-    after: Array,
-) -> None:
-    """Draw the curves in panels of one scale, one for each kind of test."""
-    chosen = list(kinds)
-    if len(chosen) > _MOST_PANELS:
-        chosen = [chosen[round(i)] for i in np.linspace(0, len(chosen) - 1, _MOST_PANELS)]
-    across, down = _grid(len(chosen))
-    panels = place.subgridspec(down, across)
-    first: Any = None
-    for number, kind in enumerate(chosen):
-        axes = figure.add_subplot(panels[divmod(number, across)], sharex=first, sharey=first)
-        for curve in kinds[kind]:
-            rows = curves[curve]
-            axes.plot(abscissa[rows], measured[rows], ".", ms=2.5, color=DATA, label="measured")
-            axes.plot(abscissa[rows], before[rows], "-", lw=0.9, color=BEFORE, label="model before")
-            axes.plot(abscissa[rows], after[rows], "-", lw=1.2, color=AFTER, label="model after")
-        if first is None:
-            first = axes
-            axes.legend(
-                axes.lines[:3], ["measured", "model before", "model after"], fontsize=8, markerscale=2
-            )
-            axes.set_ylabel(f"{_READINGS.get(unit, 'reading')} [{unit}]")
-        axes.grid(alpha=0.3)
-        axes.set_title(kind, fontsize=9)
-        axes.tick_params(labelbottom=number + across >= len(chosen), labelleft=number % across == 0)
-        if number + across >= len(chosen):
-            axes.set_xlabel(label)
-    if len(chosen) < len(kinds):
-        first.set_ylabel(f"{first.get_ylabel()}; {len(chosen)} of {len(kinds)} kinds of test")
-
-
 def _grid(count: int) -> tuple[int, int]:
     """Return how many panels stand beside and below each other."""
     across = count if count <= 3 else 2 if count == 4 else 3 if count <= 9 else 4
     return across, -(-count // across)
-
-
-def _maps(
-    figure: Any,
-    place: Any,
-    names: tuple[str, str],
-    x: Array,
-    y: Array,
-    axis: Array | None,
-    before: Array,
-    after: Array,
-    unit: str,
-) -> None:
-    """Draw what is left at each place, before and after on one scale: arrows where it has two axes in the plane."""
-    pair = place.subgridspec(1, 2)
-    vectors = axis is not None and len(np.unique(axis)) == 3
-    if vectors:
-        assert axis is not None
-        rows = [np.flatnonzero(axis == k) for k in range(3)]
-        at = rows[0]
-        rests = [np.stack([rest[k] for k in rows], axis=1) for rest in (before, after)]
-        sizes = [np.linalg.norm(rest, axis=1) for rest in rests]
-    else:
-        at, sizes, rests = np.arange(len(x)), [before, after], []
-    top = max(float(np.nanmax(np.abs(sizes[0]))), float(np.nanmax(np.abs(sizes[1]))), 1e-300)
-    scale = Normalize(0.0 if vectors else -top, top)
-    drawn, panels = None, []
-    for number, (words, size) in enumerate(zip(("before", "after"), sizes, strict=True)):
-        axes = figure.add_subplot(pair[0, number])
-        colours = "viridis" if vectors else "RdBu_r"
-        drawn = axes.scatter(
-            x[at], y[at], c=size, cmap=colours, norm=scale, s=14, edgecolors="0.5", linewidths=0.2
-        )
-        if vectors:
-            rest = rests[number]
-            reach = 0.12 * max(float(np.ptp(x[at])), float(np.ptp(y[at])), 1e-9)
-            axes.quiver(
-                x[at], y[at], rest[:, 0], rest[:, 1], angles="xy", scale_units="xy", scale=top / reach,
-                color="0.15", width=0.004,
-            )  # fmt: skip
-        root = float(np.sqrt(np.nanmean(size**2)))
-        axes.set_title(f"{words}: {root:.3g} {unit} rms", fontsize=9)
-        axes.set_aspect("equal")
-        axes.set_xlabel(title(names[0]), fontsize=8)
-        axes.set_ylabel(title(names[1]) if number == 0 else "", fontsize=8)
-        axes.tick_params(labelsize=7)
-        panels.append(axes)
-    figure.colorbar(
-        drawn, ax=panels, label=f"measured - model [{unit}]", shrink=0.75, location="bottom", aspect=40
-    )
 
 
 def _scores(axes: Any, scores: Mapping[str, float], label: str, added: Sequence[str]) -> None:

@@ -21,7 +21,7 @@ from PIL import Image
 from hyperfab.errors import InputError
 from hyperfab.io.vtu import unstructured
 from hyperfab.io.vtu_read import read_vtu
-from hyperfab.report.figures_loop import loop_drawing
+from hyperfab.report.figures_loop import LoopPicture
 from hyperfab.report.figures_press import SpottedMold, spotting_drawing
 from hyperfab.report.labels import AFTER, BEFORE, DATA
 from hyperfab.report.page.front import front, still
@@ -300,7 +300,7 @@ def test_before_and_after_have_the_same_colours_on_the_page_and_in_pictures() ->
     colours = {trace["name"]: (trace.get("line") or trace["marker"])["color"] for trace in first.data}
     assert colours == {"measured": DATA, "model before": BEFORE, "model after": AFTER}
     assert [trace["marker"]["color"] for trace in second.data] == [BEFORE, AFTER]
-    picture = loop_drawing(**drawn(np.linspace(1.0, 2.0, 9), {"stretch": np.linspace(1.0, 2.0, 9)}))
+    picture = LoopPicture(**drawn(np.linspace(1.0, 2.0, 9), {"stretch": np.linspace(1.0, 2.0, 9)})).drawing()
     drawn_in = {line.get_label(): line.get_color() for line in picture.axes[0].lines}
     assert drawn_in == {"measured": DATA, "model before": BEFORE, "model after": AFTER}
     assert first.layout["xaxis"]["title"]["text"] == "stretch"
@@ -344,14 +344,14 @@ def test_the_picture_says_how_far_off_the_delivered_model_was() -> None:
     given = drawn(np.arange(4.0), {"x": np.arange(4.0)}) | {"measured": np.full(4, 2.0)}
     given |= {"before": np.full(4, 2.2), "after": np.full(4, 2.01), "delivered": np.full(4, 1.5)}
     told = "misses the readings by 25 % as delivered, 10 % refitted, 0.5 % at the end"
-    assert told in loop_drawing(**given).get_suptitle().replace("\n", " ")
+    assert told in LoopPicture(**given).drawing().get_suptitle().replace("\n", " ")
 
 
 @pytest.mark.parametrize("verdict", ["ambiguous", "unexplained"])
 def test_the_heading_of_a_loops_picture_stands_inside_it(verdict: str) -> None:
     """With few states the picture is narrow, with many names the heading long."""
     given = drawn(np.arange(4.0), {"x": np.arange(4.0)}) | {"verdict": verdict}
-    figure = loop_drawing(**given | {"added": ["thermal-softening", "elastic-law", "permanent-set"]})
+    figure = LoopPicture(**given | {"added": ["thermal-softening", "elastic-law", "permanent-set"]}).drawing()
     figure.canvas.draw()
     [heading] = [text for text in figure.texts if "verdict" in text.get_text()]
     extent = heading.get_window_extent()
@@ -363,7 +363,7 @@ def test_readings_scattered_on_a_sheet_are_a_map_and_no_polyline() -> None:
     x, y = rng.uniform(-90, 90, (2, 40))
     states = {"x0_mm": np.tile(x, 3), "y0_mm": np.tile(y, 3), "axis": np.repeat([0.0, 1.0, 2.0], 40)}
     given = drawn(rng.normal(size=120), states)
-    figure = loop_drawing(**given)
+    figure = LoopPicture(**given).drawing()
     joined = [line for axes in figure.axes for line in axes.lines if line.get_linestyle() not in ("None", "")]
     assert joined == []
     maps = [axes for axes in figure.axes if axes.get_title().startswith(("before", "after"))]
@@ -392,7 +392,9 @@ def test_residuals_stand_under_the_values_that_were_measured() -> None:
         "probe": np.repeat([0.0, 1.0], 6),
         "log rate": np.full(12, -2.4) + 1e-12 * np.arange(12),
     }
-    figure = loop_drawing(**drawn(np.arange(12.0), states), value_words={"probe": ["top", "cup, left"]})
+    figure = LoopPicture(
+        **drawn(np.arange(12.0), states), value_words={"probe": ["top", "cup, left"]}
+    ).drawing()
     told = {
         axes.get_xlabel(): [label.get_text() for label in axes.get_xticklabels()]
         for axes in figure.axes
@@ -408,7 +410,7 @@ def test_residuals_stand_under_the_values_that_were_measured() -> None:
 def test_rates_that_differ_by_rounding_stand_under_the_rate_of_the_machine() -> None:
     rng = np.random.default_rng(4)
     rates = np.repeat([0.01, 0.05], 20) * (1.0 + 1e-6 * rng.normal(size=40))
-    figure = loop_drawing(**drawn(np.arange(40.0), {"log rate": np.log(rates)}))
+    figure = LoopPicture(**drawn(np.arange(40.0), {"log rate": np.log(rates)})).drawing()
     [axes] = [axes for axes in figure.axes if "rate" in axes.get_xlabel()]
     assert axes.get_xlabel() == "rate of stretching, 1/s"
     assert [label.get_text() for label in axes.get_xticklabels()] == ["0.01", "0.05"]
@@ -422,7 +424,7 @@ def test_curves_of_a_loop_stand_in_a_panel_of_their_direction_and_temperature() 
         "temperature_degC": np.repeat([degrees for _, degrees in tests], 8),
     }
     given = drawn(states["stretch"], states) | {"curves": [slice(8 * k, 8 * k + 8) for k in range(5)]}
-    figure = loop_drawing(**given | {"unit": "MPa"})
+    figure = LoopPicture(**given | {"unit": "MPa"}).drawing()
     panels = {axes.get_title(): axes for axes in figure.axes if axes.get_title()}
     assert list(panels) == ["warp, 23 °C", "warp, 80 °C", "weft, 23 °C", "weft, 80 °C"]
     drawn_in = {name: len(axes.lines) // 3 for name, axes in panels.items()}

@@ -276,13 +276,13 @@ def picture(
     value_words: Mapping[str, Sequence[str]] | None = None,
 ) -> bytes:
     """Return the picture of what was found, over ``axis``, of the readings of the first channel."""
-    from hyperfab.report.figures_loop import loop_figure
+    from hyperfab.report.figures_loop import LoopPicture
 
     first = problem.channel == 0
     # The states first that what the model missed rides on.
     riding = dependence(found.before.fit.residual[first], problem.states)
     states = sorted(problem.states.items(), key=lambda item: -riding.get(item[0], 0.0))
-    return loop_figure(
+    return LoopPicture(
         abscissa=axis.values,
         label=axis.label,
         unit=unit,
@@ -296,6 +296,6 @@ def picture(
         scores_label="BIC lowered by" if found.tried else "score",
         verdict=found.verdict,
         added=found.after.ids,
-        value_words=value_words,
+        value_words=value_words or {},
         delivered=delivered_of(problem)[first],
-    )
+    ).png()
