@@ -146,12 +146,12 @@ def check(command: str, folder: Path, number: signal.Signals, after: float, grou
 
 @pytest.mark.parametrize("command", LONG)
 def test_ctrl_c_ends_the_command(command: str, folder: Path) -> None:
-    check(command, folder, signal.SIGINT, 4.0, group=True)
+    check(command, folder, signal.SIGINT, 3.0, group=True)
 
 
 @pytest.mark.parametrize("command", LONG)
 def test_sigterm_ends_the_command(command: str, folder: Path) -> None:
-    check(command, folder, signal.SIGTERM, 3.0, group=False)
+    check(command, folder, signal.SIGTERM, 2.0, group=False)
 
 
 @pytest.mark.slow

@@ -305,8 +305,6 @@ mesh_size = "30 mm"
 """
     for number, (x, y, z) in enumerate(probes[: 2 if poor else 4], start=1):
         text += f'[[probe]]\nname = "T{number}"\nat = ["{x:.6g} mm", "{y:.6g} mm", "{z:.6g} mm"]\n'
-    at = np.linspace(0.0, 1.0, 1001)
     knots = [0.0, 0.05, 0.3, 0.301, 0.5, 0.501, 0.8, 0.801, 1.0] if not poor else [0.0, 1.0]
-    del at
     rows = [f"{DURATION * share},{schedule(DURATION * share, poor) / 4.0}" for share in knots]
     return text, "time [s],power [W]\n" + "\n".join(rows) + "\n"
