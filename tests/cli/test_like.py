@@ -144,7 +144,8 @@ def drape(tmp_path: Path, hf: Run) -> Path:
     mesh = trimesh.creation.icosphere(subdivisions=2, radius=60.0)
     (tmp_path / "ball.stl").write_bytes(stl_bytes(mesh.vertices, mesh.faces))
     (tmp_path / "fabric.json").write_text(json.dumps(FABRIC))
-    run(hf, "drape", tmp_path, *RUNS["drape"][0], name="a.json")
+    words = ("--grid", "9x9", "--size", "200mm", "--depth", "10mm")
+    run(hf, "drape", tmp_path, "fabric.json", "--mold", "ball.stl", *words, name="a.json")
     return tmp_path
 
 
