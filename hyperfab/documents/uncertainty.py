@@ -2,9 +2,28 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from collections.abc import Iterator, Mapping
+from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
+
+#: The figures of each kind of document that are carried; * stands for every name.
+FIGURES: dict[str, tuple[str, ...]] = {
+    "contact": ("force_N", "contact_radius_mm", "stretch_max", "stress_max_MPa", "energy_J"),
+    "drape": (
+        "force_N", "stress_warp_max_MPa", "stress_weft_max_MPa", "stress_max_MPa", "stretch_max", "thickness_min_mm",
+        "energy_J",
+    ),
+    "heat": (
+        "warmup_time_s", "work_surface.mean_degC", "work_surface.min_degC", "work_surface.max_degC",
+        "work_surface.spread_K", "probes.*.final_degC", "probes.*.max_degC", "energy.supplied_J", "energy.lost_J",
+        "energy.stored_J", "efficiency",
+    ),
+    "press": (
+        "contact_fraction", "contact_area_mm2", "force_N", "gap_min_mm", "gap_mean_mm", "gap_max_mm",
+        "pressure_max_MPa", "pressure_mean_MPa", "stroke_mm", "energy_J",
+    ),
+}  # fmt: skip
 
 
 class Part(BaseModel):
@@ -74,3 +93,20 @@ class Uncertainty(Part):
         description="fields whose derivatives by each number lie in the .vtu, as NAME_by_1 and on through all sources",
     )
     left_out: list[str] = Field(default_factory=list, description="what is not carried")
+
+
+def figures_of(plain: Mapping[str, Any], kind: str) -> Iterator[tuple[str, float]]:
+    """Yield the figures of a document that are carried, by key."""
+    for pattern in FIGURES[kind]:
+        yield from _at(plain, pattern.split("."), "")
+
+
+def _at(data: Any, path: list[str], name: str) -> Iterator[tuple[str, float]]:
+    if not path:
+        if isinstance(data, float):
+            yield name, data
+        return
+    if not isinstance(data, Mapping):
+        return
+    for key in [key for key in data if path[0] in ("*", key)]:
+        yield from _at(data[key], path[1:], f"{name}.{key}" if name else key)

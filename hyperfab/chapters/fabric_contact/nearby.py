@@ -12,8 +12,9 @@ from hyperfab.chapters.fabric_contact.result import row
 from hyperfab.chapters.fabric_contact.setup import Geometry, setup_of
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import Listener
-from hyperfab.chapters.uncertainty.carry import FIGURES, Answer, Changes, Figures, Slopes
+from hyperfab.chapters.uncertainty.carry import Answer, Changes, Figures, Slopes
 from hyperfab.chapters.uncertainty.sources import Origins, Setting, origins
+from hyperfab.documents.uncertainty import FIGURES
 from hyperfab.errors import NotConverged
 from hyperfab.membrane.equilibrium import NoEquilibriumError
 from hyperfab.membrane.sensitivity import Neighbourhood

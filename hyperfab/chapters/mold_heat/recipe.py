@@ -15,12 +15,13 @@ from hyperfab.chapters.mold_heat.problem import MoldBuilder, Problem
 from hyperfab.chapters.mold_heat.result import IMBALANCE_ALLOWED, steady_document, transient_document
 from hyperfab.chapters.mold_heat.variations import SHARPER, read_variations, variations_csv, vary
 from hyperfab.chapters.uncertainty import carry
-from hyperfab.chapters.uncertainty.carry import Sure, figures_of
+from hyperfab.chapters.uncertainty.carry import Sure
 from hyperfab.chapters.uncertainty.sources import Origins, of_films, origins
 from hyperfab.console import Advance
 from hyperfab.documents.base import read_document
 from hyperfab.documents.heat import HeatDocument
 from hyperfab.documents.mold import MoldDocument
+from hyperfab.documents.uncertainty import figures_of
 from hyperfab.errors import InputError, NotConverged
 from hyperfab.numerics.vectors import dot
 from hyperfab.thermal.history import History, Target

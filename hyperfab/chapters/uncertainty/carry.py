@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -18,7 +18,7 @@ from hyperfab.chapters.uncertainty.handed import described, identified
 from hyperfab.chapters.uncertainty.sources import Origins
 from hyperfab.console import Advance
 from hyperfab.documents.base import Document
-from hyperfab.documents.uncertainty import Band, Share, Uncertainty
+from hyperfab.documents.uncertainty import Band, Share, Uncertainty, figures_of
 from hyperfab.errors import HyperfabError
 from hyperfab.numerics import propagation
 from hyperfab.numerics.propagation import LEVEL, Spread
@@ -28,23 +28,6 @@ Figures = dict[str, float]
 #: What numbers of sources change by, by the number of the source.
 Changes = Mapping[int, Sequence[float] | Array]
 
-#: The figures of each kind of document that are carried; * stands for every name.
-FIGURES: dict[str, tuple[str, ...]] = {
-    "contact": ("force_N", "contact_radius_mm", "stretch_max", "stress_max_MPa", "energy_J"),
-    "drape": (
-        "force_N", "stress_warp_max_MPa", "stress_weft_max_MPa", "stress_max_MPa", "stretch_max", "thickness_min_mm",
-        "energy_J",
-    ),
-    "heat": (
-        "warmup_time_s", "work_surface.mean_degC", "work_surface.min_degC", "work_surface.max_degC",
-        "work_surface.spread_K", "probes.*.final_degC", "probes.*.max_degC", "energy.supplied_J", "energy.lost_J",
-        "energy.stored_J", "efficiency",
-    ),
-    "press": (
-        "contact_fraction", "contact_area_mm2", "force_N", "gap_min_mm", "gap_mean_mm", "gap_max_mm",
-        "pressure_max_MPa", "pressure_mean_MPa", "stroke_mm", "energy_J",
-    ),
-}  # fmt: skip
 #: Fields that are handed on and not shown.
 _UNSEEN = ("thickness_ratio", "place_mm")
 #: Figures with less than this of themselves as standard deviation do not hang on the inputs.
@@ -145,23 +128,6 @@ def carry(
     if found.uncertainty is not None:
         _tell(job, found.uncertainty, value)
     return found
-
-
-def figures_of(plain: Mapping[str, Any], kind: str) -> Iterator[tuple[str, float]]:
-    """Yield the figures of a document that are carried, by key."""
-    for pattern in FIGURES[kind]:
-        yield from _at(plain, pattern.split("."), "")
-
-
-def _at(data: Any, path: list[str], name: str) -> Iterator[tuple[str, float]]:
-    if not path:
-        if isinstance(data, float):
-            yield name, data
-        return
-    if not isinstance(data, Mapping):
-        return
-    for key in [key for key in data if path[0] in ("*", key)]:
-        yield from _at(data[key], path[1:], f"{name}.{key}" if name else key)
 
 
 @dataclasses.dataclass
