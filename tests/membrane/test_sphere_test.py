@@ -265,12 +265,12 @@ def test_errors_fall_with_the_order_of_the_elements(order, sizes, measure, least
 
 
 def test_depths_side_by_side_are_the_same_to_the_bit(monkeypatch):
-    """Three depths, and those that the work of the punch asks for between them."""
+    """Two depths, and those that the work of the punch asks for between them."""
     found = []
     for number in ("1", "2", "3"):
         monkeypatch.setenv(LIMIT, number)
-        outcome = _press("neo-hookean", [20.0, 40.0, 60.0], 0.1, mesh_size=15.0)
+        outcome = _press("neo-hookean", [30.0, 60.0], 0.1, mesh_size=25.0)
         places = [solved.state.places.tobytes() for solved in outcome.solved]
         found.append((outcome.trace, places, [solved.error for solved in outcome.solved]))
-    assert len(found[0][0]) > 4
+    assert len(found[0][0]) > 3
     assert found[0] == found[1] == found[2]
