@@ -87,6 +87,7 @@ def test_noise_of_the_load_cell_at_rest_is_no_mistyped_reading(hf: Run, tmp_path
     assert "does not belong" not in told
 
 
+@pytest.mark.slow
 def test_what_one_mode_promises_of_the_others_is_what_they_show() -> None:
     """Rubbers by formulas of no law here, one mode fitted: the error stated is of the size of the real one."""
     found = [trial(synthetic(name, 0), mode)[:2] for name in ("sphere", "three chains") for mode in MODES]

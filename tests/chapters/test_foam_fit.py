@@ -241,6 +241,7 @@ def test_scatter_on_a_low_plateau_is_no_plateau_that_falls() -> None:
         assert plateau([TestCurve("uniaxial", down, -noisy, source="block.csv")]) is None
 
 
+@pytest.mark.slow
 def test_a_plateau_that_no_law_has_is_pressed_as_the_table_that_is_named(hf, tmp_path) -> None:
     """Raw blocks whose force falls behind a peak: the table and command that hf fit names bear what was measured."""
     from hyperfab.io.stl_write import stl_bytes

@@ -206,6 +206,7 @@ def test_a_draped_sheet_thins_the_sandwich(shop, monkeypatch):
         assert found["sandwich_mm"] == pytest.approx(4.5 * left, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_drape_thins_incompressible_foam_as_all_layers_before(shop, monkeypatch):
     """With a ratio of 0.5 the press is that of a sandwich of the thinned layers, to the last figures."""
     test_a_draped_sheet_thins_the_sandwich(shop, monkeypatch)

@@ -78,6 +78,7 @@ def test_the_press_does_the_work_that_is_stored_and_rubbed_away():
     assert balances[0] / balances[1] == pytest.approx(4.0, abs=0.6)  # second order in the step
 
 
+@pytest.mark.slow
 def test_an_edge_under_a_blank_holder_is_drawn_in_until_its_pull_is_the_holders_force():
     def stretch(reach: float) -> float:
         angle, free = wrap(reach)

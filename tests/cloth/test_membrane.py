@@ -203,6 +203,7 @@ def test_steps_that_a_jump_cuts_again_and_again_are_not_crawled():
     assert sum(one.step_length < 2.0**-6 for one in steps) <= 2
 
 
+@pytest.mark.slow
 def test_a_membrane_rises_off_a_flat_at_once():
     """Beside an edge that runs across its cells it is lifted a little; rows of nodes must not leave one a step."""
     sheet, steps = membrane(200, 200, IsotropicSheet(RUBBER), (220.0, 220.0)), []

@@ -107,6 +107,7 @@ def elliptic_cylinder(a: float, b: float, sections: int) -> Surface:
     return Surface(round_one.vertices * [a, 1.0, b], round_one.faces)
 
 
+@pytest.mark.slow
 def test_a_string_over_an_ellipse_has_the_exact_stretch_and_rubs_in_the_usual_steps():
     """The string is the upper hull of both clamps and the ellipse; a broad top is met by many nodes at once."""
     a, b, depth, n = 80.0, 40.0, 10.0, 201

@@ -80,6 +80,7 @@ def test_the_table_moved_by_a_strain_is_the_press_of_the_grown_mold() -> None:
         assert summed(*settings) - summed(0.0, 0.0) == pytest.approx(more, abs=1.5e-3 * plain)
 
 
+@pytest.mark.slow
 def test_a_floating_female_turns_in_the_loop_as_it_does_in_the_press() -> None:
     options = ("--force", "40N", "--float")
     level = blind_press.told("", options)

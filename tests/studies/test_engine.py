@@ -219,6 +219,7 @@ def test_a_step_that_kills_its_worker_costs_its_cases_only(shop: Shop) -> None:
     assert b"its worker died each time" in shop.table("out")
 
 
+@pytest.mark.slow
 def test_killed_workers_and_drivers_lose_nothing_and_run_nothing_twice(shop: Shop) -> None:
     psutil = pytest.importorskip("psutil", reason="comes with distributed")
     shop.study(command="sleep", b="[" + ", ".join(str(n / 100) for n in range(1, 5)) + "]")

@@ -51,6 +51,7 @@ def test_a_part_keeps_the_volume_of_its_stl(ball):
     np.testing.assert_allclose(radius, RADIUS, atol=0.01)  # the sagitta of the given facets
 
 
+@pytest.mark.slow
 def test_cavities_and_neighbours_stay_where_they_are(ball):
     hole = Cylinder((0.0, 0.0, -40.0), "z", 80.0, (8.0, 8.0))
     geometry = Geometry((Body("ball", (ball[1].surface,)),), (Body("hole", (hole,)),))
