@@ -503,7 +503,8 @@ def test_a_pin_that_stands_through_the_net_is_told_with_its_size(drape, folder):
     options = ("--grid", "41x41", "--size", "200mm", "--depth", "40mm")
     both = trimesh.util.concatenate(balls)
     (folder / "balls.stl").write_bytes(stl_bytes(both.vertices, both.faces))
-    drape(*options, "-o", "d.json", mold="balls.stl")
+    status, _, err = drape(*options, "-o", "d.json", mold="balls.stl")
+    assert status == 0, err
     row = meshio.read(folder / "d.vtu").points.reshape(41, 41, 3)[
         20:22, 20
     ]  # a spring that spans freely; but for the facet its neighbours rest on, on y = 0
