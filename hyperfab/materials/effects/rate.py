@@ -112,21 +112,24 @@ def flowing(
 @kernel
 def _flowing(change, pace, begins, above, size):  # type: ignore[no-untyped-def]
     found = np.empty_like(change)
-    q = 0.0
+    q, drive, since = 0.0, 0.0, 0.0
     for i in range(len(change)):
-        if begins[i]:
-            q = 0.0
-        for half in range(2):
-            if q != 0.0:
-                if above < 1e-6:
-                    q *= np.exp(-pace[i])
-                else:
-                    # Exact for a dashpot of that power at rest.
-                    q /= (1.0 + above * pace[i] * (abs(q) / size) ** above) ** (1.0 / above)
-            if half == 0:
-                q += change[i]
-        found[i] = q
+        # What flows after one change and before the next is one flow: exact for a dashpot of that power at rest.
+        q = 0.0 if begins[i] else _left(q, drive, since + pace[i], above)
+        q += change[i]
+        drive = (abs(q) / size) ** above if above >= 1e-6 else 1.0
+        since = pace[i]
+        found[i] = _left(q, drive, since, above)
     return found
+
+
+@kernel
+def _left(q, drive, pace, above):  # type: ignore[no-untyped-def]
+    if q == 0.0:
+        return q
+    if above < 1e-6:
+        return q * np.exp(-pace)
+    return q / (1.0 + above * pace * drive) ** (1.0 / above)
 
 
 @kernel
