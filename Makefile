@@ -121,7 +121,7 @@ study: $(VENV)/run | $(BUILD)
 # ---- the net under it ---------------------------------------------------------------------------------------
 
 test: $(VENV)/dev
-	$(BIN)/python -m pytest -n auto
+	$(BIN)/python -m pytest -n auto --dist worksteal
 
 test-slow: $(VENV)/dev
 	$(BIN)/python -m pytest -m slow

@@ -30,6 +30,11 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
 Run = Callable[..., "subprocess.CompletedProcess[bytes]"]
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with the longest test, so that at the end no worker waits for it."""
+    items.sort(key=lambda item: item.name != "test_shell_blocks_run[README.md]")
+
+
 @pytest.fixture(scope="session")
 def root() -> Path:
     """The checkout."""

@@ -185,6 +185,7 @@ def pressures(name: str = "pressure_MPa") -> np.ndarray:
     return np.asarray(read_vtu(Path("press.vtu").read_bytes(), "press.vtu").point_data[name])
 
 
+@pytest.mark.slow
 def test_constants_of_a_draped_fabric_reach_the_pressures_of_the_press() -> None:
     """Forces hardly feel them: where the sheet is thinner for one of them it is thicker elsewhere."""
     made((*DRAPE, "--uncertainty", "linear"), "drape.json", fabric__json=fabric())
