@@ -14,7 +14,7 @@ import numpy as np
 
 from hyperfab.loop.candidate import Candidate
 from hyperfab.loop.judge import structured
-from hyperfab.loop.thresholds import ELSEWHERE, FEWEST, LITTLE, MARGIN, SHARE, SMALL
+from hyperfab.loop.thresholds import FEWEST, MARGIN, MOST, SHARE, SMALL
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ def belief(base: Candidate, models: Iterable[Candidate], entries: int) -> Belief
             least[ids] = min(surprise(base, model), least.get(ids, np.inf))
     weights = {ids: float(np.exp(-one)) for ids, one in least.items()}
     nothing = (entries + 1.0) * float(np.exp(-_student(before, SMALL)))
-    other = float(np.exp(-_student(ELSEWHERE * before, _scale(before))))
+    other = float(np.exp(-_student((1.0 - MOST) * before, _scale(before))))
     total = sum(weights.values()) + nothing + other
     names = sorted({name for ids in weights for name in ids})
     of = {name: sum(weight for ids, weight in weights.items() if name in ids) / total for name in names}
@@ -72,8 +72,8 @@ def belief(base: Candidate, models: Iterable[Candidate], entries: int) -> Belief
 
 
 def _scale(before: float) -> float:
-    """Return how much a right law leaves: half of what is too small to matter, and a share of what there was."""
-    return float(np.hypot(0.5 * SMALL, LITTLE * before))
+    """Return how much a right law leaves: half of what is too small to matter, and half of that share of what was."""
+    return 0.5 * float(np.hypot(SMALL, np.sqrt(SHARE) * before))
 
 
 def _student(left: float, scale: float) -> float:

@@ -11,7 +11,7 @@ from hyperfab.loop.judge import Judgement, judge
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.score import Signature, signatures
-from hyperfab.loop.thresholds import LITTLE, MARGIN, MOST, SHARE
+from hyperfab.loop.thresholds import MARGIN, MOST, SHARE
 
 
 @dataclass
@@ -83,4 +83,4 @@ class Evidence:
     def pays(self) -> bool:
         """Whether the term is worth its constants: in likelihood, in size, and on tests left out."""
         pays = self.delta_bic >= MARGIN and self.variance_share >= SHARE and self.certain
-        return pays and (self.help is None or self.restores or self.help.taken >= LITTLE)
+        return pays and (self.help is None or self.restores or self.help.taken >= SHARE)

@@ -16,7 +16,7 @@ from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.score import orthonormal, projected
 from hyperfab.loop.search import Search
-from hyperfab.loop.thresholds import FEWEST_CONSTANTS, LITTLE, MARGIN, SHARE, UNLIKELY
+from hyperfab.loop.thresholds import MARGIN, SHARE, UNLIKELY
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ def rivals(search: Search, best: Candidate) -> list[Rival]:
     found = []
     for name in best.ids:
         without = search.without(best, name)
-        most = max(len(best.fit.forms[name].constants), FEWEST_CONSTANTS)
+        most = len(best.fit.forms[name].constants)
         imprint = _misfit(search.problem, search.noise, best.fit, without.fit)
         alike = _alike(search, best, without)
         for effect, _ in search.ranking(without):
@@ -56,7 +56,7 @@ def rivals(search: Search, best: Candidate) -> list[Rival]:
             # bringing these home, and whatever a little of it looks like.
             free = search.with_term(without, effect) if search.problem.well_known else None
             gap = np.inf if free is None else _gap(search, best, search.state(free))
-            if alike[effect.id] < LITTLE * alike.get(name, 1.0) and gap >= MARGIN:
+            if alike[effect.id] < SHARE * alike.get(name, 1.0) and gap >= MARGIN:
                 continue
             # Else a rival with more constants than the found law would pass for nearly anything.
             fitted = search.with_term(without, effect, most=most)

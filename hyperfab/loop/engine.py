@@ -21,7 +21,7 @@ from hyperfab.loop.noise import Noise, estimate_noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.replicates import replicates
 from hyperfab.loop.search import Search
-from hyperfab.loop.thresholds import AS_SEEN, FEWEST, MARGIN, ONE_CLOTH, SHARE, SMALL, TOLD
+from hyperfab.loop.thresholds import FEWEST, MARGIN, ONE_CLOTH, SHARE, SMALL, TOLD
 
 #: Terms added at most, and models carried along at each number of terms.
 _DEPTH, _BEAM = 3, 2
@@ -263,7 +263,7 @@ def _surprise(search: Search, state: Candidate, best: Candidate | None = None) -
 
     What ``best`` (the model itself by default) leaves though every specimen has a stiffness of its own counts as noise.
     Beside it, where no two were tested alike, a few that follow a term by chance must not pass for ones that do not
-    scatter: what is usual counts as so many specimens more (a scaled inverse chi-squared distribution of the variance).
+    scatter: what is usual counts as one specimen more (a scaled inverse chi-squared distribution of the variance).
     """
 
     # No larger than replicates allow: that specimens led alike agree says that others do not scatter by any amount.
@@ -280,7 +280,7 @@ def _surprise(search: Search, state: Candidate, best: Candidate | None = None) -
     surprise = misfit / max(float(least[-1]) / len(state.fit.residual), 1.0) + entropy
     if best is not None and _none_alike(search):
         variance = np.array(scatters) ** 2
-        surprise += AS_SEEN * (np.log(variance) + (0.5 * ONE_CLOTH) ** 2 / variance)
+        surprise += np.log(variance) + (0.5 * ONE_CLOTH) ** 2 / variance
     likeliest = int(np.argmin(surprise))
     return float(surprise[likeliest]), scatters[likeliest]
 

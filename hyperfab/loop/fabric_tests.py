@@ -9,7 +9,7 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.curve import TestCurve
 from hyperfab.loop.problem import Curve
-from hyperfab.loop.thresholds import LITTLE
+from hyperfab.loop.thresholds import SHARE
 from hyperfab.materials.effects.path import GENERAL, MODE_NAMES, Path, held, moving
 
 _SMOOTH_DEGREE = 5
@@ -133,7 +133,7 @@ def _is_same_way(one: Array, other: Array) -> bool:
     if one.shape != other.shape:
         return False
     far = max(float(np.max(np.abs(one))), float(np.max(np.abs(other))))
-    return float(np.max(np.abs(one - other))) <= LITTLE * far
+    return float(np.max(np.abs(one - other))) <= np.sqrt(SHARE) * far
 
 
 def states_of(path: Path, tests: Sequence[TestCurve], speed: Array) -> dict[str, Array]:

@@ -12,7 +12,7 @@ from hyperfab.arrays import Array
 from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Curve, Problem
-from hyperfab.loop.thresholds import DETERMINED, MOST, TOLD
+from hyperfab.loop.thresholds import MOST, TOLD
 
 Rows = slice | NDArray[np.int64]
 
@@ -64,7 +64,8 @@ def _without(fit: Fit, rows: Rows) -> Array | None:
     reach = (part * scale) @ vectors
     if np.any(np.abs(reach[:, ~sure]) > 1e-3):
         return None
-    if float(np.sqrt(np.mean(np.sum(reach[:, sure] ** 2 / values[sure], axis=1)))) > DETERMINED:
+    # What the others know less well than one reading would tell it is not known.
+    if float(np.sqrt(np.mean(np.sum(reach[:, sure] ** 2 / values[sure], axis=1)))) > 1.0:
         return None
     r = fit.residual[rows]
     return np.asarray(r + (reach[:, sure] / values[sure]) @ (reach[:, sure].T @ r))

@@ -25,10 +25,8 @@ FEWEST = 8
 #: Noise a fabric's test has at least, as a share of its peak: half a class of a testing machine (ISO 7500-1, class 1);
 #: four times that where readings are too few to tell.
 MACHINE = 0.005
-#: Where none were tested alike, specimens of one cloth scatter by this at most.
+#: Where none were tested alike, specimens of one cloth scatter by this at most; half of it is usual.
 ONE_CLOTH = 0.05
-#: Half of that is usual, which is known as well as so many specimens would tell it.
-AS_SEEN = 2.0
 #: Relative standard deviation of the constants of a mold, a foam or a sheet, where none is stated.
 PRIOR = 0.10
 
@@ -37,25 +35,18 @@ PRIOR = 0.10
 #: A term must lower BIC by this much; minus twice the logarithm of the likelihood as well, though specimens may
 #: scatter as they like. So must a constant of the noise more.
 MARGIN = 8.0
-#: A share that does not matter: of the structured variance a term must take more, and all but this is enough.
+#: A share that does not matter: of the structured variance a term must take more, of tests left out too, and all but
+#: this is enough. Of an amplitude it is the square root.
 SHARE = 0.05
-#: A share that is little: of the error of tests left out, of an imprint, of a strain, of the misfit a law leaves.
-LITTLE = 0.15
-#: A share that is most: two of three, of the tests left out and of what a term explains.
+#: A share that is most: two of three, of the tests left out and of what a term explains. What is left of it is
+#: what something else leaves.
 MOST = 0.65
-#: A test is counted only where the others determine its prediction to this many standard deviations of the noise (rms).
-DETERMINED = 1.0
 
 # ---- how sure a name is, and who could stand in its place -----------------------------------------------------
 
-#: What something else leaves of the misfit, where no name does better.
-ELSEWHERE = 0.4
-#: Another name is told beside the likeliest where that is no more than so many times as likely.
+#: To one: another name is told beside the likeliest where that is no more likely; documents upstream are blamed that
+#: together are.
 ODDS = 3.0
-#: Constants a rival may always have.
-FEWEST_CONSTANTS = 2
-#: Documents upstream are blamed that have this probability together.
-BLAMED = 0.9
 
 
 def clearly() -> float:

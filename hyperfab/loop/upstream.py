@@ -16,7 +16,7 @@ import numpy as np
 from scipy.special import logsumexp
 
 from hyperfab.arrays import Array
-from hyperfab.loop.thresholds import BLAMED, SHARE
+from hyperfab.loop.thresholds import ODDS, SHARE
 from hyperfab.numerics.propagation import Source
 
 #: Beside the chapters: nothing is off, or something that no chapter has.
@@ -127,12 +127,12 @@ def trace(readings: Readings, stated: Array, chapters: Sequence[Chapter]) -> Tra
 
 
 def _suspects(probability: Mapping[str, float]) -> tuple[str, ...]:
-    """Return what is at fault, the likeliest first: as few as have BLAMED together; none where it is not ruled out that
-    all is as stated."""
+    """Return what is at fault, the likeliest first: as few as have those odds together, against all else; none where
+    it is not ruled out that all is as stated."""
     found: list[str] = []
     for name in sorted(set(probability) - {STATED}, key=lambda name: -probability[name]):
         found.append(name)
-        if sum(probability[one] for one in found) >= BLAMED:
+        if sum(probability[one] for one in found) >= ODDS / (1.0 + ODDS):
             return tuple(found)
     return ()
 

@@ -337,55 +337,48 @@ CASES: dict[str, tuple[Callable[[pytest.MonkeyPatch], Any], Any]] = {
         lambda _: [
             [judged_alone(rows) for rows in (6, 12)],
             [read(rows) for rows in (6, 12)],
-            [as_likely(left) for left in (0.75, 0.95)],
+            [as_likely(left) for left in (0.5, 0.75)],
         ],
         [[False, True], [False, True], [True, False]],
     ),
     "MACHINE": (lambda _: [sd_of(60), sd_of(4)] == pytest.approx([0.005, 0.02]), True),
-    "ONE_CLOTH": (lambda _: [cloth(share) for share in (0.04, 0.06)], ["noise", "unexplained"]),
-    "AS_SEEN": (lambda _: [follow(share) for share in (0.06, 0.07)], [False, True]),
+    "ONE_CLOTH": (
+        lambda _: [[cloth(share) for share in (0.04, 0.06)], [follow(share) for share in (0.05, 0.06)]],
+        [["noise", "unexplained"], [False, True]],
+    ),
     "PRIOR": (lambda _: Given("", {}, [], SimpleNamespace(prior=None), None, None).surely, 0.1),  # type: ignore[arg-type]
     "MARGIN": (
         lambda _: [[evidence(bic=bic).pays(), in_proportion(bic)] for bic in (6.0, 12.0)],
         [[False, False], [True, True]],
     ),
     "SHARE": (
-        lambda _: [
+        lambda patch: [
             [evidence(share=one).pays() for one in (0.035, 0.075)],
+            [evidence(help=Help(one, 1.0, 6)).pays() for one in (0.035, 0.075)],
             [explained(2.6, left) for left in (0.5, 0.64)],
             [stands_in(share) for share in (0.93, 0.97)],
+            [rivals_asked(patch, 3, one) for one in (0.035, 0.075)],
+            [led_alike(share) for share in (0.17, 0.3)],
+            [as_likely(left) for left in (0.5, 0.75)],
         ],
-        [[False, True], [True, False], [False, True]],
-    ),
-    "LITTLE": (
-        lambda patch: [
-            [evidence(help=Help(one, 1.0, 6)).pays() for one in (0.1, 0.25)],
-            [rivals_asked(patch, 3, one) for one in (0.1, 0.25)],
-            [led_alike(share) for share in (0.1, 0.25)],
-            [as_likely(left) for left in (0.75, 0.95)],
-        ],
-        [[False, True], [[], [3]], [True, False], [True, False]],
+        [[False, True], [False, True], [True, False], [False, True], [[], [3]], [True, False], [True, False]],
     ),
     "MOST": (
-        lambda _: [[evidence(help=Help(1.0, one, 3)).accepted(), gave(one)] for one in (0.4, 0.66)],
-        [[False, False], [True, True]],
+        lambda _: [
+            [[evidence(help=Help(1.0, one, 3)).accepted(), gave(one)] for one in (0.4, 0.66)],
+            [something_else(left) > 0.5 for left in (3.0, 4.0)],
+        ],
+        [[[False, False], [True, True]], [False, True]],
     ),
-    "DETERMINED": (lambda _: [counts(sd) for sd in (0.7, 1.4)], [True, False]),
-    "ELSEWHERE": (lambda _: [something_else(left) > 0.5 for left in (3.2, 5.0)], [False, True]),
-    "ODDS": (lambda _: [as_likely(left) for left in (0.75, 0.95)], [True, False]),
-    "FEWEST_CONSTANTS": (lambda patch: rivals_asked(patch, 1, 1.0), [2]),
-    "BLAMED": (lambda _: [suspects(p) for p in (0.85, 0.95)], [("foam", upstream.ELSE), ("foam",)]),
+    "ODDS": (
+        lambda _: [[as_likely(left) for left in (0.5, 0.75)], [suspects(p) for p in (0.65, 0.85)]],
+        [[True, False], [("foam", upstream.ELSE), ("foam",)]],
+    ),
 }  # fmt: skip
 
 
 #: Read when a class is made: its case states the number itself.
 AT_IMPORT = {"MACHINE"}
-
-
-def moved(name: str, factor: float) -> float:
-    """A number larger by a factor; of a share near one, what is left of it."""
-    value = getattr(thresholds, name)
-    return 1.0 - (1.0 - value) * factor if 0.9 < value < 1.0 else type(value)(value * factor)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -395,17 +388,18 @@ def test_each_number_lies_between_its_cases_and_within_a_factor_of_two(
     case, said = CASES[name]
     assert case(monkeypatch) == said
     for factor in () if name in AT_IMPORT else (0.5, 2.0):
-        for module in [one for key, one in sys.modules.items() if key.startswith("hyperfab.")]:
-            if (
-                name in vars(module)
-                and vars(module)[name] == getattr(thresholds, name)
-                and module is not thresholds
-            ):
-                monkeypatch.setattr(module, name, moved(name, factor))
         given = getattr(thresholds, name)
-        monkeypatch.setattr(thresholds, name, moved(name, factor))
+        moved = type(given)(given * factor)
+        for module in [one for key, one in sys.modules.items() if key.startswith("hyperfab.")]:
+            if name in vars(module) and vars(module)[name] == given and module is not thresholds:
+                monkeypatch.setattr(module, name, moved)
+        monkeypatch.setattr(thresholds, name, moved)
         assert case(monkeypatch) != said, (name, factor, given)
         monkeypatch.undo()
+
+
+def test_a_test_left_out_counts_where_the_others_know_it_better_than_a_reading_would() -> None:
+    assert [counts(sd) for sd in (0.7, 1.4)] == [True, False]
 
 
 def test_the_page_has_each_number_with_its_value() -> None:
