@@ -161,25 +161,19 @@ else:
 """
 
 
-def test_a_kernel_of_the_build_is_not_compiled_again(tmp_path: Path) -> None:
-    assert python(tmp_path, BUILDS, "use").stdout == "compiling\n54.0\n"
+def test_a_kernel_of_the_build_is_taken_where_it_is_whole_and_for_this_processor(tmp_path: Path) -> None:
+    def used(cache: str, **env: str) -> str:
+        done = python(tmp_path, BUILDS, "use", NUMBA_CACHE_DIR=str(tmp_path / cache), **env)
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    assert used("before") == "compiling\n54.0\n"
     assert python(tmp_path, BUILDS, "build").returncode == 0
-    done = python(tmp_path, BUILDS, "use", NUMBA_CACHE_DIR=str(tmp_path / "empty"))
-    assert done.stdout == "54.0\n", done.stderr
-
-
-def test_another_processor_compiles_its_own(tmp_path: Path) -> None:
-    assert python(tmp_path, BUILDS, "build").returncode == 0
-    done = python(tmp_path, BUILDS, "use", NUMBA_CPU_NAME="generic", NUMBA_CPU_FEATURES="")
-    assert done.stdout == "compiling\n54.0\n", done.stderr
-
-
-def test_a_damaged_kernel_of_the_build_is_compiled_anew(tmp_path: Path) -> None:
-    assert python(tmp_path, BUILDS, "build").returncode == 0
+    assert used("empty") == "54.0\n"
+    assert used("other", NUMBA_CPU_NAME="generic", NUMBA_CPU_FEATURES="") == "compiling\n54.0\n"
     for path in (tmp_path / "ahead").glob("*.nbc"):
         path.unlink()
-    done = python(tmp_path, BUILDS, "use")
-    assert done.stdout == "compiling\n54.0\n", done.stderr
+    assert used("damaged") == "compiling\n54.0\n"
 
 
 def test_where_nothing_may_be_written_kernels_are_compiled_each_time(tmp_path: Path) -> None:

@@ -109,7 +109,7 @@ def test_the_forces_of_bent_springs_are_derivatives_of_the_energy_and_the_tangen
     assert error.max() < 1e-6 * np.abs(kd).max()
 
 
-@pytest.mark.parametrize("n", [61, 100, 140])
+@pytest.mark.parametrize("n", [61, 100, pytest.param(140, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("depth", [10.0, 20.0, 40.0, 50.0])
 def test_a_sheet_that_hangs_on_two_ridges_rests_on_its_springs_alone(n, depth):
     surface = saddle()

@@ -176,7 +176,15 @@ def test_a_second_slanted_test_leaves_the_other_angles_where_they_are(slanted, s
         assert one == pytest.approx(own.stress[14], rel=0.15)
 
 
-@pytest.mark.parametrize("slanted", [(15, 45), (30, 45), (45, 60), (45, 75), (15, 45, 75), (30, 45, 60)])
+@pytest.mark.parametrize(
+    "slanted",
+    [
+        (15, 45),
+        (45, 75),
+        (30, 45, 60),
+        *(pytest.param(angles, marks=pytest.mark.slow) for angles in ((30, 45), (45, 60), (15, 45, 75))),
+    ],
+)
 def test_a_laminate_cut_at_two_slanted_angles_tells_the_others(data_dir, slanted):
     """Stiffness at 3 % of a coated nylon: within 18 % at every angle; three angles between, within 15 %."""
 

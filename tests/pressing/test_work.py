@@ -155,7 +155,10 @@ def test_the_gap_is_the_distance_of_the_smooth_surface_that_is_told(shapes):
     assert (near - np.sqrt(found.nearest**2 + 0.2**2)).max() < 0.0
 
 
-@pytest.mark.parametrize(("cells", "smooth"), [(24, False), (24, True), (48, True), (68, True)])
+@pytest.mark.parametrize(
+    ("cells", "smooth"),
+    [(24, False), (24, True), (48, True), pytest.param(68, True, marks=pytest.mark.slow)],
+)
 def test_the_work_of_a_closing_is_its_energy(cells, smooth):
     male, female = cups(cells, smooth)
     press = Press(molding_front(male, female), female, Sandwich(4.5, 0.0, linear(0.05)))
