@@ -13,6 +13,7 @@ os.environ.update(dict.fromkeys(("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLI
 
 import pytest
 from hypothesis import HealthCheck, settings
+from pictures import WHOLE, stamped
 from warm import Warm
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -27,12 +28,23 @@ settings.register_profile(
 settings.register_profile("fuzz", settings.get_profile("default"), derandomize=False, max_examples=5000)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
 
+stamped()
+
 Run = Callable[..., "subprocess.CompletedProcess[bytes]"]
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with the longest test, so that at the end no worker waits for it."""
     items.sort(key=lambda item: item.name != "test_shell_blocks_run[README.md]")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Draw pictures whole for the tests that look at them, and for the slow ones."""
+    if item.get_closest_marker("pictures") or item.get_closest_marker("slow"):
+        os.environ[WHOLE] = "1"
+    else:
+        os.environ.pop(WHOLE, None)
 
 
 @pytest.fixture(scope="session")

@@ -1,4 +1,4 @@
-"""``hf`` without the wait for its imports: a process that has them forks for each command.
+"""``hf`` without the wait for its imports: a process that has them, and its kernels, forks for each command.
 
 Two thirds of most tests of the command line would be Python loading scipy and numba. The fork goes on as ``python -m
 hyperfab`` does once these are loaded: its own arguments, folder, environment and streams, its own end. What the start
@@ -17,6 +17,8 @@ import socket
 import subprocess
 import sys
 import tempfile
+import time
+from functools import cached_property
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -40,8 +42,14 @@ class Warm:
             )
         self._answers = self._ours.makefile("r")
 
+    @cached_property
+    def imports_s(self) -> float:
+        """The seconds of the processor until all is loaded: how quick this machine is at present."""
+        return float(self._answers.readline())
+
     def run(self, words: list[str], stdin: bytes, cwd: Path | str, timeout: float) -> Ended:
         """Run one command; raises TimeoutExpired as ``subprocess.run`` does."""
+        assert self.imports_s > 0.0  # the first answer, ahead of those to commands
         with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as said:
             reading, writing = os.pipe()
             # A pipe holds 64 KiB; what is longer comes from a process of its own.
@@ -94,12 +102,31 @@ def _imported() -> None:
         if not module.name.endswith("__main__"):
             importlib.import_module(module.name)
     import meshio  # noqa: F401 - loaded where a file is written
+    import PIL.Image
+    import pydantic.type_adapter  # noqa: F401
     import trimesh  # noqa: F401
+    from meshio import _cxml  # noqa: F401
+
+    PIL.Image.init()
+
+
+def _compiled() -> None:
+    """Load the kernels that are kept compiled; one that is not, is compiled where it is called."""
+    from hyperfab.ahead import all_kernels, listed, read
+
+    for name, made in all_kernels().items():
+        for kinds in listed()[name] if hasattr(made, "targetctx") else ():
+            signature = tuple(read(kind) for kind in kinds)
+            kept = made._cache.load_overload(signature, made.targetctx)
+            if kept is not None:
+                made.targetctx.insert_user_function(kept.entry_point, kept.fndesc, [kept.library])
+                made.add_overload(kept)
 
 
 def _serve(number: int) -> None:
     """Fork for each command that comes; returns in the forks, and where none will come any more does not return."""
     link = socket.socket(fileno=number)
+    link.sendall(b"%f\n" % time.process_time())
     while True:
         head, files, _flags, _address = socket.recv_fds(link, 4, 3)
         if not head:
@@ -129,10 +156,14 @@ def _serve(number: int) -> None:
 if __name__ == "__main__":
     import gc
 
+    from pictures import stamped
+
     sys.path[0] = str(ROOT)
     from hyperfab import __main__ as program
 
     _imported()
+    _compiled()
+    stamped()
     gc.freeze()
     sys.argv[0] = str(program.__file__)
     _serve(int(sys.argv[1]))

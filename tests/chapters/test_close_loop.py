@@ -90,6 +90,7 @@ def shop(folder: Path, effects: tuple[str, ...], seed: int = 4, noise: float = 0
     return arguments
 
 
+@pytest.mark.pictures
 def test_undeclared_effect_is_found_and_added(hf: Run, tmp_path: Path) -> None:
     arguments = shop(tmp_path, ("thermal-softening",))
     done = hf(*arguments, "-o", "loop.json", cwd=tmp_path)

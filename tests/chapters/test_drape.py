@@ -55,6 +55,7 @@ def drape(folder, monkeypatch, capfd) -> Callable[..., tuple[int, str, str]]:
     return run
 
 
+@pytest.mark.pictures
 def test_the_document_has_what_the_contract_promises(drape, folder):
     status, out, _ = drape("-o", "drape.json")
     assert status == 0

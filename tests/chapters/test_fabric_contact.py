@@ -63,6 +63,7 @@ def test_half_the_thickness_on_the_sphere_is_offered_and_its_size_told(press):
     assert "--middle-surface" in err
 
 
+@pytest.mark.pictures
 def test_document_holds_the_known_force_and_valid_siblings(press, hf, tmp_path):
     status, found, _ = press(NEO_HOOKEAN, "--depth", "60mm", "--steps", "3")
     assert status == 0

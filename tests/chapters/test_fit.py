@@ -156,6 +156,7 @@ def test_rows_without_a_ratio_are_counted_by_reason(hf: Run, tmp_path: Path) -> 
     assert whole["fit"]["points"] == 6
 
 
+@pytest.mark.pictures
 def test_siblings_hold_the_curves_and_a_picture(hf: Run, root: Path, tmp_path: Path) -> None:
     files = [str(root / word) if word.endswith(".csv") else word for word in ALL]
     done = hf("fit", *files, "--model", "yeoh-3", "-o", "fabric.json", cwd=tmp_path)

@@ -81,6 +81,7 @@ def test_knits_measured_five_times_foretell_each_of_their_curves(data_dir: Path,
     assert 0.9 <= np.mean(shares) <= 1.0
 
 
+@pytest.mark.pictures
 def test_fit_tells_the_band_with_each_direction_and_draws_it(hf: Run, tmp_path: Path) -> None:
     draw = np.random.default_rng(5)
     for way, stiffer in (("warp", 1.0), ("weft", 0.5)):

@@ -58,6 +58,7 @@ def press(folder, monkeypatch, output="press.json", **options):
     return status, json.loads((folder / output).read_text())
 
 
+@pytest.mark.pictures
 def test_the_document_has_the_contracts_keys_and_fits_its_schema(shop, monkeypatch):
     status, document = press(shop, monkeypatch, gap="3mm", temperature="200degC")
     assert status == 0

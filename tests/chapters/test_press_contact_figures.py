@@ -285,6 +285,7 @@ def test_touched_and_pressed_area_of_flat_faces_are_the_face(tmp_path, monkeypat
     assert found["contact_area_mm2"] == pytest.approx(found["molding_area_mm2"], rel=1e-12)
 
 
+@pytest.mark.pictures
 @pytest.mark.parametrize("apart", [0.0, 1e-15, 1e-9, 0.5])
 def test_gaps_that_hardly_differ_are_drawn_too(apart):
     places = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])

@@ -59,6 +59,7 @@ def test_a_formed_thickness_is_told_where_dwell_and_set_tell_it_and_nowhere_else
     assert ("formed_thickness_mm" in fields) is told
 
 
+@pytest.mark.pictures
 @pytest.mark.parametrize("stays", [0.0, 0.7, 1.0])
 def test_a_share_of_the_strain_stays_between_plates(plates, monkeypatch, stays):
     import jsonschema
