@@ -540,26 +540,21 @@ def test_signals_end_it_at_once_and_leave_no_child(tmp_path, number, status):
     assert [path.name for path in tmp_path.iterdir()] == ["mold.toml"]
 
 
-@pytest.fixture(scope="module")
-def samples(tmp_path_factory):
-    """Both sample molds, at a coarser mesh than they are shipped with."""
+def sample(name, folder):
+    """One of the two sample molds, at a coarser mesh than it is shipped with."""
     from hyperfab.samples import sample_files
 
-    folder = tmp_path_factory.mktemp("samples")
     (folder / "specimens").mkdir()
     (folder / "molds").mkdir()
     files = sample_files()
     (folder / "specimens/film.csv").write_bytes(files["specimens/film.csv"])
-    found = {}
-    for name in ("original", "proposed"):
-        text = files[f"molds/{name}.toml"].decode()
-        size = text.split('mesh_size = "')[1].split('"')[0]
-        found[name] = heat(folder / "molds", text.replace(f'"{size}"', '"28 mm"'), name)[1]
-    return found
+    text = files[f"molds/{name}.toml"].decode()
+    size = text.split('mesh_size = "')[1].split('"')[0]
+    return heat(folder / "molds", text.replace(f'"{size}"', '"28 mm"'), name)[1]
 
 
-def test_original_mold_takes_50_minutes(samples):
-    document = samples["original"]
+def test_original_mold_takes_50_minutes(tmp_path):
+    document = sample("original", tmp_path)
     assert document["warmup_time_s"] / 60 == pytest.approx(49.9, abs=0.5)
     assert document["energy"]["supplied_J"] == pytest.approx(9.0e6, rel=0.01)
     assert document["work_surface"]["at_warmup"]["spread_K"] < 1.3
@@ -567,8 +562,9 @@ def test_original_mold_takes_50_minutes(samples):
     assert document["steps"] <= 15
 
 
-def test_proposed_mold_takes_20_minutes_and_is_even(samples):
-    document = samples["proposed"]
+@pytest.mark.slow
+def test_proposed_mold_takes_20_minutes_and_is_even(tmp_path):
+    document = sample("proposed", tmp_path)
     assert document["warmup_time_s"] / 60 == pytest.approx(19.6, abs=0.3)
     assert document["energy"]["supplied_J"] == pytest.approx(3.5e6, rel=0.02)
     assert document["work_surface"]["at_warmup"]["spread_K"] < 2.4

@@ -18,7 +18,7 @@ FIT = ["fit", "--uniaxial", UNIAXIAL, "--model", "yeoh-3"]
 DRAPE = ["--mold", "molds/cup-male.stl", "--grid", "24x24", "--size", "220mmx220mm", "--depth", "40mm"]
 CONTACT = ["--sphere-radius", "40mm", "--depth", "20mm", "--mesh-size", "20mm"]
 PRESS = ["press-contact", "--male", "molds/cup-male.stl", "--female", "molds/cup-female.stl", "--axis", "z"]
-PRESS += ["--foam", "specimens/foam.toml", "--gap", "3mm"]
+PRESS += ["--foam", "specimens/foam.toml", "--gap", "3mm", "--strokes", "5"]
 
 
 def only_document(done: Any, kind: str) -> dict[str, Any]:

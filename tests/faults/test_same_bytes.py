@@ -29,7 +29,7 @@ COMMANDS = {
     "mold-heat": ["mold-heat", "mold.toml"],
     "press-contact": [
         "press-contact", "--male", "male.stl", "--female", "female.stl", "--foam", "foam.toml", "--gap", "3mm",
-        "--temperature", "150degC",
+        "--temperature", "150degC", "--strokes", "5",
     ],
 }  # fmt: skip
 FABRIC = {
