@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from importlib import import_module
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,15 @@ from hyperfab.thermal.sensors import as_shown
 #: Frames of the time series, and bytes all fields may take together: more steps are thinned evenly.
 FRAMES, SERIES_BYTES = 40, 50e6
 
+#: What fields and pictures are written with.
+WRITERS = ("meshio", "matplotlib.backends.backend_agg", "matplotlib.figure", "matplotlib.tri")
+
+
+def load_writers() -> None:
+    """Import what ``write_fields`` will need: a second that may pass while another process is waited for."""
+    for name in WRITERS:
+        import_module(name)
+
 
 def write_fields(out: Output, problem: Problem, history: History, target: float | None, sure: Sure) -> None:
     """Queue every sibling of the document; ``sure`` says how sure the last field and the time of warm-up are."""
@@ -37,12 +47,14 @@ def write_fields(out: Output, problem: Problem, history: History, target: float 
             ),
         )
         return
-    count = frame_count(len(_field(problem, last.temperature, None)), len(final))
+    ending = _field(problem, last.temperature, None)
+    count = frame_count(len(ending), len(final))
     frames = np.unique(np.linspace(0, len(history.states) - 1, count).round().astype(int))
     names = []
     for number, index in enumerate(frames):
         suffix = f".{number:03d}.vtu"
-        out.add(suffix, _field(problem, history.states[index].temperature, None))
+        is_last = number == len(frames) - 1
+        out.add(suffix, ending if is_last else _field(problem, history.states[index].temperature, None))
         names.append(out.path(suffix).name)
     out.add(".pvd", collection([history.states[i].time for i in frames], names))
     times = curve_times(history)

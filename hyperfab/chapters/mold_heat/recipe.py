@@ -9,7 +9,7 @@ from hyperfab.cases.mold import MoldCase
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.mold_heat import nearby
 from hyperfab.chapters.mold_heat.design import check, design
-from hyperfab.chapters.mold_heat.files import write_fields
+from hyperfab.chapters.mold_heat.files import load_writers, write_fields
 from hyperfab.chapters.mold_heat.pace import Pace
 from hyperfab.chapters.mold_heat.problem import MoldBuilder, Problem
 from hyperfab.chapters.mold_heat.result import IMBALANCE_ALLOWED, steady_document, transient_document
@@ -53,8 +53,14 @@ def run(job: Job, case: MoldCase) -> int:
         job.console.warn(text)
     # A mesher does not say how far it is.
     with job.console.progress("Meshing the mold", paced=False) as advance:
+
+        def waiting(seconds: float) -> None:
+            advance(seconds / (seconds + 5.0))
+            if out.wants_files:  # the mesher is at work in a process of its own
+                load_writers()
+
         known = len(builder.doubts)
-        problem = builder.build(lambda seconds: advance(seconds / (seconds + 5.0)))
+        problem = builder.build(waiting)
     for text in builder.doubts[known:]:
         job.console.warn(text)
     start = builder.start_field(problem)
