@@ -54,7 +54,7 @@ STIFFENING = {
 }
 
 
-@pytest.mark.parametrize("law", STIFFENING)
+@pytest.mark.parametrize("law", ["locks", pytest.param("stiffens", marks=pytest.mark.slow)])
 def test_a_sheet_that_stiffens_in_a_swing_does_not_fly_apart(law):
     surface = saddle()
     mold = mold_of(surface, under(surface, 55.0))

@@ -63,7 +63,7 @@ def test_a_string_slipping_over_a_cylinder_loses_tension_as_the_capstan_law_says
     assert np.log(coarse[0] / fine[0]) / np.log(4) == pytest.approx(2.0, abs=0.2)
 
 
-@pytest.mark.parametrize("mu", [0.01, 1.0])
+@pytest.mark.parametrize("mu", [pytest.param(0.01, marks=pytest.mark.slow), 1.0])
 def test_the_capstan_law_holds_from_little_to_much_friction(mu):
     assert np.abs(capstan_errors(101, mu)).max() < 3e-4
 

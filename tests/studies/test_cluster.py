@@ -57,6 +57,7 @@ def shop(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_workers_killed_while_they_start_are_replaced(shop: Path) -> None:
     psutil = pytest.importorskip("psutil", reason="comes with distributed")
     driver = subprocess.Popen(
