@@ -121,9 +121,13 @@ def _pace(test: TestCurve, stretch: Array) -> str:
 
 
 def _way(path: Path, rows: slice) -> Array:
-    """Return the strains (turns, 2) at which a test turned and ended, along the pull and across where that is given."""
-    up = path.up[rows]
-    ends = rows.start + np.concatenate([np.flatnonzero(np.diff(up) != 0), [len(up) - 1]])
+    """Return the strains (turns, 2) at which a test turned, along the pull and across where that is given.
+
+    Not those at which it ended, but where both stretches are led: what two tests along one axis have in common does not
+    hang on which of them went on.
+    """
+    last = [rows.stop - 1] if path.mode[rows.stop - 1] == GENERAL else []
+    ends = np.array([*(rows.start + np.flatnonzero(np.diff(path.up[rows]) != 0)), *last], dtype=np.int64)
     across = np.where(path.mode[ends] == GENERAL, path.across[ends], 1.0)
     return np.log(np.stack([path.stretch[ends], across], axis=1))
 
@@ -132,8 +136,8 @@ def _is_same_way(one: Array, other: Array) -> bool:
     """Whether two tests turned at the same places, but for a share of how far they went."""
     if one.shape != other.shape:
         return False
-    far = max(float(np.max(np.abs(one))), float(np.max(np.abs(other))))
-    return float(np.max(np.abs(one - other))) <= np.sqrt(SHARE) * far
+    far = np.max(np.abs([one, other]), initial=0.0)
+    return bool(np.all(np.abs(one - other) <= SHARE * far))
 
 
 def states_of(path: Path, tests: Sequence[TestCurve], speed: Array) -> dict[str, Array]:

@@ -36,7 +36,7 @@ PRIOR = 0.10
 #: scatter as they like. So must a constant of the noise more.
 MARGIN = 8.0
 #: A share that does not matter: of the structured variance a term must take more, of tests left out too, and all but
-#: this is enough. Of an amplitude it is the square root.
+#: this is enough.
 SHARE = 0.05
 #: A share that is most: two of three, of the tests left out and of what a term explains. What is left of it is
 #: what something else leaves.

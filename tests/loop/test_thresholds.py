@@ -358,7 +358,7 @@ CASES: dict[str, tuple[Callable[[pytest.MonkeyPatch], Any], Any]] = {
             [explained(2.6, left) for left in (0.5, 0.64)],
             [stands_in(share) for share in (0.93, 0.97)],
             [rivals_asked(patch, 3, one) for one in (0.035, 0.075)],
-            [led_alike(share) for share in (0.17, 0.3)],
+            [led_alike(share) for share in (0.035, 0.075)],
             [as_likely(left) for left in (0.5, 0.75)],
         ],
         [[False, True], [False, True], [True, False], [False, True], [[], [3]], [True, False], [True, False]],
