@@ -106,7 +106,7 @@ def _setups(path: Path, tests: Sequence[TestCurve]) -> list[str]:
 
 
 def _pace(test: TestCurve, stretch: Array) -> str:
-    """Return mode, direction, temperature and rate of a test, rounded."""
+    """Return mode, whether it pulls or presses, direction, temperature and rate of a test, rounded."""
     temperature = "-" if test.temperature_degC is None else f"{float(np.mean(test.temperature_degC)):.0f}"
     speed = "-" if test.rate_1_s is None else f"{float(np.median(test.rate_1_s)):.2g}"
     if speed == "-" and test.time_s is not None:
@@ -117,7 +117,8 @@ def _pace(test: TestCurve, stretch: Array) -> str:
         # Hand-driven machines: within a factor of about two the pace counts as one.
         pace = float(np.sum(moved[going]) / np.sum(took[going])) if np.any(going) else 0.0
         speed = f"2^{round(np.log2(max(pace, 1e-12)) / 2.0):.0f}" if span > 0.0 else "-"
-    return f"{test.mode} {test.angle_deg:.0f} {temperature} {speed}"
+    way = "pulls" if stretch[-1] >= stretch[0] or np.max(stretch) - 1.0 > 1.0 - np.min(stretch) else "presses"
+    return f"{test.mode} {way} {test.angle_deg:.0f} {temperature} {speed}"
 
 
 def _way(path: Path, rows: slice) -> Array:

@@ -211,13 +211,16 @@ class Descent:
         cost = self.cost + wall * float(self.outside @ self.outside)
         gradient = jacobian.T @ self.left - self.prior * (x - self.centre)
         normal = jacobian.T @ jacobian + np.diag(self.prior)
-        if np.any(self.outside > 0.0):
-            slope = self._slopes_beyond()
+        size = np.diag(normal) + 1e-12 / self.scale**2
+        walls = self.outside > 0.0
+        if np.any(walls):
+            slope = self._slopes_beyond(x, self.outside)
             gradient = gradient - wall * slope.T @ self.outside
             normal = normal + wall * slope.T @ slope
+            size = size + wall * _bounding(slope)
         held = ((x <= self.low) & (gradient < 0.0)) | ((x >= self.high) & (gradient > 0.0))
-        size = np.diag(normal) + 1e-12 / self.scale**2
-        for _ in range(_TRIES if self.exact else 1):
+        tries = _TRIES if self.exact else 1
+        while tries > 0:
             step = _step(normal, size, gradient, self.damping, x, self.low, self.high, ~held)
             if self.exact and self.damping > _DAMPING:
                 step = step + self._bend(step, normal, size, held)
@@ -228,6 +231,15 @@ class Descent:
             gained -= wall * float(outside @ outside)
             if gained > 0.0:
                 break
+            met = (outside > 0.0) & ~walls
+            if self.exact and np.any(met):
+                # A step into a wall: the next one goes along it.
+                slope = self._slopes_beyond(trial, np.where(met, outside, 0.0))
+                gradient = gradient - wall * slope.T @ (np.where(met, outside, 0.0) - slope @ (trial - x))
+                normal = normal + wall * slope.T @ slope
+                size, walls = size + wall * _bounding(slope), walls | met
+                continue
+            tries -= 1
             if self.exact:
                 self.damping = max(self.damping, 1e-6) * 10.0
         else:
@@ -288,16 +300,25 @@ class Descent:
             list(self.problem.forbidden(x[: self.own], split(x[self.own :], self.forms)).values())
         )
 
-    def _slopes_beyond(self) -> Array:
-        """Return how what is forbidden (k,) changes with each constant, (k, constants)."""
-        step = 1e-5 * np.maximum(np.abs(self.x), self.scale)
-        moved = [self._beyond(self.x + one) - self.outside for one in np.diag(step)]
-        return np.asarray(np.stack(moved, axis=1) / step) * (self.outside > 0.0)[:, None]
+    def _slopes_beyond(self, x: Array, outside: Array) -> Array:
+        """Return how what is forbidden at ``x``, ``outside`` (k,), changes with each constant, (k, constants)."""
+        step = 1e-5 * np.maximum(np.abs(x), self.scale)
+        moved = [self._beyond(x + one) - outside for one in np.diag(step)]
+        return np.asarray(np.stack(moved, axis=1) / step) * (outside > 0.0)[:, None]
 
     def _holds(self) -> Array:
         """Return the weight of each prior."""
         # While the model is wrong its misfit counts as noise: else a wrong model would break what is known before.
         return self.weight * max(float(self.left @ self.left) / len(self.left), 1.0)
+
+
+def _bounding(slope: Array) -> Array:
+    """Return what walls (k, constants) that bound one constant alone add to its damping.
+
+    A step along a wall of several constants is damped by what the data tell of them, however steep the wall is.
+    """
+    alone = np.count_nonzero(slope, axis=1) == 1
+    return np.asarray(np.sum(slope[alone] ** 2, axis=0))
 
 
 def _step(
@@ -314,8 +335,8 @@ def _step(
     step = np.zeros_like(x)
     for _ in range(len(x)):
         # In units of what the data tell of each constant: their own units lie many powers of ten apart.
-        unit = 1.0 / np.sqrt(size[free])
-        matrix = normal[np.ix_(free, free)] * np.outer(unit, unit) + damping * np.eye(len(unit))
+        unit = 1.0 / np.sqrt(np.maximum(np.diag(normal), size)[free])
+        matrix = normal[np.ix_(free, free)] * np.outer(unit, unit) + np.diag(damping * size[free] * unit**2)
         step[:] = 0.0
         step[free] = unit * np.linalg.lstsq(matrix, unit * gradient[free], rcond=1e-14)[0]
         out = ((x <= low) & (step < 0.0)) | ((x >= high) & (step > 0.0))

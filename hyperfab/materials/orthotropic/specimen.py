@@ -17,8 +17,9 @@ from hyperfab.materials.orthotropic.energy import Answer, Orthotropic
 from hyperfab.materials.orthotropic.stability import least_modulus
 
 _STEPS = 60
-#: Residual stress across a strip, over the stress along it, that counts as none.
-_CLOSED = 1e-12
+#: Residual stress across a strip, over the stress along it, that counts as none, and that an equilibrium may keep
+#: where the next step no longer lessens it.
+_CLOSED, _KEPT = 1e-12, 1e-9
 
 
 @dataclass(frozen=True)
@@ -98,7 +99,8 @@ def strip(law: Orthotropic, angle_deg: ArrayLike, stretch: ArrayLike, near: Stri
             + np.abs(found.stiffness[open_, 0, 0]) * 1e-3
         )
         with np.errstate(invalid="ignore"):
-            open_ = open_[~(np.abs(g[open_]).max(axis=1) <= _CLOSED * scale)]
+            still = ~(np.abs(g[open_]).max(axis=1) <= _CLOSED * scale)
+            open_, scale = open_[still], scale[still]
         if not len(open_):
             break
         H = 0.25 * np.einsum("nij,njk,nlk->nil", free[open_], found.stiffness[open_], free[open_])
@@ -106,7 +108,8 @@ def strip(law: Orthotropic, angle_deg: ArrayLike, stretch: ArrayLike, near: Stri
         # The energy falls along a Newton step that is short enough; the width stays positive.
         length = np.ones(len(open_))
         start, best, residual = found.energy[open_], y[open_], np.abs(g[open_]).max(axis=1)
-        pending = np.arange(len(open_))
+        pending, spent = np.arange(len(open_)), residual <= _KEPT * scale
+        ended = np.zeros(len(open_), dtype=bool)
         for _ in range(30):
             rows = open_[pending]
             trial = best[pending] + length[pending, None] * step[pending]
@@ -116,25 +119,29 @@ def strip(law: Orthotropic, angle_deg: ArrayLike, stretch: ArrayLike, near: Stri
                 # Near the minimum, and at rest, the energy is flat to rounding: there less stress at the edges counts.
                 rounding = 1e-15 * np.abs(found.stiffness[rows]).max(axis=(1, 2))
                 flat = np.abs(found_try.energy - start[pending]) <= 1e-9 * np.abs(start[pending]) + rounding
-                less = np.abs(g_try).max(axis=1) < residual[pending]
-                fine = inside & ((found_try.energy < start[pending]) | (flat & less))
+                left = np.abs(g_try).max(axis=1) / residual[pending]
+                fine = inside & ((found_try.energy < start[pending]) | (flat & (left < 1.0)))
+                fine &= (left < 0.5) | ~spent[pending]
             taken = rows[fine]
             y[taken], C[taken], g[taken] = trial[fine], C_try[fine], g_try[fine]
             found.energy[taken], found.stress[taken] = found_try.energy[fine], found_try.stress[fine]
             found.stiffness[taken] = found_try.stiffness[fine]
             pending = pending[~fine]
+            ended[pending] = spent[pending]
+            pending = pending[~spent[pending]]
             length[pending] *= 0.5
             if not len(pending):
                 break
         # Where no step helps, rounding has the last word.
-        open_ = np.delete(open_, pending)
+        ended[pending] = True
+        open_ = open_[~ended]
     along = np.einsum("nj,nj->n", frame.tt, found.stress)
     with np.errstate(all="ignore"):
         H = np.einsum("nij,njk,nlk->nil", free, found.stiffness, free)
         B = np.einsum("nij,njk,nk->ni", free, found.stiffness, frame.tt)
         own = np.einsum("nj,njk,nk->n", frame.tt, found.stiffness, frame.tt)
         reduced = own - np.einsum("ni,ni->n", B, solved(H, B))
-        closed = np.abs(g).max(axis=1) <= 1e-9 * (np.abs(along) + 1e-3 * np.abs(own))
+        closed = np.abs(g).max(axis=1) <= _KEPT * (np.abs(along) + 1e-3 * np.abs(own))
         shear = y[:, 1] / (lam * np.sqrt(y[:, 0]))
     return Strip(
         lam, lam * along, along + lam**2 * reduced, np.sqrt(y[:, 0]), shear, C, found, np.asarray(closed)
