@@ -92,12 +92,16 @@ class FabricProblem(Problem):
             asked = {name: max(-value / self._secant, 0.0) for name, value in ground.items()}
             soft = 6.0 * (ground.get("C10_MPa", 0.0) + ground.get("C2_MPa", 0.0) / 3.0) / self._secant
             return asked | {"Young's modulus at rest of the ground": max(_LEAST - soft, 0.0)}
-        stress = self._at_rest.stress(warp, weft, elastic)
-        modulus = stress / _STEP / self._secant
-        return {
-            f"Young's modulus at rest{_along(angle)}": max(_LEAST - float(value), 0.0)
-            for angle, value in zip(self._at_rest.path.angle_deg, modulus, strict=True)
-        }
+        found: dict[str, float] = {}
+        # The law of a document stands by itself too: what is added to it stands elsewhere in there.
+        plain = {name: term for name, term in elastic.items() if name != "elastic-law"}
+        for of, terms in (
+            (("", elastic), (" of the law itself", plain)) if plain != elastic else (("", elastic),)
+        ):
+            modulus = self._at_rest.stress(warp, weft, terms) / _STEP / self._secant
+            for angle, value in zip(self._at_rest.path.angle_deg, modulus, strict=True):
+                found[f"Young's modulus at rest{of}{_along(angle)}"] = max(_LEAST - float(value), 0.0)
+        return found
 
     @cached_property
     def _at_rest(self) -> Fabric:
