@@ -117,7 +117,7 @@ def _pace(test: TestCurve, stretch: Array) -> str:
         # Hand-driven machines: within a factor of about two the pace counts as one.
         pace = float(np.sum(moved[going]) / np.sum(took[going])) if np.any(going) else 0.0
         speed = f"2^{round(np.log2(max(pace, 1e-12)) / 2.0):.0f}" if span > 0.0 else "-"
-    way = "pulls" if stretch[-1] >= stretch[0] or np.max(stretch) - 1.0 > 1.0 - np.min(stretch) else "presses"
+    way = "pulls" if np.max(stretch) - 1.0 >= 1.0 - np.min(stretch) else "presses"
     return f"{test.mode} {way} {test.angle_deg:.0f} {temperature} {speed}"
 
 

@@ -67,7 +67,6 @@ mesh_size = "5 mm"
 
 def shop(folder: Path, effects: tuple[str, ...], seed: int = 4, noise: float = 0.004) -> list[str]:
     """Write a model and the tests of a fabric with effects nobody declares; return the arguments."""
-    import numpy as np
 
     random = np.random.default_rng(seed)
     truth = truths.draw(random, effects)
@@ -133,6 +132,14 @@ def test_model_without_stiffness_at_rest_is_refitted(hf: Run, tmp_path: Path, C1
     # What pulls back when it is pushed is no material: nothing carries such data.
     assert done.returncode == (1 if C10 < 0.0 else 0), done.stderr.decode()
     assert b"no stiffness at rest" not in done.stderr
+    if C10 < 0.0:
+        # The least misfit along the edge of what a material can be: C10 + C01 = 0.
+        x = np.array(steps)
+        edge, stress = 2.0 * (x - x**-2) - 2.0 * (1.0 - x**-3), 2.0 * C10 * (x - x**-2)
+        least = np.sqrt(np.mean((stress - edge * (edge @ stress) / (edge @ edge)) ** 2))
+        assert json.loads((tmp_path / "loop.json").read_text())["error"]["before"]["rms"] == pytest.approx(
+            least, rel=0.01
+        )
     extended = json.loads((tmp_path / "loop.model.json").read_text())
     assert sum(extended["parameters"].values()) > 0.0
 
@@ -248,7 +255,6 @@ def test_curves_without_information_are_refused(hf: Run, tmp_path: Path, rows: s
 
 @pytest.mark.slow
 def test_sensors_of_two_heated_bodies_lag(hf: Run, tmp_path: Path, data_dir: Path) -> None:
-    import numpy as np
 
     power = np.loadtxt(data_dir / "tclab" / "power.csv", delimiter=",", skiprows=2)
     for number, watt in ((1, 0.01), (2, 0.0075)):

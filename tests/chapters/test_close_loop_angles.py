@@ -70,3 +70,23 @@ def test_angles_nobody_cut_are_predicted_and_the_model_is_one_law_of_the_sheet(
     peak = pulled(0.0, np.array([1.15]))[0]
     for angle in (0.0, 30.0, 45.0, 60.0, 90.0):
         assert strip(sheet, angle, stretch).stress == pytest.approx(pulled(angle, stretch), abs=0.02 * peak)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("angles", [(0, 30, 60, 90), (0, 45, 75, 90), (0, 15, 45, 90)])
+def test_a_laminate_cut_at_four_angles_shows_its_threads(
+    hf: Run, tmp_path: Path, data_dir: Path, angles: tuple[int, ...]
+) -> None:
+    (tmp_path / "cloth.json").write_text(json.dumps(MODEL))
+    files = {
+        angle: data_dir / "nylon-laminate" / f"uniaxial-{angle}.csv" for angle in (0, 15, 30, 45, 60, 75, 90)
+    }
+    words = [
+        word
+        for angle, file in files.items()
+        for word in ("--measured" if angle in angles else "--hold-out", file)
+    ]
+    found = json.loads(hf("close-loop", "cloth.json", *words, cwd=tmp_path).stdout)
+    assert found["effects"][0]["id"] == "anisotropy"
+    assert found["error"]["after"]["nrmse"] < 0.05
+    assert found["held_out"]["after"]["rms"] < 0.35 * found["held_out"]["before"]["rms"]

@@ -90,6 +90,19 @@ def test_protocols_of_a_biaxial_test_are_no_replicates_of_each_other(weft: float
     assert "anisotropy" in found.after.ids or any("anisotropy" in one for one in found.indistinguishable)
 
 
+def test_pulls_are_replicates_wherever_they_end_but_not_where_they_turn_or_press() -> None:
+    tests = [
+        pulled(rubber, name="short", reach=0.2), pulled(rubber, name="long"),
+        pulled(rubber, name="pressed", reach=-0.4),
+        pulled(rubber, name="there and back", back=True), pulled(rubber, name="nearer", reach=0.4, back=True),
+        pulled(rubber, name="again", reach=0.49, back=True),
+    ]  # fmt: skip
+    of = {curve.name: curve.setup for curve in posed(tests).curves}
+    assert of["short"] == of["long"]
+    assert of["there and back"] == of["again"]
+    assert len({of[name] for name in ("short", "pressed", "there and back", "nearer")}) == 4
+
+
 def test_replicates_that_turn_elsewhere_are_none() -> None:
     """A strip held across and one pulled across as well go to the same stretch along the pull."""
     setups = {curve.name: curve.setup for curve in posed(biaxial(0.4)).curves}
