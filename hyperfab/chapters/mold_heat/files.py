@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from importlib import import_module
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,14 +22,13 @@ from hyperfab.thermal.sensors import as_shown
 #: Frames of the time series, and bytes all fields may take together: more steps are thinned evenly.
 FRAMES, SERIES_BYTES = 40, 50e6
 
-#: What fields and pictures are written with.
-WRITERS = ("meshio", "matplotlib.backends.backend_agg", "matplotlib.figure", "matplotlib.tri")
-
 
 def load_writers() -> None:
     """Import what ``write_fields`` will need: a second that may pass while another process is waited for."""
-    for name in WRITERS:
-        import_module(name)
+    import matplotlib.backends.backend_agg  # noqa: F401
+    import matplotlib.figure
+    import matplotlib.tri
+    import meshio  # noqa: F401
 
 
 def write_fields(out: Output, problem: Problem, history: History, target: float | None, sure: Sure) -> None:
