@@ -25,9 +25,9 @@ FRAMES, SERIES_BYTES = 40, 50e6
 
 def load_writers() -> None:
     """Import what ``write_fields`` will need: a second that may pass while another process is waited for."""
-    import matplotlib.backends.backend_agg  # noqa: F401
+    import matplotlib.backends.backend_agg
     import matplotlib.figure
-    import matplotlib.tri
+    import matplotlib.tri  # noqa: F401
     import meshio  # noqa: F401
 
 
