@@ -94,11 +94,11 @@ class FabricProblem(Problem):
             return asked | {"Young's modulus at rest of the ground": max(_LEAST - soft, 0.0)}
         found: dict[str, float] = {}
         # The law of a document stands by itself too: what is added to it stands elsewhere in there.
-        plain = {name: term for name, term in elastic.items() if name != "elastic-law"}
-        for of, terms in (
-            (("", elastic), (" of the law itself", plain)) if plain != elastic else (("", elastic),)
-        ):
-            modulus = self._at_rest.stress(warp, weft, terms) / _STEP / self._secant
+        laws = {"": elastic}
+        if "elastic-law" in elastic:
+            laws[" of the law itself"] = {key: term for key, term in elastic.items() if key != "elastic-law"}
+        for of, named in laws.items():
+            modulus = self._at_rest.stress(warp, weft, named) / _STEP / self._secant
             for angle, value in zip(self._at_rest.path.angle_deg, modulus, strict=True):
                 found[f"Young's modulus at rest{of}{_along(angle)}"] = max(_LEAST - float(value), 0.0)
         return found

@@ -234,8 +234,9 @@ class Descent:
             met = (outside > 0.0) & ~walls
             if self.exact and np.any(met):
                 # A step into a wall: the next one goes along it.
-                slope = self._slopes_beyond(trial, np.where(met, outside, 0.0))
-                gradient = gradient - wall * slope.T @ (np.where(met, outside, 0.0) - slope @ (trial - x))
+                there = np.where(met, outside, 0.0)
+                slope = self._slopes_beyond(trial, there)
+                gradient = gradient - wall * slope.T @ (there - slope @ (trial - x))
                 normal = normal + wall * slope.T @ slope
                 size, walls = size + wall * _bounding(slope), walls | met
                 continue

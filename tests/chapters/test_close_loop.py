@@ -67,7 +67,6 @@ mesh_size = "5 mm"
 
 def shop(folder: Path, effects: tuple[str, ...], seed: int = 4, noise: float = 0.004) -> list[str]:
     """Write a model and the tests of a fabric with effects nobody declares; return the arguments."""
-
     random = np.random.default_rng(seed)
     truth = truths.draw(random, effects)
     readings = truths.measure(truth, truths.rich(1.5, 0.01, 60.0), random, noise)
@@ -255,7 +254,6 @@ def test_curves_without_information_are_refused(hf: Run, tmp_path: Path, rows: s
 
 @pytest.mark.slow
 def test_sensors_of_two_heated_bodies_lag(hf: Run, tmp_path: Path, data_dir: Path) -> None:
-
     power = np.loadtxt(data_dir / "tclab" / "power.csv", delimiter=",", skiprows=2)
     for number, watt in ((1, 0.01), (2, 0.0075)):
         on = power[:, number]
