@@ -30,10 +30,22 @@ KINDS: dict[str, str] = {
 }
 
 
-class Validity(BaseModel):
+class Part(BaseModel):
+    """A table of a document that a program wrote: keys of a later minor version are kept."""
+
+    model_config = ConfigDict(extra="allow", allow_inf_nan=False)
+
+
+class Section(BaseModel):
+    """A table of a document that people write: keys it does not know are refused."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, populate_by_name=True)
+
+
+class Validity(Part):
     """One law or table: the range it was used over beside the range tested or tabulated, in the unit of ``of``."""
 
-    model_config = ConfigDict(extra="allow", allow_inf_nan=False, populate_by_name=True)
+    model_config = ConfigDict(populate_by_name=True)
 
     of: str = Field(description="stretch, temperature_degC, strain, or a table's name")
     direction: str | None = Field(default=None, description="warp or weft, where each has a law of its own")

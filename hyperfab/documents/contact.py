@@ -4,16 +4,10 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-from hyperfab.documents.base import Document
+from hyperfab.documents.base import Document, Part
 from hyperfab.documents.uncertainty import Uncertainty
-
-
-class Part(BaseModel):
-    """A table of the document."""
-
-    model_config = ConfigDict(extra="allow", allow_inf_nan=False)
 
 
 class SetupPart(Part):

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import (
-    BaseModel,
     BeforeValidator,
-    ConfigDict,
     Field,
     PlainSerializer,
     PlainValidator,
@@ -15,47 +13,28 @@ from pydantic import (
     model_validator,
 )
 
-from hyperfab.documents.base import HandWritten
+from hyperfab.documents.base import HandWritten, Section
 from hyperfab.documents.press_terms import Poisson, PressSection, Relaxation, Variation
 from hyperfab.documents.quantity import (
     ConstantConductivity,
     ConstantSpecificHeat,
+    ContactConductance,
     Density,
+    Expansion,
     PositiveLength,
+    Rate,
+    Stress,
+    TableFile,
     Temperature,
     Time,
     parsed,
-    written,
 )
-from hyperfab.io.units import KINDS, worded
+from hyperfab.io.units import worded
 
 Terms = Annotated[list[float], Field(min_length=1, max_length=9)]
 
 
-def _positive(kind: str) -> Any:
-    shown = {"type": "string", "description": f"a {kind} with its unit", "examples": [KINDS[kind].example]}
-    return Annotated[
-        float, PlainValidator(parsed(kind, 0.0, open_end=True)), written(kind), WithJsonSchema(shown)
-    ]
-
-
-if TYPE_CHECKING:
-    Stress = float
-else:
-    Stress = _positive("stress")
 Stresses = Annotated[list[Stress], Field(min_length=1, max_length=9)]
-
-
-class Section(BaseModel):
-    """A table of the document: keys it does not know are refused."""
-
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
-
-
-class TableFile(Section):
-    """A table in a CSV file beside the document."""
-
-    table: str
 
 
 class Law(Section):
@@ -186,34 +165,6 @@ class Fabric(Section):
     density: Density | None = None
 
 
-def _coefficient(value: object) -> object:
-    if isinstance(value, TableFile):
-        return value
-    return (
-        TableFile.model_validate(value)
-        if isinstance(value, dict)
-        else parsed("thermal-expansion", 0.0)(value)
-    )
-
-
-Coefficient = Annotated[
-    float | TableFile,
-    PlainValidator(_coefficient),
-    PlainSerializer(
-        lambda v: v.model_dump() if isinstance(v, TableFile) else worded(v, "1/K"), return_type=Any
-    ),
-    WithJsonSchema(
-        {
-            "anyOf": [
-                {"type": "string", "examples": ["23.6e-6 1/K"]},
-                {"type": "object", "properties": {"table": {"type": "string"}}, "required": ["table"]},
-            ],
-            "description": "mean coefficient from the reference temperature on, or a table of it against temperature",
-        }
-    ),
-]
-
-
 class Shrinkage(Section):
     """What heat takes from the foam's thickness, and what it gives back when the press opens.
 
@@ -249,28 +200,6 @@ class Shrinkage(Section):
         return self
 
 
-Conductance = Annotated[
-    float | TableFile,
-    BeforeValidator(
-        lambda v: (
-            TableFile.model_validate(v) if isinstance(v, dict) else parsed("film-coefficient", 0.0, True)(v)
-        )
-    ),
-    PlainSerializer(
-        lambda v: v.model_dump() if isinstance(v, TableFile) else f"{v!r} W/m^2/K", return_type=Any
-    ),
-    WithJsonSchema(
-        {
-            "anyOf": [
-                {"type": "string", "examples": ["500 W/m^2/K"]},
-                {"type": "object", "properties": {"table": {"type": "string"}}, "required": ["table"]},
-            ],
-            "description": "between mold and sandwich, or a table: pressure [MPa], conductance [W/m^2/K]",
-        }
-    ),
-]
-
-
 class MeasuredSet(Section):
     """Tests of the foam's set: temperature [degC], dwell [s] and set [-], or before, pressed and after [mm]; the two
     constants of an Arrhenius law are identified from them."""
@@ -281,7 +210,7 @@ class MeasuredSet(Section):
 class ArrheniusSet(Section):
     """1 - exp(-integral of rate exp(-activation / R T) dt)."""
 
-    rate: Annotated[float, PlainValidator(parsed("rate", 0.0, open_end=True)), written("rate")]
+    rate: Rate
     activation: Annotated[
         float,
         PlainValidator(_molar),
@@ -311,16 +240,9 @@ def _set(value: object) -> object:
 class ExpansionSection(Section):
     """Linear thermal expansion of the molds; where left out, that of aluminium 6061."""
 
-    male: Coefficient | None = None
-    female: Coefficient | None = None
-    reference: Annotated[
-        float,
-        PlainValidator(parsed("temperature")),
-        written("temperature"),
-        WithJsonSchema(
-            {"type": "string", "description": "where the STL files hold", "examples": ["20 degC"]}
-        ),
-    ] = 20.0
+    male: Expansion | None = None
+    female: Expansion | None = None
+    reference: Temperature = Field(default=20.0, description="where the STL files hold", examples=["20 degC"])
 
 
 class FoamDocument(HandWritten):
@@ -336,7 +258,7 @@ class FoamDocument(HandWritten):
     temperature: Temperature | None = Field(
         default=None, description="as the sandwich is laid in; left out: expansion.reference"
     )
-    contact_conductance: Conductance | None = None
+    contact_conductance: ContactConductance | None = None
     fabric: Fabric = Fabric()
     set: Annotated[
         Annotated[float, Field(ge=0.0, le=1.0)] | TableFile | MeasuredSet | ArrheniusSet | None,

@@ -4,16 +4,12 @@ from __future__ import annotations
 
 from typing import Any, ClassVar, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-from hyperfab.documents.base import Document
-
-
-class _Part(BaseModel):
-    model_config = ConfigDict(extra="allow", allow_inf_nan=False)
+from hyperfab.documents.base import Document, Part
 
 
-class Misfit(_Part):
+class Misfit(Part):
     """The size of a residual."""
 
     rms: float = Field(description="root mean square, in the unit of the data")
@@ -25,7 +21,7 @@ class Misfit(_Part):
     chi2_reduced: float = Field(description="mean square in standard deviations of the noise; 1 is noise")
 
 
-class Errors(_Part):
+class Errors(Part):
     """Model against data before and after the effects were added, beside the noise of the data."""
 
     unit: str
@@ -39,7 +35,7 @@ class Errors(_Part):
     source: str | None = Field(default=None, description="how the tests that took no part were chosen")
 
 
-class NoiseFigures(_Part):
+class NoiseFigures(Part):
     """The noise the data were judged against."""
 
     sd: float = Field(
@@ -58,7 +54,7 @@ class NoiseFigures(_Part):
     )
 
 
-class Evidence(_Part):
+class Evidence(Part):
     """Why an effect was added."""
 
     delta_bic: float = Field(
@@ -71,7 +67,7 @@ class Evidence(_Part):
     tests_helped: float | None = Field(default=None, description="share of those tests it predicts better")
 
 
-class AddedEffect(_Part):
+class AddedEffect(Part):
     """An effect that was found and added."""
 
     id: str
@@ -88,7 +84,7 @@ class AddedEffect(_Part):
     )
 
 
-class Candidate(_Part):
+class Candidate(Part):
     """An entry of the catalogue, tried on these data."""
 
     id: str
@@ -116,7 +112,7 @@ class Candidate(_Part):
     shown_by: str = Field(description="the measurement that tells it from its look-alikes")
 
 
-class Judged(_Part):
+class Judged(Part):
     """What a model leaves, by the tests of noise."""
 
     is_noise: bool
@@ -141,7 +137,7 @@ class Residual(Judged):
     suggestion_share: float | None = None
 
 
-class NextMeasurement(_Part):
+class NextMeasurement(Part):
     """The measurement that would tell the rivals apart."""
 
     text: str
@@ -151,7 +147,7 @@ class NextMeasurement(_Part):
     instead: list[str] = Field(default_factory=list, description="the next best measurements")
 
 
-class MovedConstant(_Part):
+class MovedConstant(Part):
     """A constant of a document upstream, in that document's unit."""
 
     name: str = Field(
@@ -162,7 +158,7 @@ class MovedConstant(_Part):
     known_sd: float = Field(description="how sure it was taken to be: as stated, else 10 % or what is usual")
 
 
-class ChapterTried(_Part):
+class ChapterTried(Part):
     """One document behind the model, its constants together."""
 
     chapter: str
@@ -178,7 +174,7 @@ class ChapterTried(_Part):
     shown_by: str = Field(description="the measurement that shows this chapter by itself")
 
 
-class Upstream(_Part):
+class Upstream(Part):
     """Which of the documents behind the model is off, each chapter's constants together."""
 
     verdict: Literal["chapter", "ambiguous", "as stated", "something else"]

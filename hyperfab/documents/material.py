@@ -5,20 +5,16 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-from hyperfab.documents.base import Document
+from hyperfab.documents.base import Document, Part
 from hyperfab.errors import UsageError
 
 #: Constants are numbers: a number in quotes is a mistake of another program, not to be read over.
 Parameters = dict[str, Annotated[float, Field(strict=True)]]
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(extra="allow", allow_inf_nan=False)
-
-
-class TestFigures(_Part):
+class TestFigures(Part):
     """How well the constants carry one test."""
 
     __test__ = False  # no test class for pytest
@@ -32,7 +28,7 @@ class TestFigures(_Part):
     predicted: bool | None = Field(default=None, description="true where the test took no part in the fit")
 
 
-class OutlierReading(_Part):
+class OutlierReading(Part):
     """A reading that does not belong to the others."""
 
     source: str
@@ -44,7 +40,7 @@ class OutlierReading(_Part):
     leverage: float = Field(description="share of the reading in its own prediction")
 
 
-class _Alike(_Part):
+class _Alike(Part):
     """Specimens of one kind: cut, warmed and tested alike."""
 
     test: str
@@ -71,14 +67,14 @@ class NextSpecimen(_Alike):
     high_MPa: list[float] = Field(description="upper end of the band")
 
 
-class ScatterPart(_Part):
+class ScatterPart(Part):
     """What the specimens of one kind add to how unsure the constants are."""
 
     covariance: list[list[float]] = Field(description="of the constants")
     degrees_of_freedom: float
 
 
-class FitUncertainty(_Part):
+class FitUncertainty(Part):
     """How sure the constants are: covariance, and where it comes from."""
 
     order: list[str] = Field(description="names of the constants, in the order of the covariance")
@@ -109,7 +105,7 @@ class FitUncertainty(_Part):
     )
 
 
-class FitFigures(_Part):
+class FitFigures(Part):
     """How well the constants carry the tests, and how sure they are. The totals are over the rows fitted."""
 
     E2: float
@@ -137,7 +133,7 @@ class FitFigures(_Part):
     )
 
 
-class Unpredicted(_Part):
+class Unpredicted(Part):
     """A test that the constants cannot speak of: its stretches lie beyond the law's limit."""
 
     points: int
@@ -145,7 +141,7 @@ class Unpredicted(_Part):
     status: str
 
 
-class StableRange(_Part):
+class StableRange(Part):
     """The stretches of a mode over which the constants are Drucker-stable."""
 
     stretch_min: float
@@ -159,7 +155,7 @@ class StableRange(_Part):
     )
 
 
-class StablePlane(_Part):
+class StablePlane(Part):
     """Drucker stability over all pairs of in-plane stretches between two bounds."""
 
     stretch_min: float
@@ -170,7 +166,7 @@ class StablePlane(_Part):
     )
 
 
-class Tested(_Part):
+class Tested(Part):
     """How far the tests of one mode went."""
 
     stretch: tuple[float, float] = Field(description="smallest and largest stretch, rest among them")
@@ -179,7 +175,7 @@ class Tested(_Part):
     )
 
 
-class AtTemperature(_Part):
+class AtTemperature(Part):
     """The constants at one temperature."""
 
     temperature_degC: float
@@ -187,7 +183,7 @@ class AtTemperature(_Part):
     fit: FitFigures | None = None
 
 
-class Direction(_Part):
+class Direction(Part):
     """The constants of one direction of the fabric."""
 
     parameters: Parameters
@@ -201,7 +197,7 @@ class Direction(_Part):
     )
 
 
-class Undetermined(_Part):
+class Undetermined(Part):
     """A constant that no test at hand speaks of."""
 
     constant: str
@@ -209,7 +205,7 @@ class Undetermined(_Part):
     test: str = Field(description="the test that would tell it")
 
 
-class ModelRow(_Part):
+class ModelRow(Part):
     """One law in the table of all: a row without constants says in ``status`` why there are none."""
 
     model: str

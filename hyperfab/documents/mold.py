@@ -7,7 +7,6 @@ from typing import Annotated, Any, ClassVar, Protocol
 
 from pydantic import (
     BeforeValidator,
-    ConfigDict,
     Field,
     PlainSerializer,
     PlainValidator,
@@ -15,8 +14,8 @@ from pydantic import (
     model_validator,
 )
 
-from hyperfab.documents.base import HandWritten
-from hyperfab.documents.mold_shapes import BodySection, BoxSection, PartSection, Point, Section
+from hyperfab.documents.base import HandWritten, Section
+from hyperfab.documents.mold_shapes import BodySection, BoxSection, PartSection, Point
 from hyperfab.documents.quantity import (
     Conductivity,
     Density,
@@ -83,8 +82,6 @@ class HasPlaces(Protocol):
 
 class ControlSection(Section):
     """A thermostat: off at set + band/2, on at set - band/2."""
-
-    model_config = ConfigDict(extra="forbid", populate_by_name=True)
 
     probe: str
     set_point: Temperature = Field(alias="set")
@@ -204,8 +201,6 @@ class ProductionSection(Section):
     conductance of its contact with the mold, ``layers`` what it is made of from there outward. The run has ``pieces``
     of them, or as many as it takes until each finds the mold as the one before did.
     """
-
-    model_config = ConfigDict(extra="forbid", populate_by_name=True)
 
     on: Places | None = None
     period: Time

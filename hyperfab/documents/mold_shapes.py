@@ -4,28 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    field_validator,
-    model_validator,
-)
+from pydantic import Field, field_validator, model_validator
 
-from hyperfab.documents.quantity import (
-    Length,
-    PositiveLength,
-    Temperature,
-)
+from hyperfab.documents.base import Section
+from hyperfab.documents.quantity import Length, PositiveLength, Temperature
 
 Way = Literal["x-", "x+", "y-", "y+", "z-", "z+"]
 Point = tuple[Length, Length, Length]
-
-
-class Section(BaseModel):
-    """A table of the document: keys it does not know are refused."""
-
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
 
 
 class BoxSection(Section):

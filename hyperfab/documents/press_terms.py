@@ -6,43 +6,16 @@ import itertools
 import math
 from typing import Annotated, Any
 
-from pydantic import (
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    PlainValidator,
-    WithJsonSchema,
-    model_validator,
-)
+from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
-from hyperfab.documents.quantity import Time, parsed, written
+from hyperfab.documents.base import Section
+from hyperfab.documents.quantity import Angle, Shift, Stiffness, Time
 
 #: A press further out of parallel is broken, or the angle is a slip of the pen.
 MOST_TILT_DEG = 5.0
 
 
-class _Section(BaseModel):
-    """A table of the document: keys it does not know are refused."""
-
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
-
-
-Angle = Annotated[
-    float,
-    PlainValidator(parsed("angle")),
-    written("angle"),
-    WithJsonSchema({"type": "string", "description": "an angle with its unit", "examples": ["0.05 deg"]}),
-]
-Stiffness = Annotated[
-    float,
-    PlainValidator(parsed("stiffness", 0.0, open_end=True)),
-    written("stiffness"),
-    WithJsonSchema({"type": "string", "description": "a stiffness with its unit", "examples": ["50 kN/mm"]}),
-]
-
-
-class Tilt(_Section):
+class Tilt(Section):
     """How the female is turned about the drawing's axes; none about the closing axis."""
 
     x: Angle = 0.0
@@ -56,15 +29,7 @@ class Tilt(_Section):
         return self
 
 
-Shift = Annotated[
-    float,
-    PlainValidator(parsed("length")),
-    written("length"),
-    WithJsonSchema({"type": "string", "description": "a length with its unit", "examples": ["0.2 mm"]}),
-]
-
-
-class Offset(_Section):
+class Offset(Section):
     """How far the female is mounted off the male's axis, along the drawing's axes; none along the closing axis."""
 
     x: Shift = 0.0
@@ -72,7 +37,7 @@ class Offset(_Section):
     z: Shift = 0.0
 
 
-class PressSection(_Section):
+class PressSection(Section):
     """The press: how far its platens are out of parallel, how far the female is mounted off the axis, and how stiff
     the frame is (left out: rigid)."""
 
@@ -81,7 +46,7 @@ class PressSection(_Section):
     stiffness: Stiffness | None = None
 
 
-class PoissonRatios(_Section):
+class PoissonRatios(Section):
     """Poisson's ratios: of the foam, for its thinning where a drape stretches it; of the molds, for their deformation
     by an uneven temperature. A number alone is the foam's."""
 
@@ -129,11 +94,11 @@ Times = Annotated[
 ]
 
 
-class Relaxation(_Section):
+class Relaxation(Section):
     """How the foam's pressure fades while it is held: by ``sum share (1 - exp(-dwell / time))`` of it."""
 
-    share: Shares = [0.0]
-    time: Times = [1.0]
+    share: Shares = Field(default=[0.0])
+    time: Times = Field(default=[1.0])
     dwell: Time | None = None
 
     @model_validator(mode="after")
@@ -145,7 +110,7 @@ class Relaxation(_Section):
         return self
 
 
-class Variation(_Section):
+class Variation(Section):
     """How the foam's thickness varies over the male's plan, as shares of it.
 
     Thickness times ``1 + x u + y v + xx u^2 + xy u v + yy v^2 + xxx u^3 + ...``: u and v are the drawing's

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, PlainSerializer, PlainValidator, WithJsonSchema
+from pydantic import PlainSerializer, PlainValidator, WithJsonSchema
 
+from hyperfab.documents.base import Section
 from hyperfab.errors import InputError
 from hyperfab.io.units import KINDS, quantity, tolerance, worded
 
@@ -35,11 +36,14 @@ def written(kind: str) -> PlainSerializer:
     )
 
 
-def _field(kind: str, least: float | None = None, open_end: bool = False) -> Any:
+def _field(
+    kind: str, least: float | None = None, open_end: bool = False, *, example: str | None = None
+) -> Any:
+    article = "an" if kind[0] in "aeiou" else "a"
     shown = {
         "type": "string",
-        "description": f"a {kind.replace('-', ' ')} with its unit",
-        "examples": [KINDS[kind].example],
+        "description": f"{article} {kind.replace('-', ' ')} with its unit",
+        "examples": [example or KINDS[kind].example],
     }
     if kind == "dimensionless":
         shown = {"type": ["number", "string"], "description": "a number"}
@@ -48,15 +52,20 @@ def _field(kind: str, least: float | None = None, open_end: bool = False) -> Any
     ]
 
 
-class TableFile(BaseModel):
+class TableFile(Section):
     """A table in a CSV file beside the document."""
-
-    model_config = ConfigDict(extra="forbid")
 
     table: str
 
 
-def _value_or_table(kind: str, least: float | None = None, open_end: bool = False) -> Any:
+def _value_or_table(
+    kind: str,
+    least: float | None = None,
+    open_end: bool = False,
+    *,
+    said: str | None = None,
+    example: str | None = None,
+) -> Any:
     read = parsed(kind, least, open_end)
     unit = KINDS[kind].unit
 
@@ -73,9 +82,9 @@ def _value_or_table(kind: str, least: float | None = None, open_end: bool = Fals
         return {"table": value.table} if isinstance(value, TableFile) else worded(value, unit)
 
     shown = {
-        "description": f"a {kind.replace('-', ' ')} with its unit, or a table",
+        "description": said or f"a {kind.replace('-', ' ')} with its unit, or a table",
         "anyOf": [
-            {"type": "string", "examples": [KINDS[kind].example]},
+            {"type": "string", "examples": [example or KINDS[kind].example]},
             {"type": "object", "properties": {"table": {"type": "string"}}, "required": ["table"]},
         ],
     }
@@ -97,6 +106,11 @@ Power = _field("power", 0.0)
 HeatFlux = _field("heat-flux", 0.0)
 FilmCoefficient = _field("film-coefficient", 0.0)
 Density = _field("density", 0.0, open_end=True)
+Angle = _field("angle", example="0.05 deg")
+Shift = _field("length", example="0.2 mm")
+Rate = _field("rate", 0.0, open_end=True)
+Stress = _field("stress", 0.0, open_end=True)
+Stiffness = _field("stiffness", 0.0, open_end=True, example="50 kN/mm")
 
 ConstantConductivity = _field("conductivity", 0.0, open_end=True)
 ConstantSpecificHeat = _field("specific-heat", 0.0, open_end=True)
@@ -105,3 +119,15 @@ Conductivity = _value_or_table("conductivity", 0.0, True)
 SpecificHeat = _value_or_table("specific-heat", 0.0, True)
 Film = _value_or_table("film-coefficient", 0.0)
 HeldTemperature = _value_or_table("temperature")
+ContactConductance = _value_or_table(
+    "film-coefficient",
+    0.0,
+    True,
+    said="between mold and sandwich, or a table: pressure [MPa], conductance [W/m^2/K]",
+    example="500 W/m^2/K",
+)
+Expansion = _value_or_table(
+    "thermal-expansion",
+    0.0,
+    said="mean coefficient from the reference temperature on, or a table of it against temperature",
+)

@@ -6,21 +6,15 @@ import math
 import re
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
-from hyperfab.documents.base import HandWritten
+from hyperfab.documents.base import HandWritten, Section
 
 #: Names of axes, steps and documents, as they stand in {braces}.
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,39}")
 
 Value = bool | int | float | str
 Number = int | float | str
-
-
-class Section(BaseModel):
-    """A table of the document: keys it does not know are refused."""
-
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, populate_by_name=True)
 
 
 class Span(Section):
@@ -106,14 +100,14 @@ class StepSection(Section):
 
     name: str
     command: str
-    arguments: list[str] = []
+    arguments: list[str] = Field(default=[])
 
 
 class ParetoSection(Section):
     """Two figures that pull against each other."""
 
-    minimize: list[str] = []
-    maximize: list[str] = []
+    minimize: list[str] = Field(default=[])
+    maximize: list[str] = Field(default=[])
 
     @model_validator(mode="after")
     def _two(self) -> ParetoSection:

@@ -4,15 +4,9 @@ from __future__ import annotations
 
 from typing import Any, ClassVar
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-from hyperfab.documents.base import Document
-
-
-class Part(BaseModel):
-    """A table of the document."""
-
-    model_config = ConfigDict(extra="allow", allow_inf_nan=False)
+from hyperfab.documents.base import Document, Part
 
 
 class FigureRange(Part):

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
+
+from hyperfab.documents.base import Part
 
 #: The figures of each kind of document that are carried; * stands for every name.
 FIGURES: dict[str, tuple[str, ...]] = {
@@ -24,12 +26,6 @@ FIGURES: dict[str, tuple[str, ...]] = {
         "pressure_max_MPa", "pressure_mean_MPa", "stroke_mm", "energy_J",
     ),
 }  # fmt: skip
-
-
-class Part(BaseModel):
-    """A table of the document."""
-
-    model_config = ConfigDict(extra="allow", allow_inf_nan=False)
 
 
 class Share(Part):

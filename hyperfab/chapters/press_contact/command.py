@@ -26,9 +26,10 @@ from hyperfab.chapters.uncertainty.handed import identified, join
 from hyperfab.chapters.uncertainty.sources import Origins, origins
 from hyperfab.console import NEGATIVE_VERDICT
 from hyperfab.documents.base import read_document
-from hyperfab.documents.foam import FoamDocument, MaterialLaw, TableFile, TableLaw
+from hyperfab.documents.foam import FoamDocument, MaterialLaw, TableLaw
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.documents.press import PressDocument
+from hyperfab.documents.quantity import TableFile
 from hyperfab.errors import InputError, NotConverged, UsageError
 from hyperfab.io.inputs import Inputs
 from hyperfab.pressing.closing import Closed

@@ -10,8 +10,9 @@ from hyperfab.arrays import Array, Flags
 from hyperfab.cases.kinds import Amount, AmountOrFile
 from hyperfab.cases.press import PressCase
 from hyperfab.chapters.job import Job
-from hyperfab.documents.foam import ArrheniusSet, FoamDocument, MeasuredSet, TableFile
+from hyperfab.documents.foam import ArrheniusSet, FoamDocument, MeasuredSet
 from hyperfab.documents.press import FormedPart, SetPart, WantedPart
+from hyperfab.documents.quantity import TableFile
 from hyperfab.errors import InputError
 from hyperfab.io.csv_table import Table as Rows
 from hyperfab.io.csv_table import read_table

@@ -16,8 +16,9 @@ from hyperfab.chapters.molds import MoldFile, read_mold
 from hyperfab.chapters.uncertainty.fields import derivatives
 from hyperfab.documents.base import read_document
 from hyperfab.documents.drape import DrapeDocument
-from hyperfab.documents.foam import FoamDocument, TableFile
+from hyperfab.documents.foam import FoamDocument
 from hyperfab.documents.material import MaterialDocument
+from hyperfab.documents.quantity import TableFile
 from hyperfab.errors import InputError
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.inputs import Inputs

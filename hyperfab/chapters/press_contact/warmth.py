@@ -10,8 +10,9 @@ from hyperfab.arrays import Array
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact.laws import note_temperature
 from hyperfab.chapters.press_contact.model import Model
-from hyperfab.documents.foam import FoamDocument, TableFile
+from hyperfab.documents.foam import FoamDocument
 from hyperfab.documents.press import WarmingPart
+from hyperfab.documents.quantity import TableFile
 from hyperfab.errors import InputError, NotConverged
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.inputs import Inputs
