@@ -54,7 +54,7 @@ def cube(power: float, start: float) -> tuple[HeatProblem, np.ndarray]:
     times = np.linspace(0.0, 1000.0, 101)
     read = heat.Thermocouples(times, np.full((101, 1), start), ["T"])
     builder = MoldBuilder(document, "cube.toml", job.inputs)
-    problem, _ = heat.pose(job, document, "cube.toml", builder, read, [], 0.1)
+    problem = heat.pose(job, document, "cube.toml", builder, read, [], 0.1)
     return problem, times
 
 
@@ -132,7 +132,7 @@ def test_thermostat_is_followed_by_the_power_it_drew() -> None:
     times = np.linspace(0.0, 1000.0, 201)
     power = np.where((times < 300.0) | (np.sin(times / 20.0) > 0.0), 40.0, 0.0)
     read = heat.Thermocouples(times, np.full((201, 1), 25.0), ["T"], power)
-    problem, _ = heat.pose(
+    problem = heat.pose(
         job, document, "cube.toml", MoldBuilder(document, "cube.toml", job.inputs), read, [], 0.1
     )
     found = problem.predict(np.array([constant.value for constant in problem.own]), {})
@@ -155,7 +155,7 @@ def test_missing_readings_leave_the_others_where_they_are() -> None:
     readings = np.full((101, 1), 25.0)
     readings[[0, 17, 50]] = np.nan
     builder = MoldBuilder(document, "cube.toml", job.inputs)
-    problem, _ = heat.pose(
+    problem = heat.pose(
         job, document, "cube.toml", builder, heat.Thermocouples(times, readings, ["T"]), [], 0.1
     )
     whole, _ = cube(10.0, 25.0)

@@ -14,8 +14,8 @@ from hyperfab.cases.contact import ContactCase
 from hyperfab.cases.like import earlier
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_sheet import FABRIC, PRESSED, contact_applied, extend_contact
-from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, Axis, finish, stated
-from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, read_files, spread, widened
+from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, finish, stated_size
+from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, read_files, spread
 from hyperfab.chapters.close_loop.softening import linear_of, scaled_material
 from hyperfab.chapters.fabric import FabricDocument
 from hyperfab.chapters.fabric_contact.fabric import read_fabric
@@ -53,7 +53,7 @@ _ROOM_TEMPERATURE = 23.0
 def run(job: Job, given: Given) -> int:
     """Close the loop on a contact document."""
     out = job.opened(job.target, (*MODEL_SUFFIXES, FABRIC, ".png", ".csv"))
-    level = stated(given.noise, ("force",))
+    level = stated_size(given.noise, "force")
     made = unchanged(earlier(ContactCase, given.data, given.name))
     files = read_files(given, lambda name: read_force_depth(job, name, given.layout))
     out.refuse_inputs(job.inputs)
@@ -76,13 +76,11 @@ def run(job: Job, given: Given) -> int:
         job,
         out,
         problem,
-        noise_of(files.measured, None if level is None else level[1]),
-        domain="contact",
-        case=given.case,
-        axis=lambda p: Axis(p.states["depth_mm"], "depth [mm]"),
+        noise_of(files.measured, level),
+        given=given,
         extend=lambda found: extend_contact(out, made.case, material, problem, found),
         rounds=forward.corrected,
-        apart=(lambda p: widened(p, files.apart)) if files.apart else None,
+        apart=files.apart,
     )
 
 

@@ -11,10 +11,8 @@ from hyperfab.cases.loop import LoopCase
 from hyperfab.chapters.fit.prepare import Steps
 from hyperfab.chapters.job import Job
 from hyperfab.errors import InputError, UsageError
-from hyperfab.io.json_io import load_json
 from hyperfab.io.layout import Layout
 from hyperfab.io.specimen import Geometry
-from hyperfab.io.toml_io import load_toml
 from hyperfab.loop.thresholds import PRIOR
 
 
@@ -79,8 +77,7 @@ class Given:
 
 def kind_of(job: Job, name: str) -> tuple[str, Mapping[str, Any]]:
     """Return the kind of a model document and its plain data; InputError where it does not say what it is."""
-    raw = job.inputs.read(name)
-    data = load_toml(raw, name) if name.endswith(".toml") else load_json(raw, name)
+    data = job.inputs.plain(name)
     if not isinstance(data, Mapping):
         raise InputError("is not a document: its top level is not an object", file=name)
     found = data.get("format")

@@ -13,8 +13,8 @@ from hyperfab.cases.drape import DrapeCase
 from hyperfab.cases.like import earlier
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_sheet import FABRIC, THREADS, drape_applied, extend_drape
-from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, Axis, finish, stated
-from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, spread, widened
+from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, finish, stated_size
+from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, spread
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
 from hyperfab.chapters.close_loop.softening import linear_of, scaled_material
 from hyperfab.chapters.close_loop.upstream import WRITTEN
@@ -67,7 +67,7 @@ def run(job: Job, given: Given) -> int:
             ".csv",
         ),
     )
-    level = stated(given.noise, ("length",))
+    level = stated_size(given.noise, "length")
     made = unchanged(earlier(DrapeCase, given.data, given.name))
     files = read_measured(given, lambda name: read_markers(job, name, given.layout))
     out.refuse_inputs(job.inputs)
@@ -92,13 +92,12 @@ def run(job: Job, given: Given) -> int:
         job,
         out,
         problem,
-        noise_of(files.measured, None if level is None else level[1]),
-        domain="drape",
-        case=given.case,
-        axis=lambda p: Axis(p.states["from the middle_mm"], "from the middle [mm]"),
+        noise_of(files.measured, level),
+        given=given,
+        axis="from the middle_mm",
         extend=lambda found: extend_drape(out, made.case, material, forward.sheet, problem, found),
         rounds=forward.corrected,
-        apart=(lambda p: widened(p, files.apart)) if files.apart else None,
+        apart=files.apart,
         upstream=upstream,
     )
 

@@ -10,7 +10,7 @@ from hyperfab.arrays import Array
 from hyperfab.chapters.close_loop.describe import curves_csv, describe, errors_of, say
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended import extend, held_terms
-from hyperfab.chapters.close_loop.finalise import Axis, picture, ticking
+from hyperfab.chapters.close_loop.finalise import Axis, picture, stated_size, ticking
 from hyperfab.chapters.close_loop.measured_tests import Measured, given_as, read_measured
 from hyperfab.chapters.close_loop.sure import mark, tell_sure
 from hyperfab.chapters.fabric import ORTHOTROPIC
@@ -22,7 +22,6 @@ from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
-from hyperfab.io.units import quantity
 from hyperfab.loop.catalogue import catalogue
 from hyperfab.loop.catalogue.fabric import DataContext
 from hyperfab.loop.engine import Finding, close
@@ -49,12 +48,7 @@ def run(job: Job, given: Given) -> int:
     held_out = (
         read_measured(job, given.held, given.layout, thickness, before, given.how) if given.held else None
     )
-    level = None
-    if given.noise is not None:
-        kind = "membrane-stress" if tests.unit == "N/mm" else "stress"
-        level = quantity(given.noise, kind, option="--noise")
-        if level <= 0.0:
-            raise UsageError(f"--noise {given.noise}: must be more than zero")
+    level = stated_size(given.noise, "membrane-stress" if tests.unit == "N/mm" else "stress")
     out.refuse_inputs(job.inputs)
     problem = pose(document, given.name, tests, given.fix, given.prior)
     tests.warnings += map(str, misread(problem.curves, problem.measured))

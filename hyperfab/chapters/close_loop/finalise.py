@@ -14,10 +14,13 @@ from hyperfab.arrays import Array
 from hyperfab.cases.case import Case
 from hyperfab.cases.options import words
 from hyperfab.chapters.close_loop.describe import column, delivered_of, describe, errors_of, lowered, say
+from hyperfab.chapters.close_loop.domain import Given
+from hyperfab.chapters.close_loop.readings import Reading, widened
 from hyperfab.chapters.close_loop.sure import caution, noted
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import rerun
 from hyperfab.console import NEGATIVE_VERDICT
+from hyperfab.documents.base import stated_kind
 from hyperfab.documents.loop import Errors, LoopDocument
 from hyperfab.documents.provenance import relative_name
 from hyperfab.errors import HyperfabError, UsageError
@@ -54,6 +57,12 @@ class Axis:
     values: Array
     label: str
 
+    @classmethod
+    def of(cls, problem: Problem, state: str = "") -> Axis:
+        """Return a state of the readings as the axis: the first where none is named."""
+        name = state or next(iter(problem.states))
+        return cls(problem.states[name], name.replace("_", " [") + "]")
+
 
 def stated(text: str | None, kinds: Sequence[str]) -> tuple[str, float] | None:
     """Return the kind and size of ``--noise``, which states the reading of one of ``kinds``."""
@@ -72,45 +81,47 @@ def stated(text: str | None, kinds: Sequence[str]) -> tuple[str, float] | None:
     raise failure or UsageError(f"--noise {text}: no kind of reading fits")
 
 
+def stated_size(text: str | None, kind: str) -> float | None:
+    """Return the size of ``--noise`` where readings are of one ``kind``."""
+    told = stated(text, (kind,))
+    return None if told is None else told[1]
+
+
 def finish(
     job: Job,
     out: Output,
     problem: Problem,
     noise: Callable[[Problem, Array | None], Noise],
     *,
-    domain: str,
-    case: Case,
-    axis: Callable[[Problem], Axis],
+    given: Given,
     extend: Callable[[Finding], Extension],
+    axis: str = "",
     rounds: Callable[[Problem, Finding], Problem | None] = lambda problem, found: None,
-    apart: Callable[[Problem], tuple[Problem, Array]] | None = None,
-    left_out: Mapping[str, int] | None = None,
+    apart: Sequence[Reading] = (),
     warnings: Sequence[str] = (),
     upstream: Callable[[Finding, LoopDocument], Sequence[str]] | None = None,
 ) -> int:
     """Close the loop, write the finding and the extended model; return the exit status.
 
-    ``noise`` estimates the noise, from the readings less what a model predicts. ``rounds`` returns the problem posed
-    anew around a finding (a better linearisation), or None where it is good. ``apart`` returns the problem with the
-    rows of readings that take no part at its end, and these readings. ``upstream`` traces the misfit to the documents
-    behind the model and returns what it says.
+    ``noise`` estimates the noise, from the readings less what a model predicts. ``axis`` is the state that the curves
+    are drawn over. ``rounds`` returns the problem posed anew around a finding (a better linearisation), or None where
+    it is good. ``apart`` are readings that take no part. ``upstream`` traces the misfit to the documents behind the
+    model and returns what it says.
     """
     for text in warnings:
         job.console.warn(text)
-    told = list(warnings)
     traced: Sequence[str] = ()
     with job.console.progress("Closing the loop") as advance:
         tick = ticking(advance, 0.3, _REFITS)
-        problem, found = close_rounds(
-            problem, noise, rounds, tick, misses=None if apart is None else _misses(apart)
-        )
-        result = describe(problem, found, problem.units[0], left_out or {}, told, domain=domain)
-        if apart is not None:
-            result.held_out = _predicted(apart(problem), found, problem.units[0])
+        problem, found = close_rounds(problem, noise, rounds, tick, misses=_misses(apart) if apart else None)
+        domain = stated_kind(given.data)
+        result = describe(problem, found, problem.units[0], {}, list(warnings), domain=domain)
+        if apart:
+            result.held_out = _predicted(widened(problem, apart), found, problem.units[0])
         if out.wants_files:
             tick("the extended model")
             _model(job, out, extend(found), result, caution(found))
-            _files(out, problem, found, axis(problem))
+            _files(out, problem, found, Axis.of(problem, axis))
         if upstream is not None:
             tick("the documents behind the model")
             traced = upstream(found, result)
@@ -118,7 +129,7 @@ def finish(
     result.summary += traced
     for text in traced:
         job.console.note(text)
-    job.write(out, result, case)
+    job.write(out, result, given.case)
     return NEGATIVE_VERDICT if found.verdict == "unexplained" else 0
 
 
@@ -134,11 +145,11 @@ def ticking(advance: Callable[[float, str], None], begun: float, refits: float) 
     return tick
 
 
-def _misses(apart: Callable[[Problem], tuple[Problem, Array]]) -> Callable[[Problem], Apart]:
+def _misses(apart: Sequence[Reading]) -> Callable[[Problem], Apart]:
     """Return what tells, for a problem, by how much a model misses readings that take no part (rms)."""
 
     def of(problem: Problem) -> Apart:
-        wider, values = apart(problem)
+        wider, values = widened(problem, apart)
 
         def missed(fit: Fit) -> float:
             predicted = wider.predict(fit.x[: fit.own], fit.terms)[-len(values) :]

@@ -13,7 +13,7 @@ from hyperfab.arrays import Array
 from hyperfab.chapters.close_loop.describe import describe, say
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_mold import TABLES, extend
-from hyperfab.chapters.close_loop.finalise import Axis, picture, ticking
+from hyperfab.chapters.close_loop.finalise import Axis, picture, stated_size, ticking
 from hyperfab.chapters.close_loop.readings import Thermocouples, read_thermocouples
 from hyperfab.chapters.close_loop.sure import caution, noted
 from hyperfab.chapters.job import Job
@@ -24,7 +24,6 @@ from hyperfab.documents.mold import ContactSection, ConvectionSection, MoldDocum
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
-from hyperfab.io.units import quantity
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.heat import HeatProblem, heat_problem
 from hyperfab.thermal.contact import Contact
@@ -72,21 +71,17 @@ def run(job: Job, given: Given) -> int:
             remedy="add what the heaters drew to the thermocouples, as a column power [W], or give it as "
             'schedule = "power.csv" in place of control',
         )
-    level = None if given.noise is None else quantity(given.noise, "temperature-difference", option="--noise")
-    if level is not None and level <= 0.0:
-        raise UsageError(f"--noise {given.noise}: must be more than zero")
+    level = stated_size(given.noise, "temperature-difference")
     builder = MoldBuilder(document, given.name, job.inputs)
     out.refuse_inputs(job.inputs)
     for text in builder.doubts:
         job.console.warn(text)
     with job.console.progress("Closing the loop") as advance:
         advance(0.0, "meshing")
-        problem, warnings = pose(job, document, given.name, builder, read, given.fix, given.surely)
-        for text in warnings:
-            job.console.warn(text)
+        problem = pose(job, document, given.name, builder, read, given.fix, given.surely)
         found = close(problem, noise=level, tick=ticking(advance, 0.2, _REFITS))
     left_out = {f"no reading of {name}": count for name, count in read.missing.items()}
-    result = describe(problem, found, "K", left_out, warnings, domain="heat")
+    result = describe(problem, found, "K", left_out, [], domain="heat")
     if out.wants_files:
         target = out.path(".model.toml")
         folders = (os.path.dirname(given.name), str(target.parent))
@@ -112,8 +107,8 @@ def pose(
     read: Thermocouples,
     fix: Sequence[str],
     prior: float,
-) -> tuple[HeatProblem, list[str]]:
-    """Return the problem of a mold and its thermocouples, and what to warn of."""
+) -> HeatProblem:
+    """Return the problem of a mold and its thermocouples."""
     document, builder = _with_held_faces(document, builder, name, job)
     built = builder.build()
     pairs = _touching(document, built)
@@ -135,7 +130,7 @@ def pose(
     )  # fmt: skip
     if read.power is not None and any(heater.control is not None for heater in document.heater):
         mold = _drawn(mold, document, read.times, read.power)
-    own, skipped = _own(document, built, [document.part[part].name for part in began])
+    own = _own(document, built, [document.part[part].name for part in began])
     for key in fix:
         if key not in {one for one, _ in own}:
             raise UsageError(
@@ -160,7 +155,7 @@ def pose(
         for what in ("conductivity", "specific_heat")
     }
     problem.lag_s = np.array([built.lags[key] for key in read.names]).T
-    return problem, skipped
+    return problem
 
 
 def _drawn(mold: ReducedMold, document: MoldDocument, times: Array, power: Array) -> ReducedMold:
@@ -239,9 +234,7 @@ def _probed(built: Problem, names: Sequence[str]) -> list[int]:
     return sorted(found)
 
 
-def _own(
-    document: MoldDocument, built: Problem, began: Sequence[str] = ()
-) -> tuple[list[tuple[str, str]], list[str]]:
+def _own(document: MoldDocument, built: Problem, began: Sequence[str] = ()) -> list[tuple[str, str]]:
     """Return the mold's own constants, by key and kind, in the order of the reduced mold's matrices."""
     films = [c for c in document.convection if c.h != HOLDS]
     own = [(f"convection.{i}.h", "film") for i in range(len(films))]
@@ -251,12 +244,8 @@ def _own(
     own += [(f"heater.{i}.power", "power") for i in range(len(document.heater))]
     declared = [contact for contact in document.contact if contact.h < 0.99 * PERFECT]
     own += [(f"contact.{i}.h", "joint") for i in range(len(declared))]
-    own += [
-        ("run.start", "start"),
-        *((f"part.{name}.start", "start") for name in began),
-        ("ambient", "ambient"),
-    ]
-    return own, []
+    starts = ["run.start", *(f"part.{name}.start" for name in began)]
+    return [*own, *((name, "start") for name in starts), ("ambient", "ambient")]
 
 
 def _corners(built: Problem) -> list[float]:
@@ -304,5 +293,4 @@ def _files(out: Output, problem: HeatProblem, found: Finding, read: Thermocouple
             cells += [v[at] if at >= 0 else None for v in (problem.measured, before, after)]
         lines.append(cells)
     out.add(".csv", csv_bytes(head, lines, digits=8))
-    axis = Axis(problem.states["time_s"], "time [s]")
-    out.add(".png", picture(problem, found, axis, "degC", {"probe": read.names}))
+    out.add(".png", picture(problem, found, Axis.of(problem, "time_s"), "degC", {"probe": read.names}))

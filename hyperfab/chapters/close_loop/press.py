@@ -14,8 +14,8 @@ from hyperfab.cases.like import earlier
 from hyperfab.cases.press import PressCase
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_press import FOAM, SET, extend
-from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, Axis, finish, stated
-from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, spread, widened
+from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, finish, stated
+from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, spread
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
 from hyperfab.chapters.close_loop.upstream import WRITTEN
 from hyperfab.chapters.job import Job
@@ -91,11 +91,9 @@ def run(job: Job, given: Given) -> int:
         out,
         problem,
         noise_level,
-        domain="press",
-        case=given.case,
-        axis=_axis,
+        given=given,
         extend=lambda found: extend(job, out, made.case, told, problem, found),
-        apart=(lambda p: widened(p, others)) if others else None,
+        apart=others,
         warnings=warnings,
         upstream=upstream,
     )
@@ -393,8 +391,3 @@ def _cloud(kind: str, places: Array, values: Array, predicted: Array) -> Guess:
         return Guess(max(float(np.sqrt(np.mean(share * (1.0 - share)))), 0.1), plain.dof, plain.source)
     less = guess_of_cloud(places, values - predicted, np.abs(values))
     return min(plain, less, key=lambda guess: guess.size)
-
-
-def _axis(problem: Problem) -> Axis:
-    name = next(iter(problem.states))
-    return Axis(problem.states[name], name.replace("_", " [") + "]")
