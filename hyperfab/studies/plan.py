@@ -95,8 +95,7 @@ class Plan:
 
     def _source(self, name: str, section: DocumentSection, inputs: Inputs) -> dict[str, Any]:
         path = Inputs.beside(self.file, section.source)
-        data = inputs.read(path)
-        loaded = load_toml(data, path) if path.endswith(".toml") else load_json(data, path)
+        loaded = inputs.plain(path)
         if not isinstance(loaded, dict):
             raise InputError("is not a document: its top level is not an object", file=path)
         folder = os.path.dirname(os.path.abspath(path))

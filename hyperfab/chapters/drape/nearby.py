@@ -13,7 +13,7 @@ from hyperfab.chapters.drape.model import Model, sheet_of
 from hyperfab.chapters.drape.states import State
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import Listener
-from hyperfab.chapters.uncertainty.carry import Answer, Changes, Figures, Slopes
+from hyperfab.chapters.uncertainty.carry import Answer, Changes, Figures, Nearby, Slopes
 from hyperfab.chapters.uncertainty.sources import Origins, Setting
 from hyperfab.cloth import Sheet
 from hyperfab.cloth.answers import Answers
@@ -25,19 +25,15 @@ _OF_THE_LAW = ("thickness_mm", "shear_modulus_MPa", "temperature_degC", "mass_g_
 _STEP = 0.05
 
 
-class Beside:
+class Beside(Nearby):
     """What the figures become beside an equilibrium without friction: nodes move along the tangent there."""
 
-    samples, step = 100, 1.0
+    samples = 100
 
     def __init__(self, job: Job, model: Model, state: State, origins: Origins) -> None:
         self._job, self._model, self._origins = job, model, origins
         self._near = Neighbourhood(model.sheet, state.mold, state.found, state.fields.cut)
         self._moves: list[Array] = []
-
-    def blur(self, name: str) -> float:
-        """Return 0: all are of one discretisation, which errs alike."""
-        return 0.0
 
     def gradient(self) -> Slopes:
         """Return what figures and fields change by with each number, source by source."""
@@ -76,7 +72,7 @@ class Beside:
 
     def _sheet(self, changes: Changes) -> Sheet:
         inputs = self._job.inputs
-        moved = self._origins.changed(self._model.case, inputs, {k: list(v) for k, v in changes.items()})
+        moved = self._origins.changed(self._model.case, inputs, changes)
         case: DrapeCase = moved.case  # type: ignore[assignment]
         fabric = read_fabric(Job(self._job.command, (), Listener(), moved.inputs), case)
         return sheet_of(case, replace(self._model.files, fabric=fabric))

@@ -12,7 +12,7 @@ from hyperfab.chapters.fabric_contact.result import row
 from hyperfab.chapters.fabric_contact.setup import Geometry, setup_of
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import Listener
-from hyperfab.chapters.uncertainty.carry import Answer, Changes, Figures, Slopes
+from hyperfab.chapters.uncertainty.carry import Answer, Changes, Figures, Nearby, Slopes
 from hyperfab.chapters.uncertainty.sources import Origins, Setting, origins
 from hyperfab.documents.uncertainty import FIGURES
 from hyperfab.errors import NotConverged
@@ -41,10 +41,10 @@ def origins_of(job: Job, case: ContactCase) -> Origins:
     return found
 
 
-class Beside:
+class Beside(Nearby):
     """What the figures become beside an equilibrium without friction, on its mesh."""
 
-    samples, step = 400, 1.0
+    samples = 400
 
     def __init__(
         self, job: Job, case: ContactCase, geometry: Geometry, solved: Solved, origins: Origins
@@ -53,10 +53,6 @@ class Beside:
         self._solved = solved
         self._near = Neighbourhood(solved)
         self._moves: list[Array] = []
-
-    def blur(self, name: str) -> float:
-        """Return 0: all are of one discretisation, which errs alike."""
-        return 0.0
 
     def gradient(self) -> Slopes:
         """Return what each figure changes by with each number, source by source."""
@@ -97,7 +93,7 @@ class Beside:
 
     def _test(self, changes: Changes) -> tuple[SphereTest, float]:
         inputs = self._job.inputs
-        moved = self._origins.changed(self._case, inputs, {k: list(v) for k, v in changes.items()})
+        moved = self._origins.changed(self._case, inputs, changes)
         case: ContactCase = moved.case  # type: ignore[assignment]
         quiet = Job(self._job.command, (), Listener(), moved.inputs)
         fabric = read_fabric(quiet, case.material, case.temperature)

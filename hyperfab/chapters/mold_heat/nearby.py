@@ -11,7 +11,7 @@ from hyperfab.arrays import Array
 from hyperfab.cases.mold import MoldCase
 from hyperfab.chapters.mold_heat.problem import Problem
 from hyperfab.chapters.mold_heat.result import efficiency_of, energy_of, probes_of
-from hyperfab.chapters.uncertainty.carry import Answer, Changes, Figures
+from hyperfab.chapters.uncertainty.carry import Answer, Changes, Figures, Nearby
 from hyperfab.chapters.uncertainty.sources import Entry, Film, Number, Origins
 from hyperfab.documents.mold import MoldDocument
 from hyperfab.numerics.trend import Trend
@@ -38,12 +38,15 @@ _SHARP = 0.1
 
 
 @dataclass
-class Beside:
+class Beside(Nearby):
     """What the figures become beside a run: on the states it went through, with the steps it took.
 
     Extremes over a surface jump from node to node. The temperatures themselves do not, nor do times and energies: many
     runs are parabolas between a few.
     """
+
+    # The basis and the steps of time are the same for all: differences may be small.
+    samples, step = 200, 0.25
 
     problem: Problem
     origins: Origins
@@ -51,16 +54,6 @@ class Beside:
     near: Neighbourhood
     value: Figures
     tolerance: float
-
-    @property
-    def samples(self) -> int:
-        """How many are drawn."""
-        return 200
-
-    @property
-    def step(self) -> float:
-        """Of differences, over a standard deviation: the basis and the steps of time are the same for all."""
-        return 0.25
 
     def __post_init__(self) -> None:
         self._trend = Trend()
@@ -79,9 +72,6 @@ class Beside:
     def blur(self, name: str) -> float:
         """Return below which difference [K] two temperatures are one, 0 for other figures."""
         return _SHARP * self.tolerance if name.startswith(("work_surface", "probes")) else 0.0
-
-    def gradient(self) -> None:
-        """Nothing: extremes over nodes and times jump, so they are told by differences."""
 
     def at(self, changes: Changes) -> Answer:
         """Return figures and the field with numbers changed."""

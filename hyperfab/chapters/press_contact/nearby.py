@@ -14,7 +14,7 @@ from hyperfab.chapters.press_contact.heat import ThermalDisplacement
 from hyperfab.chapters.press_contact.model import Model, joint_of, offset_of, reread, sandwich_of, tilt_of
 from hyperfab.chapters.press_contact.warmth import MOST_ROUNDS, SETTLED, by_place, foam_temperature
 from hyperfab.chapters.rerun import Listener
-from hyperfab.chapters.uncertainty.carry import Answer, Changes
+from hyperfab.chapters.uncertainty.carry import Answer, Changes, Nearby
 from hyperfab.chapters.uncertainty.sources import Origins
 from hyperfab.errors import NotConverged
 from hyperfab.numerics.trend import Trend
@@ -30,13 +30,11 @@ _SAMPLES, _BY_PLACE = 1000, 64
 _STEP = 0.1
 
 
-class Beside:
+class Beside(Nearby):
     """What the figures become beside a press: gaps follow to the first order, pressures and areas from them.
 
     Where the foam's law is read at the temperature of each place, that temperature follows to the first order too.
     """
-
-    step = 1.0
 
     def __init__(self, job: Job, model: Model, closed: Closed, origins: Origins) -> None:
         self._job, self._model, self._closed, self._origins = job, model, closed, origins
@@ -49,13 +47,6 @@ class Beside:
         self._celsius = foam_temperature(job, model, closed) if by_place(model) else None
         self._warmer: Array | None = None
         self.samples = _SAMPLES if closed.press.sandwich.law.places is None else _BY_PLACE
-
-    def blur(self, name: str) -> float:
-        """Return 0: all are of one discretisation, which errs alike."""
-        return 0.0
-
-    def gradient(self) -> None:
-        """Nothing: pressures and areas bend, so they are told by differences."""
 
     def close(self, changes: Changes) -> tuple[Found, Sandwich]:
         """Return the press with numbers changed, and its sandwich at the front's vertices; NotConverged where a female
@@ -100,7 +91,7 @@ class Beside:
         """Return the same with the foam's law read at the temperature of ``places`` (n,) [degC] where that is given,
         and the model it is of."""
         inputs, model = self._job.inputs, self._model
-        moved = self._origins.changed(model.case, inputs, {k: list(v) for k, v in changes.items()})
+        moved = self._origins.changed(model.case, inputs, changes)
         case: PressCase = moved.case  # type: ignore[assignment]
         quiet = Job(self._job.command, (), Listener(), moved.inputs)
         files = reread(quiet, case, model.case, model.files, moved.handed)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -76,31 +77,29 @@ class Slopes:
     fields: Mapping[str, Array] = dataclasses.field(default_factory=dict)
 
 
-class Nearby(Protocol):
-    """A result whose neighbours are known without another run; so many ``samples`` of them are drawn."""
+class Nearby(ABC):
+    """A result whose neighbours are known without another run.
 
-    @property
-    def samples(self) -> int:
-        """How many are drawn."""
-        ...
+    samples  how many of them are drawn
+    step     of differences, over a standard deviation: as small as what jumps in the figures lets it be
+    """
 
-    @property
-    def step(self) -> float:
-        """Of differences, over a standard deviation: as small as what jumps in the figures lets it be."""
-        ...
+    samples: int
+    step: float = 1.0
 
     def blur(self, name: str) -> float:
-        """Return below which difference two values of a figure are one, as its own error is larger; 0 where none is."""
-        ...
+        """Return below which difference two values of a figure are one, as its own error is larger; 0 where all are of
+        one discretisation, which errs alike."""
+        return 0.0
 
     def gradient(self) -> Slopes | None:
         """Return what each figure changes by with each number, source by source; figures it cannot say are absent.
-        None where differences are to tell it."""
-        ...
+        None where differences are to tell it: figures that bend, extremes that jump from place to place."""
+        return None
 
+    @abstractmethod
     def at(self, changes: Changes) -> Answer:
-        """Return figures and fields with the numbers of sources changed."""
-        ...
+        """Return figures and fields with the numbers of sources changed; NotConverged where there are none."""
 
 
 def carry(
@@ -293,7 +292,7 @@ class Carried:
     def _answer(self, changes: Changes) -> Answer:
         if self.near is not None:
             return self.near.at(changes)
-        changed = self.origins.changed(self.case, self.job.inputs, {k: list(v) for k, v in changes.items()})
+        changed = self.origins.changed(self.case, self.job.inputs, changes)
         case = put(changed.case, "uncertainty", "none")
         given = changed.files
         if "-" in case.inputs:

@@ -13,7 +13,6 @@ from hyperfab.documents.base import Document, read_document, stated_kind
 from hyperfab.documents.drape import DrapeDocument
 from hyperfab.documents.heat import HeatDocument
 from hyperfab.io.inputs import Inputs
-from hyperfab.io.json_io import load_json
 from hyperfab.io.vtu import unstructured
 from hyperfab.io.vtu_read import Grid, field_among
 
@@ -50,7 +49,7 @@ def grid_of(inputs: Inputs, name: str, document: Document) -> Grid:
 
 def read_handing(inputs: Inputs, name: str) -> DrapeDocument | HeatDocument:
     """Return a document that may hand fields on."""
-    if stated_kind(load_json(inputs.read(name), name)) == "drape":
+    if stated_kind(inputs.plain(name)) == "drape":
         return read_document(inputs, name, DrapeDocument)
     return read_document(inputs, name, HeatDocument)
 

@@ -184,7 +184,7 @@ class Origins:
         each = [np.asarray(changes.get(k, np.zeros(len(one.numbers)))) for k, one in enumerate(self.found)]
         return np.concatenate(each)
 
-    def changed(self, case: Case, inputs: Inputs, changes: Mapping[int, Sequence[float]]) -> Changed:
+    def changed(self, case: Case, inputs: Inputs, changes: Mapping[int, Sequence[float] | Array]) -> Changed:
         """Return the inputs with the numbers of some sources changed: ``changes`` by the source's number."""
         moved = Changed(case, inputs, self._kept)
         for index, values in changes.items():
