@@ -113,21 +113,6 @@ def evenness(data: Mapping[str, Any], spread: float | None = None) -> str:
     return f"{text} (95 %: {low} to {high})"
 
 
-def draw_interval(
-    axes: Any,
-    at: tuple[float, float],
-    *,
-    force: tuple[float, float] | None = None,
-    across: tuple[float, float] | None = None,
-    colour: Any,
-) -> None:
-    """Draw bars through the point ``at``, along the interval of its ``force`` and of what is ``across``."""
-    for ends, value, place in ((across, at[0], "xerr"), (force, at[1], "yerr")):
-        if ends is not None:
-            off = [[max(value - ends[0], 0.0)], [max(ends[1] - value, 0.0)]]
-            axes.errorbar(*at, **{place: off}, color=colour, capsize=4, linewidth=1.2)
-
-
 def made_of(data: Mapping[str, Any]) -> Iterator[str]:
     """Yield lines on what the uncertainty of the headline figures is made of, one for all that are made alike; none
     where the document has no uncertainty."""

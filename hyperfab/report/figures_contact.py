@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
@@ -16,7 +14,7 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
-from hyperfab.report.bands import draw_interval
+from hyperfab.report.drawing import draw_interval, png
 
 _COLOURS = ("#0072B2", "#D55E00")
 
@@ -49,7 +47,6 @@ def contact_figure(curves: Sequence[Curve], stress: Surface | None, difference: 
     # A fixed layout: one that looks for the best place draws all triangles twice.
     width = 5.2 + 5.6 * len(views)
     figure = Figure(figsize=(width, 4.8))
-    FigureCanvasAgg(figure)
     grid = figure.add_gridspec(
         1, 1 + len(views), width_ratios=[1.0] + [1.15] * len(views), left=0.7 / width, right=1 - 0.55 / width,
         bottom=0.12, top=0.96, wspace=0.12,
@@ -71,9 +68,7 @@ def contact_figure(curves: Sequence[Curve], stress: Surface | None, difference: 
         axes.legend()
     for number, (title, surface, colours) in enumerate(views, start=1):
         _view(figure, figure.add_subplot(grid[0, number], projection="3d"), surface, title, colours)
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=110, metadata={"Software": None})
-    return buffer.getvalue()
+    return png(figure, 110)
 
 
 def _view(figure: Figure, scene, surface: Surface, title: str, colours: str) -> None:  # type: ignore[no-untyped-def]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -10,14 +9,13 @@ from typing import Any, Literal
 import matplotlib
 import numpy as np
 import numpy.typing as npt
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LightSource, ListedColormap, Normalize
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from hyperfab.arrays import Array, Flags
-from hyperfab.report.bands import draw_interval
+from hyperfab.report.drawing import draw_interval, png
 
 MOST_LINES = 60  # of the net in the picture, a side
 MOST_FACETS = 4000  # of the mold in the picture; one of more is drawn from corners put together
@@ -57,7 +55,6 @@ def drape_figure(
     """PNG of a draped sheet with the ``force`` of the press in words, and where given in N against the depth in mm;
     ``interval`` is where the last force is to be expected, where that is known."""
     figure = Figure(figsize=(19.0, 6.6), layout="constrained")
-    FigureCanvasAgg(figure)
     grid = figure.add_gridspec(2, 5, width_ratios=(2.6, 1.0, 1.0, 1.0, 1.0))
     left = grid[:, 0].subgridspec(3, 1, height_ratios=(0.4, 2.2, 0.9))
     larger = draped.stretch_larger
@@ -98,9 +95,7 @@ def drape_figure(
     three = ListedColormap(["#f2f2f2", "#7a9cc6", "#d62728"])
     axes.pcolormesh(x, y, state, cmap=three, vmin=-0.5, vmax=2.5, shading="flat", rasterized=True)
     _label(axes, "On the mold (blue), slack (red)")
-    out = io.BytesIO()
-    figure.savefig(out, format="png", dpi=100, metadata={"Software": None})
-    return out.getvalue()
+    return png(figure, 100)
 
 
 def _worst(axes: Any, draped: Draped, force: str) -> None:

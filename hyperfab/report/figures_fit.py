@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
+
+from hyperfab.report.drawing import png
 
 #: Okabe and Ito's colours, told apart by everyone.
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
@@ -42,7 +42,6 @@ class Line:
 def fit_figure(panels: Sequence[tuple[str, Sequence[Line]]]) -> bytes:
     """Return the PNG of ``panels``, each a title and its tests; simple shear has axes of its own."""
     figure = Figure(figsize=(6.2 * len(panels), 4.6), dpi=120, layout="constrained")
-    FigureCanvasAgg(figure)
     # One scale for all directions: side by side they are compared.
     ends = _ends([line.stress for _, lines in panels for line in lines if line.mode != _SHEARED])
     for number, (title, lines) in enumerate(panels, start=1):
@@ -57,9 +56,7 @@ def fit_figure(panels: Sequence[tuple[str, Sequence[Line]]]) -> bytes:
             )
         else:
             _panel(axes, title, lines, ends)
-    stream = io.BytesIO()
-    figure.savefig(stream, format="png", metadata={"Software": None})
-    return stream.getvalue()
+    return png(figure)
 
 
 def _ends(measured: Sequence[NDArray[np.float64]]) -> tuple[float, float]:

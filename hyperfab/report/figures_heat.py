@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
+from hyperfab.report.drawing import png
 
 
 def heat_figure(
@@ -27,12 +27,10 @@ def heat_figure(
     [s]; without curves the surface is shown alone. ``title`` says at which time the surface is shown, and ``warm`` [s]
     between which times warm-up is to be expected, where that is known.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.tri import Triangulation
 
     figure = Figure(figsize=(11 if curves else 6, 4.6), dpi=110, layout="constrained")
-    FigureCanvasAgg(figure)
     axes = figure.subplots(1, 2 if curves else 1, squeeze=False)[0]
     across, labels = _view(points, triangles)
     flat = Triangulation(points[:, across[0]], points[:, across[1]], triangles)
@@ -62,9 +60,7 @@ def heat_figure(
         axes[1].grid(alpha=0.3)
         if len(curves) <= 10:
             axes[1].legend(fontsize=8, frameon=False)
-    stream = io.BytesIO()
-    figure.savefig(stream, format="png", metadata={"Software": None})
-    return stream.getvalue()
+    return png(figure)
 
 
 def _view(points: Array, triangles: NDArray[np.int64]) -> tuple[tuple[int, int], tuple[str, str]]:

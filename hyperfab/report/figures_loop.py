@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import io
 import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from hyperfab.arrays import Array
+from hyperfab.report.drawing import png
 from hyperfab.report.labels import AFTER, BEFORE, DATA, title, value_names
-from hyperfab.report.panels import clusters, kinds_of_test
 
 _MOST_PANELS, _MOST_STATES, _MOST_ENTRIES = 12, 5, 10
 #: A state of no more values than this is shown value by value, under its own names.
@@ -36,6 +34,9 @@ _READINGS = {
 }
 #: States that say where on a sheet or mold a reading was taken.
 PLACES = (("x0_mm", "y0_mm"), ("x_mm", "y_mm"))
+#: States that tell tests apart, in the order they are named, and what they may wander by within a test; one that moves
+#: more does not.
+_TELL = {"mode": 0.0, "direction_deg": 1.0, "temperature_degC": 2.0, "probe": 0.0}
 
 
 @dataclass(frozen=True)
@@ -74,9 +75,7 @@ class LoopPicture:
 
     def png(self) -> bytes:
         """Return the picture as PNG."""
-        buffer = io.BytesIO()
-        self.drawing().savefig(buffer, format="png", dpi=100, metadata={"Software": None})
-        return buffer.getvalue()
+        return png(self.drawing(), 100)
 
     def drawing(self) -> Figure:
         """Return the picture."""
@@ -88,7 +87,6 @@ class LoopPicture:
         kinds = kinds_of_test(self.curves, self.states, words) if places is None else {}
         upper_height = 4.4 if len(kinds) < 4 else 2.2 * _grid(min(len(kinds), _MOST_PANELS))[1]
         figure = Figure(figsize=(3.1 * columns + 1.0, 3.8 + upper_height), layout="constrained")
-        FigureCanvasAgg(figure)
         halves = figure.add_gridspec(2, 1, height_ratios=[upper_height, 3.5])
         split = max(columns - max(columns // 3, 1), 1)
         upper = halves[0].subgridspec(1, columns)
@@ -258,3 +256,66 @@ def _residual(
     axes.plot(at - beside, before, ".", ms=2, color=BEFORE, alpha=0.5, label="before")
     axes.plot(at + beside, after, ".", ms=2, color=AFTER, alpha=0.5, label="after")
     axes.set_xlabel(title(name))
+
+
+def kinds_of_test(
+    curves: Sequence[slice], states: Mapping[str, Array], words: Mapping[str, Sequence[str]]
+) -> dict[str, list[int]]:
+    """Return the numbers of the curves of each kind of test, named by what the kinds differ in, in that order.
+
+    ``words`` name what the values of a state number.
+
+    >>> curves = [slice(0, 2), slice(2, 4), slice(4, 6)]
+    >>> hot = np.array([23.0, 23.1, 80.0, 80.0, 80.2, 80.1])
+    >>> kinds_of_test(curves, {"temperature_degC": hot}, {})
+    {'23 °C': [0], '80 °C': [1, 2]}
+    """
+    told: list[tuple[list[float], list[str]]] = [([], []) for _ in curves]
+    for name, wander in _TELL.items():
+        values = states.get(name)
+        if values is None:
+            continue
+        means = _means([values[rows] for rows in curves], wander)
+        if means is None:
+            continue
+        groups = clusters(means, wander)
+        if len(np.unique(groups)) < 2:
+            continue
+        for number, group in enumerate(groups):
+            told[number][0].append(float(group))
+            told[number][1].append(_word(name, group, words.get(name, ())))
+    found: dict[str, list[int]] = {}
+    for number in sorted(range(len(curves)), key=lambda k: told[k][0]):
+        found.setdefault(", ".join(told[number][1]), []).append(number)
+    return found
+
+
+def clusters(values: Array, apart: float) -> Array:
+    """Return for each value the mean of those it stands together with, none further than ``apart`` from the next.
+
+    >>> clusters(np.array([1.0, 5.0, 1.5]), 1.0).tolist()
+    [1.25, 5.0, 1.25]
+    """
+    order = np.argsort(values)
+    group = np.concatenate([[0], np.cumsum(np.diff(values[order]) > apart)])
+    means = np.bincount(group, weights=values[order]) / np.bincount(group)
+    found = np.empty_like(values)
+    found[order] = means[group]
+    return found
+
+
+def _means(parts: Sequence[Array], wander: float) -> Array | None:
+    """Return the value of each test; None where it is unknown or moves within one."""
+    still = all(len(part) and np.all(np.isfinite(part)) and np.ptp(part) <= wander for part in parts)
+    return np.array([float(np.mean(part)) for part in parts]) if still and parts else None
+
+
+def _word(name: str, value: float, known: Sequence[str]) -> str:
+    if name == "temperature_degC":
+        return f"{value:.0f} °C"
+    if name == "direction_deg":
+        along = {0: "warp", 90: "weft"}
+        return (
+            along.get(round(value), f"{value:.0f}°") if abs(value - round(value)) < 0.5 else f"{value:.1f}°"
+        )
+    return value_names(name, [round(value)], known)[0]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
-from hyperfab.report.bands import draw_interval
+from hyperfab.report.drawing import draw_interval, png
 
 _LIGHT = np.array([-0.35, 0.45, 0.82])
 _STEEL = (0.80, 0.81, 0.82)
@@ -48,21 +47,17 @@ def spotting(
 ) -> bytes:
     """Return the picture as PNG; ``curve`` (k, 2) is stroke [mm] and force [N], ``sure`` where the last of both are to
     be expected."""
-    target = io.BytesIO()
-    spotting_drawing(mold, curve, title, sure).savefig(target, format="png", metadata={"Software": None})
-    return target.getvalue()
+    return png(spotting_drawing(mold, curve, title, sure))
 
 
 def spotting_drawing(
     mold: SpottedMold, curve: Array, title: str, sure: tuple[Interval, Interval] = (None, None)
 ) -> Any:
     """Return the picture: the male mold as blue paste would leave it, the gap's histogram, force over stroke."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.gridspec import GridSpec
 
     figure = Figure(figsize=(11.0, 5.6), dpi=110, layout="constrained")
-    FigureCanvasAgg(figure)
     grid = GridSpec(2, 2, figure=figure, width_ratios=[1.55, 1.0])
     _plan(figure, figure.add_subplot(grid[:, 0]), mold)
     _histogram(figure.add_subplot(grid[0, 1]), mold)
@@ -145,7 +140,6 @@ class FormedMold:
 
 def formed_map(mold: FormedMold, title: str) -> bytes:
     """Return a PNG: the formed thickness seen along the closing axis, and what it misses the wanted one by."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.tri import Triangulation
 
@@ -157,7 +151,6 @@ def formed_map(mold: FormedMold, title: str) -> bytes:
         farthest = max(float(np.abs(mold.off[used]).max()), 1e-6)
         shown.append(("formed less wanted [mm]", mold.off, "RdBu_r", farthest))
     figure = Figure(figsize=(5.8 * len(shown), 5.2), dpi=110, layout="constrained")
-    FigureCanvasAgg(figure)
     order = np.argsort(mold.vertices[mold.faces, 2].mean(axis=1), kind="stable")
     plan = Triangulation(mold.vertices[:, 0], mold.vertices[:, 1], mold.faces[order])
     for axes, (label, values, colours, most) in zip(
@@ -175,6 +168,4 @@ def formed_map(mold: FormedMold, title: str) -> bytes:
         axes.set_xlabel(f"{mold.axes[0]} [mm]")
         axes.set_ylabel(f"{mold.axes[1]} [mm]")
     figure.suptitle(title, fontsize=11)
-    target = io.BytesIO()
-    figure.savefig(target, format="png", metadata={"Software": None})
-    return target.getvalue()
+    return png(figure)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+
+from hyperfab.report.drawing import png
 
 if TYPE_CHECKING:
     from hyperfab.studies.effects import MainEffect
@@ -39,7 +39,7 @@ def effects_png(effects: Sequence[MainEffect]) -> bytes:
         grid[row, 0].set_ylabel(f"mean {name}", fontsize=8)
     for column, name in enumerate(axes):
         grid[-1, column].set_xlabel(name, fontsize=8)
-    return _png(figure)
+    return png(figure, 110)
 
 
 def cases_png(table: Table, front: Collection[str] | None) -> bytes:
@@ -79,11 +79,4 @@ def cases_png(table: Table, front: Collection[str] | None) -> bytes:
     panel.set_xlim(-0.2, len(names) - 0.8)
     for place in range(len(names)):
         panel.axvline(place, color="black", linewidth=0.6)
-    return _png(figure)
-
-
-def _png(figure: Figure) -> bytes:
-    buffer = io.BytesIO()
-    FigureCanvasAgg(figure)
-    figure.savefig(buffer, format="png", dpi=110, metadata={"Software": None})
-    return buffer.getvalue()
+    return png(figure, 110)

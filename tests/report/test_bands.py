@@ -10,7 +10,8 @@ import pytest
 
 from hyperfab.chapters.summary import paragraph
 from hyperfab.errors import InputError
-from hyperfab.report.bands import draw_interval, figure
+from hyperfab.report.bands import figure
+from hyperfab.report.drawing import draw_interval
 from hyperfab.report.page.parts import Chart, Source, Table
 from hyperfab.report.page.sections import build
 from hyperfab.report.page.sections.heat import molds

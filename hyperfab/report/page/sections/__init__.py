@@ -28,9 +28,13 @@ def build(source: Source) -> Section:
     try:
         section: Section = module.section(source)
         section.parts += sure.parts(source)
+        section.warnings = [str(text) for text in source.data.get("warnings") or []]
     except (HyperfabError, KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
         reason = str(error) if isinstance(error, HyperfabError) else f"{type(error).__name__}: {error}"
         return Section("", None, f"Cannot be shown: {reason}. Make the document again with this hf.")
+    left_out = source.data.get("left_out")
+    if left_out and isinstance(left_out, list):  # of a fit they are rows, by reason
+        section.notes.append(f"Left out: {', '.join(left_out)}.")
     missing = [name for name in source.data.get("files", []) if not _there(source, name)]
     if missing:
         section.notes.append(f"Gone from beside the document, and missing here: {', '.join(missing)}.")

@@ -67,8 +67,6 @@ def section(source: Source) -> Section:
         _FIELDS,
     )
     found.parts += [part for part in (setup(data), _computed(data)) if part is not None]
-    found.notes += [f"Left out: {', '.join(data['left_out'])}."] if data.get("left_out") else []
-    found.warnings = [str(text) for text in data.get("warnings") or []]
     return found
 
 

@@ -96,8 +96,6 @@ def section(source: Source) -> Section:
         ("steps", number(data["iterations"])),
     ]
     found.parts += [part for part in (setup(data), facts("How it was computed", rows, folded=True)) if part]
-    found.notes += [f"Left out: {', '.join(data['left_out'])}."] if data.get("left_out") else []
-    found.warnings = [str(text) for text in data.get("warnings") or []]
     return found
 
 

@@ -116,7 +116,6 @@ def section(source: Source) -> Section:
     )
     found.parts += [part for part in (setup(data), computed) if part is not None]
     found.notes += [str(text) for text in data.get("notes", [])]
-    found.warnings = [str(text) for text in data.get("warnings") or []]
     return found
 
 

@@ -64,7 +64,6 @@ def section(source: Source) -> Section:
     found.notes += [str(text) for text in data.get("summary", [])]
     if data.get("next_measurement"):
         found.notes.append(f"Next measurement: {data['next_measurement']['text']}")
-    found.warnings = [str(text) for text in data.get("warnings", [])]
     return found
 
 

@@ -48,7 +48,6 @@ def section(source: Source) -> Section:
         found.parts.append(_models(data["models"]))
     for effect in data.get("effects") or []:
         found.notes.append(f"Beyond the law: {effect.get('id', 'an effect')}.")
-    found.warnings = [str(text) for text in data.get("warnings") or []]
     return found
 
 

@@ -98,8 +98,6 @@ def section(source: Source) -> Section:
         found.parts.append(_changes(data["sensitivity"]))
     asked = setup(data)
     found.parts += [asked] if asked is not None else []
-    found.notes += [f"Left out: {', '.join(data['left_out'])}."] if data.get("left_out") else []
-    found.warnings = [str(text) for text in data.get("warnings") or []]
     return found
 
 
