@@ -12,7 +12,7 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from hyperfab.errors import InputError, UsageError
+from hyperfab.errors import InputError
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import Heading
 from hyperfab.io.layout import filled_in
@@ -46,12 +46,9 @@ def settle_decimal(sheet: CsvSheet, headings: Iterable[Heading], given: str | No
     >>> settle_decimal(sheet, sheet.headings)
     ','
     """
-    if given is not None:
-        if given not in _OTHER:
-            raise UsageError(f"--decimal {given}: the decimal mark is . or ,")
-        return given
-    if sheet.mark is not None:
-        return sheet.mark
+    known = given or sheet.mark
+    if known is not None:
+        return known
     seen: dict[str, tuple[str, int, Heading]] = {}  # what speaks for a mark, and for a grouping mark
     undecided: dict[str, tuple[str, int, Heading]] = {}
     headings = list(headings)
@@ -190,11 +187,9 @@ def quantities(
     if wanted.unit == "1" and heading.unit in (None, "-", "1") and _all_percent(sheet.columns[heading.index]):
         heading = replace(heading, unit="%")
     if heading.unit is None and wanted.unit != "1":
-        raise InputError(
+        raise sheet.wrong(
             "has no unit",
-            file=sheet.name,
-            line=sheet.header_line,
-            column=heading.title,
+            heading,
             remedy=f'write it behind the name, as in "{heading.title} [{wanted.unit}]", or say '
             + filled_in([(heading.title, f"{name or heading.name} [{wanted.unit}]")]),
         )
@@ -202,12 +197,8 @@ def quantities(
         factor, offset = column_factor(heading.unit or "-", kind)
     except UnitError as error:
         message, _, _ = str(error).partition("; ")
-        raise InputError(
-            message,
-            file=sheet.name,
-            line=sheet.header_line,
-            column=heading.title,
-            remedy=f'write it as in "{heading.name} [{wanted.unit}]"',
+        raise sheet.wrong(
+            message, heading, remedy=f'write it as in "{heading.name} [{wanted.unit}]"'
         ) from None
     shift = _power_of_ten(factor)
     values = numbers(sheet, heading, decimal, shift or 0, gaps)
@@ -293,12 +284,8 @@ def _number(cell: str, sheet: CsvSheet, heading: Heading, row: int, decimal: str
 
 def _bad_cell(what: str, cell: str, sheet: CsvSheet, heading: Heading, row: int) -> InputError:
     shown = cell if len(cell) <= 40 else cell[:37] + "..."
-    return InputError(
-        f"{shown or 'the cell'} {what}",
-        file=sheet.name,
-        line=sheet.lines[row],
-        column=heading.title,
-        remedy="correct the cell or delete the row",
+    return sheet.wrong(
+        f"{shown or 'the cell'} {what}", heading, row=row, remedy="correct the cell or delete the row"
     )
 
 

@@ -8,9 +8,7 @@ from dataclasses import dataclass, field, replace
 from hyperfab.errors import InputError
 from hyperfab.io.headings import Heading, meaning, suffixed
 from hyperfab.io.layout import PLAIN, Layout, filled_in
-from hyperfab.io.tables import (
-    Entry,
-)
+from hyperfab.io.tables import Entry
 
 
 @dataclass(frozen=True)
@@ -63,12 +61,18 @@ class CsvSheet:
         entries += [(one.title, "aside") for one in found[1:]]
         if first.title == second.title:
             entries = [(f"#{one.index + 1}", what) for one, (_, what) in zip(found, entries, strict=True)]
-        return InputError(
+        return self.wrong(
             f"two columns are a {name}: {first.title} and {second.title}",
-            file=self.name,
-            line=self.header_line,
             remedy=f"say which: {filled_in(entries)}",
         )
+
+    def wrong(
+        self, why: str, heading: Heading | None = None, *, row: int | None = None, remedy: str
+    ) -> InputError:
+        """Return the error that something is wrong in a column: at a row, or in the header where none is named."""
+        line = self.header_line if row is None else self.lines[row]
+        column = None if heading is None else heading.title
+        return InputError(why, file=self.name, line=line, column=column, remedy=remedy)
 
     def meta(self, *keys: str) -> Entry | None:
         """Return the metadata under one of ``keys``, or None; InputError where the file says two things."""

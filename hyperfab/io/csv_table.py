@@ -13,7 +13,7 @@ from hyperfab.io.csv_dialect import open_sheet
 from hyperfab.io.csv_numbers import quantities, seconds, settle_decimal
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import Heading, meaning, suffixed
-from hyperfab.io.layout import Layout
+from hyperfab.io.layout import PLAIN, Layout
 from hyperfab.io.tables import is_clock
 from hyperfab.io.unit_table import UnitError
 from hyperfab.io.units import KINDS, column_factor
@@ -21,8 +21,9 @@ from hyperfab.io.units import KINDS, column_factor
 
 @dataclass(frozen=True)
 class Table:
-    """Columns in the unit of their kind, the source line of each row, and the file's metadata."""
+    """Columns in the unit of their kind, the source line of each row, and the metadata of the file ``name``."""
 
+    name: str
     columns: dict[str, NDArray[np.float64]]
     lines: NDArray[np.int64]
     metadata: dict[str, str]
@@ -34,11 +35,11 @@ class Table:
     def __contains__(self, name: object) -> bool:
         return name in self.columns
 
-    def refuse(self, wrong: NDArray[np.bool_], why: str, *, file: str, column: str, remedy: str) -> None:
-        """Raise InputError at the first row that is ``wrong`` (n,), if any is."""
-        rows = np.flatnonzero(wrong)
-        if len(rows):
-            raise InputError(why, file=file, line=int(self.lines[rows[0]]), column=column, remedy=remedy)
+    def refuse(self, wrong: NDArray[np.bool_], why: str, *, column: str, remedy: str) -> None:
+        """Raise InputError at the first row that is ``wrong`` (n,), if any is; ``{:g}`` in ``why`` is its value."""
+        for row in np.flatnonzero(wrong)[:1]:
+            said = why.format(self.columns[column][row]) if column in self else why
+            raise InputError(said, file=self.name, line=int(self.lines[row]), column=column, remedy=remedy)
 
 
 def read_table(
@@ -49,7 +50,6 @@ def read_table(
     optional: Mapping[str, str] | None = None,
     increasing: str | None = None,
     rest: str | None = None,
-    decimal: str | None = None,
     gaps: bool = False,
     layout: Layout | None = None,
 ) -> Table:
@@ -75,7 +75,7 @@ def read_table(
         }
         return set(columns) <= names
 
-    layout = layout or Layout(decimal=decimal)
+    layout = layout or PLAIN
     sheet = open_sheet(data, name, layout, fits)
     wanted: dict[str, tuple[Heading, str]] = {}
     for column, asked in {**columns, **(optional or {})}.items():
@@ -107,7 +107,7 @@ def read_table(
     if increasing is not None:
         _check_increasing(sheet, wanted[increasing][0], values[increasing])
     metadata = {key: entries[0].value for key, entries in sheet.metadata.items()}
-    return Table(values, np.array(sheet.lines, dtype=np.int64), metadata, sheet.left_out)
+    return Table(name, values, np.array(sheet.lines, dtype=np.int64), metadata, sheet.left_out)
 
 
 def _kind(asked: str) -> str:
@@ -135,10 +135,8 @@ def _others(sheet: CsvSheet, taken: set[int], kind: str) -> Sequence[Heading]:
 def _missing(sheet: CsvSheet, column: str, columns: Mapping[str, str]) -> InputError:
     titles = ", ".join(heading.title or '""' for heading in sheet.headings[:8])
     unit = KINDS[_kind(columns[column])].unit
-    return InputError(
+    return sheet.wrong(
         f"has no column {column}; its columns are {titles}",
-        file=sheet.name,
-        line=sheet.header_line,
         remedy=f'name it "{column} [{unit if unit != "1" else "-"}]"',
     )
 
@@ -147,11 +145,10 @@ def _check_increasing(sheet: CsvSheet, heading: Heading, values: NDArray[np.floa
     back = np.flatnonzero(np.diff(values) <= 0.0)
     if back.size:
         row = int(back[0]) + 1
-        raise InputError(
+        raise sheet.wrong(
             f"{sheet.columns[heading.index][row]} does not follow {sheet.columns[heading.index][row - 1]}: "
             "the column must increase from row to row",
-            file=sheet.name,
-            line=sheet.lines[row],
-            column=heading.title,
+            heading,
+            row=row,
             remedy="sort the rows, each value once",
         )

@@ -18,7 +18,7 @@ from hyperfab.io.csv_dialect import open_sheets
 from hyperfab.io.csv_numbers import settle_decimal, words
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import kind_named, word_for
-from hyperfab.io.layout import Choice, Layout, filled_in, layout
+from hyperfab.io.layout import PLAIN, Choice, Layout, filled_in
 from hyperfab.io.roles import STRESSES, STRETCHES, Roles, fits, no_test, roles, specimens, understood
 from hyperfab.io.row_states import directions, held_down, of_each_row, words_or_stated
 from hyperfab.io.specimen import Geometry, Loading, read_geometry, read_loading
@@ -66,7 +66,6 @@ def read_tests(
     *,
     test: str | None = None,
     geometry: Geometry | None = None,
-    decimal: str | None = None,
     columns: Layout | None = None,
     clock: bool = True,
 ) -> list[TestData]:
@@ -85,7 +84,7 @@ def read_tests(
     >>> found.mode, found.stretch, found.stress
     ('shear', array([1.1, 1.2]), array([0.12, 0.21]))
     """
-    told = columns or layout(decimal=decimal)
+    told = columns or PLAIN
     found: list[TestData] = []
     sheets = [part for sheet in open_sheets(data, name, fits, told) for part in specimens(sheet)]
     for number, sheet in enumerate(sheets, 1):
@@ -107,12 +106,7 @@ def _read_sheet(
     columns = roles(sheet)
     sheet = _with_readings(sheet, columns)
     if not sheet.lines:
-        raise InputError(
-            "has no row with readings",
-            file=sheet.name,
-            line=sheet.header_line,
-            remedy="export the readings too",
-        )
+        raise sheet.wrong("has no row with readings", remedy="export the readings too")
     kinds, compression = _tests_of_rows(sheet, columns, test)
     numeric = [
         one.heading

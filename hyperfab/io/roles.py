@@ -265,10 +265,8 @@ def _pulled(sheet: CsvSheet, columns: dict[str, Column]) -> str:
         (column.heading.title, column.name[:-2] if axis == first else f"{column.name[:-2]} 2")
         for axis, column in pair
     ]
-    raise InputError(
+    raise sheet.wrong(
         f"{pair[0][1].heading.title} or {pair[1][1].heading.title}: which is along the pull?",
-        file=sheet.name,
-        line=sheet.header_line,
         remedy=f"say {filled_in(entries)}",
     )
 
@@ -291,11 +289,8 @@ def missing(sheet: CsvSheet, found: Roles, what: str, names: str) -> InputError:
     remark = f"; {fine} is the force by the fineness of a yarn, a sheet has none" if fine else ""
     entries = proposed(sheet, found)
     settles = f", or say what they are, as in {filled_in(entries)}" if entries else ""
-    return InputError(
-        f"no column gives {what}; the columns are {titles}{remark}",
-        file=sheet.name,
-        line=sheet.header_line,
-        remedy=f"name one {names}{settles}",
+    return sheet.wrong(
+        f"no column gives {what}; the columns are {titles}{remark}", remedy=f"name one {names}{settles}"
     )
 
 

@@ -131,10 +131,8 @@ def read_loading(
         )
     stress2, membrane2, _ = reader.stress(" 2", stretch2)
     if stress2 is not None and membrane2 != membrane:
-        raise InputError(
+        raise sheet.wrong(
             "the two directions are in different units (MPa and N/mm)",
-            file=sheet.name,
-            line=sheet.header_line,
             remedy="give the thickness, so that both are in MPa",
         )
     if test == "biaxial-general" and (stretch2 is None or stress2 is None):
@@ -212,11 +210,10 @@ class _Reader:
                 and largest > (MAX_STRAIN if contract else MAX_MACHINE_STRAIN)
             ):
                 row = int(np.abs(values).argmax())
-                raise InputError(
+                raise self.sheet.wrong(
                     f"a strain of {values[row]:g} without a unit",
-                    file=self.sheet.name,
-                    line=self.sheet.lines[row],
-                    column=head.title,
+                    head,
+                    row=row,
                     remedy=f'name the column "{head.title} [%]" if it is in percent, "{head.title} [-]" if not, or say '
                     + filled_in([(head.title, f"{name} [%]")]),
                 )
@@ -232,11 +229,10 @@ class _Reader:
         wrong = np.flatnonzero(found <= 0.0)
         if wrong.size:
             row = int(wrong[0])
-            raise InputError(
+            raise self.sheet.wrong(
                 f"a stretch of {found[row]:g} is impossible, it is the length over the first length",
-                file=self.sheet.name,
-                line=self.sheet.lines[row],
-                column=head.title,
+                head,
+                row=row,
                 remedy="correct the cell; is the column a strain, or are columns swapped?",
             )
         return found
@@ -348,11 +344,10 @@ class _Reader:
             values = np.where((values == 0.0) & rest, known.min(), values)
         wrong = np.flatnonzero(values <= 0.0)
         if wrong.size:
-            raise InputError(
+            raise self.sheet.wrong(
                 f"a standard deviation of {values[wrong[0]]:g}",
-                file=self.sheet.name,
-                line=self.sheet.lines[int(wrong[0])],
-                column=column.heading.title,
+                column.heading,
+                row=wrong[0],
                 remedy="it is positive; leave the column out where it is not known",
             )
         return values
@@ -360,11 +355,9 @@ class _Reader:
 
 def no_unit(sheet: CsvSheet, column: Column, roles: Roles, example: str = "") -> InputError:
     """Return the error that a column lacks its unit, with an example of it and the option that gives it."""
-    return InputError(
+    return sheet.wrong(
         "has no unit",
-        file=sheet.name,
-        line=sheet.header_line,
-        column=column.heading.title,
+        column.heading,
         remedy=f'write it behind the name, as in "{example or f"{column.heading.title} [mm]"}", or say '
         f"{unitless(sheet, [*roles.columns.values()])}",
     )

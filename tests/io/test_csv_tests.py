@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_tests import TestData, read_tests
+from hyperfab.io.layout import layout
 from hyperfab.io.specimen import Geometry
 
 PLAIN = (
@@ -154,10 +155,10 @@ def test_what_can_be_read_both_ways_is_refused_naming_the_option(text: str, said
 
 def test_the_option_settles_it() -> None:
     text = "stretch;stress [kPa]\n1;2,345\n2;3,456\n"
-    assert one(text, test="uniaxial", decimal=",").stress.tolist() == [0.002345, 0.003456]
-    assert one(text, test="uniaxial", decimal=".").stress.tolist() == [2.345, 3.456]
+    assert one(text, test="uniaxial", columns=layout(decimal=",")).stress.tolist() == [0.002345, 0.003456]
+    assert one(text, test="uniaxial", columns=layout(decimal=".")).stress.tolist() == [2.345, 3.456]
     with pytest.raises(UsageError, match="--decimal"):
-        one(text, test="uniaxial", decimal="x")
+        one(text, test="uniaxial", columns=layout(decimal="x"))
 
 
 def test_true_stress_becomes_nominal_stress() -> None:
@@ -338,7 +339,7 @@ def test_every_double_survives_every_dialect(
     separator, mark = dialect
     cells = [[repr(a).replace(".", mark), repr(b).replace(".", mark)] for a, b in rows]
     text = ends.join(separator.join(row) for row in [["stretch", "stress [MPa]"], *cells]) + ends
-    found = one(text.encode(encoding), test="uniaxial", decimal=mark)
+    found = one(text.encode(encoding), test="uniaxial", columns=layout(decimal=mark))
     assert np.array_equal(found.stretch, [a for a, _ in rows])
     assert np.array_equal(found.stress, [b for _, b in rows])
 

@@ -146,12 +146,9 @@ def read_press(job: Job, name: str, layout: Layout | None) -> tuple[Reading, Arr
         )
     values = table[kinds[0]]
     kind: Kind = _OTHER.get(kinds[0], kinds[0])  # type: ignore[arg-type]
-    if kind == "contact" and not np.all((values == 0.0) | (values == 1.0)):
-        row = int(np.flatnonzero((values != 0.0) & (values != 1.0))[0])
-        raise InputError(
-            f"is {values[row]:g}", file=name, line=int(table.lines[row]), column="contact",
-            remedy="write 1 where it touches and 0 where it does not",
-        )  # fmt: skip
+    if kind == "contact":
+        remedy = "write 1 where it touches and 0 where it does not"
+        table.refuse((values != 0.0) & (values != 1.0), "is {:g}", column="contact", remedy=remedy)
     places = np.stack([table[axis] for axis in "xyz"], axis=1)
     if kind == "mounting":
         values = values - np.mean(values)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -124,26 +125,13 @@ class Placing:
             key = f"convection.{number}.on"
             film, ambient = self.functions[f"convection.{number}"], self.functions[f"{key[:-3]}.ambient"]
             mask = self._with_exposed(key, convection.on, by_key)
-
-            def blown(
-                name: str, facets: FacetOperator, film: Table = film, ambient: Table = ambient
-            ) -> Condition:
-                return Convection(name, facets, film, ambient)
-
-            conditions += self._films(f"convection {_label(convection.on)}", mask, blown)
+            made: Callable[..., Condition] = partial(Convection, film=film, ambient=ambient)
+            conditions += self._films(f"convection {_label(convection.on)}", mask, made)
         for number, radiation in enumerate(document.radiation):
             surroundings = self.functions[f"radiation.{number}.ambient"]
             mask = self._with_exposed(f"radiation.{number}.on", radiation.on, by_key)
-
-            def shining(
-                name: str,
-                facets: FacetOperator,
-                grey: float = radiation.emissivity,
-                surroundings: Table = surroundings,
-            ) -> Condition:
-                return Radiation(name, facets, grey, surroundings)
-
-            conditions += self._films(f"radiation {_label(radiation.on)}", mask, shining)
+            made = partial(Radiation, emissivity=radiation.emissivity, ambient=surroundings)
+            conditions += self._films(f"radiation {_label(radiation.on)}", mask, made)
         for number, (contact, joint) in enumerate(zip(document.contact, self.joints, strict=True)):
             near = FacetOperator(self.mesh.points, self.mesh.facet_nodes(joint.mask))
             far = FacetOperator(self.mesh.points, self.mesh.facet_nodes(joint.mask, other_side=True))

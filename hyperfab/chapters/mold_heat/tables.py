@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import difflib
 
-import numpy as np
-
 from hyperfab.documents.mold import FacesInBox, MoldDocument
 from hyperfab.documents.quantity import TableFile
 from hyperfab.errors import InputError
@@ -56,31 +54,19 @@ class Tables:
         if found is None:
             read_table(data, name, {against: against, names[0]: kind})  # says which columns there are
             raise InputError(f"has no column {names[0]}", file=name)
-        values = table[found]
-        if kind != "temperature":
-            self._refuse_negative(name, found, table.lines, values, kind)
+        values, positive = table[found], kind in ("conductivity", "specific-heat")
+        for column in (found, f"{found} sd") if kind != "temperature" else ():
+            if column in table:
+                wrong = table[column] <= 0.0 if positive else table[column] < 0.0
+                why = f"{{:g}} is {'not positive' if positive else 'negative'}"
+                table.refuse(wrong, why, column=column, remedy="correct the value")
         if against == "temperature":
             self.tabulated[kind, relative] = float(table[against][0]), float(table[against][-1])
         sd = table.columns.get(f"{found} sd")
-        if sd is not None:
-            self._refuse_negative(name, f"{found} sd", table.lines, sd, kind)
         read = Table(table[against], values, sd if sd is not None and sd.any() else None)
         if read.sd is not None:
             self.unsure[name] = read
         return read
-
-    @staticmethod
-    def _refuse_negative(name: str, column: str, lines: np.ndarray, values: np.ndarray, kind: str) -> None:
-        must_be_positive = kind in ("conductivity", "specific-heat")
-        bad = np.flatnonzero(values <= 0.0 if must_be_positive else values < 0.0)
-        if bad.size:
-            raise InputError(
-                f"{values[bad[0]]:g} is {'not positive' if must_be_positive else 'negative'}",
-                file=name,
-                line=int(lines[bad[0]]),
-                column=column,
-                remedy="correct the value",
-            )
 
 
 #: Where ``exposed`` stands: every outer face without another condition.

@@ -75,15 +75,8 @@ def read_variations(inputs: Inputs, file: str, document: MoldDocument, mold: str
             remedy=f"write columns named {', '.join(FACTORS)}: factors on what the mold document says",
         )
     for name, values in factors.items():
-        bad = np.flatnonzero(values < 0.0 if name in ("film", "power") else values <= 0.0)
-        if bad.size:
-            raise InputError(
-                f"{values[bad[0]]:g} is no factor",
-                file=file,
-                line=int(table.lines[bad[0]]),
-                column=name,
-                remedy="1 is what the mold document says",
-            )
+        wrong = values < 0.0 if name in ("film", "power") else values <= 0.0
+        table.refuse(wrong, "{:g} is no factor", column=name, remedy="1 is what the mold document says")
     return Asked(factors)
 
 

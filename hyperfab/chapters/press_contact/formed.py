@@ -154,7 +154,7 @@ class Wanted:
         if len(rows.lines) == 0:
             raise InputError("wants nothing anywhere", file=case.wanted, column="thickness", remedy=remedy)
         why = "a wanted thickness is more than 0"
-        rows.refuse(rows["thickness"] <= 0.0, why, file=case.wanted, column="thickness", remedy=remedy)
+        rows.refuse(rows["thickness"] <= 0.0, why, column="thickness", remedy=remedy)
         self._points = frame.inward(np.stack([rows[name] for name in "xyz"], axis=1))[:, :2]
         self._values = rows["thickness"]
 
@@ -207,9 +207,7 @@ def _tests(job: Job, path: str, document: FoamDocument) -> tuple[Rows, Array, Ar
     )
     if len(rows.lines) == 0:
         raise InputError("has no test", file=path, remedy="give temperature [degC], dwell [s] and set [-]")
-    rows.refuse(
-        rows["dwell"] <= 0.0, "a dwell is more than 0", file=path, column="dwell", remedy="leave the row out"
-    )
+    rows.refuse(rows["dwell"] <= 0.0, "a dwell is more than 0", column="dwell", remedy="leave the row out")
     if "set" in rows:
         share = rows["set"]
         strain = rows["strain"] if "strain" in rows else np.zeros(len(share))
@@ -219,7 +217,7 @@ def _tests(job: Job, path: str, document: FoamDocument) -> tuple[Rows, Array, Ar
         strain = 1.0 - rows["pressed"] / before
         thin = strain < _LEAST_STRAIN
         why = "was not pressed: no strain can stay"
-        rows.refuse(thin, why, file=path, column="pressed", remedy="leave the row out")
+        rows.refuse(thin, why, column="pressed", remedy="leave the row out")
         share, column = (before - rows["after"]) / (before - rows["pressed"]), "after"
     else:
         raise InputError(
@@ -230,7 +228,7 @@ def _tests(job: Job, path: str, document: FoamDocument) -> tuple[Rows, Array, Ar
         )
     outside = (share < -_SCATTER) | (share > 1.0 + _SCATTER)
     why = "the share of the strain that stays is between 0 and 1"
-    rows.refuse(outside, why, file=path, column=column, remedy="check the row")
+    rows.refuse(outside, why, column=column, remedy="check the row")
     return rows, strain, np.clip(share, 0.0, 1.0)
 
 

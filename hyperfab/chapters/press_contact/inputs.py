@@ -131,7 +131,6 @@ def shrinkage(job: Job, name: str, document: FoamDocument, temperature: float, d
         table.refuse(
             (table["shrinkage"] < 0.0) | (table["shrinkage"] > 0.9),
             "shrinkage is a share of the thickness, between 0 and 0.9",
-            file=path,
             column="shrinkage",
             remedy="give 0.05 for five percent",
         )

@@ -214,7 +214,6 @@ def _contact(job: Job, document: FoamDocument, name: str, pressure: Array) -> Ar
     table.refuse(
         table["conductance"] <= 0.0,
         "a conductance is above 0",
-        file=path,
         column="conductance",
         remedy="leave out what does not touch: air conducts there by itself",
     )
