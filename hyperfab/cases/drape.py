@@ -32,11 +32,9 @@ class Edges(Kind):
         return tuple(self.checked(text, option, lambda: self.load(names)))
 
     def words(self, value: tuple[str, ...]) -> str:
-        """Return the edges as people write them."""
         return "edges" if value == SIDES else ",".join(value)
 
     def load(self, data: Any) -> tuple[str, ...]:
-        """Return edges that are some."""
         if not isinstance(data, (list, tuple)):
             raise ValueError("a list of edges is needed")
         for name in data:
@@ -45,7 +43,6 @@ class Edges(Kind):
         return tuple(side for side in SIDES if side in data)
 
     def schema(self) -> dict[str, Any]:
-        """Return a list of edges."""
         return {"type": "array", "items": {"enum": list(SIDES)}}
 
 
@@ -69,23 +66,19 @@ class Holder(Kind):
         return found
 
     def words(self, value: Mapping[str, float]) -> list[str]:
-        """Return a text an edge."""
         return [
             ("" if side == CLAMPED else f"{side}=") + self.force.words(force) for side, force in value.items()
         ]
 
     def load(self, data: Any) -> dict[str, float]:
-        """Return the friction by edge."""
         if not isinstance(data, Mapping) or not set(data) <= {CLAMPED, *SIDES}:
             raise ValueError(f"a friction by edge is needed, the edges {', '.join(SIDES)}")
         return {side: self.force.load(force) for side, force in data.items()}
 
     def dump(self, value: Any) -> dict[str, float]:
-        """Return the friction by edge."""
         return dict(value)
 
     def schema(self) -> dict[str, Any]:
-        """Return an object keyed by edge."""
         return {"type": "object", "additionalProperties": self.force.schema()}
 
 

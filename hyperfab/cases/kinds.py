@@ -77,17 +77,14 @@ class Amount(Kind):
         return "" if found == "1" else found
 
     def read(self, text: Any, option: str) -> float:
-        """Return the quantity in the unit that is computed in."""
         value = quantity(text, self.kind, option=option)
         found: float = self.checked(text, option, lambda: self.load(value))
         return found
 
     def words(self, value: float) -> str:
-        """Return the number with its unit."""
         return f"{value!r}{self.unit}" if not tolerance(value) else worded(value, self.unit)
 
     def load(self, data: Any) -> float:
-        """Return a number within the bounds."""
         if isinstance(data, bool) or not isinstance(data, (int, float)) or not math.isfinite(data):
             raise ValueError("a number is needed" + (f", in {self.unit}" if self.unit else ""))
         if self.above is not None and not data > self.above:
@@ -102,7 +99,6 @@ class Amount(Kind):
         return float(value)
 
     def schema(self) -> dict[str, Any]:
-        """Return a number with its bounds."""
         bounds = {"minimum": self.least, "maximum": self.most, "exclusiveMinimum": self.above}
         return {"type": "number", **{key: value for key, value in bounds.items() if value is not None}}
 
@@ -116,11 +112,9 @@ class Whole(Kind):
     most: int | None = None
 
     def read(self, text: Any, option: str) -> int:
-        """Return the number."""
         return int(self.checked(text, option, lambda: self.load(_whole(text, self.example))))
 
     def load(self, data: Any) -> int:
-        """Return a whole number within the bounds."""
         if isinstance(data, bool) or not isinstance(data, int):
             raise ValueError(f"a whole number is needed, as {self.example}")
         if self.least is not None and data < self.least and self.most is None:
@@ -130,7 +124,6 @@ class Whole(Kind):
         return data
 
     def schema(self) -> dict[str, Any]:
-        """Return an integer with its bounds."""
         bounds = {"minimum": self.least, "maximum": self.most}
         return {"type": "integer", **{key: value for key, value in bounds.items() if value is not None}}
 
@@ -143,18 +136,15 @@ class Choice(Kind):
     lenient: bool = False
 
     def read(self, text: Any, option: str) -> str:
-        """Return the name."""
         meant = {name.lower(): name for name in self.names}.get(text.lower(), text) if self.lenient else text
         return str(self.checked(text, option, lambda: self.load(meant)))
 
     def load(self, data: Any) -> str:
-        """Return a name that is one of them."""
         if data not in self.names:
             raise ValueError(f"choose {', '.join(self.names[:-1])} or {self.names[-1]}")
         return str(data)
 
     def schema(self) -> dict[str, Any]:
-        """Return the names."""
         return {"enum": list(self.names)}
 
 
@@ -163,17 +153,14 @@ class Text(Kind):
     """Words that the chapter makes sense of."""
 
     def read(self, text: Any, option: str) -> str:
-        """Return the text."""
         return str(text)
 
     def load(self, data: Any) -> str:
-        """Return a text."""
         if not isinstance(data, str):
             raise ValueError("a text is needed")
         return data
 
     def schema(self) -> dict[str, Any]:
-        """Return a string."""
         return {"type": "string"}
 
 
@@ -229,17 +216,14 @@ class Flag(Kind):
     """Yes or no."""
 
     def read(self, text: Any, option: str) -> bool:
-        """Return whether the flag is set."""
         return bool(text)
 
     def load(self, data: Any) -> bool:
-        """Return true or false."""
         if not isinstance(data, bool):
             raise ValueError("true or false is needed")
         return data
 
     def schema(self) -> dict[str, Any]:
-        """Return a boolean."""
         return {"type": "boolean"}
 
 
@@ -255,17 +239,14 @@ class _Several(Kind):
         return self.item.unit
 
     def load(self, data: Any) -> tuple[Any, ...]:
-        """Return the values of a list."""
         if not isinstance(data, (list, tuple)):
             raise ValueError("a list is needed")
         return tuple(self.item.load(one) for one in data)
 
     def dump(self, value: Sequence[Any]) -> list[Any]:
-        """Return the values as a list."""
         return [self.item.dump(one) for one in value]
 
     def schema(self) -> dict[str, Any]:
-        """Return a list."""
         return {"type": "array", "items": self.item.schema()}
 
 
@@ -284,7 +265,6 @@ class Series(_Several):
     example: str
 
     def read(self, text: Any, option: str) -> tuple[Any, ...]:
-        """Return the values."""
         parts = [part.strip() for part in str(text).replace("×", "x").split(self.mark)]
         parts = [part for part in parts if part] if not self.count else parts
         if self.count and len(parts) not in self.count:
@@ -299,11 +279,9 @@ class Series(_Several):
         return tuple(found * 2 if self.count == (1, 2) and len(found) == 1 else found)
 
     def words(self, value: Sequence[Any]) -> str:
-        """Return the values with the mark between them."""
         return self.mark.join(self.item.words(one) for one in value)
 
     def load(self, data: Any) -> tuple[Any, ...]:
-        """Return the values of a list."""
         if not isinstance(data, (list, tuple)) or (self.count and len(data) != max(self.count)):
             raise ValueError("a list is needed" + (f" of {max(self.count)}" if self.count else ""))
         return super().load(data)
@@ -316,11 +294,9 @@ class Many(_Several):
     repeated: ClassVar[bool] = True
 
     def read(self, text: Any, option: str) -> tuple[Any, ...]:
-        """Return the values, in order."""
         return tuple(self.item.read(one, option) for one in text)
 
     def words(self, value: Sequence[Any]) -> list[str]:
-        """Return a text for each."""
         return [self.item.words(one) for one in value]
 
 
@@ -337,7 +313,6 @@ class OrName(Kind):
         return self.item.unit
 
     def read(self, text: Any, option: str) -> float | str:
-        """Return the amount or the name."""
         if text in self.names:
             return str(text)
         try:
@@ -346,19 +321,15 @@ class OrName(Kind):
             raise UsageError(f"{error}; or {', '.join(self.names)}") from None
 
     def words(self, value: float | str) -> str:
-        """Return the name, or the amount with its unit."""
         return value if isinstance(value, str) else self.item.words(value)
 
     def load(self, data: Any) -> float | str:
-        """Return one of the names, or a number within the bounds."""
         return str(data) if data in self.names else self.item.load(data)
 
     def dump(self, value: float | str) -> float | str:
-        """Return the name, or the number."""
         return value if isinstance(value, str) else self.item.dump(value)
 
     def schema(self) -> dict[str, Any]:
-        """Return either."""
         return {"anyOf": [self.item.schema(), {"enum": list(self.names)}]}
 
 

@@ -36,7 +36,6 @@ class Beside(Nearby):
         self._moves: list[Array] = []
 
     def gradient(self) -> Slopes:
-        """Return what figures and fields change by with each number, source by source."""
         slopes: dict[str, list[float]] = {}
         fields: dict[str, list[Array]] = {}
         self._moves = []
@@ -62,7 +61,6 @@ class Beside(Nearby):
         )
 
     def at(self, changes: Changes) -> Answer:
-        """Return the figures with numbers changed."""
         if not self._moves:
             self.gradient()
         amounts = self._origins.amounts(changes)

@@ -55,7 +55,6 @@ class Beside(Nearby):
         self._moves: list[Array] = []
 
     def gradient(self) -> Slopes:
-        """Return what each figure changes by with each number, source by source."""
         slopes: dict[str, list[float | Array]] = {}
         self._moves = []
         for index, one in enumerate(self._origins.found):

@@ -104,7 +104,6 @@ class FoamFit(WholeFit[Hyperfoam]):
         )
 
     def document(self, readings: Readings) -> MaterialDocument:
-        """Return the material document."""
         return document_of(
             readings,
             self.setting,
@@ -128,7 +127,6 @@ class FoamFit(WholeFit[Hyperfoam]):
                 yield curve, document.tested_stretch(test=curve.mode)
 
     def curves_csv(self) -> bytes:
-        """Return every reading with what the law says beside it."""
         told = ((curve, self.predict(curve)) for curve in self.curves)
         return curves_csv(told, self.setting.fit_on, ("direction", "stretch_2"))
 

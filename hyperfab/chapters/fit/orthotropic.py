@@ -176,7 +176,6 @@ class SheetFit(WholeFit[Orthotropic]):
         return found
 
     def document(self, readings: Readings) -> MaterialDocument:
-        """Return the material document."""
         return document_of(
             readings,
             self.setting,
@@ -203,7 +202,6 @@ class SheetFit(WholeFit[Orthotropic]):
         yield from ((curve, known) for curve in self.curves)
 
     def curves_csv(self) -> bytes:
-        """Return every reading with what the law says beside it."""
         return curves_csv(((curve, self.predict(curve)) for curve in self.curves), self.setting.fit_on)
 
     def picture(self) -> bytes:

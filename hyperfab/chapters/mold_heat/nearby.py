@@ -74,7 +74,6 @@ class Beside(Nearby):
         return _SHARP * self.tolerance if name.startswith(("work_surface", "probes")) else 0.0
 
     def at(self, changes: Changes) -> Answer:
-        """Return figures and the field with numbers changed."""
         amounts = self.origins.amounts(changes)
         guess = self._trend.at(amounts)
         if guess is None or self._checked < CHECKED:

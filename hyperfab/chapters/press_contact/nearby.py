@@ -133,7 +133,6 @@ class Beside(Nearby):
         return found, sandwich, replace(model, case=case, files=files, grown=(hot[0], hot[1]))
 
     def at(self, changes: Changes) -> Answer:
-        """Return figures and fields with numbers changed; NotConverged where a female finds no balance."""
         found, _ = self.close(changes)
         touched = found.totals.touched
         return Answer(

@@ -71,7 +71,6 @@ class _Moved(Inputs):
         self._inputs, self._documents, self._written, self._kept = inputs, documents, written, kept
 
     def plain(self, name: str) -> Any:
-        """Return the plain data of a document."""
         return self._documents[name] if name in self._documents else super().plain(name)
 
     def parsed(self, name: str, kind: object, parse: Callable[[Any], Parsed]) -> Parsed:
@@ -84,5 +83,4 @@ class _Moved(Inputs):
         return found
 
     def read(self, name: str, limit: int = MAX_BYTES) -> bytes:
-        """Return the bytes of a file."""
         return self._written[name] if name in self._written else self._inputs.read(name, limit)

@@ -82,13 +82,11 @@ class Ratio(Directions):
     """All stresses along the weft are those along the warp times one number."""
 
     def answer(self, of: OfLaw, path: Path, stretch: Array, warp: Array, values: Array) -> Answer:
-        """Return what the sheet answers."""
         stress, energy = of(warp)
         factor = 1.0 + weft_share(path) * (values[0] - 1.0)
         return stress * factor, energy * factor
 
     def weft(self, law: Law, warp: Mapping[str, float], values: Array) -> dict[str, float]:
-        """Return the constants along the weft."""
         return law.scaled(warp, float(values[0]))
 
 
@@ -96,11 +94,9 @@ class Constants(Directions):
     """Each constant along the weft is that along the warp and a number more."""
 
     def answer(self, of: OfLaw, path: Path, stretch: Array, warp: Array, values: Array) -> Answer:
-        """Return what the sheet answers."""
         return between(path, of(warp), of(np.asarray(warp) + np.asarray(values)))
 
     def weft(self, law: Law, warp: Mapping[str, float], values: Array) -> dict[str, float]:
-        """Return the constants along the weft."""
         return {name: warp[name] + float(value) for name, value in zip(law.names, values, strict=False)}
 
 

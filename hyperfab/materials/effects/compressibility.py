@@ -160,7 +160,6 @@ class Split(Slope):
     """An energy of shape and one of volume."""
 
     def across(self, path: Path, stretch: Array, values: Array) -> Array:
-        """Return the transverse stretch of uniaxial rows."""
         return np.asarray(np.sqrt(volume(path.mode, stretch, path.across, values[0]) / stretch))
 
     def state(
