@@ -67,7 +67,7 @@ def row(
         sum(last.values()),
         f"{found.residual_relative:.1e}",
         said.slack_springs,
-        f"{said.node_penetration:.0e}",
+        f"{said.cut.node:.0e}",
         f"{peak:.2f}",
     )
     print(LINE.format(n, name, *figures), flush=True)

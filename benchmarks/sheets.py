@@ -72,8 +72,8 @@ def draped(sheet: Sheet, mold: Mold) -> tuple[float, float, float]:
     found = drape(sheet, mold)
     spent = time.process_time() - start
     said = answers(sheet, mold, found)
-    if not found.converged or said.node_penetration > 1e-9:
-        raise SystemExit(f"{sheet.n} nodes a side: {found.status}, {said.node_penetration:.1e} mm inside")
+    if not found.converged or said.cut.node > 1e-9:
+        raise SystemExit(f"{sheet.n} nodes a side: {found.status}, {said.cut.node:.1e} mm inside")
     return said.press_force, said.stretch_max, spent
 
 

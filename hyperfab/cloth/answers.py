@@ -80,16 +80,6 @@ class Answers:
         """Largest stretch of a spring, or of a membrane in the middle of a cell."""
         return float(max(one.max() for one in self.stretched))
 
-    @property
-    def node_penetration(self) -> float:
-        """Depth in mm of the deepest node in the mold."""
-        return self.cut.node
-
-    @property
-    def edge_penetration(self) -> float:
-        """Depth in mm of the deepest point of a spring in the mold."""
-        return self.cut.edge
-
 
 def answers(sheet: Sheet, mold: Mold, found: Equilibrium, deepest: Cut | None = None) -> Answers:
     """Fields and figures of an equilibrium; ``deepest`` is how deep the net is in the mold, where that is known."""

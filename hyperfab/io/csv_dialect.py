@@ -196,8 +196,7 @@ def _count(line: str, mark: str) -> int:
 
 
 def _rows(body: list[tuple[int, str]], separator: str, name: str) -> list[Row]:
-    """Return the rows of all lines; where white space parts them, titles are parted into as many as "
-    "there are columns."""
+    """Return the rows of all lines; where white space parts them, titles are cut into as many as there are columns."""
     rows = [(number, split(text, separator, name, number)) for number, text in body]
     if separator != " ":
         return rows

@@ -74,8 +74,7 @@ def read_tests(
     ``test`` is what the command line says the file is; a file that says otherwise is refused. ``geometry`` holds
     the specimen's sizes given as options, which take precedence over the file's own, ``columns`` how its table is to be
     read. Every row with a reading is kept; ``left_out`` counts the others by reason. Without ``clock`` the times
-    are not
-    used, and not judged.
+    are not used, and not judged.
 
     Raises InputError with file, line and column where the file cannot be understood in exactly one way, or tells
     what no test can have shown.

@@ -84,8 +84,7 @@ class Meaning:
     """What a column holds: a ``name`` of ``heading_words.COLUMNS`` or ``aside``, and along which axis of the sheet.
 
     ``axis`` is 1, 2, x or y, or nothing where the heading tells none; ``compressive`` columns count pushing as
-    positive.
-    Of two columns of one name that of the lower ``rank`` is the better told.
+    positive. Of two columns of one name that of the lower ``rank`` is the better told.
     """
 
     name: str

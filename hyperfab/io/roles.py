@@ -61,8 +61,7 @@ _SPECIMEN = re.compile(
 
 @dataclass(frozen=True)
 class Column:
-    """A column under the name it is read by: ``heading`` with its unit; pushing counts positive where "
-    "``compressive``."""
+    """A column under the name it is read by: ``heading`` with its unit; ``compressive`` where pushing is positive."""
 
     name: str
     heading: Heading
@@ -72,8 +71,7 @@ class Column:
 
 @dataclass(frozen=True)
 class Roles:
-    """The columns of one specimen by name (``force``, ``strain 2``), and the titles of those that "
-    "nothing is known of."""
+    """The columns of one specimen by name (``force``, ``strain 2``), and the titles of those nothing is known of."""
 
     columns: dict[str, Column]
     aside: tuple[str, ...] = ()
@@ -111,8 +109,7 @@ def specimens(sheet: CsvSheet) -> list[CsvSheet]:
     """Return the tables of the specimens that stand side by side, each with the columns all share; else the sheet.
 
     They are told by their titles, equal to the letter and repeated, by ``Probe 1``, ``Specimen 2`` before a
-    title, or by
-    ``.1``, ``.2`` behind it, as pandas writes copies.
+    title, or by ``.1``, ``.2`` behind it, as pandas writes copies.
     """
     if sheet.layout.columns:
         return [sheet]

@@ -7,10 +7,13 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from hyperfab.arrays import Array, Flags
 from hyperfab.membrane.contact import Frictionless
 from hyperfab.membrane.ellipticity import Weakest, weakest
 from hyperfab.membrane.equilibrium import NoEquilibriumError, Press, State
-from hyperfab.membrane.obstacle import film_over
+from hyperfab.membrane.sheet import Sheet
+from hyperfab.membrane.sphere import Punch
+from hyperfab.numerics.blocks import BlockPattern
 from hyperfab.numerics.linear import SingularMatrixError
 
 #: A load step is halved at most down to this part of the whole depth.
@@ -22,6 +25,8 @@ _PIVOT_NOISE = 1e-9
 
 #: Part of the expected way to a turning point that is tried at once.
 _SHY = 0.8
+#: Rounds of the active-set method for a first guess of the shape.
+_MOST_ROUNDS = 40
 
 Watch = Callable[[State], None]
 
@@ -211,3 +216,36 @@ def _limit(footings: list[Footing], target: float, error: NoEquilibriumError) ->
         words = f"no equilibrium beyond {turning:.2f} mm: the path turns back there (turning point)"
         return Limit(reached, words, turning)
     return Limit(reached, f"no equilibrium was found beyond {reached:.2f} mm: {error}")
+
+
+def film_over(sheet: Sheet, punch: Punch, depth: float) -> tuple[Array, Flags]:
+    """Return places (n, 3) and touching nodes (n,) of a film of uniform tension stretched over the punch.
+
+    The height w solves the Laplace equation with w >= punch: a linear obstacle problem, by the active-set method.
+    """
+    mesh = sheet.mesh
+    places = sheet.flat
+    floor = punch.height(places[:, :2], depth)
+    free = np.ones((len(mesh.nodes), 1), bool)
+    free[mesh.rim] = False
+    pattern = BlockPattern(mesh.elements, len(mesh.nodes), free, mesh.nodes)
+    local = np.einsum("mqai,mqbi,mq->mab", mesh.gradients, mesh.gradients, mesh.weights)
+    blocks = np.zeros((pattern.blocks, 1, 1))
+    np.add.at(blocks[:, 0, 0], pattern.block_of.ravel(), local.ravel())
+    stiff = 1e8 * float(blocks[pattern.diagonal].max())
+    touching = (floor > 0) & free[:, 0]
+    height = np.zeros(len(mesh.nodes))
+    for _ in range(_MOST_ROUNDS):
+        held = blocks.copy()
+        held[pattern.diagonal[touching]] += stiff
+        right = np.where(touching, stiff * np.where(touching, floor, 0.0), 0.0)[:, None]
+        height = pattern.extend(
+            pattern.solver.factorise(pattern.matrix(held)).solve(pattern.restrict(right))
+        )[:, 0]
+        pressed = touching & (np.where(touching, floor, 0.0) > height)
+        chosen = (pressed | (~touching & (height < floor))) & free[:, 0]
+        if (chosen == touching).all():
+            break
+        touching = chosen
+    places[:, 2] = height
+    return places, touching

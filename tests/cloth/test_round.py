@@ -47,7 +47,7 @@ def rests(sheet: Sheet, mold: Mold, tolerance: float = 1e-6) -> tuple[Equilibriu
     said = answers(sheet, mold, found)
     assert found.converged, found.status
     assert found.residual_relative <= tolerance
-    assert said.node_penetration < 1e-9
+    assert said.cut.node < 1e-9
     return found, said
 
 
@@ -197,7 +197,7 @@ MOLDS = {"box": block(turn=0.3), "punch": punch(64), "saddle": saddle()}
 def test_no_node_and_no_side_is_inside_a_mold(name):
     surface = MOLDS[name]
     _, said = rests(disc(60, 51, FABRIC, (260.0, 260.0)), mold_of(surface, under(surface, 40.0)))
-    assert said.edge_penetration < 1e-6
+    assert said.cut.edge < 1e-6
     assert said.contact_edges > 0
 
 

@@ -6,7 +6,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from hyperfab.materials.langevin import SMALL, inverse_langevin, langevin
+from hyperfab.materials.laws.arruda_boyce_langevin import SMALL, inverse_langevin, langevin
 
 PLACES = [1e-8, 1e-3, 0.05, 0.1, 0.2, SMALL - 1e-9, SMALL, SMALL + 1e-9, 0.5, 1.0, 3.0, 10.0, 80.0]
 

@@ -53,14 +53,14 @@ _ROOM_TEMPERATURE = 23.0
 def run(job: Job, given: Given) -> int:
     """Close the loop on a contact document."""
     out = job.opened(job.target, (*MODEL_SUFFIXES, FABRIC, ".png", ".csv"))
-    level = stated_size(given.noise, "force")
+    level = stated_size(given.case.noise, "force")
     made = unchanged(earlier(ContactCase, given.data, given.name))
     files = read_files(given, lambda name: read_force_depth(job, name, given.layout))
     out.refuse_inputs(job.inputs)
     document = parse_document(given.data, given.name, ContactDocument)
     material = read_document(job.inputs, made.case.material, MaterialDocument)
     forward = Forward(job, made.case, material)
-    check_unchanged(job, made, [*given.measured, *given.held])
+    check_unchanged(job, made, [*given.measured, *given.case.held])
     with job.console.progress("Closing the loop") as advance:
         sheet = pose_sheet(forward, document, files.plain, lambda s: advance(0.3 * s, "forward runs"))
     problem = pose(
@@ -68,7 +68,7 @@ def run(job: Job, given: Given) -> int:
         files.plain,
         material,
         given.surely,
-        given.fix,
+        given.case.fix,
         made.case.temperature,
         made.case.rim_slip,
     )

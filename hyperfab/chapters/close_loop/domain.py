@@ -50,29 +50,10 @@ class Given:
     how: How
 
     @property
-    def noise(self) -> str | None:
-        """The standard deviation of a reading, as typed."""
-        return self.case.noise
-
-    @property
-    def prior(self) -> float | None:
-        """The relative standard deviation of the model's own constants, where it is stated."""
-        return self.case.prior
-
-    @property
     def surely(self) -> float:
-        """The same, or what is taken for constants of which something is always known."""
-        return PRIOR if self.prior is None else self.prior
-
-    @property
-    def fix(self) -> list[str]:
-        """The constants that are held."""
-        return list(self.case.fix)
-
-    @property
-    def held(self) -> list[str]:
-        """The files of ``--hold-out``; ``auto`` is none."""
-        return self.case.held
+        """The stated relative standard deviation of the model's own constants, or what is taken for constants of which
+        something is always known."""
+        return PRIOR if self.case.prior is None else self.case.prior
 
 
 def kind_of(job: Job, name: str) -> tuple[str, Mapping[str, Any]]:

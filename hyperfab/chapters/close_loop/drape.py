@@ -67,7 +67,7 @@ def run(job: Job, given: Given) -> int:
             ".csv",
         ),
     )
-    level = stated_size(given.noise, "length")
+    level = stated_size(given.case.noise, "length")
     made = unchanged(earlier(DrapeCase, given.data, given.name))
     files = read_measured(given, lambda name: read_markers(job, name, given.layout))
     out.refuse_inputs(job.inputs)
@@ -77,11 +77,11 @@ def run(job: Job, given: Given) -> int:
         else read_document(job.inputs, made.case.material, MaterialDocument)
     )
     forward = Forward(job, made.case, material)
-    check_unchanged(job, made, [*given.measured, *given.held])
+    check_unchanged(job, made, [*given.measured, *given.case.held])
     _check_places(forward.sheet, [*files.plain, *files.apart])
     with job.console.progress("Closing the loop") as advance:
         draped = pose_sheet(forward, lambda share: advance(0.3 * share, "forward runs"))
-    problem = pose(draped, files.plain, given.surely, given.fix)
+    problem = pose(draped, files.plain, given.surely, given.case.fix)
     upstream = None
     if given.case.upstream:
         # It drapes sheets as this module does.

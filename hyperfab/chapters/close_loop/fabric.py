@@ -46,11 +46,13 @@ def run(job: Job, given: Given) -> int:
     thickness = None if document.thickness_nominal else document.thickness_mm
     tests = read_measured(job, given.measured, given.layout, thickness, before, given.how)
     held_out = (
-        read_measured(job, given.held, given.layout, thickness, before, given.how) if given.held else None
+        read_measured(job, given.case.held, given.layout, thickness, before, given.how)
+        if given.case.held
+        else None
     )
-    level = stated_size(given.noise, "membrane-stress" if tests.unit == "N/mm" else "stress")
+    level = stated_size(given.case.noise, "membrane-stress" if tests.unit == "N/mm" else "stress")
     out.refuse_inputs(job.inputs)
-    problem = pose(document, given.name, tests, given.fix, given.prior)
+    problem = pose(document, given.name, tests, given.case.fix, given.case.prior)
     tests.warnings += map(str, misread(problem.curves, problem.measured))
     rows, free = sum(len(test.stress) for test in tests.tests), len(problem.own)
     if rows < free + _SPARE:

@@ -43,7 +43,7 @@ def run(job: Job, given: Given) -> int:
     """Close the loop on a mold document."""
     out = job.opened(job.target, (".model.toml", *TABLES, ".png", ".csv"))
     document = parse_document(given.data, given.name, MoldDocument)
-    if given.held:
+    if given.case.held:
         raise UsageError("--hold-out takes only auto for a mold: each probe is predicted from the others")
     if len(given.measured) != 1:
         raise UsageError("--measured takes one file of thermocouples for a mold: one run, a column a probe")
@@ -71,14 +71,14 @@ def run(job: Job, given: Given) -> int:
             remedy="add what the heaters drew to the thermocouples, as a column power [W], or give it as "
             'schedule = "power.csv" in place of control',
         )
-    level = stated_size(given.noise, "temperature-difference")
+    level = stated_size(given.case.noise, "temperature-difference")
     builder = MoldBuilder(document, given.name, job.inputs)
     out.refuse_inputs(job.inputs)
     for text in builder.doubts:
         job.console.warn(text)
     with job.console.progress("Closing the loop") as advance:
         advance(0.0, "meshing")
-        problem = pose(job, document, given.name, builder, read, given.fix, given.surely)
+        problem = pose(job, document, given.name, builder, read, given.case.fix, given.surely)
         found = close(problem, noise=level, tick=ticking(advance, 0.2, _REFITS))
     left_out = {f"no reading of {name}": count for name, count in read.missing.items()}
     result = describe(problem, found, "K", left_out, [], domain="heat")

@@ -66,7 +66,7 @@ _OFF = 0.03
 def run(job: Job, given: Given) -> int:
     """Close the loop on a press document."""
     out = job.opened(job.target, (*MODEL_SUFFIXES, *WRITTEN, FOAM, SET, ".png", ".csv"))
-    level = stated(given.noise, tuple(_KINDS))
+    level = stated(given.case.noise, tuple(_KINDS))
     made = unchanged(earlier(PressCase, given.data, given.name))
     files = read_measured(given, lambda name: read_press(job, name, given.layout))
     kind = files.plain[0].kind
@@ -77,9 +77,9 @@ def run(job: Job, given: Given) -> int:
     with job.console.progress("Closing the loop") as advance:
         advance(0.05, "the model")
         told, warnings = closed_press(job, made.case)
-        check_unchanged(job, made, [*given.measured, *given.held])
+        check_unchanged(job, made, [*given.measured, *given.case.held])
         advance(0.15, "gaps over the stroke")
-        problem, others = pose_with(told, files.measured, given.surely, given.fix, files.apart)
+        problem, others = pose_with(told, files.measured, given.surely, given.case.fix, files.apart)
     upstream = None
     if given.case.upstream:
         # It closes presses as this module does.

@@ -59,7 +59,7 @@ def read_files(given: Given, read: Callable[[str], tuple[R, Array | None]]) -> F
             file=given.measured[0],
             remedy=f"give {FEWEST} or more",
         )
-    return Files(measured, [read(name)[0] for name in given.held])
+    return Files(measured, [read(name)[0] for name in given.case.held])
 
 
 def spread(table: Table, column: str) -> Array | None:

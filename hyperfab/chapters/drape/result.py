@@ -72,10 +72,10 @@ def document_of(model: Model, states: list[State]) -> DrapeDocument:
         imbalance_N=fields.imbalance,
         contact_nodes=int(np.count_nonzero(fields.touching)),
         contact_edges=fields.contact_edges,
-        penetration_max_mm=max(fields.node_penetration, fields.edge_penetration),
-        penetration_nodes_mm=fields.node_penetration,
-        penetration_edges_mm=fields.edge_penetration,
-        penetration_edges_at_mm=list(fields.cut.flat) if fields.edge_penetration > 0.0 else None,
+        penetration_max_mm=max(fields.cut.node, fields.cut.edge),
+        penetration_nodes_mm=fields.cut.node,
+        penetration_edges_mm=fields.cut.edge,
+        penetration_edges_at_mm=list(fields.cut.flat) if fields.cut.edge > 0.0 else None,
         stretch_max=fields.stretch_max,
         stretch_max_at_mm=peak(sheet, state),
         stands_through_mm=through,
@@ -150,7 +150,7 @@ def _state(sheet: Sheet, state: State, loose: list[str]) -> DrapeState:
         stress_warp_max_MPa=float(fields.stress_warp.max()),
         stress_weft_max_MPa=float(fields.stress_weft.max()),
         thickness_min_mm=float(fields.cell_thickness.min()),
-        penetration_max_mm=max(fields.node_penetration, fields.edge_penetration),
+        penetration_max_mm=max(fields.cut.node, fields.cut.edge),
         draw_in_mm=draw_in(sheet, state, loose),
     )
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from hyperfab.cases.contact import ContactCase
 from hyperfab.chapters.fabric_contact.fabric import Fabric, read_fabric
-from hyperfab.chapters.fabric_contact.fields import vtu
+from hyperfab.chapters.fabric_contact.fields import picture, vtu
 from hyperfab.chapters.fabric_contact.nearby import beside, origins_of
 from hyperfab.chapters.fabric_contact.result import document, mounted_row, row, status_of
 from hyperfab.chapters.fabric_contact.setup import Setup, read_geometry, setup_of
@@ -116,8 +116,6 @@ def _write(
         out.add(".vtu", vtu(last, shown, sure.twins))
         rows = [mounted_row(last), *(row(solved) for solved in outcomes[0].solved)]
         out.add(".csv", csv_bytes(list(rows[0]), [[float(one[name]) for name in rows[0]] for one in rows]))
-        from hyperfab.chapters.fabric_contact.picture import picture  # matplotlib takes a fifth of the start
-
         compared = (pair[0], difference) if difference is not None else None
         out.add(".png", picture(_names(fabrics), outcomes, compared, sure.interval("force_N")))
     job.write(out, found, case)

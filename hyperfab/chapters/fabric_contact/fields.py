@@ -1,14 +1,14 @@
-"""The sheet's fields and curves as files."""
+"""The sheet's fields and curves as files, and the picture of them."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.io.vtu import unstructured
-from hyperfab.membrane.sphere_contact import Solved
+from hyperfab.membrane.sphere_contact import Outcome, Solved
 
 
 def sure_fields(solved: Solved) -> dict[str, Array]:
@@ -72,3 +72,40 @@ def mirrors_of(copies: int) -> list[Array]:
     """Return the signs of x, y, z that make the whole sheet of a computed part."""
     signs = [(1, 1), (-1, 1), (-1, -1), (1, -1)] if copies == 4 else [(1, 1)]
     return [np.array([x, y, 1.0]) for x, y in signs]
+
+
+def picture(
+    names: Sequence[str],
+    outcomes: Sequence[Outcome],
+    compared: tuple[Solved, Array] | None,
+    interval: tuple[float, float] | None,
+) -> bytes:
+    """Return force against depth, the first law's stress, and where the laws differ if they were ``compared``;
+    ``interval`` is that of the first law's last force, where it is known."""
+    # matplotlib takes a fifth of the start.
+    from hyperfab.report.figures_contact import Curve, Surface, contact_figure
+
+    def surface(solved: Solved, values: Array) -> Surface:
+        """The whole deformed sheet as straight triangles with a value at each node."""
+        mesh, places = solved.press.sheet.mesh, solved.state.places
+        mirrors = mirrors_of(mesh.copies)
+        corners = [mesh.elements[:, :3] + number * len(places) for number in range(len(mirrors))]
+        return Surface(
+            points=np.concatenate([places * mirror for mirror in mirrors]),
+            triangles=np.concatenate(corners),
+            values=np.tile(values, len(mirrors)),
+        )
+
+    curves = [
+        Curve(
+            name,
+            [0.0] + [solved.state.depth for solved in outcome.solved],
+            [0.0] + [solved.state.force for solved in outcome.solved],
+            f"no equilibrium beyond {outcome.path.limit.depth:.1f} mm" if outcome.path.limit else None,
+            interval if outcome is outcomes[0] else None,
+        )
+        for name, outcome in zip(names, outcomes, strict=True)
+    ]
+    last = outcomes[0].solved[-1]
+    stress = last.fields.cauchy.max(axis=1)
+    return contact_figure(curves, surface(last, stress), None if compared is None else surface(*compared))

@@ -32,10 +32,9 @@ def as_incompressible(
 ) -> Array:
     """Return the second stretch at which an incompressible sheet has the same stretch and the same thickness.
 
-    With the normal stress zero the thickness of Blatz and Ko's material is ``(l1 l2)^(-nu/(1-nu))``; the
-    driving stress of a law in
-    the stretches along the pull and through the thickness is then the incompressible one at ``l2 = 1/(l1
-    l3)``. Exact for the neo-Hookean energy.
+    With the normal stress zero the thickness of Blatz and Ko's material is ``(l1 l2)^(-nu/(1-nu))``; the driving stress
+    of a law in the stretches along the pull and through the thickness is then the incompressible one at
+    ``l2 = 1/(l1 l3)``. Exact for the neo-Hookean energy.
     """
     area = np.where(mode == BIAXIAL, stretch**2, np.where(mode == SHEAR, stretch, stretch * second))
     thickness = area ** (-contraction / (1.0 - contraction))
