@@ -106,7 +106,7 @@ def read_mold(job: Job, name: str, stl_unit: str, axis: str = "z") -> MoldFile:
             raise InputError("no facet has an area", file=name, remedy="export the surface again")
         job.console.warn(f"{name}: {len(drop)} facets without area or given twice were left out")
         faces, facet = faces[keep], facet[keep]
-    faces, turned = consistently_wound(vertices, faces)
+    faces, turned = consistently_wound(faces)
     if len(turned):
         first = facet[turned[0]] + 1
         job.console.warn(

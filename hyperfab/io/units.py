@@ -91,7 +91,6 @@ _NUMBER = r"[+-]?(?:\d{1,40}(?:\.\d{0,40})?|\.\d{1,40})(?:[eE][+-]?\d{1,3})?"
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*", re.ASCII | re.DOTALL)
 #: Between a quantity and its standard deviation.
 _MARK = re.compile(r"\+/-|\+-|±")
-_TIMES = re.compile(r"\s*[x×]\s*")
 #: Kinds that scales show as weights; standard gravity [m/s^2].
 _WEIGHED = ("force", "stress", "membrane-stress")
 _GRAVITY = Fraction("9.80665")
@@ -122,23 +121,6 @@ def quantity(
         return _convert(text, wanted)
     except UnitError as error:
         raise _refusal(str(error), text, option, key, file) from None
-
-
-def size(
-    text: object, *, option: str | None = None, key: str | None = None, file: str | None = None
-) -> tuple[float, float]:
-    """Return the two sides [mm] of ``220mmx180mm``; a single length stands for both.
-
-    Raises as ``quantity`` does.
-
-    >>> size("220mmx18cm"), size("200 mm")
-    ((220.0, 180.0), (200.0, 200.0))
-    """
-    parts = _TIMES.split(text.strip()) if isinstance(text, str) else [text]
-    if len(parts) > 2:
-        raise _refusal("a size is one length or two; write 220mmx220mm", text, option, key, file)
-    sides = [quantity(part, "length", option=option, key=key, file=file) for part in parts]
-    return sides[0], sides[-1]
 
 
 def column_factor(unit: str, kind: str) -> tuple[Fraction, Fraction]:

@@ -12,8 +12,6 @@ from hyperfab.materials.material import Material
 
 #: Modes with one stretch to say where a point lies.
 MODES = ("uniaxial", "shear", "biaxial")
-#: All tests of a sheet; in a general biaxial test both stretches are measured.
-TESTS = (*MODES, "biaxial-general")
 
 
 def second_stretch(mode: str, stretch: Array, contraction: Any = 0.5) -> Array:

@@ -90,9 +90,3 @@ class Facets:
     def size(self) -> float:
         """Longest side [mm] of the box around it."""
         return float((self.surface.bounds[0, 3:] - self.surface.bounds[0, :3]).max())
-
-
-def placed(surface: Surface) -> Facets:
-    """Return a punch under the sheet: the middle of its box on the axis x = y = 0, its highest point in z = 0."""
-    low, high = surface.bounds[0, :3], surface.bounds[0, 3:]
-    return Facets(surface, -np.array([*(0.5 * (low[:2] + high[:2])), high[2]]))

@@ -83,7 +83,7 @@ def soundness(vertices: Array, faces: Ints) -> Soundness:
     )
 
 
-def consistently_wound(vertices: Array, faces: Ints) -> tuple[Ints, Ints]:
+def consistently_wound(faces: Ints) -> tuple[Ints, Ints]:
     """Faces with one winding in every connected piece, and the facets turned to get there.
 
     In each piece the fewer facets are turned; which side is then outside is left to the caller (the sign of

@@ -220,7 +220,7 @@ def _said(distance: float, moved: float, dropped: int, strayed: float, split: in
 
 def _outward(points: Array, faces: Ints, moved: float, notes: list[str], found: Soundness) -> Repaired:
     if not found.consistent:
-        faces, turned = consistently_wound(points, faces)
+        faces, turned = consistently_wound(faces)
         notes.append(f"{len(turned)} facets wound the other way were turned")
     volume = soundness(points, faces).volume_mm3
     if volume < 0.0:

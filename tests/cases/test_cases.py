@@ -186,3 +186,13 @@ def test_a_tolerance_goes_through_words_and_documents_and_leaves_the_numbers_as_
         ],
     )
     assert bare.setup({}) == setup
+
+
+def test_sizes_have_one_side_or_two() -> None:
+    size = case_class("drape").settings()["size"].kind
+    assert size.read("220mmx180mm", "--size") == (220.0, 180.0)
+    assert size.read("22cm x 7in", "--size") == (220.0, 177.8)
+    assert size.read("200mm", "--size") == (200.0, 200.0)
+    for text in ("220x220", "220mmx220", "1mmx2mmx3mm", "", "x"):
+        with pytest.raises(UsageError, match="--size"):
+            size.read(text, "--size")

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.unit_table import UnitError, parse_unit
-from hyperfab.io.units import KINDS, column_factor, quantity, size, tolerance, worded
+from hyperfab.io.units import KINDS, column_factor, quantity, tolerance, worded
 
 
 @pytest.mark.parametrize(
@@ -169,15 +169,6 @@ def test_lengths_are_rounded_once(number: object, unit: str) -> None:
         "mm": 1, "inch": Fraction(254, 10), "um": Fraction(1, 1000), "yd": Fraction(9144, 10), "m": 1000,
     }[unit]  # fmt: skip
     assert quantity(f"{number:f} {unit}", "length") == float(exact)
-
-
-def test_sizes_have_one_side_or_two() -> None:
-    assert size("220mmx180mm") == (220.0, 180.0)
-    assert size("22cm x 7in") == (220.0, 177.8)
-    assert size("200mm") == (200.0, 200.0)
-    for text in ("220x220", "220mmx220", "1mmx2mmx3mm", "", "x"):
-        with pytest.raises(UsageError, match="--size"):
-            size(text, option="--size")
 
 
 def test_units_of_yarn_are_exact() -> None:

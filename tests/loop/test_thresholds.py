@@ -70,7 +70,7 @@ def judged_alone(rows: int) -> bool:
 
 
 def read(rows: int) -> bool:
-    given = SimpleNamespace(measured=["a.csv"], held=[])
+    given = SimpleNamespace(measured=["a.csv"], case=SimpleNamespace(held=[]))
     try:
         readings.read_files(given, lambda name: (SimpleNamespace(values=np.zeros(rows)), None))  # type: ignore[arg-type,return-value]
     except InputError:

@@ -9,7 +9,7 @@ import trimesh
 from hyperfab.materials import bind
 from hyperfab.membrane import outline
 from hyperfab.membrane.contact_edge import contact_edge
-from hyperfab.membrane.facets import Facets, placed
+from hyperfab.membrane.facets import Facets
 from hyperfab.membrane.friction import Coulomb
 from hyperfab.membrane.measures import cut
 from hyperfab.membrane.sphere import Sphere
@@ -28,6 +28,12 @@ def _ball(subdivisions, turned=True):
     vertices = mesh.vertices @ (turn * np.sign(np.linalg.det(turn))).T
     # By its centre, not by its highest corner: the depth is then that of the sphere it stands for.
     return Facets(Surface(vertices, mesh.faces), np.array([0.0, 0.0, -40.0]))
+
+
+def _placed(surface):
+    """The middle of its box on the axis x = y = 0, its highest point in z = 0."""
+    low, high = surface.bounds[0, :3], surface.bounds[0, 3:]
+    return Facets(surface, -np.array([*(0.5 * (low[:2] + high[:2])), high[2]]))
 
 
 def _test(punch, quarter=False, **more):
@@ -59,7 +65,7 @@ def test_force_on_a_faceted_sphere_errs_by_the_square_of_the_facets():
 
 
 def test_a_quarter_cut_through_edges_is_the_whole():
-    punch = placed(Surface(*_arrays(_ball(3, turned=False))))
+    punch = _placed(Surface(*_arrays(_ball(3, turned=False))))
     quarter, whole = (rough_path(_test(punch, way), [30.0])[1].states[-1] for way in (True, False))
     assert quarter.force == pytest.approx(whole.force, rel=5e-3)
     assert quarter.reaction == pytest.approx(quarter.force, rel=1e-9)
@@ -81,7 +87,7 @@ def test_friction_acts_on_facets_as_on_the_sphere():
 
 def test_what_rises_above_the_plane_is_cut_at_it():
     box = trimesh.creation.box((40.0, 20.0, 60.0))
-    above = placed(Surface(box.vertices, box.faces)).above(15.0)
+    above = _placed(Surface(box.vertices, box.faces)).above(15.0)
     assert above[:, 2].min() == 0.0
     assert above[:, 2].max() == 15.0
     np.testing.assert_allclose(np.ptp(above[:, :2], axis=0), [40.0, 20.0])
@@ -90,7 +96,7 @@ def test_what_rises_above_the_plane_is_cut_at_it():
 def test_elements_cut_into_sharp_edges_alone():
     """The straight line between a node on the top and one beside it passes below the rim of a cylinder."""
     cylinder = trimesh.creation.cylinder(radius=30.0, height=80.0, sections=96)
-    press, path = rough_path(_test(placed(Surface(cylinder.vertices, cylinder.faces)), quarter=True), [10.0])
+    press, path = rough_path(_test(_placed(Surface(cylinder.vertices, cylinder.faces)), quarter=True), [10.0])
     assert 0.02 < cut(press, path.states[-1]) < 2.0
     press, path = rough_path(_test(_ball(3), quarter=False), [10.0])
     assert cut(press, path.states[-1]) == 0.0

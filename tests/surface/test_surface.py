@@ -99,7 +99,7 @@ def test_soundness_finds_holes_flips_and_empty_facets(ball):
     found = Surface(ball.vertices, flipped).soundness()
     assert found.flipped_edges == 6
     assert {7, 400} <= set(found.flipped_facets)
-    mended, turned = consistently_wound(ball.vertices, flipped)
+    mended, turned = consistently_wound(flipped)
     assert list(turned) == [7, 400]
     assert np.array_equal(mended, ball.faces)
     doubled = Surface(ball.vertices, np.vstack([ball.faces, ball.faces[:1]])).soundness()

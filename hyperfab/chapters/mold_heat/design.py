@@ -77,17 +77,17 @@ def design(
     if case.warmup_in is not None:
         powers = [heater.power for heater in heaters]
 
-        def time(factor: float) -> float | None:
+        def scale(factor: float) -> None:
             for heater, power in zip(heaters, powers, strict=True):
                 heater.power = power
                 heater.power = scaled(heater, factor)
+
+        def time(factor: float) -> float | None:
+            scale(factor)
             return warmup()
 
         result.warmup_wanted_s = case.warmup_in
         result.power_factor, result.runs = scale_for_warmup(case.warmup_in, time)
-        time_factor = result.power_factor
-        for heater, power in zip(heaters, powers, strict=True):
-            heater.power = power
-            heater.power = scaled(heater, time_factor)
+        scale(result.power_factor)
     result.power_W = {heater.name: float(heater.power.y.max()) for heater in heaters}
     return result

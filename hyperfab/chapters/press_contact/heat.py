@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from hyperfab.arrays import Array, Ints
+from hyperfab.cases.kinds import File
 from hyperfab.cases.press import PressCase
 from hyperfab.chapters.field import read_field
 from hyperfab.chapters.job import Job
@@ -208,8 +208,8 @@ def _part(grid: Grid, index: int) -> Grid:
 
 def file_of(given: str) -> tuple[str, str]:
     """Return the heat document that an option names, and the part of it; empty where none is named."""
-    named = re.fullmatch(r"(.+\.json):([^/\\:]+)", given)
-    return (given, "") if named is None else (named[1], named[2])
+    name, part = File.parted(given)
+    return name, part.removeprefix(":")
 
 
 def _read(inputs: Inputs, given: str, unsure: bool) -> HeatInput:
