@@ -12,16 +12,7 @@ from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.encoding import decode
 from hyperfab.io.headings import fold, heading, is_closing, setting, unit_of
 from hyperfab.io.layout import PLAIN, Layout, filled_in
-from hyperfab.io.rows import (
-    MAX_CELLS,
-    MAX_COLUMNS,
-    SEPARATORS,
-    Row,
-    lines_of,
-    split,
-    titles_by_gaps,
-    uniform,
-)
+from hyperfab.io.rows import MAX_CELLS, MAX_COLUMNS, SEPARATORS, Row, lines_of, split, titles_by_gaps, uniform
 from hyperfab.io.table_readings import readings
 from hyperfab.io.tables import (
     NO_READING,

@@ -8,17 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from hyperfab.errors import InputError
-from hyperfab.io.headings import (
-    Heading,
-    fold,
-    heading,
-    is_closing,
-    meaning,
-    plain,
-    setting,
-    unit_of,
-    words,
-)
+from hyperfab.io.headings import Heading, fold, heading, is_closing, meaning, plain, setting, unit_of, words
 from hyperfab.io.layout import Layout, named
 from hyperfab.io.rows import Row
 

@@ -33,11 +33,9 @@ class Term(Protocol):
 
     def stress(self, sheet: Sheet, along: int = 1) -> Array:
         """Return dW/dl1, or dW/dl2 with ``along`` 2."""
-        ...
 
     def membrane(self, sheet: Sheet) -> Membrane:
         """Return the energy with first and second derivatives."""
-        ...
 
 
 @dataclass(frozen=True)

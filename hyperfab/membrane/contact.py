@@ -49,17 +49,14 @@ class Grip(Protocol):
         ``nodes`` (k,) touch; ``places`` and ``pull`` (k, 3) are their places relative to the punch [mm] and the
         sheet's nodal forces [N]; ``near`` and ``spring`` (k,) [N/mm] belong to them.
         """
-        ...
 
     @property
     def settled(self) -> bool:
         """Whether the last call changed no node from sticking to slipping or back."""
-        ...
 
     @property
     def sticking(self) -> Flags:
         """Which nodes (n,) stick, should they touch."""
-        ...
 
 
 class Tangential(Protocol):
@@ -68,21 +65,17 @@ class Tangential(Protocol):
     @property
     def symmetric(self) -> bool:
         """Whether its stiffness is symmetric."""
-        ...
 
     @property
     def remembers(self) -> bool:
         """Whether an equilibrium hangs on how it was reached."""
-        ...
 
     @property
     def holds(self) -> bool:
         """Whether a touching node stays where it landed, so that the result is of first order in the load step."""
-        ...
 
     def begin(self, memory: Memory, anchors: Array) -> Grip:
         """Start a load step from what is remembered of the last one; ``anchors`` (n, 3): where nodes begin to rub."""
-        ...
 
 
 @dataclass(frozen=True)

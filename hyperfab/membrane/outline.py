@@ -67,20 +67,16 @@ class Piece(Protocol):
     @property
     def normal(self) -> int | None:
         """The axis (0 or 1) that displacements may not have on a symmetry line, None on the rim."""
-        ...
 
     @property
     def length(self) -> float:
         """Its length [mm]."""
-        ...
 
     def points(self, fraction: Array) -> Array:
         """Return the points at ``fraction`` (0 to 1) of its length."""
-        ...
 
     def between(self, ends: Array) -> Array:
         """Return the points (n, 2) half-way along it between two of its points, ``ends`` (n, 2, 2)."""
-        ...
 
 
 class Outline(Protocol):
@@ -89,31 +85,25 @@ class Outline(Protocol):
     @property
     def quarter(self) -> bool:
         """Whether only x, y >= 0 is meant, the rest being its mirror image."""
-        ...
 
     @property
     def arcs(self) -> tuple[Piece, ...]:
         """The boundary in smooth pieces, anticlockwise."""
-        ...
 
     @property
     def convex(self) -> bool:
         """Whether a straight line between any two of its points stays inside."""
-        ...
 
     @property
     def reach(self) -> float:
         """Smallest distance [mm] from the origin to the rim."""
-        ...
 
     @property
     def area(self) -> float:
         """Area [mm²] of the whole sheet, also where a quarter is computed."""
-        ...
 
     def inside(self, points: Array, margin: Array | float = 0.0) -> NDArray[np.bool_]:
         """Whether points (n, 2) lie inside by at least ``margin`` [mm]."""
-        ...
 
 
 @dataclass(frozen=True)

@@ -40,11 +40,9 @@ class Unrelaxed(Protocol):
 
     def answer(self, strain: Array) -> Answer:
         """Answer to the right Cauchy-Green tensors (n, 3): C11, C22, C12."""
-        ...
 
     def thickness_stretch(self, strain: Array) -> Array:
         """Return the thickness stretch (n,)."""
-        ...
 
 
 @dataclass(frozen=True)

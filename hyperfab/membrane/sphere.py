@@ -57,11 +57,9 @@ class Punch(Protocol):
 
     def near(self, places: Array, depth: float) -> Nearness:
         """Return how the points (n, 3) lie to the surface pushed in by ``depth`` [mm]."""
-        ...
 
     def height(self, plane: Array, depth: float) -> Array:
         """Return the height (n,) of the surface above points (n, 2) of the plane; minus infinity beside it."""
-        ...
 
 
 @dataclass(frozen=True)

@@ -39,15 +39,12 @@ class SheetLaw(Protocol):
 
     def __call__(self, strain: Array) -> Response:
         """Answer to the right Cauchy–Green tensors (n, 3): C11, C22, C12."""
-        ...
 
     def principal(self, strain: Array) -> Principal:
         """Return principal stretches and stresses at the same points."""
-        ...
 
     def margin(self, strain: Array) -> Array:
         """Return how stable the law is at the same points (n,): negative where Drucker's condition is broken."""
-        ...
 
 
 @dataclass(frozen=True)

@@ -29,15 +29,12 @@ class Balanced(Protocol[Acting]):
     @property
     def front(self) -> Front:
         """The molding part of the male."""
-        ...
 
     def at(self, pose: Pose) -> Acting:
         """Return what acts with the female at a pose."""
-        ...
 
     def tangent(self, pose: Pose, here: Acting) -> Array:
         """Return what raising the female and turning it about x and y change (3, 3), by what acts ``here``."""
-        ...
 
 
 def balance(

@@ -9,13 +9,7 @@ import numpy as np
 from hyperfab.arrays import Array, Flags
 from hyperfab.pressing.balance import balance
 from hyperfab.pressing.contact import Contact
-from hyperfab.pressing.gap import (
-    Front,
-    axial_gap,
-    molding_front,
-    nearest_gap,
-    oblique,
-)
+from hyperfab.pressing.gap import Front, axial_gap, molding_front, nearest_gap, oblique
 from hyperfab.pressing.growth import guide_line
 from hyperfab.pressing.mold import Mold
 from hyperfab.pressing.placement import Clearance, clearance

@@ -74,15 +74,12 @@ class Chain(Protocol):
 
     def links(self, readings: Sequence[Any]) -> tuple[Array, list[Link]]:
         """Return what the model shows at readings (n,) as its documents are, and each chapter."""
-        ...
 
     def corrected(self, link: Link, change: Array) -> Corrected:
         """Return the chain with a chapter's constants changed."""
-        ...
 
     def shown(self, link: Link, change: Array, corrected: Corrected, readings: Sequence[Any]) -> Array:
         """Return what the corrected chain shows at the readings (n,), run anew."""
-        ...
 
 
 @dataclass(frozen=True)

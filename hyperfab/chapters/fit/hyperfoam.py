@@ -16,13 +16,7 @@ from hyperfab.chapters.fit.siblings import curves_csv, grid_of, line
 from hyperfab.chapters.fit.whole import Answer, WholeFit
 from hyperfab.chapters.tested import tested_by
 from hyperfab.curve import TestCurve
-from hyperfab.documents.material import (
-    FitFigures,
-    MaterialDocument,
-    StableRange,
-    TestFigures,
-    Undetermined,
-)
+from hyperfab.documents.material import FitFigures, MaterialDocument, StableRange, TestFigures, Undetermined
 from hyperfab.errors import InputError
 from hyperfab.materials.hyperfoam import Hyperfoam, Rows, identify
 from hyperfab.report.figures_fit import fit_figure

@@ -8,13 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hyperfab.chapters.fit.identify import (
-    Identified,
-    Setting,
-    along_direction,
-    identify,
-    without_test,
-)
+from hyperfab.chapters.fit.identify import Identified, Setting, along_direction, identify, without_test
 from hyperfab.curve import TestCurve
 from hyperfab.materials.identification.quality import Figures
 from hyperfab.materials.identification.transfer import stretch_at, transfer_risk

@@ -11,13 +11,7 @@ from hyperfab.cases.press import PressCase
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact import inputs as read
 from hyperfab.chapters.press_contact.heat import HeatInput, ThermalDisplacement, grow, read_heat
-from hyperfab.chapters.press_contact.laws import (
-    Fabrics,
-    compression_law,
-    fabrics,
-    note_temperature,
-    thinning,
-)
+from hyperfab.chapters.press_contact.laws import Fabrics, compression_law, fabrics, note_temperature, thinning
 from hyperfab.documents.foam import FoamDocument, TableLaw
 from hyperfab.errors import UsageError
 from hyperfab.pressing.closing import Case as Closing

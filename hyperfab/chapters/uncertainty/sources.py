@@ -39,16 +39,13 @@ class Number(Protocol):
     @property
     def name(self) -> str:
         """How it is called."""
-        ...
 
     @property
     def file(self) -> str | None:
         """The file it stands in; None for one of the case."""
-        ...
 
     def move(self, inputs: Changed, change: float) -> None:
         """Change it."""
-        ...
 
 
 @dataclass(frozen=True)
