@@ -182,6 +182,14 @@ def test_where_nothing_is_stated_every_byte_is_as_if_nothing_were_carried(
     assert ran() == whole
 
 
+def test_a_figure_that_is_not_told_at_the_ends_has_a_straight_interval(made: Any) -> None:
+    """The edge of contact jumps on its mesh, and is left out of runs within the interval."""
+    spread = np.diag([0.0024, 0.0012, 0.0005]) ** 2
+    told = made((*CONTACT, "--uncertainty", "linear"), fabric_json=material(spread))["uncertainty"]
+    band = told["quantities"]["contact_radius_mm"]
+    assert band["high"] - band["low"] == pytest.approx(2.0 * 1.959964 * band["sd"], rel=1e-5)
+
+
 @pytest.mark.slow
 def test_samples_agree_with_the_linear_answer_where_that_holds(made: Any) -> None:
     spread = np.diag([0.0024, 0.0012, 0.0005]) ** 2

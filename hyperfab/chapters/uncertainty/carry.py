@@ -225,7 +225,9 @@ class Carried:
     ) -> tuple[dict[str, Array], dict[str, tuple[float, float]]]:
         """Return by how much each figure leaves the straight line where an interval ends, its own and the others'; and
         with their signs, at the lower and the upper end of its own."""
-        off = {name: [propagation.off_by_bends(effects[name], one)] for name, one in bends.items()}
+        off: dict[str, list[float]] = {name: [] for name in effects}
+        for name, one in bends.items():
+            off[name].append(propagation.off_by_bends(effects[name], one))
         own: dict[str, list[tuple[float, float]]] = {}
         if self.near is not None:
             blocks = propagation.directions(self.sources)
@@ -234,8 +236,10 @@ class Carried:
             ):
                 there = self._answer(self._moved(place, blocks)).figures
                 for name, along in effects.items():
-                    away = there.get(name, np.nan) - self.value[name] - along @ place
-                    off.setdefault(name, []).append(abs(float(away)))
+                    if name not in there:
+                        continue
+                    away = there[name] - self.value[name] - along @ place
+                    off[name].append(abs(float(away)))
                     own.setdefault(name, []).append((float(along @ place), float(away)))
         ends = {name: (min(one)[1], max(one)[1]) for name, one in own.items()}
         return {name: np.array(found) for name, found in off.items()}, ends
