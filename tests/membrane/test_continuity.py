@@ -39,7 +39,7 @@ def _two(constants):
 
 
 def _fibres(constants):
-    warp = bind("fabric-fibres", constants)
+    warp = bind("fabric-fibres", constants, anisotropic=True)
     return fibre_sheet(bind("neo-hookean", {"C10_MPa": constants["C10_MPa"]}), warp, warp.turned())
 
 
