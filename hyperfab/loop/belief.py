@@ -19,11 +19,17 @@ from hyperfab.loop.thresholds import FEWEST, MARGIN, MOST, SHARE, SMALL
 
 @dataclass(frozen=True)
 class Belief:
-    """Probabilities: that each entry is part of it, that nothing lacks, that something else does."""
+    """Probabilities: of each choice of names, that nothing lacks, that something else does."""
 
-    of: Mapping[str, float]
+    models: Mapping[frozenset[str], float]
     nothing: float
     something_else: float
+
+    @property
+    def of(self) -> dict[str, float]:
+        """How sure it is of each entry that it is part of what lacks."""
+        names = sorted({name for ids in self.models for name in ids})
+        return {name: sum(p for ids, p in self.models.items() if name in ids) for name in names}
 
 
 def allowed(before: float) -> float:
@@ -66,9 +72,7 @@ def belief(base: Candidate, models: Iterable[Candidate], entries: int) -> Belief
     nothing = (entries + 1.0) * float(np.exp(-_student(before, SMALL)))
     other = float(np.exp(-_student((1.0 - MOST) * before, _scale(before))))
     total = sum(weights.values()) + nothing + other
-    names = sorted({name for ids in weights for name in ids})
-    of = {name: sum(weight for ids, weight in weights.items() if name in ids) / total for name in names}
-    return Belief(of, nothing / total, other / total)
+    return Belief({ids: one / total for ids, one in weights.items()}, nothing / total, other / total)
 
 
 def _scale(before: float) -> float:

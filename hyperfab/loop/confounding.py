@@ -1,14 +1,18 @@
-"""Which rivals could pass for a found effect on these very data, whatever BIC says of the noise that happened."""
+"""Which other names could stand for a found effect.
+
+Where the laws are physics it is those that do the same on these very data, whatever the noise that happened says; where
+they only describe, those with which the data are nearly as likely.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 from scipy.special import chdtrc
 
 from hyperfab.arrays import Array
+from hyperfab.loop.belief import Belief, surprise
 from hyperfab.loop.candidate import Candidate
 from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.judge import common_bic
@@ -16,74 +20,97 @@ from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.score import orthonormal, projected
 from hyperfab.loop.search import Search
-from hyperfab.loop.thresholds import MARGIN, SHARE, UNLIKELY
+from hyperfab.loop.thresholds import MARGIN, ODDS, SHARE, SMALL, UNLIKELY
 
 
-@dataclass(frozen=True)
-class Rival:
-    """An entry in place of a found effect.
+def rivals(
+    search: Search, before: Candidate, best: Candidate, sure: Callable[[], Belief]
+) -> dict[str, dict[str, Candidate]]:
+    """Return, for each found effect, the others that could stand for it, with a model of each.
 
-    ``share`` is how much of the effect's own noise-free imprint it reproduces with all constants refitted, ``left``
-    the rms it misses then, in standard deviations of the noise; ``delta_bic`` how much worse it does on the data;
-    ``state`` the model with it.
+    ``sure`` tells how sure the names are by all models fitted so far.
     """
-
-    effect: str
-    instead_of: str
-    share: float
-    left: float
-    delta_bic: float
-    state: Candidate | None
-
-    def passes(self, limit: float, most_left: float) -> bool:
-        """Whether the data cannot tell it from the found effect."""
-        close = bool(self.delta_bic < MARGIN and self.share > 0.5)
-        return (self.share >= limit and self.left <= most_left) or close
-
-
-def rivals(search: Search, best: Candidate) -> list[Rival]:
-    """Return every entry that could stand in place of each effect of ``best``, with how well it would."""
-    found = []
-    for name in best.ids:
-        without = search.without(best, name)
-        most = len(best.fit.forms[name].constants)
-        imprint = _misfit(search.problem, search.noise, best.fit, without.fit)
-        alike = _alike(search, best, without)
-        for effect, _ in search.ranking(without):
-            if effect.id == name:
-                continue
-            # Where much is known of the own constants BIC tells whether a law with more constants pays for them by
-            # bringing these home, and whatever a little of it looks like.
-            free = search.with_term(without, effect) if search.problem.well_known else None
-            gap = np.inf if free is None else _gap(search, best, search.state(free))
-            if alike[effect.id] < SHARE * alike.get(name, 1.0) and gap >= MARGIN:
-                continue
-            # Else a rival with more constants than the found law would pass for nearly anything.
-            fitted = search.with_term(without, effect, most=most)
-            if fitted is not None and best.fit.forms[name].free:
-                fitted = search.enriched(search.state(fitted)).fit
-            one = None if fitted is None else _rival(search, best, name, effect.id, fitted, imprint)
-            if (
-                free is not None
-                and free is not fitted
-                and gap < min(MARGIN, one.delta_bic if one else np.inf)
-            ):
-                one = _rival(search, best, name, effect.id, free, imprint)
-            if one is not None:
-                found.append(one)
-    return sorted(found, key=lambda rival: -rival.share)
+    tried = {name: _tried_instead_of(search, best, name) for name in best.ids}
+    if search.problem.describes:
+        return _as_likely(search, before, best, sure())
+    return {
+        name: {
+            other: state
+            for other, state in states.items()
+            if does_the_same(search, best, search.without(best, name), state)
+        }
+        for name, states in tried.items()
+    }
 
 
-def _rival(search: Search, best: Candidate, name: str, effect: str, fitted: Fit, imprint: float) -> Rival:
-    left = _misfit(search.problem, search.noise, best.fit, fitted)
-    share = 1.0 - left / imprint if imprint > 0.0 else 0.0
-    state = search.state(fitted)
-    rest = float(np.sqrt(left / len(best.fit.residual)))
-    return Rival(effect, name, share, rest, _gap(search, best, state), state)
+def _as_likely(
+    search: Search, before: Candidate, best: Candidate, sure: Belief
+) -> dict[str, dict[str, Candidate]]:
+    """Return the others that are nearly as likely in place of found effects as these are without them.
+
+    Of models none of whose names could go; each other is told beside the first of those that it stands for.
+    """
+    models = sure.models
+    needed = {ids for ids, p in models.items() if all(p >= q for fewer, q in models.items() if fewer < ids)}
+    instead: dict[tuple[str, frozenset[str]], dict[frozenset[str], Candidate]] = {}
+    for state in sorted(search.states, key=lambda one: surprise(before, one)):
+        ids = frozenset(state.ids)
+        if ids in needed and (lost := frozenset(best.ids) - ids):
+            for other in sorted(ids - {*best.ids}):
+                instead.setdefault((other, lost), {}).setdefault(ids, state)
+    found: dict[str, dict[str, Candidate]] = {name: {} for name in best.ids}
+    for (other, lost), states in instead.items():
+        without = sum(p for ids, p in models.items() if other not in ids and ids & lost)
+        if ODDS * sum(models[ids] for ids in states) >= without:
+            first = next(name for name in best.ids if name in lost)
+            found[first].setdefault(other, next(iter(states.values())))
+    return found
 
 
-def _gap(search: Search, best: Candidate, state: Candidate) -> float:
+def _tried_instead_of(search: Search, best: Candidate, name: str) -> dict[str, Candidate]:
+    """Return the model with each entry that could pass for an effect of ``best`` in place of that."""
+    found = {}
+    without = search.without(best, name)
+    most = len(best.fit.forms[name].constants)
+    alike = _alike(search, best, without)
+    for effect, _ in search.ranking(without):
+        if effect.id == name:
+            continue
+        # Where much is known of the own constants BIC tells whether a law with more constants pays for them by
+        # bringing these home, and whatever a little of it looks like.
+        free = search.with_term(without, effect) if search.problem.well_known else None
+        gap = np.inf if free is None else _gap(search, best, search.state(free))
+        if alike[effect.id] < SHARE * alike.get(name, 1.0) and gap >= MARGIN:
+            continue
+        # Else a rival with more constants than the found law would pass for nearly anything.
+        fitted = search.with_term(without, effect, most=most)
+        if fitted is not None:
+            state = search.state(fitted)
+            found[effect.id] = search.enriched(state) if best.fit.forms[name].free else state
+        if free is not None and gap < min(MARGIN, _gap(search, best, found.get(effect.id))):
+            found[effect.id] = search.state(free)
+    return found
+
+
+def does_the_same(search: Search, best: Candidate, without: Candidate, state: Candidate) -> bool:
+    """Whether a model with another entry does the same as the ``best``, though its constants are likely ones.
+
+    It reproduces the effect's own noise-free imprint with all constants refitted, or most of it where BIC is as good.
+    """
+    problem = search.problem
+    if problem.well_known and is_strained(problem, state.fit) and not is_strained(problem, best.fit):
+        return False
+    left = _misfit(problem, search.noise, best.fit, state.fit)
+    imprint = _misfit(problem, search.noise, best.fit, without.fit)
+    if _gap(search, best, state) < MARGIN:
+        return left < 0.5 * imprint
+    return left <= SHARE * imprint and left <= SMALL**2 * len(best.fit.residual)
+
+
+def _gap(search: Search, best: Candidate, state: Candidate | None) -> float:
     """Return how much worse a model does on the data than the best by BIC, infinitely where it leaves much more."""
+    if state is None:
+        return np.inf
     bic = common_bic([best.fit, state.fit], search.problem)
     small = np.sqrt(max(state.excess - 1.0, 0.0)) < 0.6 + np.sqrt(max(best.excess - 1.0, 0.0))
     return float(bic[state.ids] - bic[best.ids]) if small else np.inf
@@ -110,41 +137,24 @@ def _alike(search: Search, best: Candidate, without: Candidate) -> dict[str, flo
     return found
 
 
-def indistinguishable(problem: Problem, found: Sequence[Rival], best: Candidate) -> list[list[str]]:
-    """Return, for each found effect, the set of it and the rivals the data cannot tell from it."""
+def indistinguishable(problem: Problem, others: Mapping[str, Iterable[str]]) -> list[list[str]]:
+    """Return, for each found effect, the set of it, its rivals, and what tests of this plan never tell from it."""
     sets = []
-    strained = is_strained(problem, best.fit)
-    most = 1.0 - SHARE if strained else 1.0
-    for name in best.ids:
-        effect = problem.effect(name)
-        # Of the sets the plan cannot tell apart, those that are in the model already are no alternatives.
+    for name, instead in others.items():
         alike = [
-            other for group in problem.look_alikes if name in group for other in sorted(group - {*best.ids})
+            one
+            for group in problem.look_alikes
+            if name in group
+            for one in sorted(group - others.keys())
+            if not problem.effect(one).not_sought
         ]
-        same = [
-            rival.effect
-            for rival in found
-            if rival.instead_of == name
-            and rival.passes(min(effect.confounded_share, most), effect.mimic_left)
-            and (strained or not _is_impossible(problem, rival))
-        ]
-        same += [other for other in alike if other not in same and not problem.effect(other).not_sought]
-        if same:
+        if same := dict.fromkeys([*instead, *alike]):
             sets.append([name, *same])
     return sets
 
 
-def _is_impossible(problem: Problem, rival: Rival) -> bool:
-    if not problem.well_known or rival.state is None:
-        return False
-    return is_strained(problem, rival.state.fit)
-
-
 def is_strained(problem: Problem, found: Fit) -> bool:
-    """Whether a fit puts the model's own constants, together, further off than what is known of them allows.
-
-    ``least`` is the probability below which they are.
-    """
+    """Whether a fit puts the model's own constants, together, further off than what is known of them allows."""
     away = [
         (value - constant.value) / constant.prior_sd
         for constant, value in zip(problem.own, found.x, strict=False)

@@ -11,10 +11,10 @@ from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
 from hyperfab.loop.belief import Belief, belief, explains
 from hyperfab.loop.candidate import Candidate, Evidence
-from hyperfab.loop.confounding import Rival, indistinguishable, rivals
+from hyperfab.loop.confounding import indistinguishable, rivals
 from hyperfab.loop.dependence import dependence, suggestion
 from hyperfab.loop.design import NextMeasurement, next_measurement
-from hyperfab.loop.fewest import fewest, nearly_as_likely, or_these
+from hyperfab.loop.fewest import fewest
 from hyperfab.loop.fitting import Fit, fit, least_misfits
 from hyperfab.loop.judge import common_bic
 from hyperfab.loop.noise import Noise, estimate_noise
@@ -54,7 +54,6 @@ class Finding:
     tried: dict[str, Evidence]
     scores: dict[str, float]
     worth: dict[str, float]
-    rivals: list[Rival] = field(default_factory=list)
     indistinguishable: list[list[str]] = field(default_factory=list)
     measurements: list[NextMeasurement] = field(default_factory=list)
     rides_on: dict[str, float] = field(default_factory=dict)
@@ -118,35 +117,27 @@ def close(
     if again and scatter > level.gain_sd:
         wider = replace(level, gain_sd=scatter)
         return close(problem, noise=wider, tick=tick, refit=refit, design=design, again=False, apart=apart)
-    sure = _undoubted(search, best)
-    doubted = tuple(name for name in best.ids if name not in sure.ids)
-    if not sure.ids:
+    kept = _undoubted(search, best)
+    doubted = tuple(name for name in best.ids if name not in kept.ids)
+    if not kept.ids:
         verdict, assumed = _without_names(search, before, bool(doubted))
         return replace(finding(verdict, before, {}, tried), doubted=doubted, worse=worse, assumed=assumed)
-    best = _ordered(search, sure)
+    best = _ordered(search, kept)
     added = _worth_of_each(search, best)
     found = finding("effect" if explains(before, best) else "unexplained", best, added, tried)
     found = replace(found, doubted=doubted, worse=worse)
     tick("rivals")
-    others = rivals(search, best)
-    as_good = nearly_as_likely(search, before, best)
-    sets = or_these(indistinguishable(problem, others, best), best, as_good)
+    others = rivals(search, before, best, sure_of)
+    sets = indistinguishable(problem, others)
     verdict = "ambiguous" if sets and found.verdict == "effect" else found.verdict
     measurements: list[NextMeasurement] = []
-    if sets and design:
+    alike = {id(state): state.fit for instead in others.values() for state in instead.values()}
+    if alike and design:
         tick("next measurement")
-        same = [
-            rival.state.fit
-            for rival in others
-            if rival.state is not None
-            and any(rival.effect in one and rival.instead_of == one[0] for one in sets)
-        ]
-        same += [state.fit for state in as_good]
-        measurements = next_measurement(problem, level, [best.fit, *same]) if same else []
+        measurements = next_measurement(problem, level, [best.fit, *alike.values()])
     return replace(
         found,
         verdict=verdict,
-        rivals=others,
         indistinguishable=sets,
         measurements=measurements,
         belief=sure_of(),

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from itertools import combinations
 
-import numpy as np
-
 from hyperfab.loop.belief import explains, surprise
 from hyperfab.loop.candidate import Candidate, Evidence
 from hyperfab.loop.search import Search
-from hyperfab.loop.thresholds import ODDS
 
 #: Names beside which the plain law is made richer.
 _LIKELY = 2
@@ -27,7 +24,7 @@ def fewest(search: Search, before: Candidate, best: Candidate, tried: dict[str, 
     if explained and len(best.ids) == 1:
         return best
     whole = best if best is before or explained else search.enriched(best)
-    if not _is_free(search):
+    if not search.problem.describes:
         return whole
     plain = search.problem.plain
     first = sorted(tried, key=lambda name: -tried[name].delta_bic)[:_FIRST]
@@ -58,35 +55,6 @@ def fewest(search: Search, before: Candidate, best: Candidate, tried: dict[str, 
     if not found:
         return whole
     return min(found.values(), key=lambda state: surprise(before, state))
-
-
-def nearly_as_likely(search: Search, before: Candidate, best: Candidate) -> list[Candidate]:
-    """Return the models of other names that leave noise too and are not much less likely than the ``best``."""
-    if not _is_free(search):
-        return []
-    most = surprise(before, best) + np.log(ODDS)
-    near = [
-        state
-        for state in search.states
-        if state.ids and frozenset(state.ids) != frozenset(best.ids) and surprise(before, state) < most
-    ]
-    return [state for state in near if explains(before, state)]
-
-
-def _is_free(search: Search) -> bool:
-    return any(form.free for effect in search.problem.effects for form in effect.forms)
-
-
-def or_these(sets: list[list[str]], best: Candidate, as_good: list[Candidate]) -> list[list[str]]:
-    """Return the sets of look-alikes with the names of models that explain as much beside them."""
-    found = {one[0]: list(one) for one in sets}
-    for other in as_good:
-        lost = [name for name in best.ids if name not in other.ids]
-        instead = [name for name in other.ids if name not in best.ids]
-        if lost and instead:
-            same = found.setdefault(lost[0], [lost[0]])
-            same += [name for name in instead if name not in same]
-    return [found[name] for name in best.ids if name in found]
 
 
 def _all_pay(search: Search, state: Candidate) -> bool:

@@ -92,10 +92,8 @@ class Effect:
 
     ``rides_on`` names the state variables the effect shows against; ``shown_by`` the measurement that would tell it
     from its look-alikes; ``smooth`` whether a too poor smooth law could pass for it (its score is then taken
-    off a space of smooth curves). A rival that reproduces more than ``confounded_share`` of an effect's imprint cannot
-    be told from it: less for laws that only describe, more where the law is physics; one that misses it by more than
-    ``mimic_left`` standard deviations of the noise (rms) is told from it. ``not_sought`` says why an entry is left out:
-    the model has it, or the data lack what it shows on.
+    off a space of smooth curves). ``not_sought`` says why an entry is left out: the model has it, or the data lack
+    what it shows on.
     """
 
     id: str
@@ -104,9 +102,7 @@ class Effect:
     shown_by: str
     source: str
     forms: tuple[Form, ...]
-    smooth: bool = True
-    confounded_share: float = 0.85
-    mimic_left: float = 1.5
+    smooth: bool = False
     not_sought: str = ""
 
     def form(self, name: str) -> Form:
@@ -206,6 +202,11 @@ class Problem(ABC):
     @abstractmethod
     def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return the prediction at every row, for own constants and ``terms``: effect id -> (form, constants)."""
+
+    @property
+    def describes(self) -> bool:
+        """Whether the entries are laws that only describe, so that they are made smooth where none is quite right."""
+        return any(form.free for effect in self.effects for form in effect.forms)
 
     @property
     def look_alikes(self) -> Sequence[frozenset[str]]:

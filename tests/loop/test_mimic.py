@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 from hyperfab.arrays import Array
+from hyperfab.loop import confounding
+from hyperfab.loop.belief import Belief
 from hyperfab.loop.confounding import is_strained
 from hyperfab.loop.engine import close
 from hyperfab.loop.problem import Constant, Curve, Effect, Form, Problem
@@ -32,7 +34,7 @@ class Saturating(Problem):
 def saturating(size: float) -> Saturating:
     def effect(name: str) -> Effect:
         form = Form("plain", (Constant("a", 0.0, 0.0, 1e9, 1e-2),), ((1.0,), (1e3,)), ((1e-2,),))
-        return Effect(name, name, ("place",), "nothing", "made up", (form,), smooth=False)
+        return Effect(name, name, ("place",), "nothing", "made up", (form,))
 
     curves = tuple(Curve(f"{k}", 60 * k, 60 * k + 60, PLACE) for k in range(2))
     own = (Constant("level", 0.0),)
@@ -70,3 +72,26 @@ def test_look_alike_is_flagged_however_large_the_effect(size: float) -> None:
     found = close(saturating(size), noise=0.01, design=False)
     assert found.verdict == "ambiguous"
     assert [set(one) for one in found.indistinguishable] == [{"one", "other"}]
+
+
+@pytest.mark.parametrize(
+    ("chances", "told"),
+    [
+        ({"ab": 0.6, "ac": 0.3}, {"a": [], "b": ["c"]}),
+        ({"ab": 0.6, "ac": 0.1}, {"a": [], "b": []}),
+        # A second name that could go says nothing, and nothing can stand for it.
+        ({"a": 0.5, "ab": 0.2, "ac": 0.2}, {"a": [], "b": []}),
+        ({"ab": 0.5, "c": 0.3}, {"a": ["c"], "b": []}),
+        ({"ab": 0.5, "bc": 0.2, "bd": 0.2}, {"a": ["c", "d"], "b": []}),
+    ],
+)
+def test_another_name_is_told_beside_the_one_it_could_stand_for(
+    chances: dict[str, float], told: dict[str, list[str]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    states = [SimpleNamespace(ids=tuple(ids)) for ids in chances]
+    search: Any = SimpleNamespace(states=states)
+    best: Any = states[[one.ids for one in states].index(("a", "b"))]
+    sure = Belief({frozenset(ids): p for ids, p in chances.items()}, 0.0, 0.0)
+    monkeypatch.setattr(confounding, "surprise", lambda before, state: -chances["".join(state.ids)])
+    found = confounding._as_likely(search, best, best, sure)
+    assert {name: list(others) for name, others in found.items()} == told

@@ -24,7 +24,6 @@ from hyperfab.loop import (
     confounding,
     engine,
     fabric_tests,
-    fewest,
     heldout,
     judge,
     replicates,
@@ -226,25 +225,30 @@ def helped(*tests: tuple[float, float]) -> float:
     return found.helped
 
 
-def strained(p: float, call: Callable[..., bool] | None = None) -> bool:
+def strained(p: float) -> bool:
     away = float(norm.isf(0.5 * p))
-    own = [Constant("a", 0.0, prior_sd=1.0)]
-    problem = SimpleNamespace(own=own, well_known=True)
-    found = SimpleNamespace(x=np.array([away]))
-    if call is None:
-        return confounding.is_strained(problem, found)  # type: ignore[arg-type]
-    return call(problem, SimpleNamespace(state=SimpleNamespace(fit=found)))
+    problem: Any = SimpleNamespace(own=[Constant("a", 0.0, prior_sd=1.0)], well_known=True)
+    found: Any = SimpleNamespace(x=np.array([away]))
+    return confounding.is_strained(problem, found)
 
 
-def stands_in(share: float) -> bool:
-    """Whether a rival that reproduces so much passes where the constants are strained."""
-    effect = SimpleNamespace(confounded_share=0.995, mimic_left=1.5, not_sought="")
-    problem = SimpleNamespace(
-        own=[Constant("a", 0.0, prior_sd=1.0)], look_alikes=(), well_known=False, effect=lambda name: effect
-    )
-    best = SimpleNamespace(ids=("one",), fit=SimpleNamespace(x=np.array([9.0])))
-    rival = confounding.Rival("other", "one", share, 0.1, 99.0, None)
-    return bool(confounding.indistinguishable(problem, [rival], best))  # type: ignore[arg-type]
+def same(
+    patch: pytest.MonkeyPatch, left: float = 0.01, whole: float = 100.0, p: float = 1.0, gap: float = 99.0
+) -> bool:
+    """Whether a rival does the same that misses an imprint of mean square ``whole`` by ``left``.
+
+    Its constants are as far off as happens with probability ``p``; by BIC it does worse by ``gap``.
+    """
+    away = float(norm.isf(0.5 * p))
+    problem = SimpleNamespace(own=[Constant("a", 0.0, prior_sd=1.0)], well_known=True)
+    search: Any = SimpleNamespace(problem=problem, noise=None)
+    states: list[Any] = [
+        SimpleNamespace(fit=SimpleNamespace(x=np.array([x]), residual=np.zeros(10))) for x in (0.0, 0.0, away)
+    ]
+    best, without, other = states
+    patch.setattr(confounding, "_misfit", lambda *given: 10.0 * (left if given[-1] is other.fit else whole))
+    patch.setattr(confounding, "_gap", lambda *given: gap)
+    return confounding.does_the_same(search, best, without, other)
 
 
 def rivals_asked(monkeypatch: pytest.MonkeyPatch, constants: int, cosine: float) -> list[int]:
@@ -259,9 +263,8 @@ def rivals_asked(monkeypatch: pytest.MonkeyPatch, constants: int, cosine: float)
     )  # fmt: skip
     form = SimpleNamespace(constants=range(constants))
     best = SimpleNamespace(ids=("one",), fit=SimpleNamespace(forms={"one": form}))
-    monkeypatch.setattr(confounding, "_misfit", lambda *given: 1.0)
     monkeypatch.setattr(confounding, "_alike", lambda *given: {"one": 1.0, "other": cosine})
-    confounding.rivals(search, best)  # type: ignore[arg-type]
+    confounding._tried_instead_of(search, best, "one")  # type: ignore[arg-type]
     return asked
 
 
@@ -289,8 +292,9 @@ def leaving(names: tuple[str, ...], left: float) -> Any:
 def as_likely(left: float) -> bool:
     """Whether a name that leaves so much of ten standard deviations is told beside one that leaves nothing."""
     base, one, other = leaving((), 10.0), leaving(("rate",), 0.0), leaving(("mullins",), left)
-    search = SimpleNamespace(problem=base.problem, states=[base, one, other])
-    return bool(fewest.nearly_as_likely(search, base, one))  # type: ignore[arg-type]
+    states = [base, one, other]
+    search: Any = SimpleNamespace(problem=base.problem, states=states)
+    return bool(confounding._as_likely(search, base, one, belief(base, states, 8))["rate"])
 
 
 def something_else(left: float) -> float:
@@ -306,11 +310,12 @@ def gave(share: float) -> bool:
 CASES: dict[str, tuple[Callable[[pytest.MonkeyPatch], Any], Any]] = {
     "ALPHA": (lambda _: [judged(9.0, p).is_noise for p in (0.0035, 0.007)], [False, True]),
     "SMALL": (
-        lambda _: [
+        lambda patch: [
             [judged(left).is_small for left in (0.3, 0.6)],
             [explained(100.0, left) for left in (0.5, 0.9)],
+            [same(patch, left=left**2) for left in (0.3, 0.6)],
         ],
-        [[True, False], [True, False]],
+        [[True, False], [True, False], [True, False]],
     ),
     "TOLD": (
         lambda _: [
@@ -324,14 +329,14 @@ CASES: dict[str, tuple[Callable[[pytest.MonkeyPatch], Any], Any]] = {
         [[False, True], [1.0, 0.5], [True, False], [False, True], True, True],
     ),
     "UNLIKELY": (
-        lambda _: [
+        lambda patch: [
             [alike(p) for p in (0.7e-5, 1.4e-5)],
             [strained(p) for p in (0.7e-5, 1.5e-5)],
-            [strained(p, confounding._is_impossible) for p in (0.7e-5, 1.5e-5)],
+            [same(patch, p=p) for p in (0.7e-5, 1.5e-5)],
             [offset_told(gained) for gained in (18.7, 20.3)],
             [NextMeasurement("", {}, one).decisive for one in (18.7, 20.3)],
         ],
-        [[False, True], [True, False], [True, False], [False, True], [False, True]],
+        [[False, True], [True, False], [False, True], [False, True], [False, True]],
     ),
     "FEWEST": (
         lambda _: [
@@ -348,20 +353,22 @@ CASES: dict[str, tuple[Callable[[pytest.MonkeyPatch], Any], Any]] = {
     ),
     "PRIOR": (lambda _: Given("", {}, [], SimpleNamespace(prior=None), None, None).surely, 0.1),  # type: ignore[arg-type]
     "MARGIN": (
-        lambda _: [[evidence(bic=bic).pays(), in_proportion(bic)] for bic in (6.0, 12.0)],
-        [[False, False], [True, True]],
+        lambda patch: [
+            [evidence(bic=bic).pays(), in_proportion(bic), same(patch, left=30.0, gap=bic)] for bic in (6.0, 12.0)
+        ],
+        [[False, False, True], [True, True, False]],
     ),
     "SHARE": (
         lambda patch: [
             [evidence(share=one).pays() for one in (0.035, 0.075)],
             [evidence(help=Help(one, 1.0, 6)).pays() for one in (0.035, 0.075)],
             [explained(2.6, left) for left in (0.5, 0.64)],
-            [stands_in(share) for share in (0.93, 0.97)],
+            [same(patch, left=share, whole=1.0) for share in (0.035, 0.075)],
             [rivals_asked(patch, 3, one) for one in (0.035, 0.075)],
             [led_alike(share) for share in (0.035, 0.075)],
             [as_likely(left) for left in (0.5, 0.75)],
         ],
-        [[False, True], [False, True], [True, False], [False, True], [[], [3]], [True, False], [True, False]],
+        [[False, True], [False, True], [True, False], [True, False], [[], [3]], [True, False], [True, False]],
     ),
     "MOST": (
         lambda _: [
@@ -371,7 +378,10 @@ CASES: dict[str, tuple[Callable[[pytest.MonkeyPatch], Any], Any]] = {
         [[[False, False], [True, True]], [False, True]],
     ),
     "ODDS": (
-        lambda _: [[as_likely(left) for left in (0.5, 0.75)], [suspects(p) for p in (0.65, 0.85)]],
+        lambda _: [
+            [as_likely(left) for left in (0.5, 0.75)],
+            [suspects(p) for p in (0.65, 0.85)],
+        ],
         [[True, False], [("foam", upstream.ELSE), ("foam",)]],
     ),
 }  # fmt: skip

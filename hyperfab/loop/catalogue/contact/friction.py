@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.contact import ContactEffect, DataContext
-from hyperfab.loop.problem import Constant, Form
+from hyperfab.loop.catalogue.contact import DataContext
+from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(context: DataContext) -> ContactEffect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: a coefficient, added to the model's own."""
     mu = Constant("mu", 0.0, 0.0, max(context.friction, 1e-9), 0.05, places=("friction",))
-    return ContactEffect(
+    return Effect(
         id="friction",
         title="the sheet rubs on the punch",
         not_sought="" if context.friction else "the model's sheet sticks to the punch where it touches",

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.contact import ContactEffect, DataContext
-from hyperfab.loop.problem import Constant, Form
+from hyperfab.loop.catalogue.contact import DataContext
+from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(context: DataContext) -> ContactEffect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: stretch of the rim, added to the model's own."""
     down, up = context.prestretch
     added = Constant("added_stretch", 0.0, -down, up, 0.005, places=("prestretch",))
-    return ContactEffect(
+    return Effect(
         id="pretension",
         title="the sheet was mounted under tension",
         rides_on=("depth_mm",),

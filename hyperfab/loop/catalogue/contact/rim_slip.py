@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.contact import ContactEffect, DataContext
-from hyperfab.loop.problem import Constant, Form
+from hyperfab.loop.catalogue.contact import DataContext
+from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(context: DataContext) -> ContactEffect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: the rim creeps inward in proportion to the pull, or to what of it the clamp does not hold."""
     slip = Constant("slip_mm2_N", 0.0, 0.0, context.slip, 0.02 * context.slip, places=("slip",))
     past = Constant("slip_mm2_N", 0.0, 0.0, 4.0 * context.slip, 0.02 * context.slip, places=("slip",))
     hold = Constant("hold_N_mm", 0.0, 0.0, 0.9 * context.pull, 0.02 * context.pull, places=("hold",))
     some = ((0.3 * context.slip, 0.2 * context.pull), (0.8 * context.slip, 0.5 * context.pull))
-    return ContactEffect(
+    return Effect(
         id="rim-slip",
         title="the sheet slips in its clamp",
         rides_on=("depth_mm",),

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from hyperfab.loop.catalogue.contact import ContactEffect, DataContext
-from hyperfab.loop.problem import Constant, Form
+from hyperfab.loop.catalogue.contact import DataContext
+from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(context: DataContext) -> ContactEffect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: exponential in temperature; with three temperatures also its curvature."""
     away = max((abs(v - context.reference_degC) for v in context.temperatures), default=0.0)
     span = max(away, float(np.ptp(context.temperatures)) if context.temperatures else 0.0, 10.0)
@@ -17,7 +17,7 @@ def entry(context: DataContext) -> ContactEffect:
     forms = [Form("exponential", (linear,), ((0.2 / span,), (-0.2 / span,)), ((0.02 / span,),))]
     if len(context.temperatures) > 2:
         forms.append(Form("curved", (linear, bend), ((0.2 / span, 0.05 / span**2),), refines="exponential"))
-    return ContactEffect(
+    return Effect(
         id="thermal-softening",
         title="stiffness changes with temperature",
         not_sought="" if context.temperatures else "no file states its temperature",

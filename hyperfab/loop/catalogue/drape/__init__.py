@@ -4,17 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from hyperfab.loop.problem import Effect
-
-
-@dataclass(frozen=True)
-class DrapeEffect(Effect):
-    """An entry for a draped sheet, by how surely effects are told apart there."""
-
-    smooth: bool = False
-    confounded_share: float = 0.95
-    mimic_left: float = 0.5
-
 
 @dataclass(frozen=True)
 class DataContext:

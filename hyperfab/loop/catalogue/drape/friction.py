@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.drape import DataContext, DrapeEffect
-from hyperfab.loop.problem import Constant, Form
+from hyperfab.loop.catalogue.drape import DataContext
+from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(context: DataContext) -> DrapeEffect | None:
+def entry(context: DataContext) -> Effect | None:
     """Return the effect: a coefficient, added to the model's own."""
     mu = Constant("mu", 0.0, 0.0, max(context.friction, 1e-9), 0.05, places=("friction",))
-    return DrapeEffect(
+    return Effect(
         id="friction",
         title="the sheet rubs on the mold",
         rides_on=("from the middle_mm", "z_mm"),

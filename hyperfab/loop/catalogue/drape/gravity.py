@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.drape import DataContext, DrapeEffect
-from hyperfab.loop.problem import Constant, Form
+from hyperfab.loop.catalogue.drape import DataContext
+from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(context: DataContext) -> DrapeEffect | None:
+def entry(context: DataContext) -> Effect | None:
     """Return the effect: a mass per area."""
     mass = Constant("mass_g_m2", 0.0, 0.0, context.mass, 0.02 * context.mass, places=("mass",))
-    return DrapeEffect(
+    return Effect(
         id="gravity",
         title="the sheet hangs under its own weight",
         rides_on=("from the middle_mm", "z_mm"),

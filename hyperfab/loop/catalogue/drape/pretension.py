@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.drape import DataContext, DrapeEffect
-from hyperfab.loop.problem import Constant, Form
+from hyperfab.loop.catalogue.drape import DataContext
+from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(context: DataContext) -> DrapeEffect | None:
+def entry(context: DataContext) -> Effect | None:
     """Return the effect: stretch of the mounted sheet, alike along warp and weft, or not."""
     down, up = context.prestretch
     both = Constant("added_stretch", 0.0, -down, up, 0.005, places=("prestretch",))
     more = Constant("weft_more", 0.0, -up, up, 0.005, places=("weft more",))
-    return DrapeEffect(
+    return Effect(
         id="pretension",
         title="the sheet was mounted under tension",
         rides_on=("from the middle_mm", "z_mm"),

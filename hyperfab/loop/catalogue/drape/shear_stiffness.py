@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.drape import DataContext, DrapeEffect
-from hyperfab.loop.problem import Constant, Form
+from hyperfab.loop.catalogue.drape import DataContext
+from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(context: DataContext) -> DrapeEffect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: a shear modulus, added to the model's own; a membrane's law has its own shear."""
     modulus = Constant("modulus_MPa", 0.0, 0.0, context.shear, 0.02 * context.shear, places=("shear",))
     starts = ((0.1 * context.shear,), (0.5 * context.shear,))
     form = Form("linear", (modulus,), starts, ((0.03 * context.shear,),))
-    return DrapeEffect(
+    return Effect(
         id="shear-stiffness",
         title="the fabric resists shear",
         rides_on=("x0_mm", "y0_mm"),

@@ -65,6 +65,4 @@ def entry(context: DataContext) -> Effect:
         source="Spencer (1984), Continuum Theory of the Mechanics of Fibre-Reinforced Composites; "
         "Holzapfel, Gasser & Ogden (2000), doi:10.1023/A:1010835316564",
         forms=tuple(forms),
-        confounded_share=0.95,
-        smooth=False,
     )

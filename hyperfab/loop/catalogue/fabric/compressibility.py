@@ -41,6 +41,4 @@ def entry(context: DataContext) -> Effect:
         shown_by="the transverse stretch of a uniaxial test, or uniaxial and biaxial tests of one sheet",
         source="Blatz & Ko (1962), doi:10.1122/1.548937; Flory (1961), doi:10.1039/tf9615700829",
         forms=(*forms, *free),
-        confounded_share=0.97,
-        smooth=False,
     )

@@ -79,7 +79,6 @@ def entry(context: DataContext) -> Effect:
         shown_by="one more mode (planar shear or biaxial), and a pull farther than the product is stretched",
         source="Yeoh (1993), doi:10.5254/1.3538343; Fung (1967); Gent & Thomas (1958), doi:10.1002/pol.1958.1202811814",
         forms=(*forms, smooth),
-        smooth=False,
     )
 
 

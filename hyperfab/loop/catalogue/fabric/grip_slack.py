@@ -36,5 +36,5 @@ def entry(context: DataContext) -> Effect:
                 refines="play",
             ),
         ),
-        confounded_share=0.93,
+        smooth=True,
     )

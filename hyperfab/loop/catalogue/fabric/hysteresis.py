@@ -106,4 +106,5 @@ def entry(context: DataContext) -> Effect:
         shown_by="three cycles to one amplitude at two rates: a loop of the same width every time",
         source="Dahl (1968), TOR-158; Ogden & Roxburgh (1999), doi:10.1098/rspa.1999.0431",
         forms=(*forms, smooth),
+        smooth=True,
     )

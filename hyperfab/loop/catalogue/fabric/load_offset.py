@@ -49,5 +49,5 @@ def entry(context: DataContext) -> Effect:
         shown_by="readings at rest, before the pull and after full unloading",
         source="ASTM E4 (zero of a testing machine)",
         forms=tuple(forms),
-        confounded_share=0.995,
+        smooth=True,
     )

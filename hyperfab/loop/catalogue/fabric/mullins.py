@@ -88,4 +88,5 @@ def entry(context: DataContext) -> Effect:
         shown_by="two pulls to one stretch, then one beyond it: the second follows the first's way down",
         source="Ogden & Roxburgh (1999), doi:10.1098/rspa.1999.0431; Simo (1987), doi:10.1016/0045-7825(87)90107-1",
         forms=(*forms, smooth),
+        smooth=True,
     )

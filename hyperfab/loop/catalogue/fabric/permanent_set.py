@@ -54,6 +54,7 @@ def entry(context: DataContext) -> Effect:
         shown_by="unloading to zero force, a wait, and a second pull: the stretch at which force begins",
         source="ASTM D412 (tension set); Andrews, Tobolsky & Hanson (1946), doi:10.1063/1.1707724",
         forms=(*forms, smooth),
+        smooth=True,
     )
 
 

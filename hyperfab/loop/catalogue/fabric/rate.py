@@ -119,4 +119,5 @@ def entry(context: DataContext) -> Effect:
         source="Fung (1981), Biomechanics, ch. 7; Taylor, Pister & Goudreau (1970), doi:10.1002/nme.1620020106; "
         "Bergstrom & Boyce (1998), doi:10.1016/S0022-5096(97)00075-6",
         forms=(*forms, smooth),
+        smooth=True,
     )

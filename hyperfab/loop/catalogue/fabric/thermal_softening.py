@@ -41,6 +41,4 @@ def entry(context: DataContext) -> Effect:
         shown_by="the same pull at two temperatures 30 K or more apart",
         source="Ferry (1980), Viscoelastic Properties of Polymers, ch. 11",
         forms=(*forms, smooth),
-        confounded_share=0.95,
-        smooth=False,
     )

@@ -4,16 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from hyperfab.loop.problem import Effect
-
-
-@dataclass(frozen=True)
-class MoldEffect(Effect):
-    """An entry for a heated mold, by how surely effects are told apart there."""
-
-    smooth: bool = False
-    confounded_share: float = 0.98
-
 
 @dataclass(frozen=True)
 class DataContext:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.heat import DataContext, MoldEffect
-from hyperfab.loop.problem import Constant, Form
+from hyperfab.loop.catalogue.heat import DataContext
+from hyperfab.loop.problem import Constant, Effect, Form
 
 #: What the air of a room does: so far over a shift, with its doors, and so fast when it is heated or aired.
 FARTHEST_K, FASTEST_K_S = 20.0, 0.01
 
 
-def entry(context: DataContext) -> MoldEffect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: ambient linear in time, quadratic, cubic."""
     whole = context.duration_s
     most = min(FARTHEST_K / whole, FASTEST_K_S)
@@ -25,7 +25,7 @@ def entry(context: DataContext) -> MoldEffect:
         2.0 / whole**3,
         places=("ambient_per_s3",),
     )
-    return MoldEffect(
+    return Effect(
         id="ambient-drift",
         title="the ambient changes with time",
         not_sought="" if context.films else "no face has a film",

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.heat import DataContext, MoldEffect
-from hyperfab.loop.problem import Constant, Form
+from hyperfab.loop.catalogue.heat import DataContext
+from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(context: DataContext) -> MoldEffect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: a conductance to the ambient through the outer faces without a film, to a bench that may
     warm up, or more in places."""
     h = Constant("h_W_m2K", 0.0, 0.0, 2000.0, 0.3 * context.typical_film, places=("bench",))
@@ -23,7 +23,7 @@ def entry(context: DataContext) -> MoldEffect:
         Constant(name, 0.0, -2.0, 2.0, 0.1, 0.5, (f"bench_{name}",))
         for name in ("from_middle", "along_x", "along_y")
     ]
-    return MoldEffect(
+    return Effect(
         id="base-conduction",
         title="heat leaves through the base",
         not_sought="" if context.bench else "every outer face has a film",

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.heat import DataContext, MoldEffect
-from hyperfab.loop.problem import Constant, Form
+from hyperfab.loop.catalogue.heat import DataContext
+from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(context: DataContext) -> MoldEffect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: a resistance of the joints that conduct perfectly in the model, or in series with its joints.
 
     One for all, of each its own, closing as the mold warms up, or greater in places.
@@ -42,7 +42,7 @@ def entry(context: DataContext) -> MoldEffect:
                 )
             )
         forms.append(Form("uneven", (resistance, *uneven), ((1e-3, 0.0, 0.0, 0.0),), refines="gap"))
-    return MoldEffect(
+    return Effect(
         id="contact-resistance",
         title="parts that touch do not conduct perfectly",
         not_sought="" if joints else "the mold has one part",

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.heat import DataContext, MoldEffect
-from hyperfab.loop.problem import Constant, Form
+from hyperfab.loop.catalogue.heat import DataContext
+from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(context: DataContext) -> MoldEffect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: ``h ~ (T - ambient)^n``; free convection has n from 1/4 to 1/3."""
-    return MoldEffect(
+    return Effect(
         id="convection-law",
         title="the film coefficient depends on the temperature difference in another way",
         not_sought="" if context.films else "no face has a film",

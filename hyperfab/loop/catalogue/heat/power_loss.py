@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.heat import DataContext, MoldEffect
-from hyperfab.loop.problem import Constant, Form
+from hyperfab.loop.catalogue.heat import DataContext
+from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(context: DataContext) -> MoldEffect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: a share lost, constant or growing with the heater's temperature, or out of its back.
 
     A wire that resists more when hot draws less at the same voltage.
@@ -20,7 +20,7 @@ def entry(context: DataContext) -> MoldEffect:
     back = Constant("back_W_K", 0.0, 0.0, 0.9 * loss, 0.05 * loss, places=("back_W_K",))
     # Metals resist 0.004 more a kelvin, nickel 0.006, heater alloys less: CRC Handbook of Chemistry and Physics.
     wire = Constant("resistance_per_K", 0.0, 0.0, 4.0 / rise, 0.05 / rise, 0.004, ("wire_per_K",))
-    return MoldEffect(
+    return Effect(
         id="power-loss",
         title="part of the power does not reach the mold",
         not_sought="" if context.heaters else "the model has no heater",

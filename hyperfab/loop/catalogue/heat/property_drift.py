@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.heat import DataContext, MoldEffect
-from hyperfab.loop.problem import Constant, Form
+from hyperfab.loop.catalogue.heat import DataContext
+from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(context: DataContext) -> MoldEffect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: specific heat, conductivity or both linear in temperature, then with a bend."""
     rise = context.rise_K
     c = Constant("specific_heat_per_K", 0.0, -0.5 / rise, 2.0 / rise, 0.05 / rise, places=("capacity_per_K",))
@@ -21,7 +21,7 @@ def entry(context: DataContext) -> MoldEffect:
         0.05 / rise**2,
         places=("capacity_per_K2",),
     )
-    return MoldEffect(
+    return Effect(
         id="property-drift",
         title="conductivity or specific heat change with temperature",
         rides_on=("temperature_degC", "heating rate_K_s"),

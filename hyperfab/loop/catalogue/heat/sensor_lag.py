@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.heat import DataContext, MoldEffect
-from hyperfab.loop.problem import Constant, Form
+from hyperfab.loop.catalogue.heat import DataContext
+from hyperfab.loop.problem import Constant, Effect, Form
 
 
-def entry(context: DataContext) -> MoldEffect:
+def entry(context: DataContext) -> Effect:
     """Return the effect: a first-order lag of all probes; one each; or two in a row, of sheath and sensor."""
     lag = Constant("lag_s", 0.0, 0.0, 0.2 * context.duration_s, 0.01 * context.duration_s, places=("lag_s",))
     starts = ((0.01 * context.duration_s,), (0.04 * context.duration_s,))
@@ -20,7 +20,7 @@ def entry(context: DataContext) -> MoldEffect:
     if own:
         start = (0.01 * context.duration_s, *(0.0 for _ in own))
         richer.append(Form("each", (lag, *own), (start,), refines="first-order"))
-    return MoldEffect(
+    return Effect(
         id="sensor-lag",
         title="the sensors lag behind the metal",
         rides_on=("heating rate_K_s",),

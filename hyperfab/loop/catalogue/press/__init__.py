@@ -14,10 +14,6 @@ from hyperfab.loop.problem import Effect
 class PressEffect(Effect):
     """An entry that says itself what it changes of a press."""
 
-    smooth: bool = False
-    confounded_share: float = 0.95
-    mimic_left: float = 0.35
-
     @abstractmethod
     def move(self, press: Changes, at: Mapping[str, float]) -> None:
         """Add what the effect changes where its constants are ``at`` these values by name: a simpler form has fewer."""
