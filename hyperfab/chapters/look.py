@@ -51,15 +51,13 @@ def remarks(tests: Sequence[TestData], silent: Collection[str] = ()) -> list[str
 def _said(group: Sequence[tuple[TestData, Doubt]]) -> str:
     """Return the remark of all tests with one kind of doubt: the worst of them in words."""
     worst = max((doubt for _, doubt in group), key=lambda doubt: doubt.size)
-    places = list(dict.fromkeys(_place(test, doubt) for test, doubt in group))
+    places = list(
+        dict.fromkeys(f"{test.source}, line {int(test.lines[doubt.rows[0]])}" for test, doubt in group)
+    )
     more = f" and {len(places) - SHOWN} more" if len(places) > SHOWN else ""
     most = "at most: " if len(places) > 1 else ""
     where = "; ".join(places[:SHOWN]) + more
     return f"{where}: {most}{worst.text}; {worst.remedy}"
-
-
-def _place(test: TestData, doubt: Doubt) -> str:
-    return f"{test.source}, line {int(test.lines[doubt.rows[0]])}"
 
 
 def _twins(tests: Sequence[TestData]) -> Iterator[str]:

@@ -261,12 +261,13 @@ def _tests_of_rows(sheet: CsvSheet, columns: Roles, given: str | None) -> tuple[
                 column="test" if column else None,
                 remedy=error.remedy,
             ) from None
-        if given is not None and not _agree(known[text], given):
+        plain = known[text].removesuffix("-general")
+        if given is not None and plain != given.removesuffix("-general"):
             raise InputError(
                 f"says the test is {known[text]}, but it was given as {given}",
                 file=sheet.name,
                 line=line,
-                remedy=f"give it as --{known[text].removesuffix('-general')}, or correct the line",
+                remedy=f"give it as --{plain}, or correct the line",
             )
     count = len(sheet.lines)
     if texts:
@@ -298,10 +299,6 @@ def _recognised(sheet: CsvSheet, columns: Roles) -> str | None:
     titles = " ".join(one.heading.title for one in names.values())
     found = kind_named(titles)
     return found if found in ("uniaxial", "compression") else None
-
-
-def _agree(stated: str, given: str) -> bool:
-    return stated.removesuffix("-general") == given.removesuffix("-general")
 
 
 def _groups(

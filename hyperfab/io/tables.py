@@ -98,7 +98,7 @@ def find(rows: Sequence[Row], fits: Fits, layout: Layout) -> list[Block]:
         if head is not None:
             first, headings = head
             heads.append((first, start))
-            found.append(Block(_line_of_head(rows, first, start), headings))
+            found.append(Block(rows[min(first, start)][0], headings))
     for number, (block, (first, start)) in enumerate(zip(found, heads, strict=True)):
         before = heads[number - 1][1] if number else 0
         above = [row for row, one in zip(rows[before:first], data[before:first], strict=True) if not one]
@@ -112,10 +112,6 @@ def find(rows: Sequence[Row], fits: Fits, layout: Layout) -> list[Block]:
             end -= 1  # what stands above the next head belongs to it
         block.rows = list(rows[start:end])
     return found
-
-
-def _line_of_head(rows: Sequence[Row], first: int, start: int) -> int:
-    return rows[first if first < start else start][0]
 
 
 def _head(

@@ -168,7 +168,8 @@ def _preconditioner(mesh: TetraMesh, matrix: sparse.csr_matrix, free: Flags) -> 
     pieces = _only_free(_rigid_pieces(mesh.points[corners]), used)
     coarsest = sparse.csr_matrix(pieces.T @ coarse @ pieces)
     keep = coarsest.diagonal() > 1e-9 * coarsest.diagonal().max()
-    below = TwoLevel(_with_diagonal(coarse, used), pieces, Direct(coarsest, keep), used, degree=4)
+    whole = sparse.csr_matrix(coarse + sparse.diags_array(np.where(used, 0.0, 1.0)))
+    below = TwoLevel(whole, pieces, Direct(coarsest, keep), used, degree=4)
     return TwoLevel(matrix, prolongation, below, free)
 
 
@@ -198,7 +199,3 @@ def _rigid_pieces(points: Array) -> sparse.csr_matrix:
 
 def _only_free(prolongation: sparse.csr_matrix, free: Flags) -> sparse.csr_matrix:
     return sparse.csr_matrix(sparse.diags_array(free.astype(float)) @ prolongation)
-
-
-def _with_diagonal(matrix: sparse.csr_matrix, used: Flags) -> sparse.csr_matrix:
-    return sparse.csr_matrix(matrix + sparse.diags_array(np.where(used, 0.0, 1.0)))

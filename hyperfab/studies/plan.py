@@ -15,7 +15,7 @@ from hyperfab.errors import HyperfabError, InputError
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.json_io import dump_json, load_json
 from hyperfab.io.toml_io import dump_toml, load_toml
-from hyperfab.studies.axes import Axis, Layout, Level, plain
+from hyperfab.studies.axes import Axis, Layout, plain
 from hyperfab.studies.program import program
 from hyperfab.studies.template import TemplateError, fill, names
 
@@ -84,7 +84,7 @@ class Plan:
         for position, section in enumerate(self.study.step):
             steps[section.name] = self._step(position, section, texts, numbers, steps)
         values = plain(levels)
-        key = _hash({"values": _canonical(levels), "steps": [step.key for step in steps.values()]})
+        key = _hash({"values": texts, "steps": [step.key for step in steps.values()]})
         return Case(index, key, values, tuple(steps.values()))
 
     def edited(self, name: str, index: int = 0) -> dict[str, Any]:
@@ -143,7 +143,8 @@ class Plan:
         symbols = {name: f"{{document {digest}}}" for name, digest in known.items()}
         symbols |= {name: f"{{step {earlier[name].key}}}" for name in steps}
         places = {name: f"{HERE}/{self._file_name(name)}" for name in documents}
-        places |= {name: f"{STEPS}/{_folder(earlier[name].key)}/{name}.json" for name in steps}
+        keys = {name: earlier[name].key for name in steps}
+        places |= {name: f"{STEPS}/{key[:2]}/{key}/{name}.json" for name, key in keys.items()}
         words, identity = [], []
         for text in section.arguments:
             try:
@@ -245,17 +246,9 @@ def _written(name: str, document: dict[str, Any]) -> bytes:
     return dump_toml(document) if name.endswith(".toml") else dump_json(document)
 
 
-def _canonical(levels: Mapping[str, Level]) -> dict[str, str]:
-    return {name: level.text for name, level in levels.items()}
-
-
 def _hash(value: object) -> str:
     text = json.dumps(value, sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(text.encode()).hexdigest()[:DIGITS]
-
-
-def _folder(key: str) -> str:
-    return f"{key[:2]}/{key}"
 
 
 #: Documents may name documents; nobody nests them deeper.

@@ -87,17 +87,14 @@ def relocate(node: Any, folders: tuple[str, str]) -> None:
     """Count the names of files from the new document's folder, the second; they were counted from the first."""
     if isinstance(node, dict):
         for key, value in node.items():
-            if isinstance(value, str) and _names_file(key, value) and not os.path.isabs(value):
+            is_file = isinstance(value, str) and (key in _FILES or value.endswith(".json"))
+            if is_file and not os.path.isabs(value):
                 node[key] = os.path.relpath(os.path.join(folders[0], value), folders[1] or ".")
             else:
                 relocate(value, folders)
     elif isinstance(node, list):
         for item in node:
             relocate(item, folders)
-
-
-def _names_file(key: str, value: str) -> bool:
-    return key in _FILES or value.endswith(".json")
 
 
 @dataclass

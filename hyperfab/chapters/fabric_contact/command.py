@@ -21,7 +21,7 @@ from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
 from hyperfab.membrane.equilibrium import State
 from hyperfab.membrane.friction_path import LOAD_STEPS, run_with_friction
-from hyperfab.membrane.sphere_contact import Outcome, Solved
+from hyperfab.membrane.sphere_contact import Outcome
 from hyperfab.membrane.sphere_contact import run as press
 from hyperfab.membrane.verdict import first_instability, stress_difference
 
@@ -108,7 +108,8 @@ def _write(
     difference = None
     both = len(outcomes) > 1
     if both and found.compared_at_depth_mm is not None:
-        pair = [_at(outcome, found.compared_at_depth_mm) for outcome in outcomes]
+        depth = found.compared_at_depth_mm
+        pair = [next(one for one in outcome.solved if one.state.depth == depth) for outcome in outcomes]
         _, difference = stress_difference(pair[0], pair[1])
     if out.wants_files:
         last = outcomes[0].solved[-1]
@@ -119,10 +120,6 @@ def _write(
         compared = (pair[0], difference) if difference is not None else None
         out.add(".png", picture(_names(fabrics), outcomes, compared, sure.interval("force_N")))
     job.write(out, found, case)
-
-
-def _at(outcome: Outcome, depth: float) -> Solved:
-    return next(solved for solved in outcome.solved if solved.state.depth == depth)
 
 
 def _names(fabrics: list[Fabric]) -> list[str]:

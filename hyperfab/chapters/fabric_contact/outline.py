@@ -45,17 +45,13 @@ def read_outline(job: Job, name: str, unit: str, size: float | None) -> Polygon:
         found = read_mesh_file(job.inputs.read(name), name)
         used = np.unique(found.edges)
         flat = np.zeros((len(found.points), 2))
-        flat[used] = _flat(found.points[used] * _factor(unit), name)
+        flat[used] = _flat(found.points[used] * float(column_factor(unit, "length")[0]), name)
         loop = _loop(flat, found.edges, name)
     else:
         raise UsageError(
             f"--shape {name}: disc, square, or a file of STL, CSV (x, y) or {', '.join(SUFFIXES)}"
         )
     return _checked(loop, name, size)
-
-
-def _factor(unit: str) -> float:
-    return float(column_factor(unit, "length")[0])
 
 
 def _flat(points: Array, name: str) -> Array:

@@ -115,7 +115,7 @@ def _common(problem: Problem, history: History, energy: Energy, converged: bool)
     solid = last.temperature[: problem.mesh.solid]
     masses = model.medium.masses
     parts = [part.name for part in problem.geometry.parts]
-    powers = _powers(problem, last)
+    powers, heaters = _powers(problem, last), {heater.name for heater in model.heaters}
     flux = np.linalg.norm(model.medium.flux(last.temperature), axis=1)
     result = HeatDocument(
         converged=converged,
@@ -126,7 +126,7 @@ def _common(problem: Problem, history: History, energy: Energy, converged: bool)
         linear_iterations=model.work.iterations,
         energy=energy,
         power_supplied_W=sum(heater.power_at(last.time) for heater in model.heaters),
-        power_lost_W={name: -power for name, power in powers.items() if name not in _heater_names(problem)},
+        power_lost_W={name: -power for name, power in powers.items() if name not in heaters},
         conditions={
             name: FaceUse(area_mm2=area or None, power_W=powers.get(name))
             for name, area in problem.areas.items()
@@ -143,10 +143,6 @@ def _common(problem: Problem, history: History, energy: Energy, converged: bool)
         area = problem.work_surface.area * 1e6
         result.work_surface = WorkSurface(**end.model_dump(), area_mm2=area, at_end=end)
     return result
-
-
-def _heater_names(problem: Problem) -> set[str]:
-    return {heater.name for heater in problem.model.heaters}
 
 
 def _powers(problem: Problem, state: Past) -> dict[str, float]:

@@ -135,16 +135,13 @@ def _fit(problem: Problem, u: Array, c: Array) -> Fit:
         Material(problem.law, tuple(_with_held(problem, c[g * width : (g + 1) * width])), tuple(theta))
         for g in range(problem.rows.groups)
     )
+    sought = [name for name in problem.law.nonlinear if name not in problem.law.held]
     at_bound = tuple(
         name
-        for name, value, axis in zip(_free_names(problem), u, problem.axes, strict=True)
+        for name, value, axis in zip(sought, u, problem.axes, strict=True)
         if min(value - axis.low, axis.high - value) <= 1e-9 * (axis.high - axis.low)
     )
     return Fit(problem, materials, float(residual @ residual), residual, jacobian, at_bound)
-
-
-def _free_names(problem: Problem) -> list[str]:
-    return [name for name in problem.law.nonlinear if name not in problem.law.held]
 
 
 def _value_slopes(problem: Problem, u: Array) -> list[float]:

@@ -39,7 +39,10 @@ def sought_by(tests: Sequence[TestCurve]) -> tuple[tuple[str, ...], tuple[Unknow
         _slant(t.direction) for t in tests if t.mode in ("uniaxial", "shear") and t.direction is not None
     }
     spread = min(strips, default=45.0) < 45.0 - 1e-6 and max(strips, default=45.0) > 45.0 + 1e-6
-    both = spread or (None not in angles and any(_both_ways(test) for test in tests))
+    both = spread or (
+        None not in angles
+        and any(test.mode.startswith("biaxial") and test.stress2 is not None for test in tests)
+    )
     contraction = any(test.contraction is not None for test in tests)
     second = contraction or len(modes) > 1
     found, open_ = ["C10_MPa", "C20_MPa", "C30_MPa"], []
@@ -104,7 +107,3 @@ def _slant(angle: float) -> float:
     """Return the angle [deg] from the warp, 0 to 90, of a strip that cannot be told from its mirror image."""
     turned = angle % 180.0
     return min(turned, 180.0 - turned)
-
-
-def _both_ways(test: TestCurve) -> bool:
-    return test.mode.startswith("biaxial") and test.stress2 is not None
