@@ -15,7 +15,7 @@ from hyperfab.arrays import Ints
 from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
 from hyperfab.io.csv_dialect import open_sheets
-from hyperfab.io.csv_numbers import settle_decimal, words
+from hyperfab.io.csv_numbers import numbers, settle_decimal, words
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import kind_named, word_for
 from hyperfab.io.layout import PLAIN, Choice, Layout, filled_in
@@ -36,6 +36,8 @@ TESTS = (
 )
 
 
+#: Rows that tell how far two readings are apart, and how many times that the first may be.
+_SHORT, _STALE = 10, 5.0
 #: Beyond these no fabric or rubber was ever tested: a wrong unit or a wrong column. The stress is the largest of a
 #: test, in MPa or N/mm.
 LARGEST_STRETCH = 50.0
@@ -106,13 +108,14 @@ def _read_sheet(
     sheet = _with_readings(sheet, columns)
     if not sheet.lines:
         raise sheet.wrong("has no row with readings", remedy="export the readings too")
-    kinds, compression = _tests_of_rows(sheet, columns, test)
     numeric = [
         one.heading
         for one in columns.columns.values()
         if any(map(is_number, sheet.columns[one.heading.index][:3]))
     ]
     mark = settle_decimal(sheet, numeric, decimal)
+    sheet = _without_stale_row(sheet, columns, mark)
+    kinds, compression = _tests_of_rows(sheet, columns, test)
     notes: list[str] = []
     sizes = read_geometry(sheet, geometry, mark, notes)
     ways = directions(sheet, columns)
@@ -178,6 +181,22 @@ _OF_A_ROW = {
 
 #: A cell that is empty or holds more than a number.
 _ODD = re.compile(r"^$|[^\d\s.,+\-eE%']|^[^\d]*$", re.MULTILINE)
+
+
+def _without_stale_row(sheet: CsvSheet, columns: Roles, decimal: str) -> CsvSheet:
+    """Leave out the first row where it is what the machine still had from before.
+
+    It then stands the way of the pull from the second, by several times more than any other two rows are apart.
+    """
+    column = columns.first(STRETCHES, "")
+    if column is None or len(sheet.lines) < _SHORT:
+        return sheet
+    steps = np.diff(numbers(sheet, column.heading, decimal, gaps=True))
+    pull, most = float(np.sum(steps[1:])), float(np.max(np.abs(steps[1:])))
+    if not -steps[0] * np.sign(pull) > _STALE * most:
+        return sheet
+    reason = f"the first row, {column.heading.title} is still that of before"
+    return replace(sheet.without([0], "-"), left_out={**sheet.left_out, reason: 1})
 
 
 def _with_readings(sheet: CsvSheet, columns: Roles) -> CsvSheet:

@@ -189,9 +189,21 @@ def roles(sheet: CsvSheet) -> Roles:
         made = head if meaning(head) is what or head.unit is not None else suffixed(head)
         key = what.name + {"2": " 2", "x": " x", "y": " y"}.get(what.axis, "")
         found.setdefault(key, []).append((what.rank, Column(key, made, what.compressive)))
+    _never_read(sheet, found, aside)
     _still_out(sheet, found, aside)
-    columns = {name: _one_of(sheet, name, ones) for name, ones in found.items()}
+    columns = {name: _one_of(sheet, name, ones) for name, ones in found.items() if ones}
     return Roles(_axes(sheet, columns), tuple(aside))
+
+
+def _never_read(sheet: CsvSheet, found: dict[str, list[tuple[int, Column]]], aside: list[str]) -> None:
+    """Set columns aside that a machine leaves without any reading where another tells the same kind of thing."""
+    for names in (STRETCHES, STRESSES):
+        same = [(name, one) for name, ones in found.items() if name.split(" ")[0] in names for one in ones]
+        read = [one for _, one in same if any(map(is_number, sheet.columns[one[1].heading.index]))]
+        for name, one in same if read else ():
+            if one not in read and one[0] >= 0:
+                found[name].remove(one)
+                aside.append(one[1].heading.title)
 
 
 def _still_out(sheet: CsvSheet, found: dict[str, list[tuple[int, Column]]], aside: list[str]) -> None:
@@ -208,8 +220,6 @@ def _still_out(sheet: CsvSheet, found: dict[str, list[tuple[int, Column]]], asid
             if one not in moving and one[0] >= 0 and name == base:
                 found[name].remove(one)
                 aside.append(one[1].heading.title)
-    for name in [name for name, ones in found.items() if not ones]:
-        del found[name]
 
 
 def _one_of(sheet: CsvSheet, name: str, found: list[tuple[int, Column]]) -> Column:
@@ -365,17 +375,19 @@ def understood(sheet: CsvSheet, taken: Iterable[Column]) -> str:
     columns = {column.heading.index: column for column in taken}
     told = [
         one.heading.title
-        if (one.heading.name.removesuffix(" 1") == one.name and one.heading.unit is None)
-        or one.heading.title == _plainly(one)
+        if _is_plain(one)
         else f"{one.heading.title or f'column {index + 1}'} is {_what(one)}"
         for index, one in sorted(columns.items())
     ]
     return f"head in line {sheet.header_line}: {', '.join(told)}"
 
 
-def _plainly(column: Column) -> str:
-    """Return the title a column of the contract's own form has."""
-    return f"{column.name} [{column.heading.unit}]"
+def _is_plain(column: Column) -> bool:
+    """Whether a title says what its column is taken for: the name alone, or as the contract's own form has it."""
+    head = column.heading
+    if head.unit is None:
+        return bool(head.title) and head.name.removesuffix(" 1") == column.name
+    return head.title == f"{column.name} [{head.unit}]"
 
 
 def _what(column: Column) -> str:

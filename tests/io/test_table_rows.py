@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from hyperfab.io.csv_tests import read_tests
+from hyperfab.io.specimen import Geometry
 from hyperfab.io.stated import dotted
 from hyperfab.io.tables import is_units, shape
 from hyperfab.io.xlsx import _kind
@@ -80,3 +82,37 @@ def test_a_cell_of_a_workbook_is_a_date_or_a_percentage_by_its_format(
     style: str, code: str | None, expected: str
 ) -> None:
     assert _kind(style, code) == expected
+
+
+def test_columns_without_a_reading_are_left_for_those_with_readings() -> None:
+    rows = "".join(f"{k / 50}, {5.0 + k:.2f}, N/A, , {k / 10:.3f}, 1\n" for k in range(1, 30))
+    data = "\n\nTime (sec), Load (N), Stress (KPa), Strain (mm), Position (mm), Cycle\n" + rows
+    [found] = read_tests(
+        data.encode(),
+        "a.csv",
+        test="uniaxial",
+        geometry=Geometry(gauge_length=100.0, width=10.0, thickness=1.0),
+    )
+    assert found.stretch[-1] == pytest.approx(1.028)
+    assert found.stress[-1] == pytest.approx(3.4)
+    assert any("Strain (mm), Stress (KPa)" in note for note in found.notes)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize("mark", [".", ","])
+def test_a_first_row_of_before_is_left_out(way: float, mark: str) -> None:
+    x = [0.9, *(0.02 + 0.03 * k for k in range(20))]
+    rows = "".join(f"{way * at:.3f};{way * (0.1 + at):.3f}\n".replace(".", mark) for at in x)
+    data = f"extension [mm];stress [MPa]\n{rows}".encode()
+    [found] = read_tests(data, "a.csv", test="uniaxial", geometry=Geometry(gauge_length=10.0))
+    assert found.stretch[0] == pytest.approx(1.0 + way * 0.002)
+    assert found.left_out == {"the first row, extension [mm] is still that of before": 1}
+
+
+@pytest.mark.parametrize("first", [0.0, 0.1, -0.9])
+def test_a_first_row_that_could_be_the_test_stays(first: float) -> None:
+    """By little, or on the way to what comes."""
+    x = [first, *(0.02 + 0.03 * k for k in range(20))]
+    data = ("extension [mm],stress [MPa]\n" + "".join(f"{at:.3f},{0.1 + at:.3f}\n" for at in x)).encode()
+    [found] = read_tests(data, "a.csv", test="uniaxial", geometry=Geometry(gauge_length=10.0))
+    assert len(found.stretch) == 21
