@@ -32,15 +32,21 @@ def rivals(
     """
     tried = {name: _tried_instead_of(search, best, name) for name in best.ids}
     if search.problem.describes:
-        return _as_likely(search, before, best, sure())
-    return {
-        name: {
-            other: state
-            for other, state in states.items()
-            if does_the_same(search, best, search.without(best, name), state)
+        found = _as_likely(search, before, best, sure())
+    else:
+        found = {
+            name: {
+                other: state
+                for other, state in states.items()
+                if does_the_same(search, best, search.without(best, name), state)
+            }
+            for name, states in tried.items()
         }
-        for name, states in tried.items()
-    }
+    for name, others in found.items():
+        for other in _never_told_from(search.problem, name, best.ids):
+            if other in tried[name]:
+                others.setdefault(other, tried[name][other])
+    return found
 
 
 def _as_likely(
@@ -139,18 +145,17 @@ def _alike(search: Search, best: Candidate, without: Candidate) -> dict[str, flo
 
 def indistinguishable(problem: Problem, others: Mapping[str, Iterable[str]]) -> list[list[str]]:
     """Return, for each found effect, the set of it, its rivals, and what tests of this plan never tell from it."""
-    sets = []
-    for name, instead in others.items():
-        alike = [
-            one
-            for group in problem.look_alikes
-            if name in group
-            for one in sorted(group - others.keys())
-            if not problem.effect(one).not_sought
-        ]
-        if same := dict.fromkeys([*instead, *alike]):
-            sets.append([name, *same])
-    return sets
+    sets = [
+        [name, *dict.fromkeys([*rivals_of, *_never_told_from(problem, name, others)])]
+        for name, rivals_of in others.items()
+    ]
+    return [one for one in sets if len(one) > 1]
+
+
+def _never_told_from(problem: Problem, name: str, found: Iterable[str]) -> list[str]:
+    """Return what no tests of this plan tell from an effect, less what is found beside it."""
+    alike = {one for group in problem.look_alikes if name in group for one in group}
+    return [one for one in sorted(alike.difference(found)) if not problem.effect(one).not_sought]
 
 
 def is_strained(problem: Problem, found: Fit) -> bool:
