@@ -12,7 +12,7 @@ import numpy as np
 from scipy.special import chdtrc
 
 from hyperfab.arrays import Array
-from hyperfab.loop.belief import Belief, surprise
+from hyperfab.loop.belief import Belief, allowed, surprise
 from hyperfab.loop.candidate import Candidate
 from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.judge import common_bic
@@ -20,7 +20,7 @@ from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.score import orthonormal, projected
 from hyperfab.loop.search import Search
-from hyperfab.loop.thresholds import MARGIN, ODDS, SHARE, SMALL, UNLIKELY
+from hyperfab.loop.thresholds import MARGIN, ODDS, SHARE, UNLIKELY
 
 
 def rivals(
@@ -110,7 +110,7 @@ def does_the_same(search: Search, best: Candidate, without: Candidate, state: Ca
     imprint = _misfit(problem, search.noise, best.fit, without.fit)
     if _gap(search, best, state) < MARGIN:
         return left < 0.5 * imprint
-    return left <= SHARE * imprint and left <= SMALL**2 * len(best.fit.residual)
+    return left <= SHARE * imprint and left <= (0.5 * allowed(np.inf)) ** 2 * len(best.fit.residual)
 
 
 def _gap(search: Search, best: Candidate, state: Candidate | None) -> float:
