@@ -1,7 +1,6 @@
 """Which other names could stand for a found effect.
 
-Where the laws are physics it is those that do the same on these very data, whatever the noise that happened says; where
-they only describe, those with which the data are nearly as likely.
+Those that do the same on these very data; where laws only describe, those too with which the data are nearly as likely.
 """
 
 from __future__ import annotations
@@ -31,17 +30,17 @@ def rivals(
     ``sure`` tells how sure the names are by all models fitted so far.
     """
     tried = {name: _tried_instead_of(search, best, name) for name in best.ids}
-    if search.problem.describes:
-        found = _as_likely(search, before, best, sure())
-    else:
-        found = {
-            name: {
-                other: state
-                for other, state in states.items()
-                if does_the_same(search, best, search.without(best, name), state)
-            }
-            for name, states in tried.items()
+    found = {
+        name: {
+            other: state
+            for other, state in states.items()
+            if does_the_same(search, best, search.without(best, name), state)
         }
+        for name, states in tried.items()
+    }
+    if search.problem.describes:
+        for name, states in _as_likely(search, before, best, sure()).items():
+            found[name] = {**found[name], **states}
     for name, others in found.items():
         for other in _never_told_from(search.problem, name, best.ids):
             if other in tried[name]:
@@ -101,14 +100,18 @@ def _tried_instead_of(search: Search, best: Candidate, name: str) -> dict[str, C
 def does_the_same(search: Search, best: Candidate, without: Candidate, state: Candidate) -> bool:
     """Whether a model with another entry does the same as the ``best``, though its constants are likely ones.
 
-    It reproduces the effect's own noise-free imprint with all constants refitted, or most of it where BIC is as good.
+    It is as good by BIC, and can do most of the effect's own noise-free imprint with all constants refitted; or, where
+    laws are physics, all but a share.
     """
     problem = search.problem
     if problem.well_known and is_strained(problem, state.fit) and not is_strained(problem, best.fit):
         return False
+    as_good = _gap(search, best, state) < MARGIN
+    if problem.describes and not as_good:
+        return False
     left = _misfit(problem, search.noise, best.fit, state.fit)
     imprint = _misfit(problem, search.noise, best.fit, without.fit)
-    if _gap(search, best, state) < MARGIN:
+    if as_good:
         return left < 0.5 * imprint
     return left <= SHARE * imprint and left <= (0.5 * allowed(np.inf)) ** 2 * len(best.fit.residual)
 

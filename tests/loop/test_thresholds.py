@@ -240,7 +240,7 @@ def same(
     Its constants are as far off as happens with probability ``p``; by BIC it does worse by ``gap``.
     """
     away = float(norm.isf(0.5 * p))
-    problem = SimpleNamespace(own=[Constant("a", 0.0, prior_sd=1.0)], well_known=True)
+    problem = SimpleNamespace(own=[Constant("a", 0.0, prior_sd=1.0)], well_known=True, describes=False)
     search: Any = SimpleNamespace(problem=problem, noise=None)
     states: list[Any] = [
         SimpleNamespace(fit=SimpleNamespace(x=np.array([x]), residual=np.zeros(10))) for x in (0.0, 0.0, away)
