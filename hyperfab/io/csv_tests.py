@@ -351,16 +351,17 @@ def _check(found: TestData, sheet: CsvSheet, columns: Roles, clock: bool) -> Non
     )
     if swapped.size:
         row = int(swapped[0])
-        column = columns.first(STRESSES)
-        flip = (
-            ""
-            if column is None
-            else filled_in([(column.heading.title, f"-{column.name} [{column.heading.unit or '-'}]")])
-        )
+        pull, push = columns.first(STRETCHES), columns.first(STRESSES)
+        remedy = "are the columns of stretch and stress swapped?"
+        if pull is not None and pull.name == "stretch" and stretch.min() < 0.5 and stress.min() >= 0.0:
+            remedy = f"is it a strain? then say {filled_in([(pull.heading.title, 'strain [-]')])}; {remedy}"
+        elif push is not None:
+            flip = filled_in([(push.heading.title, f"-{push.name} [{push.heading.unit or '-'}]")])
+            remedy += f" where pushing counts as positive, say {flip}"
         raise refuse(
             row,
             f"tension ({stress[row]:g} {found.stress_unit}) at a stretch of {stretch[row]:g}, below 1",
-            f"are the columns of stretch and stress swapped? where pushing counts as positive, say {flip}",
+            remedy,
         )
     if clock and found.time_s is not None:
         back = np.flatnonzero(np.diff(found.time_s) < 0.0)

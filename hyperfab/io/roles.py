@@ -336,7 +336,7 @@ def proposed(sheet: CsvSheet, found: Roles) -> list[tuple[str, str]]:
     ]
     if not have & set(STRETCHES) and rest:
         one = rest.pop(0)
-        entries[one.index] = (one.title, shape(sheet.columns[one.index]))
+        entries[one.index] = (one.title, shape(sheet.columns[one.index], one.title))
     if not have & set(STRESSES) and rest:
         one = rest.pop(0)
         entries[one.index] = (one.title, "stress [MPa]")
@@ -386,7 +386,7 @@ def _is_plain(column: Column) -> bool:
     """Whether a title says what its column is taken for: the name alone, or as the contract's own form has it."""
     head = column.heading
     if head.unit is None:
-        return bool(head.title) and head.name.removesuffix(" 1") == column.name
+        return head.title.casefold().removesuffix(" 1") == column.name
     return head.title == f"{column.name} [{head.unit}]"
 
 

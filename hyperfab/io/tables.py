@@ -173,12 +173,16 @@ def transposed(rows: Sequence[Row]) -> list[Row]:
     ]
 
 
-def shape(cells: Sequence[str]) -> str:
-    """Return the name that the first readings of a column of stretches suggest."""
+def shape(cells: Sequence[str], title: str = "") -> str:
+    """Return the name that the first readings of a column of stretches suggest.
+
+    What is called a stretch and begins at nothing is a strain, as a share however large.
+    """
     values = _values(cells)
     if values and values[0] >= 0.9 and max(values) < 20.0:
         return "stretch"
-    return "strain [%]" if values and max(values) > 3.0 else "strain [-]"
+    percent = max(values, default=0.0) > 3.0 and "stretch" not in title.casefold()
+    return "strain [%]" if percent else "strain [-]"
 
 
 def is_length(cells: Sequence[str]) -> bool:

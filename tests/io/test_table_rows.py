@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
+from hyperfab.errors import InputError
 from hyperfab.io.csv_tests import read_tests
+from hyperfab.io.layout import layout
 from hyperfab.io.specimen import Geometry
 from hyperfab.io.stated import dotted
 from hyperfab.io.tables import is_units, shape
@@ -116,3 +120,16 @@ def test_a_first_row_that_could_be_the_test_stays(first: float) -> None:
     data = ("extension [mm],stress [MPa]\n" + "".join(f"{at:.3f},{0.1 + at:.3f}\n" for at in x)).encode()
     [found] = read_tests(data, "a.csv", test="uniaxial", geometry=Geometry(gauge_length=10.0))
     assert len(found.stretch) == 21
+
+
+def test_a_strain_in_a_column_that_is_called_a_stretch_is_told_for_what_it_is() -> None:
+    data = b"stretch_uni,stress_uni\n" + b"".join(b"%.2f,%.2f\n" % (0.05 + k / 4, 0.4 + k) for k in range(20))
+    with pytest.raises(
+        InputError, match=re.escape('--columns "stretch_uni=strain [-],stress_uni=stress [MPa]"')
+    ):
+        read_tests(data, "a.csv", test="uniaxial")
+    said = layout(["stretch_uni=stretch,stress_uni=stress [MPa]"])
+    with pytest.raises(
+        InputError, match=re.escape('is it a strain? then say --columns "stretch_uni=strain [-]"')
+    ):
+        read_tests(data, "a.csv", test="uniaxial", columns=said)
