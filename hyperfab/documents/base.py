@@ -192,8 +192,10 @@ def first_error(
     found = error.errors(include_url=False)
     # A misspelt key is also a missing one: the spelling is what helps.
     first = next((one for one in found if one["type"] == "extra_forbidden"), found[0])
-    key = ".".join(str(part) for part in first["loc"]) or "format"
-    more = _entry(loaded, first["loc"]) + (f" (and {len(found) - 1} more)" if len(found) > 1 else "")
+    key = _key(first["loc"])
+    others = list(dict.fromkeys(_key(one["loc"]) for one in found if one is not first))
+    rest = f" (and {len(others)} more: {', '.join(others[:5])}{', ...' if len(others) > 5 else ''})"
+    more = _entry(loaded, first["loc"]) + (rest if others else "")
     kind, value = first["type"], first.get("input")
     if kind == "missing":
         return InputError(f"is missing{more}", file=name, key=key, remedy="add the key")
@@ -206,6 +208,10 @@ def first_error(
     return InputError(
         f"{text[:1].lower()}{text[1:]}{shown if kind != 'value_error' else ''}{more}", file=name, key=key
     )
+
+
+def _key(place: tuple[int | str, ...]) -> str:
+    return ".".join(str(part) for part in place) or "format"
 
 
 def _entry(loaded: object, place: tuple[int | str, ...]) -> str:

@@ -92,3 +92,8 @@ def test_a_wrong_key_in_a_list_is_told_by_the_name_of_its_entry() -> None:
     mold["convection"][0]["ambent"] = mold["convection"][0].pop("ambient")
     with pytest.raises(InputError, match=r"in 1st convection .*did you mean ambient"):
         parse_document(mold, "m.toml", MoldDocument)
+
+
+def test_all_keys_that_are_wrong_are_named_beside_the_first() -> None:
+    with pytest.raises(InputError, match=r"key bogus: .* \(and 3 more: material, part, run\)"):
+        parse_document({"format": "hyperfab.mold/1", "bogus": 1}, MoldDocument, "m.toml")
