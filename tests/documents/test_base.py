@@ -96,4 +96,4 @@ def test_a_wrong_key_in_a_list_is_told_by_the_name_of_its_entry() -> None:
 
 def test_all_keys_that_are_wrong_are_named_beside_the_first() -> None:
     with pytest.raises(InputError, match=r"key bogus: .* \(and 3 more: material, part, run\)"):
-        parse_document({"format": "hyperfab.mold/1", "bogus": 1}, MoldDocument, "m.toml")
+        parse_document({"format": "hyperfab.mold/1", "bogus": 1}, "m.toml", MoldDocument)
