@@ -194,8 +194,9 @@ def first_error(
     first = next((one for one in found if one["type"] == "extra_forbidden"), found[0])
     key = _key(first["loc"])
     others = list(dict.fromkeys(_key(one["loc"]) for one in found if one is not first))
-    rest = f" (and {len(others)} more: {', '.join(others[:5])}{', ...' if len(others) > 5 else ''})"
-    more = _entry(loaded, first["loc"]) + (rest if others else "")
+    more = _entry(loaded, first["loc"])
+    if others:
+        more += f" (and {len(others)} more: {', '.join(others[:5])}{', ...' if len(others) > 5 else ''})"
     kind, value = first["type"], first.get("input")
     if kind == "missing":
         return InputError(f"is missing{more}", file=name, key=key, remedy="add the key")

@@ -196,7 +196,7 @@ def _without_stale_row(sheet: CsvSheet, columns: Roles, decimal: str) -> CsvShee
     if not -steps[0] * np.sign(pull) > _STALE * most:
         return sheet
     reason = f"the first row, {column.heading.title} is still that of before"
-    return replace(sheet.without([0], "-"), left_out={**sheet.left_out, reason: 1})
+    return sheet.without([0], reason)
 
 
 def _with_readings(sheet: CsvSheet, columns: Roles) -> CsvSheet:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -25,7 +26,7 @@ class Belief:
     nothing: float
     something_else: float
 
-    @property
+    @cached_property
     def of(self) -> dict[str, float]:
         """How sure it is of each entry that it is part of what lacks."""
         names = sorted({name for ids in self.models for name in ids})

@@ -6,6 +6,7 @@ Those that do the same on these very data; where laws only describe, those too w
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from functools import cache, partial
 
 import numpy as np
 from scipy.special import chdtrc
@@ -30,11 +31,16 @@ def rivals(
     ``sure`` tells how sure the names are by all models fitted so far.
     """
     tried = {name: _tried_instead_of(search, best, name) for name in best.ids}
+
+    @cache
+    def imprint(name: str) -> float:
+        return _misfit(search.problem, search.noise, best.fit, search.without(best, name).fit)
+
     found = {
         name: {
             other: state
             for other, state in states.items()
-            if does_the_same(search, best, search.without(best, name), state)
+            if does_the_same(search, best, state, partial(imprint, name))
         }
         for name, states in tried.items()
     }
@@ -97,11 +103,11 @@ def _tried_instead_of(search: Search, best: Candidate, name: str) -> dict[str, C
     return found
 
 
-def does_the_same(search: Search, best: Candidate, without: Candidate, state: Candidate) -> bool:
+def does_the_same(search: Search, best: Candidate, state: Candidate, imprint: Callable[[], float]) -> bool:
     """Whether a model with another entry does the same as the ``best``, though its constants are likely ones.
 
-    It is as good by BIC, and can do most of the effect's own noise-free imprint with all constants refitted; or, where
-    laws are physics, all but a share.
+    It is as good by BIC, and can do most of the effect's own noise-free ``imprint`` (chi-squared) with all constants
+    refitted; or, where laws are physics, all but a share.
     """
     problem = search.problem
     if problem.well_known and is_strained(problem, state.fit) and not is_strained(problem, best.fit):
@@ -110,10 +116,9 @@ def does_the_same(search: Search, best: Candidate, without: Candidate, state: Ca
     if problem.describes and not as_good:
         return False
     left = _misfit(problem, search.noise, best.fit, state.fit)
-    imprint = _misfit(problem, search.noise, best.fit, without.fit)
     if as_good:
-        return left < 0.5 * imprint
-    return left <= SHARE * imprint and left <= (0.5 * allowed(np.inf)) ** 2 * len(best.fit.residual)
+        return left < 0.5 * imprint()
+    return left <= SHARE * imprint() and left <= (0.5 * allowed(np.inf)) ** 2 * len(best.fit.residual)
 
 
 def _gap(search: Search, best: Candidate, state: Candidate | None) -> float:

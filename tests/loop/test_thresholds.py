@@ -242,13 +242,12 @@ def same(
     away = float(norm.isf(0.5 * p))
     problem = SimpleNamespace(own=[Constant("a", 0.0, prior_sd=1.0)], well_known=True, describes=False)
     search: Any = SimpleNamespace(problem=problem, noise=None)
-    states: list[Any] = [
-        SimpleNamespace(fit=SimpleNamespace(x=np.array([x]), residual=np.zeros(10))) for x in (0.0, 0.0, away)
-    ]
-    best, without, other = states
-    patch.setattr(confounding, "_misfit", lambda *given: 10.0 * (left if given[-1] is other.fit else whole))
+    best, other = (
+        SimpleNamespace(fit=SimpleNamespace(x=np.array([x]), residual=np.zeros(10))) for x in (0.0, away)
+    )
+    patch.setattr(confounding, "_misfit", lambda *given: 10.0 * left)
     patch.setattr(confounding, "_gap", lambda *given: gap)
-    return confounding.does_the_same(search, best, without, other)
+    return confounding.does_the_same(search, best, other, lambda: 10.0 * whole)  # type: ignore[arg-type]
 
 
 def rivals_asked(monkeypatch: pytest.MonkeyPatch, constants: int, cosine: float) -> list[int]:
