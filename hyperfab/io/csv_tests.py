@@ -19,7 +19,8 @@ from hyperfab.io.csv_numbers import numbers, settle_decimal, words
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import kind_named, word_for
 from hyperfab.io.layout import PLAIN, Choice, Layout, filled_in
-from hyperfab.io.roles import STRESSES, STRETCHES, Roles, fits, no_test, roles, specimens, understood
+from hyperfab.io.role_words import no_test, understood
+from hyperfab.io.roles import STRESSES, STRETCHES, Roles, fits, roles, specimens
 from hyperfab.io.row_states import directions, held_down, of_each_row, words_or_stated
 from hyperfab.io.specimen import Geometry, Loading, read_geometry, read_loading
 from hyperfab.io.tables import NO_READING, is_number

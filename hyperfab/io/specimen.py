@@ -13,7 +13,8 @@ from hyperfab.errors import InputError
 from hyperfab.io.csv_numbers import quantities
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.layout import filled_in
-from hyperfab.io.roles import STRESSES, STRETCHES, Column, Roles, missing, unitless
+from hyperfab.io.role_words import missing, unitless
+from hyperfab.io.roles import STRESSES, STRETCHES, Column, Roles
 from hyperfab.io.stated import amount, conflicting, stated
 
 #: Columns that tell where a grip is, or how long the specimen.

@@ -1,0 +1,160 @@
+"""What is said of a table's columns: how they were understood, and what to say where they cannot be."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Iterable, Sequence
+
+from hyperfab.errors import InputError
+from hyperfab.io.csv_sheet import CsvSheet
+from hyperfab.io.headings import (
+    KIND,
+    Heading,
+    Meaning,
+    heading,
+    is_of,
+    is_unread,
+    meaning,
+    measured,
+    unit_of,
+)
+from hyperfab.io.layout import filled_in
+from hyperfab.io.roles import BY_KIND, STRESSES, STRETCHES, Column, Roles
+from hyperfab.io.tables import is_length, is_number, shape
+from hyperfab.io.units import is_unit
+
+#: Units to propose where a column has none.
+_USUAL = {
+    "strain": "%", "true strain": "-", "green strain": "-", "shear strain": "-", "stretch": "-",
+    "volume ratio": "-", "extension": "mm",
+    "length": "mm", "position": "mm", "stress": "MPa", "true stress": "MPa", "shear stress": "MPa",
+    "stress sd": "MPa", "membrane stress": "N/mm",
+    "force": "N", "time": "s", "temperature": "degC", "chamber": "degC", "rate": "1/s",
+}  # fmt: skip
+#: Force by the fineness of a yarn.
+_FINENESS = re.compile(r"(\w+)\s*/\s*(?:d?k?tex|den|denier)", re.IGNORECASE)
+
+
+def no_test(sheet: CsvSheet, tests: Sequence[str]) -> InputError:
+    """Return the error that a file does not say which test it is, with the option that does."""
+    return InputError(
+        "does not say which test it is",
+        file=sheet.name,
+        remedy=f"give it as --uniaxial {shlex.quote(sheet.name)} (or --shear, --biaxial), or add a first "
+        f'line "# test: uniaxial" '
+        f"({', '.join(tests)})",
+    )
+
+
+def missing(sheet: CsvSheet, found: Roles, what: str, names: str) -> InputError:
+    """Return the error that no column gives ``what``, with the option filled in as the units suggest."""
+    titles = ", ".join(one.title or '""' for one in sheet.headings[:8])
+    fine = next((one.title for one in sheet.headings if _FINENESS.fullmatch(one.unit or "")), None)
+    remark = f"; {fine} is the force by the fineness of a yarn, a sheet has none" if fine else ""
+    entries = proposed(sheet, found)
+    settles = f", or say what they are, as in {filled_in(entries)}" if entries else ""
+    return sheet.wrong(
+        f"no column gives {what}; the columns are {titles}{remark}", remedy=f"name one {names}{settles}"
+    )
+
+
+def proposed(sheet: CsvSheet, found: Roles) -> list[tuple[str, str]]:
+    """Return what the columns most likely are, for a message: known ones as known, others by unit, then by place."""
+    entries: dict[int, tuple[str, str]] = {}
+    have: set[str] = set()
+    for name, column in found.columns.items():
+        unit = column.heading.unit or _likely_unit(sheet, column)
+        have.add(name)
+        if column.heading.unit is None and name in _USUAL:
+            entries[column.heading.index] = (column.heading.title, f"{name} [{unit}]")
+    numeric = [
+        one for one in sheet.headings
+        if one.index not in entries and one.title and any(map(is_number, sheet.columns[one.index][:5]))
+        and not any(column.heading.index == one.index for column in found.columns.values())
+        and not is_unread(one) and not _is_size(one)
+    ]  # fmt: skip
+    for one in numeric:
+        own = one.unit or unit_of(one.title)  # a head may be of units alone
+        kind = next((name for kind, name in BY_KIND.items() if own and is_of(own, kind)), None)
+        if (yarn := _FINENESS.fullmatch(one.unit or "")) and not have & set(STRESSES):
+            have.add("force")
+            entries[one.index] = (one.title, f"force [{yarn[1]}]")
+        if kind is None and one.unit is not None and unit_of(one.unit) and is_of(one.unit, "dimensionless"):
+            kind = measured("strain", one.title)  # epsY_log is a logarithmic one
+        if kind == "extension" and is_length(sheet.columns[one.index]):
+            kind = "length"
+        if kind and kind not in have:
+            have.add(kind)
+            entries[one.index] = (one.title, f"{kind} [{own}]")
+    rest = [
+        one
+        for one in numeric
+        if one.index not in entries and not ((own := one.unit or unit_of(one.title)) and is_unit(own))
+    ]
+    if not have & set(STRETCHES) and rest:
+        one = rest.pop(0)
+        entries[one.index] = (one.title, shape(sheet.columns[one.index], one.title))
+    if not have & set(STRESSES) and rest:
+        one = rest.pop(0)
+        entries[one.index] = (one.title, "stress [MPa]")
+    return [entries[index] for index in sorted(entries)]
+
+
+def _is_size(head: Heading) -> bool:
+    """Whether a column tells a length that the channel was set up with, as Extensometer L0 does."""
+    return meaning(head) == Meaning("aside") and head.unit is not None and is_of(head.unit, "length")
+
+
+def unitless(sheet: CsvSheet, columns: Sequence[Column]) -> str:
+    """Return the option that gives every column of ``columns`` that has no unit its likely one."""
+    entries = [
+        (one.heading.title, f"{one.name} [{_likely_unit(sheet, one)}]")
+        for one in columns
+        if one.heading.unit is None and KIND.get(one.name) not in (None, "dimensionless")
+    ]
+    return filled_in(entries)
+
+
+def _likely_unit(sheet: CsvSheet, column: Column) -> str:
+    if column.name in ("temperature", "chamber"):
+        cell = next((one for one in sheet.columns[column.heading.index] if is_number(one)), "0").replace(
+            ",", "."
+        )
+        return "K" if re.fullmatch(r"\d+\.?\d*", cell) and float(cell) > 180.0 else "degC"
+    return _USUAL.get(column.name, "-")
+
+
+def understood(sheet: CsvSheet, taken: Iterable[Column]) -> str:
+    """Return what was understood of a table and columns that were taken, without the file's name.
+
+    Files read alike say the same.
+    """
+    columns = {column.heading.index: column for column in taken}
+    told = [
+        one.heading.title
+        if _is_plain(one)
+        else f"{one.heading.title or f'column {index + 1}'} is {_what(one)}"
+        for index, one in sorted(columns.items())
+    ]
+    return f"head in line {sheet.header_line}: {', '.join(told)}"
+
+
+def _is_plain(column: Column) -> bool:
+    """Whether a title says what its column is taken for: the name alone, or as the contract's own form has it."""
+    head = column.heading
+    if head.unit is None:
+        return head.title.casefold().removesuffix(" 1") == column.name
+    return head.title == f"{column.name} [{head.unit}]"
+
+
+def _what(column: Column) -> str:
+    head = column.heading
+    minus = "minus " if column.minus else ""
+    unit = f" [{head.unit}]" if head.unit and heading(head.title, 0).unit is None else ""
+    nominal = (
+        " (nominal)"
+        if column.name == "stress" and head.name.startswith(("sigma", "\N{GREEK SMALL LETTER SIGMA}"))
+        else ""
+    )
+    return f"{minus}{column.name}{unit}{nominal}"
