@@ -84,23 +84,30 @@ class Balance:
         """Decide the contact of every node under the forces; nodes put onto a valley or off an edge change them."""
         self.released = 0
         while True:
-            self.worst, self.where, self.contacts, released, moved = settle(
-                now,
-                self.f,
-                self.model.mold,
-                self.model.net,
-                self.laid(),
-                self.fixed,
-                1e-3 * self.tolerance * self.strongest,
-                self.before,
-                self.q,
-                self.r,
-                self.press,
-            )
+            released, moved = self._settled(now)
             self.released += released
             if not moved:
                 return
             self.forces(now)
+
+    def _settled(self, now: State) -> tuple[int, int]:
+        """Decide the contact once: how many nodes were let go, and how many moved."""
+        n, m = self.size
+        mold, found = self.model.mold, {}
+        given = (mold, self.model.net, self.laid(), self.fixed, 1e-3 * self.tolerance * self.strongest)
+
+        def work(first: int, last: int) -> None:
+            found[first] = settle(now, self.f, *given, self.before, self.q, self.r, self.press, first, last)
+
+        # A node that is put beside a sharp edge changes the pull on the next.
+        if len(mold.creases.corners):
+            work(0, n)
+        else:
+            in_rows(work, n, m)
+        parts = [found[first] for first in sorted(found)]
+        self.worst, self.where = max(((part[0], part[1]) for part in parts), key=lambda one: one[0])
+        self.contacts, released, moved = (sum(part[k] for part in parts) for k in (2, 3, 4))
+        return released, moved
 
     def laid(self) -> Laid:
         """Springs laid over sharp edges at the place of the last forces, their ways, and those of each node."""

@@ -194,8 +194,10 @@ def settle(
     q: Array,
     r: Array,
     press: Array,
+    start: int,
+    end: int,
 ) -> tuple[float, int, int, int, int]:
-    """Decide the contact of every node under the forces f.
+    """Decide the contact of every node of rows ``start:end`` under the forces f.
 
     Fills the projectors ``q``, the unbalanced force ``r`` and the normal force ``press`` (n, m) N; nodes are let go
     when the force points outward by more than ``slack`` N, or presses a membrane on a flat with less. ``before`` is the
@@ -205,7 +207,7 @@ def settle(
     """
     x, state, slot, clear, _ = now
     bent, ways, hinges = laid
-    n, m = x.shape[0], x.shape[1]
+    m = x.shape[1]
     slots = np.empty(MOST_FACETS, np.int64)
     t, u = np.empty(3), np.empty(3)
     normals = np.empty((2, 3))
@@ -213,7 +215,7 @@ def settle(
     # Beside a sharp edge a membrane may rise off a flat facet that it does not press on. Were its nodes held until they
     # are pulled off, one row of them a step would follow the row before.
     least = -slack if net.tension.shape[0] > 0 else slack
-    for i in range(n):
+    for i in range(start, end):
         for j in range(m):
             press[i, j] = 0.0
             bits = int(fixed[i, j])

@@ -74,12 +74,22 @@ def dot(a: Array, b: Array) -> float:
 
 
 @kernel
-def combine(a: float, x: Array, b: float, y: Array) -> None:
-    """y = a x + b y."""
-    for i in range(x.shape[0]):
-        for j in range(x.shape[1]):
+def _advance(alpha: float, p: Array, ap: Array, d: Array, r: Array, first: int, last: int) -> None:
+    """d += alpha p and r -= alpha ap, of rows ``first:last``."""
+    for i in range(first, last):
+        for j in range(p.shape[1]):
             for k in range(3):
-                y[i, j, k] = a * x[i, j, k] + b * y[i, j, k]
+                d[i, j, k] += alpha * p[i, j, k]
+                r[i, j, k] -= alpha * ap[i, j, k]
+
+
+@kernel
+def _turn(z: Array, beta: float, p: Array, first: int, last: int) -> None:
+    """p = z + beta p, of rows ``first:last``."""
+    for i in range(first, last):
+        for j in range(p.shape[1]):
+            for k in range(3):
+                p[i, j, k] = z[i, j, k] + beta * p[i, j, k]
 
 
 class Solver:
@@ -98,7 +108,9 @@ class Solver:
         """
         self.grids.build(k.diag, k.off, k.q)
         found = self._solve(k, right, d, tolerance, largest)
-        project(k.q, d)  # the preconditioner's single precision leaves d a little off the subspaces
+        project(
+            k.q, d, 0, len(d)
+        )  # the preconditioner's single precision leaves d a little off the subspaces
         return found
 
     def _solve(self, k: Tangent, right: Array, d: Array, tolerance: float, largest: int) -> bool:
@@ -108,6 +120,7 @@ class Solver:
         self.grids(r, z)
         p[:] = z
         rz = first = dot(r, z)
+        size = d.shape[:2]
         for step in range(largest):
             self.iterations = step
             if rz <= tolerance**2 * first:
@@ -118,10 +131,10 @@ class Solver:
                     d[:] = z
                 return False
             alpha = rz / curvature
-            combine(alpha, p, 1.0, d)
-            combine(-alpha, ap, 1.0, r)
+            in_rows(lambda first, last: _advance(alpha, p, ap, d, r, first, last), *size)  # noqa: B023
             self.grids(r, z)
             new = dot(r, z)
-            combine(1.0, z, new / rz, p)
+            beta = new / rz
+            in_rows(lambda first, last: _turn(z, beta, p, first, last), *size)  # noqa: B023
             rz = new
         return True

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from hyperfab.arrays import Array
 from hyperfab.numerics.kernels import kernel, part
+from hyperfab.numerics.threads import in_rows
 
 #: Unbalanced forces that differ by less than this share of the largest are mirror images; directions, by the second.
 FORCES, DIRECTIONS = 1e-2, 1e-5
@@ -30,10 +31,10 @@ def _image(mirror: int, i: int, j: int, n: int, m: int) -> tuple[int, int, int, 
 
 
 @kernel
-def _is_even(r: Array, q: Array, mirror: int, forces: float) -> bool:
-    """Are forces r (n, m, 3) and projectors q (n, m, 6) their own image?"""
+def _is_even(r: Array, q: Array, mirror: int, forces: float, start: int, end: int) -> bool:
+    """Are forces r (n, m, 3) and projectors q (n, m, 6) of rows ``start:end`` those of their image?"""
     n, m = r.shape[0], r.shape[1]
-    for i in range(n):
+    for i in range(start, end):
         for j in range(m):
             k, l, a, b, sx, sy = _image(mirror, i, j, n, m)
             if i * m + j > k * m + l:
@@ -71,6 +72,15 @@ def mean(d: Array, mirror: int) -> None:
 
 def even(d: Array, r: Array, q: Array, worst: float) -> None:
     """Mirror a step ``d`` (n, m, 3) as the forces ``r`` and projectors ``q`` (n, m, 6) are; ``worst``: largest r."""
-    for mirror in range(MIRRORS if r.shape[0] == r.shape[1] else 2):
-        if _is_even(r, q, mirror, FORCES * worst):
+    n, m = r.shape[:2]
+    odd = [False] * MIRRORS
+
+    def look(first: int, last: int) -> None:
+        for mirror in range(MIRRORS if n == m else 2):
+            if not odd[mirror] and not _is_even(r, q, mirror, FORCES * worst, first, last):
+                odd[mirror] = True
+
+    in_rows(look, n, m)
+    for mirror in range(MIRRORS if n == m else 2):
+        if not odd[mirror]:
             mean(d, mirror)

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from hyperfab.arrays import Array, Ints
+from hyperfab.numerics.bands import BAND, PIECE, follow, in_bands, next_band, tell
 from hyperfab.numerics.kernels import inlined, kernel
 from hyperfab.numerics.threads import in_rows
 
@@ -31,7 +32,7 @@ class Level:
     off: Singles  # (n, m, 2 or 4, 9)
     inverse: Singles  # (n, m, 6)
     parents: tuple[Ints, Array, Ints, Array]  # per fine row: coarse rows and weights, then columns
-    vectors: Array  # (3, n, m, 3) right side, solution, residual
+    vectors: Array  # (3, n, m, 3) right side and solution, but of the finest grid, and residual
 
 
 def coarse_size(n: int) -> int:
@@ -116,26 +117,39 @@ def _solve(d: Singles, s: Array, u: Array) -> None:
 
 
 @kernel
-def sweep_from_zero(inverse: Singles, off: Singles, b: Array, u: Array) -> None:
-    """One Gauss-Seidel sweep over the nodes in order from u = 0, whatever u holds."""
-    s = np.empty(3)
-    for i in range(u.shape[0]):
-        for j in range(u.shape[1]):
-            s[0], s[1], s[2] = b[i, j, 0], b[i, j, 1], b[i, j, 2]
-            behind(off, u, i, j, s)
-            _solve(inverse[i, j], s, u[i, j])
+def sweep_from_zero(inverse: Singles, off: Singles, b: Array, u: Array, done: Ints) -> None:
+    """One Gauss-Seidel sweep over the nodes in order from u = 0, whatever u holds; for ``in_bands``."""
+    s, n, m = np.empty(3), u.shape[0], u.shape[1]
+    first = next_band(done)
+    while first < n:
+        for start in range(0, m + BAND, PIECE):
+            follow(done, first, start + PIECE, m)
+            for i in range(first, min(first + BAND, n)):
+                for j in range(max(start - i + first, 0), min(start + PIECE - i + first, m)):
+                    s[0], s[1], s[2] = b[i, j, 0], b[i, j, 1], b[i, j, 2]
+                    behind(off, u, i, j, s)
+                    _solve(inverse[i, j], s, u[i, j])
+            tell(done, first, start + PIECE)
+        first = next_band(done)
 
 
 @kernel
-def sweep_back(inverse: Singles, off: Singles, b: Array, u: Array) -> None:
-    """One Gauss-Seidel sweep over the nodes in reverse."""
-    s = np.empty(3)
-    for i in range(u.shape[0] - 1, -1, -1):
-        for j in range(u.shape[1] - 1, -1, -1):
-            s[0], s[1], s[2] = b[i, j, 0], b[i, j, 1], b[i, j, 2]
-            behind(off, u, i, j, s)
-            ahead(off, u, i, j, s)
-            _solve(inverse[i, j], s, u[i, j])
+def sweep_back(inverse: Singles, off: Singles, b: Array, u: Array, done: Ints) -> None:
+    """One Gauss-Seidel sweep over the nodes in reverse; for ``in_bands``, rows and columns counted from the last."""
+    s, n, m = np.empty(3), u.shape[0], u.shape[1]
+    first = next_band(done)
+    while first < n:
+        for start in range(0, m + BAND, PIECE):
+            follow(done, first, start + PIECE, m)
+            for row in range(first, min(first + BAND, n)):
+                for column in range(max(start - row + first, 0), min(start + PIECE - row + first, m)):
+                    i, j = n - 1 - row, m - 1 - column
+                    s[0], s[1], s[2] = b[i, j, 0], b[i, j, 1], b[i, j, 2]
+                    behind(off, u, i, j, s)
+                    ahead(off, u, i, j, s)
+                    _solve(inverse[i, j], s, u[i, j])
+            tell(done, first, start + PIECE)
+        first = next_band(done)
 
 
 @kernel
@@ -153,9 +167,9 @@ def left(off: Singles, u: Array, r: Array, first: int, last: int) -> None:
 
 
 @kernel
-def project(q: Array, v: Array) -> None:
-    """v = Q v at every node."""
-    for i in range(v.shape[0]):
+def project(q: Array, v: Array, first: int, last: int) -> None:
+    """v = Q v at every node of rows ``first:last``."""
+    for i in range(first, last):
         for j in range(v.shape[1]):
             a, b, c, p = v[i, j, 0], v[i, j, 1], v[i, j, 2], q[i, j]
             v[i, j, 0] = p[0] * a + p[1] * b + p[2] * c
@@ -252,25 +266,27 @@ class Multigrid:
 
     def __call__(self, r: Array, out: Array) -> None:
         """out = approximate inverse of the operator applied to r: one symmetric V-cycle."""
-        self.levels[0].vectors[0] = r
-        self._cycle(0)
-        out[:] = self.levels[0].vectors[1]
+        self._cycle(0, r, out)
 
-    def _cycle(self, k: int) -> None:
+    def _cycle(self, k: int, b: Array, u: Array) -> None:
         level = self.levels[k]
-        b, u, r = level.vectors
+        r = level.vectors[2]
         if k == len(self.levels) - 1:
             u[:] = (self.direct @ b.ravel()).reshape(u.shape)
             return
-        sweep_from_zero(level.inverse, level.off, b, u)
+        in_bands(lambda done: sweep_from_zero(level.inverse, level.off, b, u, done), *u.shape[:2])
         below = self.levels[k + 1]
         right, found = below.vectors[:2]
         in_rows(lambda first, last: left(level.off, u, r, first, last), *u.shape[:2])
-        in_rows(lambda first, last: restrict(r, *level.parents, right, first, last), len(right), u.shape[1])
-        project(below.q, right)
-        self._cycle(k + 1)
+
+        def lower(first: int, last: int) -> None:
+            restrict(r, *level.parents, right, first, last)
+            project(below.q, right, first, last)
+
+        in_rows(lower, len(right), u.shape[1])
+        self._cycle(k + 1, right, found)
         in_rows(lambda first, last: prolong(found, *level.parents, level.q, u, first, last), *u.shape[:2])
-        sweep_back(level.inverse, level.off, b, u)
+        in_bands(lambda done: sweep_back(level.inverse, level.off, b, u, done), *u.shape[:2])
 
 
 def _smoothed(level: Level) -> None:

@@ -47,7 +47,7 @@ class Neighbourhood:
         x = self._found.state.x
         pair = [(up, step, self._forces(up, x)), (down, -step, self._forces(down, x))]
         right = (pair[0][2].f - pair[1][2].f) / (2.0 * step)
-        project(self._balance.q, right)
+        project(self._balance.q, right, 0, len(right))
         moved, pulled = np.zeros_like(right), np.zeros_like(right)
         self._solver(self._tangent, right, moved, _SOLVED, _MOST)
         everywhere = np.broadcast_to(np.array([1.0, 0.0, 0.0, 1.0, 0.0, 1.0]), self._tangent.q.shape).copy()
@@ -71,7 +71,7 @@ class Neighbourhood:
 
     def _answers(self, sheet: Sheet, there: Balance, x: Array) -> Answers:
         there.r = there.f.copy()
-        project(self._balance.q, there.r)  # next to nothing: the rest is of mold and clamps
+        project(self._balance.q, there.r, 0, len(there.r))  # next to nothing: the rest is of mold and clamps
         ended = there.ended(self._found.state.copy()._replace(x=x), "", [])
         return answers(sheet, self._mold, ended, self._deepest)
 

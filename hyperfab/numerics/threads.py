@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager
-from functools import cache
-from threading import local
+from functools import cache, partial
+from queue import SimpleQueue
+from threading import Lock, Thread, local
 from typing import TypeVar
 
 #: Environment variable that limits the threads of a process; workers of a study are given one each.
@@ -23,7 +23,7 @@ T = TypeVar("T")
 _here = local()
 
 #: Nodes of a grid that are worth a thread's while.
-NODES = 10_000
+NODES = 5_000
 
 
 def cores() -> int:
@@ -58,20 +58,34 @@ def in_blocks(work: Callable[[int, int], None], count: int, block: int) -> None:
             work(first, last)
         return
     left = iter(blocks)  # each next block goes to whoever is free: one call a thread, not one a block
+    errors: list[BaseException] = []
 
     def take() -> None:
         for first, last in left:
             work(first, last)
 
-    waiting = [_pool(others).submit(take) for _ in range(others)]
+    def beside(ended: Lock) -> None:
+        try:
+            take()
+        except BaseException as error:  # noqa: BLE001 - raised below, in the thread that asked
+            errors.append(error)
+        finally:
+            ended.release()
+
+    waiting = [Lock() for _ in range(others)]
+    asked = _crew(others)
+    for ended in waiting:
+        ended.acquire()
+        asked.put(partial(beside, ended))
     try:
         take()
     finally:
         for _ in left:  # after an error or a signal nobody begins another block
             pass
-        wait(waiting)
-    for one in waiting:
-        one.result()
+        for ended in waiting:
+            ended.acquire()
+    if errors:
+        raise errors[0]
 
 
 def side_by_side(work: Sequence[Callable[[], T]]) -> list[T]:
@@ -112,7 +126,20 @@ def in_rows(work: Callable[[int, int], None], rows: int, columns: int) -> None:
     in_blocks(work, rows, max(1, NODES // columns))
 
 
+def for_a_grid(rows: int, columns: int) -> int:
+    """Return how many threads a grid is worth."""
+    return threads() if rows * columns >= NODES else 1
+
+
 @cache
-def _pool(number: int) -> ThreadPoolExecutor:
-    """Threads that stay: to begin them takes as long as a small block."""
-    return ThreadPoolExecutor(number)
+def _crew(number: int) -> SimpleQueue[Callable[[], None]]:
+    """Threads that stay, and do what is put into the queue: an executor's futures take as long again as a wake-up."""
+    asked: SimpleQueue[Callable[[], None]] = SimpleQueue()
+
+    def serve() -> None:
+        while True:
+            asked.get()()
+
+    for _ in range(number):
+        Thread(target=serve, daemon=True).start()
+    return asked

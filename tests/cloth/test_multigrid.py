@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import os
 from itertools import pairwise
+from unittest import mock
 
 import numpy as np
 import pytest
 
 from hyperfab.cloth.galerkin import OX, OY, _sandwich
-from hyperfab.cloth.multigrid import Level, Multigrid, left, parents_of, sweep_from_zero
+from hyperfab.cloth.multigrid import Level, Multigrid, left, parents_of, sweep_back, sweep_from_zero
+from hyperfab.numerics import threads
+from hyperfab.numerics.bands import in_bands
 
 
 def dense(level: Level) -> np.ndarray:
@@ -57,15 +61,25 @@ def test_a_coarser_operator_is_the_finer_one_between_interpolations(n, m, sheare
         assert np.abs(dense(coarse) - product).max() <= 1e-6 * np.abs(product).max()
 
 
+@pytest.mark.parametrize("number", [1, 2, 3])
 @pytest.mark.parametrize("sheared", [False, True])
-def test_what_a_sweep_from_zero_leaves_is_the_residual(sheared):
-    level = random_grids(7, 6, sheared).levels[0]
-    b = np.random.default_rng(2).normal(size=(7, 6, 3))
+def test_sweeps_solve_with_either_triangle_whoever_sweeps(sheared, number):
+    n, m = 19, 36  # several bands of rows, and pieces of columns
+    level = random_grids(n, m, sheared).levels[0]
+    b = np.random.default_rng(2).normal(size=(n, m, 3))
     u, r = np.full_like(b, np.nan), np.empty_like(b)
-    sweep_from_zero(level.inverse, level.off, b, u)
-    left(level.off, u, r, 0, len(u))
-    exact = b.ravel() - dense(level) @ u.ravel()
-    assert np.abs(r.ravel() - exact).max() <= 1e-5 * np.abs(b).max()
+    whole = dense(level)
+    own = np.kron(np.eye(n * m), np.ones((3, 3))) * whole
+    with mock.patch.object(threads, "NODES", 1), mock.patch.dict(os.environ, {threads.LIMIT: str(number)}):
+        in_bands(lambda done: sweep_from_zero(level.inverse, level.off, b, u, done), n, m)
+        lower = own + np.tril(whole - own)
+        assert np.abs(u.ravel() - np.linalg.solve(lower, b.ravel())).max() <= 1e-5 * np.abs(b).max()
+        left(level.off, u, r, 0, n)
+        exact = b.ravel() - whole @ u.ravel()
+        assert np.abs(r.ravel() - exact).max() <= 1e-5 * np.abs(b).max()
+        after = np.linalg.solve(lower.T, b.ravel() - np.tril(whole - own) @ u.ravel())
+        in_bands(lambda done: sweep_back(level.inverse, level.off, b, u, done), n, m)
+        assert np.abs(u.ravel() - after).max() <= 1e-5 * np.abs(b).max()
 
 
 def test_a_block_between_nodes_on_their_planes_is_q_b_r():
