@@ -16,7 +16,7 @@ from scipy.sparse.linalg import splu
 
 from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
-from hyperfab.numerics.product import product, relax, remainder
+from hyperfab.numerics.product import advance, begin, product, relax, remainder
 from hyperfab.numerics.vectors import dot, norm
 
 
@@ -68,8 +68,7 @@ def conjugate_gradients(
     for step in range(1, iterations + 1):
         q = np.where(mask, product(matrix, p), 0.0)
         alpha = rho / dot(p, q)
-        x += alpha * p
-        r -= alpha * q
+        advance(alpha, p, q, x, r)
         size = norm(r)
         if size <= tolerance * start:
             return Solution(x, step, size / start)
@@ -132,8 +131,7 @@ class TwoLevel:
 
     def _smooth(self, residual: Array) -> Array:
         """Return p(D^-1 A) D^-1 r, p the Chebyshev polynomial over the upper part of the spectrum."""
-        change = self._inverse * residual / self._centre
-        z = change.copy()
+        change, z = begin(residual, self._inverse, self._centre)
         sigma = self._centre / self._spread
         rho = 1.0 / sigma
         for _ in range(self._degree - 1):

@@ -9,8 +9,8 @@ from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.kernels import kernel
 from hyperfab.numerics.threads import in_blocks
 
-#: Entries that are worth a thread's while.
-ENTRIES = 200_000
+#: Entries of a matrix, and numbers of a vector, that are worth a thread's while.
+ENTRIES, NUMBERS = 200_000, 50_000
 
 
 def product(matrix: sparse.csr_matrix, x: Array) -> Array:
@@ -67,6 +67,24 @@ def relax(
     return after
 
 
+def begin(right: Array, inverse: Array, centre: float) -> tuple[Array, Array]:
+    """Return d = inverse right / centre, a smoother's first change, and x = d, to be relaxed further."""
+    change, x = np.empty(len(right)), np.empty(len(right))
+    in_blocks(lambda first, last: _begin(right, inverse, centre, change, x, first, last), len(right), NUMBERS)
+    return change, x
+
+
+def advance(alpha: float, p: Array, q: Array, x: Array, r: Array) -> None:
+    """Add alpha p to x, and take alpha q off r, in place: a step of the conjugate gradients.
+
+    >>> x, r = np.array([1.0, 2.0]), np.array([3.0, 4.0])
+    >>> advance(2.0, np.array([1.0, 0.0]), np.array([0.0, 1.0]), x, r)
+    >>> x.tolist(), r.tolist()
+    ([3.0, 2.0], [3.0, 2.0])
+    """
+    in_blocks(lambda first, last: _advance(alpha, p, q, x, r, first, last), len(x), NUMBERS)
+
+
 def _rows_of_a_block(matrix: sparse.csr_matrix) -> int:
     return max(1, matrix.shape[0] * ENTRIES // max(1, matrix.nnz))
 
@@ -75,6 +93,22 @@ def _unsigned(matrix: sparse.csr_matrix) -> tuple[Ints, Ints]:
     """Return where the rows begin and their columns, as unsigned numbers: numba asks no sign, a fourth of the time."""
     kind = np.uint32 if matrix.indices.itemsize == 4 else np.uint64
     return matrix.indptr.view(kind), matrix.indices.view(kind)
+
+
+@kernel
+def _begin(
+    right: Array, inverse: Array, centre: float, change: Array, x: Array, first: int, last: int
+) -> None:
+    for i in range(first, last):
+        change[i] = inverse[i] * right[i] / centre
+        x[i] = change[i]
+
+
+@kernel
+def _advance(alpha: float, p: Array, q: Array, x: Array, r: Array, first: int, last: int) -> None:
+    for i in range(first, last):
+        x[i] += alpha * p[i]
+        r[i] -= alpha * q[i]
 
 
 @kernel

@@ -179,7 +179,7 @@ class HeatModel:
                 goal = max(RESIDUAL * (size if reference is None else reference), ROUNDING * scale)
             if size <= goal or moved <= STILL:
                 uniform = self.free.astype(float)
-                capacity = dot(uniform, matrix @ uniform)
+                capacity = dot(uniform, product(matrix, uniform))
                 if step and self.linear:  # what was carried along has gathered rounding
                     residual = self._residual(time, interval, storage, target, temperature)
                 for _ in range(BALANCINGS):
@@ -211,7 +211,7 @@ class HeatModel:
 
         Loose nodes have a mean of their own, and the larger one counts: a light piece on a heavy mold counts.
         """
-        whole, loose = dot(field, self._capacity @ field), 0.0
+        whole, loose = dot(field, product(self._capacity, field)), 0.0
         if len(self.loose):
             mine, weight = field[self.mesh.solid :], float(self.loose.sum())
             loose = dot(mine, self.loose * mine)
