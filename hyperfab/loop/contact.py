@@ -9,8 +9,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from hyperfab.arrays import Array
-from hyperfab.loop.catalogue import catalogue
-from hyperfab.loop.catalogue.contact import DataContext
+from hyperfab.loop.catalogue.contact import DataContext, entries
 from hyperfab.loop.emulator import Emulator
 from hyperfab.loop.known import known, known_curve, sure, without_prior
 from hyperfab.loop.problem import Constant, Curve, Extra, Problem
@@ -270,7 +269,7 @@ def contact_problem(
         measured=measured,
         curves=tuple(curves),
         own=without_prior(priors),
-        effects=catalogue("contact", context),
+        effects=entries(context),
         states=states,
         units=("N",),
         sheet=sheet,

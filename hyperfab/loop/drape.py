@@ -12,8 +12,7 @@ from scipy.interpolate import RectBivariateSpline
 
 from hyperfab.arrays import Array
 from hyperfab.cloth.round import rounded, squared
-from hyperfab.loop.catalogue import catalogue
-from hyperfab.loop.catalogue.drape import DataContext
+from hyperfab.loop.catalogue.drape import DataContext, entries
 from hyperfab.loop.emulator import Axis
 from hyperfab.loop.known import known, known_curve, sure, without_prior
 from hyperfab.loop.kriging import Kriged
@@ -232,7 +231,7 @@ def drape_problem(
         measured=measured,
         curves=tuple(curves),
         own=without_prior(priors),
-        effects=catalogue("drape", context),
+        effects=entries(context),
         states={
             "x0_mm": state([part.flat[:, 0] for part in parts]),
             "y0_mm": state([part.flat[:, 1] for part in parts]),

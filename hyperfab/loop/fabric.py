@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
 from hyperfab.curve import TestCurve
-from hyperfab.loop.catalogue import catalogue
-from hyperfab.loop.catalogue.fabric import DataContext
+from hyperfab.loop.catalogue.fabric import DataContext, entries
 from hyperfab.loop.fabric_extras import menu
 from hyperfab.loop.fabric_tests import curves_of, path_of, smooth_of, states_of
 from hyperfab.loop.problem import HAS_IT, Constant, Extra, Problem
@@ -168,8 +167,7 @@ def fabric_problem(
     curves, rows, measured = curves_of(path, tests, stress)
     context = DataContext(law, tuple(warp), path, stress, weft is not None, len(rows) > 0)
     effects = tuple(
-        replace(effect, not_sought=HAS_IT) if effect.id in held else effect
-        for effect in catalogue("fabric", context)
+        replace(effect, not_sought=HAS_IT) if effect.id in held else effect for effect in entries(context)
     )
     stated = None
     if all(test.stress_sd is not None for test in tests):

@@ -10,9 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
-from hyperfab.loop.catalogue import catalogue
-from hyperfab.loop.catalogue.heat import DataContext
-from hyperfab.loop.catalogue.heat.ambient_drift import FARTHEST_K, FASTEST_K_S
+from hyperfab.loop.catalogue.heat import FARTHEST_K, FASTEST_K_S, DataContext, entries
 from hyperfab.loop.problem import Constant, Curve, Extra, Form, Problem, split
 from hyperfab.thermal.reduced import ReducedMold
 from hyperfab.thermal.sensors import lagging
@@ -280,7 +278,7 @@ def heat_problem(
         measured=measured,
         curves=curves,
         own=constants,
-        effects=catalogue("heat", context),
+        effects=entries(context),
         states=states,
         units=("K",),
         runs=[Run(replace(mold, probes=mold.probes[list(probes)]), times, kept)],

@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.loop.catalogue import catalogue
-from hyperfab.loop.catalogue.press import DataContext, FoamContext, PressEffect
+from hyperfab.loop.catalogue.press import DataContext, FoamContext, PressEffect, entries
 from hyperfab.loop.known import known, known_curve, sure, without_prior
 from hyperfab.loop.press_reading import THERE, UNITS, Changes, Kind, Reading, Setting, Warmth, variation
 from hyperfab.loop.press_set import SetPress, Summed
@@ -243,7 +242,7 @@ def press_problem(
         measured=np.concatenate([*(part.values for part in parts), np.zeros(curves[-1].stop - row)]),
         curves=tuple(curves),
         own=without_prior(priors),
-        effects=catalogue("press", context),
+        effects=entries(context),
         states=_states(first),
         units=tuple(UNITS[kind] for kind in kinds),
         summed=summed,

@@ -26,9 +26,7 @@ from hyperfab.console import Console
 from hyperfab.documents.base import parse_document
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.io.stl_write import stl_bytes
-from hyperfab.loop.catalogue import catalogue
-from hyperfab.loop.catalogue.contact import DataContext as ContactContext
-from hyperfab.loop.catalogue.drape import DataContext as DrapeContext
+from hyperfab.loop.catalogue import contact, drape
 from hyperfab.loop.problem import Effect
 
 FABRIC: dict[str, Any] = {
@@ -40,8 +38,8 @@ FABRIC: dict[str, Any] = {
 
 
 #: The entries as an emulator scales them that reaches so far.
-DRAPE = catalogue("drape", DrapeContext((0.02, 0.05), 0.4, 0.03, 900.0))
-CONTACT = catalogue("contact", ContactContext((20.0, 40.0, 60.0), 20.0, (0.0, 0.05), 0.4, 1.0, 1.0))
+DRAPE = drape.entries(drape.DataContext((0.02, 0.05), 0.4, 0.03, 900.0))
+CONTACT = contact.entries(contact.DataContext((20.0, 40.0, 60.0), 20.0, (0.0, 0.05), 0.4, 1.0, 1.0))
 
 
 def settings_of(effects: tuple[Effect, ...]) -> list[dict[str, float]]:

@@ -12,8 +12,7 @@ from loop.generators import press as caps
 
 from hyperfab.chapters.close_loop.finalise import close_rounds
 from hyperfab.chapters.close_loop.press import pose
-from hyperfab.loop.catalogue.press import DataContext
-from hyperfab.loop.catalogue.press.thickness_variation import entry
+from hyperfab.loop.catalogue.press import thickness_variation
 from hyperfab.loop.press import PressProblem
 from hyperfab.loop.press_reading import Changes, Reading, variation
 from hyperfab.loop.press_table import PressTable
@@ -102,8 +101,7 @@ def test_a_thickness_varies_by_a_polynomial_alike_along_both_axes() -> None:
     found = variation(plan, {"x": 0.1, "xyy": 0.02})
     np.testing.assert_allclose(found, [0.05 + 0.02 * 2.0, -0.15 - 0.02 * 13.5])
     assert variation(plan, {}) == 0
-    context = DataContext(60.0, 500.0, 5.0, True, True, 600.0, True, True)
-    for form in entry(context).forms:
+    for form in thickness_variation().forms:
         names = [one.name for one in form.constants]
         turned = {"".join(sorted(name.translate({120: 121, 121: 120}))) for name in names}
         assert len(set(names)) == len(names)

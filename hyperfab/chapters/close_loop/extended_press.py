@@ -21,7 +21,7 @@ from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
 from hyperfab.io.toml_io import load_toml
 from hyperfab.io.units import quantity
-from hyperfab.loop.catalogue.press.foam_softening import FoamSoftening
+from hyperfab.loop.catalogue.press import FoamSoftening, softened
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.press import PressProblem
 
@@ -146,7 +146,7 @@ def _soften(draft: _Draft, at: Mapping[str, float]) -> None:
     between = np.arange(min(met), max(met), _SOFTENING_STEP)
     factor = float(law.get("factor", 1.0))
     draft.foam["compression"] = [
-        {**law, "factor": factor * effect.left(one, at), "temperature": f"{one!r} degC"}
+        {**law, "factor": factor * softened(one - effect.law_degC, at), "temperature": f"{one!r} degC"}
         for one in sorted(met | set(between.tolist()))
     ]
 

@@ -22,8 +22,7 @@ from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
-from hyperfab.loop.catalogue import catalogue
-from hyperfab.loop.catalogue.fabric import DataContext
+from hyperfab.loop.catalogue.fabric import DataContext, entries
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
 from hyperfab.loop.fitting import Fit
@@ -117,7 +116,7 @@ def pose(
         context = DataContext(
             law, tuple(constants), bare.fabric.path, stress, False, len(bare.transverse_rows) > 0
         )
-        held = held_terms(document, name, {effect.id: effect for effect in catalogue("fabric", context)})
+        held = held_terms(document, name, {effect.id: effect for effect in entries(context)})
     known = set(law.names) | {f"warp {key}" for key in law.names} | {f"weft {key}" for key in law.names}
     known |= {constant.name for _, constants_ in held.values() for constant in constants_}
     for key in fix:

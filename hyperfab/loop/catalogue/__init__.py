@@ -1,22 +1,19 @@
-"""What a model may lack, one missing effect a file, one folder a domain.
+"""What a model may lack, one module a domain and one function an entry, scaled to the data in the domain's context.
 
-A module of a domain's folder has ``entry(context) -> Effect``; ``not_sought`` says why where it has no meaning for the
+``entries(context)`` of a domain are all, by name; ``not_sought`` says why where one has no meaning for the
 model or the data.
 """
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
-from typing import Any
-
-from hyperfab.loop.problem import Effect
+from hyperfab.loop.problem import Constant, Form
 
 
-def catalogue(domain: str, context: Any) -> tuple[Effect, ...]:
-    """Return the entries of a domain, scaled to the data in ``context``."""
-    folder = importlib.import_module(f"{__name__}.{domain}")
-    found = []
-    for module in sorted(pkgutil.iter_modules(folder.__path__), key=lambda module: module.name):
-        found.append(importlib.import_module(f"{folder.__name__}.{module.name}").entry(context))
-    return tuple(found)
+def softening(span: float, temperatures: int) -> list[Form]:
+    """Return stiffness exponential in temperature over a ``span`` [K]; of three ``temperatures`` also its curvature."""
+    linear = Constant("softening_1_K", 0.0, -5.0 / span, 5.0 / span, 0.1 / span)
+    forms = [Form("exponential", (linear,), ((0.2 / span,), (-0.2 / span,)), ((0.02 / span,),))]
+    if temperatures > 2:
+        bend = Constant("softening_1_K2", 0.0, -5.0 / span**2, 5.0 / span**2, 0.1 / span**2)
+        forms.append(Form("curved", (linear, bend), ((0.2 / span, 0.05 / span**2),), refines="exponential"))
+    return forms

@@ -1,80 +1,13 @@
 """What a strain-energy law lacks on tests of a fabric."""
 
-from dataclasses import dataclass
+from __future__ import annotations
 
-import numpy as np
-
-from hyperfab.materials.effects.path import Path, held
-from hyperfab.materials.kinematics import Array
-from hyperfab.materials.law import Law
+from hyperfab.loop.catalogue.fabric import history, mounting, response
+from hyperfab.loop.catalogue.fabric.context import DataContext as DataContext
+from hyperfab.loop.problem import Effect
 
 
-@dataclass(frozen=True)
-class DataContext:
-    """A law, its constants as they stand, and the measured curves; ``transverse``: contraction was measured."""
-
-    law: Law
-    constants: tuple[float, ...]
-    path: Path
-    stress: Array
-    directions: bool = False
-    transverse: bool = False
-
-    @property
-    def peak_stress(self) -> float:
-        """Largest measured stress [MPa]."""
-        return float(np.max(np.abs(self.stress), initial=0.0)) or 1.0
-
-    @property
-    def reach(self) -> float:
-        """Largest strain in the data."""
-        return max(float(np.max(self.path.stretch)) - 1.0, 1e-3)
-
-    @property
-    def energy(self) -> float:
-        """Size of the strain energy at the largest strain [MPa]."""
-        return 0.4 * self.peak_stress * self.reach
-
-    @property
-    def unloads(self) -> bool:
-        """Whether any specimen was let go again."""
-        return bool(np.any(self.path.up < 0))
-
-    @property
-    def pulls_again(self) -> bool:
-        """Whether any specimen was pulled once more after it was let go."""
-        return any(np.any(np.diff(self.path.up[rows]) > 0) for rows in self.path.curves)
-
-    @property
-    def shows_rate(self) -> bool:
-        """Whether specimens went at more than one rate, the way back and a hold included."""
-        return self.unloads or self.several_rates
-
-    @property
-    def several_rates(self) -> bool:
-        """Whether specimens were pulled at rates a factor of two apart, or held."""
-        speed = np.abs(self.path.speed)
-        going = [speed[rows][speed[rows] > 0.0] for rows in self.path.curves]
-        pace = [float(np.median(one)) for one in going if len(one)]
-        if pace and max(pace) > 2.0 * min(pace):
-            return True
-        return any(held(self.path.moved(rows)).any() for rows in self.path.curves)
-
-    @property
-    def angles(self) -> Array:
-        """The directions in the data [deg]."""
-        known = self.path.angle_deg[np.isfinite(self.path.angle_deg)]
-        return np.unique(known)
-
-    @property
-    def temperatures(self) -> Array:
-        """The temperatures in the data [degC], a half-degree apart."""
-        known = self.path.temperature_degC[np.isfinite(self.path.temperature_degC)]
-        return np.unique(np.round(known * 2.0) / 2.0)
-
-    @property
-    def times(self) -> tuple[float, float]:
-        """The shortest time that rows resolve and the longest test [s]."""
-        steps = self.path.elapsed[self.path.elapsed > 0.0]
-        longest = max(float(np.nansum(np.maximum(self.path.elapsed[rows], 0.0))) for rows in self.path.curves)
-        return float(np.median(steps)) if len(steps) else 1.0, max(longest, 1e-6)
+def entries(context: DataContext) -> tuple[Effect, ...]:
+    """Return what may lack, scaled to the data."""
+    found = (*response.entries(context), *history.entries(context), *mounting.entries(context))
+    return tuple(sorted(found, key=lambda effect: effect.id))

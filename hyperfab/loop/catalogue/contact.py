@@ -1,0 +1,94 @@
+"""What the model of a punched sheet lacks on its force over depth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hyperfab.loop.catalogue import softening
+from hyperfab.loop.problem import Constant, Effect, Form
+
+
+@dataclass(frozen=True)
+class DataContext:
+    """The temperatures met [degC], how far prestretch (down, up), friction and slip
+    [mm per N/mm] may go, and the pull of the rim [N/mm] at the deepest."""
+
+    temperatures: tuple[float, ...]
+    reference_degC: float
+    prestretch: tuple[float, float]
+    friction: float
+    slip: float
+    pull: float
+
+
+def entries(context: DataContext) -> tuple[Effect, ...]:
+    """Return what may lack, scaled to the data."""
+    return friction(context), pretension(context), rim_slip(context), thermal_softening(context)
+
+
+def friction(context: DataContext) -> Effect:
+    """Coulomb friction between sheet and punch, ``--friction``: a coefficient, added to the model's own."""
+    mu = Constant("mu", 0.0, 0.0, max(context.friction, 1e-9), 0.05, places=("friction",))
+    return Effect(
+        id="friction",
+        title="the sheet rubs on the punch",
+        not_sought="" if context.friction else "the model's sheet sticks to the punch where it touches",
+        rides_on=("depth_mm",),
+        shown_by="the same test with the punch oiled, or powdered",
+        source="Coulomb's law",
+        forms=(Form("Coulomb", (mu,), ((0.2,), (0.5,)), ((0.1,),)),) if context.friction else (),
+    )
+
+
+def pretension(context: DataContext) -> Effect:
+    """A sheet mounted taut, ``--prestretch``: stretch of the rim, added to the model's own."""
+    down, up = context.prestretch
+    added = Constant("added_stretch", 0.0, -down, up, 0.005, places=("prestretch",))
+    return Effect(
+        id="pretension",
+        title="the sheet was mounted under tension",
+        rides_on=("depth_mm",),
+        shown_by="the first tenth of the depth, read closely: a taut sheet resists at once",
+        source="a rim held at a multiple of its place",
+        forms=(Form("even", (added,), ((0.01,), (0.04,)), ((0.003,),)),),
+    )
+
+
+def rim_slip(context: DataContext) -> Effect:
+    """A clamp that gives, ``--rim-slip``: the rim creeps inward in proportion to the pull, or to what of it the clamp
+    does not hold."""
+    most, pull = context.slip, context.pull
+    slip = Constant("slip_mm2_N", 0.0, 0.0, most, 0.02 * most, places=("slip",))
+    past = Constant("slip_mm2_N", 0.0, 0.0, 4.0 * most, 0.02 * most, places=("slip",))
+    hold = Constant("hold_N_mm", 0.0, 0.0, 0.9 * pull, 0.02 * pull, places=("hold",))
+    some = ((0.3 * most, 0.2 * pull), (0.8 * most, 0.5 * pull))
+    return Effect(
+        id="rim-slip",
+        title="the sheet slips in its clamp",
+        rides_on=("depth_mm",),
+        shown_by="marks on the sheet along the rim, before and after",
+        source="a linear spring in the plane of the clamp, or one that dry friction holds at first",
+        forms=(
+            Form("spring", (slip,), ((0.1 * most,), (0.5 * most,)), ((0.03 * most,),)),
+            Form("past a hold", (past, hold), some, ((0.05 * most, 0.3 * pull),)),
+        ),
+    )
+
+
+def thermal_softening(context: DataContext) -> Effect:
+    """Stiffness that falls, or rises, with temperature, ``temperatures`` of the material document and
+    ``--temperature``: exponential in temperature; with three temperatures also its curvature."""
+    met = context.temperatures
+    away = max((abs(v - context.reference_degC) for v in met), default=0.0)
+    span = max(away, float(np.ptp(met)) if met else 0.0, 10.0)
+    return Effect(
+        id="thermal-softening",
+        title="stiffness changes with temperature",
+        not_sought="" if met else "no file states its temperature",
+        rides_on=("temperature_degC",),
+        shown_by="the same test at two temperatures 30 K or more apart",
+        source="Ferry (1980), Viscoelastic Properties of Polymers, ch. 11",
+        forms=tuple(softening(span, len(met))),
+    )

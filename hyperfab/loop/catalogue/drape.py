@@ -1,0 +1,85 @@
+"""What the model of a draped sheet lacks on markers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from hyperfab.loop.problem import Constant, Effect, Form
+
+
+@dataclass(frozen=True)
+class DataContext:
+    """How far the effects may go: added prestretch (down, up), coefficient of friction, shear modulus [MPa], mass per
+    area [g/m^2]."""
+
+    prestretch: tuple[float, float]
+    friction: float
+    shear: float
+    mass: float
+
+
+def entries(context: DataContext) -> tuple[Effect, ...]:
+    """Return what may lack, scaled to the data."""
+    return friction(context), gravity(context), pretension(context), shear_stiffness(context)
+
+
+def friction(context: DataContext) -> Effect:
+    """Coulomb friction between sheet and mold, ``--friction``: a coefficient, added to the model's own."""
+    mu = Constant("mu", 0.0, 0.0, max(context.friction, 1e-9), 0.05, places=("friction",))
+    return Effect(
+        id="friction",
+        title="the sheet rubs on the mold",
+        rides_on=("from the middle_mm", "z_mm"),
+        shown_by="the same drape with the mold polished, or with a film of grease",
+        source="Coulomb's law",
+        forms=(Form("Coulomb", (mu,), ((0.1,), (0.35,)), ((0.05,),)),) if context.friction else (),
+    )
+
+
+def gravity(context: DataContext) -> Effect:
+    """The sheet's own weight, ``--mass``: a mass per area."""
+    most = context.mass
+    mass = Constant("mass_g_m2", 0.0, 0.0, most, 0.02 * most, places=("mass",))
+    return Effect(
+        id="gravity",
+        title="the sheet hangs under its own weight",
+        rides_on=("from the middle_mm", "z_mm"),
+        shown_by="the sheet on a scale; or the sag of the mounted sheet before it is draped",
+        source="weight of the nodes' shares",
+        forms=(Form("weight", (mass,), ((0.1 * most,), (0.5 * most,)), ((0.03 * most,),)),),
+    )
+
+
+def pretension(context: DataContext) -> Effect:
+    """A sheet mounted taut, ``--prestretch``: stretch of the mounted sheet, alike along warp and weft, or not."""
+    down, up = context.prestretch
+    both = Constant("added_stretch", 0.0, -down, up, 0.005, places=("prestretch",))
+    more = Constant("weft_more", 0.0, -up, up, 0.005, places=("weft more",))
+    return Effect(
+        id="pretension",
+        title="the sheet was mounted under tension",
+        rides_on=("from the middle_mm", "z_mm"),
+        shown_by="the force of the press over the first tenth of its way; markers where the sheet hangs free",
+        source="springs shorter than the mounted sheet",
+        forms=(
+            Form("even", (both,), ((0.02,), (0.08,)), ((0.005,),)),
+            Form("each way", (both, more), ((0.03, 0.0),), ((0.0, 0.005),), refines="even"),
+        ),
+    )
+
+
+def shear_stiffness(context: DataContext) -> Effect:
+    """Threads that resist turning against each other, ``--shear-modulus``: a shear modulus, added to the model's own;
+    a membrane's law has its own shear."""
+    most = context.shear
+    modulus = Constant("modulus_MPa", 0.0, 0.0, most, 0.02 * most, places=("shear",))
+    form = Form("linear", (modulus,), ((0.1 * most,), (0.5 * most,)), ((0.03 * most,),))
+    return Effect(
+        id="shear-stiffness",
+        title="the fabric resists shear",
+        rides_on=("x0_mm", "y0_mm"),
+        shown_by="a bias test, cut at 45 degrees to the warp; or markers on the diagonals",
+        source="energy of the angle between the threads, G gamma^2/2",
+        forms=(form,) if most else (),
+        not_sought="" if most else "the law of a membrane has its own shear",
+    )

@@ -1,0 +1,313 @@
+"""What a fabric remembers: how it was pulled before, which way it goes, how fast."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hyperfab.loop.catalogue.fabric.context import DataContext
+from hyperfab.loop.problem import Constant, Effect, Form, fixed, freely
+
+
+def entries(context: DataContext) -> tuple[Effect, ...]:
+    """Return what may lack, scaled to the data."""
+    return hysteresis(context), mullins(context), permanent_set(context), rate(context)
+
+
+def hysteresis(context: DataContext) -> Effect:
+    """A loop at one rate, of friction between yarns, or a pseudo-elastic loop that closes at each turn: friction that
+    grows with the load, constant friction, a pseudo-elastic or a bent way down."""
+    reach, peak, energy = context.reach, context.peak_stress, context.energy
+    turn = Constant("turn_strain", 0.1 * reach, 0.002 * reach, 2.0 * reach, 0.1 * reach)
+    again = Constant("turn_strain_2", 0.3 * reach, 0.002 * reach, 5.0 * reach, 0.1 * reach)
+    rub = Constant("friction", 0.0, 0.0, 0.9, 0.1)
+    rub_more = Constant("friction_2", 0.0, 0.0, 0.9, 0.1)
+    dry = Constant("friction_MPa", 0.0, 0.0, peak, 0.05 * peak)
+    dry_more = Constant("friction_2_MPa", 0.0, 0.0, peak, 0.05 * peak)
+    stop = Constant("turn_MPa", 0.1 * peak, 0.002 * peak, 3.0 * peak, 0.1 * peak)
+    stop_more = Constant("turn_2_MPa", 0.3 * peak, 0.002 * peak, 3.0 * peak, 0.1 * peak)
+    amount = Constant("amount", 0.0, 0.0, 0.98, 0.1)
+    work = Constant("energy_MPa", 0.3 * energy, 0.005 * energy, 10.0 * energy, 0.3 * energy)
+    power = Constant("power", 1.0, 0.05, 6.0, 0.5)
+    forms = (
+        Form(
+            "friction",
+            (rub, turn),
+            ((0.1, 0.05 * reach), (0.15, 0.3 * reach)),
+            ((0.02, 0.03 * reach), (0.02, 0.15 * reach), (0.02, 0.5 * reach)),
+        ),
+        Form(
+            "dry",
+            (dry, turn),
+            ((0.05 * peak, 0.05 * reach), (0.05 * peak, 0.3 * reach)),
+            ((0.01 * peak, 0.03 * reach), (0.01 * peak, 0.15 * reach)),
+        ),
+        Form(
+            "pseudo-elastic",
+            (amount, work),
+            ((0.2, 0.15 * energy), (0.3, 0.7 * energy)),
+            ((0.03, 0.1 * energy), (0.03, 0.5 * energy)),
+        ),
+        Form("returning", (amount, power), ((0.2, 0.7), (0.3, 2.0)), ((0.03, 0.5), (0.03, 1.5))),
+        Form(
+            "friction-dry",
+            (rub, turn, dry, again),
+            ((0.1, 0.05 * reach, 0.02 * peak, 0.2 * reach),),
+            refines="friction",
+        ),
+        Form(
+            "friction-two",
+            (rub, turn, rub_more, again),
+            ((0.1, 0.05 * reach, 0.05, 0.3 * reach),),
+            refines="friction",
+        ),
+        Form(
+            "dry-two",
+            (dry, turn, dry_more, again),
+            ((0.05 * peak, 0.05 * reach, 0.03 * peak, 0.3 * reach),),
+            refines="dry",
+        ),
+        Form(
+            "stop",
+            (dry, stop),
+            ((0.05 * peak, 0.05 * peak), (0.05 * peak, 0.3 * peak)),
+            ((0.01 * peak, 0.03 * peak), (0.01 * peak, 0.2 * peak)),
+        ),
+        Form(
+            "stop-two",
+            (dry, stop, dry_more, stop_more),
+            ((0.05 * peak, 0.05 * peak, 0.03 * peak, 0.3 * peak),),
+            refines="stop",
+        ),
+        Form("bent", (Constant("power", 0.0, 0.0, 5.0, 0.1),), ((0.3,), (1.0,)), ((0.05,),)),
+    )
+    shares = [Constant(f"share_{k}", 0.0, 0.0, 0.9, 0.1) for k in range(1, 5)]
+    levels = [Constant(f"friction_{k}_MPa", 0.0, 0.0, peak, 0.05 * peak) for k in range(1, 5)]
+    yarns = (fixed("reach", reach), *shares, *levels, Constant("growth", 0.0, -4.0, 4.0, 0.5))
+    smooth = freely(forms, "smooth", yarns, (reach, *4 * (0.03,), *4 * (0.01 * peak,), 0.0))
+    return Effect(
+        id="hysteresis",
+        title="loading and unloading differ, whatever the rate",
+        not_sought="" if context.unloads else "no test unloads",
+        rides_on=("branch",),
+        shown_by="three cycles to one amplitude at two rates: a loop of the same width every time",
+        source="Dahl (1968), TOR-158; Ogden & Roxburgh (1999), doi:10.1098/rspa.1999.0431",
+        forms=(*forms, smooth),
+        smooth=True,
+    )
+
+
+def mullins(context: DataContext) -> Effect:
+    """Softening below the largest stretch so far: Ogden and Roxburgh's factor, with their beta, or damage by that
+    stretch."""
+    energy, reach = context.energy, context.reach
+    one_over_r = Constant("one_over_r", 0.0, 0.0, 0.98, 0.1)
+    scale = Constant("m_MPa", 0.3 * energy, 0.002 * energy, 10.0 * energy, 0.3 * energy)
+    beta = Constant("beta", 0.0, 0.0, 2.0, 0.1)
+    amount = Constant("amount", 0.0, 0.0, 0.98, 0.1)
+    power = Constant("power", 1.0, 0.1, 6.0, 0.5)
+    outer = Constant("outer", 1.0, 0.2, 4.0, 0.3)
+    kept = Constant("kept", 0.0, 0.0, 0.98, 0.2)
+    strain = Constant("strain", 0.5 * reach, 0.02 * reach, 20.0 * reach, reach)
+    wider = (Constant("amount", 0.0, 0.0, 3.0, 0.1), power, outer, Constant("growth", 0.0, -1.0, 3.0, 0.3))
+    forms = (
+        Form(
+            "pseudo-elastic",
+            (one_over_r, scale),
+            ((0.2, 0.15 * energy), (0.3, 0.7 * energy)),
+            ((0.03, 0.1 * energy), (0.03, 0.5 * energy)),
+        ),
+        Form(
+            "pseudo-elastic-beta",
+            (one_over_r, scale, beta),
+            ((0.3, 0.2 * energy, 0.1),),
+            refines="pseudo-elastic",
+        ),
+        Form("strain", (amount, power), ((0.3, 0.7), (0.3, 2.0)), ((0.03, 0.5), (0.03, 1.5))),
+        Form("strain-shape", wider, ((0.3, 1.0, 0.9, 0.2),), refines="strain"),
+        Form("strain-cycles", (amount, power, kept), ((0.3, 1.0, 0.3),), refines="strain"),
+        Form(
+            "damage",
+            (amount, strain),
+            ((0.2, 0.3 * reach), (0.4, 2.0 * reach)),
+            ((0.03, 0.3 * reach), (0.03, reach)),
+        ),
+        Form(
+            "damage-power",
+            (amount, strain, Constant("power", 1.0, 0.3, 5.0, 0.3)),
+            ((0.3, 0.5 * reach, 1.5),),
+            refines="damage",
+        ),
+    )
+    deep = [Constant(f"depth_{k}", 0.0, -0.5, 2.0, 0.1) for k in range(1, 4)]
+    lost = [Constant(f"lost_{k}", 0.0, -0.2, 0.9, 0.05) for k in range(1, 4)]
+    begin = (reach, 1.0, 1.0, 0.1, 0.1, 0.15, 0.2, 0.0, 0.0, 0.0)
+    smooth = freely(forms, "smooth", (fixed("reach", reach), power, outer, kept, *deep, *lost), begin)
+    return Effect(
+        id="mullins",
+        title="softer after a first pull, up to the stretch it reached",
+        not_sought="" if context.unloads else "no test unloads",
+        rides_on=("cycle", "branch"),
+        shown_by="two pulls to one stretch, then one beyond it: the second follows the first's way down",
+        source="Ogden & Roxburgh (1999), doi:10.1098/rspa.1999.0431; Simo (1987), doi:10.1016/0045-7825(87)90107-1",
+        forms=(*forms, smooth),
+        smooth=True,
+    )
+
+
+def permanent_set(context: DataContext) -> Effect:
+    """Strain that stays when the load is gone: a set seen on the way down, plastic flow as it happens, or a set from
+    the second pull on."""
+    share = Constant("set_share", 0.0, 0.0, 0.9, 0.02)
+
+    def form(name: str) -> Form:
+        return Form(name, (share,), ((0.04,), (0.15,)), ((0.01,),))
+
+    power = Constant("power", 1.0, 0.2, 5.0, 0.3)
+    plain = [form(name) for name in ("returned", "flow", "next-pull")]
+    curved = [Form(f"{one.name}-power", (share, power), ((0.1, 1.4),), refines=one.name) for one in plain]
+    reach = context.reach
+    bend = Constant("bend", 0.0, -4.0 / reach, 8.0 / reach, 0.5 / reach)
+    curved += [
+        Form(f"{one.name}-bent", (share, bend), ((0.1, 1.0 / reach),), refines=one.name) for one in plain[:2]
+    ]
+    crept = Form(
+        "crept",
+        (share, Constant("strain", reach, 0.05 * reach, 50.0 * reach, reach)),
+        ((0.1, reach),),
+        ((0.01, 0.5 * reach), (0.01, 3.0 * reach)),
+    )
+    more = Form(
+        "cycles", (share, Constant("power", 0.5, 0.0, 2.0, 0.3)), ((0.05, 0.5),), ((0.01, 0.2), (0.01, 1.0))
+    )
+    # The same with strains that add rather than stretches that multiply.
+    sums = [
+        Form(f"{one.name}-added", one.constants, one.starts, refines=one.name)
+        for one in (plain[1], plain[2], crept, more)
+    ]
+    sums += [
+        Form("flow-power-added", (share, power), ((0.1, 1.4),), refines=("flow-power", "flow-added")),
+        Form("flow-bent-added", (share, bend), ((0.1, 1.0 / reach),), refines=("flow-bent", "flow-added")),
+    ]
+    network = form("network")
+    bent = Form("network-power", (share, power), ((0.1, 0.7),), refines="network")
+    forms = (*plain, *curved, crept, more, *sums, network, bent)
+    sets = [Constant(f"set_{k}", 0.0, 0.0, 0.6 * reach, 0.01 * reach) for k in range(1, 4)]
+    over = (Constant("strain", 0.1 * reach, 0.01 * reach, 50.0 * reach, reach), _slowly(context))
+    start = (reach, 0.3 * reach, over[1].value, 0.02 * reach, 0.05 * reach, 0.1 * reach)
+    smooth = freely(forms, "smooth", (fixed("reach", reach), *over, *sets), start)
+    return Effect(
+        id="permanent-set",
+        title="part of the strain stays",
+        not_sought="" if context.unloads else "no test unloads",
+        rides_on=("cycle", "branch"),
+        shown_by="unloading to zero force, a wait, and a second pull: the stretch at which force begins",
+        source="ASTM D412 (tension set); Andrews, Tobolsky & Hanson (1946), doi:10.1063/1.1707724",
+        forms=(*forms, smooth),
+        smooth=True,
+    )
+
+
+def _slowly(context: DataContext) -> Constant:
+    """Return the time over which a set creeps; none of it is known where the tests state no time."""
+    if not context.path.knows_time:
+        return fixed("creep_s", 1e9)
+    whole = context.times[1]
+    return Constant("creep_s", 100.0 * whole, 0.01 * whole, 1e4 * whole, whole)
+
+
+def rate(context: DataContext) -> Effect:
+    """A level or loop that moves with the rate, of stress that relaxes: one Maxwell branch, two or three, or stiffness
+    with the logarithm of the rate."""
+    step, whole = context.times
+    peak = context.peak_stress
+    low, high = 0.2 * step, 20.0 * whole
+    t1, t2, t3, t4 = times = tuple(float(t) for t in np.geomspace(2.0 * step, 0.5 * whole, 4))
+
+    def branch(k: int, start: float) -> tuple[Constant, Constant]:
+        return Constant(f"g{k}", 0.0, 0.0, 20.0, 0.1), Constant(f"tau{k}_s", start, low, high, start)
+
+    one, two, three = branch(1, t2), branch(2, t3), branch(3, t4)
+    measure = Constant("measure", 0.0, -4.0, 4.0, 1.0)
+    power = Constant("power", 1.0, 1.0, 8.0, 0.5)
+    thins = Constant("flow_MPa", 100.0 * peak, 0.005 * peak, 100.0 * peak, 0.2 * peak)
+    # Of power, time and stress level one is free to choose: the level.
+    level = Constant("flow_MPa", 0.1 * peak, 0.1 * peak, 0.1 * peak, 0.1 * peak)
+    with_strain = Constant("strain", 0.0, -1.5, 1.5, 0.2)
+    bend = Constant("bend", 0.0, -8.0, 8.0, 1.0)
+    viscous = Constant("viscous_MPa", 0.0, 0.0, peak, 0.05 * peak)
+    reason = "" if context.shows_rate else "the tests have one rate, no hold and no way back"
+    if not context.path.knows_time:
+        reason = "not every test states its times or its rate"
+    forms = (
+        Form("prony-1", one, tuple((0.3, t) for t in (t1, t2, t4)), tuple((0.02, t) for t in times)),
+        Form(
+            "prony-2",
+            (*one, *two),
+            ((0.2, t1, 0.2, t4), (0.2, t1, 0.1, t2)),
+            refines="prony-1",
+        ),
+        Form("prony-3", (*one, *two, *three), ((0.2, t1, 0.2, t3, 0.1, t4),), refines="prony-2"),
+        Form("prony-bent", (*one, bend), ((0.3, t2, 0.5),), refines="prony-1"),
+        Form(
+            "prony-2-bent",
+            (*one, bend, *two),
+            ((0.2, t1, 0.5, 0.2, t3), (0.2, t1, 0.5, 0.2, t1)),
+            refines=("prony-bent", "prony-2"),
+        ),
+        Form(
+            "prony-3-bent",
+            (*one, bend, *two, *three),
+            ((0.2, t1, 0.5, 0.2, t3, 0.2, t4),),
+            refines=("prony-2-bent", "prony-3"),
+        ),
+        Form(
+            "thinning",
+            (*one, thins),
+            ((0.5, t2, 0.15 * peak), (0.5, t3, 0.15 * peak)),
+            refines="prony-1",
+        ),
+        Form(
+            "thinning-prony",
+            (*one, thins, *two),
+            ((0.5, t2, 0.15 * peak, 0.1, t4),),
+            refines=("thinning", "prony-2"),
+        ),
+        Form("thinning-bent", (*one, thins, bend), ((0.5, t2, 0.15 * peak, 0.5),), refines="thinning"),
+        Form("flow", (*one, power, level), ((0.5, t2, 2.5, 0.1 * peak),), refines="prony-1"),
+        Form(
+            "flow-strain",
+            (*one, power, level, with_strain),
+            ((0.5, t2, 2.5, 0.1 * peak, -0.3),),
+            refines=("flow", "thinning", "thinning-bent"),
+        ),
+        Form("prony-measure", (*one, measure), ((0.3, t2, 0.5),), refines="prony-1"),
+        Form(
+            "prony-2-measure",
+            (*one, measure, *two),
+            ((0.2, t1, 0.5, 0.2, t3),),
+            refines=("prony-measure", "prony-2"),
+        ),
+        Form(
+            "viscous",
+            (viscous, Constant("power", 0.5, 0.2, 2.0, 0.2)),
+            ((0.05 * peak, 0.3), (0.05 * peak, 1.0)),
+            ((0.01 * peak, 0.3), (0.01 * peak, 1.0)),
+        ),
+        Form("log-rate", (Constant("amount", 0.0, -0.5, 0.5, 0.02),), ((0.05,),), ((0.01,),)),
+    )
+    ends = (fixed("first_s", 0.5 * step), fixed("last_s", whole))
+    quick = Constant("quick", 0.0, -6.0 / context.reach, 12.0 / context.reach, 1.0)
+    shares = [Constant(f"g_{k}", 0.0, 0.0, 20.0, 0.1) for k in range(1, 7)]
+    start = (0.5 * step, whole, 0.0, 0.0, *6 * (0.1,))
+    smooth = freely(forms, "smooth", (*ends, bend, quick, *shares), start)
+    return Effect(
+        id="rate",
+        title="stress depends on the rate",
+        not_sought=reason,
+        rides_on=("rate", "time"),
+        shown_by="the same cycle at two rates a factor of 16 apart, and a hold of the stretch",
+        source="Fung (1981), Biomechanics, ch. 7; Taylor, Pister & Goudreau (1970), doi:10.1002/nme.1620020106; "
+        "Bergstrom & Boyce (1998), doi:10.1016/S0022-5096(97)00075-6",
+        forms=(*forms, smooth),
+        smooth=True,
+    )

@@ -1,0 +1,66 @@
+"""How a specimen was held and its force read: what the grips and the load cell add."""
+
+from __future__ import annotations
+
+from hyperfab.loop.catalogue.fabric.context import DataContext
+from hyperfab.loop.problem import Constant, Effect, Form
+
+
+def entries(context: DataContext) -> tuple[Effect, ...]:
+    """Return what may lack, scaled to the data."""
+    return grip_slack(context), load_offset(context)
+
+
+def grip_slack(context: DataContext) -> Effect:
+    """Play in the grips, or a specimen mounted taut: strain that only takes up play, with or without a rounded end."""
+    reach = context.reach
+    low, high, step = -0.1 * reach, 0.6 * reach, 0.02 * reach
+    slack = Constant("slack", 0.0, low, high, step)
+    starts = ((0.03 * reach,), (0.1 * reach,), (-0.02 * reach,))
+    forms = [Form("play", (slack,), starts, ((0.005 * reach,),))]
+    count = len(context.path.curves)
+    if count > 1:
+        own = [Constant(f"of_test_{k}", 0.0, -0.3 * reach, high, step) for k in range(2, count + 1)]
+        start = (0.03 * reach, *(0.0 for _ in own))
+        forms.append(Form("each", (slack, *own), (start,), refines="play", of_each=True))
+    toe = Constant("toe", 0.0, 0.0, high, step)
+    forms.append(Form("toe", (slack, toe), ((0.03 * reach, 0.03 * reach),), refines="play"))
+    return Effect(
+        id="grip-slack",
+        title="the first extension takes up slack",
+        rides_on=("stretch",),
+        shown_by="the stretch from marks on the specimen beside that of the grips, close readings at the start",
+        source="ASTM D638, annex A1 (toe compensation)",
+        forms=tuple(forms),
+        smooth=True,
+    )
+
+
+def load_offset(context: DataContext) -> Effect:
+    """A load cell off its zero: by a constant stress, or one that drifts with time."""
+    peak = context.peak_stress
+    most, step = 0.5 * peak, 0.01 * peak
+    offset = Constant("offset_MPa", 0.0, -most, most, step)
+    forms = [Form("constant", (offset,), ((0.02 * peak,), (-0.02 * peak,)), ((step,),))]
+    if context.path.knows_time:
+        whole = context.times[1]
+        drift = Constant("drift_MPa_s", 0.0, -peak / whole, peak / whole, 0.01 * peak / whole)
+        forms.append(Form("drift", (offset, drift), ((step, 0.01 * peak / whole),), refines="constant"))
+        tau = Constant("tau_s", 0.3 * whole, 0.01 * whole, 10.0 * whole, 0.3 * whole)
+        rise = Constant("drift_MPa_s", 0.0, -50.0 * peak / whole, 50.0 * peak / whole, 0.05 * peak / whole)
+        start = (step, 0.05 * peak / whole, 0.2 * whole)
+        forms.append(Form("settling", (offset, rise, tau), (start,), refines="constant"))
+    count = len(context.path.curves)
+    if count > 1:
+        own = [Constant(f"of_test_{k}_MPa", 0.0, -most, most, step) for k in range(2, count + 1)]
+        begin = (step, *(0.0 for _ in own))
+        forms.append(Form("each", (offset, *own), (begin,), refines="constant", of_each=True))
+    return Effect(
+        id="load-offset",
+        title="the load cell is off its zero",
+        rides_on=("stretch",),
+        shown_by="readings at rest, before the pull and after full unloading",
+        source="ASTM E4 (zero of a testing machine)",
+        forms=tuple(forms),
+        smooth=True,
+    )

@@ -1,0 +1,219 @@
+"""What one pull shows: the energy's shape, the directions, the volume, the temperature."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hyperfab.loop.catalogue import softening
+from hyperfab.loop.catalogue.fabric.context import DataContext
+from hyperfab.loop.problem import HAS_IT, Constant, Effect, Form, fixed, freely
+from hyperfab.materials.effects.threads import GROUND
+
+_ALL = {"C20_MPa", "C30_MPa"}
+
+
+def entries(context: DataContext) -> tuple[Effect, ...]:
+    """Return what may lack, scaled to the data."""
+    return anisotropy(context), compressibility(context), elastic_law(context), thermal_softening(context)
+
+
+def anisotropy(context: DataContext) -> Effect:
+    """Warp and weft with constants of their own, ``directions`` of the material document: one ratio for all constants,
+    all constants free, fibres, and a sheet of threads."""
+    reason = ""
+    if context.directions:
+        reason = HAS_IT
+    elif len(context.angles) < 2:
+        reason = "the tests state one direction at most"
+    law = context.law
+    c = np.array(context.constants)
+    linear = np.array([name in law.stresses for name in law.names])
+    size = max(float(np.max(np.abs(c[linear]))), 1e-12)
+    away = [
+        Constant(f"weft-warp {name}", 0.0, scale=max(abs(value), 0.1 * size if stress else 0.1))
+        for name, value, stress in zip(law.names, c, linear, strict=True)
+    ]
+    softer, stiffer, little = (
+        tuple(float(v) for v in np.where(linear, factor * c, 0.0)) for factor in (-0.5, 1.0, 0.05)
+    )
+    singles = [
+        tuple(float(0.05 * size) if i == k else 0.0 for i in range(len(c))) for k in np.flatnonzero(linear)
+    ]
+    forms = [
+        Form("ratio", (Constant("weft/warp", 1.0, 0.01, 100.0),), ((0.5,), (2.0,)), ((1.05,),)),
+        Form("constants", tuple(away), (softer, stiffer), (little, *singles)),
+    ]
+    far = (1.0 + context.reach) ** 2 - 1.0
+    stiff = context.peak_stress / (2.0 * far * (1.0 + context.reach))
+    warp, across = (Constant(f"k1_{way}_MPa", 0.0, 0.0, scale=0.1 * stiff) for way in ("warp", "weft"))
+    growth = Constant("k2", 0.0, 0.0, 20.0 / far**2, 0.3 / far**2)
+    starts = ((0.2 * stiff, 0.1 / far**2), (0.1 * stiff, 1.5 / far**2))
+    for way, one in (("warp", warp), ("weft", across)):
+        forms.append(Form(f"{way}-fibres", (one, growth), starts, ((0.02 * stiff, 0.0),)))
+    # What lies between warp and weft is no mean of both: a strip shears as well.
+    off_axis = bool(np.any((context.angles % 90.0) > 1.0)) and set(law.names) <= GROUND
+    both = (*away, warp, across, growth)
+    beside = (*softer, 0.1 * stiff, 0.1 * stiff, 0.1 / far**2)
+    forms.append(Form("constants-fibres", both, (beside,), refines=() if off_axis else "constants"))
+    if set(law.names) <= GROUND:
+        shear = Constant("G_MPa", 0.0, 0.0, scale=0.1 * stiff)
+        start = (0.3 * stiff, 0.3 * stiff, 0.1 / far**2, 0.05 * stiff)
+        # A strip along the threads contracts otherwise than one across: where that was read it tells them too.
+        simpler = tuple(form.name for form in forms) if context.transverse else ()
+        simpler = ("warp-fibres", "weft-fibres") if off_axis else simpler
+        threads = (warp, across, growth, shear)
+        forms.append(Form("threads", threads, (start,), refines=simpler, free=not off_axis))
+    return Effect(
+        id="anisotropy",
+        title="warp and weft differ",
+        not_sought=reason,
+        rides_on=("direction",),
+        shown_by="the same pull along warp and weft, each with a replicate",
+        source="Spencer (1984), Continuum Theory of the Mechanics of Fibre-Reinforced Composites; "
+        "Holzapfel, Gasser & Ogden (2000), doi:10.1023/A:1010835316564",
+        forms=tuple(forms),
+    )
+
+
+def compressibility(context: DataContext) -> Effect:
+    """A sheet that changes its volume: the contraction exponent; one a direction where contraction was measured along
+    both."""
+    reason = ""
+    if context.law.name.startswith("blatz-ko"):
+        reason = HAS_IT
+    elif not context.transverse and len(np.unique(context.path.mode)) < 2:
+        reason = "the tests are of one mode and state no transverse stretch"
+    # A pulled sheet neither loses volume (above 0.5) nor widens (below 0).
+    nu = Constant("nu", 0.5, 0.0, 0.5, 0.05)
+    bend = Constant("bend", 0.0, -1.0, 1.0, 0.1)
+    forms = [Form(name, (nu,), ((0.4,), (0.2,)), ((0.48,),)) for name in ("uniform", "slope", "split")]
+    if context.transverse:
+        forms.append(Form("slope-bent", (nu, bend), ((0.4, 0.05),), refines="slope"))
+        forms.append(Form("uniform-bent", (nu, bend), ((0.4, 0.05),), refines="uniform"))
+    if context.transverse and len(context.angles) > 1:
+        across = Constant("nu_weft", 0.5, 0.0, 0.5, 0.05)
+        forms.append(Form("directions", (nu, across), ((0.4, 0.4),), ((0.48, 0.5), (0.5, 0.48))))
+        forms.append(Form("directions-bent", (nu, across, bend), ((0.4, 0.4, 0.05),), refines="directions"))
+    free = []
+    if context.transverse:
+        more = [Constant(f"more_{k}", 0.0, -0.6, 0.6, 0.05) for k in range(1, 4)]
+        both, start = (fixed("reach", context.reach), nu, *more), (context.reach, 0.4, 0.0, 0.0, 0.0)
+        free = [freely(forms, f"{kind}-smooth", both, start) for kind in ("uniform", "slope")]
+    return Effect(
+        id="compressibility",
+        title="the sheet does not keep its volume",
+        not_sought=reason,
+        rides_on=("mode", "transverse stretch"),
+        shown_by="the transverse stretch of a uniaxial test, or uniaxial and biaxial tests of one sheet",
+        source="Blatz & Ko (1962), doi:10.1122/1.548937; Flory (1961), doi:10.1039/tf9615700829",
+        forms=(*forms, *free),
+    )
+
+
+def elastic_law(context: DataContext) -> Effect:
+    """A base law that is too poor, with terms of a richer energy on top of it: higher powers of I1 - 3, ln(I2/3), an
+    Ogden term, an exponential."""
+    size = context.peak_stress
+    far = (1.0 + context.reach) ** 2 + 2.0 / (1.0 + context.reach) - 3.0
+    # How large a modulus is by the power of I1 - 3 it stands before.
+    square, cube, log, fourth = (
+        Constant(name, 0.0, scale=0.1 * size / far**power)
+        for name, power in (("C20_MPa", 1), ("C30_MPa", 2), ("C2_MPa", 0), ("C40_MPa", 3))
+    )
+    mixed = (Constant("C01_MPa", 0.0, scale=0.1 * size), Constant("C11_MPa", 0.0, scale=0.1 * size / far))
+    level = Constant("D_MPa", 0.0, 0.0, scale=0.1 * size)
+    toe = (
+        level,
+        Constant("at", 0.3 * far, 0.12 * far, 1.5 * far, 0.2 * far),
+        Constant("width", 0.1 * far, 0.04 * far, far, 0.1 * far),
+    )
+    forms = []
+    if not set(context.law.linear) >= _ALL:
+        forms += [
+            Form("powers", (square, cube), _starts(square, cube), _singles(square, cube)),
+            Form("powers-log", (square, cube, log), _starts(square, cube, log), refines="powers"),
+            Form("powers-mixed", (square, cube, *mixed), _starts(square, cube, *mixed), refines="powers"),
+        ]
+    else:
+        forms.append(Form("high-powers", (fourth, log), _starts(fourth, log), _singles(fourth, log)))
+    ogden = Form(
+        "ogden",
+        (Constant("mu_MPa", 0.0, scale=0.1 * size), Constant("alpha", 3.0, -12.0, 25.0, 1.0)),
+        ((0.05 * size, -2.0), (0.05 * size, 3.0), (0.005 * size, 9.0)),
+        ((0.01 * size, -3.0), (0.01 * size, 1.0), (0.01 * size, 4.0)),
+    )
+    exponential = Form(
+        "exponential",
+        (level, Constant("b", 1.0 / far, 0.05 / far, 30.0 / far, 1.0 / far)),
+        ((0.01 * size, 1.0 / far), (0.001 * size, 6.0 / far)),
+        ((0.01 * size, 1.0 / far), (0.001 * size, 5.0 / far)),
+    )
+    both = (*mixed, Constant("C02_MPa", 0.0, scale=0.1 * size / far))
+    little = ((0.01 * size, 0.0, 0.0),)
+    forms += [
+        ogden,
+        exponential,
+        Form("second-invariant", both, little, little),
+        Form("straightening", toe, _toes(size, far), _toes(0.1 * size, far)),
+        Form("straightening-log", (*toe, log), ((*_toes(size, far)[0], 0.0),), refines="straightening"),
+    ]
+    for one in (ogden, exponential):
+        start = (*one.starts[0], 0.01 * size)
+        forms.append(Form(f"{one.name}-log", (*one.constants, log), (start,), refines=one.name))
+    slopes = [Constant(f"D_{k}_MPa", 0.0, scale=0.1 * size) for k in range(1, 6)]
+    free = (*slopes, mixed[0], log)
+    smooth = freely(forms, "smooth", (fixed("reach", far), *free), (far, *(0.01 * size for _ in free)))
+    return Effect(
+        id="elastic-law",
+        title="the strain-energy law is too poor",
+        rides_on=("stretch", "mode"),
+        shown_by="one more mode (planar shear or biaxial), and a pull farther than the product is stretched",
+        source="Yeoh (1993), doi:10.5254/1.3538343; Fung (1967); Gent & Thomas (1958), doi:10.1002/pol.1958.1202811814",
+        forms=(*forms, smooth),
+    )
+
+
+def _starts(*constants: Constant) -> tuple[tuple[float, ...], ...]:
+    return (tuple(0.1 * constant.scale for constant in constants),)
+
+
+def _toes(size: float, far: float) -> tuple[tuple[float, ...], ...]:
+    return tuple((0.1 * size, at * far, 0.1 * far) for at in (0.2, 0.5))
+
+
+def _singles(*constants: Constant) -> tuple[tuple[float, ...], ...]:
+    rows = 0.2 * np.diag([constant.scale for constant in constants])
+    return tuple(tuple(float(v) for v in row) for row in rows)
+
+
+def thermal_softening(context: DataContext) -> Effect:
+    """Stiffness that falls, or rises, with temperature: exponential; with three temperatures also its curvature, with
+    four a step towards glass."""
+    several, bends = len(context.temperatures) > 1, len(context.temperatures) > 2
+    span = float(np.ptp(context.temperatures)) if several else 30.0
+    forms = softening(span, len(context.temperatures))
+    linear = forms[0].constants[0]
+    if len(context.temperatures) > 3:
+        low, high = float(np.min(context.temperatures)), float(np.max(context.temperatures))
+        glass = (
+            linear,
+            Constant("step", 0.0, 0.0, 8.0, 0.2),
+            Constant("at_degC", low + 0.3 * span, low - 0.5 * span, high, 0.1 * span),
+            Constant("width_K", 0.1 * span, 0.02 * span, 0.5 * span, 0.05 * span),
+        )
+        colder = (0.05 / span, 1.0, low + 0.3 * span, 0.1 * span), (0.05 / span, 3.0, low, 0.15 * span)
+        forms.append(Form("glass", glass, colder, colder[:1], refines=("exponential", "curved")))
+    curvature = forms[1].constants[1] if bends else fixed("softening_1_K2", 0.0)
+    reach = fixed("reach", context.reach)
+    more = [Constant(f"with_strain_{k}_1_K", 0.0, -5.0 / span, 5.0 / span, 0.1 / span) for k in (1, 2)]
+    start = (context.reach, 0.2 / span, *3 * (0.0,))
+    smooth = freely(forms, "smooth", (reach, linear, curvature, *more), start)
+    return Effect(
+        id="thermal-softening",
+        title="stiffness changes with temperature",
+        not_sought="" if several else "the tests state one temperature at most",
+        rides_on=("temperature",),
+        shown_by="the same pull at two temperatures 30 K or more apart",
+        source="Ferry (1980), Viscoelastic Properties of Polymers, ch. 11",
+        forms=(*forms, smooth),
+    )
