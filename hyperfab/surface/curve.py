@@ -6,11 +6,14 @@ import numpy as np
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.kernels import kernel
+from hyperfab.numerics.threads import in_blocks
 
 #: The curve fills a cube of 2^BITS cells a side.
 BITS = 12
 #: Bits sorted at once.
 _DIGIT = 12
+#: Points that are worth a thread's while.
+BLOCK = 50_000
 
 
 def along_a_curve(points: Array) -> Ints:
@@ -21,16 +24,20 @@ def along_a_curve(points: Array) -> Ints:
     """
     if not len(points):
         return np.zeros(0, np.int64)
-    low, span = points.min(axis=0), float(np.ptp(points, axis=0).max())
-    return _sorted(
-        _places(np.ascontiguousarray(points), low, (2.0**BITS - 1.0) / span if span > 0.0 else 0.0)
+    # By columns: numpy takes several times as long for three at once.
+    low, high = (np.array([bound(points[:, a]) for a in range(3)]) for bound in (np.min, np.max))
+    span = float((high - low).max())
+    scale = (2.0**BITS - 1.0) / span if span > 0.0 else 0.0
+    points, places = np.ascontiguousarray(points), np.empty(len(points), np.int64)
+    in_blocks(
+        lambda first, last: _places(points[first:last], low, scale, places[first:last]), len(points), BLOCK
     )
+    return _sorted(places)
 
 
 @kernel
-def _places(points, low, scale):  # type: ignore[no-untyped-def]
-    """Places (n,) along the curve. Skilling, AIP Conf. Proc. 707 (2004) 381."""
-    out = np.empty(len(points), np.int64)
+def _places(points, low, scale, out):  # type: ignore[no-untyped-def]
+    """Fill places ``out`` (n,) along the curve. Skilling, AIP Conf. Proc. 707 (2004) 381."""
     for i in range(len(points)):
         x = np.int64((points[i, 0] - low[0]) * scale)
         y = np.int64((points[i, 1] - low[1]) * scale)
@@ -66,7 +73,6 @@ def _places(points, low, scale):  # type: ignore[no-untyped-def]
         for bit in range(BITS - 1, -1, -1):
             place = (place << 3) | (((x >> bit) & 1) << 2) | (((y >> bit) & 1) << 1) | ((z >> bit) & 1)
         out[i] = place
-    return out
 
 
 @kernel

@@ -9,6 +9,7 @@ import numpy as np
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.threads import in_blocks
+from hyperfab.numerics.vectors import rows
 
 from . import bvh
 from .batch import nearest_in_turn, oriented_boxes
@@ -62,9 +63,9 @@ class Surface:
             raise ValueError("vertices must be an array of shape (n, 3)")
         if self.faces.ndim != 2 or self.faces.shape[1] != 3 or not len(self.faces):
             raise ValueError("faces must be a non-empty array of shape (m, 3)")
-        corners = np.ascontiguousarray(self.vertices[self.faces])
+        corners = rows(self.vertices, self.faces)
         self.order, self.bounds, self.right, self.start, self.count = bvh.build(corners)
-        self.corners: Array = np.ascontiguousarray(corners[self.order])
+        self.corners: Array = rows(corners, self.order)
         self.slot_of_face: Ints = np.empty(len(self.order), np.int64)
         self.slot_of_face[self.order] = np.arange(len(self.order))
 
@@ -146,7 +147,7 @@ class Surface:
         pts = np.asarray(points, dtype=float).reshape(-1, 3)
         n = len(pts)
         order = along_a_curve(pts) if order is None else order
-        pts = pts[order]
+        pts = rows(pts, order)
         hints = np.full(n, -1)
         if hint is not None:
             hints = np.where(hint >= 0, self.slot_of_face[hint], -1)[order]
@@ -159,14 +160,20 @@ class Surface:
         def search(start: int, end: int) -> None:
             s = slice(start, end)
             nearest_in_turn(pts[s], hints[s], *tree, closest[s], slots[s], features[s])
-            face[s] = self.order[slots[s]]
+            np.take(self.order, slots[s], out=face[s])
             where = (closest[s], face[s], features[s], self.vertices, self.faces, first, facets)
             signed(pts[s], *where, touching, distance[s], normal[s])
 
         in_blocks(search, n, BLOCK)
         back = np.empty(n, np.int64)
         back[order] = np.arange(n)
-        return Nearest(distance[back], closest[back], normal[back], face[back], features[back])
+        return Nearest(
+            rows(distance, back),
+            rows(closest, back),
+            rows(normal, back),
+            rows(face, back),
+            rows(features, back),
+        )
 
     def ray(self, origins: object, directions: object, *, order: Ints | None = None) -> tuple[Array, Ints]:
         """First facet hit by each ray, from either side.
@@ -177,7 +184,7 @@ class Surface:
         o = np.asarray(origins, dtype=float).reshape(-1, 3)
         d = np.broadcast_to(np.asarray(directions, dtype=float), o.shape)
         order = along_a_curve(o) if order is None else order
-        o, d = o[order], d[order]
+        o, d = rows(o, order), rows(d, order)
         t, slots = np.empty(len(o)), np.empty(len(o), np.int64)
 
         def search(start: int, end: int) -> None:
@@ -187,7 +194,7 @@ class Surface:
         in_blocks(search, len(o), BLOCK)
         back = np.empty(len(o), np.int64)
         back[order] = np.arange(len(o))
-        t, slots = t[back], slots[back]
+        t, slots = rows(t, back), rows(slots, back)
         return t, np.where(slots >= 0, self.order[slots], -1)
 
     def along(self, points: Array, directions: Array, *, order: Ints | None = None) -> tuple[Array, Ints]:
@@ -205,9 +212,16 @@ class Surface:
 
     def _met(self, points: Array, directions: Array, side: float, order: Ints | None) -> tuple[Array, Ints]:
         t, face = self.ray(points, directions, order=order)
-        a, b, c = (self.vertices[self.faces[face, k]] for k in range(3))
-        right = (face >= 0) & (side * (np.cross(b - a, c - a) * directions).sum(axis=1) < 0.0)
-        return np.where(right, t, np.nan), np.where(right, face, -1)
+
+        def look(start: int, end: int) -> None:
+            s = slice(start, end)
+            a, b, c = np.take(self.vertices, np.take(self.faces, face[s], axis=0).T, axis=0)
+            wrong = ~(side * (np.cross(b - a, c - a) * directions[s]).sum(axis=1) < 0.0)
+            face[s][wrong] = -1
+
+        in_blocks(look, len(t), BLOCK)
+        t[face < 0] = np.nan
+        return t, face
 
     @cached_property
     def curvature(self) -> Array:
