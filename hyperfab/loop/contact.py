@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -211,14 +211,8 @@ class ContactProblem(Problem):
     def with_reading(self, test: ForceDepth, scale: float = 1.0) -> ContactProblem:
         """Return the problem with a further test at its end, its rows times ``scale``."""
         rows, size = len(self.measured), len(test.depth)
-        return replace(
-            self,
-            files=(*self.files, test),
-            scale=(*self.scale, scale),
-            measured=np.concatenate([self.measured, np.zeros(size)]),
-            curves=(*self.curves, Curve(test.name, rows, rows + size, test.depth)),
-            states={},
-        )
+        curve = Curve(test.name, rows, rows + size, test.depth)
+        return self.longer([curve], files=(*self.files, test), scale=(*self.scale, scale))
 
 
 def contact_problem(
@@ -236,10 +230,7 @@ def contact_problem(
     """
     constants = [Constant(name, 1.0, 0.05, 20.0, 0.1, prior) for name in sheet.names]
     constants.append(Constant("depth.zero", 0.0, -5.0, 5.0, ZERO_SD, ZERO_SD))
-    priors = tuple(
-        replace(one, low=one.value, high=one.value, prior_sd=np.inf) if one.name in fixed else sure(one)
-        for one in constants
-    )
+    priors = sure(constants, fixed)
     curves, row = [], 0
     for one in files:
         count = max(1, min(4, len(one.depth) // _SEGMENT))

@@ -123,17 +123,11 @@ class DrapeProblem(Problem):
         """Return the problem with further markers at its end."""
         rows, size = len(self.measured), 3 * len(markers.flat)
         base, weights = at_markers(self.draped, markers.flat)
-        return replace(
-            self,
+        return self.longer(
+            [Curve(markers.name, rows, rows + size, np.arange(size, dtype=np.float64))],
             files=(*self.files, markers),
             base_at=(*self.base_at, base),
             weights=(*self.weights, weights),
-            measured=np.concatenate([self.measured, np.zeros(size)]),
-            curves=(
-                *self.curves,
-                Curve(markers.name, rows, rows + size, np.arange(size, dtype=np.float64)),
-            ),
-            states={},
         )
 
 
@@ -196,22 +190,12 @@ def drape_problem(
     ]
     constants = [Constant(name, 1.0, 0.05, 20.0, 0.1, prior) for name in draped.names]
     constants.append(Constant("depth", 0.0, -5.0, 5.0, DEPTH_SD, DEPTH_SD))
-    priors = tuple(
-        replace(one, low=one.value, high=one.value, prior_sd=np.inf) if one.name in fixed else sure(one)
-        for one in constants
-    )
+    priors = sure(constants, fixed)
     curves, row = [], 0
     for number, part in enumerate(parts):
         for axis in "xyz":
-            count = len(part.flat)
-            curves.append(
-                Curve(
-                    f"{part.name}, patch {number + 1}, {axis}",
-                    row,
-                    row + count,
-                    np.arange(count, dtype=np.float64),
-                )
-            )
+            name, count = f"{part.name}, patch {number + 1}, {axis}", len(part.flat)
+            curves.append(Curve(name, row, row + count, np.arange(count, dtype=np.float64)))
             row += count
     curves.append(known_curve(priors, row, 1))
     places = [at_markers(draped, part.flat) for part in parts]

@@ -21,8 +21,8 @@ _UPTO = (1, 3, 5)
 class Axis:
     """One setting: at ``base`` the model is as it is; it reaches to ``base - down`` and ``base + up``.
 
-    ``level`` 1 is a parabola along the axis, 2 a quartic. Axes that ``mixes`` have terms with each other, and bilinear
-    ones with axes that ``couples`` alone.
+    ``level`` 1 is a parabola along the axis, 2 a quartic. Axes that ``mixes`` have biquadratic terms with each
+    other, and bilinear ones with the rest.
     """
 
     name: str
@@ -31,7 +31,6 @@ class Axis:
     down: float = 0.0
     level: int = 2
     mixes: bool = True
-    couples: bool = True
 
     def places(self) -> list[float]:
         """Return the scaled places of the axis, in the order they are taken."""
@@ -67,11 +66,9 @@ def emulate(
     run: Callable[[Array], Array],
     axes: Sequence[Axis],
     tick: Callable[[float], None] = lambda share: None,
-    squares: bool = True,
 ) -> Emulator:
     """Run the model on a sparse grid of settings and return the polynomial through the results.
 
-    Axes that mix have biquadratic terms with each other, or without ``squares`` bilinear ones.
     Source of the grid: hierarchical interpolation on a lower set; A. Chkifa, A. Cohen and C. Schwab, Found. Comput.
     Math. 14 (2014) 601.
 
@@ -79,7 +76,7 @@ def emulate(
     >>> round(float(found(np.array([1.3, 0.7]))[0]), 9)
     2.183
     """
-    numbers = _lower_set(axes, squares)
+    numbers = _lower_set(axes)
     base = np.array([axis.base for axis in axes])
     results, scaled = [], []
     for count, number in enumerate(numbers):
@@ -93,18 +90,16 @@ def emulate(
     return Emulator(tuple(axes), powers, np.linalg.solve(matrix, np.stack(results)))
 
 
-def _lower_set(axes: Sequence[Axis], squares: bool) -> list[tuple[int, ...]]:
+def _lower_set(axes: Sequence[Axis]) -> list[tuple[int, ...]]:
     """Return the numbers of the places of each run: along each axis, and over the first three of two that mix."""
     none = (0,) * len(axes)
     found = [none]
     for i, axis in enumerate(axes):
         found += [(*none[:i], k, *none[i + 1 :]) for k in range(1, _UPTO[axis.level])]
     for i, j in itertools.combinations(range(len(axes)), 2):
-        if not (axes[i].mixes or axes[j].mixes) or not (axes[i].couples and axes[j].couples):
+        if not (axes[i].mixes or axes[j].mixes) or not (axes[i].level and axes[j].level):
             continue
-        if not (axes[i].level and axes[j].level):
-            continue
-        both = squares and axes[i].mixes and axes[j].mixes
+        both = axes[i].mixes and axes[j].mixes
         for a, b in itertools.product((1, 2), repeat=2):
             # Between an effect and a constant of the model the bilinear term is enough.
             if both or (a, b) == (1, 1):

@@ -46,11 +46,7 @@ def menu(tests: Sequence[TestCurve]) -> Iterator[tuple[str, Mapping[str, Any], T
             "stretch_turns": turns,
             "hold_s": hold,
         }
-        return (
-            what,
-            details,
-            _made(what, turns, rate, at, along, kind, hold, bool(speeds), bool(temperatures)),
-        )
+        return what, details, _made(what, details, bool(speeds), bool(temperatures))
 
     yield one(
         "cycles to about half the stretch and back, twice, then to the full stretch and back, twice",
@@ -84,23 +80,15 @@ def _speed(test: TestCurve) -> float | None:
     return moved / span if span > 0.0 and moved > 0.0 else None
 
 
-def _made(
-    name: str,
-    turns: Sequence[float],
-    rate: float,
-    temperature: float,
-    angle: float,
-    mode: str,
-    hold: float,
-    timed: bool,
-    warmed: bool,
-) -> TestCurve:
+def _made(name: str, details: Mapping[str, Any], timed: bool, warmed: bool) -> TestCurve:
+    """Return the test of these details; ``timed`` and ``warmed`` where those measured so far state it."""
+    hold = details["hold_s"]
     stretch, time = [np.array([1.0])], [np.array([0.0])]
     here, now = 1.0, 0.0
-    for number, turn in enumerate(turns):
+    for number, turn in enumerate(details["stretch_turns"]):
         way = np.linspace(here, turn, _POINTS + 1)[1:]
         stretch.append(way)
-        time.append(now + np.abs(way - here) / rate)
+        time.append(now + np.abs(way - here) / details["rate_1_s"])
         now = float(time[-1][-1])
         here = turn
         if number == 0 and hold > 0.0:
@@ -110,12 +98,12 @@ def _made(
             now += hold
     lam = np.concatenate(stretch)
     return TestCurve(
-        mode=mode,
+        mode=details["test"],
         stretch=lam,
         stress=np.zeros_like(lam),
         time_s=np.concatenate(time) if timed else None,
-        temperature_degC=np.full_like(lam, temperature) if warmed else None,
-        direction=angle,
+        temperature_degC=np.full_like(lam, details["temperature_degC"]) if warmed else None,
+        direction=details["direction_deg"],
         source=name,
         specimen=f"next: {name}",
     )

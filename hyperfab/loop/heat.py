@@ -186,24 +186,16 @@ class HeatProblem(Problem):
                 clock,
             )
             rows = len(self.measured)
-            extra = tuple(
+            curves = [
                 Curve(f"{text}, probe {i}", rows + i * len(clock), rows + (i + 1) * len(clock), clock)
                 for i in range(len(probes))
-            )
-            size = len(probes) * len(clock)
-            problem = replace(
-                self,
-                runs=[*self.runs, run],
-                measured=np.concatenate([self.measured, np.zeros(size)]),
-                curves=(*self.curves, *extra),
-                states={},
-            )
+            ]
             details = {
                 "time_s": [float(t) for t in ends],
                 "power_share": list(levels),
                 "probe_in_each_part": everywhere,
             }
-            found.append(Extra(text, details, problem))
+            found.append(Extra(text, details, self.longer(curves, runs=[*self.runs, run])))
         return found
 
 

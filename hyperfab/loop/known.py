@@ -26,17 +26,17 @@ def known(constants: Sequence[Constant], own: Array) -> Array:
     return np.asarray((own[..., column] - centre) / sd)
 
 
-def sure(constant: Constant) -> Constant:
-    """Return a constant that stays within three standard deviations of what is known of it.
+def sure(constants: Sequence[Constant], fixed: Sequence[str]) -> tuple[Constant, ...]:
+    """Return constants that stay within three standard deviations of what is known of them, or are ``fixed``.
 
     What an effect does beyond them is then left in the readings, where every one of them can tell.
     """
-    reach = SURE * constant.prior_sd
-    return replace(
-        constant,
-        low=max(constant.low, constant.value - reach),
-        high=min(constant.high, constant.value + reach),
-    )
+    found = []
+    for one in constants:
+        reach = 0.0 if one.name in fixed else SURE * one.prior_sd
+        low, high = max(one.low, one.value - reach), min(one.high, one.value + reach)
+        found.append(replace(one, low=low, high=high, prior_sd=one.prior_sd if reach else np.inf))
+    return tuple(found)
 
 
 def without_prior(constants: Sequence[Constant]) -> tuple[Constant, ...]:

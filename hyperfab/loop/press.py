@@ -141,14 +141,8 @@ class PressProblem(Problem):
     def with_reading(self, reading: Reading, scale: float = 1.0) -> PressProblem:
         """Return the problem with a further reading at its end, its rows times ``scale``."""
         rows, size = len(self.measured), len(reading.values)
-        return replace(
-            self,
-            readings=(*self.readings, reading),
-            scale=(*self.scale, scale),
-            measured=np.concatenate([self.measured, np.zeros(size)]),
-            curves=(*self.curves, Curve(reading.name, rows, rows + size, np.arange(size, dtype=np.float64))),
-            states={},
-        )
+        curve = Curve(reading.name, rows, rows + size, np.arange(size, dtype=np.float64))
+        return self.longer([curve], readings=(*self.readings, reading), scale=(*self.scale, scale))
 
 
 def _through(left: Array | float, read: Callable[[float], Array]) -> Array:
@@ -206,10 +200,7 @@ def press_problem(
     if "force" in kinds:
         constants.append(Constant("stroke.zero", 0.0, -1.0, 1.0, 0.02, STROKE_SD))
     constants.append(Constant("foam.thickness", 1.0, 0.5, 2.0, 0.02, THICKNESS_SD))
-    priors = tuple(
-        replace(one, low=one.value, high=one.value, prior_sd=np.inf) if one.name in fixed else sure(one)
-        for one in constants
-    )
+    priors = sure(constants, fixed)
     curves, row = [], 0
     for number, part in enumerate(parts):
         size = len(part.values)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,7 +66,7 @@ class Form:
 
     def begin(self, simpler: Form, values: Array) -> Array:
         """Return where a fit begins: what the ``simpler`` form has at its ``values``, the rest at its start."""
-        known = {one.name: float(value) for one, value in zip(simpler.constants, values, strict=True)}
+        known = simpler.named(values)
         pairs = zip(self.constants, self.starts[0], strict=True)
         return np.array([known.get(one.name, start) for one, start in pairs])
 
@@ -251,3 +251,9 @@ class Problem(ABC):
     def effect(self, name: str) -> Effect:
         """Return the catalogue entry of that id."""
         return next(effect for effect in self.effects if effect.id == name)
+
+    def longer(self, curves: Sequence[Curve], **changes: Any) -> Self:
+        """Return the problem with ``changes`` and further ``curves`` at its end, of which nothing is read yet."""
+        more = np.zeros(curves[-1].stop - len(self.measured))
+        measured = np.concatenate([self.measured, more])
+        return replace(self, measured=measured, curves=(*self.curves, *curves), states={}, **changes)

@@ -58,7 +58,7 @@ def test_softening_is_written_as_the_stress_it_was_found_in(name: str) -> None:
     """What the loop predicts with the effect, and what the constants it writes say at each temperature, agree."""
     plain, values = constants(name), [0.004, 1e-5]
     document = MaterialDocument(model=name, parameters=plain)
-    soften(document, values, 20.0, [60.0, 100.0])
+    soften(document, values, 20.0, [60.0, 100.0], "curved")
     lam = np.linspace(1.05, 1.6, 5)
     for degrees in (20.0, 60.0, 100.0):
         path = uniaxial_pull(lam)
@@ -82,7 +82,7 @@ def test_a_ratio_of_directions_is_written_as_the_stress_it_was_found_in(name: st
 def test_softening_a_document_knows_is_read_off_its_stiffness(name: str) -> None:
     plain = constants(name)
     document = MaterialDocument(model=name, parameters=plain)
-    soften(document, [0.01], 20.0, [20.0, 60.0])
+    soften(document, [0.01], 20.0, [20.0, 60.0], "exponential")
     np.testing.assert_allclose(
         _known(document, np.array([20.0, 60.0]), 20.0), [1.0, np.exp(-0.4)], rtol=1e-12
     )

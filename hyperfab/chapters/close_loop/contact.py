@@ -253,7 +253,7 @@ def pose(
     problem = contact_problem(
         sheet, files, reference_degC=reference, prior=prior, fixed=fix, rim_slip=rim_slip
     )
-    check_fixed(problem, fix, "sheet")
+    check_fixed(fix, [one.name for one in problem.own], "sheet")
     return problem
 
 

@@ -187,8 +187,8 @@ def _added(problem: Problem, found: Finding, name: str) -> AddedEffect:
         title=effect.title,
         form=form.name,
         source=effect.source,
-        parameters={c.name: float(v) for c, v in zip(form.constants, fit.x[place], strict=True)},
-        parameters_sd={c.name: float(v) * scale for c, v in zip(form.constants, fit.sd[place], strict=True)},
+        parameters=form.named(fit.x[place]),
+        parameters_sd={key: sd * scale for key, sd in form.named(fit.sd[place]).items()},
         evidence=Evidence(
             delta_bic=evidence.delta_bic,
             variance_share=evidence.variance_share,

@@ -259,7 +259,7 @@ def pose_sheet(forward: Forward, tick: Callable[[float], None]) -> Draped:
 def pose(draped: Draped, files: Sequence[Markers], prior: float, fix: Sequence[str]) -> DrapeProblem:
     """Return the problem of a draped sheet and its markers."""
     problem = drape_problem(draped, files, prior=prior, fixed=fix)
-    check_fixed(problem, fix, "sheet")
+    check_fixed(fix, [one.name for one in problem.own], "sheet")
     return problem
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.chapters.close_loop.softening import soften
+from hyperfab.chapters.close_loop.softening import nearest, soften
 from hyperfab.chapters.fabric import ORTHOTROPIC
 from hyperfab.chapters.tested import tested_by
 from hyperfab.curve import TestCurve
@@ -17,13 +17,9 @@ from hyperfab.documents.material import Direction, MaterialDocument
 from hyperfab.errors import InputError
 from hyperfab.loop.fabric import FabricProblem
 from hyperfab.loop.fitting import Fit
-from hyperfab.loop.problem import Constant, Form
+from hyperfab.loop.problem import Constant
 from hyperfab.materials.effects import anisotropy, elastic_law
-from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.path import uniaxial_pull
-from hyperfab.materials.identification.design import Problem as LawProblem
-from hyperfab.materials.identification.fit import fit_law
-from hyperfab.materials.identification.rows import Rows
 from hyperfab.materials.law import Law
 
 #: Effects that have no prediction where the tests state no times.
@@ -89,7 +85,7 @@ def extend(document: MaterialDocument, problem: FabricProblem, fit: Fit, law: La
         {
             "id": name,
             "form": form,
-            "parameters": _named(problem.effect(name).form(form), values),
+            "parameters": problem.effect(name).form(form).named(values),
             **({"reference_degC": problem.fabric.reference_degC} if name == "thermal-softening" else {}),
             **({"told_by": told_by[name]} if name in told_by else {}),
         }
@@ -156,12 +152,8 @@ def _refitted(
     found = [dict(item) for item in document.effects or []]
     for name, (form, values) in had.items():
         record = next(item for item in found if item.get("id") == name)
-        record["parameters"] = {**record["parameters"], **_named(problem.effect(name).form(form), values)}
+        record["parameters"] = {**record["parameters"], **problem.effect(name).form(form).named(values)}
     return found
-
-
-def _named(form: Form, values: Array) -> dict[str, float]:
-    return {constant.name: float(value) for constant, value in zip(form.constants, values, strict=True)}
 
 
 def _along_and_across(
@@ -171,13 +163,7 @@ def _along_and_across(
     reach = np.linspace(1.0, float(np.max(problem.fabric.path.stretch)), 41)[1:]
     found = []
     for angle in (0.0, 90.0):
-        pull = uniaxial_pull(reach, angle)
-        both = Fabric(law, pull).stress(
-            np.array([ground[name] for name in law.names]), None, {"anisotropy": (form, values)}
-        )
-        curve = TestCurve("uniaxial", reach, both, np.full_like(reach, 1.0 / float(np.max(np.abs(both)))))
-        near = fit_law(LawProblem(law, Rows.of([curve])))
-        found.append(dict(ground) if near is None else {k: near.material.parameters[k] for k in law.names})
+        found.append(nearest(law, uniaxial_pull(reach, angle), ground, {"anisotropy": (form, values)}))
     return found[0], found[1]
 
 

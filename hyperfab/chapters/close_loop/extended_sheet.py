@@ -75,27 +75,23 @@ def extend_contact(
         )
     larger = replace(contact_applied(case, amounts), material=str(out.path(FABRIC)), against=None)
     if "thermal-softening" in fit.terms:
-        _soften(fabric, problem, [float(v) for v in fit.terms["thermal-softening"][1]])
+        _soften(fabric, problem, *fit.terms["thermal-softening"])
         larger = replace(larger, temperature=float(np.median(_met(problem))))
     mark(fabric.effects or [], found)
     return Extension(larger, {FABRIC: dump_json(fabric.to_json())}, notes)
 
 
-def _soften(fabric: MaterialDocument, problem: ContactProblem, values: list[float]) -> None:
+def _soften(fabric: MaterialDocument, problem: ContactProblem, form: str, values: Array) -> None:
     """Write the softening at the temperatures met, and the effect that it stands for."""
-    soften(fabric, values, problem.reference_degC, _met(problem))
-    form = "curved" if len(values) > 1 else "exponential"
-    names = ("softening_1_K", "softening_1_K2")
-    fabric.effects = [
-        *(fabric.effects or []),
-        {
-            "id": "thermal-softening",
-            "form": form,
-            "parameters": dict(zip(names, values, strict=False)),
-            "reference_degC": problem.reference_degC,
-            "told_by": "temperatures",
-        },
-    ]
+    soften(fabric, list(values), problem.reference_degC, _met(problem), form)
+    record = {
+        "id": "thermal-softening",
+        "form": form,
+        "parameters": problem.effect("thermal-softening").form(form).named(values),
+        "reference_degC": problem.reference_degC,
+        "told_by": "temperatures",
+    }
+    fabric.effects = [*(fabric.effects or []), record]
 
 
 def _met(problem: ContactProblem) -> Array:

@@ -6,26 +6,24 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hyperfab.arrays import Array
-from hyperfab.chapters.close_loop.describe import curves_csv, describe, errors_of, say
+from hyperfab.chapters.close_loop.describe import curves_csv, describe, errors_of
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended import extend, held_terms
-from hyperfab.chapters.close_loop.finalise import Axis, picture, stated_size, ticking
+from hyperfab.chapters.close_loop.finalise import Axis, picture, stated_size, tell, ticking
 from hyperfab.chapters.close_loop.measured_tests import Measured, given_as, read_measured
+from hyperfab.chapters.close_loop.readings import Apart, check_fixed
 from hyperfab.chapters.close_loop.sure import mark, tell_sure
 from hyperfab.chapters.fabric import ORTHOTROPIC
 from hyperfab.chapters.job import Job
-from hyperfab.console import NEGATIVE_VERDICT
 from hyperfab.documents.base import parse_document
 from hyperfab.documents.loop import Errors
 from hyperfab.documents.material import MaterialDocument
-from hyperfab.errors import InputError, UsageError
+from hyperfab.errors import InputError
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
 from hyperfab.loop.catalogue.fabric import DataContext, entries
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
-from hyperfab.loop.fitting import Fit
 from hyperfab.loop.gauges import misread
 from hyperfab.materials.effects.path import MODE_NAMES
 from hyperfab.materials.registry import law_of, stiffness_at_rest
@@ -61,7 +59,7 @@ def run(job: Job, given: Given) -> int:
             remedy=f"give {free + _SPARE} or more",
         )
     _warn(job, document, tests)
-    apart = None if held_out is None else Apart(problem, held_out)
+    apart = None if held_out is None else _set_apart(problem, held_out)
     with job.console.progress("Closing the loop") as advance:
         found = close(
             problem,
@@ -77,15 +75,13 @@ def run(job: Job, given: Given) -> int:
     _warn_of_softness(job, model, tests)
     result = describe(problem, found, tests.unit, tests.left_out, tests.warnings)
     result.preparation = tests.preparation
-    if apart is not None:
-        result.held_out = apart.errors(found, tests.unit)
+    if apart is not None and held_out is not None:
+        result.held_out = _errors(apart, found, tests.unit, len(held_out.tests))
     if out.wants_files:
         out.add(".model.json", dump_json(model.to_json()))
         result.model = out.path(".model.json").name
         _files(out, problem, found, tests.unit)
-    say(job.console, problem, found, result)
-    job.write(out, result, given.case)
-    return NEGATIVE_VERDICT if found.verdict == "unexplained" else 0
+    return tell(job, out, given, problem, found, result)
 
 
 def pose(
@@ -119,11 +115,7 @@ def pose(
         held = held_terms(document, name, {effect.id: effect for effect in entries(context)})
     known = set(law.names) | {f"warp {key}" for key in law.names} | {f"weft {key}" for key in law.names}
     known |= {constant.name for _, constants_ in held.values() for constant in constants_}
-    for key in fix:
-        if key not in known:
-            raise UsageError(
-                f"--fix {key}: the model has no such constant; it has {', '.join(sorted(known))}"
-            )
+    check_fixed(fix, sorted(known), "model")
     reference = document.temperature_degC
     for item in document.effects or []:
         if item.get("id") == "thermal-softening" and "reference_degC" in item:
@@ -182,34 +174,21 @@ def _warn_of_softness(job: Job, model: MaterialDocument, tests: Measured) -> Non
             job.console.warn(text)
 
 
-class Apart:
-    """Tests that take no part, and what a model fitted to the others says of them."""
+def _set_apart(problem: FabricProblem, tests: Measured) -> Apart:
+    """Return tests that take no part beside those of a problem."""
+    wider: FabricProblem = problem.remake([*problem.tests, *tests.tests])  # type: ignore[operator]
+    measured = np.concatenate([test.stress for test in tests.tests])
+    begin = sum(len(test.stretch) for test in problem.tests)
+    return Apart(wider, slice(begin, begin + len(measured)), measured)
 
-    def __init__(self, problem: FabricProblem, tests: Measured) -> None:
-        """Set ``tests`` apart from those of ``problem``."""
-        self._wider: FabricProblem = problem.remake([*problem.tests, *tests.tests])  # type: ignore[operator]
-        self._rows = slice(sum(len(test.stretch) for test in problem.tests), None)
-        self._count = len(tests.tests)
-        self._measured: Array = np.concatenate([test.stress for test in tests.tests])
 
-    def predicted(self, fit: Fit) -> Array:
-        """Return the stress of each row [MPa]."""
-        stop = self._rows.start + len(self._measured)
-        return self._wider.predict(fit.x[: fit.own], fit.terms)[self._rows.start : stop]
-
-    def misses(self, fit: Fit) -> float:
-        """Return by how much a model misses them, rms [MPa]."""
-        missed = float(np.sqrt(np.mean((self._measured - self.predicted(fit)) ** 2)))
-        return missed if np.isfinite(missed) else np.inf
-
-    def errors(self, found: Finding, unit: str) -> Errors:
-        """Return the error on them, before and after."""
-        before, after = (self.predicted(state.fit) for state in (found.before, found.after))
-        sd = np.sqrt(np.mean(found.noise.sd[: self._rows.start] ** 2))
-        # The specimens set apart scatter as the others do.
-        spread = np.hypot(sd, found.noise.gain_sd * np.sqrt(np.maximum(after * self._measured, 0.0)))
-        source = "the files of --hold-out"
-        return errors_of(self._measured, before, after, spread, unit, self._count, source)
+def _errors(apart: Apart, found: Finding, unit: str, tests: int) -> Errors:
+    """Return the error on tests that take no part, before and after."""
+    before, after = (apart.predicted(state.fit) for state in (found.before, found.after))
+    sd = np.sqrt(np.mean(found.noise.sd[: apart.rows.start] ** 2))
+    # The specimens set apart scatter as the others do.
+    spread = np.hypot(sd, found.noise.gain_sd * np.sqrt(np.maximum(after * apart.measured, 0.0)))
+    return errors_of(apart.measured, before, after, spread, unit, tests, "the files of --hold-out")
 
 
 def _files(out: Output, problem: FabricProblem, found: Finding, unit: str) -> None:

@@ -15,7 +15,7 @@ from hyperfab.cases.case import Case
 from hyperfab.cases.options import words
 from hyperfab.chapters.close_loop.describe import column, delivered_of, describe, errors_of, lowered, say
 from hyperfab.chapters.close_loop.domain import Given
-from hyperfab.chapters.close_loop.readings import Reading, widened
+from hyperfab.chapters.close_loop.readings import Apart, Reading, set_apart
 from hyperfab.chapters.close_loop.sure import caution, noted
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import rerun
@@ -29,7 +29,7 @@ from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
 from hyperfab.io.units import quantity
 from hyperfab.loop.dependence import dependence
-from hyperfab.loop.engine import Apart, Finding, close
+from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
@@ -113,11 +113,12 @@ def finish(
     traced: Sequence[str] = ()
     with job.console.progress("Closing the loop") as advance:
         tick = ticking(advance, 0.3, _REFITS)
-        problem, found = close_rounds(problem, noise, rounds, tick, misses=_misses(apart) if apart else None)
+        misses = (lambda posed: set_apart(posed, apart).misses) if apart else None
+        problem, found = close_rounds(problem, noise, rounds, tick, misses=misses)
         domain = stated_kind(given.data)
         result = describe(problem, found, problem.units[0], {}, list(warnings), domain=domain)
         if apart:
-            result.held_out = _predicted(widened(problem, apart), found, problem.units[0])
+            result.held_out = _predicted(set_apart(problem, apart), found, problem.units[0])
         if out.wants_files:
             tick("the extended model")
             _model(job, out, extend(found), result, caution(found))
@@ -125,9 +126,22 @@ def finish(
         if upstream is not None:
             tick("the documents behind the model")
             traced = upstream(found, result)
+    return tell(job, out, given, problem, found, result, traced)
+
+
+def tell(
+    job: Job,
+    out: Output,
+    given: Given,
+    problem: Problem,
+    found: Finding,
+    result: LoopDocument,
+    more: Sequence[str] = (),
+) -> int:
+    """Say what was found, and ``more``; write all; return the exit status."""
     say(job.console, problem, found, result)
-    result.summary += traced
-    for text in traced:
+    result.summary += more
+    for text in more:
         job.console.note(text)
     job.write(out, result, given.case)
     return NEGATIVE_VERDICT if found.verdict == "unexplained" else 0
@@ -145,31 +159,11 @@ def ticking(advance: Callable[[float, str], None], begun: float, refits: float) 
     return tick
 
 
-def _misses(apart: Sequence[Reading]) -> Callable[[Problem], Apart]:
-    """Return what tells, for a problem, by how much a model misses readings that take no part (rms)."""
-
-    def of(problem: Problem) -> Apart:
-        wider, values = widened(problem, apart)
-
-        def missed(fit: Fit) -> float:
-            predicted = wider.predict(fit.x[: fit.own], fit.terms)[-len(values) :]
-            return float(np.sqrt(np.mean((values - predicted) ** 2)))
-
-        return missed
-
-    return of
-
-
-def _predicted(wider: tuple[Problem, Array], found: Finding, unit: str) -> Errors:
+def _predicted(apart: Apart, found: Finding, unit: str) -> Errors:
     """Return the error on readings that were set apart, before and after."""
-    problem, values = wider
-    before, after = (
-        problem.predict(fit.x[: fit.own], fit.terms)[-len(values) :]
-        for fit in (found.before.fit, found.after.fit)
-    )
-    first = found.noise.sd[: len(found.before.fit.predicted)][:1]
-    sd = np.full(len(values), float(first[0]))
-    return errors_of(values, before, after, sd, unit, None, "the files of --hold-out")
+    before, after = (apart.predicted(state.fit) for state in (found.before, found.after))
+    sd = np.full(len(apart.measured), float(found.noise.sd[0]))
+    return errors_of(apart.measured, before, after, sd, unit, None, "the files of --hold-out")
 
 
 def close_rounds(
@@ -178,7 +172,7 @@ def close_rounds(
     rounds: Callable[[Problem, Finding], Problem | None] = lambda problem, found: None,
     tick: Callable[[str], None] = lambda text: None,
     design: bool = True,
-    misses: Callable[[Problem], Apart] | None = None,
+    misses: Callable[[Problem], Callable[[Fit], float]] | None = None,
 ) -> tuple[Problem, Finding]:
     """Close the loop, and again on the problem posed anew around what was found, until that no longer changes it."""
     found = close_anew(problem, noise, tick, design, misses)
@@ -196,7 +190,7 @@ def close_anew(
     noise: Callable[[Problem, Array | None], Noise],
     tick: Callable[[str], None] = lambda text: None,
     design: bool = True,
-    misses: Callable[[Problem], Apart] | None = None,
+    misses: Callable[[Problem], Callable[[Fit], float]] | None = None,
 ) -> Finding:
     """Close the loop; once more where what the model leaves between neighbours shows the noise to be less.
 

@@ -10,15 +10,14 @@ from typing import TypeGuard
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.chapters.close_loop.describe import describe, say
+from hyperfab.chapters.close_loop.describe import describe
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_mold import TABLES, extend
-from hyperfab.chapters.close_loop.finalise import Axis, picture, stated_size, ticking
-from hyperfab.chapters.close_loop.readings import Thermocouples, read_thermocouples
+from hyperfab.chapters.close_loop.finalise import Axis, picture, stated_size, tell, ticking
+from hyperfab.chapters.close_loop.readings import Thermocouples, check_fixed, read_thermocouples
 from hyperfab.chapters.close_loop.sure import caution, noted
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.mold_heat.problem import MoldBuilder, Problem
-from hyperfab.console import NEGATIVE_VERDICT
 from hyperfab.documents.base import parse_document
 from hyperfab.documents.mold import ContactSection, ConvectionSection, MoldDocument
 from hyperfab.errors import InputError, UsageError
@@ -94,9 +93,7 @@ def run(job: Job, given: Given) -> int:
             out.add(suffix, content)
         result.model = out.path(".model.toml").name
         _files(out, problem, found, read)
-    say(job.console, problem, found, result)
-    job.write(out, result, given.case)
-    return NEGATIVE_VERDICT if found.verdict == "unexplained" else 0
+    return tell(job, out, given, problem, found, result)
 
 
 def pose(
@@ -131,11 +128,7 @@ def pose(
     if read.power is not None and any(heater.control is not None for heater in document.heater):
         mold = _drawn(mold, document, read.times, read.power)
     own = _own(document, built, [document.part[part].name for part in began])
-    for key in fix:
-        if key not in {one for one, _ in own}:
-            raise UsageError(
-                f"--fix {key}: the mold has no such constant; it has {', '.join(k for k, _ in own)}"
-            )
+    check_fixed(fix, [key for key, _ in own], "mold")
     problem = heat_problem(
         mold,
         read.times,

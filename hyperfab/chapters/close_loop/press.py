@@ -79,7 +79,7 @@ def run(job: Job, given: Given) -> int:
         told, warnings = closed_press(job, made.case)
         check_unchanged(job, made, [*given.measured, *given.case.held])
         advance(0.15, "gaps over the stroke")
-        problem, others = pose_with(told, files.measured, given.surely, given.case.fix, files.apart)
+        problem, others = pose(told, files.measured, given.surely, given.case.fix, files.apart)
     upstream = None
     if given.case.upstream:
         # It closes presses as this module does.
@@ -176,16 +176,6 @@ def pose(
     files: Sequence[tuple[Reading, Array | None]],
     prior: float,
     fix: Sequence[str],
-) -> PressProblem:
-    """Return the problem of a closed press and its readings."""
-    return pose_with(told, files, prior, fix)[0]
-
-
-def pose_with(
-    told: PressResult,
-    files: Sequence[tuple[Reading, Array | None]],
-    prior: float,
-    fix: Sequence[str],
     apart: Sequence[Reading] = (),
 ) -> tuple[PressProblem, list[Reading]]:
     """Return the problem of a closed press and its readings, and readings ``apart`` placed for it."""
@@ -224,7 +214,7 @@ def pose_with(
         prior=prior,
         fixed=fix,
     )
-    check_fixed(problem, fix, "press")
+    check_fixed(fix, [one.name for one in problem.own], "press")
     return problem, placed[len(files) :]
 
 

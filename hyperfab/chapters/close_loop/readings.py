@@ -16,6 +16,7 @@ from hyperfab.chapters.job import Job
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_table import Table, read_table
 from hyperfab.io.layout import Layout
+from hyperfab.loop.fitting import Fit
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.scatter import Guess, proportional
@@ -68,19 +69,37 @@ def spread(table: Table, column: str) -> Array | None:
     return table[name] if name in table and np.all(table[name] > 0.0) else None
 
 
-def check_fixed(problem: Problem, fix: Sequence[str], what: str) -> None:
-    """UsageError where ``--fix`` names no constant of the problem."""
-    names = [one.name for one in problem.own]
+def check_fixed(fix: Sequence[str], names: Sequence[str], what: str) -> None:
+    """UsageError where ``--fix`` names none of the constants that a model has."""
     for key in fix:
         if key not in names:
             raise UsageError(f"--fix {key}: the {what} has no such constant; it has {', '.join(names)}")
 
 
-def widened(problem: Any, apart: Sequence[Reading]) -> tuple[Problem, Array]:
-    """Return the problem with files that take no part at its end, and what was read in them."""
-    for one in apart:
+@dataclass(frozen=True)
+class Apart:
+    """Readings (n,) that take no part, and the ``rows`` they would have in a wider ``problem``."""
+
+    problem: Problem
+    rows: slice
+    measured: Array
+
+    def predicted(self, fit: Fit) -> Array:
+        """Return what a model says of them."""
+        return self.problem.predict(fit.x[: fit.own], fit.terms)[self.rows]
+
+    def misses(self, fit: Fit) -> float:
+        """Return by how much a model misses them, rms."""
+        missed = float(np.sqrt(np.mean((self.measured - self.predicted(fit)) ** 2)))
+        return missed if np.isfinite(missed) else np.inf
+
+
+def set_apart(problem: Any, files: Sequence[Reading]) -> Apart:
+    """Return the readings of files that take no part."""
+    values = np.concatenate([one.values for one in files])
+    for one in files:
         problem = problem.with_reading(one)
-    return problem, np.concatenate([one.values for one in apart])
+    return Apart(problem, slice(len(problem.measured) - len(values), None), values)
 
 
 def noise_from(

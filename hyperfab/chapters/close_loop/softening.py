@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.curve import TestCurve
 from hyperfab.documents.material import AtTemperature, MaterialDocument
 from hyperfab.materials.effects.fabric import Fabric
-from hyperfab.materials.effects.path import uniaxial_pull
+from hyperfab.materials.effects.path import Path, uniaxial_pull
 from hyperfab.materials.effects.thermal_softening import LAWS
 from hyperfab.materials.identification.design import Problem as LawProblem
 from hyperfab.materials.identification.fit import fit_law
@@ -59,7 +60,7 @@ def soften(
     values: Sequence[float],
     reference_degC: float,
     met: Iterable[float],
-    form: str = "curved",
+    form: str,
 ) -> None:
     """Write softening with temperature as constants at each temperature ``met``, which every command interpolates.
 
@@ -92,10 +93,15 @@ def _at(
         return law.scaled(own, float(LAWS[form](np.array(reference + rise), reference, *map(float, values))))
     reach = np.linspace(0.0, values[0], 41)[1:]
     pull = replace(uniaxial_pull(1.0 + reach), temperature_degC=np.full_like(reach, rise))
+    return nearest(law, pull, own, {"thermal-softening": (form, np.array(values))})
+
+
+def nearest(
+    law: Law, pull: Path, own: Mapping[str, float], terms: Mapping[str, tuple[str, Array]]
+) -> dict[str, float]:
+    """Return the constants with which the law alone comes nearest, over a uniaxial pull, to the law with ``terms``."""
     constants = np.array([own[name] for name in law.names])
-    stress = Fabric(law, pull, 0.0).stress(constants, None, {"thermal-softening": (form, np.array(values))})
-    curve = TestCurve(
-        "uniaxial", 1.0 + reach, stress, np.full_like(reach, 1.0 / float(np.max(np.abs(stress))))
-    )
-    near = fit_law(LawProblem(law, Rows.of([curve])))
+    stress = Fabric(law, pull, 0.0).stress(constants, None, terms)
+    weight = np.full_like(stress, 1.0 / float(np.max(np.abs(stress))))
+    near = fit_law(LawProblem(law, Rows.of([TestCurve("uniaxial", pull.stretch, stress, weight)])))
     return dict(own) if near is None else {name: near.material.parameters[name] for name in law.names}

@@ -112,10 +112,7 @@ def _against_measurement(source: Source, data: Any) -> list[Part]:
             rest = [None if a is None or b is None else a - b for a, b in zip(read, model, strict=True)]
             places = [value for one in series for value in one["x"]]
             rests.append(line(kind, places, rest, colour, points=True))
-    falls = (
-        f"The rms falls from {number(data['error']['before']['rms']).text} to "
-        f"{number(data['error']['after']['rms']).text} {data['error'].get('unit', '')}."
-    )
+    falls = _falls(data, data["error"].get("unit", ""))
     unit = quantity.rpartition(", ")[2] if ", " in quantity else ""
     return [
         chart(
@@ -135,6 +132,11 @@ def _against_measurement(source: Source, data: Any) -> list[Part]:
     ]
 
 
+def _falls(data: Any, unit: str) -> str:
+    before, after = (number(data["error"][moment]["rms"]).text for moment in ("before", "after"))
+    return f"The rms falls from {before} to {after} {unit}."
+
+
 Series = dict[str, list[float | None]]
 
 
@@ -149,28 +151,30 @@ def _of_probes(table: dict[str, list[str]]) -> list[Series]:
     return found
 
 
-def _of_tests(table: dict[str, list[str]]) -> tuple[list[Series], str, str]:
-    """Return the curves of each test or file, by the first quantity that was measured."""
+def _quantity(table: dict[str, list[str]]) -> dict[str, str]:
+    """Return the columns of the first quantity that was measured, by what they hold; empty where there is none."""
     names = list(table)
     before = next((name for name in names if name.startswith("before_")), None)
     if before is None:
-        return [], "", ""
+        return {}
     measured = names[names.index(before) - 1]
-    after = before.replace("before_", "after_", 1)
+    return {"measured": measured, "before": before, "after": before.replace("before_", "after_", 1)}
+
+
+def _of_tests(table: dict[str, list[str]]) -> tuple[list[Series], str, str]:
+    """Return the curves of each test or file, by the first quantity that was measured."""
+    kinds = _quantity(table)
+    if not kinds:
+        return [], "", ""
     group = "test" if "test" in table else "file"
-    across = next(name for name in names if name != group)
-    values = {
-        "x": floats(table[across]),
-        "measured": floats(table[measured]),
-        "before": floats(table[before]),
-        "after": floats(table[after]),
-    }
+    across = next(name for name in table if name != group)
+    values = {kind: floats(table[name]) for kind, name in ({"x": across} | kinds).items()}
     rows: dict[str, list[int]] = {}
     for row, name in enumerate(table[group]):
         if values["measured"][row] is not None:
             rows.setdefault(name, []).append(row)
     series = [{kind: [cells[row] for row in own] for kind, cells in values.items()} for own in rows.values()]
-    words, unit = parted(measured)
+    words, unit = parted(kinds["measured"])
     return series, title(across), f"{'reading' if words == 'measured' else words}, {unit}" if unit else words
 
 
@@ -187,22 +191,20 @@ def _joined(series: list[Series], kind: str) -> tuple[list[float | None], list[f
 def _maps(table: dict[str, list[str]], data: Any) -> list[Part]:
     """Return what is left at each place, before and after side by side on one scale."""
     pair = next((pair for pair in (("x0_mm", "y0_mm"), ("x_mm", "y_mm")) if set(pair) <= set(table)), None)
-    before = next((name for name in table if name.startswith("before_")), None)
-    if pair is None or before is None:
+    kinds = _quantity(table)
+    if pair is None or not kinds:
         return []
-    names = list(table)
-    measured = floats(table[names[names.index(before) - 1]])
-    after = floats(table[before.replace("before_", "after_", 1)])
+    measured, before, after = (floats(table[name]) for name in kinds.values())
     places = list(zip(floats(table[pair[0]]), floats(table[pair[1]]), strict=True))
     vectors = "axis" in table
     rests: list[dict[tuple[Any, Any], list[float]]] = [{}, {}]
-    for found, model in zip(rests, (floats(table[before]), after), strict=True):
+    for found, model in zip(rests, (before, after), strict=True):
         for place, read, said in zip(places, measured, model, strict=True):
             if None not in (*place, read, said):
                 found.setdefault(place, []).append(read - said)  # type: ignore[operator]
     sizes = [[math.hypot(*rest) if vectors else rest[0] for rest in found.values()] for found in rests]
     top = max((abs(size) for both in sizes for size in both), default=0.0) or 1.0
-    unit = parted(before)[1]
+    unit = parted(kinds["before"])[1]
     traces = [
         dots(
             words,
@@ -221,8 +223,7 @@ def _maps(table: dict[str, list[str]], data: Any) -> list[Part]:
     return [
         chart(
             "Where the model misses: what is left at each place, before on the left, after on the right, on one scale.",
-            f"The rms falls from {number(data['error']['before']['rms']).text} to "
-            f"{number(data['error']['after']['rms']).text} {unit}.",
+            _falls(data, unit),
             title(pair[0]),
             title(pair[1]),
             traces,
