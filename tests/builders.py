@@ -1,6 +1,10 @@
-"""What many tests need: a small heated plate, for tests that are about the command and not about the heat."""
+"""What many tests need: a small heated plate, for tests of the command and not of the heat; a mesh of one size."""
 
 from __future__ import annotations
+
+import numpy as np
+
+from hyperfab.membrane.meshing import SizeField
 
 
 def plate(x: float, y: float, z: float) -> str:
@@ -37,3 +41,8 @@ on = "plate.z+"
 )
 #: The film coefficient the plate's table names.
 FILM = b"temperature [degC],h [W/m^2/K]\n25,5\n100,9\n250,13\n"
+
+
+def uniform(length: float) -> SizeField:
+    """Return the size field of a membrane's mesh that is ``length`` [mm] everywhere."""
+    return lambda points: np.full(len(points), length)

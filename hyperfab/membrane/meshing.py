@@ -110,11 +110,6 @@ def graded(edge: Array, fine: float, coarse: float, growth: float) -> SizeField:
     return size
 
 
-def uniform(length: float) -> SizeField:
-    """Return the size field that is ``length`` [mm] everywhere."""
-    return lambda points: np.full(len(points), length)
-
-
 def _boundary(outline: Outline, size: SizeField) -> tuple[Array, Ints, Ints]:
     """Place points on the boundary so that each edge has about its wanted length; corners are kept."""
     pieces, arc_of = [], []

@@ -43,7 +43,11 @@ class Factor(Protocol):
 
 
 class SuperLUFactor:
-    """A matrix factorised by scipy's SuperLU, minimum degree on A + A', pivots on the diagonal."""
+    """A matrix factorised by scipy's SuperLU, minimum degree on A + A', pivots on the diagonal.
+
+    >>> SuperLUFactor(sparse.csc_matrix([[4.0, 1.0], [1.0, 3.0]])).solve(np.array([1.0, 2.0])).round(6)
+    array([0.090909, 0.636364])
+    """
 
     name = "SuperLU"
 
@@ -127,17 +131,6 @@ class DirectSolver:
             except pardiso.PardisoError as error:
                 raise SingularMatrixError(str(error)) from error
         return SuperLUFactor(matrix)
-
-
-def factorise(matrix: sparse.csc_matrix) -> Factor:
-    """Factorise one sparse matrix.
-
-    Raises SingularMatrixError.
-
-    >>> factorise(sparse.csc_matrix([[4.0, 1.0], [1.0, 3.0]])).solve(np.array([1.0, 2.0])).round(6)
-    array([0.090909, 0.636364])
-    """
-    return SuperLUFactor(matrix)
 
 
 def _finite(found: Array) -> Array:

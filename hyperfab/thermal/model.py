@@ -44,15 +44,6 @@ NEWTON_STEPS = 40
 
 
 @dataclass
-class Work:
-    """What was spent: linear solves, conjugate-gradient steps, preconditioners made."""
-
-    solves: int = 0
-    iterations: int = 0
-    setups: int = 0
-
-
-@dataclass
 class HeatModel:
     """A mesh, its materials (one a part), and what happens on faces, in volumes and at joints.
 
@@ -64,7 +55,8 @@ class HeatModel:
     conditions: Sequence[Condition]
     prescribed: Sequence[Prescribed] = ()
     loose: Array = field(default_factory=lambda: np.zeros(0))
-    work: Work = field(default_factory=Work)
+    #: Conjugate-gradient steps so far.
+    iterations: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
         groups = [c.nodes for c in self.conditions if len(c.nodes) and c.nodes.shape[1] != 6]
@@ -223,8 +215,7 @@ class HeatModel:
         """Solve with the step's matrix by preconditioned conjugate gradients."""
         assert self._preconditioner is not None
         found = conjugate_gradients(matrix, right, self._preconditioner, self.free, tolerance=tolerance)
-        self.work.solves += 1
-        self.work.iterations += found.iterations
+        self.iterations += found.iterations
         return found.x
 
     def step_matrix(self, time: float, interval: float, temperature: Array) -> sparse.csr_matrix:
@@ -290,7 +281,6 @@ class HeatModel:
             p = self._prolongation
             coarse = sparse.csr_matrix(p.T @ (matrix @ p))
             self._preconditioner = TwoLevel(matrix, p, hierarchy(coarse, COARSE), self.free)
-        self.work.setups += 1
 
 
 def _degree_two_on_one(mesh: HeatMesh, free: NDArray[np.bool_]) -> sparse.csr_matrix:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from builders import uniform
 
 from hyperfab.materials import bind
 from hyperfab.membrane import outline
 from hyperfab.membrane.clamp import rim_edges
 from hyperfab.membrane.measures import mounted_energy
 from hyperfab.membrane.mesh import sheet_mesh
-from hyperfab.membrane.meshing import triangulate, uniform
+from hyperfab.membrane.meshing import triangulate
 from hyperfab.membrane.sheet import Sheet
 from hyperfab.membrane.sphere_contact import SphereTest, run
 from hyperfab.membrane.tension_field import IsotropicSheet

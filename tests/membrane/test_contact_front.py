@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from builders import uniform
 
 from hyperfab.membrane.contact_front import contact_front
 from hyperfab.membrane.mesh import sheet_mesh
-from hyperfab.membrane.meshing import triangulate, uniform
+from hyperfab.membrane.meshing import triangulate
 from hyperfab.membrane.outline import Disc
 
 SHEET = Disc(50.0)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from builders import uniform
 
 from hyperfab.membrane.mesh import halved, interpolate, sheet_mesh
-from hyperfab.membrane.meshing import Triangles, _joined, graded, triangulate, uniform
+from hyperfab.membrane.meshing import Triangles, _joined, graded, triangulate
 from hyperfab.membrane.outline import Disc, Square
 
 OUTLINES = [Disc(100.0), Disc(100.0, quarter=True), Square(200.0), Square(200.0, quarter=True)]

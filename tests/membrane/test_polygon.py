@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from builders import uniform
 
 from hyperfab.membrane.mesh import sheet_mesh
-from hyperfab.membrane.meshing import triangulate, uniform
+from hyperfab.membrane.meshing import triangulate
 from hyperfab.membrane.outline import Square
 from hyperfab.membrane.polygon import Polygon, crossing_sides
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from builders import uniform
 
 from hyperfab.materials import bind
 from hyperfab.membrane.mesh import sheet_mesh
-from hyperfab.membrane.meshing import triangulate, uniform
+from hyperfab.membrane.meshing import triangulate
 from hyperfab.membrane.orthotropic import orthotropic_sheet
 from hyperfab.membrane.outline import Disc, Square
 from hyperfab.membrane.recovery import recovered_strain

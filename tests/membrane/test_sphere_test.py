@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from builders import uniform
 
 from hyperfab.materials import bind
 from hyperfab.membrane import outline
@@ -12,7 +13,7 @@ from hyperfab.membrane.contact_front import ContactFront
 from hyperfab.membrane.equilibrium import Press
 from hyperfab.membrane.measures import fields, wrinkled_fraction
 from hyperfab.membrane.mesh import sheet_mesh
-from hyperfab.membrane.meshing import triangulate, uniform
+from hyperfab.membrane.meshing import triangulate
 from hyperfab.membrane.path import cold_start
 from hyperfab.membrane.sheet import Sheet
 from hyperfab.membrane.sphere import Sphere

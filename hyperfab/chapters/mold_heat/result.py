@@ -123,7 +123,7 @@ def _common(problem: Problem, history: History, energy: Energy, converged: bool)
         unknowns=int(model.free.sum()),
         elements=len(problem.mesh.elements),
         solver=model.solver_name,
-        linear_iterations=model.work.iterations,
+        linear_iterations=model.iterations,
         energy=energy,
         power_supplied_W=sum(heater.power_at(last.time) for heater in model.heaters),
         power_lost_W={name: -power for name, power in powers.items() if name not in heaters},
