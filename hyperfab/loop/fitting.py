@@ -212,12 +212,14 @@ class Descent:
         gradient = jacobian.T @ self.left - self.prior * (x - self.centre)
         normal = jacobian.T @ jacobian + np.diag(self.prior)
         size = np.diag(normal) + 1e-12 / self.scale**2
+
+        def with_wall(slope: Array, beyond: Array) -> tuple[Array, Array, Array]:
+            steep = wall * slope.T
+            return gradient - steep @ beyond, normal + steep @ slope, size + wall * _bounding(slope)
+
         walls = self.outside > 0.0
         if np.any(walls):
-            slope = self._slopes_beyond(x, self.outside)
-            gradient = gradient - wall * slope.T @ self.outside
-            normal = normal + wall * slope.T @ slope
-            size = size + wall * _bounding(slope)
+            gradient, normal, size = with_wall(self._slopes_beyond(x, self.outside), self.outside)
         held = ((x <= self.low) & (gradient < 0.0)) | ((x >= self.high) & (gradient > 0.0))
         tries = _TRIES if self.exact else 1
         while tries > 0:
@@ -236,9 +238,8 @@ class Descent:
                 # A step into a wall: the next one goes along it.
                 there = np.where(met, outside, 0.0)
                 slope = self._slopes_beyond(trial, there)
-                gradient = gradient - wall * slope.T @ (there - slope @ (trial - x))
-                normal = normal + wall * slope.T @ slope
-                size, walls = size + wall * _bounding(slope), walls | met
+                gradient, normal, size = with_wall(slope, there - slope @ (trial - x))
+                walls = walls | met
                 continue
             tries -= 1
             if self.exact:

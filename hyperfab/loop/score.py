@@ -72,24 +72,14 @@ def signatures(problem: Problem, noise: Noise, fit: Fit, effects: Iterable[Effec
                 )
                 if not seen or length <= 1e-16:
                     continue
-                z = float(left @ residual) / np.sqrt(length)
+                size = float(np.sqrt(length))
+                z = float(left @ residual) / size
                 robust = z
                 if effect.smooth and wide is not basis:
                     bare = left - wide @ (wide.T @ left)
                     rest = float(bare @ bare)
                     robust = float(bare @ residual) / np.sqrt(rest) if rest > 1e-3 * length else 0.0
-                found.append(
-                    Signature(
-                        effect,
-                        form,
-                        probe,
-                        left / np.sqrt(length),
-                        length / total,
-                        float(np.sqrt(length)),
-                        z,
-                        robust,
-                    )
-                )
+                found.append(Signature(effect, form, probe, left / size, length / total, size, z, robust))
     return found
 
 
