@@ -34,11 +34,10 @@ SCALES = (0.3, 1.0, 3.0)
 
 @dataclass(frozen=True)
 class Chapter:
-    """The constants of one document: what they are called, their ``covariance`` (k, k) beforehand, and what the model
-    predicts at the readings (n,) where they change by (k,)."""
+    """The constants of one document: their ``covariance`` (k, k) beforehand, and what the model predicts at readings
+    (n,) where they change by (k,)."""
 
     name: str
-    constants: tuple[str, ...]
     covariance: Array
     predict: Callable[[Array], Array]
 
@@ -104,7 +103,7 @@ def trace(readings: Readings, stated: Array, chapters: Sequence[Chapter]) -> Tra
 
     >>> rng = np.random.default_rng(1)
     >>> x = np.linspace(0.0, 1.0, 40)
-    >>> made = [Chapter(n, ("c",), np.eye(1), lambda c, p=p: c[0] * x**p) for n, p in (("flat", 0), ("slope", 1))]
+    >>> made = [Chapter(n, np.eye(1), lambda c, p=p: c[0] * x**p) for n, p in (("flat", 0), ("slope", 1))]
     >>> read = Readings(0.5 * x + 0.01 * rng.standard_normal(40), np.full(40, 0.01), x[:, None], np.zeros(40))
     >>> found = trace(read, np.zeros(40), made)
     >>> found.verdict, found.suspects, round(float(found.blamed["slope"].change[0]), 2)

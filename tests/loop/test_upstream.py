@@ -25,7 +25,7 @@ SD = 1.0
 
 def linear(name: str) -> Chapter:
     ways = WAYS[name]
-    return Chapter(name, ("c",) * len(ways), np.eye(len(ways)), lambda change: change @ ways)
+    return Chapter(name, np.eye(len(ways)), lambda change: change @ ways)
 
 
 def read(values: Array, freedom: float = np.inf) -> Readings:
@@ -52,7 +52,7 @@ def test_evidence_is_the_exact_one_of_a_linear_chapter(name: str, monkeypatch: p
 
 def test_what_two_chapters_explain_alike_is_told_as_both() -> None:
     ways = WAYS["foam"]
-    twin = Chapter("twin", ("c", "d"), np.eye(2), lambda change: change @ ways)
+    twin = Chapter("twin", np.eye(2), lambda change: change @ ways)
     values = 2.0 * ways[0] + np.random.default_rng(3).standard_normal(len(PLACES))
     found = trace(read(values), np.zeros(len(PLACES)), [linear("foam"), twin, linear("mounting")])
     assert found.verdict == "ambiguous"
@@ -66,7 +66,7 @@ def test_a_chapter_that_bends_is_followed_to_its_best() -> None:
 
     values = bent(np.array([2.0])) + 0.1 * np.random.default_rng(3).standard_normal(len(PLACES))
     found = trace(
-        read(values), np.zeros(len(PLACES)), [Chapter("fabric", ("c",), np.eye(1), bent), linear("mounting")]
+        read(values), np.zeros(len(PLACES)), [Chapter("fabric", np.eye(1), bent), linear("mounting")]
     )
     assert found.suspects == ("fabric",)
     assert found.blamed["fabric"].change[0] == pytest.approx(2.0, abs=0.05)

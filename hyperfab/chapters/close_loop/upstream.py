@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shlex
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
@@ -45,15 +45,11 @@ CHECKS = {
 
 
 @dataclass(frozen=True)
-class Link:
-    """A chapter of a model: its ``document``, the numbers that may be off with their ``covariance`` (k, k), and what
-    the model shows at the readings (n,) where they change by (k,)."""
+class Link(Chapter):
+    """A chapter of a model with its ``document``, and the ``numbers`` (k) of that which may be off."""
 
-    chapter: str
     document: str
     numbers: tuple[Number, ...]
-    covariance: Array
-    predict: Callable[[Array], Array]
 
 
 @dataclass(frozen=True)
@@ -98,20 +94,16 @@ def follow(chain: Chain, readings: Sequence[Any], read: Readings) -> tuple[Trace
     """Return which document behind a model is off; the chapter that is named is one with which the whole chain, run
     anew, misses by less."""
     stated, links = chain.links(readings)
-    chapters = [
-        Chapter(one.chapter, tuple(number.name for number in one.numbers), one.covariance, one.predict)
-        for one in links
-    ]
-    found = trace(read, stated, chapters)
+    found = trace(read, stated, links)
     if not found.suspects or found.suspects[0] == ELSE:
         return Traced(found, found.verdict), links
-    link = next(one for one in links if one.chapter == found.suspects[0])
-    change = found.blamed[link.chapter].change
+    link = next(one for one in links if one.name == found.suspects[0])
+    change = found.blamed[link.name].change
     try:
         put_right = chain.corrected(link, change)
         shown = chain.shown(link, change, put_right, readings)
     except NotConverged as error:
-        chain.left_out.append(f"{link.chapter}: the chain with it put right has no answer: {error}")
+        chain.left_out.append(f"{link.name}: the chain with it put right has no answer: {error}")
         return Traced(found, ELSE), links
     missed = [float(np.mean(((read.measured - one) / read.sd) ** 2)) for one in (stated, shown)]
     if missed[1] >= missed[0]:
@@ -143,13 +135,13 @@ def add(
         probability=dict(found.probability),
         chapters=[
             ChapterTried(
-                chapter=link.chapter,
+                chapter=link.name,
                 document=link.document or None,
-                probability=found.probability[link.chapter],
-                off=found.blamed[link.chapter].off,
-                error=errors(found.blamed[link.chapter].predicted),
+                probability=found.probability[link.name],
+                off=found.blamed[link.name].off,
+                error=errors(found.blamed[link.name].predicted),
                 constants=_constants(link, found),
-                shown_by=CHECKS.get(link.chapter.rpartition(" ")[2], ""),
+                shown_by=CHECKS.get(link.name.rpartition(" ")[2], ""),
             )
             for link in links
         ],
@@ -157,7 +149,7 @@ def add(
         left_out=list(chain.left_out),
     )
     if traced.link is not None and traced.corrected is not None and traced.shown is not None:
-        told.chapter = traced.link.chapter if traced.verdict == "chapter" else None
+        told.chapter = traced.link.name if traced.verdict == "chapter" else None
         told.document = traced.link.document or None
         told.error = errors(traced.shown)
         if out.wants_files:
@@ -167,7 +159,7 @@ def add(
 
 
 def _constants(link: Link, found: Trace) -> list[MovedConstant]:
-    best = found.blamed[link.chapter]
+    best = found.blamed[link.name]
     known = np.sqrt(np.diag(link.covariance))
     return [
         MovedConstant(name=_bare(number.name), change=float(by), sd=float(sd), known_sd=float(before))

@@ -76,9 +76,8 @@ class DrapeChain:
             covariance = alike * np.outer(sd, sd) + (1.0 - alike) * np.diag(sd**2)
             if numbers:
                 document = self.forward.case.material if chapter == "fabric" else None
-                links.append(
-                    Link(chapter, document or "", tuple(numbers), covariance, self._predict(numbers))
-                )
+                predict = self._predict(numbers)
+                links.append(Link(chapter, covariance, predict, document or "", tuple(numbers)))
         return self._at(np.array([one.value for one in self.problem.own]), {}), links
 
     def _predict(self, numbers: Sequence[Moved]) -> Callable[[Array], Array]:
@@ -108,7 +107,7 @@ class DrapeChain:
         own, amounts = self._moved(numbers, change)
         case: DrapeCase = drape_applied(self.forward.case, {"depth": float(own[-1]), **amounts})
         material = self.forward.material
-        if material is None or link.chapter != "fabric":
+        if material is None or link.name != "fabric":
             return Corrected(case, {}, None, case)
         factors = dict(zip(self.problem.draped.names, map(float, own), strict=False))
         document = dump_json(scaled_material(material, factors).to_json())

@@ -211,7 +211,7 @@ class PressChain:
 
             numbers = tuple(number for one in sources for number in one.numbers)
             covariance = block_diag(*(one.source.covariance for one in sources))
-            links.append(Link(chapter, self._document(chapter), numbers, covariance, predict))
+            links.append(Link(chapter, covariance, predict, self._document(chapter), numbers))
         return seen({}), links
 
     def _document(self, chapter: str) -> str:
@@ -228,13 +228,13 @@ class PressChain:
         written = dict(moved.files)
         upstream: dict[str, bytes] = {}
         for one in self.behind:
-            if one.chapter != link.chapter:
+            if one.chapter != link.name:
                 continue
             source = upstream.get(one.source) or self._put_right(one, link.numbers, change, written)
             upstream[one.source] = source
             written |= {one.source: source} | _made_again(one, {one.source: source}, "none")
         document = upstream.get(link.document) or written.get(link.document)
-        command = next((one.case for one in self.behind if one.chapter == link.chapter), case)
+        command = next((one.case for one in self.behind if one.chapter == link.name), case)
         return Corrected(case, written, document, command)
 
     def _put_right(
