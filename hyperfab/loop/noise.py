@@ -292,11 +292,11 @@ def _with_replicates(problem: Problem, noise: Noise, free: bool) -> Noise:
         for _ in range(_ROBUST):
             coefficients, variance, left = told_apart(values, *shapes)
             # A spike in one of them is neither its stiffness nor noise of all.
-            values = values - left + _winsorised(apart - values + left)
+            values = values - left + winsorised(apart - values + left)
         gain = float(coefficients[0])
         gains.append(gain**2 / 2.0 - variance)
         sure.append(gain**2 / 2.0 - TOLD**2 * variance)
-        quiet = _winsorised(left)
+        quiet = winsorised(left)
         rests.append(float(quiet @ quiet) / (2.0 * (len(left) - len(coefficients))))
         lags.append(float(quiet[1:] @ quiet[:-1]) / max(float(quiet @ quiet), 1e-300))
         count += len(left)
@@ -324,7 +324,7 @@ def _with_replicates(problem: Problem, noise: Noise, free: bool) -> Noise:
     )
 
 
-def _winsorised(left: Array) -> Array:
+def winsorised(left: Array) -> Array:
     """Return differences, those beyond three median deviations taken as three."""
     most = 3.0 * MAD * float(np.median(np.abs(left)))
     return np.clip(left, -most, most)

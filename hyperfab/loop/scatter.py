@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from hyperfab.arrays import Array
-from hyperfab.loop.noise import MAD, third_differences
+from hyperfab.loop.noise import third_differences, winsorised
 from hyperfab.loop.problem import Curve
 from hyperfab.loop.thresholds import FEWEST, MACHINE, MARGIN
 
@@ -117,9 +117,8 @@ def guess_of_cloud(places: Array, values: Array, level: Array | None = None) -> 
 
 
 def _size(left: Array) -> float:
-    """Return the standard deviation of differences: their rms, those beyond three median deviations taken as three."""
-    most = 3.0 * MAD * float(np.median(np.abs(left)))
-    return float(np.sqrt(np.mean(np.minimum(np.abs(left), most) ** 2)))
+    """Return the standard deviation of differences, those far off drawn in: their rms."""
+    return float(np.sqrt(np.mean(winsorised(left) ** 2)))
 
 
 def _plan(away: Array) -> Array:

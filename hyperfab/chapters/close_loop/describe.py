@@ -45,7 +45,7 @@ def describe(
     sd = found.noise.sd[first]
     spread = found.noise.spread(after.predicted)
     names = [constant.name for constant in problem.own]
-    document = LoopDocument(
+    return LoopDocument(
         domain=domain,
         verdict=found.verdict,
         effects=[_added(problem, found, name) for name in after.forms],
@@ -89,7 +89,6 @@ def describe(
         left_out=dict(left_out),
         warnings=list(warnings),
     )
-    return document
 
 
 def errors_of(
@@ -202,9 +201,8 @@ def _added(problem: Problem, found: Finding, name: str) -> AddedEffect:
 def _candidates(problem: Problem, found: Finding) -> list[Candidate]:
     rows, gains = [], lowered(found)
     for effect in problem.effects:
-        confounded = sorted(
-            {name for one in found.indistinguishable if effect.id in one for name in one} - {effect.id}
-        )
+        alike = {name for one in found.indistinguishable if effect.id in one for name in one}
+        gain = gains.get(effect.id, float(found.worth.get(effect.id, 0.0)))
         rows.append(
             Candidate(
                 id=effect.id,
@@ -212,11 +210,11 @@ def _candidates(problem: Problem, found: Finding) -> list[Candidate]:
                 visible=effect.id in found.scores,
                 not_sought=effect.not_sought or None,
                 score=float(found.scores.get(effect.id, 0.0)),
-                delta_bic=gains.get(effect.id, float(found.worth.get(effect.id, 0.0))),
-                strength=strength(gains.get(effect.id, float(found.worth.get(effect.id, 0.0)))),
+                delta_bic=gain,
+                strength=strength(gain),
                 refitted=effect.id in gains,
                 probability=found.belief.of.get(effect.id) if found.belief else None,
-                confounded_with=confounded,
+                confounded_with=sorted(alike - {effect.id}),
                 shown_by=effect.shown_by,
             )
         )

@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-import tomli_w
 
 from hyperfab.arrays import Array
 from hyperfab.documents.mold import MoldDocument
 from hyperfab.io.csv_write import csv_bytes
+from hyperfab.io.toml_io import dump_toml
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.heat import HeatProblem
 from hyperfab.thermal.tables import Table
@@ -69,7 +69,7 @@ def extend(
     wider.base()
     wider.probes()
     _named(mold, stem)
-    files[".model.toml"] = tomli_w.dumps(mold).encode()
+    files[".model.toml"] = dump_toml(mold)
     return files, wider.notes
 
 

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-import tomli_w
 
 from hyperfab.cases.press import PressCase
 from hyperfab.chapters.close_loop.extended_mold import relocate
@@ -19,7 +18,7 @@ from hyperfab.chapters.press_contact.inputs import ALUMINIUM
 from hyperfab.chapters.press_contact.press_result import PressResult
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
-from hyperfab.io.toml_io import load_toml
+from hyperfab.io.toml_io import dump_toml, load_toml
 from hyperfab.io.units import quantity
 from hyperfab.loop.catalogue.press import FoamSoftening, softened
 from hyperfab.loop.engine import Finding
@@ -71,7 +70,7 @@ def extend(
     for name, (form, values) in fit.terms.items():
         WRITERS[name](draft, problem.effect(name).form(form).named(values))
     _stiffen(foam, own["foam.compression"])
-    draft.files[FOAM] = tomli_w.dumps(foam).encode()
+    draft.files[FOAM] = dump_toml(foam)
     case = replace(draft.case, foam=str(out.path(FOAM)), design_gap=None)
     return Extension(case, draft.files, draft.notes)
 
