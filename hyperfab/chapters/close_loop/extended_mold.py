@@ -126,6 +126,11 @@ class _Wider:
         """Return what is added at a place."""
         return self.amounts.get(place, 0.0)
 
+    @property
+    def rates(self) -> list[float]:
+        """How the ambient moves, in powers of time from the first on [K/s, K/s^2, K/s^3]."""
+        return [self.at(f"ambient_per_s{power}") for power in ("", "2", "3")]
+
     def films(self) -> None:
         """Scale the film coefficients; one that rides on the temperature difference in another way is a table."""
         exponent = self.at("exponent")
@@ -141,8 +146,8 @@ class _Wider:
                 self.files[name] = _csv("temperature [degC]", "h [W/m^2/K]", at, h)
                 self.mold["convection"][index]["h"] = {"table": name}
 
-        moves = any(self.at(f"ambient_per_s{power}") for power in ("", "2", "3"))
-        if exponent and (moves or not all(one.ambient.is_constant for one in self.reduced.films)):
+        still = all(one.ambient.is_constant for one in self.reduced.films)
+        if exponent and (any(self.rates) or not still):
             self.notes.append(
                 "convection-law: a film's table is over the temperature of the face; it is of the ambient at the start"
             )
@@ -239,17 +244,16 @@ class _Wider:
         """Return the ambient of a face of the document as it was found, and ``more`` [K] warmer."""
         given, air = getattr(self.document, kind)[index].ambient, self.faces[kind][index].ambient
         warmer = self.own.get("ambient", 0.0) + more
-        rates = [self.at(f"ambient_per_s{power}") for power in ("", "2", "3")]
-        if not any(rates):
+        if not any(self.rates):
             if isinstance(given, float):
                 return f"{given + warmer!r} degC"
             if warmer == 0.0:
                 return self.given[kind][index]["ambient"]
         times = air.x
-        if any(rates):
+        if any(self.rates):
             clock = self.problem.runs[0].times
             times = np.union1d(air.x, np.linspace(min(0.0, float(clock[0])), float(clock[-1]), 101))
-        rise = sum(rate * times ** (k + 1) for k, rate in enumerate(rates))
+        rise = sum(rate * times ** (k + 1) for k, rate in enumerate(self.rates))
         table = _csv("time [s]", "temperature [degC]", times, air(times) + warmer + rise)
         # Faces in the same air share a table.
         same = (name for name, content in self.files.items() if content == table)

@@ -77,29 +77,30 @@ def extend(
 
 def _tilt(draft: _Draft, at: Mapping[str, float]) -> None:
     """Write the tilt about the drawing's axes, in place of what the case has of it."""
-    case, frame = draft.case, draft.told.frame
-    turned = frame.outward(np.array([at["tilt_x_deg"], at["tilt_y_deg"], 0.0]))
-    section = draft.foam.setdefault("press", {})
+    case, section = draft.case, draft.foam.setdefault("press", {})
     before = section.get("tilt", {})
     if case.tilt is not None:
         across = (axis for axis in "xyz" if axis != case.axis)
         before = {axis: f"{angle!r} deg" for axis, angle in zip(across, case.tilt, strict=True)}
-    section["tilt"] = {
-        axis: f"{quantity(before.get(axis, '0 deg'), 'angle') + float(angle)!r} deg"
-        for axis, angle in zip("xyz", turned, strict=True)
-        if axis != frame.axis
-    }
+    section["tilt"] = _along_axes(draft, before, (at["tilt_x_deg"], at["tilt_y_deg"]), "angle", "deg")
     draft.case = replace(case, tilt=None)
 
 
 def _offset(draft: _Draft, at: Mapping[str, float]) -> None:
     """Add to how far the female is mounted off the axis, along the drawing's axes."""
-    frame, section = draft.told.frame, draft.foam.setdefault("press", {})
-    shifted = frame.outward(np.array([at["offset_x_mm"], at["offset_y_mm"], 0.0]))
-    before = section.get("offset", {})
-    section["offset"] = {
-        axis: f"{quantity(before.get(axis, '0 mm'), 'length') + float(shift)!r} mm"
-        for axis, shift in zip("xyz", shifted, strict=True)
+    section = draft.foam.setdefault("press", {})
+    shift = (at["offset_x_mm"], at["offset_y_mm"])
+    section["offset"] = _along_axes(draft, section.get("offset", {}), shift, "length", "mm")
+
+
+def _along_axes(
+    draft: _Draft, before: Mapping[str, str], more: tuple[float, float], kind: str, unit: str
+) -> dict[str, str]:
+    """Return what is told along the drawing's axes across the closing axis, with ``more`` along the frame's added."""
+    frame = draft.told.frame
+    return {
+        axis: f"{quantity(before.get(axis, f'0 {unit}'), kind) + float(by)!r} {unit}"
+        for axis, by in zip("xyz", frame.outward(np.array([*more, 0.0])), strict=True)
         if axis != frame.axis
     }
 

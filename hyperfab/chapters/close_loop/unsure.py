@@ -10,7 +10,7 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.cases.press import PressCase
-from hyperfab.chapters.uncertainty.sources import Entry, Number, Origin, Place, of_document, read_as
+from hyperfab.chapters.uncertainty.sources import Entry, Number, Origin, Place, inside, of_document, read_as
 from hyperfab.documents.foam import FoamDocument
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.units import quantity
@@ -179,10 +179,3 @@ def _stresses(plain: Any) -> list[list[Place]]:
 def is_length(text: object) -> bool:
     """Whether a layer of fabric is told by its thickness, not by its document."""
     return isinstance(text, str) and not text.endswith(".json")
-
-
-def inside(data: Any, place: Place) -> Any:
-    """Return what stands at a place of plain data."""
-    for step in place:
-        data = data[step]
-    return data

@@ -81,7 +81,7 @@ class Entry:
 
     def move(self, inputs: Changed, change: float) -> None:
         """Change it."""
-        at = _inside(inputs.document(self.file), self.place[:-1])
+        at = inside(inputs.document(self.file), self.place[:-1])
         if self.unit is None:
             at[self.place[-1]] = float(at[self.place[-1]]) + change
         else:
@@ -104,7 +104,7 @@ class Stiffness:
     def move(self, inputs: Changed, change: float) -> None:
         """Change the constants that are stresses."""
         for place in self.places:
-            constants = _inside(inputs.document(self.file), place)
+            constants = inside(inputs.document(self.file), place)
             constants.update(scaled(constants, 1.0 + change))
 
 
@@ -125,7 +125,7 @@ class Along:
     def move(self, inputs: Changed, change: float) -> None:
         """Change them."""
         for place, by in zip(self.places, self.column, strict=True):
-            at = _inside(inputs.document(self.file), place[:-1])
+            at = inside(inputs.document(self.file), place[:-1])
             at[place[-1]] = float(at[place[-1]]) + change * by
 
 
@@ -209,7 +209,7 @@ def of_document(document: Document, plain: Any, file: str) -> Iterator[Origin]:
     for place, value in _stated(document):
         if not _there(plain, place):
             continue
-        unit = re.split(r" \+- ", str(_inside(written, place)))[0].partition(" ")[2]
+        unit = re.split(r" \+- ", str(inside(written, place)))[0].partition(" ")[2]
         entry = Entry(file, place, float(value), unit)
         key = (float(value), value.sd) if place[-1] in _SHARED else place
         alike.setdefault(key, (tolerance(value), []))[1].append(entry)
@@ -349,7 +349,7 @@ def _stated(value: Any, place: Place = ()) -> Iterator[tuple[Place, Toleranced]]
             yield from _stated(one, (*place, index))
 
 
-def _inside(data: Any, place: Place) -> Any:
+def inside(data: Any, place: Place) -> Any:
     for step in place:
         data = data[step]
     return data
@@ -357,7 +357,7 @@ def _inside(data: Any, place: Place) -> Any:
 
 def _there(data: Any, place: Place) -> bool:
     try:
-        _inside(data, place)
+        inside(data, place)
     except (KeyError, IndexError, TypeError):
         return False
     return True
