@@ -48,14 +48,23 @@ def explains(base: Candidate, state: Candidate) -> bool:
     return left.is_small or left.structured <= allowed(base.judgement.structured)
 
 
+def outweighs_something_else(base: Candidate, state: Candidate) -> bool:
+    """Whether a model leaves less than something else would in place of its names.
+
+    Both in standard deviations of the noise: see ``belief``.
+    """
+    return state.judgement.structured <= (1.0 - MOST) * base.judgement.structured
+
+
 def surprise(base: Candidate, state: Candidate) -> float:
     """Return minus the logarithm of what the data and what is known beforehand say for a model with some names.
 
     ``base`` is the model without any. What is left counts by Student's distribution, whatever number of constants the
-    law has; each name after the first counts for odds of fifty to one.
+    law has; each name after the first counts for odds of fifty to one, and so does each law of free shape.
     """
     scale = _scale(structured(base.fit, base.problem))
-    return _student(structured(state.fit, state.problem), scale) + 0.5 * MARGIN * (len(state.ids) - 1)
+    free = sum(form.free for form in state.fit.forms.values())
+    return _student(structured(state.fit, state.problem), scale) + 0.5 * MARGIN * (len(state.ids) - 1 + free)
 
 
 def belief(base: Candidate, models: Iterable[Candidate], entries: int) -> Belief:

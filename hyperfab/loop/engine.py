@@ -9,7 +9,7 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
-from hyperfab.loop.belief import Belief, belief, explains
+from hyperfab.loop.belief import Belief, belief, explains, outweighs_something_else
 from hyperfab.loop.candidate import Candidate, Evidence
 from hyperfab.loop.confounding import indistinguishable, rivals
 from hyperfab.loop.dependence import dependence, suggestion
@@ -21,7 +21,7 @@ from hyperfab.loop.noise import Noise, estimate_noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.replicates import replicates
 from hyperfab.loop.search import Search
-from hyperfab.loop.thresholds import FEWEST, MARGIN, ONE_CLOTH, SHARE, SMALL, TOLD
+from hyperfab.loop.thresholds import FEWEST, MARGIN, ONE_CLOTH, SMALL, TOLD
 
 #: Terms added at most, and models carried along at each number of terms.
 _DEPTH, _BEAM = 3, 2
@@ -205,9 +205,8 @@ def _worth_a_name(base: Candidate, smaller: Candidate, larger: Candidate, eviden
     if smaller is not base and explains(base, smaller):
         return evidence.variance_share >= 0.5 and larger.judgement.is_small
     if evidence.help is None and len(smaller.held_out.counted) > 1:
-        # Constants of each specimen cannot be tested on others: they have to explain what is left.
-        nearly = evidence.variance_share >= 1.0 - SHARE or explains(base, larger)
-        return larger.judgement.is_noise or (smaller is base and nearly)
+        # What no other test can foretell has to leave less than something else would.
+        return larger.judgement.is_noise or (smaller is base and outweighs_something_else(base, larger))
     return True
 
 

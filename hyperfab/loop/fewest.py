@@ -54,7 +54,8 @@ def fewest(search: Search, before: Candidate, best: Candidate, tried: dict[str, 
             ask(*ids)
     if not found:
         return whole
-    return min(found.values(), key=lambda state: surprise(before, state))
+    # Of two that leave nothing at all, a formula of two names and a free law of one, the one name.
+    return min(found.values(), key=lambda state: (surprise(before, state), len(state.ids)))
 
 
 def _all_pay(search: Search, state: Candidate) -> bool:

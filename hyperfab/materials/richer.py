@@ -23,7 +23,7 @@ def richer(material: Material, form: str, constants: Mapping[str, float]) -> Mat
     """
     law = _Richer(material.law, form)
     added = FORMS[form]
-    c, shape = added.split([constants[name] for name in added.names])
+    c, shape = added.split(added.of(constants))
     return Material(law, (*material.c, *c), (*material.theta, *shape))
 
 

@@ -402,3 +402,35 @@ def test_nothing_is_named_that_is_no_more_in_size_than_the_noise(
     assert not found.before.judgement.is_noise
     assert ("thermal-softening" in found.after.ids) == said
     assert said or found.verdict == "noise"
+
+
+def three_modes(wave: float, seed: int) -> list[TestCurve]:
+    """A strip, a planar sheet and an equal biaxial one of a rubber (Ogden 1972), each with a ``wave`` of its own."""
+    rng, found = np.random.default_rng(seed), []
+    for mode, reach in (("uniaxial", 7.0), ("shear", 5.0), ("biaxial", 4.0)):
+        lam = np.linspace(1.05, reach, 25)
+        across = {"uniaxial": lam**-0.5, "shear": np.ones(25), "biaxial": lam}[mode]
+        terms = ((0.63, 1.3), (0.0012, 5.0), (-0.01, -2.0))
+        p = sum(mu * (lam ** (a - 1.0) - (lam * across) ** -a / lam) for mu, a in terms)
+        p *= 1.0 + wave * np.sin(2.0 * np.pi * (lam - 1.0) / (reach - 1.0) + rng.uniform(0.0, 2.0 * np.pi))
+        found.append(TestCurve(mode, lam, p + 0.002 * rng.standard_normal(25), source=mode, specimen=mode))
+    return found
+
+
+@pytest.mark.parametrize(
+    ("model", "wave", "seed"),
+    [
+        ("yeoh-3", 0.0, 0),
+        ("yeoh-3", 0.01, 1),
+        ("yeoh-3", 0.03, 2),
+        ("neo-hookean", 0.01, 0),
+        ("mooney-rivlin-2", 0.01, 1),
+    ],
+)
+def test_modes_that_a_law_cannot_fit_together_lack_an_elastic_law_and_nothing_else(
+    model: str, wave: float, seed: int
+) -> None:
+    """None is tested twice, no mode foretells another: what the law lacks must be told all the same."""
+    start = {"yeoh-3": (0.1, 0.001, 0.0001), "neo-hookean": (0.2,), "mooney-rivlin-2": (0.15, 0.01)}[model]
+    found = close(fabric_problem(law(model), start, three_modes(wave, seed)), design=False)
+    assert (found.verdict, found.after.ids) == ("effect", ("elastic-law",))

@@ -11,7 +11,7 @@ from loop.blind import case
 from loop.generators.fabric import IDS
 from scipy.interpolate import CubicSpline
 
-from hyperfab.loop.belief import belief
+from hyperfab.loop.belief import belief, surprise
 from hyperfab.loop.engine import close
 from hyperfab.loop.heldout import HeldOut, help_of
 from hyperfab.loop.problem import Curve
@@ -109,12 +109,18 @@ def test_one_test_that_no_law_foresees_does_not_speak_for_all_others() -> None:
     assert worse.taken < 0.0
 
 
-def model(names: tuple[str, ...], left: float) -> Any:
-    """Return a model that leaves so much, in standard deviations of the noise, of a thousand readings."""
+def model(names: tuple[str, ...], left: float, free: bool = False) -> Any:
+    """Return a model that leaves so much, in standard deviations of the noise, of a thousand readings.
+
+    By formulas, or with one law of ``free`` shape.
+    """
     curves = (Curve("t", 0, 1000, np.arange(1000.0)),)
     problem = SimpleNamespace(curves=curves, channel=np.zeros(1000, dtype=np.int64))
     size = (1.0 + left**2) * 1000.0
-    fit = SimpleNamespace(residual=np.sqrt(size / 1000.0) * np.ones(1000), x=np.empty(0), chi2=size)
+    forms = {name: SimpleNamespace(free=free and name == names[0]) for name in names}
+    fit = SimpleNamespace(
+        residual=np.sqrt(size / 1000.0) * np.ones(1000), x=np.empty(0), chi2=size, forms=forms
+    )
     return SimpleNamespace(ids=names, problem=problem, fit=fit)
 
 
@@ -129,6 +135,16 @@ def test_probabilities_are_of_one_whole_and_follow_what_is_left() -> None:
     # A second name that takes nothing adds little.
     both = belief(base, [model(("rate",), 0.1), model(("rate", "mullins"), 0.1)], 8)
     assert both.of["mullins"] < 0.15
+
+
+def test_a_law_of_free_shape_costs_as_a_further_name_does() -> None:
+    base = model((), 4.0)
+    assert surprise(base, model(("rate",), 0.1, free=True)) == surprise(base, model(("rate", "mullins"), 0.1))
+    # A formula is likelier than a free law that leaves no less, that one than what misses.
+    told = belief(base, [model(("rate",), 0.1), model(("mullins",), 0.1, free=True)], 8)
+    assert told.of["rate"] > 0.9
+    told = belief(base, [model(("rate",), 3.0), model(("mullins",), 0.1, free=True)], 8)
+    assert told.of["mullins"] > 0.5
 
 
 def test_a_name_that_takes_nearly_all_is_not_called_something_else_for_what_its_law_leaves() -> None:

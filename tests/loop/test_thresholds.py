@@ -31,7 +31,7 @@ from hyperfab.loop import (
     thresholds,
     upstream,
 )
-from hyperfab.loop.belief import belief
+from hyperfab.loop.belief import belief, outweighs_something_else
 from hyperfab.loop.candidate import Evidence
 from hyperfab.loop.design import NextMeasurement
 from hyperfab.loop.heldout import HeldOut, Help, help_of
@@ -284,7 +284,8 @@ def leaving(names: tuple[str, ...], left: float) -> Any:
         effects=(SimpleNamespace(forms=(SimpleNamespace(free=True),)),),
     )
     chi2 = (1.0 + left**2) * 1000.0
-    found = SimpleNamespace(residual=np.full(1000, np.sqrt(chi2 / 1000.0)), x=np.empty(0), chi2=chi2)
+    residual = np.full(1000, np.sqrt(chi2 / 1000.0))
+    found = SimpleNamespace(residual=residual, x=np.empty(0), chi2=chi2, forms={})
     return SimpleNamespace(ids=names, problem=problem, fit=found, judgement=judged(min(left, 0.4)))
 
 
@@ -298,6 +299,12 @@ def as_likely(left: float) -> bool:
 
 def something_else(left: float) -> float:
     return belief(leaving((), 10.0), [leaving(("rate",), left)], 8).something_else
+
+
+def outweighs(left: float) -> bool:
+    """Whether a name no other test can foretell is given where it leaves so much of ten standard deviations."""
+    states = [SimpleNamespace(judgement=judged(one)) for one in (10.0, left)]
+    return outweighs_something_else(*states)  # type: ignore[arg-type]
 
 
 def gave(share: float) -> bool:
@@ -373,8 +380,9 @@ CASES: dict[str, tuple[Callable[[pytest.MonkeyPatch], Any], Any]] = {
         lambda _: [
             [[evidence(help=Help(1.0, one, 3)).accepted(), gave(one)] for one in (0.4, 0.66)],
             [something_else(left) > 0.5 for left in (3.0, 4.0)],
+            [outweighs(left) for left in (3.0, 4.0)],
         ],
-        [[[False, False], [True, True]], [False, True]],
+        [[[False, False], [True, True]], [False, True], [True, False]],
     ),
     "ODDS": (
         lambda _: [

@@ -165,8 +165,9 @@ def _unexplained(problem: Problem, found: Finding, document: LoopDocument) -> li
     shares: Mapping[str, float] = document.residual.rides_on
     riding = [f"{key} ({share:.0%})" for key, share in shares.items() if share > 0.02][:3]
     what, chance = _least(document)
+    more = "Something more" if found.added else "Something"
     lines = [
-        "Something is lacking that no entry of the catalogue explains "
+        f"{more} is lacking that no entry of the catalogue explains "
         f"({document.residual.structured:.2g} standard deviations of the noise beyond it; {what}: p = {chance:.1g})"
         + (f"; what is left rides on {', '.join(riding)}." if riding else ".")
     ]

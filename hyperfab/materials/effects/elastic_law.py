@@ -20,11 +20,13 @@ class Added:
     names   its constants; the terms are linear in those that end in _MPa
     terms   the terms of these, in their order: of the sheet and the other constants (alpha, b)
     richer  laws that are another one with this added: the name of either
+    lately  linear constants that older documents lack: none of them then
     """
 
     names: tuple[str, ...]
     terms: Callable[..., list[Term]]
     richer: Mapping[str, str] = field(default_factory=dict)
+    lately: tuple[str, ...] = ()
 
     @property
     def linear(self) -> tuple[str, ...]:
@@ -35,6 +37,15 @@ class Added:
     def nonlinear(self) -> tuple[str, ...]:
         """The others."""
         return tuple(name for name in self.names if not name.endswith("_MPa"))
+
+    def of(self, constants: Mapping[str, float]) -> list[float]:
+        """Return the values of its constants by name; KeyError names one that is missing.
+
+        >>> FORMS["ogden"].of({"alpha": 2.0, "mu_MPa": 0.1})
+        [0.1, 2.0]
+        """
+        known = dict.fromkeys(self.lately, 0.0) | dict(constants)
+        return [known[name] for name in self.names]
 
     def split(self, values: Sequence[float]) -> tuple[list[float], list[float]]:
         """Return the constants that the terms are linear in, in MPa, and the others.
@@ -52,7 +63,9 @@ class Added:
     def and_log(self) -> Added:
         """Return the form with a term in ln(I2/3) beside its own."""
         return Added(
-            (*self.names, "C2_MPa"), lambda sheet, *shape: [*self.terms(sheet, *shape), log_I2(sheet)]
+            (*self.names, "C2_MPa"),
+            lambda sheet, *shape: [*self.terms(sheet, *shape), log_I2(sheet)],
+            lately=self.lately,
         )
 
 
@@ -83,7 +96,8 @@ def _exponential(sheet: Sheet, b: float) -> list[Term]:
 
 
 def _smooth(sheet: Sheet, reach: float) -> list[Term]:
-    """Return energies of I1 whose slopes are smooth functions, each 1 at one fifth of ``reach``, and I2 - 3."""
+    """Return energies of I1 whose slopes are smooth functions, each 1 at one fifth of ``reach``, I2 - 3, and Ogden's of
+    exponent 1, which no function of both makes: a biaxial test tells it from them."""
     slopes = cardinal(5)
     stored = slopes.antiderivative()
     x = sheet.x / reach
@@ -91,7 +105,7 @@ def _smooth(sheet: Sheet, reach: float) -> list[Term]:
     terms: list[Term] = [
         of_I1(reach * w, w1, w11 / reach) for w, w1, w11 in zip(energy, slope, bend, strict=True)
     ]
-    return [*terms, of_I2(sheet.y, 1.0 + 0.0 * sheet.y, 0.0 * sheet.y)]
+    return [*terms, of_I2(sheet.y, 1.0 + 0.0 * sheet.y, 0.0 * sheet.y), PowerTerm(1.0)]
 
 
 _POWERS = Added(
@@ -115,7 +129,9 @@ FORMS: Mapping[str, Added] = {
     "high-powers": Added(("C40_MPa",), lambda sheet: [_power(sheet, 4.0)]).and_log(),
     "second-invariant": Added(("C01_MPa", "C11_MPa", "C02_MPa"), _second_invariant),
     "straightening": _TOE,
-    "smooth": Added(("reach", *(f"D_{k}_MPa" for k in range(1, 6)), "C01_MPa"), _smooth).and_log(),
+    "smooth": Added(
+        ("reach", *(f"D_{k}_MPa" for k in range(1, 6)), "C01_MPa", "mu_MPa"), _smooth, lately=("mu_MPa",)
+    ).and_log(),
     "straightening-log": _TOE.and_log(),
     "ogden-log": _OGDEN.and_log(),
     "exponential-log": _FUNG.and_log(),

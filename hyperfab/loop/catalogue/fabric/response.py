@@ -161,7 +161,7 @@ def elastic_law(context: DataContext) -> Effect:
         start = (*one.starts[0], 0.01 * size)
         forms.append(Form(f"{one.name}-log", (*one.constants, log), (start,), refines=one.name))
     slopes = [Constant(f"D_{k}_MPa", 0.0, scale=0.1 * size) for k in range(1, 6)]
-    free = (*slopes, mixed[0], log)
+    free = (*slopes, mixed[0], Constant("mu_MPa", 0.0, scale=0.1 * size), log)
     smooth = freely(forms, "smooth", (fixed("reach", far), *free), (far, *(0.01 * size for _ in free)))
     return Effect(
         id="elastic-law",
