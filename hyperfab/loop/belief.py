@@ -60,10 +60,11 @@ def surprise(base: Candidate, state: Candidate) -> float:
     """Return minus the logarithm of what the data and what is known beforehand say for a model with some names.
 
     ``base`` is the model without any. What is left counts by Student's distribution, whatever number of constants the
-    law has; each name after the first counts for odds of fifty to one, and so does each law of free shape.
+    law has; each name after the first counts for odds of fifty to one, and so does each law of free shape
+    but that of the plain law, which is never quite the fabric's.
     """
     scale = _scale(structured(base.fit, base.problem))
-    free = sum(form.free for form in state.fit.forms.values())
+    free = sum(form.free for name, form in state.fit.forms.items() if name != state.problem.plain)
     return _student(structured(state.fit, state.problem), scale) + 0.5 * MARGIN * (len(state.ids) - 1 + free)
 
 

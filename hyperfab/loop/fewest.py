@@ -37,7 +37,7 @@ def fewest(search: Search, before: Candidate, best: Candidate, tried: dict[str, 
         if state is None:
             return
         if len(ids) == 1:
-            alone[ids[0]] = surprise(before, state)
+            alone[ids[0]] = state.judgement.structured
         if explains(before, state) and _all_pay(search, state):
             found[frozenset(ids)] = min(
                 state, found.get(frozenset(ids), state), key=lambda one: surprise(before, one)

@@ -115,7 +115,7 @@ def model(names: tuple[str, ...], left: float, free: bool = False) -> Any:
     By formulas, or with one law of ``free`` shape.
     """
     curves = (Curve("t", 0, 1000, np.arange(1000.0)),)
-    problem = SimpleNamespace(curves=curves, channel=np.zeros(1000, dtype=np.int64))
+    problem = SimpleNamespace(curves=curves, channel=np.zeros(1000, dtype=np.int64), plain="elastic-law")
     size = (1.0 + left**2) * 1000.0
     forms = {name: SimpleNamespace(free=free and name == names[0]) for name in names}
     fit = SimpleNamespace(
@@ -145,6 +145,8 @@ def test_a_law_of_free_shape_costs_as_a_further_name_does() -> None:
     assert told.of["rate"] > 0.9
     told = belief(base, [model(("rate",), 3.0), model(("mullins",), 0.1, free=True)], 8)
     assert told.of["mullins"] > 0.5
+    # That the plain law is not quite the fabric's is nothing that asks for odds.
+    assert surprise(base, model(("elastic-law",), 0.1, free=True)) == surprise(base, model(("rate",), 0.1))
 
 
 def test_a_name_that_takes_nearly_all_is_not_called_something_else_for_what_its_law_leaves() -> None:

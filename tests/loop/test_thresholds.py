@@ -282,6 +282,7 @@ def leaving(names: tuple[str, ...], left: float) -> Any:
         curves=(Curve("t", 0, 1000, np.arange(1000.0)),),
         channel=np.zeros(1000, dtype=np.int64),
         effects=(SimpleNamespace(forms=(SimpleNamespace(free=True),)),),
+        plain="",
     )
     chi2 = (1.0 + left**2) * 1000.0
     residual = np.full(1000, np.sqrt(chi2 / 1000.0))
