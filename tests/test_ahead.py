@@ -153,10 +153,10 @@ compiling.building = sys.argv[1] == "build"
 compiling.announced_by(lambda: print("compiling"))
 from hyperfab.ahead import compile_some
 if compiling.building:
-    compile_some(["hyperfab.cloth.linear.dot"])
+    compile_some(["hyperfab.cloth.linear._products"])
 else:
     import numpy as np
-    from hyperfab.cloth.linear import dot
+    from hyperfab.cloth.linear import dot  # the kernel that it calls
     print(dot(np.full((3, 3, 3), 2.0), np.ones((3, 3, 3))))
 """
 

@@ -117,12 +117,11 @@ def halve(  # noqa: C901
             o = co[j, i]
             for k in range(9):
                 o[1, k] = share * off[b, j, 0, k]
-                if sheared:
-                    o[2, k] = share * off[b, j, 2, k]
-            if sheared and j > 0:
+                o[2, k] = share * off[b, j, 2, k] if sheared else 0.0
+            if j > 0:
                 for r in range(3):
                     for c in range(3):
-                        co[j - 1, i + 1, 3, 3 * c + r] = share * off[b, j, 3, 3 * r + c]
+                        co[j - 1, i + 1, 3, 3 * c + r] = share * off[b, j, 3, 3 * r + c] if sheared else 0.0
             if not between:
                 continue
             s, e = diag[b + 1, j], off[b + 1, j]

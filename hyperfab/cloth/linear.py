@@ -62,15 +62,20 @@ def apply(k: Tangent, u: Array, out: Array) -> float:
 
 
 @kernel
-def dot(a: Array, b: Array) -> float:
-    """Sum of products, row by row."""
-    total = 0.0
-    for i in range(a.shape[0]):
+def _products(a: Array, b: Array, rows: Array, first: int, last: int) -> None:
+    """Sums of products of rows ``first:last``."""
+    for i in range(first, last):
         row = 0.0
         for j in range(a.shape[1]):
             row += a[i, j, 0] * b[i, j, 0] + a[i, j, 1] * b[i, j, 1] + a[i, j, 2] * b[i, j, 2]
-        total += row
-    return total
+        rows[i] = row
+
+
+def dot(a: Array, b: Array) -> float:
+    """Sum of products, row by row."""
+    rows = np.empty(len(a))
+    in_rows(lambda first, last: _products(a, b, rows, first, last), *a.shape[:2])
+    return float(rows.sum())
 
 
 @kernel
@@ -108,19 +113,21 @@ class Solver:
         """
         self.grids.build(k.diag, k.off, k.q)
         found = self._solve(k, right, d, tolerance, largest)
-        project(
-            k.q, d, 0, len(d)
-        )  # the preconditioner's single precision leaves d a little off the subspaces
+        # The preconditioner's single precision leaves d a little off the subspaces.
+        in_rows(lambda first, last: project(k.q, d, first, last), *d.shape[:2])
         return found
 
     def _solve(self, k: Tangent, right: Array, d: Array, tolerance: float, largest: int) -> bool:
         r, z, p, ap = self.work
-        r[:] = right
-        d[:] = 0.0
-        self.grids(r, z)
-        p[:] = z
-        rz = first = dot(r, z)
         size = d.shape[:2]
+
+        def begin(first: int, last: int) -> None:
+            r[first:last], p[first:last], d[first:last] = right[first:last], 0.0, 0.0
+
+        in_rows(begin, *size)
+        self.grids(r, z)
+        in_rows(lambda first, last: _turn(z, 0.0, p, first, last), *size)
+        rz = first = dot(r, z)
         for step in range(largest):
             self.iterations = step
             if rz <= tolerance**2 * first:

@@ -33,6 +33,7 @@ class Level:
     inverse: Singles  # (n, m, 6)
     parents: tuple[Ints, Array, Ints, Array]  # per fine row: coarse rows and weights, then columns
     vectors: Array  # (3, n, m, 3) right side and solution, but of the finest grid, and residual
+    halved: tuple[Singles, Singles]  # blocks with every second row left out, (m, n/2, 6) and (m, n/2, 4, 9)
 
 
 def coarse_size(n: int) -> int:
@@ -226,6 +227,7 @@ class Multigrid:
         while True:
             ni, wi = parents_of(n)
             nj, wj = parents_of(m)
+            half = coarse_size(n)
             self.levels.append(
                 Level(
                     np.empty((n, m, 6)),
@@ -234,6 +236,7 @@ class Multigrid:
                     np.zeros((n, m, 6), np.float32),
                     (ni, wi, nj, wj),
                     np.zeros((3, n, m, 3)),
+                    (np.zeros((m, half, 6), np.float32), np.zeros((m, half, 4, 9), np.float32)),
                 )
             )
             directions = 4
@@ -245,10 +248,10 @@ class Multigrid:
     def build(self, diag: Array, off: Array, q: Array) -> None:
         """Set up all levels for the finest operator (diagonal and forward blocks) and its projectors."""
         top = self.levels[0]
-        top.q[:] = q
 
         def copy(first: int, last: int) -> None:
-            top.diag[first:last], top.off[first:last] = diag[first:last], off[first:last]
+            rows = slice(first, last)
+            top.q[rows], top.diag[rows], top.off[rows] = q[rows], diag[rows], off[rows]
 
         in_rows(copy, *q.shape[:2])
         _smoothed(top)
@@ -256,11 +259,8 @@ class Multigrid:
             n, m = fine.q.shape[:2]
             rows, columns = injected(n), injected(m)
             coarse.q[:] = fine.q[np.ix_(rows, columns)]
-            half = (np.zeros((m, len(rows), 6), np.float32), np.zeros((m, len(rows), 4, 9), np.float32))
-            _in_chunks(fine.diag, fine.off, rows, *half)
-            coarse.diag[:] = 0.0
-            coarse.off[:] = 0.0
-            _in_chunks(*half, columns, coarse.diag, coarse.off)
+            _in_chunks(fine.diag, fine.off, rows, *fine.halved)
+            _in_chunks(*fine.halved, columns, coarse.diag, coarse.off)
             _smoothed(coarse)
         self.direct = _dense_inverse(self.levels[-1])
 

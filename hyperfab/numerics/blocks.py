@@ -16,6 +16,7 @@ from hyperfab.numerics.dissection import dissect
 from hyperfab.numerics.kernels import kernel
 from hyperfab.numerics.linear import DirectSolver
 from hyperfab.numerics.multifrontal import Elimination
+from hyperfab.numerics.vectors import rows
 
 Index = NDArray[np.int32]
 
@@ -105,7 +106,9 @@ class BlockPattern:
     def matrix(self, blocks: Array) -> sparse.csc_matrix:
         """Return the matrix of the free unknowns for block values (blocks, size, size)."""
         n = self.unknowns
-        return sparse.csc_matrix((blocks.ravel()[self._source], self._indices, self._indptr), shape=(n, n))
+        return sparse.csc_matrix(
+            (rows(blocks.ravel(), self._source), self._indices, self._indptr), shape=(n, n)
+        )
 
     def restrict(self, values: Array) -> Array:
         """Return the free entries of nodal values (nodes, size), as a vector."""

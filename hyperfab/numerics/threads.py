@@ -7,9 +7,8 @@ depend on how many threads there are.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from functools import cache, partial
+from collections.abc import Callable, Sequence
+from functools import partial
 from queue import SimpleQueue
 from threading import Lock, Thread, local
 from typing import TypeVar
@@ -19,7 +18,7 @@ LIMIT = "HYPERFAB_THREADS"
 
 T = TypeVar("T")
 
-#: What a thread does: whether that is side by side with the work of others.
+#: What is a thread's own: the unfinished pieces of the work it takes part in, and the threads that serve it.
 _here = local()
 
 #: Nodes of a grid that are worth a thread's while.
@@ -33,12 +32,11 @@ def cores() -> int:
 
 
 def threads() -> int:
-    """Return how many threads may be used: as many as there are cores, or what ``LIMIT`` says; one of work that is
-    done side by side with other work."""
-    if getattr(_here, "beside", False):
-        return 1
+    """Return how many threads may be used: as many as there are cores, or what ``LIMIT`` says; of a piece of work that
+    is done side by side with others its share, which grows as those come to their end."""
     limit = os.environ.get(LIMIT, "")
-    return max(1, int(limit)) if limit.isdecimal() else cores()
+    most = max(1, int(limit)) if limit.isdecimal() else cores()
+    return max(1, most // max(1, len(getattr(_here, "unfinished", ()))))
 
 
 def in_blocks(work: Callable[[int, int], None], count: int, block: int) -> None:
@@ -91,30 +89,26 @@ def in_blocks(work: Callable[[int, int], None], count: int, block: int) -> None:
 def side_by_side(work: Sequence[Callable[[], T]]) -> list[T]:
     """Return what each piece of ``work`` returns, done side by side where there are threads.
 
-    For pieces of a second and more that share nothing they change; each of them has one thread to itself.
+    For pieces of a second and more that share nothing they change; each has its share of the threads to itself.
 
     >>> side_by_side([lambda: 1, lambda: 2])
     [1, 2]
     """
     found: list[T | None] = [None] * len(work)
+    unfinished = list(range(len(work)))
 
     def one(number: int) -> None:
-        with _beside():
+        around, _here.unfinished = getattr(_here, "unfinished", ()), unfinished
+        try:
             found[number] = work[number]()
+        finally:
+            unfinished.remove(number)
+            _here.unfinished = around
 
     if min(threads(), len(work)) < 2:
         return [piece() for piece in work]
     in_blocks(lambda first, _: one(first), len(work), 1)
     return found  # type: ignore[return-value]
-
-
-@contextmanager
-def _beside() -> Iterator[None]:
-    _here.beside = True
-    try:
-        yield
-    finally:
-        _here.beside = False
 
 
 def in_rows(work: Callable[[int, int], None], rows: int, columns: int) -> None:
@@ -123,7 +117,10 @@ def in_rows(work: Callable[[int, int], None], rows: int, columns: int) -> None:
     Where a node's sum takes from the row before, the block computes that row's part anew: then the order of the
     additions, and with it the bits, do not depend on the blocks either.
     """
-    in_blocks(work, rows, max(1, NODES // columns))
+    if rows * columns < NODES:
+        work(0, rows)
+    else:
+        in_blocks(work, rows, max(1, min(NODES // columns, rows // (4 * threads()))))
 
 
 def for_a_grid(rows: int, columns: int) -> int:
@@ -131,15 +128,21 @@ def for_a_grid(rows: int, columns: int) -> int:
     return threads() if rows * columns >= NODES else 1
 
 
-@cache
 def _crew(number: int) -> SimpleQueue[Callable[[], None]]:
-    """Threads that stay, and do what is put into the queue: an executor's futures take as long again as a wake-up."""
-    asked: SimpleQueue[Callable[[], None]] = SimpleQueue()
+    """Threads that stay, and do what is put into the queue: an executor's futures take as long again as a wake-up.
 
-    def serve() -> None:
-        while True:
-            asked.get()()
+    Each thread that asks has its own, so that none waits for one that waits for it.
+    """
+    crews = _here.__dict__.setdefault("crews", {})
+    if number not in crews:
+        asked: SimpleQueue[Callable[[], None]] = SimpleQueue()
+        crews[number] = asked
 
-    for _ in range(number):
-        Thread(target=serve, daemon=True).start()
-    return asked
+        def serve() -> None:
+            while True:
+                asked.get()()
+
+        for _ in range(number):
+            Thread(target=serve, daemon=True).start()
+    found: SimpleQueue[Callable[[], None]] = crews[number]
+    return found

@@ -24,6 +24,7 @@ from hyperfab.membrane.friction_path import LOAD_STEPS, run_with_friction
 from hyperfab.membrane.sphere_contact import Outcome
 from hyperfab.membrane.sphere_contact import run as press
 from hyperfab.membrane.verdict import first_instability, stress_difference
+from hyperfab.numerics.threads import side_by_side
 
 
 def run(job: Job, case: ContactCase) -> int:
@@ -114,11 +115,17 @@ def _write(
     if out.wants_files:
         last = outcomes[0].solved[-1]
         shown = difference if difference is not None and pair[0] is last else None
-        out.add(".vtu", vtu(last, shown, sure.twins))
         rows = [mounted_row(last), *(row(solved) for solved in outcomes[0].solved)]
-        out.add(".csv", csv_bytes(list(rows[0]), [[float(one[name]) for name in rows[0]] for one in rows]))
         compared = (pair[0], difference) if difference is not None else None
-        out.add(".png", picture(_names(fabrics), outcomes, compared, sure.interval("force_N")))
+        field, drawn = side_by_side(
+            [
+                lambda: vtu(last, shown, sure.twins),
+                lambda: picture(_names(fabrics), outcomes, compared, sure.interval("force_N")),
+            ]
+        )
+        out.add(".vtu", field)
+        out.add(".csv", csv_bytes(list(rows[0]), [[float(one[name]) for name in rows[0]] for one in rows]))
+        out.add(".png", drawn)
     job.write(out, found, case)
 
 
