@@ -3,11 +3,12 @@
     python benchmarks/gap.py [--sizes 50000,200000,1000000] [--peers PYTHON]
 
 Each program is given the female's triangles and the male's vertices, in a process of its own. hyperfab finds the
-nearest point and the hit along the male's normal, on one thread and on two; the others (installed apart: pip install
-libigl open3d point-cloud-utils trimesh rtree; Debian's package cloudcompare) find the nearest point alone. Seconds
-are CPU time of the whole process, and for hyperfab those of the clock, after import and compilation, the better of
-two runs, with building whatever is searched; of CloudCompare those of its process less those of one that only reads
-the files. The difference is the largest one from libigl's distances, or from hyperfab's own where libigl is not there.
+nearest point, then the hit along the male's normal too, on one thread and on two; the others (installed apart: pip
+install libigl open3d point-cloud-utils trimesh rtree; Debian's package cloudcompare) find the nearest point alone.
+Seconds are CPU time of the whole process for the nearest point, after import and compilation, the better of two runs,
+with building whatever is searched; for hyperfab also CPU time, and that of the clock, for both. Of CloudCompare it is
+the time of its process less that of one that only reads the files. The difference is the largest one from libigl's
+distances, or from hyperfab's own where libigl is not there.
 A dash: not installed, or (trimesh above 60,000 triangles) far too slow.
 """
 
@@ -52,7 +53,8 @@ def main() -> None:
     parser.add_argument("--peers", default=sys.executable, help="interpreter that has the other programs")
     options = parser.parse_args()
     print(
-        f"{'triangles':>10} {'program':>18} {'CPU s':>8} {'wall s':>8} {'peak MB':>8} {'difference mm':>14}  lost"
+        f"{'triangles':>10} {'program':>18} {'CPU s':>8} {'both s':>8} {'wall s':>8} {'peak MB':>8} "
+        f"{'difference mm':>14}  lost"
     )
     with tempfile.TemporaryDirectory() as folder:
         for size in map(int, options.sizes.split(",")):
@@ -71,21 +73,21 @@ def table(size: int, folder: Path, peers: str) -> None:
         told, distance = found
         error = np.abs(distance - reference).max()
         extra = f"{told['lost']:>5}" if "lost" in told else ""
-        wall = f"{told['wall']:>8.3f}" if "wall" in told else f"{'':>8}"
+        both, wall = (f"{told[key]:>8.3f}" if key in told else f"{'':>8}" for key in ("both", "wall"))
         print(
-            f"{faces:>10} {name:>18} {told['seconds']:>8.3f} {wall} {told['peak_MB']:>8.0f} {error:>14.1e} {extra}"
+            f"{faces:>10} {name:>18} {told['seconds']:>8.3f} {both} {wall} {told['peak_MB']:>8.0f} "
+            f"{error:>14.1e} {extra}"
         )
     ours = runs["hyperfab"]
     others = [runs[name][0]["seconds"] for name in PROGRAMS[2:] if runs[name] is not None]
     if ours is not None and others:
+        nearest, both = (min(others) / ours[0][key] for key in ("seconds", "both"))
+        print(f"{'':>10} nearest in 1/{nearest:.1f} of the best other's, nearest and normal in 1/{both:.1f}")
+    two = runs["hyperfab-2"]
+    if ours is not None and two is not None:
+        same = "the same" if np.array_equal(ours[1], two[1]) else "OTHER"
         print(
-            f"{'':>10} nearest and normal in 1/{min(others) / ours[0]['seconds']:.1f} of the best other's nearest"
-        )
-    both = runs["hyperfab-2"]
-    if ours is not None and both is not None:
-        same = "the same" if np.array_equal(ours[1], both[1]) else "OTHER"
-        print(
-            f"{'':>10} two threads {ours[0]['wall'] / both[0]['wall']:.2f} times as fast as one, {same} bytes\n"
+            f"{'':>10} two threads {ours[0]['wall'] / two[0]['wall']:.2f} times as fast as one, {same} bytes\n"
         )
 
 
