@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +42,8 @@ NEWTON_SOLVE = 1e-4
 #: Uniform shifts that close the balance of a nonlinear stage; the second one is already tiny.
 BALANCINGS = 3
 NEWTON_STEPS = 40
+#: A preconditioner serves steps up to this many times as long, or as short, as the one it was made for.
+ALIKE = 2.0
 
 
 @dataclass
@@ -66,6 +69,7 @@ class HeatModel:
         for held in self.prescribed:
             self.free[held.nodes] = False
         self.linear = self.medium.linear and all(c.linear for c in self.conditions)
+        self._is_small = int(self.free.sum()) <= SMALL
         self._prolongation = _degree_two_on_one(self.mesh, self.free)
         self._capacity = self.pattern.matrix(self.medium.capacity(np.zeros(self.size)))
         diagonal = self._capacity.diagonal()
@@ -73,6 +77,7 @@ class HeatModel:
         #: Heat capacity of each node [J/K], all positive (diagonal scaling: row sums of degree 2 are not).
         self.lumped_capacity = diagonal * (self._total_capacity / diagonal.sum())
         self.last_matrix: sparse.csr_matrix | None = None
+        self._assembled: tuple[float, float] | None = None
         self._prepared: tuple[float, float] | None = None
         self._preconditioner: Preconditioner | None = None
         self._volume: tuple[tuple[float, float], Array] | None = None
@@ -90,8 +95,7 @@ class HeatModel:
     @property
     def solver_name(self) -> str:
         """What solves the linear systems."""
-        small = int(self.free.sum()) <= SMALL
-        return "sparse factorisation" if small else "conjugate gradients, degree 2 on degree 1"
+        return "sparse factorisation" if self._is_small else "conjugate gradients, degree 2 on degree 1"
 
     def total_capacity(self, temperature: Array) -> float:
         """Return the heat capacity of all parts at nodal temperatures [J/K]."""
@@ -228,7 +232,14 @@ class HeatModel:
 
     def changed(self) -> None:
         """Forget the matrices: a condition was switched."""
-        self._prepared = None
+        self._assembled = self._prepared = None
+
+    def _is_prepared(self, interval: float, storage: float) -> bool:
+        """Whether the preconditioner serves: made for this step, or, where it is no factorisation, for one like it."""
+        if self._prepared is None or self._prepared[1] != storage:
+            return False
+        ratio = interval / self._prepared[0]
+        return ratio == 1.0 or (not self._is_small and 1.0 / ALIKE < ratio < ALIKE)
 
     def _residual(
         self, time: float, interval: float, storage: float, target: Array, temperature: Array
@@ -243,24 +254,27 @@ class HeatModel:
         self, time: float, interval: float, storage: float, temperature: Array
     ) -> sparse.csr_matrix:
         """Return the matrix to start a stage with, its preconditioner made; kept while nothing in it changes."""
-        same = self._prepared == (interval, storage)
+        same = self._assembled == (interval, storage)
         if not (same and self.linear and self.last_matrix is not None):
             matrix = self._step_matrix(time, interval, storage, temperature)
-            if not same:
-                self._prepare(matrix)
+            if not self._is_prepared(interval, storage):
+                self._prepare(time, interval, storage, temperature, matrix)
                 self._prepared = (interval, storage)
-            self.last_matrix = matrix
+            self.last_matrix, self._assembled = matrix, (interval, storage)
         return self.last_matrix
 
     def _step_matrix(
         self, time: float, interval: float, storage: float, temperature: Array
     ) -> sparse.csr_matrix:
         data = self._of_the_volume(interval, storage, temperature)
+        self._add_conditions(time, interval, temperature, data)
+        return self.pattern.matrix(data)
+
+    def _add_conditions(self, time: float, interval: float, temperature: Array, data: Array) -> None:
         for condition in self.conditions:
             if len(condition.nodes):
                 blocks = interval * condition.tangent(time, temperature)
                 self.pattern.scatter(condition.nodes, blocks, data)
-        return self.pattern.matrix(data)
 
     def _of_the_volume(self, interval: float, storage: float, temperature: Array) -> Array:
         """Return the data of what conducts and stores, an array of the caller's own."""
@@ -273,13 +287,33 @@ class HeatModel:
             self._volume = ((interval, storage), copied(data))
         return data
 
-    def _prepare(self, matrix: sparse.csr_matrix) -> None:
+    @cached_property
+    def _on_the_coarse_space(self) -> tuple[sparse.csr_matrix, sparse.csr_matrix]:
+        """What conducts [W/K] and what stores [J/K], where neither changes with temperature."""
+        nothing = np.zeros(self.size)
+        return self._coarse(self.medium.conduction(nothing)), self._coarse(self.medium.capacity(nothing))
+
+    def _coarse(self, data: Array) -> sparse.csr_matrix:
+        """Return a matrix of the pattern on the coarse space of the preconditioner."""
+        matrix, p = self.pattern.matrix(data).copy(), self._prolongation
+        matrix.eliminate_zeros()
+        return sparse.csr_matrix(p.T @ (matrix @ p))
+
+    def _prepare(
+        self, time: float, interval: float, storage: float, temperature: Array, matrix: sparse.csr_matrix
+    ) -> None:
         """Make the preconditioner for a step length; a matrix that only drifts keeps it."""
-        if int(self.free.sum()) <= SMALL:
+        if self._is_small:
             self._preconditioner = Direct(matrix, self.free)
         else:
             p = self._prolongation
-            coarse = sparse.csr_matrix(p.T @ (matrix @ p))
+            if self.medium.linear:  # what conducts and stores is taken to the coarse space once
+                faces = np.zeros_like(matrix.data)
+                self._add_conditions(time, interval, temperature, faces)
+                conduction, capacity = self._on_the_coarse_space
+                coarse = interval * conduction + storage * capacity + self._coarse(faces)
+            else:
+                coarse = self._coarse(matrix.data)
             self._preconditioner = TwoLevel(matrix, p, hierarchy(coarse, COARSE), self.free)
 
 

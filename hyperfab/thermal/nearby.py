@@ -112,7 +112,7 @@ class Neighbourhood:
             times[-1:] = [times[-2] + length * k for k in range(1, MORE)]
         for time in times[1:]:
             while state.time < time:
-                step = take_step(model, state, time - state.time)
+                step = take_step(model, state, time - state.time, estimate=False)
                 waiting = target is not None and history.reached is None
                 hit = (
                     waiting

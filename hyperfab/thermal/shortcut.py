@@ -1,24 +1,28 @@
 """Long runs that switch often, followed on a reduced mold between checks against the full one.
 
-A stretch lies between two jumps: a thermostat that switches, a corner of a schedule. After two stretches in full a
-basis is made of the states on the way and of what the mold answers to each heater within the lengths of their steps
-(rational Krylov vectors), and the run goes on in its coordinates, with the same steps and the same events. Some
-stretches are gone through once more in full, from the same state with the same steps. What such a stretch is off by at
-its end, and what the mold changes in the time by which its switching is off, counts for all stretches like it: heat
-conduction lets no difference grow beyond its greatest (maximum principle), so that the sum over the stretches bounds
-what has gathered. Where the sum is more than the share of ``MOST`` that is due by then, the run goes back to the end of
-the last checked stretch and on from there in full, until a new basis is made; after ``TRIES`` it stays full.
+A stretch lies between two jumps: a thermostat that switches, a corner of a schedule. One of a few steps, between
+thermostats that switch one shortly after the other, belongs to the next. After some stretches in full a basis is made
+of the states on the way and of what the mold answers to each heater within the lengths of their steps (rational Krylov
+vectors), and the run goes on in its coordinates, with the same steps and the same events. Some stretches are gone
+through once more in full, from the same state with the same steps. What such a stretch is off by at its end counts for
+all that end with the same heaters on: heat conduction lets no difference grow beyond its greatest (maximum principle),
+so that the sum over the stretches bounds what has gathered. A switching that is off in time shifts all that comes after
+it where nothing goes by the clock: the check goes on shifted, the shifts are summed too, and make what watched places
+change in that time. With a clock they make what any place changes. Where the sum is more than the share of ``MOST``
+that is due by then, the run goes back to the end of the last checked stretch and on from there in full, until a new
+basis is made; after ``TRIES`` it stays full.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.vectors import dot
+from hyperfab.thermal.contact import Contact
 from hyperfab.thermal.convection import Convection
 from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.history import History, Reduced, Target
@@ -37,8 +41,10 @@ TRIES = 5
 HEAD_START = 0.25
 #: Smaller molds are followed in full, and so is what is left where it has fewer stretches than this.
 SMALLEST, FEWEST = 2000, 8
+#: A stretch of fewer steps belongs to the next, and so many at most.
+SETTLED, TOGETHER = 4, 8
 #: Time scales of the answers to heaters, from the shortest stage to all that is left.
-SCALES = 9
+SCALES = 6
 #: Directions in which the states differ by less, root of the mean square [K], are left out; and how many are kept.
 DROP, VECTORS = 1e-7, 120
 #: States that a basis is made of at most.
@@ -70,6 +76,38 @@ class _Stretch:
     on: tuple[bool, ...]
 
 
+@dataclass(frozen=True)
+class _Off:
+    """What stretches are off by: in temperature at their ends [K], in the time of what comes after them [s]."""
+
+    end: float = 0.0
+    later: float = 0.0
+
+    def __add__(self, other: _Off) -> _Off:
+        return _Off(self.end + other.end, self.later + other.later)
+
+    def times(self, count: int) -> _Off:
+        return _Off(count * self.end, count * self.later)
+
+    def at_most(self, other: _Off) -> _Off:
+        return _Off(max(self.end, other.end), max(self.later, other.later))
+
+
+@dataclass
+class _Alike:
+    """Stretches on a basis that end with the same heaters on: how many, and which of them is checked next.
+
+    ``found`` is what the last check found, ``since`` how many came after it, ``before`` how many of these before the
+    last check of any.
+    """
+
+    count: int = 0
+    next: int = 1
+    found: _Off = field(default_factory=_Off)
+    since: int = 0
+    before: int = 0
+
+
 class Shortcut:
     """Decides on which mold to go on; ``sensors`` and ``nodes`` are where the result is looked at.
 
@@ -91,49 +129,67 @@ class Shortcut:
         self.full, self.until, self.sensors, self.nodes = full, until, sensors, nodes
         self.always, self.most = always, most
         self._tries = self._stretches = self._checks = self._in_full = self._vectors = self._taken_back = 0
-        self._spent = self._within = self._last = self._fastest = self._begun = 0.0
-        self._stretch: _Stretch | None = None
+        self._within = self._fastest = self._begun = 0.0
+        self._spent = _Off()
+        self._alike: dict[tuple[bool, ...], _Alike] = {}
+        self._now: list[_Stretch] = []  # the stretch gone through, with short ones before it
+        self._ended = True
         self._checked: _Stretch | None = None  # where the last stretch that was checked ended
-        self._since = self._on_basis = self._next = 0
+        self._since = 0
+        self._clocked = _follows_a_clock(full)
 
     def turn(self, history: History, view: View, state: State, length: float) -> tuple[View, State]:
         """Return how to see the mold after a jump, and the state so seen; a stretch begins."""
-        if view.lift is None:
+        if view.lift is None and self._ended:
             self._in_full += 1
             if self._due(history, state.time):
                 view = self._reduce(history, state)
                 state = initial_state(view.model, state.time, np.zeros(self._vectors))
         on = tuple(heater.on for heater in self.model.heaters)
-        self._stretch = _Stretch(len(history.states), len(history.switches), state, length, on)
-        if self._since == 0:
-            self._checked = self._stretch
+        begins = _Stretch(len(history.states), len(history.switches), state, length, on)
+        self._now = [begins] if self._ended else [*self._now, begins]
+        if self._ended and self._since == 0:
+            self._checked = begins
         return view, state
 
     def holds(self, history: History, view: View) -> bool:
         """Whether the stretch that has ended may stay as it is; a full one may, a reduced one is checked at times."""
-        if view.lift is None:
-            return True
-        self._stretches += 1
-        self._on_basis += 1
-        self._since += 1
         now = history.states[-1].time
-        if self._on_basis < self._next and now < self.until:
+        steps = len(history.states) - (self._now[-1].count if self._now else 0)
+        self._ended = steps >= SETTLED or len(self._now) >= TOGETHER or now >= self.until
+        if view.lift is None or not self._ended:
             return True
-        assert self._stretch is not None
-        within, end = self._check(history, view.lift, self._stretch)
+        alike = self._alike.setdefault(self._now[-1].on, _Alike())
+        alike.count += 1
+        alike.since += 1
+        self._stretches += len(self._now)
+        self._since += len(self._now)
+        if alike.count < alike.next and now < self.until:
+            return True
+        within, found = self._check(history, view.lift)
         self._checks += 1
         within = max(self._within, within)
-        spent = self._spent + (self._since - 1) * max(self._last, end) + end
+        spent = self._spent + found.at_most(alike.found).times(alike.since - 1) + found
+        others = [one for one in self._alike.values() if one is not alike]
+        error = within + self._kelvin(sum((one.found.times(one.since) for one in others), spent))
         share = HEAD_START + (1.0 - HEAD_START) * (now - self._begun) / (self.until - self._begun)
-        if within + spent > share * self.most:
+        left = share * self.most - error
+        if left < 0.0:
             return False
-        self._spent, self._within, self._last, self._since = spent, within, end, 0
-        # Odd and even stretches, a heater that has come on and one that has gone off, take turns.
-        most = max(2 * self._on_basis - 1, 1)
-        affordable = 0.5 * (share * self.most - within - spent) / end if end > 0.0 else np.inf
-        self._next = self._on_basis + int(max(1, min(most, affordable)))
-        self._tell(history)
+        self._spent, self._within = spent, within
+        alike.found, alike.since, self._since = found, 0, 0
+        for one in self._alike.values():
+            one.before = one.since
+        # Odd and even stretches take turns: levels of a schedule that come and go.
+        each = sum(self._kelvin(one.found) for one in self._alike.values())
+        affordable = 0.5 * left / each if each > 0.0 else np.inf
+        alike.next = alike.count + int(max(1, min(8 * alike.count - 1, affordable)))
+        self._tell(history, error)
         return True
+
+    def _kelvin(self, off: _Off) -> float:
+        """Return by how much all that makes watched places differ [K]."""
+        return off.end + off.later * self._fastest
 
     def back(self, history: History, view: View) -> tuple[View, State, float]:
         """Return to the end of the last checked stretch, in full: view, state and the length of the first step."""
@@ -144,14 +200,15 @@ class Shortcut:
         for heater, on in zip(self.model.heaters, begun.on, strict=True):
             heater.on = on
         self._stretches -= self._since
-        self._since, self._in_full = 0, 0
+        self._since, self._in_full, self._now = 0, 0, [begun]
         self._taken_back += 1
-        self._tell(history)
+        self._spent = sum((one.found.times(one.before) for one in self._alike.values()), self._spent)
+        self._alike = {}
+        self._tell(history, self._within + self._kelvin(self._spent))
         temperature = view.lift.nodal(begun.state.temperature)
         return self.full, initial_state(self.model, begun.state.time, temperature), begun.length
 
-    def _tell(self, history: History) -> None:
-        error = self._spent + self._within
+    def _tell(self, history: History, error: float) -> None:
         history.reduced = Reduced(
             self._vectors, self._begun, self._stretches, self._checks, error, self._taken_back
         )
@@ -174,7 +231,6 @@ class Shortcut:
         """Return the mold in the coordinates of a basis about ``state``."""
         lift = Lift(state.temperature, self._basis(history, state))
         self._tries += 1
-        self._on_basis, self._next, self._last = 0, 1, 0.0
         self._vectors = lift.basis.shape[1]
         if self._tries == 1:
             self._begun = state.time
@@ -253,30 +309,51 @@ class Shortcut:
                 alone.append(condition.facets.load(5.0 * float(np.ptp(condition.ambient.y))))
         return [*together.values(), *alone]
 
-    def _check(self, history: History, lift: Lift, begun: _Stretch) -> tuple[float, float]:
-        """Go through the stretch in full: by how much watched places are off on the way, all at its end [K]."""
-        part = lift.part(self.nodes)
-        state = initial_state(self.model, begun.state.time, lift.nodal(begun.state.temperature))
-        within = end = 0.0
-        for past in history.states[begun.count :]:
-            state = replace(take_step(self.model, state, past.time - state.time).state, time=past.time)
-            coordinates = past.coordinates
-            if len(self.nodes):
-                off = np.abs(part.nodal(coordinates) - state.temperature[self.nodes])
-                within = max(within, float(off.max()))
-            for sensor in self.sensors:
-                within = max(within, abs(past.reading(sensor)[0] - dot(sensor, state.temperature)))
-            off = lift.nodal(coordinates) - state.temperature
-            end = float(np.abs(off).max())
+    def _check(self, history: History, lift: Lift) -> tuple[float, _Off]:
+        """Go through the stretch in full: by how much watched places are off on the way [K], and all at its end."""
+        begun, part = self._now[0].state, lift.part(self.nodes)
+        state = initial_state(self.model, begun.time, lift.nodal(begun.temperature))
+        within, found = 0.0, _Off()
+        ends = [one.count for one in self._now[1:]] + [len(history.states)]
+        for stretch, end in zip(self._now, ends, strict=True):
+            for heater, on in zip(self.model.heaters, stretch.on, strict=True):
+                heater.on = on
+            for past in history.states[stretch.count : end]:
+                step = take_step(self.model, state, past.time - state.time, estimate=False)
+                state = replace(step.state, time=past.time)
+                assert state.slope is not None
+                watched = np.abs(part.nodal(past.coordinates) - state.temperature[self.nodes])
+                within = max(within, float(watched.max(initial=0.0)))
+                changing = state.slope if self._clocked else state.slope[self.nodes]
+                self._fastest = max(self._fastest, float(np.abs(changing).max(initial=0.0)))
+                for sensor in self.sensors:
+                    within = max(within, abs(past.reading(sensor)[0] - dot(sensor, state.temperature)))
+                    self._fastest = max(self._fastest, abs(dot(sensor, state.slope)))
+            reduced = lift.nodal(past.coordinates)
+            later = self._later(reduced, state)
             assert state.slope is not None
-            self._fastest = max(self._fastest, float(np.abs(state.slope).max()))
-        assert state.slope is not None
+            moved = state.temperature if self._clocked else state.temperature + later * state.slope
+            found += _Off(0.0, abs(later))
+            state = initial_state(self.model, state.time, moved)
+        return within, replace(found, end=float(np.abs(reduced - state.temperature).max()))
+
+    def _later(self, reduced: Array, full: State) -> float:
+        """Return by how much later [s] than the reduced mold, which may switch now, the full one would."""
+        assert full.slope is not None
         for one in self.full.thermostats:
-            rate = abs(dot(one.sensor, state.slope))
-            if abs(one.excess(state.temperature + off)) <= SWITCHES and rate > 0.0:
-                later = abs(dot(one.sensor, off)) / rate
-                end += later * self._fastest
-        return within, end
+            rate = dot(one.sensor, full.slope)
+            if abs(one.excess(reduced)) <= SWITCHES and rate != 0.0:
+                return float(dot(one.sensor, reduced - full.temperature)) / rate
+        return 0.0
+
+
+def _follows_a_clock(full: View) -> bool:
+    """Whether anything changes by the time of day: then a shift in time is more than a shift."""
+    model = full.model
+    tables = [c.power for c in model.conditions if isinstance(c, Heater)]
+    tables += [c.closed for c in model.conditions if isinstance(c, Contact)]
+    tables += [c.ambient for c in model.conditions if isinstance(c, Convection | Radiation)]
+    return not all(table.is_constant for table in tables)
 
 
 def is_long(model: HeatModel, history: History) -> bool:

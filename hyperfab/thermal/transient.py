@@ -225,7 +225,7 @@ def shortened(model: Model, start: State, step: Step, excess: Callable[[Array], 
     side = 0
     while abs(high_value) > EVENT_TEMPERATURE and high - low > EVENT_TIME * max(high, start.time):
         length = high - high_value * (high - low) / (high_value - low_value)
-        found = take_step(model, start, length)
+        found = take_step(model, start, length, estimate=False)
         value = excess(found.state.temperature)
         if value >= 0.0 or abs(value) <= EVENT_TEMPERATURE:
             high, high_value, step = length, value, found

@@ -59,3 +59,13 @@ def test_the_steps_to_come_are_told_from_the_first_few(ends: list[float], loss: 
     for step in (4, len(times) // 3, len(times) // 2):
         assert told[step - 1] == pytest.approx(step / len(times), rel=0.5)
     assert told[-1] > 0.97
+
+
+def test_a_run_that_goes_back_goes_on_from_there() -> None:
+    """What the checks of a reduced mold do: twice in a row, before jumps that were counted, and once to the start."""
+    pace = Pace(problem([], 10.0), np.zeros(1), reducible=True)
+    first = stages([1105.0, 2105.0, 2216.0, 3216.0], 1.0, 1.5)
+    ways = [first, stages([2105.0, 2216.0], 1.0, 1.5)[14:], [1105.0], [1106.0, 1107.0], [0.5], first]
+    told = [pace.done(time, 20_000.0) for way in ways for time in way]
+    assert all(0.0 <= share <= 1.0 for share in told)
+    assert pace.jumps == [1105.0, 2105.0, 2216.0]

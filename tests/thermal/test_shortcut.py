@@ -146,6 +146,36 @@ def test_reduced_mold_keeps_its_bound_on_many_random_molds(block, seed):
     agrees(block, seed)
 
 
+def test_thermostats_that_switch_one_shortly_after_the_other(block):
+    """Two alike, with probes in like places: what lies between their switchings is too short to be told by itself."""
+    found = []
+    for wanted in (True, False):
+        mold = block((0.3, 0.2, 0.04), (6, 3, 2), k=237.0, rho=2702.0, cp=903.0)
+        mold.film("z+", 60.0, 25.0).radiate("y-", 0.5, 25.0)
+        under = mold.mesh.facet_nodes(mold.faces.named("block.z-").mask)
+        middle = mold.mesh.points[under].mean(axis=1)[:, 0]
+        for end in (middle < 0.05, middle > 0.25):
+            facets = FacetOperator(mold.mesh.points, under[end])
+            name = f"heater {len(mold.conditions)}"
+            mold.conditions.append(Heater(name, facets.load(1.0) / facets.area, Table.constant(4000.0)))
+        model = mold.model()
+        probes = [point(model, mold.node(x, 0.1, 0.04)) for x in (0.05, 0.25)]
+        thermostats = [
+            Thermostat(heater, probe, 80.0 + 0.01 * number, 2.0)
+            for number, (heater, probe) in enumerate(zip(model.heaters, probes, strict=True))
+        ]
+        nodes = np.unique(mold.face("z+").nodes)
+        start = np.full(model.size, 25.0)
+        history, _ = follow(model, start, Schedule(900.0), thermostats, nodes, wanted=wanted, sensors=probes)
+        found.append(history)
+    reduced, full = found
+    assert reduced.reduced is not None
+    assert reduced.reduced.returns == 0
+    assert len(reduced.switches) == len(full.switches) > 30
+    off = apart(reduced, full, [*probes, *(point(model, node) for node in nodes[::5])], 900.0)
+    assert off < reduced.reduced.error < 0.05
+
+
 def test_schedule_that_jumps_and_surroundings_that_change(block):
     def mold():
         made = block((0.2, 0.1, 0.04), (5, 3, 2), k=50.0, rho=2700.0, cp=900.0)

@@ -38,10 +38,18 @@ class Pace:
         self._between: list[int] = []
 
     def done(self, time: float, until: float) -> float:
-        """Count a step that ended at ``time`` of ``until`` [s]; return the share of all steps that is done."""
+        """Count a step that ended at ``time`` of ``until`` [s]; return the share of all steps that is done.
+
+        A run on a reduced mold that fails its check goes back: a time before the last one is where it goes on from.
+        """
         self.until = until
         self.steps += 1
         length = time - self._time
+        if length <= 0.0:
+            self.jumps = [jump for jump in self.jumps if jump <= time]
+            self._between = self._between[: len(self.jumps)]
+            self._since, self._time = self._since + 1, time
+            return self._share()
         if length < _RESTART * self._longest:
             self.jumps.append(self._time)
             self._between.append(self._since)
@@ -50,6 +58,10 @@ class Pace:
         self._before, self._length = self._length, length
         self._longest = max(self._longest, length)
         self._time = time
+        return self._share()
+
+    def _share(self) -> float:
+        """Return the share of all steps that is done."""
         return self.steps / (self.steps + self._left()) if self.steps > _SETTLING else 0.0
 
     def _left(self) -> float:
