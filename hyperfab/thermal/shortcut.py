@@ -313,7 +313,7 @@ class Shortcut:
         """Go through the stretch in full: by how much watched places are off on the way [K], and all at its end."""
         begun, part = self._now[0].state, lift.part(self.nodes)
         state = initial_state(self.model, begun.time, lift.nodal(begun.temperature))
-        within, found = 0.0, _Off()
+        within = shifts = 0.0
         ends = [one.count for one in self._now[1:]] + [len(history.states)]
         for stretch, end in zip(self._now, ends, strict=True):
             for heater, on in zip(self.model.heaters, stretch.on, strict=True):
@@ -329,22 +329,29 @@ class Shortcut:
                 for sensor in self.sensors:
                     within = max(within, abs(past.reading(sensor)[0] - dot(sensor, state.temperature)))
                     self._fastest = max(self._fastest, abs(dot(sensor, state.slope)))
-            reduced = lift.nodal(past.coordinates)
-            later = self._later(reduced, state)
             assert state.slope is not None
+            reduced = lift.nodal(past.coordinates)
+            off = reduced - state.temperature
+            felt = self._switches(reduced)
+            rate = 0.0 if felt is None else dot(felt, state.slope)
+            if felt is None or rate == 0.0 or stretch is self._now[-1]:
+                continue
+            later = dot(felt, off) / rate
+            shifts += abs(later)
             moved = state.temperature if self._clocked else state.temperature + later * state.slope
-            found += _Off(0.0, abs(later))
             state = initial_state(self.model, state.time, moved)
-        return within, replace(found, end=float(np.abs(reduced - state.temperature).max()))
+        assert state.slope is not None
+        most = float(np.abs(off).max())
+        # What is off elsewhere comes to the probe too, and is felt there in switchings to come: all of it counts.
+        later = most / abs(rate) if rate != 0.0 else 0.0
+        return within, _Off(most + later * float(np.abs(state.slope).max()), shifts + later)
 
-    def _later(self, reduced: Array, full: State) -> float:
-        """Return by how much later [s] than the reduced mold, which may switch now, the full one would."""
-        assert full.slope is not None
+    def _switches(self, temperature: Array) -> Array | None:
+        """Return the sensor of a thermostat that switches at these temperatures, if any does."""
         for one in self.full.thermostats:
-            rate = dot(one.sensor, full.slope)
-            if abs(one.excess(reduced)) <= SWITCHES and rate != 0.0:
-                return float(dot(one.sensor, reduced - full.temperature)) / rate
-        return 0.0
+            if abs(one.excess(temperature)) <= SWITCHES:
+                return one.sensor
+        return None
 
 
 def _follows_a_clock(full: View) -> bool:

