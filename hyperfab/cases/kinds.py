@@ -267,15 +267,10 @@ class Series(_Several):
     def read(self, text: Any, option: str) -> tuple[Any, ...]:
         parts = [part.strip() for part in str(text).replace("×", "x").split(self.mark)]
         parts = [part for part in parts if part] if not self.count else parts
-        if self.count and len(parts) not in self.count:
+        if (self.count and len(parts) not in self.count) or not all(parts):
             raise UsageError(f"{option} {text}: write {self.example}")
-        try:
-            found = [
-                self.item.read(part, f"{option} {text}:" if len(parts) > 1 else option) for part in parts
-            ]
-        except UsageError as error:
-            told = str(error)
-            raise UsageError(told if self.example in told else f"{told}; write {self.example}") from None
+        # What is wrong with one of them is told with the right form of that one: the example would be a second.
+        found = [self.item.read(part, f"{option} {text}:" if len(parts) > 1 else option) for part in parts]
         return tuple(found * 2 if self.count == (1, 2) and len(found) == 1 else found)
 
     def words(self, value: Sequence[Any]) -> str:

@@ -196,3 +196,16 @@ def test_sizes_have_one_side_or_two() -> None:
     for text in ("220x220", "220mmx220", "1mmx2mmx3mm", "", "x"):
         with pytest.raises(UsageError, match="--size"):
             size.read(text, "--size")
+
+
+@pytest.mark.parametrize(
+    ("typed", "told"),
+    [
+        ("220", "--size 220: a length needs its unit; write 220mm"),
+        ("220mmx180", "--size 220mmx180: 180: a length needs its unit; write 180mm"),
+        ("220mmx", "--size 220mmx: write 220mmx220mm"),
+    ],
+)
+def test_the_right_form_of_a_size_is_told_once(typed: str, told: str) -> None:
+    with pytest.raises(UsageError, match=f"^{told}$"):
+        case_class("drape").settings()["size"].kind.read(typed, "--size")

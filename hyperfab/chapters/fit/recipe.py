@@ -36,6 +36,9 @@ def run(job: Job, case: FitCase) -> int:
     """Identify constants and write the material document; 1 where no law is accepted."""
     out = job.opened(job.target, (".csv", ".png", *((_TABLE,) if case.model in ORDERS else ())))
     model, relative = case.model, case.objective == "relative"
+    # What was typed wrong is told before what the files are wrong in.
+    if model not in ("all", "orthotropic", *ORDERS):
+        law(model)
     named = {
         "": case.files,
         "uniaxial": case.uniaxial,
@@ -44,6 +47,7 @@ def run(job: Job, case: FitCase) -> int:
         "volumetric": case.volumetric,
     }
     sizes, steps = geometry(case), steps_of(case)
+    floor = _stress(case.noise, "--noise", sizes)
     told: list[str] = []
     tests = read_all(job, named, sizes, layout(case.columns, case.skip_rows, case.decimal), told)
     out.refuse_inputs(job.inputs)
@@ -53,7 +57,6 @@ def run(job: Job, case: FitCase) -> int:
     readings.preparation += told
     readings.warnings[:0] = aspect_warnings(tests)
     chosen = _chosen(case.fit_on, readings)
-    floor = _stress(case.noise, "--noise", sizes)
     if floor is not None:
         readings.preparation.append(f"noise of {floor:g} MPa taken into account in the weights")
     setting = Setting(chosen, relative and not foam, case.stable, case.accept, floor)
@@ -174,8 +177,12 @@ def _stress(text: str | None, option: str, sizes: Geometry) -> float | None:
         return None
     try:
         return quantity(text, "stress", option=option)
-    except UsageError:
-        return quantity(text, "membrane-stress", option=option) / (sizes.thickness or 1.0)
+    except UsageError as no_stress:
+        try:
+            return quantity(text, "membrane-stress", option=option) / (sizes.thickness or 1.0)
+        except UsageError:
+            # Of two forms that would do, the common one is shown.
+            raise no_stress from None
 
 
 def _chosen(fit_on: str | None, readings: Readings) -> tuple[str, ...]:
