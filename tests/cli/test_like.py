@@ -42,7 +42,7 @@ RUNS: dict[str, tuple[list[str], tuple[str, str], str]] = {
     ),
     "press-contact": (
         ["--male", "male.stl", "--female", "female.stl", "--foam", "foam.toml", "--gap", "1mm", "--tilt",
-         "0.05deg,0deg", "--strokes", "3"],
+         "0.05deg,0deg", "--strokes", "3", "--temperature", "60 degC +- 5 K"],
         ("--strokes", "4"),
         "strokes",
     ),

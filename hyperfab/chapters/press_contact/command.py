@@ -118,7 +118,7 @@ def _origins(job: Job, model: Model, result: PressDocument) -> Origins:
         job.inputs, case.foam, model.files.document, 0.5 * sum(grown.temperature for grown in model.grown)
     )
     found = origins(job.inputs, case, laws, stated)
-    identified(found, case, job.inputs)
+    identified(found, case, job)
     heat = [file_of(name)[0] for name in (case.male_heat, case.female_heat) if name is not None]
     join(found, job.inputs, heat if case.drape is None else [*heat, case.drape])
     told = (("warming", "the sandwich's temperature"), ("formed", "the thickness when the press has opened"))

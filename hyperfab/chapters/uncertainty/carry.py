@@ -120,7 +120,7 @@ def carry(
         if case.uncertainty is not None:
             job.console.note("the inputs say nothing of how sure they are: there is no uncertainty to carry")
         return Sure()
-    identified(known, case, job.inputs)
+    identified(known, case, job)
     plain = document.to_json()
     value = dict(figures_of(plain, document.KIND))
     found = Carried(job, case, document.KIND, known, value, nearby(known)).run()

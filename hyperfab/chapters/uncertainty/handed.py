@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from hyperfab.cases.case import Case
+from hyperfab.chapters.job import Job
 from hyperfab.chapters.uncertainty.changed import Changed
 from hyperfab.chapters.uncertainty.fields import HANDED, derivatives, grid_of, read_handing
 from hyperfab.chapters.uncertainty.sources import Number, Origin, Origins
@@ -43,9 +44,11 @@ class Handed:
             self.own.move(inputs, change)
 
 
-def identified(found: Origins, case: Case, inputs: Inputs) -> None:
+def identified(found: Origins, case: Case, job: Job) -> None:
     """Give each number the id by which later commands know it: of its file's bytes, or of the command's set-up."""
-    hashes = {file.name: file.sha256 for file in inputs.files}
+    # The document of --like says what is run and is no part of it: the same set-up gives the same ids.
+    like = None if job.like is None else job.like.name
+    hashes = {file.name: file.sha256 for file in job.inputs.files if file.name != like}
     setup = json.dumps(
         [case.COMMAND, case.setup(hashes), sorted(hashes.values())], sort_keys=True, default=str
     )
