@@ -97,6 +97,28 @@ def test_a_press_that_lacks_nothing_is_noise(press: Path, hf: Run) -> None:
     assert json.loads(done.stdout)["verdict"] == "noise"
 
 
+def test_the_loop_of_a_press_that_forms_writes_its_pictures_too(press: Path, hf: Run, tmp_path: Path) -> None:
+    for name in ("male.stl", "female.stl"):
+        (tmp_path / name).write_bytes((press / name).read_bytes())
+    warm = """
+conductivity = "0.04 W/m/K"
+specific_heat = "1400 J/kg/K"
+density = "30 kg/m^3"
+set = { rate = "1.8e9 1/s", activation = "95 kJ/mol" }
+"""
+    (tmp_path / "foam.toml").write_text(caps.FOAM_TOML + warm)
+    words = ["--male", "male.stl", "--female", "female.stl", "--foam", "foam.toml", "--gap", f"{caps.GAP}mm"]
+    words += ["--temperature", "200degC", "--dwell", "60s", "--strokes", "14"]
+    done = hf("press-contact", *words, "-o", "hot.json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr.decode()
+    curve = json.loads((tmp_path / "hot.json").read_text())["force_stroke"]
+    rows = "".join(f"{stroke:.4f},{force:.3f}\n" for stroke, force in curve)
+    (tmp_path / "force.csv").write_text(f"stroke [mm],force [N]\n{rows}")
+    done = hf("close-loop", "hot.json", "force.csv", "--noise", "1N", "-o", "x.json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr.decode()
+    assert "x.model.formed.png" in json.loads((tmp_path / "x.json").read_text())["files"]
+
+
 @pytest.mark.parametrize(("change", "words"), [("gone", "no such file"), ("other", "has changed")])
 def test_a_model_whose_input_is_not_what_it_was_is_refused(
     press: Path, hf: Run, change: str, words: str, tmp_path: Path

@@ -214,3 +214,19 @@ def test_the_shrinkage_of_foam_beyond_its_table_is_told(hf: Run, tmp_path: Path,
         assert entry["used"] == [float(temperature.removesuffix("degC"))] * 2
         assert entry["within"] is (status == 0)
         assert (b"shrinkage 200 degC" in done.stderr) is bool(status)
+
+
+def test_a_loop_tells_where_its_model_was_used_beyond_its_tests(hf: Run, shop: Path) -> None:
+    stretch = np.linspace(1.05, 2.0, 20)
+    stress = 2.0 * 0.08 * (stretch - stretch**-2) * (1.0 + 1e-3 * np.cos(7.0 * np.arange(20)))
+    rows = "".join(f"{a:.4f},{b:.6f}\n" for a, b in zip(stretch, stress, strict=True))
+    (shop / "strip.csv").write_text(f"# test: uniaxial\nstretch [-],stress [MPa]\n{rows}")
+    words = ("close-loop", "fabric.json", "strip.csv", "--noise", "1kPa")
+    done = hf(*words, cwd=shop)
+    assert done.returncode == 0, done.stderr.decode()
+    assert json.loads(done.stdout)["validity"] == [
+        {"of": "stretch", "used": [1.0, 2.0], "known": [1.0, 1.8], "within": False, "from": "fabric.json"}
+    ]
+    told = [line for line in done.stderr.decode().splitlines() if "beyond what is known" in line]
+    assert told == ["hf: warning: used beyond what is known: stretch 1 to 2 (fabric.json: 1 to 1.8)"]
+    assert hf(*words, "--strict", cwd=shop).returncode == 1

@@ -15,6 +15,7 @@ from hyperfab.chapters.close_loop.readings import Apart, check_fixed
 from hyperfab.chapters.close_loop.sure import mark, tell_sure
 from hyperfab.chapters.fabric import ORTHOTROPIC
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.tested import tested_by
 from hyperfab.documents.base import parse_document
 from hyperfab.documents.loop import Errors
 from hyperfab.documents.material import MaterialDocument
@@ -59,6 +60,7 @@ def run(job: Job, given: Given) -> int:
             remedy=f"give {free + _SPARE} or more",
         )
     _warn(job, document, tests)
+    _note_ranges(job, document, given.name, tests)
     apart = None if held_out is None else _set_apart(problem, held_out)
     with job.console.progress("Closing the loop") as advance:
         found = close(
@@ -130,6 +132,15 @@ def pose(
         prior=prior,
         reference_degC=reference,
     )
+
+
+def _note_ranges(job: Job, document: MaterialDocument, name: str, tests: Measured) -> None:
+    """Note where the model was used as it was delivered: an extended one carries the ranges of these tests."""
+    for test in tests.tests:
+        way = test.direction_name if test.direction_name in (document.directions or {}) else None
+        known = document.tested_stretch(way)
+        for range_ in (tested_by([test]) or {}).values():
+            job.ranges.used("stretch", range_.stretch, known=known, source=name, direction=way)
 
 
 def _warn(job: Job, document: MaterialDocument, tests: Measured) -> None:

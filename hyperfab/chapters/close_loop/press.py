@@ -19,7 +19,7 @@ from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, sprea
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
 from hyperfab.chapters.close_loop.upstream import WRITTEN
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.press_contact.command import solve
+from hyperfab.chapters.press_contact.command import SIBLINGS, solve
 from hyperfab.chapters.press_contact.formed import formed, read_setting
 from hyperfab.chapters.press_contact.laws import compression_law
 from hyperfab.chapters.press_contact.model import model_of, read_files
@@ -65,7 +65,8 @@ _OFF = 0.03
 
 def run(job: Job, given: Given) -> int:
     """Close the loop on a press document."""
-    out = job.opened(job.target, (*MODEL_SUFFIXES, *WRITTEN, FOAM, SET, ".png", ".csv"))
+    beside = [f".model{suffix}" for suffix in SIBLINGS]
+    out = job.opened(job.target, (*MODEL_SUFFIXES, *beside, *WRITTEN, FOAM, SET, ".png", ".csv"))
     level = stated(given.case.noise, tuple(_KINDS))
     made = unchanged(earlier(PressCase, given.data, given.name))
     files = read_measured(given, lambda name: read_press(job, name, given.layout))

@@ -39,9 +39,13 @@ from hyperfab.pressing.mold import PressFrame
 _GUESSED = 10.0
 
 
+#: What may be written beside the document.
+SIBLINGS = (".vtu", ".csv", ".png", ".formed.png", ".design.stl", ".compensated.stl")
+
+
 def run(job: Job, case: PressCase) -> int:
     """Read, place, heat, close, judge, write. Returns 1 where the molds collide or too little is spotted."""
-    out = job.opened(job.target, (".vtu", ".csv", ".png", ".formed.png", ".design.stl", ".compensated.stl"))
+    out = job.opened(job.target, SIBLINGS)
     if case.design_gap is not None and not out.wants_files:
         raise UsageError("--design-gap writes an STL beside the document: name it with -o press.json")
     if case.compensate and not out.wants_files:
