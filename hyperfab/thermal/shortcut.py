@@ -9,8 +9,9 @@ all that end with the same heaters on: heat conduction lets no difference grow b
 so that the sum over the stretches bounds what has gathered. A switching that is off in time shifts all that comes after
 it where nothing goes by the clock: the check goes on shifted, the shifts are summed too, and make what watched places
 change in that time. With a clock they make what any place changes. Where the sum is more than the share of ``MOST``
-that is due by then, the run goes back to the end of the last checked stretch and on from there in full, until a new
-basis is made; after ``TRIES`` it stays full.
+that would be used up before the end, what the check found is added to the basis. Where it is more than what is due by
+then, the run goes back to the end of the last checked stretch and on from there in full, until a new basis is made;
+after ``TRIES`` it stays full.
 """
 
 from __future__ import annotations
@@ -29,7 +30,8 @@ from hyperfab.thermal.history import History, Reduced, Target
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.projected import ProjectedModel, why_not
 from hyperfab.thermal.radiation import Radiation
-from hyperfab.thermal.step import GAMMA, Model, State, initial_state, take_step
+from hyperfab.thermal.run_basis import basis_of, duration, orthonormal
+from hyperfab.thermal.step import Model, State, initial_state, take_step
 from hyperfab.thermal.thermostat import Thermostat
 from hyperfab.thermal.trail import Lift
 
@@ -43,16 +45,12 @@ HEAD_START = 0.25
 SMALLEST, FEWEST = 2000, 8
 #: A stretch of fewer steps belongs to the next, and so many at most.
 SETTLED, TOGETHER = 4, 8
-#: Time scales of the answers to heaters, from the shortest stage to all that is left.
-SCALES = 6
-#: Directions in which the states differ by less, root of the mean square [K], are left out; and how many are kept.
-DROP, VECTORS = 1e-7, 120
-#: States that a basis is made of at most.
-SNAPSHOTS = 100
+#: Share of what is left of ``MOST`` that stretches to come may take without what a check found in the basis.
+ENOUGH = 0.5
+#: Vectors that are kept; and directions of what a check found are left out that are less than this share of the most.
+VECTORS, NOVEL = 120, 1e-3
 #: A thermostat switches at the end of a stretch where its probe is as near as this [K].
 SWITCHES = 1e-6
-#: How sharply the answers are solved for: they are directions.
-SOLVE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -98,7 +96,7 @@ class _Alike:
     """Stretches on a basis that end with the same heaters on: how many, and which of them is checked next.
 
     ``found`` is what the last check found, ``since`` how many came after it, ``before`` how many of these before the
-    last check of any.
+    last check of any; ``widened`` is what was found when it last came into the basis [K].
     """
 
     count: int = 0
@@ -106,6 +104,7 @@ class _Alike:
     found: _Off = field(default_factory=_Off)
     since: int = 0
     before: int = 0
+    widened: float = np.inf
 
 
 class Shortcut:
@@ -134,6 +133,7 @@ class Shortcut:
         self._alike: dict[tuple[bool, ...], _Alike] = {}
         self._now: list[_Stretch] = []  # the stretch gone through, with short ones before it
         self._ended = True
+        self._found: list[Array] = []  # what the last check found on the way, where the basis is to have it
         self._checked: _Stretch | None = None  # where the last stretch that was checked ended
         self._since = 0
         self._clocked = _follows_a_clock(full)
@@ -145,6 +145,10 @@ class Shortcut:
             if self._due(history, state.time):
                 view = self._reduce(history, state)
                 state = initial_state(view.model, state.time, np.zeros(self._vectors))
+        elif view.lift is not None and self._found:
+            view = self._widened(history, view.lift, state.time)
+            coordinates = np.pad(state.temperature, (0, self._vectors - len(state.temperature)))
+            state = initial_state(view.model, state.time, coordinates)
         on = tuple(heater.on for heater in self.model.heaters)
         begins = _Stretch(len(history.states), len(history.switches), state, length, on)
         self._now = [begins] if self._ended else [*self._now, begins]
@@ -180,12 +184,29 @@ class Shortcut:
         alike.found, alike.since, self._since = found, 0, 0
         for one in self._alike.values():
             one.before = one.since
-        # Odd and even stretches take turns: levels of a schedule that come and go.
-        each = sum(self._kelvin(one.found) for one in self._alike.values())
-        affordable = 0.5 * left / each if each > 0.0 else np.inf
-        alike.next = alike.count + int(max(1, min(8 * alike.count - 1, affordable)))
         self._tell(history, error)
+        self._plan(history, alike, left, self.most - error)
         return True
+
+    def _plan(self, history: History, alike: _Alike, due: float, left: float) -> None:
+        """Say which stretch like the one just checked is the next, and whether the basis shall have what was found.
+
+        ``due`` [K] is left by now, ``left`` to the end.
+        """
+        kinds = self._alike.values()
+        each = sum(self._kelvin(one.found) for one in kinds)
+        affordable = 0.5 * due / each if each > 0.0 else np.inf
+        # Odd and even stretches take turns: levels of a schedule that come and go.
+        alike.next = alike.count + int(max(1, min(8 * alike.count - 1, affordable)))
+        now = history.states[-1].time
+        ahead = (self.until - now) / duration(history, now)
+        count = sum(one.count for one in kinds)
+        coming = ahead * sum(one.count * self._kelvin(one.found) for one in kinds) / count
+        here = self._kelvin(alike.found)
+        if coming > ENOUGH * left and here < 0.5 * alike.widened and self._vectors < VECTORS:
+            alike.widened = here
+        else:
+            self._found = []
 
     def _kelvin(self, off: _Off) -> float:
         """Return by how much all that makes watched places differ [K]."""
@@ -200,7 +221,7 @@ class Shortcut:
         for heater, on in zip(self.model.heaters, begun.on, strict=True):
             heater.on = on
         self._stretches -= self._since
-        self._since, self._in_full, self._now = 0, 0, [begun]
+        self._since, self._in_full, self._now, self._found = 0, 0, [begun], []
         self._taken_back += 1
         self._spent = sum((one.found.times(one.before) for one in self._alike.values()), self._spent)
         self._alike = {}
@@ -213,27 +234,44 @@ class Shortcut:
             self._vectors, self._begun, self._stretches, self._checks, error, self._taken_back
         )
 
-    def _duration(self, history: History, now: float) -> float:
-        """Return how long a stretch takes, the mean of the last few [s]."""
-        before = [history.states.times[i] for i in history.jumps[-4:] if history.states.times[i] < now]
-        return (now - before[0]) / len(before)
-
     def _due(self, history: History, now: float) -> bool:
         # The first stretch is the warm-up; a mold that is still far from its cycle gets longer from try to try.
         if self._in_full < (3 if self._tries == 0 else 2**self._tries) or self._tries >= TRIES:
             return False
         if self.always:
             return True
-        many = self.until - now >= FEWEST * self._duration(history, now)
+        many = self.until - now >= FEWEST * duration(history, now)
         return many and int(self.model.free.sum()) >= SMALLEST
 
     def _reduce(self, history: History, state: State) -> View:
         """Return the mold in the coordinates of a basis about ``state``."""
-        lift = Lift(state.temperature, self._basis(history, state))
+        lift = Lift(
+            state.temperature,
+            basis_of(self.model, self.full.thermostats, history, state, self.until, VECTORS),
+        )
         self._tries += 1
-        self._vectors = lift.basis.shape[1]
         if self._tries == 1:
             self._begun = state.time
+        return self._seen(lift, state.time)
+
+    def _widened(self, history: History, lift: Lift, time: float) -> View:
+        """Return the mold on a basis that has what the last check found too; all its stretches are checked anew."""
+        found, basis = np.stack(self._found, axis=1), lift.basis
+        capacity = self.model.pattern.matrix(self.model.medium.capacity(lift.origin))
+        self._found = []
+        for share in (NOVEL, 0.0):  # once more, against rounding
+            found = found - basis @ (basis.T @ (capacity @ found))
+            found = orthonormal(found, capacity, share * float(np.abs(found).max()), VECTORS - basis.shape[1])
+        wider = Lift(lift.origin, np.column_stack([basis, found]))
+        history.states.widen(wider)
+        self._spent = sum((one.found.times(one.since) for one in self._alike.values()), self._spent)
+        for one in self._alike.values():
+            one.found, one.since, one.before, one.next = _Off(), 0, 0, one.count + 1
+        return self._seen(wider, time)
+
+    def _seen(self, lift: Lift, time: float) -> View:
+        """Return the mold in the coordinates of a basis."""
+        self._vectors = lift.basis.shape[1]
 
         def seen(sensor: Array) -> tuple[Array, float]:
             return lift.sensor(sensor)
@@ -246,74 +284,14 @@ class Shortcut:
         if target is not None:
             row, at_origin = seen(target.sensor)
             target = Target(row, target.value - at_origin)
-        return View(ProjectedModel(self.model, lift, state.time), thermostats, target, lift)
-
-    def _basis(self, history: History, state: State) -> Array:
-        """Return vectors (n, r), orthonormal in the heat capacity, the first one uniform."""
-        model, origin = self.model, state.temperature
-        capacity = model.pattern.matrix(model.medium.capacity(origin))
-        total = float(capacity.sum())
-        first = max(len(history.states) - SNAPSHOTS, history.jumps[0] - 2, 1)
-        columns, lengths, times = [], [], []
-        for i in range(first, len(history.states)):
-            past = history.states[i]
-            length = past.time - history.states.times[i - 1]
-            if past.is_reduced or length <= 0.0:
-                continue
-            columns.append(past.temperature - origin)
-            if past.slope is not None:
-                columns.append(length * past.slope)
-            lengths.append(length)
-            times.append(past.time)
-        recent = lengths[-20:]
-        stretch = self._duration(history, state.time)
-        scales = np.geomspace(GAMMA * min(recent), max(self.until - state.time, stretch), SCALES)
-        loads = self._loads(state.time)
-        lost = [c.flow(state.time, origin) for c in model.conditions if not isinstance(c, Heater)]
-        drift = capacity @ (columns[0] / (times[0] - state.time))
-        for scale in scales:
-            matrix = model.step_matrix(state.time, float(scale), origin)
-            slow = [drift, *([np.sum(lost, axis=0)] if lost else [])] if scale > 0.5 * stretch else []
-            columns += [model.solve(matrix, scale * load, SOLVE) for load in (*loads, *slow)]
-        found = np.stack(columns, axis=1)
-        uniform = np.full(len(origin), 1.0 / np.sqrt(total))
-        held = capacity @ uniform
-        basis = found
-        for threshold in (DROP, 0.0):  # once more, against rounding
-            basis = basis - uniform[:, None] * (held @ basis)
-            gram = basis.T @ (capacity @ basis)
-            values, axes = np.linalg.eigh(0.5 * (gram + gram.T))
-            keep = np.flatnonzero(values > threshold**2 * total)[::-1][: VECTORS - 1]
-            basis = (basis @ axes[:, keep]) / np.sqrt(values[keep])
-        return np.ascontiguousarray(np.column_stack([uniform, basis]))
-
-    def _loads(self, time: float) -> list[Array]:
-        """Return the loads [W] that jump or follow the clock; heaters that switch together are one."""
-        together: dict[tuple[float, ...], Array] = {}
-        alone: list[Array] = []
-        asked = {id(one.heater): one for one in self.full.thermostats}
-        for heater in self.model.heaters:
-            load = float(np.abs(heater.power.y).max()) * heater.shape
-            one = asked.get(id(heater))
-            if one is None:
-                if not heater.power.is_constant:
-                    alone.append(load)
-                continue
-            key = (float(id(one.sensor)), one.set_point, one.band)
-            together[key] = together.get(key, 0.0) + load
-        for condition in self.model.conditions:
-            if isinstance(condition, Convection) and not condition.ambient.is_constant:
-                reach = float(np.ptp(condition.ambient.y))
-                alone.append(condition.facets.load(reach * condition.film.at(condition.ambient.at(time))))
-            elif isinstance(condition, Radiation) and not condition.ambient.is_constant:
-                alone.append(condition.facets.load(5.0 * float(np.ptp(condition.ambient.y))))
-        return [*together.values(), *alone]
+        return View(ProjectedModel(self.model, lift, time), thermostats, target, lift)
 
     def _check(self, history: History, lift: Lift) -> tuple[float, _Off]:
         """Go through the stretch in full: by how much watched places are off on the way [K], and all at its end."""
         begun, part = self._now[0].state, lift.part(self.nodes)
         state = initial_state(self.model, begun.time, lift.nodal(begun.temperature))
         within = shifts = 0.0
+        self._found = []
         ends = [one.count for one in self._now[1:]] + [len(history.states)]
         for stretch, end in zip(self._now, ends, strict=True):
             for heater, on in zip(self.model.heaters, stretch.on, strict=True):
@@ -322,6 +300,7 @@ class Shortcut:
                 step = take_step(self.model, state, past.time - state.time, estimate=False)
                 state = replace(step.state, time=past.time)
                 assert state.slope is not None
+                self._found.append(state.temperature - lift.nodal(past.coordinates))
                 watched = np.abs(part.nodal(past.coordinates) - state.temperature[self.nodes])
                 within = max(within, float(watched.max(initial=0.0)))
                 changing = state.slope if self._clocked else state.slope[self.nodes]

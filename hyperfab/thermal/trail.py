@@ -144,6 +144,15 @@ class Trail(Sequence[Past]):
         del self.times[count:], self._entries[count:]
         self._ends = []
 
+    def widen(self, wider: Lift) -> None:
+        """See states by the first vectors of a basis that has come to be one of more, and let go of the old one."""
+        narrow: dict[int, Lift] = {}
+        for number, (lift, first, second, size) in enumerate(self._entries):
+            if lift is not None and lift.origin is wider.origin:
+                if size not in narrow:
+                    narrow[size] = Lift(wider.origin, wider.basis[:, :size])
+                self._entries[number] = (narrow[size], first, second, size)
+
     @property
     def in_memory(self) -> int:
         """How many states are in memory."""

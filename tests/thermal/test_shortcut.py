@@ -10,13 +10,17 @@ from hyperfab.thermal.contact import Contact
 from hyperfab.thermal.convection import Convection
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.heater import Heater
-from hyperfab.thermal.history import curve
+from hyperfab.thermal.history import History, curve
+from hyperfab.thermal.ledger import Ledger
 from hyperfab.thermal.lumping import groups
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.radiation import Radiation
+from hyperfab.thermal.run_basis import orthonormal
 from hyperfab.thermal.shortcut import View, shortcut_for
+from hyperfab.thermal.step import State, initial_state
 from hyperfab.thermal.tables import Table
 from hyperfab.thermal.thermostat import Thermostat
+from hyperfab.thermal.trail import Lift, Trail
 from hyperfab.thermal.transient import Schedule, run
 
 
@@ -178,6 +182,37 @@ def test_thermostats_that_switch_one_shortly_after_the_other(block):
     assert off < reduced.reduced.error < 0.05
 
 
+def test_what_a_check_finds_comes_into_the_basis(block):
+    _, model, probes, thermostats = random_mold(block, 6)
+    rng = np.random.default_rng(1)
+    capacity = model.pattern.matrix(model.medium.capacity(np.zeros(model.size)))
+    basis = orthonormal(
+        np.column_stack([np.ones(model.size), rng.normal(size=(model.size, 3))]), capacity, 0.0, 9
+    )
+    lift = Lift(np.full(model.size, 80.0), basis)
+    start = initial_state(model, 0.0, np.full(model.size, 25.0))
+    history = History(Trail([start]), Ledger.begin(model, 0.0, []))
+    coordinates = rng.normal(size=4)
+    history.states.append(State(1.0, coordinates, np.zeros(4), np.zeros(4), np.ones(4)), lift)
+    before = history.states[1].temperature, history.states[1].slope
+    shortcut, _ = shortcut_for(View(model, thermostats, None), 500.0, probes, np.zeros(0, dtype=int), True)
+    assert shortcut is not None
+    found = [1e-5 * rng.normal(size=model.size) for _ in range(2)]
+    shortcut._found = [*found, found[0] + basis[:, 1]]  # what the basis has adds nothing
+    wider = shortcut._widened(history, lift, 1.0).lift
+    assert wider is not None
+    assert wider.basis.shape[1] == 6
+    np.testing.assert_array_equal(wider.basis[:, :4], basis)
+    np.testing.assert_allclose(wider.basis.T @ (capacity @ wider.basis), np.eye(6), atol=1e-9)
+    for one in found:
+        left = one - wider.basis @ (wider.basis.T @ (capacity @ one))
+        assert np.abs(left).max() < 1e-12
+    # The states gone through are what they were, by the same memory.
+    np.testing.assert_allclose(history.states[1].temperature, before[0], rtol=1e-14)
+    np.testing.assert_allclose(history.states[1].slope, before[1], rtol=1e-12)
+    assert np.shares_memory(history.states.entry(1)[0].basis, wider.basis)
+
+
 def test_schedule_that_jumps_and_surroundings_that_change(block):
     def mold():
         made = block((0.2, 0.1, 0.04), (5, 3, 2), k=50.0, rho=2700.0, cp=900.0)
@@ -230,7 +265,6 @@ def test_points_without_any_spread_stay_together():
 def test_joint_that_opens_on_a_reduced_mold(block):
     """Both faces of a joint lose their contact by schedule: the projected joint is the full one's."""
     from hyperfab.thermal.projected import ProjectedModel
-    from hyperfab.thermal.trail import Lift
 
     made = block((0.1, 0.05, 0.02), (3, 2, 2), k=50.0, rho=2700.0, cp=900.0)
     closed = Table(np.array([0.0, 10.0]), np.array([1.0, 0.2]))

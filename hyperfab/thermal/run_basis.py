@@ -1,0 +1,112 @@
+"""A basis for a long run of a mold: the states on the way, and what the mold answers to what jumps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy import sparse
+
+from hyperfab.arrays import Array
+from hyperfab.thermal.convection import Convection
+from hyperfab.thermal.heater import Heater
+from hyperfab.thermal.history import History
+from hyperfab.thermal.model import HeatModel
+from hyperfab.thermal.radiation import Radiation
+from hyperfab.thermal.step import GAMMA, State
+from hyperfab.thermal.thermostat import Thermostat
+
+#: Time scales of the answers to heaters, from the shortest stage to all that is left.
+SCALES = 6
+#: Directions in which the states differ by less, root of the mean square [K], are left out.
+DROP = 1e-7
+#: States that a basis is made of at most.
+SNAPSHOTS = 100
+#: How sharply the answers are solved for: they are directions.
+SOLVE = 1e-6
+
+
+def duration(history: History, now: float) -> float:
+    """Return how long a stretch takes, the mean of the last few [s]."""
+    before = [history.states.times[i] for i in history.jumps[-4:] if history.states.times[i] < now]
+    return (now - before[0]) / len(before)
+
+
+def basis_of(
+    model: HeatModel,
+    thermostats: Sequence[Thermostat],
+    history: History,
+    state: State,
+    until: float,
+    most: int,
+) -> Array:
+    """Return at most so many vectors (n, r), orthonormal in the heat capacity, the first one uniform.
+
+    They span the states that the history has in full, what the mold answers to each jump within the lengths of
+    its steps (rational Krylov vectors), and where it drifts, up to ``until`` [s]. Grimme (1997), Krylov projection
+    methods for model reduction.
+    """
+    origin = state.temperature
+    capacity = model.pattern.matrix(model.medium.capacity(origin))
+    total = float(capacity.sum())
+    first = max(len(history.states) - SNAPSHOTS, history.jumps[0] - 2, 1)
+    columns, lengths, times = [], [], []
+    for i in range(first, len(history.states)):
+        past = history.states[i]
+        length = past.time - history.states.times[i - 1]
+        if past.is_reduced or length <= 0.0:
+            continue
+        columns.append(past.temperature - origin)
+        if past.slope is not None:
+            columns.append(length * past.slope)
+        lengths.append(length)
+        times.append(past.time)
+    recent = lengths[-20:]
+    stretch = duration(history, state.time)
+    scales = np.geomspace(GAMMA * min(recent), max(until - state.time, stretch), SCALES)
+    loads = _loads(model, thermostats, state.time)
+    lost = [c.flow(state.time, origin) for c in model.conditions if not isinstance(c, Heater)]
+    drift = capacity @ (columns[0] / (times[0] - state.time))
+    for scale in scales:
+        matrix = model.step_matrix(state.time, float(scale), origin)
+        slow = [drift, *([np.sum(lost, axis=0)] if lost else [])] if scale > 0.5 * stretch else []
+        columns += [model.solve(matrix, scale * load, SOLVE) for load in (*loads, *slow)]
+    found = np.stack(columns, axis=1)
+    uniform = np.full(len(origin), 1.0 / np.sqrt(total))
+    held = capacity @ uniform
+    basis = found
+    for threshold in (DROP, 0.0):  # once more, against rounding
+        basis = basis - uniform[:, None] * (held @ basis)
+        basis = orthonormal(basis, capacity, threshold, most - 1)
+    return np.ascontiguousarray(np.column_stack([uniform, basis]))
+
+
+def orthonormal(vectors: Array, capacity: sparse.csr_matrix, threshold: float, most: int) -> Array:
+    """Return at most so many vectors that span them, orthonormal in the heat capacity, the largest first."""
+    gram = vectors.T @ (capacity @ vectors)
+    values, axes = np.linalg.eigh(0.5 * (gram + gram.T))
+    keep = np.flatnonzero(values > threshold**2 * float(capacity.sum()))[::-1][:most]
+    return np.asarray((vectors @ axes[:, keep]) / np.sqrt(values[keep]))
+
+
+def _loads(model: HeatModel, thermostats: Sequence[Thermostat], time: float) -> list[Array]:
+    """Return the loads [W] that jump or follow the clock; heaters that switch together are one."""
+    together: dict[tuple[float, ...], Array] = {}
+    alone: list[Array] = []
+    asked = {id(one.heater): one for one in thermostats}
+    for heater in model.heaters:
+        load = float(np.abs(heater.power.y).max()) * heater.shape
+        one = asked.get(id(heater))
+        if one is None:
+            if not heater.power.is_constant:
+                alone.append(load)
+            continue
+        key = (float(id(one.sensor)), one.set_point, one.band)
+        together[key] = together.get(key, 0.0) + load
+    for condition in model.conditions:
+        if isinstance(condition, Convection) and not condition.ambient.is_constant:
+            reach = float(np.ptp(condition.ambient.y))
+            alone.append(condition.facets.load(reach * condition.film.at(condition.ambient.at(time))))
+        elif isinstance(condition, Radiation) and not condition.ambient.is_constant:
+            alone.append(condition.facets.load(5.0 * float(np.ptp(condition.ambient.y))))
+    return [*together.values(), *alone]
