@@ -247,9 +247,10 @@ def table(
                     known = name in truths.IDS or name == ""
                     if known and (name not in beside or name in truth):
                         right = name in truth if name else bool(truth) and not set(truth) <= set(truths.IDS)
-                        tally[f"@{min(int(10.0 * stated), 9)} n"] += 1
-                        tally[f"@{min(int(10.0 * stated), 9)} right"] += right
-                        tally[f"@{min(int(10.0 * stated), 9)} stated"] += round(1000.0 * stated)
+                        tenth = f"@{'name' if name else 'something else'} {min(int(10.0 * stated), 9)}"
+                        tally[f"{tenth} n"] += 1
+                        tally[f"{tenth} right"] += right
+                        tally[f"{tenth} stated"] += round(1000.0 * stated)
             worse = found.after.fit.predicted, found.before.fit.predicted
             first = problem.channel == 0
             miss, was = (float(np.sum((problem.measured - one)[first] ** 2)) for one in worse)
@@ -305,10 +306,11 @@ def main() -> None:
             f"{'+'.join(truth) or 'none':28s} {sums} | "
             + ", ".join(f"{key} {value}" for key, value in Counter(names).most_common())
         )
-    for tenth in range(10):
-        if count := stated[f"@{tenth} n"]:
-            mean, right = stated[f"@{tenth} stated"] / 1000.0 / count, stated[f"@{tenth} right"] / count
-            print(f"stated {mean:.2f}, right {right:.2f} of {count}")
+    for what in ("name", "something else"):
+        for tenth in (f"@{what} {number}" for number in range(10)):
+            if count := stated[f"{tenth} n"]:
+                mean, right = stated[f"{tenth} stated"] / 1000.0 / count, stated[f"{tenth} right"] / count
+                print(f"{what}: stated {mean:.2f}, right {right:.2f} of {count}")
     print("effects of the catalogue together: " + ", ".join(f"{key[1:]} {n}" for key, n in whole.items()))
 
 
