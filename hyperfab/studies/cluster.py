@@ -212,11 +212,11 @@ def _end(cluster: Any, client: Any) -> None:
     if interrupted:
         for nanny in list(cluster.workers.values()):
             nanny.auto_restart = False
-            if nanny.pid is None:  # between two processes; and no pid would mean our own
-                continue
+        # A worker that is starting is known to no nanny yet, but is our child. What tracks semaphores ends by itself.
+        for process in psutil.Process().children(recursive=True):
             with contextlib.suppress(psutil.Error):
-                worker = psutil.Process(nanny.pid)
-                family += [*worker.children(recursive=True), worker]
+                if not any("resource_tracker" in word for word in process.cmdline()):
+                    family.append(process)
         for process in family:
             with contextlib.suppress(psutil.Error):
                 process.kill()
@@ -224,6 +224,10 @@ def _end(cluster: Any, client: Any) -> None:
         if client is not None:
             client.close(timeout=0.5 if interrupted else 10)
         cluster.close(timeout=0.5 if interrupted else 10)
+    if interrupted:
+        cluster.shutdown_on_close = (
+            False  # or Dask would wait ten seconds more at exit for a worker that was starting
+        )
     for process in family:
         with contextlib.suppress(psutil.Error):
             process.kill()

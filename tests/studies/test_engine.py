@@ -269,6 +269,27 @@ def test_a_stop_keeps_what_is_done_and_leaves_no_process(shop: Shop, number: int
     assert shop.finished("out").count(1) >= 1
 
 
+def test_a_stop_while_workers_start_does_not_wait_for_them(shop: Shop) -> None:
+    psutil = pytest.importorskip("psutil", reason="comes with distributed")
+    shop.study(command="sleep")
+    process = shop.start("out")
+    driver = psutil.Process(process.pid)
+    for _ in range(600):
+        workers = [one for one in driver.children() if "spawn_main" in " ".join(one.cmdline())]
+        if workers:
+            break
+        time.sleep(0.05)
+    family = driver.children(recursive=True)
+    asked = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    said = process.communicate(timeout=30)[1].decode()
+    # 0.4 s where the machine is not loaded; it took ten more.
+    assert time.monotonic() - asked < 8.0
+    assert process.returncode == 130
+    assert "Traceback" not in said
+    assert not psutil.wait_procs(family, timeout=2)[1]
+
+
 def test_nothing_listens_beyond_the_loopback_and_a_second_driver_is_refused(shop: Shop) -> None:
     psutil = pytest.importorskip("psutil", reason="comes with distributed")
     shop.study(command="sleep")
