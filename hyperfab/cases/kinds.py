@@ -269,8 +269,14 @@ class Series(_Several):
         parts = [part for part in parts if part] if not self.count else parts
         if (self.count and len(parts) not in self.count) or not all(parts):
             raise UsageError(f"{option} {text}: write {self.example}")
-        # What is wrong with one of them is told with the right form of that one: the example would be a second.
-        found = [self.item.read(part, f"{option} {text}:" if len(parts) > 1 else option) for part in parts]
+        try:
+            found = [
+                self.item.read(part, f"{option} {text}:" if len(parts) > 1 else option) for part in parts
+            ]
+        except UsageError as error:
+            # The right form of what was typed stays; any number of the kind says less than the option's own example.
+            told, any_number, _ = str(error).partition("; write it like ")
+            raise UsageError(f"{told}; write {self.example}" if any_number else told) from None
         return tuple(found * 2 if self.count == (1, 2) and len(found) == 1 else found)
 
     def words(self, value: Sequence[Any]) -> str:
