@@ -225,9 +225,8 @@ def _end(cluster: Any, client: Any) -> None:
             client.close(timeout=0.5 if interrupted else 10)
         cluster.close(timeout=0.5 if interrupted else 10)
     if interrupted:
-        cluster.shutdown_on_close = (
-            False  # or Dask would wait ten seconds more at exit for a worker that was starting
-        )
+        # Or Dask would wait ten seconds more at exit for a worker that was starting.
+        cluster.shutdown_on_close = False
     for process in family:
         with contextlib.suppress(psutil.Error):
             process.kill()

@@ -8,10 +8,10 @@ through once more in full, from the same state with the same steps. What such a 
 all that end with the same heaters on: heat conduction lets no difference grow beyond its greatest (maximum principle),
 so that the sum over the stretches bounds what has gathered. A switching that is off in time shifts all that comes after
 it where nothing goes by the clock: the check goes on shifted, the shifts are summed too, and make what watched places
-change in that time. With a clock they make what any place changes. Where the sum is more than the share of ``MOST``
-that would be used up before the end, what the check found is added to the basis. Where it is more than what is due by
-then, the run goes back to the end of the last checked stretch and on from there in full, until a new basis is made;
-after ``TRIES`` it stays full.
+change in that time. With a clock they make what any place changes. Where the stretches to come would use up what is
+left of ``MOST``, what the check found is added to the basis. Where the sum is more than what is due by then, the run
+goes back to the end of the last checked stretch and on from there in full, until a new basis is made; after ``TRIES``
+it stays full.
 """
 
 from __future__ import annotations
@@ -272,23 +272,19 @@ class Shortcut:
     def _seen(self, lift: Lift, time: float) -> View:
         """Return the mold in the coordinates of a basis."""
         self._vectors = lift.basis.shape[1]
-
-        def seen(sensor: Array) -> tuple[Array, float]:
-            return lift.sensor(sensor)
-
         thermostats = []
         for one in self.full.thermostats:
-            row, at_origin = seen(one.sensor)
+            row, at_origin = lift.sensor(one.sensor)
             thermostats.append(Thermostat(one.heater, row, one.set_point - at_origin, one.band))
         target = self.full.target
         if target is not None:
-            row, at_origin = seen(target.sensor)
+            row, at_origin = lift.sensor(target.sensor)
             target = Target(row, target.value - at_origin)
         return View(ProjectedModel(self.model, lift, time), thermostats, target, lift)
 
     def _check(self, history: History, lift: Lift) -> tuple[float, _Off]:
         """Go through the stretch in full: by how much watched places are off on the way [K], and all at its end."""
-        begun, part = self._now[0].state, lift.part(self.nodes)
+        begun = self._now[0].state
         state = initial_state(self.model, begun.time, lift.nodal(begun.temperature))
         within = shifts = 0.0
         self._found = []
@@ -300,17 +296,16 @@ class Shortcut:
                 step = take_step(self.model, state, past.time - state.time, estimate=False)
                 state = replace(step.state, time=past.time)
                 assert state.slope is not None
-                self._found.append(state.temperature - lift.nodal(past.coordinates))
-                watched = np.abs(part.nodal(past.coordinates) - state.temperature[self.nodes])
-                within = max(within, float(watched.max(initial=0.0)))
+                reduced = lift.nodal(past.coordinates)
+                off = reduced - state.temperature
+                self._found.append(off)
+                within = max(within, float(np.abs(off[self.nodes]).max(initial=0.0)))
                 changing = state.slope if self._clocked else state.slope[self.nodes]
                 self._fastest = max(self._fastest, float(np.abs(changing).max(initial=0.0)))
                 for sensor in self.sensors:
                     within = max(within, abs(past.reading(sensor)[0] - dot(sensor, state.temperature)))
                     self._fastest = max(self._fastest, abs(dot(sensor, state.slope)))
             assert state.slope is not None
-            reduced = lift.nodal(past.coordinates)
-            off = reduced - state.temperature
             felt = self._switches(reduced)
             rate = 0.0 if felt is None else dot(felt, state.slope)
             if felt is None or rate == 0.0 or stretch is self._now[-1]:

@@ -279,6 +279,7 @@ def test_a_stop_while_workers_start_does_not_wait_for_them(shop: Shop) -> None:
         if workers:
             break
         time.sleep(0.05)
+    assert workers
     family = driver.children(recursive=True)
     asked = time.monotonic()
     process.send_signal(signal.SIGINT)
