@@ -12,6 +12,7 @@ import importlib.util
 import io
 import json
 import os
+import queue
 import subprocess
 import sys
 import tempfile
@@ -19,13 +20,14 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.errors import InputError, NotConverged, UsageError
 from hyperfab.thermal.geometry import Body, Box, Cylinder, Ellipsoid, Geometry, Shape, Stl
+from hyperfab.thermal.netgen_worker import LENGTH
 
 #: Seconds a mesh may take: a base, and so much per tetrahedron expected (Netgen makes some 15 000 a second).
 PATIENCE_BASE = 120.0
@@ -85,10 +87,12 @@ def make_mesh(
     grading: float = GRADING,
     patience: float | None = None,
     waiting: Callable[[float], None] = lambda seconds: None,
+    built: Callable[[NDArray[np.float64]], None] = lambda volumes: None,
 ) -> RawMesh:
     """Mesh the parts with tetrahedra of edge ``mesh_size`` [mm], smaller at small features.
 
-    ``waiting`` is called some times a second with the seconds gone by. Raises InputError where the geometry makes
+    ``waiting`` is called some times a second with the seconds gone by; ``built`` once the solids stand, before they
+    are meshed, with the exact volume of each part [mm^3]. Raises InputError where the geometry makes
     no sense (parts that overlap, a cavity outside the parts), NotConverged where the mesher fails or takes longer
     than ``patience`` seconds.
     """
@@ -103,7 +107,7 @@ def make_mesh(
         "mesh_size": mesh_size,
         "grading": grading,
     }
-    return RawMesh(**_ask(job, limit, waiting))
+    return RawMesh(**_ask(job, limit, waiting, built))
 
 
 def mesh_surface(
@@ -133,14 +137,29 @@ def mesh_surface(
     return arrays["vertices"], arrays["triangles"]
 
 
-def _ask(job: dict[str, Any], limit: float, waiting: Callable[[float], None]) -> dict[str, Any]:
+def _ask(
+    job: dict[str, Any],
+    limit: float,
+    waiting: Callable[[float], None],
+    built: Callable[[NDArray[np.float64]], None] = lambda volumes: None,
+) -> dict[str, Any]:
     """Give the worker a job and return its arrays."""
     if importlib.util.find_spec("netgen") is None:
         raise UsageError(
             "meshing a mold needs netgen-mesher, which has no wheel for this machine; "
             "run hf mold-heat on another one (x86-64, or an Apple one): its files are read here"
         )
-    status, answer = _run(json.dumps(job).encode(), limit, waiting)
+    answer: dict[str, Any] = {}
+
+    def take(frame: bytes) -> None:
+        with np.load(io.BytesIO(frame), allow_pickle=False) as archive:
+            arrays = dict(archive)
+        if "built" in arrays:
+            built(arrays["built"])
+        else:
+            answer.update(arrays)
+
+    status = _run(json.dumps(job).encode(), limit, waiting, take)
     if status is None:
         raise NotConverged(
             f"the mesher did not come back within {limit:.0f} s and was stopped",
@@ -151,16 +170,19 @@ def _ask(job: dict[str, Any], limit: float, waiting: Callable[[float], None]) ->
             "the mesher failed on this geometry",
             remedy="avoid faces that nearly coincide, or change mesh_size a little",
         )
-    with np.load(io.BytesIO(answer), allow_pickle=False) as archive:
-        arrays = dict(archive)
-    if "refused" in arrays:
-        raise InputError(str(arrays["refused"]))
-    return arrays
+    if "refused" in answer:
+        raise InputError(str(answer["refused"]))
+    return answer
 
 
-def _run(job: bytes, limit: float, waiting: Callable[[float], None]) -> tuple[int | None, bytes]:
-    """Run the worker; the status is None where it had to be stopped: after ``limit`` s of its own processor time, which
-    a busy machine does not use up, or ten times that on the clock."""
+def _run(
+    job: bytes, limit: float, waiting: Callable[[float], None], take: Callable[[bytes], None]
+) -> int | None:
+    """Run the worker, ``take`` each of its answers as it comes, and return its status.
+
+    The status is None where it had to be stopped: after ``limit`` s of its own processor time, which a busy machine
+    does not use up, or ten times that on the clock.
+    """
     import psutil
 
     start = time.monotonic()
@@ -180,17 +202,22 @@ def _run(job: bytes, limit: float, waiting: Callable[[float], None]) -> tuple[in
     with process:
         try:
             worker = psutil.Process(process.pid)
+            assert process.stdout is not None
+            frames: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+            threading.Thread(target=_read, args=(process.stdout, frames), daemon=True).start()
             while True:
                 try:
-                    answer, _ = process.communicate(timeout=0.2)
-                    return process.returncode, answer
-                except subprocess.TimeoutExpired:
+                    frame = frames.get(timeout=0.2)
+                    if not frame:
+                        return process.wait()
+                    take(frame)
+                except queue.Empty:
                     gone = time.monotonic() - start
-                with contextlib.suppress(psutil.Error):  # it has just ended
-                    used = worker.cpu_times()
-                    if used.user + used.system > limit or gone > 10.0 * limit:
-                        return None, b""
-                waiting(gone)
+                    with contextlib.suppress(psutil.Error):  # it has just ended
+                        used = worker.cpu_times()
+                        if used.user + used.system > limit or gone > 10.0 * limit:
+                            return None
+                    waiting(gone)
         finally:
             process.kill()
             process.wait()  # also on Ctrl-C: no dead child is left to others
@@ -200,6 +227,13 @@ def _feed(descriptor: int, job: bytes) -> None:
     """Write the job and close the pipe; a worker that ended early has closed its side."""
     with contextlib.suppress(BrokenPipeError), os.fdopen(descriptor, "wb") as stream:
         stream.write(job)
+
+
+def _read(stream: IO[bytes], frames: queue.SimpleQueue[bytes]) -> None:
+    """Hand on the answers of the worker, each behind its length, and nothing at its end."""
+    while len(head := stream.read(LENGTH.size)) == LENGTH.size:
+        frames.put(stream.read(*LENGTH.unpack(head)))
+    frames.put(b"")
 
 
 def _body(body: Body) -> dict[str, Any]:

@@ -1,4 +1,5 @@
-"""The process that meshes: reads one job on standard input, builds the solids with Netgen/OCC, writes one mesh.
+"""The process that meshes: reads one job on standard input, builds the solids with Netgen/OCC, writes one mesh, and
+before it the volumes of the solids.
 
 It runs apart because a mesher may crash, hang or print: the parent keeps a watch on it and kills it. Run as
 ``python -m hyperfab.thermal.netgen_worker``; see mesher.py for the parent's side.
@@ -9,13 +10,18 @@ from __future__ import annotations
 import io
 import json
 import os
+import struct
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from hyperfab.system import die_with_parent
+
+#: What stands before each answer: its length in bytes.
+LENGTH = struct.Struct("<Q")
 
 #: Netgen's order of the ten nodes of a tetrahedron, as places in the order used here (vertices, then edges
 #: 01 12 02 03 13 23).
@@ -30,23 +36,27 @@ class Refused(Exception):
 
 
 def main() -> None:
-    """Mesh the job on standard input; the answer is an npz archive on standard output."""
+    """Mesh the job on standard input; answers are npz archives on standard output, each behind its length."""
     die_with_parent()
     answer = os.dup(1)
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # Netgen prints to standard output
     job = json.loads(sys.stdin.buffer.read())
-    try:
-        result = surface(job) if job["task"] == "surface" else mesh(job)
-    except Refused as refusal:
-        result = {"refused": np.array(str(refusal))}
-    buffer = io.BytesIO()
-    np.savez(buffer, **result)
     with os.fdopen(answer, "wb") as stream:
-        stream.write(buffer.getvalue())
+
+        def tell(arrays: dict[str, Any]) -> None:
+            buffer = io.BytesIO()
+            np.savez(buffer, **arrays)
+            stream.write(LENGTH.pack(buffer.tell()) + buffer.getvalue())
+            stream.flush()
+
+        try:
+            tell(surface(job) if job["task"] == "surface" else mesh(job, tell))
+        except Refused as refusal:
+            tell({"refused": np.array(str(refusal))})
 
 
-def mesh(job: dict[str, Any]) -> dict[str, Any]:
-    """Build and mesh the solids of ``job``; return the arrays of the mesh (lengths in mm)."""
+def mesh(job: dict[str, Any], tell: Callable[[dict[str, Any]], None]) -> dict[str, Any]:
+    """Build the solids of ``job`` and ``tell`` their volumes, mesh them, return the mesh's arrays (lengths in mm)."""
     import netgen.meshing as nm
     import netgen.occ as occ
 
@@ -74,6 +84,7 @@ def mesh(job: dict[str, Any]) -> dict[str, Any]:
             if size is not None:
                 piece.maxh = size
     volumes = {name: solid.mass for name, solid in zip(names, solids, strict=True)}
+    tell({"built": np.array(list(volumes.values()))})
     glued = occ.Glue([*solids, *patches]) if len(solids) + len(patches) > 1 else solids[0]
     whole = occ.Glue(list(glued.solids)) if patches else glued
     geometry = occ.OCCGeometry(whole)

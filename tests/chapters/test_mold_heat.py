@@ -17,9 +17,12 @@ from builders import plate
 from hyperfab.cases.mold import MoldCase
 from hyperfab.chapters import mold_heat
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.mold_heat.problem import MoldBuilder
 from hyperfab.console import Console
-from hyperfab.documents.base import schema
+from hyperfab.documents.base import read_document, schema
+from hyperfab.documents.mold import MoldDocument
 from hyperfab.errors import InputError, UsageError
+from hyperfab.io.inputs import Inputs
 from hyperfab.io.vtu_read import read_vtu
 
 HEAD = plate(100, 80, 20)
@@ -53,10 +56,13 @@ PLATE = HEAD + HEATER + FILM + PROBE + RUN
 class Quiet(Console):
     def __init__(self):
         super().__init__(True)
-        self.said = []
+        self.said, self.noted = [], []
 
     def warn(self, text):
         self.said.append(text)
+
+    def note(self, text):
+        self.noted.append(text)
 
 
 def heat(folder: Path, text: str, name: str = "heat", **options):
@@ -116,6 +122,39 @@ def test_warmup_is_hit_exactly_and_the_run_goes_on_to_its_end(tmp_path):
     assert 0.0 < document["warmup_time_s"] < 300.0
     assert document["end_time_s"] == 300.0
     assert 0.5 < document["efficiency"] < 1.0
+
+
+@pytest.mark.parametrize(
+    ("heaters", "start", "rest"),
+    [
+        ("", 25.0, ""),
+        (HEATER, 25.0, ", {0:.3g} min of 400 W if it were even and lost nothing"),
+        (2 * HEATER, 60.0, ", {0:.3g} min of 800 W if it were even and lost nothing"),
+        (HEATER.replace('power = "400 W"', 'flux = "5 W/cm^2"'), 25.0, ""),
+    ],
+)
+def test_what_a_mold_is_as_one_body_is_said_before_it_is_meshed(tmp_path, monkeypatch, heaters, start, rest):
+    """Mass, and heat to the target, by hand; with the power of all heaters the time too."""
+    run = RUN.replace("25 degC", f"{start:g} degC").replace("[run]", '[run]\ntarget = "200 degC"')
+    (tmp_path / "mold.toml").write_text(HEAD + heaters + FILM + PROBE + run)
+    inputs = Inputs()
+    said = []
+    builder = MoldBuilder(
+        read_document(inputs, str(tmp_path / "mold.toml"), MoldDocument), str(tmp_path / "mold.toml"), inputs
+    )
+
+    def meshed(*_):
+        assert said, "the mesh was begun first"
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("hyperfab.chapters.mold_heat.problem.build_mesh", meshed)
+    with pytest.raises(KeyboardInterrupt):
+        builder.build(say=said.append)
+    mass = 0.1 * 0.08 * 0.02 * 2702.0
+    heat = mass * 903.0 * (200.0 - start)
+    power = 400.0 * heaters.count("power")
+    text = f"the mold weighs {mass:.4g} kg; {heat / 1e6:.3g} MJ take it to 200 degC"
+    assert said == [text + rest.format(heat / power / 60.0 if power else 0.0)]
 
 
 def test_target_never_reached_is_no_failure(tmp_path):

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import psutil
 
+from hyperfab.arrays import Array
 from hyperfab.errors import InputError, NotConverged
 from hyperfab.thermal.geometry import Geometry, Stl
 from hyperfab.thermal.mesher import (
@@ -28,19 +29,22 @@ MANY_FACETS = 3000
 DEVIATION = 0.015
 
 Waiting = Callable[[float], None]
+Built = Callable[[Array], None]
 
 
 def mesh_mold(
-    geometry: Geometry, mesh_size: float, file: str, notes: list[str], waiting: Waiting
+    geometry: Geometry, mesh_size: float, file: str, notes: list[str], waiting: Waiting, built: Built
 ) -> tuple[Geometry, RawMesh]:
     """Return the geometry that was meshed and its mesh; remarks are added to ``notes``.
+
+    ``waiting`` and ``built`` are those of ``make_mesh``.
 
     Raises InputError naming the key of ``file`` where parts overlap, or the mesh would not fit into the machine.
     """
     _refuse_too_large(geometry, mesh_size, file, notes)
     try:
         coarser = _coarsened(geometry, mesh_size, notes, waiting)
-        return coarser, laid_back(make_mesh(coarser, mesh_size, waiting=waiting), coarser)
+        return coarser, laid_back(make_mesh(coarser, mesh_size, waiting=waiting, built=built), coarser)
     except InputError as error:
         raise InputError(error.message, file=file, key="part", remedy=error.remedy) from None
     except NotConverged:

@@ -78,11 +78,25 @@ class MoldBuilder:
             earlier_field(inputs, name, start.document) if isinstance(start, EarlierField) else None
         )
 
-    def build(self, waiting: Callable[[float], None] = lambda seconds: None) -> Problem:
-        """Mesh the mold and set up its equations; ``waiting`` is called while the mesher works."""
+    def build(
+        self,
+        waiting: Callable[[float], None] = lambda seconds: None,
+        say: Callable[[str], None] = lambda text: None,
+    ) -> Problem:
+        """Mesh the mold and set up its equations.
+
+        While the mesher works ``waiting`` is called, and ``say`` with what the mold is as a whole.
+        """
         document = self.document
         notes: list[str] = []
-        geometry, raw = mesh_mold(self.geometry, document.run.mesh_size, self.name, notes, waiting)
+        geometry, raw = mesh_mold(
+            self.geometry,
+            document.run.mesh_size,
+            self.name,
+            notes,
+            waiting,
+            lambda volumes: say(self.as_one_body(volumes * 1e-9)),
+        )
         mesh = build_mesh(raw.points / 1e3, raw.elements, raw.parts, raw.surface, raw.surface_face)
         faces = Faces(mesh, geometry)
         joints = []
@@ -136,6 +150,30 @@ class MoldBuilder:
             notes=notes,
             pieces=pieces,
         )
+
+    def as_one_body(self, volumes: Array) -> str:
+        """Say what the parts, of these volumes [m^3], weigh, and what takes them to the target if nothing is lost.
+
+        That comes long before the mesh, and shows a wrong unit or constant.
+        """
+        document = self.document
+        run, start = document.run, document.run.start
+        materials = [self.materials[part.material] for part in document.part]
+        masses = [volume * material.density for volume, material in zip(volumes, materials, strict=True)]
+        said = f"the mold weighs {sum(masses):.4g} kg"
+        if run.target is None or isinstance(start, EarlierField):
+            return said
+        heat = 0.0
+        for part, mass, material in zip(document.part, masses, materials, strict=True):
+            cold = start if part.start is None else part.start
+            ends = material.specific_heat.integral(np.array([cold, run.target]))
+            heat += mass * float(ends[1] - ends[0])
+        said += f"; {heat / 1e6:.3g} MJ take it to {run.target:g} degC"
+        powers = [heater.power for heater in document.heater if heater.schedule is None]
+        power = sum(one for one in powers if one is not None)
+        if None in powers or len(powers) < len(document.heater) or document.temperature or power <= 0.0:
+            return said
+        return f"{said}, {heat / power / 60.0:.3g} min of {power:g} W if it were even and lost nothing"
 
     def _renewals(self, mesh: HeatMesh) -> list[Renewal]:
         """Return when parts that come fresh are put in: each time their contact closes."""

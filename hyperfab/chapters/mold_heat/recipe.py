@@ -60,7 +60,7 @@ def run(job: Job, case: MoldCase) -> int:
                 load_writers()
 
         known = len(builder.doubts)
-        problem = builder.build(waiting)
+        problem = builder.build(waiting, job.console.note)
     for text in builder.doubts[known:]:
         job.console.warn(text)
     start = builder.start_field(problem)
