@@ -231,8 +231,10 @@ def _feed(descriptor: int, job: bytes) -> None:
 
 def _read(stream: IO[bytes], frames: queue.SimpleQueue[bytes]) -> None:
     """Hand on the answers of the worker, each behind its length, and nothing at its end."""
-    while len(head := stream.read(LENGTH.size)) == LENGTH.size:
-        frames.put(stream.read(*LENGTH.unpack(head)))
+    # What is no length comes from no worker of ours, which then finds its pipe closed.
+    with contextlib.suppress(MemoryError, OverflowError), stream:
+        while len(head := stream.read(LENGTH.size)) == LENGTH.size:
+            frames.put(stream.read(*LENGTH.unpack(head)))
     frames.put(b"")
 
 

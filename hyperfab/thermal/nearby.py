@@ -23,7 +23,7 @@ from hyperfab.thermal.projected import Face, ProjectedMedium, ProjectedModel, To
 from hyperfab.thermal.radiation import Radiation
 from hyperfab.thermal.step import State, initial_state, take_step
 from hyperfab.thermal.tables import Table
-from hyperfab.thermal.trail import Lift, Trail
+from hyperfab.thermal.trail import Lift, Trail, examples
 from hyperfab.thermal.transient import shortened
 
 #: Spans of time of the answers, as shares of the run.
@@ -74,7 +74,7 @@ class Neighbourhood:
         alike = len({material.name for material in model.materials}) == 1
         touched = {name for change in changes for name in (*change.conductivity, *change.capacity)}
         self._media = {name: model.medium if alike else _of_material(model, name) for name in sorted(touched)}
-        self.lift = Lift(last.temperature, self._basis(last.time, changes))
+        self.lift = Lift(last.temperature, self._basis(last.time, changes), examples(history.states))
         self._base = ProjectedModel(model, self.lift, last.time)
         self._parts = {
             name: self._base.medium if alike else ProjectedMedium.of(medium, self.lift)

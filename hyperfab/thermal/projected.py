@@ -31,8 +31,8 @@ from hyperfab.thermal.radiation import SIGMA, ZERO_CELSIUS, Radiation
 from hyperfab.thermal.tables import Table
 from hyperfab.thermal.trail import Lift
 
-#: Points that stand for a face in what is not linear there, and directions they are told apart by.
-POINTS, DIRECTIONS = 200, 6
+#: Points that stand for a face in what is not linear there.
+POINTS = 300
 #: Newton's method ends where a step moves the mean square by less [K].
 STILL = 1e-11
 NEWTON_STEPS = 30
@@ -134,7 +134,9 @@ class Face:
         if condition.linear:
             origin, weights, rows = origin[:0], weights[:0], rows[:0]
         elif len(weights) > POINTS:
-            chosen = groups(_spread(origin, rows, weights), weights, POINTS)
+            # Alike are points as warm as each other in all that is gone through: they pass a film's corners together.
+            alike = np.stack([facets.at_points(one).ravel() for one in (lift.origin, *lift.seen)], axis=1)
+            chosen = groups(alike, weights, POINTS)
             total = np.array([weights[group].sum() for group in chosen])
             origin = np.array([weights[g] @ origin[g] for g in chosen]) / total
             rows = np.stack([weights[g] @ rows[g] for g in chosen]) / total[:, None]
@@ -170,16 +172,6 @@ class Face:
         at = self._origin + self._rows @ coordinates
         _, rate, _ = _loss(self.condition, at, self.condition.ambient.at(time))
         return self._matrix + self._weighted.T @ ((rate - self._base[1])[:, None] * self._rows)
-
-
-def _spread(origin: Array, rows: Array, weights: Array) -> Array:
-    """Return by what points of a face are told apart: their origin, and the vectors that move them most."""
-    size = weights @ rows**2
-    size[0] = 0.0  # uniform
-    main = np.argsort(-size, kind="stable")[:DIRECTIONS]
-    columns = np.column_stack([origin - origin.mean(), rows[:, main]])
-    reach = np.abs(columns).max(axis=0)
-    return np.asarray(columns / np.where(reach > 0.0, reach, 1.0))
 
 
 def _lost(condition: Convection | Radiation, at: Array, ambient: float) -> Array:

@@ -15,6 +15,7 @@ from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.radiation import Radiation
 from hyperfab.thermal.step import GAMMA, State
 from hyperfab.thermal.thermostat import Thermostat
+from hyperfab.thermal.trail import Lift, examples
 
 #: Time scales of the answers to heaters, from the shortest stage to all that is left.
 SCALES = 6
@@ -32,15 +33,15 @@ def duration(history: History, now: float) -> float:
     return (now - before[0]) / len(before)
 
 
-def basis_of(
+def lift_of(
     model: HeatModel,
     thermostats: Sequence[Thermostat],
     history: History,
     state: State,
     until: float,
     most: int,
-) -> Array:
-    """Return at most so many vectors (n, r), orthonormal in the heat capacity, the first one uniform.
+) -> Lift:
+    """Return the mold about ``state`` on ``most`` vectors or less, orthonormal in the heat capacity, the first uniform.
 
     They span the states that the history has in full, what the mold answers to each jump within the lengths of
     its steps (rational Krylov vectors), and where it drifts, up to ``until`` [s]. Grimme (1997), Krylov projection
@@ -50,7 +51,7 @@ def basis_of(
     capacity = model.pattern.matrix(model.medium.capacity(origin))
     total = float(capacity.sum())
     first = max(len(history.states) - SNAPSHOTS, history.jumps[0] - 2, 1)
-    columns, lengths, times = [], [], []
+    columns, lengths, seen = [], [], []
     for i in range(first, len(history.states)):
         past = history.states[i]
         length = past.time - history.states.times[i - 1]
@@ -60,13 +61,13 @@ def basis_of(
         if past.slope is not None:
             columns.append(length * past.slope)
         lengths.append(length)
-        times.append(past.time)
+        seen.append(past)
     recent = lengths[-20:]
     stretch = duration(history, state.time)
     scales = np.geomspace(GAMMA * min(recent), max(until - state.time, stretch), SCALES)
     loads = _loads(model, thermostats, state.time)
     lost = [c.flow(state.time, origin) for c in model.conditions if not isinstance(c, Heater)]
-    drift = capacity @ (columns[0] / (times[0] - state.time))
+    drift = capacity @ (columns[0] / (seen[0].time - state.time))
     for scale in scales:
         matrix = model.step_matrix(state.time, float(scale), origin)
         slow = [drift, *([np.sum(lost, axis=0)] if lost else [])] if scale > 0.5 * stretch else []
@@ -78,7 +79,7 @@ def basis_of(
     for threshold in (DROP, 0.0):  # once more, against rounding
         basis = basis - uniform[:, None] * (held @ basis)
         basis = orthonormal(basis, capacity, threshold, most - 1)
-    return np.ascontiguousarray(np.column_stack([uniform, basis]))
+    return Lift(origin, np.ascontiguousarray(np.column_stack([uniform, basis])), examples(seen))
 
 
 def orthonormal(vectors: Array, capacity: sparse.csr_matrix, threshold: float, most: int) -> Array:

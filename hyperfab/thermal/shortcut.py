@@ -30,7 +30,7 @@ from hyperfab.thermal.history import History, Reduced, Target
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.projected import ProjectedModel, why_not
 from hyperfab.thermal.radiation import Radiation
-from hyperfab.thermal.run_basis import basis_of, duration, orthonormal
+from hyperfab.thermal.run_basis import duration, lift_of, orthonormal
 from hyperfab.thermal.step import Model, State, initial_state, take_step
 from hyperfab.thermal.thermostat import Thermostat
 from hyperfab.thermal.trail import Lift
@@ -45,8 +45,11 @@ HEAD_START = 0.25
 SMALLEST, FEWEST = 2000, 8
 #: A stretch of fewer steps belongs to the next, and so many at most.
 SETTLED, TOGETHER = 4, 8
-#: Share of what is left of ``MOST`` that stretches to come may take without what a check found in the basis.
+#: Share of what is left of ``MOST``, and of that one kind's part, that stretches to come may take without what a check
+#: found in the basis.
 ENOUGH = 0.5
+#: Stretches are steady that are off by no more than so many times what those like them were the time before.
+STEADY = 1.1
 #: Vectors that are kept; and directions of what a check found are left out that are less than this share of the most.
 VECTORS, NOVEL = 120, 1e-3
 #: A thermostat switches at the end of a stretch where its probe is as near as this [K].
@@ -181,29 +184,34 @@ class Shortcut:
         if left < 0.0:
             return False
         self._spent, self._within = spent, within
+        steady = self._kelvin(found) <= STEADY * self._kelvin(alike.found)
         alike.found, alike.since, self._since = found, 0, 0
         for one in self._alike.values():
             one.before = one.since
         self._tell(history, error)
-        self._plan(history, alike, left, self.most - error)
+        self._plan(history, alike, steady, left, self.most - error)
         return True
 
-    def _plan(self, history: History, alike: _Alike, due: float, left: float) -> None:
+    def _plan(self, history: History, alike: _Alike, steady: bool, due: float, left: float) -> None:
         """Say which stretch like the one just checked is the next, and whether the basis shall have what was found.
 
-        ``due`` [K] is left by now, ``left`` to the end.
+        ``due`` [K] is left by now, ``left`` to the end; ``steady`` where no more was found than the time before.
         """
         kinds = self._alike.values()
-        each = sum(self._kelvin(one.found) for one in kinds)
-        affordable = 0.5 * due / each if each > 0.0 else np.inf
-        # Odd and even stretches take turns: levels of a schedule that come and go.
-        alike.next = alike.count + int(max(1, min(8 * alike.count - 1, affordable)))
         now = history.states[-1].time
-        ahead = (self.until - now) / duration(history, now)
-        count = sum(one.count for one in kinds)
-        coming = ahead * sum(one.count * self._kelvin(one.found) for one in kinds) / count
+        took = duration(history, now)
+        # Each may be off by twice what was found; where that is steady, what comes to be due meanwhile pays for it too.
+        each = 2.0 * sum(self._kelvin(one.found) for one in kinds)
+        if steady:
+            each -= (1.0 - HEAD_START) * self.most * len(kinds) * took / (self.until - self._begun)
+        affordable = due / each if each > 0.0 else np.inf
+        # Odd and even stretches take turns: levels of a schedule that come and go.
+        alike.next = alike.count + int(max(1, alike.count // 8, min(8 * alike.count - 1, affordable)))
+        ahead = (self.until - now) / took
+        coming = ahead * alike.count / sum(one.count for one in kinds)
         here = self._kelvin(alike.found)
-        if coming > ENOUGH * left and here < 0.5 * alike.widened and self._vectors < VECTORS:
+        much = coming * here > ENOUGH * left / len(kinds)
+        if much and here < 0.5 * alike.widened and self._vectors < VECTORS:
             alike.widened = here
         else:
             self._found = []
@@ -245,10 +253,7 @@ class Shortcut:
 
     def _reduce(self, history: History, state: State) -> View:
         """Return the mold in the coordinates of a basis about ``state``."""
-        lift = Lift(
-            state.temperature,
-            basis_of(self.model, self.full.thermostats, history, state, self.until, VECTORS),
-        )
+        lift = lift_of(self.model, self.full.thermostats, history, state, self.until, VECTORS)
         self._tries += 1
         if self._tries == 1:
             self._begun = state.time
@@ -262,7 +267,7 @@ class Shortcut:
         for share in (NOVEL, 0.0):  # once more, against rounding
             found = found - basis @ (basis.T @ (capacity @ found))
             found = orthonormal(found, capacity, share * float(np.abs(found).max()), VECTORS - basis.shape[1])
-        wider = Lift(lift.origin, np.column_stack([basis, found]))
+        wider = replace(lift, basis=np.column_stack([basis, found]))
         history.states.widen(wider)
         self._spent = sum((one.found.times(one.since) for one in self._alike.values()), self._spent)
         for one in self._alike.values():

@@ -15,18 +15,24 @@ from hyperfab.thermal.step import State
 
 #: Bytes of states held in memory; what is more goes to the file, oldest first.
 ROOM = 256 * 2**20
+#: States that stand for all that a run goes through.
+EXAMPLES = 20
 #: States lifted at a time where all are looked through.
 BLOCK = 64
 
 
 @dataclass(frozen=True, eq=False)
 class Lift:
-    """Nodal fields from r coordinates: ``origin`` (n,) [degC] plus ``basis`` (n, r) times them."""
+    """Nodal fields from r coordinates: ``origin`` (n,) [degC] plus ``basis`` (n, r) times them.
+
+    ``seen`` are temperatures (n,) [degC] of the kind that it is to stand for.
+    """
 
     origin: Array
     basis: Array
-    _rows: dict[int, tuple[Array, Array, float]] = field(default_factory=dict)
-    _parts: dict[int, tuple[Ints, Lift]] = field(default_factory=dict)
+    seen: Sequence[Array] = ()
+    _rows: dict[int, tuple[Array, Array, float]] = field(default_factory=dict, init=False)
+    _parts: dict[int, tuple[Ints, Lift]] = field(default_factory=dict, init=False)
 
     def nodal(self, coordinates: Array) -> Array:
         """Return nodal temperatures [degC]."""
@@ -46,6 +52,12 @@ class Lift:
             self._rows[id(sensor)] = (sensor, sensor[felt] @ self.basis[felt], dot(sensor, self.origin))
         _, row, at_origin = self._rows[id(sensor)]
         return row, at_origin
+
+
+def examples(states: Sequence[Past]) -> list[Array]:
+    """Return the temperatures of some states from the first to the last, ``EXAMPLES`` at most."""
+    chosen = np.linspace(0, len(states) - 1, min(len(states), EXAMPLES)).round().astype(int)
+    return [states[k].temperature for k in chosen]
 
 
 class Past:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from hyperfab.errors import InputError, NotConverged
+from hyperfab.thermal import mesher
 from hyperfab.thermal.faces import Faces
 from hyperfab.thermal.geometry import Body, Box, Cylinder, Ellipsoid, Geometry, Patch
 from hyperfab.thermal.mesh import build_mesh
@@ -112,6 +114,26 @@ def test_a_mesher_that_takes_too_long_is_stopped():
     geometry = Geometry((Body("block", (Box((0.0, 0.0, 0.0), (100.0, 100.0, 100.0)),)),))
     with pytest.raises(NotConverged, match="stopped"):
         make_mesh(geometry, 1.5, patience=1.0)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a shell script stands for the mesher")
+@pytest.mark.parametrize("says", ["", "a word", "words that are no mesh and no length of one"])
+def test_a_mesher_that_answers_nonsense_has_failed(tmp_path, monkeypatch, says):
+    script = tmp_path / "python"
+    script.write_text(f"#!/bin/sh\nprintf '{says}'\n")
+    script.chmod(0o755)
+    monkeypatch.setattr(mesher.sys, "executable", str(script))
+    geometry = Geometry((Body("block", (Box((0.0, 0.0, 0.0), (10.0, 10.0, 10.0)),)),))
+    with pytest.raises(NotConverged, match="failed"):
+        make_mesh(geometry, 5.0)
+
+
+def test_the_volumes_come_before_the_mesh():
+    geometry = Geometry((Body("block", (Box((0.0, 0.0, 0.0), (20.0, 10.0, 5.0)),)),))
+    order = []
+    raw = make_mesh(geometry, 5.0, built=lambda volumes: order.append(volumes.tolist()))
+    assert order == [pytest.approx([1000.0])]
+    np.testing.assert_array_equal(raw.volumes, order[0])
 
 
 def test_how_many_tetrahedra_to_expect_is_what_fills_the_boxes():
