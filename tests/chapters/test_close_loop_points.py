@@ -78,6 +78,9 @@ def test_tilt_of_a_press_is_found_and_the_extended_press_lacks_nothing(press: Pa
         i for one in document["indistinguishable"] for i in one
     }  # type: ignore[attr-defined]
     assert "tilt" in named
+    [strain] = document["validity"]  # type: ignore[misc]
+    assert (strain["of"], strain["from"]) == ("strain", "foam.toml")  # type: ignore[index]
+    assert 0.0 < strain["used"][1] < 1.0  # type: ignore[index]
     assert document["error"]["after"]["rms"] < 1.2 * document["error"]["noise"]["rms"]  # type: ignore[index]
     extended = json.loads((press / "loop.model.json").read_text())
     assert extended["format"] == "hyperfab.press/1"
@@ -221,6 +224,9 @@ def test_pretension_of_a_punched_sheet_is_found(tmp_path: Path, hf: Run) -> None
     assert done.returncode == 0, done.stderr.decode()
     document = closed(tmp_path, "contact")
     assert [one["id"] for one in document["effects"]] == ["pretension"]  # type: ignore[attr-defined]
+    [stretch] = [one for one in document["validity"] if one["of"] == "stretch"]  # type: ignore[attr-defined]
+    assert 1.2 < stretch["used"][1] < 1.4  # 60 mm deep; nothing says how far the fabric was tested
+    assert "known" not in stretch
     extended = json.loads((tmp_path / "loop.model.json").read_text())
     assert extended["setup"]["prestretch"] > 1.005
 
@@ -242,6 +248,9 @@ def test_weight_of_a_draped_sheet_is_found(tmp_path: Path, hf: Run) -> None:
     assert done.returncode == 0, done.stderr.decode()
     document = closed(tmp_path, "drape")
     assert [one["id"] for one in document["effects"]] == ["gravity"]  # type: ignore[attr-defined]
+    ways = {one["direction"]: one for one in document["validity"]}  # type: ignore[attr-defined]
+    assert ways["warp"]["used"][1] > 1.05
+    assert ways["weft"]["within"] is True
     assert json.loads((tmp_path / "loop.model.json").read_text())["mass_g_m2"] > 300.0
     # The tests that were taken as laws are written anew with their refitted stiffness.
     assert {"loop.model.warp.csv", "loop.model.weft.csv"} <= set(document["files"])  # type: ignore[arg-type]

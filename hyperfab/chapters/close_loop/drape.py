@@ -18,11 +18,11 @@ from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, sprea
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
 from hyperfab.chapters.close_loop.softening import linear_of, scaled_material
 from hyperfab.chapters.close_loop.upstream import WRITTEN
-from hyperfab.chapters.drape.fabric import read_fabric
+from hyperfab.chapters.drape.fabric import note_ranges, read_fabric
 from hyperfab.chapters.drape.model import Model, model_of, read_files
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import Listener, Overlay, check_unchanged, unchanged
-from hyperfab.cloth import HeldNodeInside, Sheet, drape, follow, load_steps, raised
+from hyperfab.cloth import Equilibrium, HeldNodeInside, Sheet, answers, drape, follow, load_steps, raised
 from hyperfab.cloth.net import GRAVITY
 from hyperfab.documents.base import read_document
 from hyperfab.documents.material import MaterialDocument
@@ -164,7 +164,10 @@ class Forward:
 
     def nodes(self, law: Array, added: Mapping[str, float], grid: tuple[int, int] | None = None) -> Array:
         """Return where the nodes (n, m, 3) rest; NotConverged where there is no equilibrium."""
-        model = self.model(law, added, grid)
+        return np.asarray(self.rest(self.model(law, added, grid)).state.x)
+
+    def rest(self, model: Model) -> Equilibrium:
+        """Return the equilibrium of a model at its depth; NotConverged where there is none."""
         rise = model.case.wanted[-1]
         try:
             if model.case.has_friction:
@@ -178,7 +181,7 @@ class Forward:
             raise NotConverged(str(error)) from None
         if found.residual_relative > _NEAR or not there:
             raise NotConverged("the sheet finds no equilibrium")
-        return np.asarray(found.state.x)
+        return found
 
     def corrected(self, problem: Problem, found: Finding) -> Problem | None:
         """Return the problem with runs at and around what was found, where the nodes rest elsewhere than thought."""
@@ -233,7 +236,9 @@ def pose_sheet(forward: Forward, tick: Callable[[float], None]) -> Draped:
     if sheet.membrane is None:  # a membrane's law has its own shear
         axes.append(Setting("shear", 0.0, 0.4 * modulus))
     axes.append(Setting("mass", 0.0, float(np.clip(heavy, *_MASSES))))
-    base = forward.nodes(plain, {})
+    model = forward.model(plain, {})
+    rest = forward.rest(model)
+    base = np.asarray(rest.state.x)
     settings, values = [np.array([axis.base for axis in axes])], [base.ravel()]
     plan = places(axes)
     for count, place in enumerate(plan):
@@ -246,13 +251,16 @@ def pose_sheet(forward: Forward, tick: Callable[[float], None]) -> Draped:
         finally:
             tick((count + 1) / len(plan))
     axes = [reached(axis, np.array(settings)[:, i]) for i, axis in enumerate(axes)]
-    fine = base
     if max(sheet.n, sheet.m) > _NODES:
-        fine = forward.nodes(plain, {}, (sheet.n, sheet.m))
+        model = forward.model(plain, {}, (sheet.n, sheet.m))
+        rest = forward.rest(model)
+    told = answers(model.sheet, raised(model.mold, model.case.wanted[-1]), rest)
+    note_ranges(forward.job, forward.files.fabric, told.stretch_warp, told.stretch_weft)
     case = forward.case
     alike = not case.blank_holder and case.shear_law is None
     carried = (case.shear_modulus or 0.0, case.mass) if alike else None
     kriged = krige(axes, np.array(settings), np.array(values))
+    fine = np.asarray(rest.state.x)
     return Draped(kriged, forward.grid, fine, sheet.size, forward.names, forward.scales, carried, sheet.round)
 
 
