@@ -97,7 +97,12 @@ def test_a_press_that_lacks_nothing_is_noise(press: Path, hf: Run) -> None:
     film(press, ())
     done = hf("close-loop", "press.json", "--measured", "film.csv", "-o", "-", cwd=press)
     assert done.returncode == 0, done.stderr.decode()
-    assert json.loads(done.stdout)["verdict"] == "noise"
+    found = json.loads(done.stdout)
+    assert found["verdict"] == "noise"
+    (press / "alike.json").write_bytes(done.stdout)
+    again = hf("close-loop", "--like", "alike.json", cwd=press)
+    assert again.returncode == 0, again.stderr.decode()
+    assert json.loads(again.stdout) | {"provenance": 0} == found | {"provenance": 0}
 
 
 def test_the_loop_of_a_press_that_forms_writes_its_pictures_too(press: Path, hf: Run, tmp_path: Path) -> None:
