@@ -7,6 +7,7 @@ import shlex
 from pathlib import Path
 
 import jsonschema
+import meshio
 import numpy as np
 import pytest
 from conftest import Run
@@ -24,7 +25,7 @@ IDS = {
     "press": {"tilt", "thermal-expansion", "foam-shrinkage", "foam-relaxation", "thickness-variation",
               "frame-compliance", "lateral-shift", "fabric-compression", "foam-softening", "set"},
     "contact": {"friction", "pretension", "thermal-softening", "rim-slip"},
-    "drape": {"friction", "shear-stiffness", "pretension", "gravity"},
+    "drape": {"friction", "shear-stiffness", "pretension", "gravity", "biaxial-coupling"},
 }  # fmt: skip
 
 
@@ -296,3 +297,37 @@ def test_the_law_of_a_membrane_has_its_own_shear(tmp_path: Path, hf: Run) -> Non
     (shear,) = (one for one in document["candidates"] if one["id"] == "shear-stiffness")  # type: ignore[attr-defined]
     assert shear["not_sought"] == "the law of a membrane has its own shear"
     assert not [one for one in document["effects"] if one["id"] == "shear-stiffness"]  # type: ignore[attr-defined]
+
+
+@pytest.mark.slow
+def test_markers_of_a_membrane_say_what_a_net_lacks(tmp_path: Path, hf: Run) -> None:
+    """Markers of the same fabric draped as a membrane: no entry of a net carries them, the membrane does."""
+    (tmp_path / "ball.stl").write_bytes(nets.ball_stl(rings=20, around=40))
+    fabric = {"format": "hyperfab.material/1", "model": "neo-hookean", "parameters": {"C10_MPa": 0.2}}
+    (tmp_path / "fabric.json").write_text(json.dumps(fabric))
+    words = [
+        "fabric.json",
+        "--mold",
+        "ball.stl",
+        "--grid",
+        "21x21",
+        "--thickness",
+        "1mm",
+        "--size",
+        "200mmx200mm",
+    ]
+    for name, more in (("net.json", []), ("true.json", ["--sheet", "membrane"])):
+        done = hf("drape", *words, "--depth", "55mm", *more, "-o", name, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr.decode()
+    field = meshio.read(tmp_path / "true.vtu")
+    flat, there = field.point_data["flat_mm"], field.points
+    noisy = there + 0.05 * np.random.default_rng(4).standard_normal(there.shape)
+    csv(tmp_path / "markers.csv", "x0 [mm],y0 [mm],x [mm],y [mm],z [mm]", *flat[:, :2].T, *noisy.T)
+    done = hf("close-loop", "net.json", "markers.csv", "-o", "loop.json", cwd=tmp_path)
+    assert done.returncode == 1, done.stderr.decode()
+    document = closed(tmp_path, "drape")
+    (entry,) = (one for one in document["candidates"] if one["id"] == "biaxial-coupling")  # type: ignore[attr-defined]
+    assert "--sheet membrane" in entry["not_sought"]
+    last = str(document["summary"][-1])  # type: ignore[index]
+    assert "biaxial-coupling is lacking" in last
+    assert float(last.split("misses by ")[1].split()[0]) == pytest.approx(0.05, rel=0.3)

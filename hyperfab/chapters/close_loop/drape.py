@@ -22,11 +22,13 @@ from hyperfab.chapters.drape.fabric import note_ranges, read_fabric
 from hyperfab.chapters.drape.model import Model, model_of, read_files
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import Listener, Overlay, check_unchanged, unchanged
+from hyperfab.chapters.validity import Ranges
 from hyperfab.cloth import Equilibrium, HeldNodeInside, Sheet, answers, drape, follow, load_steps, raised
 from hyperfab.cloth.net import GRAVITY
 from hyperfab.documents.base import read_document
+from hyperfab.documents.loop import LoopDocument
 from hyperfab.documents.material import MaterialDocument
-from hyperfab.errors import InputError, NotConverged
+from hyperfab.errors import HyperfabError, InputError, NotConverged
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.layout import Layout
@@ -47,6 +49,8 @@ _NEAR = 1e-2
 _OFF, _ASIDE = 0.2, 0.12
 #: How far an added prestretch and the friction may go.
 _MOST_STRETCH, _MOST_FRICTION = 0.12, 0.6
+#: What a membrane leaves, over what the net does with all that was added, where coupling is named.
+_COUPLED = 0.8
 #: Weight of the sheet over what a unit strain of it pulls with, at the most; and the masses that has to lie between.
 _SAG, _MASSES = 0.025, (200.0, 5000.0)
 
@@ -82,12 +86,14 @@ def run(job: Job, given: Given) -> int:
     with job.console.progress("Closing the loop") as advance:
         draped = pose_sheet(forward, lambda share: advance(0.3 * share, "forward runs"))
     problem = pose(draped, files.plain, given.surely, given.case.fix)
-    upstream = None
+    traces: list[Callable[[Finding, LoopDocument], Sequence[str]]] = []
+    if made.case.sheet == "net" and material is not None:
+        traces.append(lambda found, result: as_membrane(forward, problem, files.plain, found, result))
     if given.case.upstream:
         # It drapes sheets as this module does.
         from hyperfab.chapters.close_loop.upstream_drape import tracing
 
-        upstream = tracing(forward, problem, given.surely, out)
+        traces.append(tracing(forward, problem, given.surely, out))
     return finish(
         job,
         out,
@@ -98,8 +104,36 @@ def run(job: Job, given: Given) -> int:
         extend=lambda found: extend_drape(out, made.case, material, forward.sheet, problem, found),
         rounds=forward.corrected,
         apart=files.apart,
-        upstream=upstream,
+        upstream=lambda found, result: [text for trace in traces for text in trace(found, result)],
     )
+
+
+def as_membrane(
+    forward: Forward, problem: DrapeProblem, files: Sequence[Markers], found: Finding, result: LoopDocument
+) -> Sequence[str]:
+    """Return what the fabric's own law as a membrane would leave, where a net does not carry the markers.
+
+    How warp and weft answer to each other has no amount that could be added to springs: it is another sheet.
+    """
+    if found.verdict != "unexplained":
+        return []
+    job = replace(forward.job, ranges=Ranges())
+    coupled = Forward(job, replace(forward.case, sheet="membrane"), forward.material)
+    grid = (forward.sheet.n, forward.sheet.m)
+    try:
+        places = coupled.nodes(np.ones(len(coupled.names)), {}, grid)
+    except HyperfabError:
+        return []
+    posed = drape_problem(replace(problem.draped, base=places), files)
+    rows = slice(posed.curves[posed.measured_files - 1].stop)
+    given = np.array([one.value for one in posed.own])
+    left = float(np.sqrt(np.mean((posed.measured - posed.predict(given, {}))[rows] ** 2)))
+    if left >= _COUPLED * result.error.after.rms:
+        return []
+    return [
+        f"As a membrane, its law coupling warp and weft, the same fabric misses by {left:.3g} mm as it is: "
+        "biaxial-coupling is lacking. Drape it with --sheet membrane, and close the loop on that."
+    ]
 
 
 def read_markers(job: Job, name: str, layout: Layout | None) -> tuple[Markers, Array | None]:
