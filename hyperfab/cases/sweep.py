@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 from hyperfab.cases.case import Case
@@ -44,3 +45,7 @@ class SweepCase(Case):
         super().check()
         if self.jobs is not None and self.scheduler is not None:
             raise UsageError("--jobs and --scheduler exclude each other: a cluster brings its own workers")
+        if self.scheduler is not None and not re.fullmatch(r"(\w+://)?[^/\s]+:\d+", self.scheduler):
+            raise UsageError(
+                f"--scheduler {self.scheduler}: an address has a host and a port, as tcp://10.0.0.5:8786"
+            )

@@ -8,7 +8,7 @@ from hyperfab.chapters.fabric import ORTHOTROPIC, FabricDocument, read_fabric_do
 from hyperfab.chapters.job import Job
 from hyperfab.errors import UsageError
 from hyperfab.io.output import check_place, write_single
-from hyperfab.materials.export import NoCard, Settings, format_called
+from hyperfab.materials.export import NoCard, Settings, format_called, formats
 from hyperfab.materials.orthotropic import Orthotropic
 
 
@@ -40,9 +40,24 @@ def run(job: Job, case: ExportCase) -> int:
             chosen.sheet_card(law, settings) if isinstance(law, Orthotropic) else chosen.card(law, settings)
         )
     except NoCard as error:
-        raise UsageError(f"--to {case.to}: {error}") from None
+        out = f"; {_way_out(law, settings)}" if isinstance(law, Orthotropic) else ""
+        raise UsageError(f"--to {case.to}: {error}{out}") from None
     write_single(job.target, card.encode(), job.inputs)
     return 0
+
+
+def _way_out(law: Orthotropic, settings: Settings) -> str:
+    """Return what holds a sheet that one solver cannot: other solvers, else a law of each direction."""
+    able = []
+    for name in formats():
+        try:
+            format_called(name).sheet_card(law, settings)
+        except NoCard:
+            continue
+        able.append(name)
+    if able:
+        return f"{' and '.join(able)} can"
+    return "none of the solvers can: fit a law of each direction, as --model yeoh-3, and export it with --direction"
 
 
 def _warn(job: Job, fabric: FabricDocument, direction: str | None) -> None:

@@ -58,7 +58,7 @@ class Job:
             # The file's own name: the same set-up gives the same document wherever it is written.
             entry.model_copy(update={"source": os.path.basename(entry.source)})
             for entry in self.ranges.entries
-        ] or None
+        ]
         document.provenance = record(self.command, self.arguments, self.inputs.files, output.target)
         data: dict[str, Any] = document.to_json()
         if case is not None:

@@ -107,7 +107,7 @@ def unchanged(made: Earlier[CaseT]) -> Earlier[CaseT]:
 
 def check_unchanged(job: Job, made: Earlier[Any], besides: Iterable[str]) -> None:
     """Refuse files read for the model that are not those it was made from; ``besides`` were read for other ends."""
-    other = {made.name, *besides}
+    other = {made.name, *besides} | ({job.like.name} if job.like is not None else set())
     known = set(made.read.values())
     for file in job.inputs.files:
         if file.name not in other and file.sha256 not in known:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
@@ -27,7 +28,7 @@ def run(job: Job, case: SummaryCase) -> int:
         lines.append(f"{name} ({kind})")
         lines += [f"  {line}" for line in paragraph(data)]
         pictures = [job.inputs.beside(name, file) for file in data.get("files", []) if file.endswith(".png")]
-        lines += [f"  picture: {picture}" for picture in pictures]
+        lines += [f"  picture: {picture}" for picture in pictures if os.path.exists(picture)]
     write_stdout(("\n".join(lines) + "\n").encode())
     job.judge_ranges()
     return 0
@@ -51,7 +52,9 @@ def _kind(loaded: object, name: str) -> str:
 
 
 def _material(data: Plain) -> Iterator[str]:
-    fits = data.get("directions") or {"": data}
+    # One law of the whole sheet is the same along all ways.
+    sheet = data["model"] == "orthotropic"
+    fits = {"": data} if sheet else data.get("directions") or {"": data}
     for direction, part in fits.items():
         fit = part.get("fit")
         constants = _constants(part["parameters"], fit or {})
@@ -130,11 +133,15 @@ def _heat(data: Plain) -> Iterator[str]:
         if figures is not None and (moment == "at_warmup" or figures != surface.get("at_warmup")):
             even = evenness(data, figures["spread_K"])
             yield f"work surface {words}: {figures['mean_degC']:.1f} degC, even to {even}"
-    yield (
-        f"energy {banded(data, 'energy.supplied_J', 'MJ', 1e-6, '.2f')}, "
-        f"lost {banded(data, 'energy.lost_J', 'MJ', 1e-6, '.2f')}, "
-        f"mass {data['mass_kg']:.1f} kg"
-    )
+    mass = f"mass {data['mass_kg']:.1f} kg"
+    if "supplied_J" in data["energy"]:
+        yield (
+            f"energy {banded(data, 'energy.supplied_J', 'MJ', 1e-6, '.2f')}, "
+            f"lost {banded(data, 'energy.lost_J', 'MJ', 1e-6, '.2f')}, {mass}"
+        )
+    else:  # a steady state takes no time
+        power = data.get("power_supplied_W")
+        yield f"steady state, {mass}" if power is None else f"steady state on {power:.4g} W, {mass}"
 
 
 def _press(data: Plain) -> Iterator[str]:

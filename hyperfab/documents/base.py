@@ -59,6 +59,14 @@ class Validity(Part):
     source: str = Field(alias="from", description="the input that the law or the table came from")
 
 
+class MisfitError(ValueError):
+    """What keys of a document say does not go together; ``key`` is the one to look at."""
+
+    def __init__(self, key: str, message: str) -> None:
+        super().__init__(message)
+        self.key = key
+
+
 class Document(BaseModel):
     """A document on disk. Subclasses state KIND, VERSION and their keys.
 
@@ -192,7 +200,8 @@ def first_error(
     found = error.errors(include_url=False)
     # A misspelt key is also a missing one: the spelling is what helps.
     first = next((one for one in found if one["type"] == "extra_forbidden"), found[0])
-    key = _key(first["loc"])
+    misfit = first.get("ctx", {}).get("error")
+    key = misfit.key if isinstance(misfit, MisfitError) else _key(first["loc"])
     others = list(dict.fromkeys(_key(one["loc"]) for one in found if one is not first))
     more = _entry(loaded, first["loc"])
     if others:

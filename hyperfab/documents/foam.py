@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, PlainSerializer, PlainValidator, WithJsonSchema, model_validator
 
-from hyperfab.documents.base import HandWritten, Section
+from hyperfab.documents.base import HandWritten, MisfitError, Section
 from hyperfab.documents.press_terms import Poisson, PressSection, Relaxation, Variation
 from hyperfab.documents.quantity import (
     ConstantConductivity,
@@ -272,8 +272,8 @@ class FoamDocument(HandWritten):
     @model_validator(mode="after")
     def _one_thing_stays(self) -> FoamDocument:
         if self.set is not None and self.shrinkage.recovery is not None:
-            raise ValueError(
-                "set and shrinkage.recovery both say what stays when the press opens: give one of them"
+            raise MisfitError(
+                "set", "set and shrinkage.recovery both say what stays when the press opens: give one of them"
             )
         return self
 
@@ -281,5 +281,7 @@ class FoamDocument(HandWritten):
     def _dwell_is_known(self) -> FoamDocument:
         dwell = self.relaxation.dwell or self.shrinkage.dwell
         if any(self.relaxation.share) and dwell is None:
-            raise ValueError('relaxation needs a dwell: how long the foam is held, as dwell = "40 s"')
+            raise MisfitError(
+                "relaxation.dwell", 'relaxation needs a dwell: how long the foam is held, as dwell = "40 s"'
+            )
         return self

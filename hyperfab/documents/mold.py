@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar, Protocol
 
 from pydantic import BeforeValidator, Field, PlainSerializer, PlainValidator, WithJsonSchema, model_validator
 
-from hyperfab.documents.base import HandWritten, Section
+from hyperfab.documents.base import HandWritten, MisfitError, Section
 from hyperfab.documents.mold_shapes import BodySection, BoxSection, PartSection, Point
 from hyperfab.documents.quantity import (
     Conductivity,
@@ -293,56 +293,68 @@ class MoldDocument(HandWritten):
 
     @model_validator(mode="after")
     def _names_fit(self) -> MoldDocument:
-        for part in self.part:
+        for number, part in enumerate(self.part):
             if part.material not in self.material:
                 known = ", ".join(self.material)
-                raise ValueError(
-                    f"part {part.name!r} is of {part.material!r}, which is no [material]; there is {known}"
+                raise MisfitError(
+                    f"part.{number}.material",
+                    f"part {part.name!r} is of {part.material!r}, which is no [material]; there is {known}",
                 )
         bodies: list[BodySection] = [*self.part, *self.cavity]
         names = [b.name for b in bodies] + [s.name for b in bodies for s in b.shapes or [] if s.name]
         for name in names:
             if names.count(name) > 1:
-                raise ValueError(f"the name {name!r} stands for two bodies or shapes; rename one")
+                raise MisfitError("name", f"the name {name!r} stands for two bodies or shapes; rename one")
         probes = [probe.name for probe in self.probe]
         for name in probes:
             if probes.count(name) > 1:
-                raise ValueError(f"two probes are called {name!r}; rename one")
-        for heater in self.heater:
+                raise MisfitError("probe", f"two probes are called {name!r}; rename one")
+        for number, heater in enumerate(self.heater):
             if heater.control is not None and heater.control.probe not in probes:
                 known = ", ".join(probes) or "none"
-                raise ValueError(
-                    f"a heater's control asks probe {heater.control.probe!r}; the probes: {known}"
+                raise MisfitError(
+                    f"heater.{number}.control",
+                    f"a heater's control asks probe {heater.control.probe!r}; the probes: {known}",
                 )
         slow = {probe.name for probe in self.probe if any(probe.lags)}
         if any(heater.control is not None and heater.control.probe in slow for heater in self.heater):
-            raise ValueError("a thermostat's probe has no lag here: leave its lag out, or widen the band")
+            raise MisfitError(
+                "probe", "a thermostat's probe has no lag here: leave its lag out, or widen the band"
+            )
         if self.run.target is not None and self.work_surface is None:
-            raise ValueError("run.target waits for the mean of [work_surface]; add that table")
+            raise MisfitError("run.target", "run.target waits for the mean of [work_surface]; add that table")
         if self.production is not None:
             self._production_fits(self.production)
         elif self.run.until is None and self.run.target is None and not self.run.steady:
-            raise ValueError('[run] has no end: give until = "3600 s", target, or steady = true')
+            raise MisfitError("run", '[run] has no end: give until = "3600 s", target, or steady = true')
         return self
 
     def _production_fits(self, production: ProductionSection) -> None:
         if self.run.steady or self.run.until is not None or self.run.target is not None:
-            raise ValueError(
+            raise MisfitError(
+                "run",
                 "[production] ends with its pieces and begins hot: take steady, until and target out of [run], "
-                'and give start = "200 degC" or start = { document = "heat.json" }, that of the warm-up'
+                'and give start = "200 degC" or start = { document = "heat.json" }, that of the warm-up',
             )
         if production.on is None and self.work_surface is None:
-            raise ValueError("[production] needs the faces the pieces lie on: give on, or add [work_surface]")
-        for layer in production.layers:
+            raise MisfitError(
+                "production.on",
+                "[production] needs the faces the pieces lie on: give on, or add [work_surface]",
+            )
+        for number, layer in enumerate(production.layers):
+            key = f"production.layers.{number}.material"
             if layer.material not in self.material:
                 known = ", ".join(self.material)
-                raise ValueError(
-                    f"a layer is of {layer.material!r}, which is no [material]; there is {known}"
+                raise MisfitError(
+                    key, f"a layer is of {layer.material!r}, which is no [material]; there is {known}"
                 )
             stuff = self.material[layer.material]
             if not (isinstance(stuff.conductivity, float) and isinstance(stuff.specific_heat, float)):
-                raise ValueError(f"a layer is of {layer.material!r}, which has tables: pieces have constants")
+                raise MisfitError(
+                    key, f"a layer is of {layer.material!r}, which has tables: pieces have constants"
+                )
         if production.pieces is None and any(heater.control is not None for heater in self.heater):
-            raise ValueError(
-                "a thermostat never brings the mold quite back: say how many, production.pieces = 20"
+            raise MisfitError(
+                "production.pieces",
+                "a thermostat never brings the mold quite back: say how many, production.pieces = 20",
             )

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from hyperfab.documents.base import HandWritten, Section
+from hyperfab.documents.base import HandWritten, MisfitError, Section
 
 #: Names of axes, steps and documents, as they stand in {braces}.
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,39}")
@@ -157,18 +157,23 @@ class StudyDocument(HandWritten):
         for name in names:
             _check_name(name)
             if names.count(name) > 1:
-                raise ValueError(f"{name!r} names two things of axis, document and step; rename one")
+                raise MisfitError(name, f"{name!r} names two things of axis, document and step; rename one")
         drawn = [name for name, axis in self.axis.items() if axis.drawn]
         if drawn and self.sampling is None:
-            raise ValueError(
-                f"axis {drawn[0]!r} is drawn from a distribution; add [sampling] with count and seed"
+            raise MisfitError(
+                f"axis.{drawn[0]}",
+                f"axis {drawn[0]!r} is drawn from a distribution; add [sampling] with count and seed",
             )
         if self.sampling is not None and not drawn:
-            raise ValueError("[sampling] is there, but no axis has a distribution; remove it or add one")
+            raise MisfitError(
+                "sampling", "[sampling] is there, but no axis has a distribution; remove it or add one"
+            )
         for key, wanted in (("limit", self.limit), ("pareto", self._front())):
             for name in wanted:
                 if name not in self.figures:
-                    raise ValueError(f"{key} asks for {name!r}; the figures are {', '.join(self.figures)}")
+                    raise MisfitError(
+                        key, f"{key} asks for {name!r}; the figures are {', '.join(self.figures)}"
+                    )
         return self
 
     @property

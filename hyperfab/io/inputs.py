@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import os
+import re
 import stat
 import sys
 from collections.abc import Callable, Mapping
@@ -22,6 +23,8 @@ Parsed = TypeVar("Parsed")
 
 #: No input of the toolchain is larger; a device or a runaway pipe must not fill the memory.
 MAX_BYTES = 256 * 2**20
+#: The line by which a TOML document says what it is, and no JSON does.
+_TOML = re.compile(rb"^(?:\xef\xbb\xbf)?[ \t]*format[ \t]*=", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -59,9 +62,12 @@ class Inputs:
         return {}
 
     def plain(self, name: str) -> Any:
-        """Return the plain data of a JSON or a TOML document; InputError where it is none."""
+        """Return the plain data of a JSON or a TOML document, told apart by how it says what it is where the name
+        does not; InputError where it is none.
+        """
         data = self.read(name)
-        return load_toml(data, name) if name.endswith(".toml") else load_json(data, name)
+        toml = name.endswith(".toml") or _TOML.search(data)
+        return load_toml(data, name) if toml else load_json(data, name)
 
     def parsed(self, name: str, kind: object, parse: Callable[[Any], Parsed]) -> Parsed:
         """Return the document of a ``kind`` that ``parse`` makes of the plain data of a file."""

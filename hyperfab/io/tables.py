@@ -8,7 +8,18 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from hyperfab.errors import InputError
-from hyperfab.io.headings import Heading, fold, heading, is_closing, meaning, plain, setting, unit_of, words
+from hyperfab.io.headings import (
+    Heading,
+    fold,
+    heading,
+    is_closing,
+    kind_named,
+    meaning,
+    plain,
+    setting,
+    unit_of,
+    words,
+)
 from hyperfab.io.layout import Layout, named
 from hyperfab.io.rows import Row
 
@@ -272,10 +283,14 @@ def with_units(
 def settings(rows: Sequence[Row]) -> dict[str, list[Entry]]:
     """Return what lines above a table state: ``Breite;50,0;mm``, ``Width: 50 mm``, ``L0 [mm];50``.
 
-    Words nobody knows stand under their own name, so that they can be told.
+    Words nobody knows stand under their own name, so that they can be told. A title that names a test, as
+    ``Zugversuch nach ISO 13934-1`` in a line by itself, states it.
     """
     found: dict[str, list[Entry]] = {}
     for line, cells in rows:
+        title = [cell for cell in cells if cell]
+        if len(title) == 1 and _stated(title, 0) is None and kind_named(title[0]) is not None:
+            found.setdefault("test", []).append(Entry(title[0], line, sure=False))
         place = 0
         while place < len(cells):
             taken = _stated(cells, place)

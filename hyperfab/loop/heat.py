@@ -113,6 +113,16 @@ class HeatProblem(Problem):
             found.append(Table(at, share * power - np.where(power == 0.0, 0.0, back * above)))
         return found
 
+    def temperatures(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> tuple[Array, Array]:
+        """Return the temperatures [degC] over the first run at which films and materials are read, row by row of time:
+        those of the faces that have a film, and the parts' means.
+        """
+        mold, (clock, _) = self.runs[0].mold, self.runs[0].clock
+        settings, _ = self._settings(own[None, :], [terms])
+        read = np.concatenate([mold.parts, *(face.rows for face in mold.films)])
+        found = replace(mold, probes=read).run(clock, settings)[0]
+        return found[:, len(mold.parts) :], found[:, : len(mold.parts)]
+
     def _run(self, own: Array, terms: Sequence[Mapping[str, tuple[str, Array]]]) -> Array:
         settings, lags = self._settings(own, terms)
         rows = []

@@ -179,6 +179,10 @@ def test_an_extended_model_says_nothing_of_the_old_constants_and_carries_the_ran
         "preparation",
     }
     assert not stale & set(model)
+    assert model["provenance"]["command"] == "close-loop"
+    assert model["provenance"]["inputs"][0]["name"] == "warp.json"
+    assert {one["from"] for one in model["validity"]} == {"warp-23C.csv", "weft-23C.csv", "warp-80C.csv"}
+    assert all(one["within"] for one in model["validity"])
     low, high = model["tested"]["uniaxial"]["temperature_degC"]
     assert abs(low - 23.0) < 1.0
     assert abs(high - 80.0) < 1.0

@@ -7,6 +7,7 @@ import shlex
 from pathlib import Path
 
 import jsonschema
+import meshio
 import numpy as np
 import pytest
 from conftest import Run
@@ -24,7 +25,7 @@ IDS = {
     "press": {"tilt", "thermal-expansion", "foam-shrinkage", "foam-relaxation", "thickness-variation",
               "frame-compliance", "lateral-shift", "fabric-compression", "foam-softening", "set"},
     "contact": {"friction", "pretension", "thermal-softening", "rim-slip"},
-    "drape": {"friction", "shear-stiffness", "pretension", "gravity"},
+    "drape": {"friction", "shear-stiffness", "pretension", "gravity", "biaxial-coupling"},
 }  # fmt: skip
 
 
@@ -78,6 +79,9 @@ def test_tilt_of_a_press_is_found_and_the_extended_press_lacks_nothing(press: Pa
         i for one in document["indistinguishable"] for i in one
     }  # type: ignore[attr-defined]
     assert "tilt" in named
+    [strain] = document["validity"]  # type: ignore[misc]
+    assert (strain["of"], strain["from"]) == ("strain", "foam.toml")  # type: ignore[index]
+    assert 0.0 < strain["used"][1] < 1.0  # type: ignore[index]
     assert document["error"]["after"]["rms"] < 1.2 * document["error"]["noise"]["rms"]  # type: ignore[index]
     extended = json.loads((press / "loop.model.json").read_text())
     assert extended["format"] == "hyperfab.press/1"
@@ -94,7 +98,12 @@ def test_a_press_that_lacks_nothing_is_noise(press: Path, hf: Run) -> None:
     film(press, ())
     done = hf("close-loop", "press.json", "--measured", "film.csv", "-o", "-", cwd=press)
     assert done.returncode == 0, done.stderr.decode()
-    assert json.loads(done.stdout)["verdict"] == "noise"
+    found = json.loads(done.stdout)
+    assert found["verdict"] == "noise"
+    (press / "alike.json").write_bytes(done.stdout)
+    again = hf("close-loop", "--like", "alike.json", cwd=press)
+    assert again.returncode == 0, again.stderr.decode()
+    assert json.loads(again.stdout) | {"provenance": 0} == found | {"provenance": 0}
 
 
 def test_the_loop_of_a_press_that_forms_writes_its_pictures_too(press: Path, hf: Run, tmp_path: Path) -> None:
@@ -221,6 +230,9 @@ def test_pretension_of_a_punched_sheet_is_found(tmp_path: Path, hf: Run) -> None
     assert done.returncode == 0, done.stderr.decode()
     document = closed(tmp_path, "contact")
     assert [one["id"] for one in document["effects"]] == ["pretension"]  # type: ignore[attr-defined]
+    [stretch] = [one for one in document["validity"] if one["of"] == "stretch"]  # type: ignore[attr-defined]
+    assert 1.2 < stretch["used"][1] < 1.4  # 60 mm deep; nothing says how far the fabric was tested
+    assert "known" not in stretch
     extended = json.loads((tmp_path / "loop.model.json").read_text())
     assert extended["setup"]["prestretch"] > 1.005
 
@@ -242,6 +254,9 @@ def test_weight_of_a_draped_sheet_is_found(tmp_path: Path, hf: Run) -> None:
     assert done.returncode == 0, done.stderr.decode()
     document = closed(tmp_path, "drape")
     assert [one["id"] for one in document["effects"]] == ["gravity"]  # type: ignore[attr-defined]
+    ways = {one["direction"]: one for one in document["validity"]}  # type: ignore[attr-defined]
+    assert ways["warp"]["used"][1] > 1.05
+    assert ways["weft"]["within"] is True
     assert json.loads((tmp_path / "loop.model.json").read_text())["mass_g_m2"] > 300.0
     # The tests that were taken as laws are written anew with their refitted stiffness.
     assert {"loop.model.warp.csv", "loop.model.weft.csv"} <= set(document["files"])  # type: ignore[arg-type]
@@ -282,3 +297,37 @@ def test_the_law_of_a_membrane_has_its_own_shear(tmp_path: Path, hf: Run) -> Non
     (shear,) = (one for one in document["candidates"] if one["id"] == "shear-stiffness")  # type: ignore[attr-defined]
     assert shear["not_sought"] == "the law of a membrane has its own shear"
     assert not [one for one in document["effects"] if one["id"] == "shear-stiffness"]  # type: ignore[attr-defined]
+
+
+@pytest.mark.slow
+def test_markers_of_a_membrane_say_what_a_net_lacks(tmp_path: Path, hf: Run) -> None:
+    """Markers of the same fabric draped as a membrane: no entry of a net carries them, the membrane does."""
+    (tmp_path / "ball.stl").write_bytes(nets.ball_stl(rings=20, around=40))
+    fabric = {"format": "hyperfab.material/1", "model": "neo-hookean", "parameters": {"C10_MPa": 0.2}}
+    (tmp_path / "fabric.json").write_text(json.dumps(fabric))
+    words = [
+        "fabric.json",
+        "--mold",
+        "ball.stl",
+        "--grid",
+        "21x21",
+        "--thickness",
+        "1mm",
+        "--size",
+        "200mmx200mm",
+    ]
+    for name, more in (("net.json", []), ("true.json", ["--sheet", "membrane"])):
+        done = hf("drape", *words, "--depth", "55mm", *more, "-o", name, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr.decode()
+    field = meshio.read(tmp_path / "true.vtu")
+    flat, there = field.point_data["flat_mm"], field.points
+    noisy = there + 0.05 * np.random.default_rng(4).standard_normal(there.shape)
+    csv(tmp_path / "markers.csv", "x0 [mm],y0 [mm],x [mm],y [mm],z [mm]", *flat[:, :2].T, *noisy.T)
+    done = hf("close-loop", "net.json", "markers.csv", "-o", "loop.json", cwd=tmp_path)
+    assert done.returncode == 1, done.stderr.decode()
+    document = closed(tmp_path, "drape")
+    (entry,) = (one for one in document["candidates"] if one["id"] == "biaxial-coupling")  # type: ignore[attr-defined]
+    assert "--sheet membrane" in entry["not_sought"]
+    last = str(document["summary"][-1])  # type: ignore[index]
+    assert "biaxial-coupling is lacking" in last
+    assert float(last.split("misses by ")[1].split()[0]) == pytest.approx(0.05, rel=0.3)

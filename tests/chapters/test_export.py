@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -58,3 +59,16 @@ def test_the_document_is_never_overwritten(hf: Run, fabric: Path) -> None:
     before = fabric.read_bytes()
     assert hf("export", fabric, "--to", "ansys", "-o", fabric).returncode == 2
     assert fabric.read_bytes() == before
+
+
+def test_a_sheet_that_a_solver_cannot_hold_has_a_way_out(hf: Run, tmp_path: Path) -> None:
+    sheet = {"C10_MPa": 0.05, "k1_warp_MPa": 0.04, "k1_weft_MPa": 0.02, "k2_warp": 1.0, "k2_weft": 0.5}
+    for more, out in (
+        ({}, b"; febio can"),
+        ({"C2_MPa": 0.01}, b"none of the solvers can: fit a law of each"),
+    ):
+        document = {"format": "hyperfab.material/1", "model": "orthotropic", "parameters": {**sheet, **more}}
+        (tmp_path / "sheet.json").write_text(json.dumps(document))
+        done = hf("export", "sheet.json", "--to", "abaqus", cwd=tmp_path)
+        assert done.returncode == 2
+        assert out in done.stderr

@@ -419,11 +419,11 @@ REFUSED = {
         "no route",
         "run.steady",
     ),
-    "no end": (PLATE.replace('until = "300 s"', ""), "no end", "format"),
+    "no end": (PLATE.replace('until = "300 s"', ""), "no end", "run"),
     "unknown material": (
         PLATE.replace('material = "aluminium"', 'material = "steel"'),
         "aluminium",
-        "format",
+        "part.0.material",
     ),
     "mesh too large": (PLATE.replace('"25 mm"', '"0.02 mm"'), "GB", "run.mesh_size"),
     "cavity outside": (

@@ -6,6 +6,8 @@ import math
 
 import pytest
 
+from hyperfab.chapters.summary import paragraph
+
 from .test_mold_heat import heat
 
 #: A wall 60 mm long of two materials; heated at one end, a film at the other, all else insulated.
@@ -56,6 +58,7 @@ def test_a_wall_in_steady_conduction(tmp_path):
     status, found, _ = heat(tmp_path, WALL)
     assert status == 0
     assert found["steady"] is True
+    assert "steady state on 8 W, mass 0.1 kg" in paragraph(found)
     assert found["hottest"]["temperature_degC"] == pytest.approx(HOT, rel=1e-8)
     assert found["hottest"]["at_mm"][0] == pytest.approx(0.0, abs=1e-9)
     assert found["coldest"]["temperature_degC"] == pytest.approx(END, rel=1e-8)
@@ -198,6 +201,28 @@ def test_a_held_temperature_supplies_what_a_steady_mold_loses(tmp_path):
     assert list(lost) == ["convection lump.z+"]
     assert found["power_supplied_W"] == pytest.approx(lost["convection lump.z+"], rel=1e-9)
     assert found["power_supplied_W"] > 0.0
+
+
+def test_where_all_is_constant_the_temperatures_are_told_and_no_range(tmp_path):
+    _, found, _ = heat(tmp_path, LUMP)
+    (entry,) = found["validity"]
+    assert entry["of"] == "temperature_degC"
+    assert entry["used"] == pytest.approx([25.0, 25.0 + warmed(60.0)], abs=0.1)
+    assert "known" not in entry
+
+
+def test_a_schedule_that_ends_before_the_run_is_told(tmp_path):
+    """Its last power goes on; and a power beside a schedule counts for nothing, which is said."""
+    (tmp_path / "power.csv").write_text("time [s],power [W]\n0,20\n40,20\n")
+    plain = heat(tmp_path, LUMP)[1]
+    status, found, _ = heat(tmp_path, LUMP.replace('power = "20 W"', 'power = "1 W"\nschedule = "power.csv"'))
+    (entry,) = [one for one in found["validity"] if one["of"] == "power.csv"]
+    assert (entry["used"], entry["known"], entry["within"]) == ([0.0, 60.0], [0.0, 40.0], False)
+    assert status == 0
+    assert found["notes"] == ["heater.0: its schedule says the power, power beside it is not used"]
+    assert found["probes"]["core"]["final_degC"] == pytest.approx(
+        plain["probes"]["core"]["final_degC"], abs=0.01
+    )
 
 
 def test_a_film_table_used_beyond_its_rows_is_told(tmp_path):

@@ -16,7 +16,7 @@ from hyperfab.chapters.job import Job
 from hyperfab.chapters.sweep import run
 from hyperfab.console import Console
 from hyperfab.documents.base import schema
-from hyperfab.errors import HyperfabError
+from hyperfab.errors import HyperfabError, UsageError
 
 STUDY = f"""
 format = "hyperfab.study/1"
@@ -46,7 +46,7 @@ def sweep(hf: Run, folder: Path, study: str, *options: str) -> tuple[int, str]:
         ('values = ["neo-hookean", "yeoh-2"]', "values = []", 3, "the axis is empty"),
         ("fit.fit.relative_rms", "fit.fit.relative_rsm", 3, "hf fit writes no fit.relative_rsm"),
         ("fit.fit.relative_rms", "fat.fit.relative_rms", 3, "begins with no step"),
-        ('command = "fit"', 'command = "fitt"', 3, "no command 'fitt'"),
+        ('command = "fit"', 'command = "fitt"', 3, "close-loop; hf --help lists the commands"),
         ('"--model"', '"--modle"', 3, "hf fit has no option --modle; --model may be meant"),
         ("{model}", "{modell}", 3, "{modell} is no axis, document or earlier step"),
         ('"{model}"]', '"yeoh-3"]', 3, "axis.model: changes no step"),
@@ -79,6 +79,14 @@ def test_what_cannot_work_is_refused_by_name_before_anything_runs(
     assert found.value.exit_status == status
     assert words in str(found.value)
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("address", ["foo", "tcp://foo", "tcp://10.0.0.5:", "10.0.0.5/8786"])
+def test_an_address_that_is_none_is_refused_before_anyone_is_called(address: str) -> None:
+    with pytest.raises(UsageError, match=r"as tcp://10\.0\.0\.5:8786"):
+        SweepCase(study="study.toml", out="out", scheduler=address).check()
+    for good in ("127.0.0.1:8786", "tls://shop.example:8786", "tcp://[::1]:8786"):
+        SweepCase(study="study.toml", out="out", scheduler=good).check()
 
 
 def test_real_commands_run_in_warm_workers(hf: Run, tmp_path: Path) -> None:

@@ -22,6 +22,7 @@ from hyperfab.chapters.rerun import Listener, rerun
 from hyperfab.chapters.uncertainty.carry import Sure
 from hyperfab.console import Console
 from hyperfab.documents.base import schema
+from hyperfab.errors import NotConverged
 from hyperfab.io.stl_write import stl_bytes
 from hyperfab.samples import cup
 
@@ -273,6 +274,53 @@ def test_warp_and_weft_are_sources_of_their_own(made: Any) -> None:
     budget = found["uncertainty"]["quantities"]["force_N"]["budget"]
     assert [one["share"] for one in budget] == pytest.approx([0.5, 0.5], abs=0.02)  # the ball's facets differ
     assert relative(found, "force_N") == pytest.approx(0.03 / np.sqrt(2.0), rel=1e-3)
+
+
+def one_law_of_the_sheet(constants: dict[str, float], sd: dict[str, float]) -> bytes:
+    """Return the document of one law of the sheet, told for warp and weft too, as ``hf fit`` does."""
+    covariance = [[sd[a] * sd[b] for b in constants] for a in constants]  # all scatter together
+    sure = {"order": list(constants), "specimens": 5, "degrees_of_freedom": 4, "source": "specimens",
+            "covariance": covariance}  # fmt: skip
+    fit = {"E2": 0.0, "relative_rms": 0.0, "nrmse": 0.0, "points": 9, "uncertainty": sure}
+    part = {"parameters": constants, "fit": fit}
+    return json.dumps(
+        {"format": "hyperfab.material/1", "model": "orthotropic", "thickness_mm": 0.6, **part,
+         "directions": {"warp": part, "weft": part}}
+    ).encode()  # fmt: skip
+
+
+SHEET = {"C10_MPa": 0.05, "k1_warp_MPa": 0.04, "k1_weft_MPa": 0.02}
+
+
+@pytest.mark.parametrize(
+    "command", [CONTACT, (*DRAPE, "--sheet", "membrane"), DRAPE], ids=["sphere", "sheet", "net"]
+)
+def test_one_law_of_the_sheet_is_one_source(made: Any, command: tuple[str, ...]) -> None:
+    given = one_law_of_the_sheet(SHEET, {name: 0.02 * value for name, value in SHEET.items()})
+    found = made((*command, "--uncertainty", "linear"), fabric_json=given)
+    assert relative(found, "force_N") == pytest.approx(0.02, rel=1e-4)
+    budget = found["uncertainty"]["quantities"]["force_N"]["budget"]
+    assert [one["source"] for one in budget] == ["fabric.json: constants, 5 specimens"]
+
+
+def test_no_constant_is_drawn_where_it_has_no_meaning(made: Any) -> None:
+    """Threads of hardly any stress: half the draws would be of less than none, and refused."""
+    constants = SHEET | {"k1_weft_MPa": 1e-5}
+    sd = {"C10_MPa": 0.001, "k1_warp_MPa": 0.001, "k1_weft_MPa": 2e-3}
+    found = made((*CONTACT, "--uncertainty", "sampled"), fabric_json=one_law_of_the_sheet(constants, sd))
+    band = found["uncertainty"]["quantities"]["force_N"]
+    assert band["low"] < found["force_N"] < band["high"]
+    assert not [text for text in found["uncertainty"]["left_out"] if "fail" in text]
+
+
+def test_what_is_not_carried_is_named_in_the_document(made: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(*_: Any) -> None:
+        raise NotConverged("no equilibrium")
+
+    monkeypatch.setattr("hyperfab.chapters.fabric_contact.nearby.Beside.at", fails)
+    found = made((*CONTACT, "--uncertainty", "sampled"), fabric_json=material(scaled(0.03)))
+    assert found["uncertainty"]["quantities"] == {}
+    assert found["uncertainty"]["left_out"] == ["all figures: 400 of 400 runs that were drawn fail"]
 
 
 def test_a_warm_up_without_losses_takes_as_long_as_the_power_is_small(made: Any) -> None:

@@ -195,3 +195,13 @@ def test_a_document_of_another_kind_is_refused(tmp_path: Path, hf: Run) -> None:
 
 def test_readme_explains_it() -> None:
     assert "`--like" in (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def test_a_document_that_people_write_comes_by_a_pipe_or_under_another_name(hf: Run, tmp_path: Path) -> None:
+    (tmp_path / "mold.txt").write_text(MOLD)
+    piped = hf("mold-heat", "-", stdin=MOLD.encode(), cwd=tmp_path)
+    named = hf("mold-heat", "mold.txt", cwd=tmp_path)
+    assert piped.returncode == named.returncode == 0, piped.stderr.decode() + named.stderr.decode()
+    one, other = json.loads(piped.stdout), json.loads(named.stdout)
+    assert one["probes"] == other["probes"]
+    assert one["energy"] == other["energy"]

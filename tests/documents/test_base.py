@@ -97,3 +97,31 @@ def test_a_wrong_key_in_a_list_is_told_by_the_name_of_its_entry() -> None:
 def test_all_keys_that_are_wrong_are_named_beside_the_first() -> None:
     with pytest.raises(InputError, match=r"key bogus: .* \(and 3 more: material, part, run\)"):
         parse_document({"format": "hyperfab.mold/1", "bogus": 1}, "m.toml", MoldDocument)
+
+
+PLATE: dict[str, Any] = {
+    "format": "hyperfab.mold/1",
+    "material": {"steel": {"density": "7800 kg/m^3", "conductivity": "50 W/m/K", "specific_heat": "470 J/kg/K"}},
+    "part": [
+        {"name": "plate", "material": "steel", "box": {"origin": ["0 mm"] * 3, "size": ["9 mm"] * 3}},
+    ],
+    "run": {"start": "25 degC", "until": "60 s", "mesh_size": "9 mm"},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("change", "key"),
+    [
+        ({"run": {"start": "25 degC", "mesh_size": "9 mm"}}, "run"),
+        ({"part": [PLATE["part"][0] | {"material": "stel"}]}, "part.0.material"),
+        ({"heater": [{"on": "plate.z-", "power": "1 W", "control": {"probe": "p", "set": "99 degC", "band": "2 K"}}]},
+         "heater.0.control"),
+        ({"run": PLATE["run"] | {"target": "99 degC"}}, "run.target"),
+    ],
+)  # fmt: skip
+def test_keys_that_do_not_go_together_are_told_by_the_one_to_look_at(
+    change: dict[str, Any], key: str
+) -> None:
+    parse_document(PLATE, "mold.toml", MoldDocument)
+    with pytest.raises(InputError, match=f"^mold.toml, key {key}: "):
+        parse_document(PLATE | change, "mold.toml", MoldDocument)

@@ -219,6 +219,27 @@ def test_a_file_is_recognised_by_its_name_or_its_columns(name: str, heads: str, 
     assert found.mode == test
 
 
+@pytest.mark.parametrize(
+    ("title", "test"),
+    [
+        ("Zugversuch nach ISO 13934-1", "uniaxial"),
+        ("Planar tension, lot 7", "shear"),
+        ("Lot 7 of March", None),
+    ],
+)
+def test_a_file_is_recognised_by_a_title_that_stands_in_a_line_by_itself(
+    title: str, test: str | None
+) -> None:
+    """Also where the line is filled up with empty cells, as a spreadsheet fills it."""
+    for line in (title, f"{title};;"):
+        text = f"{line}\nPrüfer;Meier;\n\nDehnung [%];Spannung [MPa];Bemerkung\n10;0,2;\n20;0,4;ok\n"
+        if test is None:
+            with pytest.raises(InputError, match="does not say which test it is"):
+                read_tests(text.encode(), "k17.csv")
+        else:
+            assert read_tests(text.encode(), "k17.csv")[0].mode == test
+
+
 def test_closing_rows_and_errors_of_a_spreadsheet_are_counted() -> None:
     [found] = read(OTHERS["nv_rows"], "a")
     assert found.left_out == {"no reading (#NV)": 1}

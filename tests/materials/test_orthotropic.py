@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -136,6 +138,32 @@ def test_it_finds_its_own_constants():
     assert not found.unknown
     for name in NAMES:
         assert found.law.parameters[name] == pytest.approx(KNIT[name], rel=1e-6)
+
+
+def test_readings_of_an_isotropic_sheet_with_eight_digits_have_its_law_and_no_more():
+    """What a constant would gain below the rounding of a file is not worth its name: the law can then be exported."""
+    law = Orthotropic.of({"C10_MPa": 0.2})
+    tests = [_pulls(law, angle, width=angle == 0.0) for angle in (0.0, 90.0, 45.0)]
+    tests.append(_held(law, "biaxial", LAM))
+    rounded = [
+        dataclasses.replace(
+            test, stress=np.array([float(f"{value:.7e}") for value in test.stress]),
+        )
+        for test in tests
+    ]  # fmt: skip
+    found = identify(rounded).law.parameters
+    assert found["C10_MPa"] == pytest.approx(0.2, rel=1e-7)
+    assert {name: found[name] for name in (*LINEAR[1:], "nu")} == dict.fromkeys(LINEAR[1:], 0.0) | {"nu": 0.5}
+
+
+def test_constants_at_the_end_of_their_range_are_not_in_how_sure_the_others_are():
+    law = Orthotropic.of({"C10_MPa": 0.2, "C2_MPa": 0.05})
+    tests = [_pulls(law, 0.0, width=True), _held(law, "shear", np.ones_like(LAM))]
+    found = identify(tests)
+    held = found.sought.index("nu")
+    assert found.law.parameters["nu"] == 0.5
+    assert not found.optimum.jacobian[:, held].any()
+    assert found.optimum.jacobian[:, found.sought.index("C2_MPa")].any()
 
 
 def test_what_the_tests_leave_open_is_named_and_absent():

@@ -38,8 +38,9 @@ from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.scatter import Guess, guess_of_curve
 from hyperfab.materials.registry import bind
-from hyperfab.membrane.equilibrium import NoEquilibriumError
+from hyperfab.membrane.equilibrium import NoEquilibriumError, State
 from hyperfab.membrane.friction import Coulomb, Stick
+from hyperfab.membrane.measures import fields
 from hyperfab.membrane.sheet import Sheet as SheetAlone
 from hyperfab.membrane.sphere_contact import SphereTest, rough_path
 
@@ -127,7 +128,13 @@ def pose_sheet(
     axes = [
         Setting(one, 1.0, reach, reach, level=1, mixes=False) for i, one in enumerate(names) if i != first
     ]
-    base, _ = forward.path(test, knots)
+    held, states = forward.states(test, knots)
+    base = np.array([state.force for state in states]) / knots
+    # A sheet that hangs slack carries nothing: its law is not asked below 1.
+    met = np.maximum(fields(held, states[-1].places).stretch, 1.0)
+    forward.job.ranges.used(
+        "stretch", met, known=forward.fabric.tested, source=forward.fabric.name, then="extrapolated"
+    )
     tension = float(base[-1] * knots[-1]) / (2.0 * np.pi * 0.5 * test.outline.reach)
     # From the model on: taut or slacker where the model is taut already.
     down = min(test.prestretch - 1.0, 0.05) if test.prestretch > 1.0 else 0.0
@@ -186,12 +193,16 @@ class Forward:
     def path(self, test: SphereTest, knots: Array) -> tuple[Array, Array]:
         """Return force over depth at ``knots`` (k,) [N/mm] and the pull of the rim there; NoEquilibriumError where
         they are not all reached."""
+        held, states = self.states(test, knots)
+        pulls = [held.pull(state.places) for state in states]
+        return np.array([state.force for state in states]) / knots, np.array(pulls)
+
+    def states(self, test: SphereTest, knots: Array) -> tuple[SheetAlone, Sequence[State]]:
+        """Return the sheet and its states at depths ``knots`` (k,); NoEquilibriumError where not all are reached."""
         press, path = rough_path(test, [float(v) for v in knots])
         if path.limit is not None or len(path.states) < len(knots):
             raise NoEquilibriumError("the path ends early")
-        held = SheetAlone(press.sheet.mesh, test.law, test.thickness, test.prestretch)
-        pulls = [held.pull(state.places) for state in path.states]
-        return np.array([state.force for state in path.states]) / knots, np.array(pulls)
+        return SheetAlone(press.sheet.mesh, test.law, test.thickness, test.prestretch), path.states
 
     def corrected(self, problem: Problem, found: Finding) -> Problem | None:
         """Return the problem with the force corrected by a run of what was found, where the emulated one is off."""

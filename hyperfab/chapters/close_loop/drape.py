@@ -18,15 +18,17 @@ from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, sprea
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
 from hyperfab.chapters.close_loop.softening import linear_of, scaled_material
 from hyperfab.chapters.close_loop.upstream import WRITTEN
-from hyperfab.chapters.drape.fabric import read_fabric
+from hyperfab.chapters.drape.fabric import note_ranges, read_fabric
 from hyperfab.chapters.drape.model import Model, model_of, read_files
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import Listener, Overlay, check_unchanged, unchanged
-from hyperfab.cloth import HeldNodeInside, Sheet, drape, follow, load_steps, raised
+from hyperfab.chapters.validity import Ranges
+from hyperfab.cloth import Equilibrium, HeldNodeInside, Sheet, answers, drape, follow, load_steps, raised
 from hyperfab.cloth.net import GRAVITY
 from hyperfab.documents.base import read_document
+from hyperfab.documents.loop import LoopDocument
 from hyperfab.documents.material import MaterialDocument
-from hyperfab.errors import InputError, NotConverged
+from hyperfab.errors import HyperfabError, InputError, NotConverged
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.layout import Layout
@@ -47,6 +49,8 @@ _NEAR = 1e-2
 _OFF, _ASIDE = 0.2, 0.12
 #: How far an added prestretch and the friction may go.
 _MOST_STRETCH, _MOST_FRICTION = 0.12, 0.6
+#: What a membrane leaves, over what the net does with all that was added, where coupling is named.
+_COUPLED = 0.8
 #: Weight of the sheet over what a unit strain of it pulls with, at the most; and the masses that has to lie between.
 _SAG, _MASSES = 0.025, (200.0, 5000.0)
 
@@ -82,12 +86,14 @@ def run(job: Job, given: Given) -> int:
     with job.console.progress("Closing the loop") as advance:
         draped = pose_sheet(forward, lambda share: advance(0.3 * share, "forward runs"))
     problem = pose(draped, files.plain, given.surely, given.case.fix)
-    upstream = None
+    traces: list[Callable[[Finding, LoopDocument], Sequence[str]]] = []
+    if made.case.sheet == "net" and material is not None:
+        traces.append(lambda found, result: as_membrane(forward, problem, files.plain, found, result))
     if given.case.upstream:
         # It drapes sheets as this module does.
         from hyperfab.chapters.close_loop.upstream_drape import tracing
 
-        upstream = tracing(forward, problem, given.surely, out)
+        traces.append(tracing(forward, problem, given.surely, out))
     return finish(
         job,
         out,
@@ -98,8 +104,36 @@ def run(job: Job, given: Given) -> int:
         extend=lambda found: extend_drape(out, made.case, material, forward.sheet, problem, found),
         rounds=forward.corrected,
         apart=files.apart,
-        upstream=upstream,
+        upstream=lambda found, result: [text for trace in traces for text in trace(found, result)],
     )
+
+
+def as_membrane(
+    forward: Forward, problem: DrapeProblem, files: Sequence[Markers], found: Finding, result: LoopDocument
+) -> Sequence[str]:
+    """Return what the fabric's own law as a membrane would leave, where a net does not carry the markers.
+
+    How warp and weft answer to each other has no amount that could be added to springs: it is another sheet.
+    """
+    if found.verdict != "unexplained":
+        return []
+    job = replace(forward.job, ranges=Ranges())
+    coupled = Forward(job, replace(forward.case, sheet="membrane"), forward.material)
+    grid = (forward.sheet.n, forward.sheet.m)
+    try:
+        places = coupled.nodes(np.ones(len(coupled.names)), {}, grid)
+    except HyperfabError:
+        return []
+    posed = drape_problem(replace(problem.draped, base=places), files)
+    rows = slice(posed.curves[posed.measured_files - 1].stop)
+    given = np.array([one.value for one in posed.own])
+    left = float(np.sqrt(np.mean((posed.measured - posed.predict(given, {}))[rows] ** 2)))
+    if left >= _COUPLED * result.error.after.rms:
+        return []
+    return [
+        f"As a membrane, its law coupling warp and weft, the same fabric misses by {left:.3g} mm as it is: "
+        "biaxial-coupling is lacking. Drape it with --sheet membrane, and close the loop on that."
+    ]
 
 
 def read_markers(job: Job, name: str, layout: Layout | None) -> tuple[Markers, Array | None]:
@@ -164,7 +198,10 @@ class Forward:
 
     def nodes(self, law: Array, added: Mapping[str, float], grid: tuple[int, int] | None = None) -> Array:
         """Return where the nodes (n, m, 3) rest; NotConverged where there is no equilibrium."""
-        model = self.model(law, added, grid)
+        return np.asarray(self.rest(self.model(law, added, grid)).state.x)
+
+    def rest(self, model: Model) -> Equilibrium:
+        """Return the equilibrium of a model at its depth; NotConverged where there is none."""
         rise = model.case.wanted[-1]
         try:
             if model.case.has_friction:
@@ -178,7 +215,7 @@ class Forward:
             raise NotConverged(str(error)) from None
         if found.residual_relative > _NEAR or not there:
             raise NotConverged("the sheet finds no equilibrium")
-        return np.asarray(found.state.x)
+        return found
 
     def corrected(self, problem: Problem, found: Finding) -> Problem | None:
         """Return the problem with runs at and around what was found, where the nodes rest elsewhere than thought."""
@@ -233,7 +270,9 @@ def pose_sheet(forward: Forward, tick: Callable[[float], None]) -> Draped:
     if sheet.membrane is None:  # a membrane's law has its own shear
         axes.append(Setting("shear", 0.0, 0.4 * modulus))
     axes.append(Setting("mass", 0.0, float(np.clip(heavy, *_MASSES))))
-    base = forward.nodes(plain, {})
+    model = forward.model(plain, {})
+    rest = forward.rest(model)
+    base = np.asarray(rest.state.x)
     settings, values = [np.array([axis.base for axis in axes])], [base.ravel()]
     plan = places(axes)
     for count, place in enumerate(plan):
@@ -246,13 +285,16 @@ def pose_sheet(forward: Forward, tick: Callable[[float], None]) -> Draped:
         finally:
             tick((count + 1) / len(plan))
     axes = [reached(axis, np.array(settings)[:, i]) for i, axis in enumerate(axes)]
-    fine = base
     if max(sheet.n, sheet.m) > _NODES:
-        fine = forward.nodes(plain, {}, (sheet.n, sheet.m))
+        model = forward.model(plain, {}, (sheet.n, sheet.m))
+        rest = forward.rest(model)
+    told = answers(model.sheet, raised(model.mold, model.case.wanted[-1]), rest)
+    note_ranges(forward.job, forward.files.fabric, told.stretch_warp, told.stretch_weft)
     case = forward.case
     alike = not case.blank_holder and case.shear_law is None
     carried = (case.shear_modulus or 0.0, case.mass) if alike else None
     kriged = krige(axes, np.array(settings), np.array(values))
+    fine = np.asarray(rest.state.x)
     return Draped(kriged, forward.grid, fine, sheet.size, forward.names, forward.scales, carried, sheet.round)
 
 

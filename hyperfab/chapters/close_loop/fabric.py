@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 
 import numpy as np
@@ -16,9 +17,11 @@ from hyperfab.chapters.close_loop.sure import mark, tell_sure
 from hyperfab.chapters.fabric import ORTHOTROPIC
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.tested import tested_by
-from hyperfab.documents.base import parse_document
+from hyperfab.chapters.validity import Ranges
+from hyperfab.documents.base import Validity, parse_document
 from hyperfab.documents.loop import Errors
 from hyperfab.documents.material import MaterialDocument
+from hyperfab.documents.provenance import record
 from hyperfab.errors import InputError
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
@@ -80,6 +83,8 @@ def run(job: Job, given: Given) -> int:
     if apart is not None and held_out is not None:
         result.held_out = _errors(apart, found, tests.unit, len(held_out.tests))
     if out.wants_files:
+        model.provenance = record(job.command, job.arguments, job.inputs.files, out.target)
+        model.validity = _closed_on(given.measured, tests)
         out.add(".model.json", dump_json(model.to_json()))
         result.model = out.path(".model.json").name
         _files(out, problem, found, tests.unit)
@@ -141,6 +146,16 @@ def _note_ranges(job: Job, document: MaterialDocument, name: str, tests: Measure
         known = document.tested_stretch(way)
         for range_ in (tested_by([test]) or {}).values():
             job.ranges.used("stretch", range_.stretch, known=known, source=name, direction=way)
+
+
+def _closed_on(files: Sequence[str], tests: Measured) -> list[Validity]:
+    """Return where the extended model was used, and is known: at the stretches of each file it was closed on."""
+    ranges = Ranges()
+    for name in files:
+        read = tested_by([test for test in tests.tests if test.source.startswith(name)]) or {}
+        met = [end for range_ in read.values() for end in range_.stretch]
+        ranges.used("stretch", met, known=met, source=os.path.basename(name))
+    return ranges.entries
 
 
 def _warn(job: Job, document: MaterialDocument, tests: Measured) -> None:

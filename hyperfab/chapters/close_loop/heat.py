@@ -18,6 +18,7 @@ from hyperfab.chapters.close_loop.readings import Thermocouples, check_fixed, re
 from hyperfab.chapters.close_loop.sure import caution, noted
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.mold_heat.problem import MoldBuilder, Problem
+from hyperfab.chapters.mold_heat.recipe import note_ranges
 from hyperfab.documents.base import parse_document
 from hyperfab.documents.mold import ContactSection, ConvectionSection, MoldDocument
 from hyperfab.errors import InputError, UsageError
@@ -81,6 +82,9 @@ def run(job: Job, given: Given) -> int:
         found = close(problem, noise=level, tick=ticking(advance, 0.2, _REFITS))
     left_out = {f"no reading of {name}": count for name, count in read.missing.items()}
     result = describe(problem, found, "K", left_out, [], domain="heat")
+    fit = found.after.fit
+    met = problem.temperatures(fit.x[: fit.own], fit.terms)
+    note_ranges(job, given.name, builder.tables, *met, problem.runs[0].clock[0])
     if out.wants_files:
         target = out.path(".model.toml")
         folders = (os.path.dirname(given.name), str(target.parent))
@@ -182,7 +186,9 @@ def _with_held_faces(
         for held in document.temperature
     ]
     changed = document.model_copy(update={"temperature": [], "convection": [*document.convection, *films]})
-    return changed, MoldBuilder(changed, name, job.inputs)
+    other = MoldBuilder(changed, name, job.inputs)
+    other.tables = builder.tables  # one account of what was read, whatever it is built of
+    return changed, other
 
 
 def _base(document: MoldDocument, built: Problem) -> list[str]:

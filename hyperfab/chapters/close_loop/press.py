@@ -19,8 +19,9 @@ from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, sprea
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
 from hyperfab.chapters.close_loop.upstream import WRITTEN
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.press_contact.command import SIBLINGS, solve
+from hyperfab.chapters.press_contact.command import SIBLINGS, note_ranges, solve
 from hyperfab.chapters.press_contact.formed import formed, read_setting
+from hyperfab.chapters.press_contact.formed import note_ranges as note_set_ranges
 from hyperfab.chapters.press_contact.laws import compression_law
 from hyperfab.chapters.press_contact.model import model_of, read_files
 from hyperfab.chapters.press_contact.press_result import PressResult
@@ -108,9 +109,12 @@ def closed_press(job: Job, case: PressCase) -> tuple[PressResult, list[str]]:
     setting = read_setting(quiet, case.foam, files.document)
     model = model_of(quiet, case, files)
     told = solve(quiet, model)
+    note_ranges(quiet, model, told.closed)
     if setting is not None and case.dwell is not None:
         column = column_of(quiet, model, told.closed)
-        told = replace(told, formed=formed(setting, column, case.dwell, told.closed))
+        stays = formed(setting, column, case.dwell, told.closed)
+        note_set_ranges(quiet, stays, case.dwell, told.closed)
+        told = replace(told, formed=stays)
     return told, listener.warnings
 
 

@@ -49,6 +49,7 @@ from hyperfab.chapters.uncertainty.sources import (
     origins,
     read_as,
 )
+from hyperfab.chapters.validity import Ranges
 from hyperfab.documents.base import parse_document
 from hyperfab.documents.loop import LoopDocument
 from hyperfab.documents.material import MaterialDocument
@@ -259,7 +260,8 @@ class PressChain:
     def shown(self, link: Link, change: Array, corrected: Corrected, readings: Sequence[Reading]) -> Array:
         """Return what the corrected press shows at the readings, the whole chain run anew."""
         case: PressCase = corrected.case  # type: ignore[assignment]
-        told: PressResult = closed_press(replace(self.job, inputs=Overlay(corrected.files)), case)[0]
+        job = replace(self.job, inputs=Overlay(corrected.files), ranges=Ranges())
+        told: PressResult = closed_press(job, case)[0]
         closed = told.closed
         look = _Look(closed.cold, closed.front.faces, told.frame.inward, readings)
         return look(closed.press.sandwich, closed.contact.gap, closed.touch)

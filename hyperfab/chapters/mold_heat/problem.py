@@ -240,6 +240,10 @@ class MoldBuilder:
         for i, heater in enumerate(document.heater):
             if heater.schedule is not None:
                 timed[f"heater.{i}"] = self.tables.file(heater.schedule, "power", "time")
+                if heater.power is not None:
+                    self.doubts.append(
+                        f"heater.{i}: its schedule says the power, power beside it is not used"
+                    )
         for i, contact in enumerate(document.contact):
             if contact.schedule is not None:
                 timed[f"contact.{i}"] = self.tables.file(contact.schedule, "dimensionless", "time")

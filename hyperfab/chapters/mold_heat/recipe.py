@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from hyperfab.arrays import Array
 from hyperfab.cases.mold import MoldCase
@@ -13,6 +14,7 @@ from hyperfab.chapters.mold_heat.files import load_writers, write_fields
 from hyperfab.chapters.mold_heat.pace import Pace
 from hyperfab.chapters.mold_heat.problem import MoldBuilder, Problem
 from hyperfab.chapters.mold_heat.result import IMBALANCE_ALLOWED, steady_document, transient_document
+from hyperfab.chapters.mold_heat.tables import Tables
 from hyperfab.chapters.mold_heat.variations import SHARPER, read_variations, variations_csv, vary
 from hyperfab.chapters.uncertainty import carry
 from hyperfab.chapters.uncertainty.carry import Sure
@@ -87,7 +89,10 @@ def run(job: Job, case: MoldCase) -> int:
         advance(0.97, "writing")
     for text in problem.notes:
         job.console.note(f"{mold}: {text}")
-    _note_ranges(job, mold, builder, problem, history)
+    outer = np.unique(problem.mesh.facet_nodes(problem.mesh.facets.outer))
+    reached = history.states.extremes
+    everywhere = reached(np.arange(problem.mesh.solid))
+    note_ranges(job, mold, builder.tables, reached(outer), everywhere, history.states.times)
     result.design = chosen
     result.notes = builder.doubts + problem.notes
     _say(job, result)
@@ -115,14 +120,23 @@ def _origins(job: Job, case: MoldCase, builder: MoldBuilder) -> Origins:
     return found
 
 
-def _note_ranges(job: Job, name: str, builder: MoldBuilder, problem: Problem, history: History) -> None:
-    """Note between which temperatures the tables were used: films on the outer faces, the rest anywhere."""
-    outer = np.unique(problem.mesh.facet_nodes(problem.mesh.facets.outer))
-    everywhere = np.arange(problem.mesh.solid)
-    for (kind, table), known in builder.tables.tabulated.items():
-        where = outer if kind == "film-coefficient" else everywhere
-        met = history.states.extremes(where)
-        job.ranges.used(table, met, known=known, source=name, unit="degC", then="its end rows hold there")
+def note_ranges(
+    job: Job, name: str, tables: Tables, outer: ArrayLike, everywhere: ArrayLike, times: ArrayLike
+) -> None:
+    """Note where the tables were used: films at the temperatures of the ``outer`` faces [degC], what materials have at
+    those ``everywhere``, the rest at ``times`` [s].
+
+    Where no table states a temperature, all are constants: the mold's temperatures are told, and that nothing says
+    where those hold.
+    """
+    then = "its end rows hold there"
+    for (kind, table), known in tables.tabulated.items():
+        met = outer if kind == "film-coefficient" else everywhere
+        job.ranges.used(table, met, known=known, source=name, unit="degC", then=then)
+    if not tables.tabulated:
+        job.ranges.used("temperature_degC", everywhere, known=None, source=name)
+    for table, known in tables.timed.items():
+        job.ranges.used(table, times, known=known, source=name, unit="s", then=then)
 
 
 def _transient(

@@ -32,6 +32,8 @@ class Tables:
         self._document = document
         #: Tables against temperature by kind and the name that the document gives them: their ends [degC].
         self.tabulated: dict[tuple[str, str], tuple[float, float]] = {}
+        #: Tables against time by the name that the document gives them: their ends [s].
+        self.timed: dict[str, tuple[float, float]] = {}
         #: Film coefficients that state how sure they are, by the file.
         self.unsure: dict[str, Table] = {}
 
@@ -60,8 +62,11 @@ class Tables:
                 wrong = table[column] <= 0.0 if positive else table[column] < 0.0
                 why = f"{{:g}} is {'not positive' if positive else 'negative'}"
                 table.refuse(wrong, why, column=column, remedy="correct the value")
+        ends = float(table[against][0]), float(table[against][-1])
         if against == "temperature":
-            self.tabulated[kind, relative] = float(table[against][0]), float(table[against][-1])
+            self.tabulated[kind, relative] = ends
+        else:
+            self.timed[relative] = ends
         sd = table.columns.get(f"{found} sd")
         read = Table(table[against], values, sd if sd is not None and sd.any() else None)
         if read.sd is not None:

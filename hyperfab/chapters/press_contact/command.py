@@ -74,7 +74,7 @@ def run(job: Job, case: PressCase) -> int:
             stays = formed(setting, told.warmed.column, told.warmed.dwell, told.closed)
             note_set_ranges(job, stays, told.warmed.dwell, told.closed)
             told = replace(told, formed=stays, wanted=wanted)
-        _note_ranges(job, model, told.closed)
+        note_ranges(job, model, told.closed)
         _tell_overlap(job, told.closed, told.frame)
         advance(0.6, "design")
         stl = b""
@@ -136,8 +136,8 @@ def solve(job: Job, model: Model) -> PressResult:
     return PressResult(model, closed, _curve(closed, model.case.strokes))
 
 
-def _note_ranges(job: Job, model: Model, closed: Closed) -> None:
-    """Note where the tables of foam.toml were used, beside the rows they have."""
+def note_ranges(job: Job, model: Model, closed: Closed) -> None:
+    """Note where the laws and tables of foam.toml were used, beside what was tested or the rows they have."""
     document, sandwich, foam = model.files.document, closed.press.sandwich, model.case.foam
     strain = sandwich.strain(closed.contact.gap)
     if any(isinstance(law, TableLaw) for law in document.laws):
@@ -165,6 +165,8 @@ def _note_ranges(job: Job, model: Model, closed: Closed) -> None:
             job.ranges.used(
                 f"expansion.{side}", grown.temperature, known=rows.temperatures, source=foam, unit="degC"
             )
+    if not job.ranges.entries:  # laws by their constants alone: nothing says how far they hold
+        job.ranges.used("strain", strain, known=None, source=foam)
 
 
 def _tell_held(job: Job, path: str, fitted: MaterialDocument, strain: float) -> None:

@@ -23,11 +23,14 @@ def check_study(plan: Plan, commands: Any) -> None:
     for position, step in enumerate(first.steps):
         wrong = commands.check(step.command, step.words)
         if wrong:
+            known = step.command in commands.COMMANDS
             raise InputError(
                 wrong,
                 file=plan.file,
                 key=f"step.{position}",
-                remedy=f"hf {step.command} --help shows its options",
+                remedy=f"hf {step.command} --help shows its options"
+                if known
+                else "hf --help lists the commands",
             )
     for name, path in plan.study.figures.items():
         _check_figure(plan, commands, name, path)

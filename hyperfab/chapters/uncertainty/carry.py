@@ -267,8 +267,12 @@ class Carried:
         self.along = {name: found.along for name, found in spread.items()}
         lost = count - len(rows)
         if lost > _FAILED * count:
-            self.job.console.warn(f"uncertainty is not carried: {lost} of {count} runs that were drawn fail")
-            return Sure()
+            why = f"{lost} of {count} runs that were drawn fail"
+            self.job.console.warn(f"uncertainty is not carried: {why}")
+            self.fields, self.along = {}, {}
+            return self._told(
+                "sampled", {}, [*left_out, f"all figures: {why}"], reason=reason, samples=len(rows)
+            )
         left_out += [f"{lost} of {count} runs that were drawn, which fail"] if lost else []
         bands = {}
         for name, value in self.value.items():

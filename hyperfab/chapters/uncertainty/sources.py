@@ -17,6 +17,7 @@ from hyperfab.arrays import Array
 from hyperfab.cases.case import Case
 from hyperfab.cases.place import get, put
 from hyperfab.cases.tolerances import tolerances
+from hyperfab.chapters.fabric import ORTHOTROPIC
 from hyperfab.chapters.uncertainty.changed import Changed, Kept
 from hyperfab.documents.base import Document, parse_document
 from hyperfab.documents.material import AtTemperature, Direction, FitUncertainty, MaterialDocument
@@ -24,6 +25,7 @@ from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.units import Toleranced, tolerance
 from hyperfab.materials.law import scaled
+from hyperfab.materials.orthotropic.energy import WALLS
 from hyperfab.numerics.propagation import Source
 from hyperfab.thermal.tables import Table
 
@@ -67,12 +69,13 @@ class Setting:
 
 @dataclass(frozen=True)
 class Entry:
-    """A number of a document, with its ``unit`` where it is text."""
+    """A number of a document, with its ``unit`` where it is text; it has a meaning between its ``walls`` alone."""
 
     file: str
     place: Place
     value: float
     unit: str | None = None
+    walls: tuple[float, float] = (-math.inf, math.inf)
 
     @property
     def name(self) -> str:
@@ -83,7 +86,7 @@ class Entry:
         """Change it."""
         at = inside(inputs.document(self.file), self.place[:-1])
         if self.unit is None:
-            at[self.place[-1]] = float(at[self.place[-1]]) + change
+            at[self.place[-1]] = min(max(float(at[self.place[-1]]) + change, self.walls[0]), self.walls[1])
         else:
             at[self.place[-1]] = f"{self.value + change!r} {self.unit}".strip()
 
@@ -220,7 +223,9 @@ def of_document(document: Document, plain: Any, file: str) -> Iterator[Origin]:
 def of_material(document: MaterialDocument, file: str, asked: float | None, origins: Origins) -> None:
     """Add how sure the constants of a material document are at a temperature ``asked`` for, and the choice of law."""
     base = os.path.basename(file)
-    ways = ("warp", "weft") if {"warp", "weft"} <= set(document.directions or {}) else (None,)
+    # A law of the whole sheet is one, whatever ways its tests were cut along.
+    two = document.model != ORTHOTROPIC and {"warp", "weft"} <= set(document.directions or {})
+    ways = ("warp", "weft") if two else (None,)
     laws: list[tuple[float, Stiffness]] = []
     known, unknown = [], []
     for way in ways:
@@ -238,7 +243,8 @@ def of_material(document: MaterialDocument, file: str, asked: float | None, orig
             if own.covariance is None:
                 unknown.append(f"{base}: how specimens{of}{at} scatter is not known from these tests")
                 continue
-            known.append(_constants(own, file, places[-1], f"{base}: constants{of}{at}"))
+            walls = WALLS if document.model == ORTHOTROPIC else {}
+            known.append(_constants(own, file, places[-1], f"{base}: constants{of}{at}", walls))
         spread = _law(part) or _law(document)
         if spread:
             laws.append((spread, Stiffness(file, tuple(places), of)))
@@ -302,13 +308,18 @@ def _rows(part: Any, asked: float | None) -> list[tuple[Place, Any]]:
     return [(("temperatures", order[k]), table[order[k]]) for k in sorted(near)]
 
 
-def _constants(own: FitUncertainty, file: str, place: Place, name: str) -> Origin:
+def _constants(
+    own: FitUncertainty, file: str, place: Place, name: str, walls: Mapping[str, tuple[float, float]]
+) -> Origin:
     freedom = own.degrees_of_freedom if own.degrees_of_freedom > 0 else math.inf
     shown = f"{name}, {own.specimens} specimens" if own.source == "specimens" else name
     covariance = np.array(own.covariance)
     # A constant that is known, as one at its bound, is no source.
     open_ = np.flatnonzero(np.diag(covariance) > 0.0)
-    numbers = tuple(Entry(file, (*place, own.order[k]), 0.0) for k in open_)
+    free = (-math.inf, math.inf)
+    numbers = tuple(
+        Entry(file, (*place, own.order[k]), 0.0, walls=walls.get(own.order[k], free)) for k in open_
+    )
     square = np.ix_(open_, open_)
     parts = tuple((np.array(one.covariance)[square], one.degrees_of_freedom) for one in own.parts or ())
     return Origin(Source(shown, covariance[square], freedom, parts), numbers)

@@ -20,7 +20,13 @@ class DataContext:
 
 def entries(context: DataContext) -> tuple[Effect, ...]:
     """Return what may lack, scaled to the data."""
-    return friction(context), gravity(context), pretension(context), shear_stiffness(context)
+    return (
+        friction(context),
+        gravity(context),
+        pretension(context),
+        shear_stiffness(context),
+        biaxial_coupling(context),
+    )
 
 
 def friction(context: DataContext) -> Effect:
@@ -82,4 +88,20 @@ def shear_stiffness(context: DataContext) -> Effect:
         source="energy of the angle between the threads, G gamma^2/2",
         forms=(form,) if most else (),
         not_sought="" if most else "the law of a membrane has its own shear",
+    )
+
+
+def biaxial_coupling(context: DataContext) -> Effect:
+    """Warp and weft that answer to each other, ``--sheet membrane``: no amount to be found, but another sheet."""
+    net = bool(context.shear)  # a membrane's law leaves none of it to be found
+    return Effect(
+        id="biaxial-coupling",
+        title="warp and weft are coupled",
+        rides_on=("x0_mm", "y0_mm"),
+        shown_by="a biaxial test of the fabric; or the force of the press",
+        source="the fabric's own law as a membrane",
+        forms=(),
+        not_sought="a net has no amount of it: drape with --sheet membrane, and close the loop on that"
+        if net
+        else "a membrane's law has its own coupling",
     )

@@ -39,6 +39,8 @@ NAMES = (*LINEAR, *NONLINEAR)
 
 #: What the constants are where nothing is said of them: an incompressible ground alone.
 ABSENT = dict.fromkeys(NAMES, 0.0) | {"nu": 0.5, "bias_deg": 45.0}
+#: Between which values each constant has a meaning.
+WALLS = dict.fromkeys(NAMES, (0.0, math.inf)) | {"nu": (0.0, 0.5), "bias_deg": (0.0, 90.0)}
 
 #: Below this exponent of the volume the power is a logarithm.
 _TINY = 1e-9
@@ -82,7 +84,7 @@ class Orthotropic:
             if not math.isfinite(value):
                 raise InputError(f"is not a finite number: {value!r}", key=name)
         found = {**ABSENT, **{name: float(value) for name, value in parameters.items()}}
-        low = [name for name in NAMES if name not in ("nu", "bias_deg") and found[name] < 0.0]
+        low = [name for name in NAMES if math.isinf(WALLS[name][1]) and found[name] < 0.0]
         if low:
             raise InputError("is below zero: the sheet would not be stable", key=low[0])
         if not 0.0 <= found["nu"] <= 0.5:

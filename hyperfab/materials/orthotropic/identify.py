@@ -38,6 +38,10 @@ _STARTS = 6
 _ROWS_TO_START = 160
 #: Readings that move by less, over their largest, from one turn to the next are settled; and turns to get there.
 _AGREED, _TURNS = 1e-5, 20
+#: No reading is surer than this share of itself: what a constant gains below is rounding of the file.
+_SUREST = 1e-7
+#: A coordinate closer than this to an end of its box lies there.
+_HELD = 1e-7
 
 
 @dataclass(frozen=True)
@@ -138,6 +142,8 @@ class _Free:
             return float(z * self.stress_scale)
         if name.startswith("k2"):
             return float(np.exp(z)) / self.reach**2
+        if name == "nu" and z > 0.5 - _HELD:
+            return 0.5
         return float(45.0 * z if name == "bias_deg" else z)
 
     def slope(self, name: str, z: float) -> float:
@@ -198,7 +204,7 @@ class _Free:
     def settled(self, tests: Sequence[TestCurve], z: Array) -> tuple[Array, _Free]:
         """Return the optimum on all rows, without the stresses that vanish there."""
         z, cost = self.polished(tests, z, 200)
-        free = self
+        free, rounding = self, 0.5 * _SUREST**2 * sum(len(test.stretch) for test in tests)
         while True:
             small = {
                 name
@@ -210,15 +216,18 @@ class _Free:
             fewer = free.without(small)
             start = np.array([z[free.names.index(name)] for name in fewer.names])
             better, less = fewer.polished(tests, start, 200)
-            if less > cost * (1.0 + 1e-6) + 1e-24:
+            if less > cost * (1.0 + 1e-6) + rounding:
                 return z, free
             z, cost, free = better, less, fewer
 
     def full(self, jacobian: Array, z: Array, names: Sequence[str]) -> Array:
-        """Return the derivatives by the constants ``names`` themselves, zero for those that vanished."""
+        """Return the derivatives by the constants ``names`` themselves, zero for those that vanished or lie at an end
+        of their box: there the tests hold them, and no reading moves them."""
         found = np.zeros((len(jacobian), len(names)))
+        low, high = self.bounds
         for column, (name, value) in enumerate(zip(self.names, z, strict=True)):
-            found[:, names.index(name)] = jacobian[:, column] / self.slope(name, value)
+            if low[column] + _HELD < value < high[column] - _HELD:
+                found[:, names.index(name)] = jacobian[:, column] / self.slope(name, value)
         return found
 
     def starts(self, tests: Sequence[TestCurve]) -> list[Array]:
