@@ -19,7 +19,6 @@ from hyperfab.io.headings import (
     plain,
     suffixed,
 )
-from hyperfab.io.layout import filled_in
 from hyperfab.io.tables import is_number
 
 #: What gives a stretch and what a stress, the surest first.
@@ -40,8 +39,10 @@ BY_KIND = {"stress": "stress", "force": "force", "membrane-stress": "membrane st
 _SPECIMEN = re.compile(
     r"(?:probe|specimen|sample|probeta|muestra|eprouvette|echantillon|provino|campione|corpo de "
     r"prova|amostra|prufling|probekorper|test piece|versuch|spec|cp)"
-    r"(?: n| no| nr)? ?(\d{1,3})\b[ :]*(.*)"
+    r"(?: n| no| nr)? ?(\d{1,3}|[a-z])\b[ :]*(.*)"
 )
+#: A specimen's number or letter behind what a column holds.
+_LABELLED = re.compile(r"([a-z ]*[a-z]{3}) ?(\d{1,2}|(?<= )[a-z])")
 
 
 @dataclass(frozen=True)
@@ -90,11 +91,12 @@ def _by_unit(head: Heading) -> str | None:
     return next((name for kind, name in BY_KIND.items() if is_of(head.unit, kind)), None)
 
 
-def specimens(sheet: CsvSheet) -> list[CsvSheet]:
+def specimens(sheet: CsvSheet, one_axis: bool = False) -> list[CsvSheet]:
     """Return the tables of the specimens that stand side by side, each with the columns all share; else the sheet.
 
     They are told by their titles, equal to the letter and repeated, by ``Probe 1``, ``Specimen 2`` before a
-    title, or by ``.1``, ``.2`` behind it, as pandas writes copies.
+    title, by ``.1``, ``.2`` behind it, as pandas writes copies, or by ``_1``, ``_2``, ``_3`` and letters; two numbers
+    are the axes of a general biaxial test, unless the test is known to have ``one_axis``.
     """
     if sheet.layout.columns:
         return [sheet]
@@ -129,6 +131,8 @@ def specimens(sheet: CsvSheet) -> list[CsvSheet]:
             groups.setdefault("1", []).append(head)
         else:
             shared.append(head)
+    if not groups:
+        groups, shared = _labelled(sheet.headings, one_axis)
     told = {
         key: {m.name for one in heads if (m := meaning(one)) is not None} for key, heads in groups.items()
     }
@@ -154,6 +158,33 @@ def specimens(sheet: CsvSheet) -> list[CsvSheet]:
             )
         )
     return found
+
+
+def _labelled(heads: Sequence[Heading], one_axis: bool) -> tuple[dict[str, list[Heading]], list[Heading]]:
+    """Return the headings of each specimen whose number or letter stands behind what its columns hold, and the others.
+
+    Nothing where the same columns do not stand there for each, a stress among them, or where two axes could be meant.
+    """
+    groups: dict[str, list[Heading]] = {}
+    shared: list[Heading] = []
+    for head in heads:
+        match = _LABELLED.fullmatch(plain(head.label))
+        made = None if match is None else replace(head, label=match[1].strip())
+        if match is None or made is None or read(made) is None or _is_symbol(made.label):
+            shared.append(head)
+        else:
+            groups.setdefault(match[2], []).append(made)
+    kinds = [{one.name for head in own if (one := read(head)) is not None} for own in groups.values()]
+    axes = {*groups} <= {"x", "y"} or ({*groups} <= {"1", "2"} and not one_axis)
+    alike = len(kinds) > 1 and all(one == kinds[0] for one in kinds) and kinds[0] & set(STRESSES)
+    # Two forces over one extension may be two load cells.
+    own = kinds and (kinds[0] & set(STRETCHES) or kinds[0] & set(STRESSES) - {"force"})
+    return (groups, shared) if alike and own and not axes else ({}, list(heads))
+
+
+def _is_symbol(label: str) -> bool:
+    """Whether a title is a letter's name, of which mechanics numbers the axes: sigma 1, sigma 2, sigma 3."""
+    return label in ("sigma", "lambda", "epsilon", "gamma", "tau", "lam", "sig", "eps")
 
 
 def roles(sheet: CsvSheet) -> Roles:
@@ -259,5 +290,5 @@ def _pulled(sheet: CsvSheet, columns: dict[str, Column]) -> str:
     ]
     raise sheet.wrong(
         f"{pair[0][1].heading.title} or {pair[1][1].heading.title}: which is along the pull?",
-        remedy=f"say {filled_in(entries)}",
+        remedy=f"say {sheet.option(entries)}",
     )
