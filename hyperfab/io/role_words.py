@@ -144,7 +144,10 @@ def _likely_unit(sheet: CsvSheet, column: Column) -> str:
             ",", "."
         )
         return "K" if re.fullmatch(r"\d+\.?\d*", cell) and float(cell) > 180.0 else "degC"
-    return _USUAL.get(column.name.removesuffix(" 2"), "-")
+    name = column.name.removesuffix(" 2")
+    if name == "strain":  # per cent, or a share: by its size
+        return "%" if shape(sheet.columns[column.heading.index]) == "strain [%]" else "-"
+    return _USUAL.get(name, "-")
 
 
 def understood(sheet: CsvSheet, taken: Iterable[Column]) -> str:

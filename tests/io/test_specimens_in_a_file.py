@@ -160,3 +160,10 @@ def test_a_stretch_that_is_called_a_strain_is_told_for_what_it_is() -> None:
         read_tests(data, "a.csv", test="uniaxial")
     [found] = read_tests(data, "a.csv", test="uniaxial", columns=layout(["strain=strain [-]"]))
     assert found.stretch[0] == 2.0
+
+
+@pytest.mark.parametrize(("most", "unit"), [(0.3, "-"), (15.0, "%")])
+def test_a_strain_is_proposed_as_a_share_or_in_per_cent_by_its_size(most: float, unit: str) -> None:
+    rows = "".join(f"{most * k / 10:.3f},{0.1 * k:.2f}\n" for k in range(11))
+    with pytest.raises(InputError, match=re.escape(f'--columns "Strain=strain [{unit}],Tx=stress [MPa]"')):
+        read_tests(f"Strain,Tx\n{rows}".encode(), "a.csv", test="uniaxial")
