@@ -20,7 +20,7 @@ from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import kind_named, word_for
 from hyperfab.io.layout import PLAIN, Choice, Layout
 from hyperfab.io.role_words import no_stress, no_test, understood
-from hyperfab.io.roles import STRESSES, STRETCHES, Roles, fits, roles, specimens
+from hyperfab.io.roles import STRESSES, STRETCHES, Roles, fits, may_be_specimens, roles, specimens
 from hyperfab.io.row_states import directions, held_down, of_each_row, words_or_stated
 from hyperfab.io.specimen import Geometry, Loading, read_geometry, read_loading
 from hyperfab.io.tables import NO_READING, is_number
@@ -88,11 +88,13 @@ def read_tests(
     """
     told = columns or PLAIN
     found: list[TestData] = []
-    sheets = [
-        part
-        for sheet in open_sheets(data, name, fits, told)
-        for part in specimens(sheet, one_axis=_has_one_axis(sheet, test))
-    ]
+    sheets = []
+    for sheet in open_sheets(data, name, fits, told):
+        kind = _said(sheet, test)
+        parts = specimens(sheet, one_axis=kind is not None and not kind.startswith("biaxial"))
+        if kind is None and len(parts) == 1 and may_be_specimens(sheet):
+            raise no_test(sheet, TESTS)
+        sheets += parts
     for number, sheet in enumerate(sheets, 1):
         label = sheet.label or (str(number) if len(sheets) > 1 else "")
         found += _read_sheet(sheet, test, geometry or Geometry(), told.decimal, clock, label)
@@ -247,11 +249,14 @@ def _set_aside(columns: Roles, loadings: Iterable[Loading]) -> list[str]:
     ]
 
 
-def _has_one_axis(sheet: CsvSheet, given: str | None) -> bool:
-    """Whether a test is said to be one whose second direction nobody loads."""
-    entry = next((one for one in sheet.metadata.get("test", []) if one.sure), None)
-    test = given or _declared_test(entry.value if entry else None, sheet.name)
-    return test is not None and not test.startswith("biaxial")
+def _said(sheet: CsvSheet, given: str | None) -> str | None:
+    """Return which test a file is said to be: by an option, a line, or words above its table."""
+    for entry in sheet.metadata.get("test", []) if given is None else []:
+        if (
+            found := _declared_test(entry.value, sheet.name) if entry.sure else kind_named(entry.value)
+        ) is not None:
+            return found
+    return given
 
 
 def _declared_test(test: str | None, name: str) -> str | None:

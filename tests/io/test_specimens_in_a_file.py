@@ -167,3 +167,47 @@ def test_a_strain_is_proposed_as_a_share_or_in_per_cent_by_its_size(most: float,
     rows = "".join(f"{most * k / 10:.3f},{0.1 * k:.2f}\n" for k in range(11))
     with pytest.raises(InputError, match=re.escape(f'--columns "Strain=strain [{unit}],Tx=stress [MPa]"')):
         read_tests(f"Strain,Tx\n{rows}".encode(), "a.csv", test="uniaxial")
+
+
+@pytest.mark.parametrize(
+    ("heads", "ways"),
+    [
+        ("Strain,Course stress [MPa],Wale stress [MPa]", ["weft", "warp"]),
+        ("Dehnung,Spannung Kette [MPa],Spannung (Schuss) [MPa]", ["warp", "weft"]),
+        ("strain,stress_45deg [MPa],stress_90deg [MPa]", ["45 deg", "weft"]),
+    ],
+)
+def test_a_title_tells_the_direction_of_its_specimen(heads: str, ways: list[str]) -> None:
+    data = table(heads, [STRAIN, *PULLS[:2]])
+    found = read_tests(data, "a.csv", test="uniaxial")
+    same(found, (13, 13))
+    assert [part.direction_name for part in found] == ways
+    with pytest.raises(InputError, match="does not say which test it is"):
+        read_tests(data, "a.csv")
+
+
+def test_directions_of_a_biaxial_test_are_its_axes() -> None:
+    data = table("strain weft,stress weft [MPa],strain warp,stress warp [MPa]", pairs()[:4])
+    [found] = read_tests(data, "a.csv", test="biaxial")
+    assert found.mode == "biaxial-general"
+    assert found.stress == pytest.approx(PULLS[1], rel=1e-5, abs=1e-12)
+    assert found.stress2 == pytest.approx(PULLS[0], rel=1e-5, abs=1e-12)
+    named = read_tests(data, "uniaxial.csv", test="uniaxial")
+    assert [part.direction_name for part in named] == ["weft", "warp"]
+
+
+@pytest.mark.parametrize(
+    ("heads", "field", "values"),
+    [
+        (
+            "Strain,Stress -20C [MPa],Stress 20 °C [MPa],Stress 60degC [MPa]",
+            "temperature_degC",
+            [-20, 20, 60],
+        ),
+        ("Strain,Stress 0.01/s [MPa],Stress 0.1 1/s [MPa],Stress 1/s [MPa]", "rate_1_s", [0.01, 0.1, 1.0]),
+    ],
+)
+def test_a_title_tells_the_temperature_or_the_rate(heads: str, field: str, values: list[float]) -> None:
+    found = read_tests(table(heads, [STRAIN, *PULLS]), "a.csv", test="uniaxial")
+    same(found)
+    assert [float(getattr(part, field)[0]) for part in found] == values
