@@ -170,10 +170,13 @@ def _grow(search: Search, base: Candidate) -> tuple[Candidate, dict[str, Evidenc
                 if depth == 0:
                     tried[larger.ids[-1]] = evidence
                 ids = frozenset(larger.ids)
-                (grown if evidence.delta_bic >= MARGIN else idle).setdefault(ids, larger)
+                if evidence.delta_bic >= MARGIN:
+                    grown.setdefault(ids, larger)
+                elif search.problem.hiding or evidence.foretells():
+                    idle.setdefault(ids, larger)
                 if evidence.accepted() and _worth_a_name(base, state, larger, evidence):
                     accepted.add(ids)
-        if not grown and depth == 0 and search.problem.hiding:
+        if not grown and depth == 0:  # two effects may hide each other
             grown = idle
         if not grown:
             break
