@@ -37,6 +37,11 @@ TESTS = (
 )
 
 
+#: Tests by the letters that papers give them, where a file states its test.
+_LETTERS = {
+    "ut": "uniaxial", "uc": "compression", "ps": "shear", "et": "biaxial", "eb": "biaxial", "ebt": "biaxial",
+    "bt": "biaxial", "ss": "simple-shear",
+}  # fmt: skip
 #: Rows that tell how far two readings are apart, and how many times that the first may be.
 _SHORT, _STALE = 10, 5.0
 #: Beyond these no fabric or rubber was ever tested: a wrong unit or a wrong column. The stress is the largest of a
@@ -263,6 +268,7 @@ def _declared_test(test: str | None, name: str) -> str | None:
     if test is None:
         return None
     folded = test.strip().casefold().replace("_", "-")
+    folded = _LETTERS.get(folded, folded)
     found = folded if folded in TESTS else word_for(folded, "TESTS")
     if found is None:
         raise InputError(
@@ -279,7 +285,8 @@ def _tests_of_rows(sheet: CsvSheet, columns: Roles, given: str | None) -> tuple[
     """
     column = columns.columns.get("test")
     entry = next((one for one in sheet.metadata.get("test", []) if one.sure), None)
-    texts = list(words(sheet, column.heading)) if column else [entry.value] if entry else []
+    told = words(sheet, column.heading) if column else [entry.value] if entry else []
+    texts = [_LETTERS.get(text.strip().casefold(), text) for text in told]
     where = [*sheet.lines] if column else [entry.line] if entry else []
     known: dict[str, str] = {}
     compression = False

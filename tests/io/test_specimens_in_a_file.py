@@ -211,3 +211,13 @@ def test_a_title_tells_the_temperature_or_the_rate(heads: str, field: str, value
     found = read_tests(table(heads, [STRAIN, *PULLS]), "a.csv", test="uniaxial")
     same(found)
     assert [float(getattr(part, field)[0]) for part in found] == values
+
+
+def test_a_column_may_state_tests_by_the_letters_that_papers_give_them() -> None:
+    rows = "".join(
+        f"{mode},{1.0 + e:.3f},{s:.4f}\n"
+        for mode in ("UT", "PS", "ET")
+        for e, s in zip(STRAIN, PULLS[0], strict=True)
+    )
+    found = read_tests(f"mode,stretch,stress_MPa\n{rows}".encode(), "a.csv")
+    assert [part.mode for part in found] == ["uniaxial", "shear", "biaxial"]
