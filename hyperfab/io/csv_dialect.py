@@ -288,7 +288,7 @@ def _plain(body: list[tuple[int, str]], separator: str, name: str, layout: Layou
 def _headless(rows: list[Row], name: str) -> InputError:
     """Return the error that no line names the columns, with what their first readings suggest."""
     columns = list(zip(*(cells for _, cells in rows if len(cells) == len(rows[0][1])), strict=True))
-    first = shape(columns[0])
+    first = shape(columns[0], stress=columns[1] if len(columns) > 1 else ())
     filled = filled_in([("1", first), ("2", "stress [MPa]")])
     return InputError(
         "starts with numbers, there is no header",

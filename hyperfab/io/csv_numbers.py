@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from hyperfab.errors import InputError
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import Heading
-from hyperfab.io.layout import filled_in
 from hyperfab.io.unit_table import UnitError
 from hyperfab.io.units import KINDS, column_factor
 
@@ -191,7 +190,7 @@ def quantities(
             "has no unit",
             heading,
             remedy=f'write it behind the name, as in "{heading.title} [{wanted.unit}]", or say '
-            + filled_in([(heading.title, f"{name or heading.name} [{wanted.unit}]")]),
+            + sheet.option([(heading.title, f"{name or heading.name} [{wanted.unit}]")]),
         )
     try:
         factor, offset = column_factor(heading.unit or "-", kind)

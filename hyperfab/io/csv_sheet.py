@@ -63,8 +63,13 @@ class CsvSheet:
             entries = [(f"#{one.index + 1}", what) for one, (_, what) in zip(found, entries, strict=True)]
         return self.wrong(
             f"two columns are a {name}: {first.title} and {second.title}",
-            remedy=f"say which: {filled_in(entries)}",
+            remedy=f"say which: {self.option(entries)}",
         )
+
+    def option(self, entries: Sequence[tuple[str, str]]) -> str:
+        """Return ``--columns`` with some entries beside those already given, ready to be pasted in its place."""
+        told = dict(one.entry for one in self.layout.columns)
+        return filled_in([*(told | dict(entries)).items()])
 
     def wrong(
         self, why: str, heading: Heading | None = None, *, row: int | None = None, remedy: str

@@ -18,9 +18,9 @@ from hyperfab.io.csv_dialect import open_sheets
 from hyperfab.io.csv_numbers import numbers, settle_decimal, words
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import kind_named, word_for
-from hyperfab.io.layout import PLAIN, Choice, Layout, filled_in
-from hyperfab.io.role_words import no_test, understood
-from hyperfab.io.roles import STRESSES, STRETCHES, Roles, fits, roles, specimens
+from hyperfab.io.layout import PLAIN, Choice, Layout
+from hyperfab.io.role_words import no_stress, no_test, understood
+from hyperfab.io.roles import STRESSES, STRETCHES, Roles, fits, may_be_specimens, roles, specimens
 from hyperfab.io.row_states import directions, held_down, of_each_row, words_or_stated
 from hyperfab.io.specimen import Geometry, Loading, read_geometry, read_loading
 from hyperfab.io.tables import NO_READING, is_number
@@ -37,6 +37,11 @@ TESTS = (
 )
 
 
+#: Tests by the letters that papers give them, where a file states its test.
+_LETTERS = {
+    "ut": "uniaxial", "uc": "compression", "ps": "shear", "et": "biaxial", "eb": "biaxial", "ebt": "biaxial",
+    "bt": "biaxial", "ss": "simple-shear",
+}  # fmt: skip
 #: Rows that tell how far two readings are apart, and how many times that the first may be.
 _SHORT, _STALE = 10, 5.0
 #: Beyond these no fabric or rubber was ever tested: a wrong unit or a wrong column. The stress is the largest of a
@@ -88,7 +93,13 @@ def read_tests(
     """
     told = columns or PLAIN
     found: list[TestData] = []
-    sheets = [part for sheet in open_sheets(data, name, fits, told) for part in specimens(sheet)]
+    sheets = []
+    for sheet in open_sheets(data, name, fits, told):
+        kind = _said(sheet, test)
+        parts = specimens(sheet, one_axis=kind is not None and not kind.startswith("biaxial"))
+        if kind is None and len(parts) == 1 and may_be_specimens(sheet):
+            raise no_test(sheet, TESTS)
+        sheets += parts
     for number, sheet in enumerate(sheets, 1):
         label = sheet.label or (str(number) if len(sheets) > 1 else "")
         found += _read_sheet(sheet, test, geometry or Geometry(), told.decimal, clock, label)
@@ -243,10 +254,21 @@ def _set_aside(columns: Roles, loadings: Iterable[Loading]) -> list[str]:
     ]
 
 
+def _said(sheet: CsvSheet, given: str | None) -> str | None:
+    """Return which test a file is said to be: by an option, a line, or words above its table."""
+    for entry in sheet.metadata.get("test", []) if given is None else []:
+        if (
+            found := _declared_test(entry.value, sheet.name) if entry.sure else kind_named(entry.value)
+        ) is not None:
+            return found
+    return given
+
+
 def _declared_test(test: str | None, name: str) -> str | None:
     if test is None:
         return None
     folded = test.strip().casefold().replace("_", "-")
+    folded = _LETTERS.get(folded, folded)
     found = folded if folded in TESTS else word_for(folded, "TESTS")
     if found is None:
         raise InputError(
@@ -263,7 +285,8 @@ def _tests_of_rows(sheet: CsvSheet, columns: Roles, given: str | None) -> tuple[
     """
     column = columns.columns.get("test")
     entry = next((one for one in sheet.metadata.get("test", []) if one.sure), None)
-    texts = list(words(sheet, column.heading)) if column else [entry.value] if entry else []
+    told = words(sheet, column.heading) if column else [entry.value] if entry else []
+    texts = [_LETTERS.get(text.strip().casefold(), text) for text in told]
     where = [*sheet.lines] if column else [entry.line] if entry else []
     known: dict[str, str] = {}
     compression = False
@@ -296,6 +319,8 @@ def _tests_of_rows(sheet: CsvSheet, columns: Roles, given: str | None) -> tuple[
     compression = guess == "compression"
     if given is not None:
         return [_declared_test(given, sheet.name) or ""] * count, compression
+    if guess is None and columns.first(STRESSES) is None:
+        raise no_stress(sheet, columns)
     if guess is None:
         raise no_test(sheet, TESTS)
     return ["uniaxial" if compression else guess] * count, compression
@@ -355,15 +380,32 @@ def _check(found: TestData, sheet: CsvSheet, columns: Roles, clock: bool) -> Non
         pull, push = columns.first(STRETCHES), columns.first(STRESSES)
         remedy = "are the columns of stretch and stress swapped?"
         if pull is not None and pull.name == "stretch" and stretch.min() < 0.5 and stress.min() >= 0.0:
-            remedy = f"is it a strain? then say {filled_in([(pull.heading.title, 'strain [-]')])}; {remedy}"
+            remedy = (
+                f"is it a strain? then say {sheet.option([(pull.heading.title, 'strain [-]')])}; {remedy}"
+            )
         elif push is not None:
-            flip = filled_in([(push.heading.title, f"-{push.name} [{push.heading.unit or '-'}]")])
+            flip = sheet.option([(push.heading.title, f"-{push.name} [{push.heading.unit or '-'}]")])
             remedy += f" where pushing counts as positive, say {flip}"
         raise refuse(
             row,
             f"tension ({stress[row]:g} {found.stress_unit}) at a stretch of {stretch[row]:g}, below 1",
             remedy,
         )
+    pull = columns.first(STRETCHES)
+    if (
+        pull is not None
+        and pull.name == "strain"
+        and sheet.layout.choice(pull.heading, sheet.headings) is None
+    ):
+        rest = int(np.abs(stress).argmin())
+        if abs(stretch[rest] - 2.0) < 0.02 and abs(stress[rest]) <= 0.02 * peak and stretch.min() > 1.2:
+            title = pull.heading.title
+            raise refuse(
+                rest,
+                f"a strain of {stretch[rest] - 1.0:g} where the stress is {stress[rest]:g}",
+                f"is it a stretch? then say {sheet.option([(title, 'stretch')])}; if it is none, "
+                f"{sheet.option([(title, 'strain [-]')])}",
+            )
     if clock and found.time_s is not None:
         back = np.flatnonzero(np.diff(found.time_s) < 0.0)
         if back.size and found.cycle is None and found.branch is None and found.rate_1_s is None:
@@ -371,7 +413,7 @@ def _check(found: TestData, sheet: CsvSheet, columns: Roles, clock: bool) -> Non
             drop = (
                 ""
                 if column is None
-                else f"; without the times: {filled_in([(column.heading.title, 'aside')])}"
+                else f"; without the times: {sheet.option([(column.heading.title, 'aside')])}"
             )
             raise refuse(
                 int(back[0]) + 1,

@@ -211,7 +211,7 @@ SETTINGS: dict[str, str] = {
     "cycle": "cycle; zyklus; ciclo",
     "branch": "branch",
     "stress sd": "stress sd",
-    "test": """test; test kind; test type; test method; method; test name; type of test; kind of test; prufart;
+    "test": """test; test kind; test type; test method; method; test name; type of test; kind of test; prufung; prufart;
         prufverfahren; prufvorschrift; prufnorm; versuch; versuchsart; ensayo; tipo de ensayo; metodo; metodo de
         ensayo; essai; type d essai; methode; methode d essai; prova; tipo di prova; metodo di prova; ensaio;
         tipo de ensaio; metodo de ensaio; standard; norm; norma; norme""",

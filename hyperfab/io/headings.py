@@ -177,10 +177,9 @@ def meaning(head: Heading) -> Meaning | None:
     label = plain(_remarks_out(head.label))
     found = [replace(one, rank=0) for one in looked_up(label)]
     axis = ""
-    if not found:
-        match = re.fullmatch(r"(.*?) ?(11|22|xx|yy|[12xy])", label)
-        if match and match[1] and (found := list(looked_up(match[1]))):
-            axis = _AXES[match[2]]
+    match = None if found else re.fullmatch(r"(.*?) ?(11|22|xx|yy|[12xy])", label)
+    if match and match[1] and (found := list(looked_up(match[1]))):
+        axis = _AXES[match[2]]
     if not found:
         core = " ".join(word for word in label.split() if word not in _mended())
         found = [replace(one, rank=0) for one in looked_up(core)] if core != label else []
@@ -211,7 +210,10 @@ def meaning(head: Heading) -> Meaning | None:
     ]
     if not fitting:
         return None
-    if len(label) == 1 and fitting[0].name in KIND and (head.unit is None or not exact):
+    letter = label.removesuffix(match[2]).strip() if axis and match else label
+    kind = KIND.get(fitting[0].name)
+    bare = head.unit is None and not (axis and kind == "dimensionless")  # eyy has none
+    if len(letter) == 1 and kind is not None and (bare or not exact):
         return None  # a letter says nothing without its unit
     best = (exact or fitting)[0]
     return replace(best, axis=axis or best.axis)

@@ -26,6 +26,13 @@ class Choice:
     unit: str | None
     minus: bool = False
 
+    @property
+    def entry(self) -> tuple[str, str]:
+        """The entry as it is typed: title, and name with sign and unit."""
+        return self.title, f"{'-' if self.minus else ''}{self.name}" + (
+            f" [{self.unit}]" if self.unit else ""
+        )
+
     def fits(self, head: Heading, alone: bool) -> bool:
         """Whether it is meant for a column: by its title or label, else by its number from 1."""
         title = plain(self.title)

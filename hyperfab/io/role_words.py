@@ -19,7 +19,6 @@ from hyperfab.io.headings import (
     measured,
     unit_of,
 )
-from hyperfab.io.layout import filled_in
 from hyperfab.io.roles import BY_KIND, STRESSES, STRETCHES, Column, Roles
 from hyperfab.io.tables import is_length, is_number, shape
 from hyperfab.io.units import is_unit
@@ -47,13 +46,24 @@ def no_test(sheet: CsvSheet, tests: Sequence[str]) -> InputError:
     )
 
 
+def no_stretch(sheet: CsvSheet, found: Roles) -> InputError:
+    """Return the error that no column gives a stretch."""
+    return missing(sheet, found, "a stretch", '"stretch", "strain [%]" or "extension [mm]"')
+
+
+def no_stress(sheet: CsvSheet, found: Roles) -> InputError:
+    """Return the error that no column gives a stress."""
+    names = '"stress [MPa]", "true stress [MPa]", "membrane stress [N/mm]" or "force [N]"'
+    return missing(sheet, found, "a stress", names)
+
+
 def missing(sheet: CsvSheet, found: Roles, what: str, names: str) -> InputError:
     """Return the error that no column gives ``what``, with the option filled in as the units suggest."""
     titles = ", ".join(one.title or '""' for one in sheet.headings[:8])
     fine = next((one.title for one in sheet.headings if _FINENESS.fullmatch(one.unit or "")), None)
     remark = f"; {fine} is the force by the fineness of a yarn, a sheet has none" if fine else ""
     entries = proposed(sheet, found)
-    settles = f", or say what they are, as in {filled_in(entries)}" if entries else ""
+    settles = f", or say what they are, as in {sheet.option(entries)}" if entries else ""
     return sheet.wrong(
         f"no column gives {what}; the columns are {titles}{remark}", remedy=f"name one {names}{settles}"
     )
@@ -66,7 +76,7 @@ def proposed(sheet: CsvSheet, found: Roles) -> list[tuple[str, str]]:
     for name, column in found.columns.items():
         unit = column.heading.unit or _likely_unit(sheet, column)
         have.add(name)
-        if column.heading.unit is None and name in _USUAL:
+        if column.heading.unit is None and name.removesuffix(" 2") in _USUAL:
             entries[column.heading.index] = (column.heading.title, f"{name} [{unit}]")
     numeric = [
         one for one in sheet.headings
@@ -74,8 +84,10 @@ def proposed(sheet: CsvSheet, found: Roles) -> list[tuple[str, str]]:
         and not any(column.heading.index == one.index for column in found.columns.values())
         and not is_unread(one) and not _is_size(one)
     ]  # fmt: skip
+    rest = [one for one in numeric if not ((own := _own_unit(one)) and is_unit(own))]
+    places = ("", " 2") if _two_axes(sheet, have, rest) else ("",)
     for one in numeric:
-        own = one.unit or unit_of(one.title)  # a head may be of units alone
+        own = _own_unit(one)
         kind = next((name for kind, name in BY_KIND.items() if own and is_of(own, kind)), None)
         if (yarn := _FINENESS.fullmatch(one.unit or "")) and not have & set(STRESSES):
             have.add("force")
@@ -84,21 +96,31 @@ def proposed(sheet: CsvSheet, found: Roles) -> list[tuple[str, str]]:
             kind = measured("strain", one.title)  # epsY_log is a logarithmic one
         if kind == "extension" and is_length(sheet.columns[one.index]):
             kind = "length"
-        if kind and kind not in have:
-            have.add(kind)
-            entries[one.index] = (one.title, f"{kind} [{own}]")
-    rest = [
-        one
-        for one in numeric
-        if one.index not in entries and not ((own := one.unit or unit_of(one.title)) and is_unit(own))
-    ]
-    if not have & set(STRETCHES) and rest:
-        one = rest.pop(0)
-        entries[one.index] = (one.title, shape(sheet.columns[one.index], one.title))
-    if not have & set(STRESSES) and rest:
-        one = rest.pop(0)
-        entries[one.index] = (one.title, "stress [MPa]")
+        named = next((f"{kind}{place}" for place in places if f"{kind}{place}" not in have), None)
+        if kind and named:
+            have.add(named)
+            entries[one.index] = (one.title, f"{named} [{own}]")
+    rest = [one for one in rest if one.index not in entries]
+    for names in (STRETCHES, STRESSES):
+        for place in places:
+            if rest and not any(name + place in have for name in names):
+                one = rest.pop(0)
+                told = shape(sheet.columns[one.index], one.title) if names is STRETCHES else "stress [MPa]"
+                name, gap, unit = told.partition(" [")
+                entries[one.index] = (one.title, f"{name}{place}{gap}{unit}")
     return [entries[index] for index in sorted(entries)]
+
+
+def _own_unit(head: Heading) -> str | None:
+    """Return a column's unit; a head may be of units alone, but l1 is a letter of an axis and no litre."""
+    return head.unit or (None if re.fullmatch(r"[A-Za-z]_?\d", head.title) else unit_of(head.title))
+
+
+def _two_axes(sheet: CsvSheet, have: set[str], rest: Sequence[Heading]) -> bool:
+    """Whether a table is likely one of a general biaxial test: two stretches stand in it, known or by their size."""
+    if any(name.removesuffix(" 2") in STRETCHES for name in have):
+        return any(name.endswith(" 2") and name.removesuffix(" 2") in STRETCHES for name in have)
+    return len(rest) > 1 and all(shape(sheet.columns[one.index], one.title) == "stretch" for one in rest[:2])
 
 
 def _is_size(head: Heading) -> bool:
@@ -111,9 +133,9 @@ def unitless(sheet: CsvSheet, columns: Sequence[Column]) -> str:
     entries = [
         (one.heading.title, f"{one.name} [{_likely_unit(sheet, one)}]")
         for one in columns
-        if one.heading.unit is None and KIND.get(one.name) not in (None, "dimensionless")
+        if one.heading.unit is None and KIND.get(one.name.removesuffix(" 2")) not in (None, "dimensionless")
     ]
-    return filled_in(entries)
+    return sheet.option(entries)
 
 
 def _likely_unit(sheet: CsvSheet, column: Column) -> str:
@@ -122,7 +144,10 @@ def _likely_unit(sheet: CsvSheet, column: Column) -> str:
             ",", "."
         )
         return "K" if re.fullmatch(r"\d+\.?\d*", cell) and float(cell) > 180.0 else "degC"
-    return _USUAL.get(column.name, "-")
+    name = column.name.removesuffix(" 2")
+    if name == "strain":  # per cent, or a share: by its size
+        return "%" if shape(sheet.columns[column.heading.index]) == "strain [%]" else "-"
+    return _USUAL.get(name, "-")
 
 
 def understood(sheet: CsvSheet, taken: Iterable[Column]) -> str:

@@ -15,7 +15,6 @@ from hyperfab.errors import InputError
 from hyperfab.io.csv_numbers import numbers, quantities, seconds, words
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import Heading, is_of, word_for
-from hyperfab.io.layout import filled_in
 from hyperfab.io.roles import Roles
 from hyperfab.io.specimen import Geometry, no_unit
 from hyperfab.io.stated import amount, stated
@@ -65,7 +64,7 @@ def _direction(text: str, column: Heading | None, sheet: CsvSheet, line: int) ->
         column=column.title if column else None,
         key=None if column else "direction",
         remedy="write warp, weft or degrees from the warp"
-        + (f", or say {filled_in([(column.title, 'aside')])}" if column else ""),
+        + (f", or say {sheet.option([(column.title, 'aside')])}" if column else ""),
     )
 
 
@@ -180,7 +179,7 @@ def _cycles(sheet: CsvSheet, columns: Roles, decimal: str) -> NDArray[np.int64] 
             line=sheet.lines[int(wrong[0])],
             column="cycle",
             remedy="number the cycles 1, 2, 3"
-            + (f", or say {filled_in([(column.heading.title, 'aside')])}" if column else ""),
+            + (f", or say {sheet.option([(column.heading.title, 'aside')])}" if column else ""),
         )
     return values.astype(np.int64)
 
@@ -202,7 +201,7 @@ def _branches(sheet: CsvSheet, columns: Roles) -> NDArray[np.int64] | None:
                 line=line,
                 column="branch",
                 remedy="write load or unload"
-                + (f", or say {filled_in([(column.heading.title, 'aside')])}" if column else ""),
+                + (f", or say {sheet.option([(column.heading.title, 'aside')])}" if column else ""),
             )
         known[text] = _SIDES[side]
     return np.array([known[text] for text in texts], dtype=np.int64)

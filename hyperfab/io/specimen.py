@@ -12,8 +12,7 @@ from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
 from hyperfab.io.csv_numbers import quantities
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.layout import filled_in
-from hyperfab.io.role_words import missing, unitless
+from hyperfab.io.role_words import missing, no_stress, no_stretch, unitless
 from hyperfab.io.roles import STRESSES, STRETCHES, Column, Roles
 from hyperfab.io.stated import amount, conflicting, stated
 
@@ -114,16 +113,11 @@ def read_loading(
     notes = reader.notes
     stretch = reader.stretch("")
     if stretch is None:
-        raise missing(sheet, roles, "a stretch", '"stretch", "strain [%]" or "extension [mm]"')
+        raise no_stretch(sheet, roles)
     stretch2 = reader.stretch(" 2")
     stress, membrane, sd = reader.stress("", stretch)
     if stress is None:
-        raise missing(
-            sheet,
-            roles,
-            "a stress",
-            '"stress [MPa]", "true stress [MPa]", "membrane stress [N/mm]" or "force [N]"',
-        )
+        raise no_stress(sheet, roles)
     second = roles.first(STRESSES, " 2")
     if second is not None and stretch2 is None and not test.startswith("biaxial"):
         first = roles.first(STRESSES)
@@ -216,7 +210,7 @@ class _Reader:
                     head,
                     row=row,
                     remedy=f'name the column "{head.title} [%]" if it is in percent, "{head.title} [-]" if not, or say '
-                    + filled_in([(head.title, f"{name} [%]")]),
+                    + self.sheet.option([(head.title, f"{name} [%]")]),
                 )
             values = self._signed(values, column)
             if name == "shear strain":

@@ -27,6 +27,7 @@ from hyperfab.io.rows import Row
 Fits = Callable[[Sequence[Heading]], bool]
 
 _NUMBER = re.compile(r"[+-]?(?:\d[\d.,' \u00a0\u202f]*|[.,]\d+)(?:[eE][+-]?\d+)?\s?%?")
+_PLAIN = re.compile(r"[-+]?\d*[.,]?\d+(?:[eE][-+]?\d+)?")
 _CLOCK = re.compile(
     r"(?:\d{1,4}[-./]\d{1,2}[-./]\d{1,4})?[T ]*(?:\d{1,3}:\d{2}(?::\d{2}(?:[.,]\d+)?)?)?\s?(?:[AaPp]\.?[Mm]\.?)?"
 )
@@ -38,6 +39,8 @@ NO_READING = re.compile(
 _BLANK_UNITS = frozenset(
     ("", "-", "--", "#", "count", "counts", "text", "none", "n", "no", "[]", "()", "1")
 ) | words("unit; units; einheit; einheiten; unidad; unidades; unite; unites; unita; unidade")
+#: What stands above one table of several is that one's own.
+_OF_ONE = ("specimen", "cycle", "branch")
 #: Below so many rows a table beside a long one is a summary of it.
 _FEW = 12
 
@@ -122,6 +125,11 @@ def find(rows: Sequence[Row], fits: Fits, layout: Layout) -> list[Block]:
         ):
             end -= 1  # what stands above the next head belongs to it
         block.rows = list(rows[start:end])
+    for block in found[
+        1:
+    ]:  # what stands above the first table and not again above another holds for that too
+        common = {key: told for key, told in found[0].metadata.items() if key not in _OF_ONE}
+        block.metadata = {**common, **block.metadata}
     return found
 
 
@@ -184,16 +192,27 @@ def transposed(rows: Sequence[Row]) -> list[Row]:
     ]
 
 
-def shape(cells: Sequence[str], title: str = "") -> str:
-    """Return the name that the first readings of a column of stretches suggest.
+def shape(cells: Sequence[str], title: str = "", stress: Sequence[str] = ()) -> str:
+    """Return the name that the first readings of a column of stretches suggest, and those of the ``stress`` beside.
 
-    What is called a stretch and begins at nothing is a strain, as a share however large.
+    What is called a stretch and begins at nothing is a strain, as a share however large. What is one where the stress
+    is least, and nowhere nothing, is a stretch that a compression began.
     """
     values = _values(cells)
-    if values and values[0] >= 0.9 and max(values) < 20.0:
+    if values and max(values) < 20.0 and (values[0] >= 0.9 or _is_one_at_rest(cells, stress)):
         return "stretch"
     percent = max(values, default=0.0) > 3.0 and "stretch" not in title.casefold()
     return "strain [%]" if percent else "strain [-]"
+
+
+def _is_one_at_rest(cells: Sequence[str], stress: Sequence[str]) -> bool:
+    """Whether a column is above nothing throughout, and near one where the stress beside it is least."""
+    pairs = [
+        (abs(other), value)
+        for one, two in zip(cells, stress, strict=False)
+        for value, other in zip(_values([one]), _values([two]), strict=False)
+    ]
+    return bool(pairs) and min(value for _, value in pairs) > 0.0 and abs(min(pairs)[1] - 1.0) < 0.1
 
 
 def is_length(cells: Sequence[str]) -> bool:
@@ -203,7 +222,7 @@ def is_length(cells: Sequence[str]) -> bool:
 
 
 def _values(cells: Sequence[str]) -> list[float]:
-    return [float(cell.replace(",", ".")) for cell in cells if re.fullmatch(r"[-+]?\d*[.,]?\d+", cell)]
+    return [float(cell.replace(",", ".")) for cell in cells if _PLAIN.fullmatch(cell)]
 
 
 def _joined(rows: Sequence[Row], place: int, upper: int | None, width: int) -> list[str]:

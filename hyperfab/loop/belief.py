@@ -13,8 +13,9 @@ from functools import cached_property
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.loop.candidate import Candidate
-from hyperfab.loop.judge import structured
+from hyperfab.loop.judge import structured_of_each
 from hyperfab.loop.thresholds import FEWEST, MARGIN, MOST, SHARE, SMALL
 
 
@@ -49,23 +50,26 @@ def explains(base: Candidate, state: Candidate) -> bool:
 
 
 def outweighs_something_else(base: Candidate, state: Candidate) -> bool:
-    """Whether a model leaves less than something else would in place of its names.
+    """Whether a model leaves less of the first kind of reading than something else would in place of its names.
 
-    Both in standard deviations of the noise: see ``belief``.
+    Both in standard deviations of the noise: see ``belief``. What lacks in another kind says nothing against them.
     """
-    return state.judgement.structured <= (1.0 - MOST) * base.judgement.structured
+    left, before = (structured_of_each(one.fit, one.problem)[0] for one in (state, base))
+    return bool(left <= (1.0 - MOST) * before)
 
 
 def surprise(base: Candidate, state: Candidate) -> float:
     """Return minus the logarithm of what the data and what is known beforehand say for a model with some names.
 
-    ``base`` is the model without any. What is left counts by Student's distribution, whatever number of constants the
-    law has; each name after the first counts for odds of fifty to one, and so does each law of free shape
-    but that of the plain law, which is never quite the fabric's.
+    ``base`` is the model without any. What is left counts by Student's distribution, each kind of reading (stresses,
+    contraction) apart, whatever number of constants the law has; each name after the first counts for odds of fifty to
+    one, and so does each law of free shape but that of the plain law, which is never quite the fabric's.
     """
-    scale = _scale(structured(base.fit, base.problem))
+    scale = _scale(structured_of_each(base.fit, base.problem))
     free = sum(form.free for name, form in state.fit.forms.items() if name != state.problem.plain)
-    return _student(structured(state.fit, state.problem), scale) + 0.5 * MARGIN * (len(state.ids) - 1 + free)
+    return _student(structured_of_each(state.fit, state.problem), scale) + 0.5 * MARGIN * (
+        len(state.ids) - 1 + free
+    )
 
 
 def belief(base: Candidate, models: Iterable[Candidate], entries: int) -> Belief:
@@ -73,7 +77,7 @@ def belief(base: Candidate, models: Iterable[Candidate], entries: int) -> Belief
 
     Beforehand nothing is as likely as any of the ``entries`` or something else, and these are alike.
     """
-    before = structured(base.fit, base.problem)
+    before = structured_of_each(base.fit, base.problem)
     least: dict[frozenset[str], float] = {}
     for model in models:
         if model.ids and np.isfinite(model.fit.chi2):
@@ -86,10 +90,10 @@ def belief(base: Candidate, models: Iterable[Candidate], entries: int) -> Belief
     return Belief({ids: one / total for ids, one in weights.items()}, nothing / total, other / total)
 
 
-def _scale(before: float) -> float:
+def _scale(before: Array) -> Array:
     """Return how much a right law leaves: half of what is too small to matter, and half of that share of what was."""
-    return 0.5 * float(np.hypot(SMALL, np.sqrt(SHARE) * before))
+    return np.asarray(0.5 * np.hypot(SMALL, np.sqrt(SHARE) * before))
 
 
-def _student(left: float, scale: float) -> float:
-    return float(0.5 * FEWEST * np.log1p((left / scale) ** 2))
+def _student(left: Array, scale: Array | float) -> float:
+    return float(np.sum(0.5 * FEWEST * np.log1p((left / scale) ** 2)))

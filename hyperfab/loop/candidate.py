@@ -80,6 +80,11 @@ class Evidence:
             return self.pays()
         return self.pays() and self.help.helped >= MOST
 
+    def foretells(self) -> bool:
+        """Whether the term takes its share of what lacks, on most of the tests left out too, if by little in BIC."""
+        helps = self.help is not None and self.help.helped >= MOST and self.help.taken >= SHARE
+        return helps and self.certain and self.delta_bic > 0.0 and self.variance_share >= SHARE
+
     def pays(self) -> bool:
         """Whether the term is worth its constants: in likelihood, in size, and on tests left out."""
         pays = self.delta_bic >= MARGIN and self.variance_share >= SHARE and self.certain

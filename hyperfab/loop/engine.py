@@ -170,10 +170,13 @@ def _grow(search: Search, base: Candidate) -> tuple[Candidate, dict[str, Evidenc
                 if depth == 0:
                     tried[larger.ids[-1]] = evidence
                 ids = frozenset(larger.ids)
-                (grown if evidence.delta_bic >= MARGIN else idle).setdefault(ids, larger)
+                if evidence.delta_bic >= MARGIN:
+                    grown.setdefault(ids, larger)
+                elif search.problem.hiding or evidence.foretells():
+                    idle.setdefault(ids, larger)
                 if evidence.accepted() and _worth_a_name(base, state, larger, evidence):
                     accepted.add(ids)
-        if not grown and depth == 0 and search.problem.hiding:
+        if not grown and depth == 0:  # two effects may hide each other
             grown = idle
         if not grown:
             break
@@ -267,7 +270,9 @@ def _surprise(search: Search, state: Candidate, best: Candidate | None = None) -
 
     misfit, entropy = misfits(state)
     least = misfit if best is None else misfits(best)[0]
-    surprise = misfit / max(float(least[-1]) / len(state.fit.residual), 1.0) + entropy
+    # Of each kind of reading: what lacks in the contraction makes no stress less sure.
+    count = np.unique(search.problem.channel, return_counts=True)[1]
+    surprise = np.sum(misfit / np.maximum(least[-1] / count, 1.0), axis=1) + entropy
     if best is not None and _none_alike(search):
         variance = np.array(scatters) ** 2
         surprise += np.log(variance) + (0.5 * ONE_CLOTH) ** 2 / variance
@@ -293,7 +298,9 @@ def _without_names(search: Search, before: Candidate, doubted: bool) -> tuple[st
     if not noise.gain_sd and likeliest > ONE_CLOTH:
         return "unexplained", 0.0
     assumed = max(noise.gain_doubt, likeliest)
-    left = float(least_misfits(search.problem, [noise.among(before.fit.predicted, assumed)], before.fit)[0])
+    left = float(
+        np.sum(least_misfits(search.problem, [noise.among(before.fit.predicted, assumed)], before.fit))
+    )
     rows = len(before.fit.residual) - len(before.fit.x)
     small = np.sqrt(max(left / max(rows, 1) - 1.0, 0.0)) <= SMALL
     return ("noise", assumed) if small else ("unexplained", 0.0)

@@ -349,9 +349,9 @@ def _step(
 
 
 def least_misfits(problem: Problem, metrics: Sequence[Noise], found: Fit) -> Array:
-    """Return the least chi-squared near a fit in each of several metrics: one step of Gauss and Newton away.
+    """Return the least chi-squared near a fit in each of several metrics, by kind of reading (metrics, kinds).
 
-    The metrics differ in what rows have in common alone.
+    It is one step of Gauss and Newton away. The metrics differ in what rows have in common alone.
     """
     constants = [*problem.own, *(constant for form in found.forms.values() for constant in form.constants)]
     low, high, scale = (_column(constants, name) for name in ("low", "high", "scale"))
@@ -364,7 +364,8 @@ def least_misfits(problem: Problem, metrics: Sequence[Noise], found: Fit) -> Arr
         size = np.sqrt(np.sum(columns**2, axis=0))
         columns = columns[:, size > 0.0] / size[size > 0.0]
         step = np.linalg.lstsq(columns, left, rcond=1e-9)[0]
-        misfits.append(float(left @ left - (columns @ step) @ (columns @ step)))
+        rest = (left - columns @ step) ** 2
+        misfits.append([float(np.sum(rest[problem.channel == kind])) for kind in np.unique(problem.channel)])
     return np.array(misfits)
 
 

@@ -12,6 +12,7 @@ from hyperfab.arrays import Array
 from hyperfab.loop.known import SURE
 from hyperfab.loop.problem import Curve
 from hyperfab.loop.thresholds import FEWEST, ONE_CLOTH
+from hyperfab.materials.effects.path import GENERAL, MODE_NAMES
 
 #: How much faster one of two tests led alike may be: with another gauge length it seems to be.
 _PACE = 3.0
@@ -41,11 +42,14 @@ def misread(curves: Sequence[Curve], measured: Array) -> list[Misread]:
     """Return, of tests led alike, the one that differs from the others by a factor no cloth scatters by.
 
     First pulls are compared: a test read with another gauge length seems to have gone elsewhere, and turned there.
+    Not so where a second stretch was led with it: tests of other ratios are not led alike.
     """
     groups: dict[str, list[Curve]] = {}
     for curve in curves:
         if curve.channel == 0 and curve.setup:
-            groups.setdefault(" ".join(curve.setup.split()[:3]), []).append(_first_pull(curve))
+            both = curve.setup.startswith(MODE_NAMES[GENERAL])
+            led = curve.setup if both else " ".join(curve.setup.split()[:3])
+            groups.setdefault(led, []).append(_first_pull(curve))
     found = []
     for members in groups.values():
         known = [_factor(measured, one, other) for one, other in pairwise(members)]

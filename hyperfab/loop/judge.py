@@ -65,6 +65,14 @@ def structured(fit: Fit, problem: Problem) -> float:
     return float(np.sqrt(max(fit.chi2 / _degrees(fit) - 1.0, *_beyond_of_each(fit, problem), 0.0)))
 
 
+def structured_of_each(fit: Fit, problem: Problem) -> Array:
+    """Return the same of each kind of reading: of a fabric its stresses, then its contraction."""
+    each = _beyond_of_each(fit, problem)
+    if len(each) == 1:
+        each = [fit.chi2 / _degrees(fit) - 1.0]
+    return np.sqrt(np.maximum(each, 0.0))
+
+
 def _beyond_of_each(fit: Fit, problem: Problem) -> list[float]:
     """Return what each kind of reading is missed by beyond noise, as mean square, less what chance does to so few.
 

@@ -138,7 +138,7 @@ def estimate_noise(problem: Problem, stated: float | None = None) -> Noise:
         else:
             sd[rows], known, how = _from_differences(y, curves, rows)
             dof = min(dof, known)
-            if channel == 0 and not replicates(curves):
+            if not replicates(problem.curves, channel):
                 least = problem.least_noise * _peaks(y, curves)
                 how = (
                     f"{how}, {100.0 * problem.least_noise:g} % of each peak at least"
@@ -163,9 +163,12 @@ def estimate_noise(problem: Problem, stated: float | None = None) -> Noise:
 
 
 def _peaks(y: Array, curves: Sequence[Curve]) -> Array:
-    """Return, row by row, the largest reading of its curve."""
+    """Return, row by row, the largest reading of its curve, of a transverse stretch how far it is from rest."""
     return np.concatenate(
-        [np.full(c.stop - c.start, float(np.max(np.abs(y[c.rows]), initial=0.0))) for c in curves]
+        [
+            np.full(c.stop - c.start, float(np.max(np.abs(y[c.rows] - (c.channel != 0)), initial=0.0)))
+            for c in curves
+        ]
     )
 
 

@@ -231,6 +231,41 @@ def test_knits_differ_in_their_two_directions(hf: Run, tmp_path: Path, data_dir:
     assert found["error"]["after"]["nrmse"] < 0.055
 
 
+def test_directions_are_named_though_their_contraction_is_no_ones(hf: Run, tmp_path: Path) -> None:
+    """One strip a direction with its width, which shrinks by more than the catalogue knows: what lacks in the width
+    says nothing against the name of what lacks in the stresses."""
+    (tmp_path / "m.json").write_text(json.dumps(MODEL))
+    random = np.random.default_rng(5)
+    strain = np.linspace(0.01, 0.5, 50)
+    for way, gain, power in (("warp", 1.0, 0.9), ("weft", 0.4, 0.8)):
+        stress = gain * 0.3 * strain * (1.0 + 2.0 * strain**2) * (1.0 + 0.004 * random.standard_normal(50))
+        width = (1.0 + strain) ** -power - 1.0
+        rows = zip(100.0 * strain, 100.0 * width, stress, strict=True)
+        body = "".join(f"{e:.2f},{w:.2f},{s:.5f}\n" for e, w, s in rows)
+        head = f"# test: uniaxial\n# direction: {way}\nstrain [%],lateral strain [%],stress [MPa]\n"
+        (tmp_path / f"{way}.csv").write_text(head + body)
+    done = hf("close-loop", "m.json", "warp.csv", "weft.csv", cwd=tmp_path)
+    found = json.loads(done.stdout)
+    assert found["verdict"] == "unexplained"
+    assert [effect["id"] for effect in found["effects"]] == ["anisotropy"]
+    assert found["error"]["before"]["nrmse"] > 0.1
+    assert found["error"]["after"]["nrmse"] < 0.01
+    sure = {one["id"]: one.get("probability", 0.0) for one in found["candidates"]}
+    assert sure["anisotropy"] > 0.5 > max(p for name, p in sure.items() if name != "anisotropy")
+    assert "anisotropy" not in {name for group in found["indistinguishable"] for name in group}
+
+
+def test_a_test_that_no_sheet_law_has_a_say_in_is_told(hf: Run, tmp_path: Path) -> None:
+    (tmp_path / "m.json").write_text(json.dumps(MODEL))
+    pull = "".join(f"{1 + e:.2f},{0.6 * e:.4f}\n" for e in np.linspace(0.02, 0.5, 20))
+    shear = "".join(f"{g:.2f},{0.2 * g:.4f}\n" for g in np.linspace(-0.3, 0.3, 21))
+    (tmp_path / "pull.csv").write_text(f"# test: uniaxial\nstretch,stress [MPa]\n{pull}")
+    (tmp_path / "shear.csv").write_text(f"shear strain,shear stress [MPa]\n{shear}")
+    done = hf("close-loop", "m.json", "pull.csv", "shear.csv", cwd=tmp_path)
+    assert "shear.csv is left out: the sheet's law has no say in a simple shear test" in done.stderr.decode()
+    assert sum(json.loads(done.stdout)["left_out"].values()) == 21
+
+
 @pytest.mark.slow
 def test_elastomer_shows_rate_and_temperature(hf: Run, tmp_path: Path, data_dir: Path) -> None:
     (tmp_path / "m.json").write_text(json.dumps(MODEL))

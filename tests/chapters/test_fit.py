@@ -279,6 +279,18 @@ def test_cycles_and_branches_are_found_where_the_file_does_not_number_them(hf: R
     assert "there are cycles 1 to 2" in seventh.stderr.decode()
 
 
+def test_pulls_at_several_temperatures_are_no_cycles(hf: Run, tmp_path: Path) -> None:
+    rows = "".join(
+        f"{celsius},{x:.3f},{c * (x - x**-2):.6f}\n"
+        for celsius, c in ((0, 0.4), (20, 0.2), (60, 0.1))
+        for x in np.linspace(1.02, 1.5, 25)
+    )
+    (tmp_path / "warm.csv").write_text(f"temperature [degC],stretch,stress [MPa]\n{rows}")
+    found = fit(hf, "--uniaxial", "warm.csv", "--model", "neo-hookean", cwd=tmp_path)
+    assert len(found["temperatures"]) == 3
+    assert not [text for text in found.get("warnings", []) if "cycles" in text]
+
+
 def test_what_was_averaged_is_said_once_for_all_files_with_its_size(hf: Run, tmp_path: Path) -> None:
     for name in "abcdef":
         loop_csv(tmp_path / f"{name}.csv")

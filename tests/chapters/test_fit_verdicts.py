@@ -13,6 +13,7 @@ from conftest import Run
 from hyperfab.chapters.fit.identify import Identified, Setting, identify
 from hyperfab.chapters.fit.judge import judge
 from hyperfab.curve import TestCurve
+from hyperfab.materials import bind
 from hyperfab.materials.modes import MODES
 from hyperfab.materials.registry import law
 from trials.unseen import synthetic, trial
@@ -193,3 +194,23 @@ def test_specimens_of_films_have_their_sizes(
     assert json.loads(hf(*words, cwd=tmp_path).stdout)["parameters"]["C10_MPa"] == pytest.approx(
         0.2, rel=1e-9
     )
+
+
+def test_a_tissue_pressed_and_pulled_is_not_held_to_what_rubbers_do(hf: Run, tmp_path: Path) -> None:
+    """Stiffer pressed than pulled by far more than a rubber: what it does in shear lies between, and is foretold."""
+    stretch = np.concatenate([np.linspace(0.9, 0.995, 20), np.linspace(1.005, 1.1, 20)])
+    power = -20.0  # Ogden's law of one term, as brain and fat have it
+    stress = 0.1 * (stretch ** (power - 1.0) - stretch ** (-0.5 * power - 1.0)) / power
+    body = "".join(f"{x:.4f},{s:.6g}\n" for x, s in zip(stretch, stress, strict=True))
+    (tmp_path / "tissue.csv").write_text(f"# test: uniaxial\nstretch,stress [MPa]\n{body}")
+    done = hf("fit", "tissue.csv", "--model", "all", "-o", "-", cwd=tmp_path)
+    found = json.loads(done.stdout)
+    assert found["fit"]["relative_rms"] < 0.12
+    stated = next(one["carry_over"] for one in found["models"] if one["model"] == found["model"])
+    gamma = np.linspace(0.02, 0.18, 9)
+    principal = 0.5 * (gamma + np.sqrt(gamma**2 + 4.0))
+    law = bind(found["model"], found["parameters"])
+    sheared = law.membrane(principal, np.ones_like(principal)).P1
+    truth = 0.1 * (principal ** (power - 1.0) - principal ** (-power - 1.0)) / power
+    real = float(np.sqrt(np.mean((sheared / truth - 1.0) ** 2)))
+    assert 0.5 * real < stated < 5.0 * max(real, 0.06)

@@ -75,6 +75,28 @@ def test_a_test_of_another_mode_is_predicted(fitted, hf):
 
 
 @pytest.mark.slow
+def test_biaxial_tests_without_a_direction_tell_the_threads_of_their_axes(hf, tmp_path):
+    """Protocols of a sheet as labs write them: two stretches, two stresses, and no word of a warp."""
+    law = Orthotropic.of({**KNIT, "G_MPa": 0.0})
+    q = np.linspace(0.02, 0.4, 14)
+    for name, one, two in (("1-1", 1.0, 1.0), ("2-1", 1.0, 0.5), ("1-2", 0.5, 1.0), ("strip", 1.0, 0.0)):
+        x, y = 1.0 + one * q, 1.0 + two * q
+        rows = zip(x, y, *held(law, 0.0, x, y)[:2], strict=True)
+        body = "".join(",".join(f"{float(v):.12g}" for v in row) + "\n" for row in rows)
+        head = "Stretch X,Stretch Y,Membrane stress X (N/mm),Membrane stress Y (N/mm)\n"
+        (tmp_path / f"{name}.csv").write_text(head + body)
+    files = sorted(path.name for path in tmp_path.iterdir())
+    run = hf("fit", *files, "--model", "orthotropic", "-o", "-", cwd=tmp_path, timeout=600)
+    assert run.returncode == 0, run.stderr.decode()
+    document = json.loads(run.stdout)
+    said = "no direction is stated, the first axis is taken as the warp"
+    assert said in document["preparation"][-1]
+    assert said in run.stderr.decode()
+    assert {one["constant"] for one in document["undetermined"]} == {"G_MPa"}
+    for name in ("k1_warp_MPa", "k1_weft_MPa", "C10_MPa", "nu"):
+        assert document["parameters"][name] == pytest.approx(KNIT[name], rel=1e-4)
+
+
 def test_the_sphere_and_the_net_obey_it(fitted, hf, root):
     run = hf("fabric-contact", "sheet.json", "--shape", "square", "--size", "200mm", "--sphere-radius", "40mm",
              "--depth", "30mm", "--mesh-size", "12mm", "-o", "contact.json", cwd=fitted, timeout=600)  # fmt: skip

@@ -129,7 +129,6 @@ def test_a_strain_in_a_column_that_is_called_a_stretch_is_told_for_what_it_is() 
     ):
         read_tests(data, "a.csv", test="uniaxial")
     said = layout(["stretch_uni=stretch,stress_uni=stress [MPa]"])
-    with pytest.raises(
-        InputError, match=re.escape('is it a strain? then say --columns "stretch_uni=strain [-]"')
-    ):
+    option = '--columns "stretch_uni=strain [-],stress_uni=stress [MPa]"'
+    with pytest.raises(InputError, match=re.escape(f"is it a strain? then say {option}")):
         read_tests(data, "a.csv", test="uniaxial", columns=said)

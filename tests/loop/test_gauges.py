@@ -7,7 +7,10 @@ import pytest
 from loop.blind import case, problem_of
 from loop.generators import fabric as truths
 
+from hyperfab.curve import TestCurve
+from hyperfab.loop.fabric import fabric_problem
 from hyperfab.loop.gauges import Misread, misread
+from hyperfab.materials import law
 
 
 def told(
@@ -63,3 +66,14 @@ def test_no_test_of_a_usual_plan_is_accused(effects: tuple[str, ...]) -> None:
 @pytest.mark.parametrize("seed", range(10))
 def test_specimens_of_one_cloth_are_not_accused(seed: int) -> None:
     assert told(1.0, "stress", scatter=0.04, seed=seed) == []
+
+
+def test_biaxial_tests_at_other_ratios_are_not_led_alike() -> None:
+    """A strip held across carries a third of what the same stretch carries where the other axis is pulled too."""
+    pull = np.linspace(1.0, 1.3, 30)
+    tests = []
+    for name, across in (("equal", pull), ("half", 0.5 * (1.0 + pull)), ("strip", np.ones(30))):
+        stress = (pull - 1.0) * (0.05 + 0.4 * (across - 1.0))
+        tests.append(TestCurve("biaxial-general", pull, stress, stretch2=across, direction=0.0, source=name))
+    problem = fabric_problem(law("neo-hookean"), [0.1], tests)
+    assert misread(problem.curves, problem.measured) == []

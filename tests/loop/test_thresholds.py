@@ -304,8 +304,7 @@ def something_else(left: float) -> float:
 
 def outweighs(left: float) -> bool:
     """Whether a name no other test can foretell is given where it leaves so much of ten standard deviations."""
-    states = [SimpleNamespace(judgement=judged(one)) for one in (10.0, left)]
-    return outweighs_something_else(*states)  # type: ignore[arg-type]
+    return outweighs_something_else(leaving((), 10.0), leaving(("rate",), left))
 
 
 def gave(share: float) -> bool:

@@ -108,6 +108,7 @@ def read_measured(
             found.left_out[f"{test.source}: {kind} test, the sheet's law has no say in it"] += len(
                 test.stretch
             )
+            found.warnings.append(f"{test.source} is left out: the sheet's law has no say in a {kind} test")
             continue
         factor = 1.0 / thickness if test.membrane and thickness else 1.0
         found.tests += _curves(test, factor, how.steps, found)

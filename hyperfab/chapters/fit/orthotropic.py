@@ -22,6 +22,7 @@ from hyperfab.chapters.fit.readings import Readings
 from hyperfab.chapters.fit.replicates import next_specimens, replicates
 from hyperfab.chapters.fit.siblings import curves_csv, grid_of, line
 from hyperfab.chapters.fit.whole import WholeFit
+from hyperfab.chapters.look import named
 from hyperfab.curve import TestCurve, angle_named
 from hyperfab.documents.material import (
     Direction,
@@ -245,6 +246,25 @@ def fit_sheet(curves: Sequence[TestCurve], setting: Setting) -> SheetFit:
     fit = SheetFit(laws, temperatures, reference, curves, setting, unknown, tuple(optima))
     fit.refuse_unstable(NAME, "fit a smaller range of stretch")
     return fit
+
+
+def along_axes(readings: Readings) -> list[TestCurve]:
+    """Return the curves, the first axis of general biaxial tests that state no direction taken as the warp.
+
+    Their axes are those of the sheet whether or not the file says which is the warp; that it is taken so is said.
+    """
+    curves = [
+        replace(curve, direction=0.0)
+        if curve.mode == "biaxial-general" and curve.direction is None
+        else curve
+        for curve in readings.curves
+    ]
+    taken = [new.source for new, old in zip(curves, readings.curves, strict=True) if new is not old]
+    if taken:
+        readings.preparation.append(
+            f"{named(taken)}: no direction is stated, the first axis is taken as the warp"
+        )
+    return curves
 
 
 def _as_held(curves: Sequence[TestCurve]) -> list[TestCurve]:

@@ -137,7 +137,9 @@ def gather(
         raise InputError(
             "no row is left to fit", file=tests[0].source, remedy="is the stress zero in all rows?"
         )
-    found.warnings += remarks(sheets, settled(steps))
+    # Pulls at several temperatures are no cycles of one test.
+    apart = [test for _, test in split] + [test for test in sheets if test.mode not in carried_by]
+    found.warnings += remarks(apart, settled(steps))
     found.warnings += [
         f"readings between {low:.4g} and {high:.4g} degC are taken together, as at {mean:.4g} degC: nowhere between "
         f"them is a gap of {SAME_TEMPERATURE:g} K; fit them apart, or give tests at temperatures that stand apart"

@@ -114,10 +114,13 @@ def _whole(job: Job, readings: Readings, setting: Setting, case: FitCase) -> _Fi
         if case.model in ORDERS:
             fit: WholeFit[Any] = fit_foam(readings, setting, ORDERS[case.model])
         else:
-            from hyperfab.chapters.fit.orthotropic import fit_sheet
+            from hyperfab.chapters.fit.orthotropic import along_axes, fit_sheet
 
-            sheet = fit_sheet(readings.curves, setting)
+            before = len(readings.preparation)
+            sheet = fit_sheet(along_axes(readings), setting)
             readings.preparation += sheet.gripped
+            for text in readings.preparation[before:]:
+                job.console.note(text)
             fit = sheet
     document = fit.document(readings)
     parts = {n: d.fit for n, d in (document.directions or {}).items()} or {"": document.fit}

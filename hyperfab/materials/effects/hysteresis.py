@@ -49,7 +49,7 @@ def friction(path: Path, stretch: Array, slip: Array, strain: float) -> Array:
     np.abs(stretch[1:] - stretch[:-1], out=moved[1:])
     moved[first] = np.abs(stretch[first] - 1.0)
     keep = np.exp(-moved / strain)
-    gain = path.up * slip * -np.expm1(-moved / strain)
+    gain = path.longer * slip * -np.expm1(-moved / strain)
     keep[first] = 0.0
     return along(keep, gain)
 
@@ -79,8 +79,8 @@ def returning(path: Path, stretch: Array, amount: float, power: float) -> Array:
     doi:10.1016/S0020-7225(02)00140-4, healed when the pull begins anew.
     """
     top = stretch[np.maximum(path.turn, 0)] - 1.0
-    share = np.clip((stretch - 1.0) / np.where(top > 0.0, top, 1.0), 1e-12, 1.0)
-    return np.asarray(np.where((path.turn >= 0) & (top > 0.0), 1.0 - amount * (1.0 - share**power), 1.0))
+    share = np.clip((stretch - 1.0) / np.where(top != 0.0, top, 1.0), 1e-12, 1.0)
+    return np.asarray(np.where((path.turn >= 0) & (top != 0.0), 1.0 - amount * (1.0 - share**power), 1.0))
 
 
 def unloading(path: Path, energy: Array, amount: float, scale: float) -> Array:
@@ -102,10 +102,9 @@ def bent(path: Path, stress: Array, amount: float) -> Array:
     if amount == 0.0:
         return stress  # to the bit
     top = stress[np.maximum(path.turn, 0)]
-    share = np.clip(stress / np.where(top > 0.0, top, 1.0), 1e-12, None)
-    return np.asarray(
-        np.where((path.turn >= 0) & (top > 0.0) & (stress > 0.0), top * share ** (1.0 + amount), stress)
-    )
+    share = np.clip(stress / np.where(top != 0.0, top, 1.0), 1e-12, None)
+    alike = (path.turn >= 0) & (top * stress > 0.0)
+    return np.asarray(np.where(alike, top * share ** (1.0 + amount), stress))
 
 
 #: What each form makes of the stress.

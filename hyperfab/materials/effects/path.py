@@ -46,15 +46,28 @@ class Path:
 
     @cached_property
     def up(self) -> NDArray[np.int64]:
-        """+1 where the stretch grows or stays after growing, -1 where it shrinks."""
+        """+1 on the way away from rest, longer or shorter, and in waits there, -1 on the way back."""
         found = np.ones(len(self.stretch), dtype=np.int64)
         for rows in self.curves:
-            stated = self.branch[rows]
+            stated, moved = self.branch[rows], self.moved(rows)
             if np.all(stated != 0):
                 found[rows] = stated
             else:
+                side = sides(np.abs(moved - 1.0), _TURN)
+                if moved[0] < 1.0:  # a table of a compression, from its least stretch on
+                    side[: int(np.argmax([*(side > 0), True]))] = 1
                 # A test begins with loading.
-                found[rows.start + 1 : rows.stop] = sides(self.moved(rows), _TURN)[1:]
+                found[rows.start + 1 : rows.stop] = side[1:]
+        return found
+
+    @cached_property
+    def longer(self) -> NDArray[np.int64]:
+        """+1 where the stretch grows, -1 where it shrinks: the way a specimen is led, pulled or pressed."""
+        found = self.up.copy()
+        for rows in self.curves:
+            moved = self.moved(rows)
+            pressed = moved < 1.0 - _TURN * float(np.max(np.abs(moved - 1.0)))
+            found[rows][pressed] *= -1
         return found
 
     def moved(self, rows: slice) -> Array:

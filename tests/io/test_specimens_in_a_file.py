@@ -1,0 +1,223 @@
+"""Several specimens in one file, however labelled, and what is proposed where a heading does not say what it holds."""
+
+from __future__ import annotations
+
+import re
+import shlex
+
+import numpy as np
+import pytest
+
+from hyperfab.errors import InputError
+from hyperfab.io.csv_tests import TestData, read_tests
+from hyperfab.io.layout import layout
+from hyperfab.io.tables import shape
+
+STRAIN = np.linspace(0.0, 1.2, 13)
+PULLS = [gain * (1.0 - np.exp(-2.0 * STRAIN)) for gain in (1.0, 1.1, 0.95)]
+
+
+def table(heads: str, columns: list[np.ndarray], counts: list[int] | None = None) -> bytes:
+    """Return rows of columns; a column with fewer readings ends in empty cells."""
+    counts = counts or [len(STRAIN)] * len(columns)
+    rows = [
+        ",".join(
+            f"{column[k]:.6g}" if k < count else "" for column, count in zip(columns, counts, strict=True)
+        )
+        for k in range(len(STRAIN))
+    ]
+    return "\n".join([heads, *rows, ""]).encode()
+
+
+def pairs() -> list[np.ndarray]:
+    return [one for pull in PULLS for one in (STRAIN, pull)]
+
+
+def same(found: list[TestData], counts: tuple[int, ...] = (13, 13, 13)) -> None:
+    assert [len(part.stretch) for part in found] == list(counts)
+    for part, pull, count in zip(found, PULLS, counts, strict=False):
+        assert part.stretch == pytest.approx(1.0 + STRAIN[:count], rel=1e-5)
+        assert part.stress == pytest.approx(pull[:count], rel=1e-5, abs=1e-12)
+    assert len({part.specimen for part in found}) == len(found)
+
+
+@pytest.mark.parametrize(
+    "heads",
+    [
+        "Strain_1,Stress_1 [MPa],Strain_2,Stress_2 [MPa],Strain_3,Stress_3 [MPa]",
+        "strain A,stress A [MPa],strain B,stress B [MPa],strain C,stress C [MPa]",
+        "Dehnung 1,Spannung 1 [MPa],Dehnung 2,Spannung 2 [MPa],Dehnung 3,Spannung 3 [MPa]",
+        "Sample A strain,Sample A stress [MPa],Sample B strain,Sample B stress [MPa],Sample C strain,"
+        "Sample C stress [MPa]",
+    ],
+)
+def test_pairs_of_columns_are_specimens_and_may_end_early(heads: str) -> None:
+    same(read_tests(table(heads, pairs()), "a.csv", test="uniaxial"))
+    short = table(heads, pairs(), [13, 13, 9, 9, 11, 11])
+    same(read_tests(short, "a.csv", test="uniaxial"), (13, 9, 11))
+
+
+@pytest.mark.parametrize(
+    "heads",
+    [
+        "Strain,Stress 1 [MPa],Stress 2 [MPa],Stress 3 [MPa]",
+        "Strain,Stress A [MPa],Stress B [MPa],Stress C [MPa]",
+        "Strain,Sample A stress [MPa],Sample B stress [MPa],Sample C stress [MPa]",
+    ],
+)
+def test_stresses_of_several_specimens_share_a_strain(heads: str) -> None:
+    same(read_tests(table(heads, [STRAIN, *PULLS]), "a.csv", test="uniaxial"))
+
+
+def test_two_numbers_are_axes_unless_the_test_has_one() -> None:
+    data = table("strain 1,stress 1 [MPa],strain 2,stress 2 [MPa]", pairs()[:4])
+    [both] = read_tests(data, "a.csv")
+    assert both.mode == "biaxial-general"
+    same(read_tests(data, "a.csv", test="uniaxial"), (13, 13))
+    same(read_tests(b"# test: uniaxial\n" + data, "a.csv"), (13, 13))
+
+
+def test_symbols_of_axes_are_no_specimens() -> None:
+    data = table("strain,sigma 1 [MPa],sigma 2 [MPa],sigma 3 [MPa]", [STRAIN, *PULLS])
+    with pytest.raises(InputError, match="say which"):
+        read_tests(data, "a.csv", test="uniaxial")
+
+
+def test_what_is_stated_above_the_first_table_holds_for_those_below() -> None:
+    head = "Richtung;Schuss\nPrüfung;Zugversuch\nBreite;40;mm\nEinspannlänge;80;mm\n"
+    tables = ""
+    for number, pull in enumerate(PULLS, 1):
+        rows = "".join(f"{80.0 * e:.4f};{40.0 * s:.6f}\n" for e, s in zip(STRAIN, pull, strict=True))
+        tables += f"\nProbe {number}\nWeg;Standardkraft\nmm;N\n{rows}".replace(".", ",")
+    found = read_tests((head + tables).encode(), "a.csv")
+    assert [part.direction_name for part in found] == ["weft"] * 3
+    assert [part.specimen for part in found] == ["1", "2", "3"]
+    for part, pull in zip(found, PULLS, strict=True):
+        assert part.mode == "uniaxial"
+        assert part.stress == pytest.approx(pull, rel=1e-5, abs=1e-7)
+        assert part.stretch == pytest.approx(1.0 + STRAIN, rel=1e-5)
+
+
+def test_what_stands_above_a_later_table_is_that_ones_own() -> None:
+    tables = "".join(
+        f"Width: {width} mm\nstrain,force [N]\n" + "".join(f"{e:.3f},{width * e:.4f}\n" for e in STRAIN)
+        for width in (10, 20)
+    )
+    one, two = read_tests(tables.encode(), "a.csv", test="uniaxial")
+    assert (one.width_mm, two.width_mm) == (10.0, 20.0)
+    assert one.stress == pytest.approx(two.stress, rel=1e-4)
+
+
+def pasted(data: bytes, name: str, **options: object) -> list[TestData]:
+    """Read what is refused with the option that its message shows, until it is read; the last readings."""
+    said: list[str] = []
+    for _ in range(3):
+        try:
+            return read_tests(data, name, columns=layout(said), **options)  # type: ignore[arg-type]
+        except InputError as error:
+            [option] = re.findall(r"--columns (\"[^\"]*\"|'[^']*')", str(error))
+            said = shlex.split(option)
+    raise AssertionError(said)
+
+
+@pytest.mark.parametrize("form", ["%.6f,%.6f", "%.6e,%.6e"])
+def test_a_stretch_without_a_heading_is_proposed_as_one_though_a_compression_began_it(form: str) -> None:
+    stretch = np.linspace(0.5, 2.1, 17)
+    stress = stretch - stretch**-2
+    data = "".join(form % row + "\n" for row in zip(stretch, stress, strict=True)).encode()
+    [found] = pasted(data, "a.txt", test="uniaxial")
+    assert found.stretch == pytest.approx(stretch)
+
+
+def test_a_strain_without_a_heading_stays_one() -> None:
+    stress = [f"{0.1 * k:.2f}" for k in range(1, 30)]
+    assert shape([f"{0.04 * k:.4f}" for k in range(1, 30)], stress=stress) == "strain [-]"
+
+
+@pytest.mark.parametrize(
+    "heads",
+    ["l1,l2,P1 (MPa),P2 (MPa)", "lambda_1,lambda_2,P_11,P_22", "λ1,λ2,t1 [MPa],t2 [MPa]"],
+)
+def test_what_is_proposed_for_two_axes_is_read_when_pasted(heads: str) -> None:
+    l1, l2 = np.full(13, 1.3), np.linspace(0.9, 1.3, 13)
+    data = table(heads, [l1, l2, l1 - 0.9, l2 - 0.8])
+    [found] = pasted(data, "a.csv")
+    assert found.mode == "biaxial-general"
+    assert found.stretch2 == pytest.approx(l2, rel=1e-5)
+    assert found.stress2 == pytest.approx(l2 - 0.8, rel=1e-4)
+
+
+def test_a_unit_that_lacks_is_proposed_beside_those_already_given() -> None:
+    data = table("lambda_1,lambda_2,P_11,P_22", [STRAIN + 1.0, STRAIN + 1.0, *PULLS[:2]])
+    said = layout(["P_11=stress [kPa],P_22=stress 2"])
+    with pytest.raises(InputError, match=re.escape('--columns "P_11=stress [kPa],P_22=stress 2 [MPa]"')):
+        read_tests(data, "a.csv", columns=said)
+
+
+def test_a_stretch_that_is_called_a_strain_is_told_for_what_it_is() -> None:
+    data = table("strain,stress [MPa]", [1.0 + STRAIN, PULLS[0]])
+    with pytest.raises(InputError, match=re.escape('say --columns "strain=stretch"')):
+        read_tests(data, "a.csv", test="uniaxial")
+    [found] = read_tests(data, "a.csv", test="uniaxial", columns=layout(["strain=strain [-]"]))
+    assert found.stretch[0] == 2.0
+
+
+@pytest.mark.parametrize(("most", "unit"), [(0.3, "-"), (15.0, "%")])
+def test_a_strain_is_proposed_as_a_share_or_in_per_cent_by_its_size(most: float, unit: str) -> None:
+    rows = "".join(f"{most * k / 10:.3f},{0.1 * k:.2f}\n" for k in range(11))
+    with pytest.raises(InputError, match=re.escape(f'--columns "Strain=strain [{unit}],Tx=stress [MPa]"')):
+        read_tests(f"Strain,Tx\n{rows}".encode(), "a.csv", test="uniaxial")
+
+
+@pytest.mark.parametrize(
+    ("heads", "ways"),
+    [
+        ("Strain,Course stress [MPa],Wale stress [MPa]", ["weft", "warp"]),
+        ("Dehnung,Spannung Kette [MPa],Spannung (Schuss) [MPa]", ["warp", "weft"]),
+        ("strain,stress_45deg [MPa],stress_90deg [MPa]", ["45 deg", "weft"]),
+    ],
+)
+def test_a_title_tells_the_direction_of_its_specimen(heads: str, ways: list[str]) -> None:
+    data = table(heads, [STRAIN, *PULLS[:2]])
+    found = read_tests(data, "a.csv", test="uniaxial")
+    same(found, (13, 13))
+    assert [part.direction_name for part in found] == ways
+    with pytest.raises(InputError, match="does not say which test it is"):
+        read_tests(data, "a.csv")
+
+
+def test_directions_of_a_biaxial_test_are_its_axes() -> None:
+    data = table("strain weft,stress weft [MPa],strain warp,stress warp [MPa]", pairs()[:4])
+    [found] = read_tests(data, "a.csv", test="biaxial")
+    assert found.mode == "biaxial-general"
+    assert found.stress == pytest.approx(PULLS[1], rel=1e-5, abs=1e-12)
+    assert found.stress2 == pytest.approx(PULLS[0], rel=1e-5, abs=1e-12)
+    named = read_tests(data, "uniaxial.csv", test="uniaxial")
+    assert [part.direction_name for part in named] == ["weft", "warp"]
+
+
+@pytest.mark.parametrize(
+    ("heads", "field", "values"),
+    [
+        (
+            "Strain,Stress -20C [MPa],Stress 20 °C [MPa],Stress 60degC [MPa]",
+            "temperature_degC",
+            [-20, 20, 60],
+        ),
+        ("Strain,Stress 0.01/s [MPa],Stress 0.1 1/s [MPa],Stress 1/s [MPa]", "rate_1_s", [0.01, 0.1, 1.0]),
+    ],
+)
+def test_a_title_tells_the_temperature_or_the_rate(heads: str, field: str, values: list[float]) -> None:
+    found = read_tests(table(heads, [STRAIN, *PULLS]), "a.csv", test="uniaxial")
+    same(found)
+    assert [float(getattr(part, field)[0]) for part in found] == values
+
+
+def test_a_column_may_state_tests_by_the_letters_that_papers_give_them() -> None:
+    rows = "".join(
+        f"{mode},{1.0 + e:.3f},{s:.4f}\n"
+        for mode in ("UT", "PS", "ET")
+        for e, s in zip(STRAIN, PULLS[0], strict=True)
+    )
+    found = read_tests(f"mode,stretch,stress_MPa\n{rows}".encode(), "a.csv")
+    assert [part.mode for part in found] == ["uniaxial", "shear", "biaxial"]
