@@ -7,7 +7,11 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from hyperfab.materials.effects.path import Path
+from hyperfab.materials.effects.smooth import through
 from hyperfab.materials.kinematics import Array
+
+#: How much more closely what the grips give is told at the start than at the end.
+_CLOSE = 20.0
 
 
 def taken_up(stretch: Array, slack: float | Array, toe: float = 0.0) -> Array:
@@ -28,6 +32,21 @@ def taken_up(stretch: Array, slack: float | Array, toe: float = 0.0) -> Array:
     return np.asarray(1.0 + np.maximum(strain, 0.0))
 
 
+def given(stretch: Array, reach: float, values: Array) -> Array:
+    """Return the specimen's stretch where what the grips give is a smooth function of the strain read.
+
+    ``values`` are what they give at even parts of the logarithm of the strain, ``ln(1 + 20 e/reach)`` to the reach:
+    most of it is given at the start.
+
+    >>> given(np.array([1.0, 1.5]), 0.5, np.array([0.01, 0.02]))
+    array([1.  , 1.48])
+    """
+    strain = stretch - 1.0
+    place = np.log1p(_CLOSE * np.maximum(strain, 0.0) / reach) / np.log1p(_CLOSE)
+    less = strain - through(place, values)
+    return np.asarray(1.0 + np.where(strain > 0.0, np.maximum(less, 0.0), strain))
+
+
 def of_each(path: Path, values: Array) -> Array:
     """Return one value a row: the first of ``values`` for the first curve, and that plus its own for each other.
 
@@ -45,4 +64,5 @@ FORMS: Mapping[str, Callable[[Path, Array, Array], Array]] = {
     "play": lambda path, stretch, values: taken_up(stretch, *values),
     "toe": lambda path, stretch, values: taken_up(stretch, *values),
     "each": lambda path, stretch, values: taken_up(stretch, of_each(path, values)),
+    "smooth": lambda path, stretch, values: given(stretch, values[0], values[1:]),
 }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hyperfab.loop.catalogue.fabric.context import DataContext
-from hyperfab.loop.problem import Constant, Effect, Form
+from hyperfab.loop.problem import Constant, Effect, Form, fixed, freely
 
 
 def entries(context: DataContext) -> tuple[Effect, ...]:
@@ -25,6 +25,8 @@ def grip_slack(context: DataContext) -> Effect:
         forms.append(Form("each", (slack, *own), (start,), refines="play", of_each=True))
     toe = Constant("toe", 0.0, 0.0, high, step)
     forms.append(Form("toe", (slack, toe), ((0.03 * reach, 0.03 * reach),), refines="play"))
+    gives = [Constant(f"give_{k}", 0.0, low, high, step) for k in range(1, 7)]
+    forms.append(freely(forms, "smooth", (fixed("reach", reach), *gives), (reach, *6 * (0.03 * reach,))))
     return Effect(
         id="grip-slack",
         title="the first extension takes up slack",
