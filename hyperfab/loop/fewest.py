@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import combinations
 
 from hyperfab.loop.belief import explains, surprise
@@ -14,14 +15,21 @@ _LIKELY = 2
 _FIRST = 4
 
 
-def fewest(search: Search, before: Candidate, best: Candidate, tried: dict[str, Evidence]) -> Candidate:
+def fewest(
+    search: Search,
+    before: Candidate,
+    best: Candidate,
+    tried: dict[str, Evidence],
+    no_worse: Callable[[Candidate], bool],
+) -> Candidate:
     """Return the likeliest model that leaves noise, of richer forms or free ones.
 
     A further name may only make up for a formula that is not quite the fabric's, and where no name could be found none
-    may have had the right one. The name is what a smooth law of it explains; each further one has to pay.
+    may have had the right one. The name is what a smooth law of it explains; each further one has to pay. A model that
+    misses some readings by more than the one without names may lack the plain law's terms beside its name.
     """
     explained = best is not before and explains(before, best)
-    if explained and len(best.ids) == 1:
+    if explained and len(best.ids) == 1 and no_worse(best):
         return best
     whole = best if best is before or explained else search.enriched(best)
     if not search.problem.describes:
@@ -29,7 +37,9 @@ def fewest(search: Search, before: Candidate, best: Candidate, tried: dict[str, 
     plain = search.problem.plain
     first = sorted(tried, key=lambda name: -tried[name].delta_bic)[:_FIRST]
     names = dict.fromkeys([*best.ids, *first, plain])
-    found = {frozenset(whole.ids): whole} if whole is not before and explains(before, whole) else {}
+    found = {}
+    if whole is not before and explains(before, whole) and no_worse(whole):
+        found[frozenset(whole.ids)] = whole
     alone: dict[str, float] = {}
 
     def ask(*ids: str) -> None:
@@ -38,10 +48,8 @@ def fewest(search: Search, before: Candidate, best: Candidate, tried: dict[str, 
             return
         if len(ids) == 1:
             alone[ids[0]] = state.judgement.structured
-        if explains(before, state) and _all_pay(search, state):
-            found[frozenset(ids)] = min(
-                state, found.get(frozenset(ids), state), key=lambda one: surprise(before, one)
-            )
+        if explains(before, state) and _all_pay(search, state) and no_worse(state):
+            found[frozenset(ids)] = min(state, found.get(frozenset(ids), state), key=surprise)
 
     for name in names:
         ask(name)
@@ -55,7 +63,7 @@ def fewest(search: Search, before: Candidate, best: Candidate, tried: dict[str, 
     if not found:
         return whole
     # Of two that leave nothing at all, a formula of two names and a free law of one, the one name.
-    return min(found.values(), key=lambda state: (surprise(before, state), len(state.ids)))
+    return min(found.values(), key=lambda state: (surprise(state), len(state.ids)))
 
 
 def _all_pay(search: Search, state: Candidate) -> bool:

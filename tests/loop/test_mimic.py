@@ -92,6 +92,6 @@ def test_another_name_is_told_beside_the_one_it_could_stand_for(
     search: Any = SimpleNamespace(states=states)
     best: Any = states[[one.ids for one in states].index(("a", "b"))]
     sure = Belief({frozenset(ids): p for ids, p in chances.items()}, 0.0, 0.0)
-    monkeypatch.setattr(confounding, "surprise", lambda before, state: -chances["".join(state.ids)])
-    found = confounding._as_likely(search, best, best, sure)
+    monkeypatch.setattr(confounding, "surprise", lambda state: -chances["".join(state.ids)])
+    found = confounding._as_likely(search, best, sure)
     assert {name: list(others) for name, others in found.items()} == told

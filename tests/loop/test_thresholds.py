@@ -295,7 +295,7 @@ def as_likely(left: float) -> bool:
     base, one, other = leaving((), 10.0), leaving(("rate",), 0.0), leaving(("mullins",), left)
     states = [base, one, other]
     search: Any = SimpleNamespace(problem=base.problem, states=states)
-    return bool(confounding._as_likely(search, base, one, belief(base, states, 8))["rate"])
+    return bool(confounding._as_likely(search, one, belief(base, states, 8))["rate"])
 
 
 def something_else(left: float) -> float:
@@ -321,8 +321,9 @@ CASES: dict[str, tuple[Callable[[pytest.MonkeyPatch], Any], Any]] = {
             [judged(left).is_small for left in (0.3, 0.6)],
             [explained(100.0, left) for left in (0.5, 0.9)],
             [same(patch, left=left**2) for left in (0.3, 0.6)],
+            [as_likely(left) for left in (0.1, 0.15)],
         ],
-        [[True, False], [True, False], [True, False]],
+        [[True, False], [True, False], [True, False], [True, False]],
     ),
     "TOLD": (
         lambda _: [
@@ -349,7 +350,7 @@ CASES: dict[str, tuple[Callable[[pytest.MonkeyPatch], Any], Any]] = {
         lambda _: [
             [judged_alone(rows) for rows in (6, 12)],
             [read(rows) for rows in (6, 12)],
-            [as_likely(left) for left in (0.5, 0.75)],
+            [as_likely(left) for left in (0.1, 0.15)],
         ],
         [[False, True], [False, True], [True, False]],
     ),
@@ -373,9 +374,8 @@ CASES: dict[str, tuple[Callable[[pytest.MonkeyPatch], Any], Any]] = {
             [same(patch, left=share, whole=1.0) for share in (0.035, 0.075)],
             [rivals_asked(patch, 3, one) for one in (0.035, 0.075)],
             [led_alike(share) for share in (0.035, 0.075)],
-            [as_likely(left) for left in (0.5, 0.75)],
         ],
-        [[False, True], [False, True], [True, False], [True, False], [[], [3]], [True, False], [True, False]],
+        [[False, True], [False, True], [True, False], [True, False], [[], [3]], [True, False]],
     ),
     "MOST": (
         lambda _: [
@@ -387,7 +387,7 @@ CASES: dict[str, tuple[Callable[[pytest.MonkeyPatch], Any], Any]] = {
     ),
     "ODDS": (
         lambda _: [
-            [as_likely(left) for left in (0.5, 0.75)],
+            [as_likely(left) for left in (0.1, 0.15)],
             [suspects(p) for p in (0.65, 0.85)],
         ],
         [[True, False], [("foam", upstream.ELSE), ("foam",)]],
