@@ -1,4 +1,4 @@
-"""The sets of random smooth effects and the fourth are what they say: finite, repeatable, of a size that can be seen."""
+"""The sets of random smooth effects and the fourth are what they say: finite, repeatable, of a size that is seen."""
 
 from __future__ import annotations
 
