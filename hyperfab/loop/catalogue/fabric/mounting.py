@@ -52,6 +52,9 @@ def load_offset(context: DataContext) -> Effect:
         rise = Constant("drift_MPa_s", 0.0, -50.0 * peak / whole, 50.0 * peak / whole, 0.05 * peak / whole)
         start = (step, 0.05 * peak / whole, 0.2 * whole)
         forms.append(Form("settling", (offset, rise, tau), (start,), refines="constant"))
+        drifts = [Constant(f"drift_{k}_MPa", 0.0, -most, most, step) for k in range(1, 4)]
+        free = (fixed("whole_s", whole), offset, *drifts)
+        forms.append(freely(forms, "smooth", free, (whole, step, *3 * (0.0,))))
     count = len(context.path.curves)
     if count > 1:
         own = [Constant(f"of_test_{k}_MPa", 0.0, -most, most, step) for k in range(2, count + 1)]
