@@ -95,3 +95,16 @@ def test_another_name_is_told_beside_the_one_it_could_stand_for(
     monkeypatch.setattr(confounding, "surprise", lambda state: -chances["".join(state.ids)])
     found = confounding._as_likely(search, best, sure)
     assert {name: list(others) for name, others in found.items()} == told
+
+
+@pytest.mark.parametrize(("less_likely", "told"), [(3.5, True), (4.5, False)])
+def test_what_only_describes_stands_for_a_name_by_what_it_leaves_too(
+    less_likely: float, told: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As good by BIC and of nearly the same imprint, but at odds of ninety to one against it: no rival."""
+    search: Any = SimpleNamespace(problem=SimpleNamespace(well_known=False, describes=True), noise=None)
+    best, other = (SimpleNamespace(fit=None, surprise=one) for one in (1.0, 1.0 + less_likely))
+    monkeypatch.setattr(confounding, "_gap", lambda *given: 0.0)
+    monkeypatch.setattr(confounding, "_misfit", lambda *given: 0.0)
+    monkeypatch.setattr(confounding, "surprise", lambda state: state.surprise)
+    assert confounding.does_the_same(search, best, other, lambda: 1.0) == told  # type: ignore[arg-type]

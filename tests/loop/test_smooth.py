@@ -15,9 +15,11 @@ from hyperfab.loop.belief import belief, surprise
 from hyperfab.loop.engine import close
 from hyperfab.loop.heldout import HeldOut, help_of
 from hyperfab.loop.problem import Curve
-from hyperfab.materials.effects import grip_slack
+from hyperfab.materials.effects import grip_slack, load_offset
 from hyperfab.materials.effects.elastic_law import FORMS
+from hyperfab.materials.effects.mullins import worn_smoothly
 from hyperfab.materials.effects.path import uniaxial_pull
+from hyperfab.materials.effects.permanent_set import crept_smoothly
 from hyperfab.materials.effects.rate import relaxing, spectrum
 from hyperfab.materials.effects.smooth import cardinal, straight, through
 from hyperfab.materials.effects.state import State
@@ -53,6 +55,56 @@ def test_what_the_grips_give_is_nothing_at_rest_and_goes_through_its_values() ->
     np.testing.assert_allclose(specimen, 1.0 + strain - [0.0, *gives], rtol=1e-12)
     # No specimen is pressed by what the grips give.
     assert np.all(grip_slack.given(1.0 + np.linspace(0.0, 0.5, 50), reach, np.full(6, 0.05)) >= 1.0)
+
+
+def test_wear_by_energy_is_wear_by_strain_where_energy_goes_with_its_square() -> None:
+    strain = np.concatenate([np.linspace(0.0, 0.4, 9), np.linspace(0.35, 0.0, 8), np.linspace(0.05, 0.6, 12)])
+    path, energy = uniaxial_pull(1.0 + strain), 3.0 * strain**2
+    at = State(path, path.stretch, energy, 20.0, None)
+    shape = np.array([1.3, 0.8, 0.2, 0.1, 0.2, 0.3, 0.05, 0.1, 0.12])
+    stress = 2.0 * strain
+    by_strain = worn_smoothly(at, stress, np.array([0.6, *shape]))
+    by_energy = worn_smoothly(at, stress, np.array([3.0 * 0.6**2, *shape]), by_energy=True)
+    np.testing.assert_allclose(by_energy[1:], by_strain[1:], rtol=1e-9)
+    assert np.all(by_strain[9:17] < stress[9:17] + 1e-12)
+
+
+def test_a_set_that_flows_comes_nearer_to_what_the_strain_asks_for_and_stays_when_it_goes() -> None:
+    """Held at 0.4 for three times ``creep_s``, then let go: ``set(0.4) (1 - exp(-3))`` is there and stays."""
+    lam = np.concatenate([[1.0], np.full(31, 1.4), np.linspace(1.35, 1.0, 8)])
+    time = np.concatenate([[0.0], np.linspace(0.0, 30.0, 31), np.full(8, 30.0)])
+    path = uniaxial_pull(lam)
+    path = path.__class__(**{**vars(path), "time_s": time})
+    sets = np.array([0.02, 0.04, 0.06])
+    values = np.array([0.6, 1e9, 10.0, *sets])
+    rest = lam / crept_smoothly(path, values, flows=True) - 1.0
+    assert rest[31] == pytest.approx(0.04 * (1.0 - np.exp(-3.0)), rel=1e-6)
+    # It goes on only towards what is more than it has.
+    np.testing.assert_allclose(rest[32:36], rest[31], rtol=1e-9)
+
+
+def test_a_drift_of_no_formula_goes_through_its_values() -> None:
+    path = uniaxial_pull(np.full(4, 1.1))
+    path = path.__class__(**{**vars(path), "time_s": np.array([0.0, 10.0, 20.0, 30.0])})
+    at = State(path, path.stretch, np.zeros(4), 20.0, None)
+    drifted = load_offset.FORMS["smooth"](at, np.zeros(4), np.array([30.0, 0.01, 0.02, -0.01, 0.03]))
+    np.testing.assert_allclose(drifted, [0.01, 0.03, 0.0, 0.04], atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        "load-offset",
+        pytest.param("mullins", marks=pytest.mark.slow),
+        pytest.param("permanent-set", marks=pytest.mark.slow),
+    ],
+)
+def test_an_effect_of_two_states_at_once_is_called_by_its_name(effect: str) -> None:
+    """Wear by energy, a set that flows under load, an amplifier that drifts beside a law that is no model's."""
+    problem, _, _, _ = case(0, (effect,), poor=False, which="rough")
+    found = close(problem, design=False)
+    assert found.verdict == "effect"
+    assert set(found.after.ids) - {problem.plain} == {effect}
 
 
 def test_a_name_that_misses_the_stress_by_more_is_told_with_the_plain_law_or_another_is() -> None:
