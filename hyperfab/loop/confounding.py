@@ -102,14 +102,17 @@ def _tried_instead_of(search: Search, best: Candidate, name: str) -> dict[str, C
 def does_the_same(search: Search, best: Candidate, state: Candidate, imprint: Callable[[], float]) -> bool:
     """Whether a model with another entry does the same as the ``best``, though its constants are likely ones.
 
-    It is as good by BIC, where laws only describe by what it leaves as well, and can do most of the effect's own
-    noise-free ``imprint`` (chi-squared) with all constants refitted; or, where laws are physics, all but a share.
+    It is as good by BIC, and can do most of the effect's own noise-free ``imprint`` (chi-squared) with all constants
+    refitted; or, where laws are physics, all but a share.
     """
     problem = search.problem
     if problem.well_known and is_strained(problem, state.fit) and not is_strained(problem, best.fit):
         return False
     as_good = _gap(search, best, state) < MARGIN
-    if problem.describes and not (as_good and 2.0 * (surprise(state) - surprise(best)) < MARGIN):
+    if any(form.free for form in state.fit.forms.values()):
+        # A law of free shape comes near to nearly anything: it has to be as likely too.
+        as_good = as_good and 2.0 * (surprise(state) - surprise(best)) < MARGIN
+    if problem.describes and not as_good:
         return False
     left = _misfit(problem, search.noise, best.fit, state.fit)
     if as_good:

@@ -97,13 +97,16 @@ def test_another_name_is_told_beside_the_one_it_could_stand_for(
     assert {name: list(others) for name, others in found.items()} == told
 
 
-@pytest.mark.parametrize(("less_likely", "told"), [(3.5, True), (4.5, False)])
-def test_what_only_describes_stands_for_a_name_by_what_it_leaves_too(
-    less_likely: float, told: bool, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("less_likely", "free", "told"), [(3.5, True, True), (4.5, True, False), (4.5, False, True)]
+)
+def test_a_law_of_free_shape_stands_for_a_name_by_what_it_leaves_too(
+    less_likely: float, free: bool, told: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """As good by BIC and of nearly the same imprint, but at odds of ninety to one against it: no rival."""
+    """As good by BIC and of nearly the same imprint, but at odds of ninety to one: no rival if its shape is free."""
     search: Any = SimpleNamespace(problem=SimpleNamespace(well_known=False, describes=True), noise=None)
-    best, other = (SimpleNamespace(fit=None, surprise=one) for one in (1.0, 1.0 + less_likely))
+    fit = SimpleNamespace(forms={"other": SimpleNamespace(free=free)})
+    best, other = (SimpleNamespace(fit=fit, surprise=one) for one in (1.0, 1.0 + less_likely))
     monkeypatch.setattr(confounding, "_gap", lambda *given: 0.0)
     monkeypatch.setattr(confounding, "_misfit", lambda *given: 0.0)
     monkeypatch.setattr(confounding, "surprise", lambda state: state.surprise)
