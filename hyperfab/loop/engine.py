@@ -107,9 +107,13 @@ def close(
 
     if before.judgement.is_noise or _no_more_than_noise(before):
         return finding("noise", before, {}, {})
-    best, tried = _grow(search, before)
-    best = _pruned(search, best)
-    best = fewest(search, before, best, tried, lambda state: is_no_worse(before, state, apart))
+    # A smooth law of one name or two comes before a third.
+    for depth in (2, _DEPTH) if problem.describes else (_DEPTH,):
+        best, tried = _grow(search, before, depth)
+        best = _pruned(search, best)
+        best = fewest(search, before, best, tried, lambda state: is_no_worse(before, state, apart))
+        if best.ids and explains(before, best):
+            break
     helpful = _no_worse(search, before, best, apart)
     worse = tuple(name for name in best.ids if name not in helpful.ids)
     best = helpful
@@ -157,11 +161,11 @@ def _no_more_than_noise(base: Candidate) -> bool:
     return base.judgement.structured == 0.0 and all(np.mean(one**2) <= TOLD**2 for one in left)
 
 
-def _grow(search: Search, base: Candidate) -> tuple[Candidate, dict[str, Evidence]]:
-    """Add terms one by one, a few models side by side; return the best and what each first term would be worth."""
+def _grow(search: Search, base: Candidate, most: int) -> tuple[Candidate, dict[str, Evidence]]:
+    """Add up to ``most`` terms, a few models side by side; return the best and what each first term would be worth."""
     beam, best = [base], base
     tried: dict[str, Evidence] = {}
-    for depth in range(_DEPTH):
+    for depth in range(most):
         grown: dict[frozenset[str], Candidate] = {}
         idle: dict[frozenset[str], Candidate] = {}
         accepted: set[frozenset[str]] = set()
