@@ -18,7 +18,7 @@ from hyperfab.loop.problem import Curve
 from hyperfab.materials.effects import grip_slack, load_offset
 from hyperfab.materials.effects.elastic_law import FORMS
 from hyperfab.materials.effects.mullins import worn_smoothly
-from hyperfab.materials.effects.path import uniaxial_pull
+from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL, uniaxial_pull
 from hyperfab.materials.effects.permanent_set import crept_smoothly
 from hyperfab.materials.effects.rate import relaxing, spectrum
 from hyperfab.materials.effects.smooth import cardinal, straight, through
@@ -55,6 +55,19 @@ def test_what_the_grips_give_is_nothing_at_rest_and_goes_through_its_values() ->
     np.testing.assert_allclose(specimen, 1.0 + strain - [0.0, *gives], rtol=1e-12)
     # No specimen is pressed by what the grips give.
     assert np.all(grip_slack.given(1.0 + np.linspace(0.0, 0.5, 50), reach, np.full(6, 0.05)) >= 1.0)
+
+
+def test_grips_that_give_with_the_load_give_more_where_a_sheet_pulls_harder() -> None:
+    """At a small strain e neo-Hooke's load is 3e, 4e and 6e in a strip, a planar and an equal biaxial sheet."""
+    lam = np.full(3, 1.001)
+    path = uniaxial_pull(lam)
+    path = path.__class__(**{**vars(path), "mode": np.array([UNIAXIAL, SHEAR, BIAXIAL])})
+    load = grip_slack.pulls(path, lam)
+    np.testing.assert_allclose(load / 0.001, [3.0, 4.0, 6.0], rtol=0.02)
+    values = np.array([0.5, 1e-4, 2e-4, 2.5e-4, 3e-4, 3e-4, 3e-4])
+    strain = grip_slack.FORMS["smooth-load"](path, lam, values) - 1.0
+    by_itself = [grip_slack.given(1.0 + one, 0.5, values[1:])[0] - 1.0 - one[0] for one in load[:, None]]
+    np.testing.assert_allclose(strain - 0.001, by_itself, rtol=1e-9)
 
 
 def test_wear_by_energy_is_wear_by_strain_where_energy_goes_with_its_square() -> None:
@@ -95,12 +108,13 @@ def test_a_drift_of_no_formula_goes_through_its_values() -> None:
     "effect",
     [
         "load-offset",
+        pytest.param("grip-slack", marks=pytest.mark.slow),
         pytest.param("mullins", marks=pytest.mark.slow),
         pytest.param("permanent-set", marks=pytest.mark.slow),
     ],
 )
 def test_an_effect_of_two_states_at_once_is_called_by_its_name(effect: str) -> None:
-    """Wear by energy, a set that flows under load, an amplifier that drifts beside a law that is no model's."""
+    """Grips that give with the load, wear by energy, a set that flows under load, an amplifier that drifts."""
     problem, _, _, _ = case(0, (effect,), poor=False, which="rough")
     found = close(problem, design=False)
     assert found.verdict == "effect"

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from hyperfab.materials.effects.path import Path
+from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL, Path
 from hyperfab.materials.effects.smooth import through
 from hyperfab.materials.kinematics import Array
 
@@ -32,8 +32,8 @@ def taken_up(stretch: Array, slack: float | Array, toe: float = 0.0) -> Array:
     return np.asarray(1.0 + np.maximum(strain, 0.0))
 
 
-def given(stretch: Array, reach: float, values: Array) -> Array:
-    """Return the specimen's stretch where what the grips give is a smooth function of the strain read.
+def given(stretch: Array, reach: float, values: Array, load: Array | None = None) -> Array:
+    """Return the specimen's stretch where what the grips give is a smooth function of the strain read, or of ``load``.
 
     ``values`` are what they give at even parts of the logarithm of the strain, ``ln(1 + 20 e/reach)`` to the reach:
     most of it is given at the start.
@@ -42,9 +42,22 @@ def given(stretch: Array, reach: float, values: Array) -> Array:
     array([1.  , 1.48])
     """
     strain = stretch - 1.0
-    place = np.log1p(_CLOSE * np.maximum(strain, 0.0) / reach) / np.log1p(_CLOSE)
+    measure = np.maximum(strain if load is None else load, 0.0)
+    place = np.log1p(_CLOSE * measure / reach) / np.log1p(_CLOSE)
     less = strain - through(place, values)
     return np.asarray(1.0 + np.where(strain > 0.0, np.maximum(less, 0.0), strain))
+
+
+def pulls(path: Path, stretch: Array) -> Array:
+    """Return the load of a sheet at a stretch, over a third of its Young's modulus: that of neo-Hooke's in each mode.
+
+    >>> from hyperfab.materials.effects.path import uniaxial_pull
+    >>> pulls(uniaxial_pull(np.array([1.0, 2.0])), np.array([1.0, 2.0]))
+    array([0.  , 1.75])
+    """
+    side = np.where(path.mode == UNIAXIAL, stretch**-0.5, np.where(path.mode == SHEAR, 1.0, path.across))
+    side = np.where(path.mode == BIAXIAL, stretch, side)
+    return np.asarray(stretch - 1.0 / (stretch**3 * side**2))
 
 
 def of_each(path: Path, values: Array) -> Array:
@@ -65,4 +78,5 @@ FORMS: Mapping[str, Callable[[Path, Array, Array], Array]] = {
     "toe": lambda path, stretch, values: taken_up(stretch, *values),
     "each": lambda path, stretch, values: taken_up(stretch, of_each(path, values)),
     "smooth": lambda path, stretch, values: given(stretch, values[0], values[1:]),
+    "smooth-load": lambda path, stretch, values: given(stretch, values[0], values[1:], pulls(path, stretch)),
 }

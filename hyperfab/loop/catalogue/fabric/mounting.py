@@ -26,14 +26,18 @@ def grip_slack(context: DataContext) -> Effect:
     toe = Constant("toe", 0.0, 0.0, high, step)
     forms.append(Form("toe", (slack, toe), ((0.03 * reach, 0.03 * reach),), refines="play"))
     gives = [Constant(f"give_{k}", 0.0, low, high, step) for k in range(1, 7)]
-    forms.append(freely(forms, "smooth", (fixed("reach", reach), *gives), (reach, *6 * (0.03 * reach,))))
+    pull = 1.0 + reach - (1.0 + reach) ** -2.0
+    free = [
+        freely(forms, name, (fixed(along, far), *gives), (far, *6 * (0.03 * reach,)))
+        for name, along, far in (("smooth", "reach", reach), ("smooth-load", "reach_of_load", pull))
+    ]
     return Effect(
         id="grip-slack",
         title="the first extension takes up slack",
         rides_on=("stretch",),
         shown_by="the stretch from marks on the specimen beside that of the grips, close readings at the start",
         source="ASTM D638, annex A1 (toe compensation)",
-        forms=tuple(forms),
+        forms=(*forms, *free),
         smooth=True,
     )
 
