@@ -1,8 +1,9 @@
 """How sure the names are: the probability of each entry, and of something else, from what each model leaves.
 
-A model with the right names still misses the truth by a smooth discrepancy, whose scale is not known: about a share of
-the misfit that there was, beside what is too small to matter. Given an inverse-gamma distribution of that scale the
-marginal likelihood of what is left is Student's. Kennedy & O'Hagan (2001), doi:10.1111/1467-9868.00294.
+A model with the right names still misses the truth by a smooth discrepancy, whose scale is not known: about half of
+what is too small to matter, however much there was to explain, for a law is made richer until it leaves no more. That
+nothing lacks is such a model too. Given an inverse-gamma distribution of that scale the marginal likelihood of what is
+left is Student's. Kennedy & O'Hagan (2001), doi:10.1111/1467-9868.00294.
 """
 
 from __future__ import annotations
@@ -58,18 +59,15 @@ def outweighs_something_else(base: Candidate, state: Candidate) -> bool:
     return bool(left <= (1.0 - MOST) * before)
 
 
-def surprise(base: Candidate, state: Candidate) -> float:
+def surprise(state: Candidate) -> float:
     """Return minus the logarithm of what the data and what is known beforehand say for a model with some names.
 
-    ``base`` is the model without any. What is left counts by Student's distribution, each kind of reading (stresses,
-    contraction) apart, whatever number of constants the law has; each name after the first counts for odds of fifty to
-    one, and so does each law of free shape but that of the plain law, which is never quite the fabric's.
+    What is left counts by Student's distribution, each kind of reading (stresses, contraction) apart, whatever number
+    of constants the law has; each name after the first counts for odds of fifty to one, and so does each law of free
+    shape but that of the plain law, which is never quite the fabric's.
     """
-    scale = _scale(structured_of_each(base.fit, base.problem))
     free = sum(form.free for name, form in state.fit.forms.items() if name != state.problem.plain)
-    return _student(structured_of_each(state.fit, state.problem), scale) + 0.5 * MARGIN * (
-        len(state.ids) - 1 + free
-    )
+    return _student(structured_of_each(state.fit, state.problem)) + 0.5 * MARGIN * (len(state.ids) - 1 + free)
 
 
 def belief(base: Candidate, models: Iterable[Candidate], entries: int) -> Belief:
@@ -82,18 +80,13 @@ def belief(base: Candidate, models: Iterable[Candidate], entries: int) -> Belief
     for model in models:
         if model.ids and np.isfinite(model.fit.chi2):
             ids = frozenset(model.ids)
-            least[ids] = min(surprise(base, model), least.get(ids, np.inf))
+            least[ids] = min(surprise(model), least.get(ids, np.inf))
     weights = {ids: float(np.exp(-one)) for ids, one in least.items()}
-    nothing = (entries + 1.0) * float(np.exp(-_student(before, SMALL)))
-    other = float(np.exp(-_student((1.0 - MOST) * before, _scale(before))))
+    nothing = (entries + 1.0) * float(np.exp(-_student(before)))
+    other = float(np.exp(-_student((1.0 - MOST) * before)))
     total = sum(weights.values()) + nothing + other
     return Belief({ids: one / total for ids, one in weights.items()}, nothing / total, other / total)
 
 
-def _scale(before: Array) -> Array:
-    """Return how much a right law leaves: half of what is too small to matter, and half of that share of what was."""
-    return np.asarray(0.5 * np.hypot(SMALL, np.sqrt(SHARE) * before))
-
-
-def _student(left: Array, scale: Array | float) -> float:
-    return float(np.sum(0.5 * FEWEST * np.log1p((left / scale) ** 2)))
+def _student(left: Array) -> float:
+    return float(np.sum(0.5 * FEWEST * np.log1p((left / (0.5 * SMALL)) ** 2)))

@@ -23,9 +23,7 @@ from hyperfab.loop.search import Search
 from hyperfab.loop.thresholds import MARGIN, ODDS, SHARE, UNLIKELY
 
 
-def rivals(
-    search: Search, before: Candidate, best: Candidate, sure: Callable[[], Belief]
-) -> dict[str, dict[str, Candidate]]:
+def rivals(search: Search, best: Candidate, sure: Callable[[], Belief]) -> dict[str, dict[str, Candidate]]:
     """Return, for each found effect, the others that could stand for it, with a model of each.
 
     ``sure`` tells how sure the names are by all models fitted so far.
@@ -45,7 +43,7 @@ def rivals(
         for name, states in tried.items()
     }
     if search.problem.describes:
-        for name, states in _as_likely(search, before, best, sure()).items():
+        for name, states in _as_likely(search, best, sure()).items():
             found[name] = {**found[name], **states}
     for name, others in found.items():
         for other in _never_told_from(search.problem, name, best.ids):
@@ -54,9 +52,7 @@ def rivals(
     return found
 
 
-def _as_likely(
-    search: Search, before: Candidate, best: Candidate, sure: Belief
-) -> dict[str, dict[str, Candidate]]:
+def _as_likely(search: Search, best: Candidate, sure: Belief) -> dict[str, dict[str, Candidate]]:
     """Return the others that are nearly as likely in place of found effects as these are without them.
 
     Of models none of whose names could go; each other is told beside the first of those that it stands for.
@@ -64,7 +60,7 @@ def _as_likely(
     models = sure.models
     needed = {ids for ids, p in models.items() if all(p >= q for fewer, q in models.items() if fewer < ids)}
     instead: dict[tuple[str, frozenset[str]], dict[frozenset[str], Candidate]] = {}
-    for state in sorted(search.states, key=lambda one: surprise(before, one)):
+    for state in sorted(search.states, key=surprise):
         ids = frozenset(state.ids)
         if ids in needed and (lost := frozenset(best.ids) - ids):
             for other in sorted(ids - {*best.ids}):
@@ -113,6 +109,9 @@ def does_the_same(search: Search, best: Candidate, state: Candidate, imprint: Ca
     if problem.well_known and is_strained(problem, state.fit) and not is_strained(problem, best.fit):
         return False
     as_good = _gap(search, best, state) < MARGIN
+    if any(form.free for form in state.fit.forms.values()):
+        # A law of free shape comes near to nearly anything: it has to be as likely too.
+        as_good = as_good and 2.0 * (surprise(state) - surprise(best)) < MARGIN
     if problem.describes and not as_good:
         return False
     left = _misfit(problem, search.noise, best.fit, state.fit)

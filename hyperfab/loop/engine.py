@@ -9,7 +9,7 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
-from hyperfab.loop.belief import Belief, belief, explains, outweighs_something_else
+from hyperfab.loop.belief import Belief, belief, explains, outweighs_something_else, surprise
 from hyperfab.loop.candidate import Candidate, Evidence
 from hyperfab.loop.confounding import indistinguishable, rivals
 from hyperfab.loop.dependence import dependence, suggestion
@@ -107,9 +107,13 @@ def close(
 
     if before.judgement.is_noise or _no_more_than_noise(before):
         return finding("noise", before, {}, {})
-    best, tried = _grow(search, before)
-    best = _pruned(search, best)
-    best = fewest(search, before, best, tried)
+    # A smooth law of one name or two comes before a third.
+    for depth in (2, _DEPTH) if problem.describes else (_DEPTH,):
+        best, tried = _grow(search, before, depth)
+        best = _pruned(search, best)
+        best = fewest(search, before, best, tried, lambda state: is_no_worse(before, state, apart))
+        if best.ids and explains(before, best):
+            break
     helpful = _no_worse(search, before, best, apart)
     worse = tuple(name for name in best.ids if name not in helpful.ids)
     best = helpful
@@ -127,7 +131,7 @@ def close(
     found = finding("effect" if explains(before, best) else "unexplained", best, added, tried)
     found = replace(found, doubted=doubted, worse=worse)
     tick("rivals")
-    others = rivals(search, before, best, sure_of)
+    others = rivals(search, best, sure_of)
     sets = indistinguishable(problem, others)
     verdict = "ambiguous" if sets and found.verdict == "effect" else found.verdict
     measurements: list[NextMeasurement] = []
@@ -157,11 +161,11 @@ def _no_more_than_noise(base: Candidate) -> bool:
     return base.judgement.structured == 0.0 and all(np.mean(one**2) <= TOLD**2 for one in left)
 
 
-def _grow(search: Search, base: Candidate) -> tuple[Candidate, dict[str, Evidence]]:
-    """Add terms one by one, a few models side by side; return the best and what each first term would be worth."""
+def _grow(search: Search, base: Candidate, most: int) -> tuple[Candidate, dict[str, Evidence]]:
+    """Add up to ``most`` terms, a few models side by side; return the best and what each first term would be worth."""
     beam, best = [base], base
     tried: dict[str, Evidence] = {}
-    for depth in range(_DEPTH):
+    for depth in range(most):
         grown: dict[frozenset[str], Candidate] = {}
         idle: dict[frozenset[str], Candidate] = {}
         accepted: set[frozenset[str]] = set()
@@ -192,6 +196,9 @@ def _grow(search: Search, base: Candidate) -> tuple[Candidate, dict[str, Evidenc
         # A model that misses three times as much as the best would only find its way to the same terms.
         beam = [state for state in beam if state.excess - 1.0 <= _HOPELESS * max(beam[0].excess - 1.0, 0.01)]
         if best.judgement.is_small and len(best.ids) == depth + 1:
+            break
+        # A further name would cost more than is left to take.
+        if search.problem.describes and explains(base, best) and surprise(best) <= 0.5 * MARGIN * (depth + 1):
             break
     return best, tried
 

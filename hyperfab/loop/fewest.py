@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import combinations
 
-from hyperfab.loop.belief import explains, surprise
+import numpy as np
+
+from hyperfab.loop.belief import allowed, explains, surprise
 from hyperfab.loop.candidate import Candidate, Evidence
+from hyperfab.loop.judge import structured
 from hyperfab.loop.search import Search
+from hyperfab.loop.thresholds import SMALL, TOLD
 
 #: Names beside which the plain law is made richer.
 _LIKELY = 2
@@ -14,14 +19,21 @@ _LIKELY = 2
 _FIRST = 4
 
 
-def fewest(search: Search, before: Candidate, best: Candidate, tried: dict[str, Evidence]) -> Candidate:
+def fewest(
+    search: Search,
+    before: Candidate,
+    best: Candidate,
+    tried: dict[str, Evidence],
+    no_worse: Callable[[Candidate], bool],
+) -> Candidate:
     """Return the likeliest model that leaves noise, of richer forms or free ones.
 
     A further name may only make up for a formula that is not quite the fabric's, and where no name could be found none
-    may have had the right one. The name is what a smooth law of it explains; each further one has to pay.
+    may have had the right one. The name is what a smooth law of it explains; each further one has to pay. A model that
+    misses some readings by more than the one without names may lack the plain law's terms beside its name.
     """
     explained = best is not before and explains(before, best)
-    if explained and len(best.ids) == 1:
+    if explained and len(best.ids) == 1 and no_worse(best):
         return best
     whole = best if best is before or explained else search.enriched(best)
     if not search.problem.describes:
@@ -29,33 +41,33 @@ def fewest(search: Search, before: Candidate, best: Candidate, tried: dict[str, 
     plain = search.problem.plain
     first = sorted(tried, key=lambda name: -tried[name].delta_bic)[:_FIRST]
     names = dict.fromkeys([*best.ids, *first, plain])
-    found = {frozenset(whole.ids): whole} if whole is not before and explains(before, whole) else {}
-    alone: dict[str, float] = {}
-
-    def ask(*ids: str) -> None:
-        state = search.freed(before, ids)
-        if state is None:
-            return
-        if len(ids) == 1:
-            alone[ids[0]] = state.judgement.structured
-        if explains(before, state) and _all_pay(search, state):
-            found[frozenset(ids)] = min(
-                state, found.get(frozenset(ids), state), key=lambda one: surprise(before, one)
-            )
-
-    for name in names:
-        ask(name)
-    likely = sorted(alone, key=lambda name: alone[name])[:_LIKELY]
-    for name in likely:
+    alone = {name: state for name in names if (state := search.freed(before, [name])) is not None}
+    for name in sorted(alone, key=lambda name: structured(alone[name].fit, search.problem))[:_LIKELY]:
         if name != plain and plain in names:
-            ask(name, plain)
-    if not any(len(ids - {plain}) < 2 for ids in found):
+            search.freed(before, [name, plain])
+    found = _likeliest(search, before, no_worse)
+    if found is None or len({*found.ids} - {plain}) > 1:
         for ids in combinations([name for name in best.ids if name != plain], 2):
-            ask(*ids)
-    if not found:
-        return whole
+            search.freed(before, ids)
+        found = _likeliest(search, before, no_worse)
+    return found or whole
+
+
+def _likeliest(search: Search, before: Candidate, no_worse: Callable[[Candidate], bool]) -> Candidate | None:
+    """Return the likeliest of all models fitted that leaves noise, each of its names needed; None if none does."""
+    limit = max(allowed(structured(before.fit, search.problem)), SMALL)
+    # Of few readings noise itself may leave more.
+    limit = max(limit, TOLD * (2.0 / len(before.fit.residual)) ** 0.25)
+    near = [
+        state
+        for state in search.states
+        if state.ids and np.isfinite(state.fit.chi2) and structured(state.fit, search.problem) <= limit
+    ]
     # Of two that leave nothing at all, a formula of two names and a free law of one, the one name.
-    return min(found.values(), key=lambda state: (surprise(before, state), len(state.ids)))
+    for state in sorted(near, key=lambda one: (surprise(one), len(one.ids))):
+        if explains(before, state) and _all_pay(search, state) and no_worse(state):
+            return state
+    return None
 
 
 def _all_pay(search: Search, state: Candidate) -> bool:

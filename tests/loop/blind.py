@@ -4,9 +4,9 @@ prints the table.
 Run as ``PYTHONPATH=.:tests python -m loop.blind fabric [trials] [effect or effect+effect ...]``; deterministic for
 given arguments. ``--poor`` takes one rate, one cycle, one direction, ``--other`` the second set of generators, whose
 laws and protocols are others, ``--third`` and ``--fourth`` sets to which nothing is tuned and whose plain laws are no
-model's. ``--next`` carries out the measurement that an ambiguous finding asks for, and beside it the old test once
-more; ``--without`` closes the loop again with the formula that was found taken out of the catalogue, as if it were a
-stranger's.
+model's, ``--smooth``, ``--foreign`` and ``--rough`` sets of such laws that names are developed on. ``--next`` carries
+out the measurement that an ambiguous finding asks for, and beside it the old test once more; ``--without`` closes the
+loop again with the formula that was found taken out of the catalogue, as if it were a stranger's.
 """
 
 from __future__ import annotations
@@ -20,7 +20,15 @@ from typing import Any
 
 import numpy as np
 from loop.generators import fabric as truths
-from loop.generators import fourth_fabric, other_fabric, smooth_fabric, third_energy, third_fabric
+from loop.generators import (
+    foreign_fabric,
+    fourth_fabric,
+    other_fabric,
+    rough_fabric,
+    smooth_fabric,
+    third_energy,
+    third_fabric,
+)
 
 from hyperfab.curve import TestCurve
 from hyperfab.loop.engine import Finding, close
@@ -30,8 +38,11 @@ from hyperfab.materials.registry import law
 #: A fabric of any set, and what draws and measures those of another set than the first.
 AnyTruth = truths.Truth | other_fabric.Truth | third_energy.Truth | smooth_fabric.Truth | fourth_fabric.Truth
 SETS: Mapping[str, Any] = {
-    "other": other_fabric, "third": third_fabric, "smooth": smooth_fabric, "fourth": fourth_fabric,
+    "other": other_fabric, "third": third_fabric, "rough": rough_fabric, "smooth": smooth_fabric,
+    "fourth": fourth_fabric, "foreign": foreign_fabric,
 }  # fmt: skip
+#: Sets whose plain laws are no model's.
+STRANGE = ("third", "rough", "smooth", "fourth", "foreign")
 
 #: Pairs for the trials with two effects.
 PAIRS = (
@@ -155,6 +166,8 @@ def carried_out(
 def without_its_formula(problem: FabricProblem, found: Finding) -> FabricProblem | None:
     """Return the problem with the forms that were found taken out, None where others would be lost with one."""
     forms = {name: form.name for name, form in found.after.fit.forms.items()}
+    if any(form.free for form in found.after.fit.forms.values()):
+        return None
     for name, one in forms.items():
         effect = problem.effect(name)
         if effect.form(one).refines is None and any(form.enriches(one) for form in effect.forms):
@@ -233,7 +246,7 @@ def table(
             named = found.verdict in ("effect", "ambiguous")
             tally["#named alone"] += found.verdict == "effect" and set(found.after.ids) == set(truth)
             # Where the plain law is no model's, elastic-law beside the truth is right too.
-            beside = {"elastic-law"} if which in ("third", "smooth", "fourth") else set()
+            beside = {"elastic-law"} if which in STRANGE else set()
             extra = set(found.after.ids) - set(truth)
             tally["#named, with the plain law"] += (
                 found.verdict == "effect" and set(truth) <= set(found.after.ids) and extra <= beside

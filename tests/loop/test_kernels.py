@@ -204,6 +204,23 @@ def test_rows_that_are_alike_count_for_fewer() -> None:
     assert correlation_time(np.zeros(5), [Curve("all", 0, 5, np.arange(5.0))]) == 1.0
 
 
+def test_rows_of_two_curves_are_not_alike_by_standing_one_after_the_other() -> None:
+    rng = np.random.default_rng(4)
+    left = np.concatenate([np.cumsum(rng.standard_normal(40)), [5.0] * 25])
+    curves = [Curve("a", 0, 40, np.arange(40.0)), Curve("b", 40, 65, np.arange(25.0))]
+    total = 1.0
+    for lag in range(1, 20):
+        both = sum(
+            float(left[c.start + lag : c.stop] @ left[c.start : c.stop - lag])
+            for c in curves
+            if lag < c.stop - c.start
+        )
+        if both / float(left @ left) < 0.05:
+            break
+        total += 2.0 * both / float(left @ left)
+    assert correlation_time(left, curves) == pytest.approx(total, rel=1e-12)
+
+
 def test_whitening_makes_noise_unit_and_uncorrelated() -> None:
     """Rows of sd 0.05 that keep 0.5 of the one before, of specimens whose stiffness scatters by 10 %."""
     count, rho, gain = 12, 0.5, 0.1

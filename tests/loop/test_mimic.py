@@ -92,6 +92,22 @@ def test_another_name_is_told_beside_the_one_it_could_stand_for(
     search: Any = SimpleNamespace(states=states)
     best: Any = states[[one.ids for one in states].index(("a", "b"))]
     sure = Belief({frozenset(ids): p for ids, p in chances.items()}, 0.0, 0.0)
-    monkeypatch.setattr(confounding, "surprise", lambda before, state: -chances["".join(state.ids)])
-    found = confounding._as_likely(search, best, best, sure)
+    monkeypatch.setattr(confounding, "surprise", lambda state: -chances["".join(state.ids)])
+    found = confounding._as_likely(search, best, sure)
     assert {name: list(others) for name, others in found.items()} == told
+
+
+@pytest.mark.parametrize(
+    ("less_likely", "free", "told"), [(3.5, True, True), (4.5, True, False), (4.5, False, True)]
+)
+def test_a_law_of_free_shape_stands_for_a_name_by_what_it_leaves_too(
+    less_likely: float, free: bool, told: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As good by BIC and of nearly the same imprint, but at odds of ninety to one: no rival if its shape is free."""
+    search: Any = SimpleNamespace(problem=SimpleNamespace(well_known=False, describes=True), noise=None)
+    fit = SimpleNamespace(forms={"other": SimpleNamespace(free=free)})
+    best, other = (SimpleNamespace(fit=fit, surprise=one) for one in (1.0, 1.0 + less_likely))
+    monkeypatch.setattr(confounding, "_gap", lambda *given: 0.0)
+    monkeypatch.setattr(confounding, "_misfit", lambda *given: 0.0)
+    monkeypatch.setattr(confounding, "surprise", lambda state: state.surprise)
+    assert confounding.does_the_same(search, best, other, lambda: 1.0) == told  # type: ignore[arg-type]

@@ -1,4 +1,4 @@
-"""The set of random smooth effects and the fourth are what they say: finite, repeatable, of a size that can be seen."""
+"""The sets of random smooth effects and the fourth are what they say: finite, repeatable, of a size that is seen."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 from loop.blind import SETS, case
-from loop.generators import fourth_fabric, smooth_fabric
+from loop.generators import fourth_fabric, rough_fabric, smooth_fabric
 
 CASES = [
     (fabrics, effect, kind)
-    for fabrics in (smooth_fabric, fourth_fabric)
+    for fabrics in (smooth_fabric, rough_fabric, fourth_fabric)
     for effect, count in {**fabrics.KINDS, **dict.fromkeys(fabrics.OUTSIDE, 1)}.items()
     for kind in range(count)
 ]

@@ -385,6 +385,8 @@ STATED: list[tuple[str, str, tuple[float, ...], Callable[[Row], float]]] = [
     ("elastic-law", "straightening-log", (0.05, 0.4, 0.1, 0.05),
      plus(richer(lambda x, y: (0.05 * logistic(x, 0.4, 0.1), 0.0)), LOG)),
 ]  # fmt: skip
+#: What grips give, at sixths.
+GIVES = (0.004, 0.01, 0.02, 0.03, 0.035, 0.05)
 #: Verified where they are told: by differences of its own energy (tests/loop/test_effects.py), and as strips that find
 #: their width and shear (tests/materials/test_threads.py).
 STATED += [
@@ -408,6 +410,45 @@ STATED += [
         ),
     ),
     (
+        "mullins",
+        "smooth-energy",
+        (W(1.8), 1.4, 0.7, 0.6, 0.2, 0.3, 0.35, 0.05, 0.08, 0.1),
+        lambda row: (
+            P(row.l)
+            * (
+                1.0
+                - spline((0.05, 0.08, 0.1), math.sqrt(W(row.lm) / W(1.8)))
+                - (
+                    spline((0.2, 0.3, 0.35), math.sqrt(W(row.lm) / W(1.8)))
+                    * (1.0 - 0.6 ** max(row.returns, 1))
+                    * (1.0 - math.sqrt(W(row.l) / W(row.lm)) ** 1.4) ** 0.7
+                    if row.e < row.em
+                    else 0.0
+                )
+            )
+        ),
+    ),
+    (
+        "grip-slack",
+        "smooth",
+        (0.8, *GIVES),
+        lambda row: P(1.0 + max(row.e - spline(GIVES, math.log1p(25.0 * row.e) / math.log(21.0)), 0.0)),
+    ),
+    (
+        "grip-slack",
+        "smooth-load",
+        (1.6, *GIVES),
+        lambda row: P(
+            1.0 + max(row.e - spline(GIVES, math.log1p(12.5 * (row.l - row.l**-2)) / math.log(21.0)), 0.0)
+        ),
+    ),
+    (
+        "load-offset",
+        "smooth",
+        (20.0, 0.03, 0.01, 0.02, -0.01),
+        lambda row: P(row.l) + 0.03 + spline((0.01, 0.02, -0.01), row.t / 20.0),
+    ),
+    (
         "thermal-softening",
         "smooth",
         (0.8, 0.004, 1e-5, 0.002, 0.003),
@@ -424,6 +465,7 @@ ELSEWHERE = {("compressibility", "split"), ("anisotropy", "threads")}
 #: Smooth laws that are not worked out here; of the spectrum and the energy tests/loop/test_smooth.py has limits.
 NOT_HERE = {
     ("hysteresis", "smooth"), ("rate", "smooth"), ("permanent-set", "smooth"), ("elastic-law", "smooth"),
+    ("permanent-set", "smooth-flow"),
     ("compressibility", "uniform-smooth"), ("compressibility", "slope-smooth"),
 }  # fmt: skip
 

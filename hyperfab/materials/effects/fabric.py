@@ -66,6 +66,9 @@ class Fabric:
     reference_degC: float = 20.0
     speed: Array | None = None
     _bases: dict[tuple[object, ...], tuple[Array, Array | None]] = field(default_factory=dict)
+    _last: tuple[tuple[object, ...], Array] = field(
+        default_factory=lambda: ((None,), np.empty(0)), repr=False
+    )
 
     def stress(self, warp: Array, weft: Array | None, terms: Terms) -> Array:
         """Return the nominal stress [MPa] of every row.
@@ -105,17 +108,19 @@ class Fabric:
         return compressibility.FORMS[form].across(self.path, stretch, values)
 
     def _stretch(self, terms: Terms) -> tuple[Array, tuple[object, ...]]:
-        stretch = self.path.stretch
-        place: tuple[object, ...] = ()
-        if "grip-slack" in terms:
-            form, values = terms["grip-slack"]
-            stretch = grip_slack.FORMS[form](self.path, stretch, values)
-            place = (*place, *values)
-        form, values = terms.get("permanent-set", ("", np.empty(0)))
-        if form in permanent_set.FORMS:
-            stretch = permanent_set.FORMS[form](self.path, stretch, self._peak(stretch), values)
-            place = (*place, form, *values)
-        return stretch, place
+        """Return the specimen's stretch and what tells it from others; stress and stretch across both ask for it."""
+        slack, kept = (terms.get(name, ("", np.empty(0))) for name in ("grip-slack", "permanent-set"))
+        if kept[0] not in permanent_set.FORMS:
+            kept = "", np.empty(0)
+        place: tuple[object, ...] = (*slack[:1], *slack[1], *kept[:1], *kept[1])
+        if self._last[0] != place:
+            stretch = self.path.stretch
+            if slack[0]:
+                stretch = grip_slack.FORMS[slack[0]](self.path, stretch, slack[1])
+            if kept[0]:
+                stretch = permanent_set.FORMS[kept[0]](self.path, stretch, self._peak(stretch), kept[1])
+            self._last = place, stretch
+        return self._last[1], place
 
     def _peak(self, stretch: Array) -> Array:
         if stretch is self.path.stretch:

@@ -6,8 +6,12 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from hyperfab.materials.effects.path import Path
+from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL, Path
+from hyperfab.materials.effects.smooth import through
 from hyperfab.materials.kinematics import Array
+
+#: How much more closely what the grips give is told at the start than at the end.
+_CLOSE = 20.0
 
 
 def taken_up(stretch: Array, slack: float | Array, toe: float = 0.0) -> Array:
@@ -28,6 +32,34 @@ def taken_up(stretch: Array, slack: float | Array, toe: float = 0.0) -> Array:
     return np.asarray(1.0 + np.maximum(strain, 0.0))
 
 
+def given(stretch: Array, reach: float, values: Array, load: Array | None = None) -> Array:
+    """Return the specimen's stretch where what the grips give is a smooth function of the strain read, or of ``load``.
+
+    ``values`` are what they give at even parts of the logarithm of the strain, ``ln(1 + 20 e/reach)`` to the reach:
+    most of it is given at the start.
+
+    >>> given(np.array([1.0, 1.5]), 0.5, np.array([0.01, 0.02]))
+    array([1.  , 1.48])
+    """
+    strain = stretch - 1.0
+    measure = np.maximum(strain if load is None else load, 0.0)
+    place = np.log1p(_CLOSE * measure / reach) / np.log1p(_CLOSE)
+    less = strain - through(place, values)
+    return np.asarray(1.0 + np.where(strain > 0.0, np.maximum(less, 0.0), strain))
+
+
+def pulls(path: Path, stretch: Array) -> Array:
+    """Return the load of a sheet at a stretch, over a third of its Young's modulus: that of neo-Hooke's in each mode.
+
+    >>> from hyperfab.materials.effects.path import uniaxial_pull
+    >>> pulls(uniaxial_pull(np.array([1.0, 2.0])), np.array([1.0, 2.0]))
+    array([0.  , 1.75])
+    """
+    side = np.where(path.mode == UNIAXIAL, stretch**-0.5, np.where(path.mode == SHEAR, 1.0, path.across))
+    side = np.where(path.mode == BIAXIAL, stretch, side)
+    return np.asarray(stretch - 1.0 / (stretch**3 * side**2))
+
+
 def of_each(path: Path, values: Array) -> Array:
     """Return one value a row: the first of ``values`` for the first curve, and that plus its own for each other.
 
@@ -45,4 +77,6 @@ FORMS: Mapping[str, Callable[[Path, Array, Array], Array]] = {
     "play": lambda path, stretch, values: taken_up(stretch, *values),
     "toe": lambda path, stretch, values: taken_up(stretch, *values),
     "each": lambda path, stretch, values: taken_up(stretch, of_each(path, values)),
+    "smooth": lambda path, stretch, values: given(stretch, values[0], values[1:]),
+    "smooth-load": lambda path, stretch, values: given(stretch, values[0], values[1:], pulls(path, stretch)),
 }

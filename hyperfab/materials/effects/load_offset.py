@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from hyperfab.materials.effects.grip_slack import of_each
+from hyperfab.materials.effects.smooth import through
 from hyperfab.materials.effects.state import Acts
 from hyperfab.materials.kinematics import Array
 
@@ -39,4 +40,7 @@ FORMS: Mapping[str, Acts] = {
         stress, values[0] + settling(at.path.time_s, values[1], values[2])
     ),
     "each": lambda at, stress, values: shifted(stress, of_each(at.path, values)),
+    "smooth": lambda at, stress, values: shifted(
+        stress, values[1] + through(at.path.time_s / values[0], values[2:])
+    ),
 }

@@ -67,16 +67,21 @@ def damaged(peak: Array, amount: float, strain: float, power: float = 1.0) -> Ar
     return np.asarray(1.0 + amount * np.expm1(-(((peak - 1.0) / strain) ** power)))
 
 
-def worn_smoothly(at: State, stress: Array, values: Array) -> Array:
+def worn_smoothly(at: State, stress: Array, values: Array, *, by_energy: bool = False) -> Array:
     """Return the stress of a fabric whose wear is a smooth function of the largest strain em so far.
 
     ``P (1 - lost(em/reach) - depth(em/reach) (1 - kept^n) (1 - (e/em)^power)^outer)``, n the number of returns:
     ``values`` are the reach, ``power``, ``outer`` and ``kept``, then ``depth`` and ``lost`` at thirds of the reach.
+    ``by_energy`` the root of the strain energy stands for the strain, the reach is one of energy [MPa].
     """
     reach, power, outer, kept = values[:4]
-    most = np.maximum(at.path.peak - 1.0, 1e-12)
-    depth, lost = (through(most / reach, part) for part in np.split(values[4:], 2))
-    share = np.clip((at.path.stretch - 1.0) / most, 1e-12, 1.0)
+    if by_energy:
+        most, now = np.sqrt(np.maximum(at.greatest, 0.0) / reach), np.sqrt(np.maximum(at.energy, 0.0) / reach)
+    else:
+        most, now = (at.path.peak - 1.0) / reach, (at.path.stretch - 1.0) / reach
+    most = np.maximum(most, 1e-12 / reach)
+    depth, lost = (through(most, part) for part in np.split(values[4:], 2))
+    share = np.clip(now / most, 1e-12, 1.0)
     below = np.maximum(1.0 - share**power, 1e-300) ** outer * (share < 1.0)
     gone = 1.0 - np.power(max(kept, 1e-12), np.maximum(at.path.returns, 1.0))
     return np.asarray(stress * np.maximum(1.0 - lost - depth * gone * below, 0.0))
@@ -104,6 +109,7 @@ FORMS: Mapping[str, Acts] = {
         stress * worn(at.path.stretch, at.path.peak, at.path.returns, *values)
     ),
     "smooth": worn_smoothly,
+    "smooth-energy": lambda at, stress, values: worn_smoothly(at, stress, values, by_energy=True),
     "damage": _by_damage,
     "damage-power": _by_damage,
 }

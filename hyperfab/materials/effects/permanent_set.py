@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from hyperfab.materials.effects.path import Path
-from hyperfab.materials.effects.recurrence import along
+from hyperfab.materials.effects.recurrence import along, towards
 from hyperfab.materials.effects.smooth import through
 from hyperfab.materials.kinematics import Array
 
@@ -62,11 +62,12 @@ def crept(path: Path, share: float, strain: float, *, added: bool = False) -> Ar
     return left_of(path.stretch, rest, added)
 
 
-def crept_smoothly(path: Path, values: Array) -> Array:
+def crept_smoothly(path: Path, values: Array, *, flows: bool = False) -> Array:
     """Return the elastic stretch over a set that follows a smooth function of the largest strain, over way and time.
 
     ``values`` are the reach, the strain pulled and the time [s] over which the set comes nearer to it, and its values
-    at thirds of the reach.
+    at thirds of the reach. One that ``flows`` follows that function of the present strain, as long as this asks for
+    more: it stops as the load goes.
     """
     reach, strain, time = values[:3]
     first = list(path.starts[:-1])
@@ -75,7 +76,9 @@ def crept_smoothly(path: Path, values: Array) -> Array:
     passed = pulled / strain + (path.waited / time if path.knows_time else 0.0)
     keep = np.exp(-passed)
     keep[first] = 0.0
-    rest = along(keep, -np.expm1(-passed) * np.maximum(through((path.peak - 1.0) / reach, values[3:]), 0.0))
+    strained = (path.stretch if flows else path.peak) - 1.0
+    aim = np.maximum(through(strained / reach, values[3:]), 0.0)
+    rest = towards(keep, aim) if flows else along(keep, -np.expm1(-passed) * aim)
     return left_of(path.stretch, rest, added=False)
 
 
@@ -157,6 +160,9 @@ FORMS: Mapping[str, Lengthens] = {
     "crept": _crept(),
     "crept-added": _crept(added=True),
     "smooth": lambda path, stretch, peak, values: np.minimum(stretch, crept_smoothly(path, values)),
+    "smooth-flow": lambda path, stretch, peak, values: np.minimum(
+        stretch, crept_smoothly(path, values, flows=True)
+    ),
     "cycles": _cycles(),
     "cycles-added": _cycles(added=True),
 }

@@ -140,8 +140,11 @@ def mullins(context: DataContext) -> Effect:
     )
     deep = [Constant(f"depth_{k}", 0.0, -0.5, 2.0, 0.1) for k in range(1, 4)]
     lost = [Constant(f"lost_{k}", 0.0, -0.2, 0.9, 0.05) for k in range(1, 4)]
-    begin = (reach, 1.0, 1.0, 0.1, 0.1, 0.15, 0.2, 0.0, 0.0, 0.0)
-    smooth = freely(forms, "smooth", (fixed("reach", reach), power, outer, kept, *deep, *lost), begin)
+    begin = (1.0, 1.0, 0.1, 0.1, 0.15, 0.2, 0.0, 0.0, 0.0)
+    smooth = [
+        freely(forms, name, (fixed(along, far), power, outer, kept, *deep, *lost), (far, *begin))
+        for name, along, far in (("smooth", "reach", reach), ("smooth-energy", "reach_MPa", energy))
+    ]
     return Effect(
         id="mullins",
         title="softer after a first pull, up to the stretch it reached",
@@ -149,7 +152,7 @@ def mullins(context: DataContext) -> Effect:
         rides_on=("cycle", "branch"),
         shown_by="two pulls to one stretch, then one beyond it: the second follows the first's way down",
         source="Ogden & Roxburgh (1999), doi:10.1098/rspa.1999.0431; Simo (1987), doi:10.1016/0045-7825(87)90107-1",
-        forms=(*forms, smooth),
+        forms=(*forms, *smooth),
         smooth=True,
     )
 
@@ -194,7 +197,10 @@ def permanent_set(context: DataContext) -> Effect:
     sets = [Constant(f"set_{k}", 0.0, 0.0, 0.6 * reach, 0.01 * reach) for k in range(1, 4)]
     over = (Constant("strain", 0.1 * reach, 0.01 * reach, 50.0 * reach, reach), _slowly(context))
     start = (reach, 0.3 * reach, over[1].value, 0.02 * reach, 0.05 * reach, 0.1 * reach)
-    smooth = freely(forms, "smooth", (fixed("reach", reach), *over, *sets), start)
+    smooth = [
+        freely(forms, name, (fixed("reach", reach), *over, *sets), start)
+        for name in ("smooth", "smooth-flow")
+    ]
     return Effect(
         id="permanent-set",
         title="part of the strain stays",
@@ -202,7 +208,7 @@ def permanent_set(context: DataContext) -> Effect:
         rides_on=("cycle", "branch"),
         shown_by="unloading to zero force, a wait, and a second pull: the stretch at which force begins",
         source="ASTM D412 (tension set); Andrews, Tobolsky & Hanson (1946), doi:10.1063/1.1707724",
-        forms=(*forms, smooth),
+        forms=(*forms, *smooth),
         smooth=True,
     )
 

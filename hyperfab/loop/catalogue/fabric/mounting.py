@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hyperfab.loop.catalogue.fabric.context import DataContext
-from hyperfab.loop.problem import Constant, Effect, Form
+from hyperfab.loop.problem import Constant, Effect, Form, fixed, freely
 
 
 def entries(context: DataContext) -> tuple[Effect, ...]:
@@ -25,13 +25,19 @@ def grip_slack(context: DataContext) -> Effect:
         forms.append(Form("each", (slack, *own), (start,), refines="play", of_each=True))
     toe = Constant("toe", 0.0, 0.0, high, step)
     forms.append(Form("toe", (slack, toe), ((0.03 * reach, 0.03 * reach),), refines="play"))
+    gives = [Constant(f"give_{k}", 0.0, low, high, step) for k in range(1, 7)]
+    pull = 1.0 + reach - (1.0 + reach) ** -2.0
+    free = [
+        freely(forms, name, (fixed(along, far), *gives), (far, *6 * (0.03 * reach,)))
+        for name, along, far in (("smooth", "reach", reach), ("smooth-load", "reach_of_load", pull))
+    ]
     return Effect(
         id="grip-slack",
         title="the first extension takes up slack",
         rides_on=("stretch",),
         shown_by="the stretch from marks on the specimen beside that of the grips, close readings at the start",
         source="ASTM D638, annex A1 (toe compensation)",
-        forms=tuple(forms),
+        forms=(*forms, *free),
         smooth=True,
     )
 
@@ -50,6 +56,9 @@ def load_offset(context: DataContext) -> Effect:
         rise = Constant("drift_MPa_s", 0.0, -50.0 * peak / whole, 50.0 * peak / whole, 0.05 * peak / whole)
         start = (step, 0.05 * peak / whole, 0.2 * whole)
         forms.append(Form("settling", (offset, rise, tau), (start,), refines="constant"))
+        drifts = [Constant(f"drift_{k}_MPa", 0.0, -most, most, step) for k in range(1, 4)]
+        free = (fixed("whole_s", whole), offset, *drifts)
+        forms.append(freely(forms, "smooth", free, (whole, step, *3 * (0.0,))))
     count = len(context.path.curves)
     if count > 1:
         own = [Constant(f"of_test_{k}_MPa", 0.0, -most, most, step) for k in range(2, count + 1)]
