@@ -19,7 +19,7 @@ from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, sprea
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
 from hyperfab.chapters.close_loop.upstream import WRITTEN
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.press_contact.command import SIBLINGS, solve
+from hyperfab.chapters.press_contact import SIBLINGS, solve
 from hyperfab.chapters.press_contact.formed import formed, read_setting
 from hyperfab.chapters.press_contact.laws import compression_law
 from hyperfab.chapters.press_contact.model import model_of, read_files

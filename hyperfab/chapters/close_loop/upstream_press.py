@@ -30,7 +30,7 @@ from hyperfab.chapters.close_loop.unsure import (
 )
 from hyperfab.chapters.close_loop.upstream import Corrected, Link, add
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.press_contact.command import solve
+from hyperfab.chapters.press_contact import solve
 from hyperfab.chapters.press_contact.heat import file_of
 from hyperfab.chapters.press_contact.model import model_of, read_files
 from hyperfab.chapters.press_contact.nearby import beside
