@@ -23,7 +23,7 @@ from hyperfab.chapters.press_contact import SIBLINGS, solve
 from hyperfab.chapters.press_contact.formed import formed, read_setting
 from hyperfab.chapters.press_contact.laws import compression_law
 from hyperfab.chapters.press_contact.model import model_of, read_files
-from hyperfab.chapters.press_contact.press_result import PressResult
+from hyperfab.chapters.press_contact.result import PressResult
 from hyperfab.chapters.press_contact.warmth import column_of
 from hyperfab.chapters.rerun import Listener, check_unchanged, unchanged
 from hyperfab.documents.foam import MaterialLaw

@@ -34,7 +34,7 @@ from hyperfab.chapters.press_contact import solve
 from hyperfab.chapters.press_contact.heat import file_of
 from hyperfab.chapters.press_contact.model import model_of, read_files
 from hyperfab.chapters.press_contact.nearby import beside
-from hyperfab.chapters.press_contact.press_result import PressResult
+from hyperfab.chapters.press_contact.result import PressResult
 from hyperfab.chapters.press_contact.warmth import by_place
 from hyperfab.chapters.rerun import Listener, Overlay, rerun, unchanged
 from hyperfab.chapters.uncertainty.changed import Changed, Kept

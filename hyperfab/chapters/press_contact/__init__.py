@@ -10,16 +10,14 @@ from hyperfab.cases.press import PressCase
 from hyperfab.chapters.fabric import FabricDocument
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact import nearby
-from hyperfab.chapters.press_contact.compensation import compensate
-from hyperfab.chapters.press_contact.design import design_of
+from hyperfab.chapters.press_contact.design import compensate, design_of
 from hyperfab.chapters.press_contact.fields import curve_csv, formed_picture, grid_of, picture_of
 from hyperfab.chapters.press_contact.formed import Wanted, formed, read_setting
 from hyperfab.chapters.press_contact.formed import note_ranges as note_set_ranges
 from hyperfab.chapters.press_contact.heat import file_of
 from hyperfab.chapters.press_contact.laws import materials
 from hyperfab.chapters.press_contact.model import Model, model_of, read_files
-from hyperfab.chapters.press_contact.press_result import PressResult
-from hyperfab.chapters.press_contact.result import document_of
+from hyperfab.chapters.press_contact.result import PressResult, document_of
 from hyperfab.chapters.press_contact.warmth import settled, warmed
 from hyperfab.chapters.uncertainty import carry
 from hyperfab.chapters.uncertainty.handed import identified, join

@@ -9,12 +9,11 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.chapters.press_contact.formed import part_of as formed_part
 from hyperfab.chapters.press_contact.nearby import ROOM
-from hyperfab.chapters.press_contact.press_result import PressResult
+from hyperfab.chapters.press_contact.result import PressResult
 from hyperfab.chapters.uncertainty.carry import Sure
 from hyperfab.documents.press import PressDocument
 from hyperfab.io import vtu
 from hyperfab.io.csv_write import csv_bytes
-from hyperfab.pressing.gap import vertex_areas
 from hyperfab.report.bands import banded
 
 _CURVE_HEADER = ("stroke_mm", "force_N", "pressed_area_mm2", "gap_min_mm", "energy_J")
@@ -98,7 +97,7 @@ def picture_of(told: PressResult, document: PressDocument, sure: Sure) -> bytes:
         gap=closed.contact.gap,
         pressure=closed.contact.pressure,
         level=np.asarray(sandwich.thickness - closed.touch),
-        areas=vertex_areas(front, ~front.flange),
+        areas=front.molding_areas,
         thickness=document.sandwich_mm,
         axes=("xyz"[abs(int(turned[0]))], "xyz"[abs(int(turned[1]))]),
     )

@@ -19,7 +19,6 @@ from hyperfab.chapters.uncertainty.sources import Origins
 from hyperfab.errors import NotConverged
 from hyperfab.numerics.trend import Trend
 from hyperfab.pressing.closing import Closed
-from hyperfab.pressing.gap import vertex_areas
 from hyperfab.pressing.growth import Expansion, even_growth, guide_line
 from hyperfab.pressing.nearby import Displacement, Found, Neighbourhood
 from hyperfab.pressing.sandwich import Sandwich
@@ -43,7 +42,7 @@ class Beside(Nearby):
         self._near = Neighbourhood(closed, (male.growth, female.growth), (modes[0], modes[1]))
         # A female is looked for where those before lie.
         self._places = Trend()
-        self._area = vertex_areas(closed.front, ~closed.front.flange)
+        self._area = closed.front.molding_areas
         self._celsius = foam_temperature(job, model, closed) if by_place(model) else None
         self._warmer: Array | None = None
         self.samples = _SAMPLES if closed.press.sandwich.law.places is None else _BY_PLACE

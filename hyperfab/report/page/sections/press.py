@@ -12,11 +12,11 @@ from hyperfab.report.page.parts import (
     Section,
     Source,
     Table,
+    asked,
     coordinates,
     facts,
     number,
     percent,
-    setup,
     word,
 )
 from hyperfab.report.page.scenes import Field, views
@@ -96,8 +96,7 @@ def section(source: Source) -> Section:
     found.parts.append(_regions(data["regions"]))
     if data.get("sensitivity"):
         found.parts.append(_changes(data["sensitivity"]))
-    asked = setup(data)
-    found.parts += [asked] if asked is not None else []
+    found.parts += asked(data)
     return found
 
 
