@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from hyperfab.cases.case import Case
+from hyperfab.cases.case import Case, tolerances
 from hyperfab.cases.like import earlier
 from hyperfab.cases.options import given, shown
 from hyperfab.cases.registry import case_class
-from hyperfab.cases.tolerances import tolerances
 from hyperfab.chapters.job import Job
 from hyperfab.io.json_io import load_json
 

@@ -19,14 +19,13 @@ from hyperfab.membrane.contact import Frictionless, Tangential
 from hyperfab.membrane.contact_edge import ContactEdge, contact_edge
 from hyperfab.membrane.contact_front import ContactFront
 from hyperfab.membrane.equilibrium import NoEquilibriumError, Press, State
-from hyperfab.membrane.facets import Facets
 from hyperfab.membrane.measures import Fields, fields
 from hyperfab.membrane.mesh import SheetMesh, halved, interpolate, sheet_mesh
 from hyperfab.membrane.meshing import SizeField, Triangles, graded, triangulate
 from hyperfab.membrane.outline import Outline
 from hyperfab.membrane.path import Path, Watch, cold_start, follow, next_footing
+from hyperfab.membrane.punch import Facets, Sphere
 from hyperfab.membrane.sheet import Sheet
-from hyperfab.membrane.sphere import Sphere
 from hyperfab.membrane.tension_field import SheetLaw
 from hyperfab.membrane.work import doubtful
 from hyperfab.numerics.threads import side_by_side, threads

@@ -13,12 +13,11 @@ from scipy.linalg import block_diag
 from scipy.special import ndtr
 
 from hyperfab.arrays import Array
-from hyperfab.cases.case import Case
+from hyperfab.cases.case import Case, tolerances
 from hyperfab.cases.drape import DrapeCase
 from hyperfab.cases.like import earlier
 from hyperfab.cases.mold import MoldCase
 from hyperfab.cases.press import PressCase
-from hyperfab.cases.tolerances import tolerances
 from hyperfab.chapters.close_loop.press import closed_press, on_front
 from hyperfab.chapters.close_loop.unsure import (
     is_length,

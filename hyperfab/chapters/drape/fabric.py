@@ -14,7 +14,7 @@ from hyperfab.chapters.fabric_contact.fabric import Fabric as SheetFabric
 from hyperfab.chapters.fabric_contact.fabric import sheet_of
 from hyperfab.chapters.job import Job
 from hyperfab.cloth import SpringLaw
-from hyperfab.cloth.fabric import Pulled, spring_law
+from hyperfab.cloth.law import Pulled, spring_law
 from hyperfab.documents.drape import SpringUse
 from hyperfab.errors import InputError, UsageError
 from hyperfab.materials.orthotropic.specimen import Along

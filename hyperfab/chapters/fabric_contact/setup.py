@@ -15,10 +15,10 @@ from hyperfab.chapters.job import Job
 from hyperfab.chapters.molds import read_molds
 from hyperfab.errors import InputError, UsageError
 from hyperfab.membrane.contact import Frictionless, Tangential
-from hyperfab.membrane.facets import Facets
 from hyperfab.membrane.friction import Coulomb, Stick
 from hyperfab.membrane.outline import Disc, Outline, Square
 from hyperfab.membrane.polygon import Polygon
+from hyperfab.membrane.punch import Facets
 from hyperfab.membrane.sphere_contact import SphereTest
 
 _ORDERS = {"P1": 1, "P2": 2}

@@ -25,7 +25,7 @@ from hyperfab.io.inputs import Inputs
 from hyperfab.pressing.growth import Expansion
 from hyperfab.pressing.mold import PressFrame
 from hyperfab.pressing.placement import closing_frame
-from hyperfab.pressing.thinning import thickness_factor, thinning_at
+from hyperfab.pressing.sandwich import thickness_factor, thinning_at
 from hyperfab.surface import Surface
 
 #: Aluminium 6061: mean coefficients of expansion from 20 degC to 100 and to 300 degC (ASM Handbook, volume 2).

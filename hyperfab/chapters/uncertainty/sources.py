@@ -14,9 +14,8 @@ import numpy as np
 from pydantic import BaseModel
 
 from hyperfab.arrays import Array
-from hyperfab.cases.case import Case
+from hyperfab.cases.case import Case, tolerances
 from hyperfab.cases.place import get, put
-from hyperfab.cases.tolerances import tolerances
 from hyperfab.chapters.uncertainty.changed import Changed, Kept
 from hyperfab.documents.base import Document, parse_document
 from hyperfab.documents.material import AtTemperature, Direction, FitUncertainty, MaterialDocument
