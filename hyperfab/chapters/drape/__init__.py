@@ -9,9 +9,8 @@ import numpy as np
 from hyperfab.cases.drape import DrapeCase
 from hyperfab.chapters.drape import files, nearby
 from hyperfab.chapters.drape.fabric import note_ranges
-from hyperfab.chapters.drape.model import Model, model_of, read_files
+from hyperfab.chapters.drape.model import Model, State, at_depths, model_of, read_files
 from hyperfab.chapters.drape.result import document_of, judge, say, tears
-from hyperfab.chapters.drape.states import State, at_depths
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.uncertainty import carry
 from hyperfab.chapters.uncertainty.carry import Sure

@@ -7,9 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from hyperfab.arrays import Array, Ints
-from hyperfab.chapters.drape.model import Model
+from hyperfab.chapters.drape.model import Model, State
 from hyperfab.chapters.drape.result import peak
-from hyperfab.chapters.drape.states import State
 from hyperfab.chapters.uncertainty.carry import Sure
 from hyperfab.cloth import Sheet
 from hyperfab.cloth.friction import SLIDES, STARTS, STICKS

@@ -9,8 +9,7 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.cases.drape import DrapeCase
 from hyperfab.chapters.drape.fabric import read_fabric
-from hyperfab.chapters.drape.model import Model, sheet_of
-from hyperfab.chapters.drape.states import State
+from hyperfab.chapters.drape.model import Model, State, sheet_of
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import Listener
 from hyperfab.chapters.uncertainty.carry import Answer, Changes, Figures, Nearby, Slopes

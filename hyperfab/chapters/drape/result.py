@@ -6,8 +6,7 @@ import numpy as np
 
 from hyperfab.cases.drape import DYNAMIC_STEPS, LOAD_STEPS, RELAXATION_STEPS, SIDES
 from hyperfab.chapters.drape.fabric import use_of
-from hyperfab.chapters.drape.model import Model
-from hyperfab.chapters.drape.states import State
+from hyperfab.chapters.drape.model import Model, State
 from hyperfab.chapters.job import Job
 from hyperfab.cloth import Answers, Sheet
 from hyperfab.cloth.cuts import stands_out

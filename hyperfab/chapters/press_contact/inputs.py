@@ -10,10 +10,9 @@ from typing import Literal
 import numpy as np
 
 from hyperfab.cases.press import PressCase
-from hyperfab.chapters.field import read_field
+from hyperfab.chapters.field import derivatives, read_field
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.molds import MoldFile, read_mold
-from hyperfab.chapters.uncertainty.fields import derivatives
 from hyperfab.documents.base import read_document
 from hyperfab.documents.drape import DrapeDocument
 from hyperfab.documents.foam import FoamDocument

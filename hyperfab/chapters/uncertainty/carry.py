@@ -12,9 +12,9 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.cases.place import put
+from hyperfab.chapters.field import HANDED
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import rerun
-from hyperfab.chapters.uncertainty.fields import HANDED
 from hyperfab.chapters.uncertainty.handed import described, identified
 from hyperfab.chapters.uncertainty.sources import Origins
 from hyperfab.console import Advance

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from hyperfab.cases.case import Case
-from hyperfab.chapters.uncertainty.fields import moved_fields
+from hyperfab.chapters.field import moved_fields
 from hyperfab.io.inputs import MAX_BYTES, Inputs
 from hyperfab.io.toml_io import dump_toml
 

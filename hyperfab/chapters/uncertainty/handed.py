@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from hyperfab.cases.case import Case
+from hyperfab.chapters.field import HANDED, derivatives, grid_of, read_handing
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.uncertainty.changed import Changed
-from hyperfab.chapters.uncertainty.fields import HANDED, derivatives, grid_of, read_handing
 from hyperfab.chapters.uncertainty.sources import Number, Origin, Origins
 from hyperfab.documents.uncertainty import SourceNumber, SourcePart
 from hyperfab.io.inputs import Inputs
