@@ -151,11 +151,9 @@ def _beyond(test: SphereTest, depth: float) -> SizeField:
     return lambda points: np.linalg.norm(np.maximum(np.abs(points - middle) - _TOUCHED * half, 0.0), axis=1)
 
 
-def fitted_mesh(
-    test: SphereTest, edges: Sequence[ContactEdge | ContactFront], level: float = 0.0
-) -> SheetMesh:
-    """Mesh the sheet finely along ``edges`` of contact; each ``level`` is one step finer."""
-    return _mesh(test, _fitted_triangles(test, edges, level))
+def fitted_mesh(test: SphereTest, edges: Sequence[ContactEdge | ContactFront]) -> SheetMesh:
+    """Mesh the sheet finely along ``edges`` of contact."""
+    return _mesh(test, _fitted_triangles(test, edges, 0.0))
 
 
 def _fitted_triangles(

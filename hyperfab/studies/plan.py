@@ -87,9 +87,9 @@ class Plan:
         key = _hash({"values": texts, "steps": [step.key for step in steps.values()]})
         return Case(index, key, values, tuple(steps.values()))
 
-    def edited(self, name: str, index: int = 0) -> dict[str, Any]:
-        """Return document ``name`` as case ``index`` edits it, its files by absolute path."""
-        levels = self.layout.case(index)
+    def edited(self, name: str) -> dict[str, Any]:
+        """Return document ``name`` as the first case edits it, its files by absolute path."""
+        levels = self.layout.case(0)
         texts = {axis: level.text for axis, level in levels.items()}
         return self._edit(name, texts, {axis: level.number for axis, level in levels.items()})
 

@@ -57,21 +57,17 @@ def document_of(model: Model, states: list[State]) -> DrapeDocument:
     shift = np.array(placed.standing(state.depth))
     through, top, below = stands_out(found.state.x, sheet, placed.surface, shift)
     where = Place(flat=below[:2].tolist(), draped=top.tolist())
+    last = dict(_state(sheet, state, loose))
+    del last["depth_mm"]  # where the way ended early, that is not the depth asked for
     document = DrapeDocument(
-        converged=found.converged,
+        **last,
         status=status,
         iterations=_steps(states) if case.solver == "newton" else found.history[-1].iteration,
         iterations_finest=found.history[-1].iteration,
         residual_max_N=found.residual_max,
-        residual_relative=found.residual_relative,
         tolerance=tolerance,
         sheet=case.sheet,
-        energy_J=fields.spring_energy * 1e-3,
-        force_N=fields.press_force,
         imbalance_N=fields.imbalance,
-        contact_nodes=int(np.count_nonzero(fields.touching)),
-        contact_edges=fields.contact_edges,
-        penetration_max_mm=max(fields.cut.node, fields.cut.edge),
         penetration_nodes_mm=fields.cut.node,
         penetration_edges_mm=fields.cut.edge,
         penetration_edges_at_mm=list(fields.cut.flat) if fields.cut.edge > 0.0 else None,
@@ -88,10 +84,6 @@ def document_of(model: Model, states: list[State]) -> DrapeDocument:
         wrinkled_area_fraction=None
         if fields.cells is None
         else float(np.average(fields.cells.wrinkled, weights=sheet.areas)),
-        slack_springs=fields.slack_springs,
-        stress_warp_max_MPa=float(fields.stress_warp.max()),
-        stress_weft_max_MPa=float(fields.stress_weft.max()),
-        thickness_min_mm=float(fields.cell_thickness.min()),
         thickness_mm=sheet.thickness,
         grid=[sheet.n, sheet.m],
         size_mm=list(sheet.size),
@@ -117,7 +109,6 @@ def document_of(model: Model, states: list[State]) -> DrapeDocument:
             axis=case.axis,
             shift_mm=[float(v) + 0.0 for v in shift],
         ),
-        draw_in_mm=draw_in(sheet, state, loose),
     )
     if (not found.converged and state.depth < depths[-1] - 1e-9) or len(states) < len(depths):
         reached = [s.depth for s in states if s.found.converged]

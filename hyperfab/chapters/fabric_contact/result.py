@@ -124,17 +124,15 @@ def _add_last(found: ContactDocument, outcome: Outcome) -> None:
     last = outcome.solved[-1]
     sheet, state = last.press.sheet, last.state
     smooth = last.fields
-    found.force_N = state.force
+    for name, value in row(last).items():
+        if name != "depth_mm":
+            setattr(found, name, value)
     found.force_error_relative = last.error
-    found.energy_J = _JOULE * state.energy
-    found.stretch_max = float(smooth.stretch.max())
-    found.stress_max_MPa = float(smooth.cauchy.max())
     found.pressure_max_MPa = float(pressure(last, smooth.cauchy, smooth.thickness).max())
     found.stress_nominal_max_MPa = float(smooth.nominal.max())
     found.wrinkled_area_fraction = wrinkled_fraction(sheet, state.places)
-    for name, deformed in (("contact_radius_mm", True), ("contact_radius_undeformed_mm", False)):
-        edge = contact_edge(last.press, state, deformed=deformed)
-        setattr(found, name, edge.mean if edge else 0.0)
+    edge = contact_edge(last.press, state, deformed=False)
+    found.contact_radius_undeformed_mm = edge.mean if edge else 0.0
     stored = state.energy - mounted_energy(last.press)
     done = work(outcome)
     lost = sheet.mesh.copies * state.memory.dissipated
