@@ -67,7 +67,7 @@ def run(job: Job, case: ContactCase) -> int:
         if status:
             job.console.warn(f"{fabric.name}: {status}")
         _table(job, fabric, outcome, number)
-    if found.cut_max_mm and found.force_error_relative and found.force_error_relative > setup.tolerance:
+    if found.cut_max_mm and found.force_error_relative and found.force_error_relative > case.tolerance:
         job.console.warn(
             f"elements cut up to {found.cut_max_mm:.2g} mm into sharp edges of the punch: its force is sure to "
             f"{100.0 * found.force_error_relative:.2g} % only; round the edges, or choose a smaller --mesh-size"
@@ -85,7 +85,7 @@ def _pressed(job: Job, setup: Setup, fabrics: list[Fabric]) -> list[Outcome]:
         * (max(len(setup.depths), LOAD_STEPS) if setup.friction.remembers else len(setup.depths))
     )
     with job.console.progress(
-        "Pressing the punch in" if setup.punch else "Pressing the sphere in"
+        "Pressing the punch in" if setup.case.punch else "Pressing the sphere in"
     ) as advance:
 
         def watch(state: State) -> None:
@@ -94,7 +94,7 @@ def _pressed(job: Job, setup: Setup, fabrics: list[Fabric]) -> list[Outcome]:
 
         if setup.friction.remembers:
             return run_with_friction(tests, setup.depths, watch)
-        return press(tests, setup.depths, setup.tolerance, watch)
+        return press(tests, setup.depths, setup.case.tolerance, watch)
 
 
 def _write(

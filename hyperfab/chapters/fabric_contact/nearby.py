@@ -97,7 +97,7 @@ class Beside(Nearby):
         quiet = Job(self._job.command, (), Listener(), moved.inputs)
         fabric = read_fabric(quiet, case.material, case.temperature)
         setup = setup_of(case, self._geometry, fabric)
-        return setup.test(fabric), setup.depth
+        return setup.test(fabric), setup.depths[-1]
 
 
 def beside(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 
 from hyperfab.chapters.fabric_contact.fabric import Fabric
@@ -9,7 +10,6 @@ from hyperfab.chapters.fabric_contact.fields import pressure
 from hyperfab.chapters.fabric_contact.outline import is_file
 from hyperfab.chapters.fabric_contact.setup import Setup
 from hyperfab.documents.contact import BalancePart, ContactDocument, OtherPart, SetupPart, StabilityPart
-from hyperfab.membrane.contact import Tangential
 from hyperfab.membrane.contact_edge import contact_edge
 from hyperfab.membrane.friction import Coulomb
 from hyperfab.membrane.measures import cut, fields, mounted_energy, wrinkled_fraction
@@ -60,7 +60,7 @@ def document(
 
 
 def _half_thickness(setup: Setup) -> list[str]:
-    if setup.punch is not None or setup.lift > 0.0:
+    if setup.case.punch is not None or setup.lift > 0.0:
         return []
     half = 0.5 * setup.thickness
     share = 100.0 * half / setup.radius
@@ -201,30 +201,26 @@ def _stability(unstable: Instability | None, limit: Limit | None) -> StabilityPa
     return part
 
 
-def _friction(law: Tangential) -> str:
-    if not law.remembers:
-        return "frictionless"
-    return f"Coulomb {law.coefficient:g}" if isinstance(law, Coulomb) else "stick"
-
-
 def _setup(setup: Setup, fabric: Fabric) -> SetupPart:
+    case, law, punch = setup.case, setup.friction, setup.geometry.facets
+    coulomb = f"Coulomb {law.coefficient:g}" if isinstance(law, Coulomb) else "stick"
     return SetupPart(
         model=fabric.model,
         fabric=fabric.words,
-        shape=setup.shape,
-        size_mm=setup.size,
+        shape=os.path.basename(case.shape),
+        size_mm=setup.geometry.width,
         thickness_mm=setup.thickness,
-        area_mm2=setup.outline.area if is_file(setup.shape) else None,
-        sphere_radius_mm=None if setup.punch else setup.radius,
-        punch=setup.punch_name,
-        punch_facets=len(setup.punch.surface.faces) if setup.punch else None,
-        depth_mm=setup.depth,
-        prestretch=setup.prestretch,
-        rim_slip_mm2_N=setup.rim_slip or None,
+        area_mm2=setup.outline.area if is_file(case.shape) else None,
+        sphere_radius_mm=None if punch else setup.radius,
+        punch=None if case.punch is None else os.path.basename(case.punch),
+        punch_facets=len(punch.surface.faces) if punch else None,
+        depth_mm=setup.depths[-1],
+        prestretch=case.prestretch,
+        rim_slip_mm2_N=case.rim_slip or None,
         temperature_degC=fabric.temperature,
         constants_degC=fabric.held_at,
         effects=fabric.obeyed or None,
-        friction=_friction(setup.friction),
+        friction=coulomb if law.remembers else "frictionless",
         mesh_size_mm=setup.mesh_size,
-        elements=f"P{setup.order}" + (", a quarter of the sheet" if setup.outline.quarter else ""),
+        elements=case.element + (", a quarter of the sheet" if setup.outline.quarter else ""),
     )
