@@ -85,7 +85,7 @@ def _drape(job: Job, model: Model) -> list[State]:
         except BeyondLaw:
             raise InputError(
                 "the law has no answer to the strains that the mold asks for: it ends there (its chains lock)",
-                file=model.files.fabric.sources[0],
+                file=model.files.fabric.ways[0].source,
                 remedy="less --depth, a larger --size, or a law that goes further",
             ) from None
 
