@@ -223,7 +223,7 @@ class PressChain:
             own = number.own if isinstance(number, Handed) else number
             if own is not None:
                 own.move(moved, float(by))
-        case: PressCase = moved.case  # type: ignore[assignment]
+        case: PressCase = moved.case
         written = dict(moved.files)
         upstream: dict[str, bytes] = {}
         for one in self.behind:

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.cases.press import PressCase
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact.heat import ThermalDisplacement
 from hyperfab.chapters.press_contact.model import Model, joint_of, offset_of, reread, sandwich_of, tilt_of
@@ -63,12 +62,10 @@ class Beside(Nearby):
         """Return what the temperature of the places changes by from ``before`` (n,) [degC] on with each number
         (numbers, n)."""
         rows = []
-        for k, origin in enumerate(self._origins.sources):
-            for number, sd in enumerate(np.sqrt(np.diag(origin.covariance))):
-                change = np.zeros(len(origin.covariance))
-                change[number] = _STEP * sd
-                gained = self._settled({k: change}, before) - before if sd > 0.0 else 0.0 * before
-                rows.append(gained / max(change[number], np.finfo(float).tiny))
+        for sd, index, unit in self._origins.each():
+            by = _STEP * sd
+            gained = self._settled({index: by * unit}, before) - before if sd > 0.0 else 0.0 * before
+            rows.append(gained / max(by, np.finfo(float).tiny))
         return np.array(rows)
 
     def _settled(self, changes: Changes, before: Array) -> Array:
@@ -89,10 +86,9 @@ class Beside(Nearby):
     def _close(self, changes: Changes, places: Array | None) -> tuple[Found, Sandwich, Model]:
         """Return the same with the foam's law read at the temperature of ``places`` (n,) [degC] where that is given,
         and the model it is of."""
-        inputs, model = self._job.inputs, self._model
-        moved = self._origins.changed(model.case, inputs, changes)
-        case: PressCase = moved.case  # type: ignore[assignment]
-        quiet = Job(self._job.command, (), Listener(), moved.inputs)
+        model = self._model
+        moved = self._origins.changed(model.case, self._job.inputs, changes)
+        case, quiet = moved.case, moved.job
         files = reread(quiet, case, model.case, model.files, moved.handed)
         amounts = [
             _amounts(grown, moved.handed.get(heat.name, {}))

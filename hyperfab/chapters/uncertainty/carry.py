@@ -76,6 +76,14 @@ class Slopes:
     figures: Mapping[str, Array]
     fields: Mapping[str, Array] = dataclasses.field(default_factory=dict)
 
+    @staticmethod
+    def of(each: Sequence[Answer]) -> Slopes:
+        """Return the slopes by all numbers, of what each changes the figures and fields by."""
+        return Slopes(
+            {name: np.array([one.figures[name] for one in each]) for name in each[0].figures},
+            {name: np.array([one.fields[name] for one in each]) for name in each[0].fields},
+        )
+
 
 class Nearby(ABC):
     """A result whose neighbours are known without another run.

@@ -35,7 +35,7 @@ class Handed:
     own: Number | None = None
     file: str | None = None
 
-    def move(self, inputs: Changed, change: float) -> None:
+    def move(self, inputs: Changed[Any], change: float) -> None:
         """Change it."""
         for document, index in self.at.items():
             changes = inputs.handed.setdefault(document, {})
