@@ -16,8 +16,7 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.membrane.contact import Frictionless, Tangential
-from hyperfab.membrane.contact_edge import ContactEdge, contact_edge
-from hyperfab.membrane.contact_front import ContactFront
+from hyperfab.membrane.contact_edge import ContactEdge, ContactFront, contact_edge
 from hyperfab.membrane.equilibrium import NoEquilibriumError, Press, State
 from hyperfab.membrane.measures import Fields, fields
 from hyperfab.membrane.mesh import SheetMesh, halved, interpolate, sheet_mesh

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import copy
+import functools
 import hashlib
 import json
 import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
+import hyperfab
 from hyperfab.documents.study import DocumentSection, StepSection, StudyDocument
 from hyperfab.errors import HyperfabError, InputError
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.json_io import dump_json, load_json
 from hyperfab.io.toml_io import dump_toml, load_toml
 from hyperfab.studies.axes import Axis, Layout, plain
-from hyperfab.studies.program import program
 from hyperfab.studies.template import TemplateError, fill, names
 
 #: Digits of a hash that name a step or a case: 128 bits.
@@ -312,3 +314,18 @@ def map_texts(value: Any, change: Callable[[str], str]) -> Any:
     if isinstance(value, list):
         return [map_texts(item, change) for item in value]
     return value
+
+
+@functools.cache
+def program() -> str:
+    """Return the version and, behind a +, the hash of all of the package's sources.
+
+    In a tree that is worked on the sources change under the same version, and with them what a step would find.
+    """
+    whole = hashlib.sha256()
+    root = Path(hyperfab.__file__).parent
+    for path in sorted(root.rglob("*.py"), key=lambda path: path.relative_to(root).parts):
+        data = path.read_bytes()
+        whole.update(f"{path.relative_to(root).as_posix()} {len(data)}\n".encode())
+        whole.update(data)
+    return f"{hyperfab.__version__}+{whole.hexdigest()[:16]}"

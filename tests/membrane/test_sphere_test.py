@@ -8,8 +8,7 @@ from builders import uniform
 
 from hyperfab.materials import bind
 from hyperfab.membrane import outline
-from hyperfab.membrane.contact_edge import contact_edge
-from hyperfab.membrane.contact_front import ContactFront
+from hyperfab.membrane.contact_edge import ContactFront, contact_edge
 from hyperfab.membrane.equilibrium import Press
 from hyperfab.membrane.measures import fields, wrinkled_fraction
 from hyperfab.membrane.mesh import sheet_mesh

@@ -14,8 +14,7 @@ from hyperfab.documents.base import document_class, parse_document, stated_kind
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.json_io import load_json
 from hyperfab.io.output import check_place, write_single
-from hyperfab.report.page.parts import KINDS, Chart, Picture, Scene, Section, Source, in_order
-from hyperfab.report.page.pictures import light
+from hyperfab.report.page.parts import KINDS, Chart, Picture, Scene, Section, Source, in_order, light
 from hyperfab.report.page.render import page
 from hyperfab.report.page.sections import build, heading
 from hyperfab.report.page.sections.heat import molds

@@ -9,6 +9,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from PIL import Image, UnidentifiedImageError
+
 from hyperfab.errors import HyperfabError, InputError
 from hyperfab.report.bands import warmup
 from hyperfab.report.labels import parted
@@ -278,3 +280,32 @@ def parents(source: Source, sources: Sequence[Source]) -> list[Source]:
 def in_order(sources: Sequence[Source]) -> list[Source]:
     """Return the documents as the line runs; within a kind, as they were given."""
     return sorted(sources, key=lambda source: list(KINDS).index(source.kind))
+
+
+#: Pictures larger than this are stored with a palette: a third of the bytes, and nobody sees it.
+LARGE = 60_000
+#: Pixels of a picture from somewhere else that are still opened.
+MAX_PIXELS = 40_000_000
+
+
+def light(data: bytes) -> bytes | None:
+    """Return a PNG with at most 256 colours where it was large; None where it is no picture.
+
+    >>> light(b"no picture") is None
+    True
+    """
+    try:
+        with Image.open(io.BytesIO(data), formats=["PNG"]) as picture:
+            if picture.width * picture.height > MAX_PIXELS:
+                return None
+            if len(data) <= LARGE:
+                picture.verify()
+                return data
+            small = picture.convert("RGB").quantize(
+                256, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE
+            )
+    except (UnidentifiedImageError, OSError, SyntaxError, ValueError, Image.DecompressionBombError):
+        return None
+    buffer = io.BytesIO()
+    small.save(buffer, "PNG", optimize=True)
+    return min(buffer.getvalue(), data, key=len)
