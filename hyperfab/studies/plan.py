@@ -161,9 +161,10 @@ class Plan:
             identity.append(symbol if path is None else self._file(path))
         key = _hash({"hf": program(), "command": section.command, "arguments": identity})
         needs = tuple(sorted(earlier[name].key for name in steps))
+        files = {self._file_name(name): document for name, document in edited.items()}
         written = tuple(
-            (self._file_name(name), _written(self._file_name(name), document))
-            for name, document in edited.items()
+            (name, dump_toml(document) if name.endswith(".toml") else dump_json(document))
+            for name, document in files.items()
         )
         return Step(key, section.name, section.command, tuple(words), written, needs)
 
@@ -242,10 +243,6 @@ def _bare(text: str) -> Any:
     except ValueError:
         return text
     return value if isinstance(value, (int, float, bool)) else text
-
-
-def _written(name: str, document: dict[str, Any]) -> bytes:
-    return dump_toml(document) if name.endswith(".toml") else dump_json(document)
 
 
 def _hash(value: object) -> str:

@@ -57,12 +57,13 @@ def document_of(model: Model, states: list[State]) -> DrapeDocument:
     shift = np.array(placed.standing(state.depth))
     through, top, below = stands_out(found.state.x, sheet, placed.surface, shift)
     where = Place(flat=below[:2].tolist(), draped=top.tolist())
+    newton = sum(step.iteration > 0 for one in states for step in one.found.history)
     last = dict(_state(sheet, state, loose))
     del last["depth_mm"]  # where the way ended early, that is not the depth asked for
     document = DrapeDocument(
         **last,
         status=status,
-        iterations=_steps(states) if case.solver == "newton" else found.history[-1].iteration,
+        iterations=newton if case.solver == "newton" else found.history[-1].iteration,
         iterations_finest=found.history[-1].iteration,
         residual_max_N=found.residual_max,
         tolerance=tolerance,
@@ -119,11 +120,6 @@ def document_of(model: Model, states: list[State]) -> DrapeDocument:
     if state.rest is not None:
         document.rubbing = _rubbing(state)
     return document
-
-
-def _steps(states: list[State]) -> int:
-    """Newton steps on all grids, at all depths."""
-    return sum(1 for state in states for step in state.found.history if step.iteration > 0)
 
 
 def _state(sheet: Sheet, state: State, loose: list[str]) -> DrapeState:

@@ -55,7 +55,9 @@ class Beside(Nearby):
             def test(by: float, index: int = index, unit: Array = unit) -> tuple[SphereTest, float]:
                 return self._test({index: by * unit})
 
-            moved, found = self._near.slopes(test, _STEP * sd, _answer)
+            moved, found = self._near.slopes(
+                test, _STEP * sd, lambda solved: {**_figures(solved), **sure_fields(solved)}
+            )
             self._moves.append(moved)
             figures = {name: float(found.pop(name)) for name in FIGURES["contact"]}
             slopes.append(Answer(figures, {name: np.asarray(slope) for name, slope in found.items()}))
@@ -93,10 +95,6 @@ def beside(
     if solved.press.tangential.remembers or not origins.settings <= _ON_THE_MESH:
         return None
     return Beside(job, case, geometry, solved, origins)
-
-
-def _answer(solved: Solved) -> dict[str, float | Array]:
-    return {**_figures(solved), **sure_fields(solved)}
 
 
 def _figures(solved: Solved) -> Figures:

@@ -31,6 +31,7 @@ def document(
     outcome, unstable = outcomes[0], instabilities[0]
     limit = outcome.path.limit
     total = outcome.path.iterations
+    presses = [outcome.rough, *(solved.press for solved in outcome.solved)]
     if not setup.friction.remembers:
         total += sum(solved.state.iterations for solved in outcome.solved)
     found = ContactDocument(
@@ -41,7 +42,7 @@ def document(
         newton_iterations=outcome.solved[-1].state.iterations if outcome.solved else 0,
         newton_iterations_total=total,
         unknowns=(outcome.solved[-1].press if outcome.solved else outcome.rough).sheet.mesh.unknowns,
-        linear_solver=_linear_solver(outcome),
+        linear_solver=", ".join(sorted(set().union(*(press.sheet.pattern.solver.used for press in presses)))),
         force_depth=_force_depth(outcome),
         stability=_stability(unstable, limit),
         setup=_setup(setup, fabrics[0]),
@@ -67,12 +68,6 @@ def _half_thickness(setup: Setup) -> list[str]:
     return [
         f"half the sheet's thickness on the sphere: {half:g} mm, {share:.2g} % of its radius (--middle-surface)"
     ]
-
-
-def _linear_solver(outcome: Outcome) -> str:
-    """Name the solvers that were used, on all meshes."""
-    presses = [outcome.rough, *(solved.press for solved in outcome.solved)]
-    return ", ".join(sorted(set().union(*(press.sheet.pattern.solver.used for press in presses))))
 
 
 def status_of(outcome: Outcome, unstable: Instability | None) -> str | None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hyperfab.arrays import Array, Flags, Ints
+from hyperfab.arrays import Array, Flags
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact.formed import Formed, Setting, Wanted, formed
 from hyperfab.chapters.press_contact.model import Model
@@ -142,11 +142,13 @@ def _reach(closed: Closed) -> tuple[float, float]:
 
 def _try(job: Job, model: Model, closed: Closed, setting: Setting, wanted: Wanted, gap: Array) -> _Tried:
     """Close the press on the male that leaves ``gap`` (n,) [mm] to the female where it stands; form the sandwich."""
+    from scipy.spatial import cKDTree
+
     growth, frame = model.grown[0].growth, model.files.frame
     design = place_of_design(frame, lambda: constant_gap(closed.female, gap))
     vertices, faces = with_back(ungrown(design.vertices, growth), design.faces, closed.case.male.mount)
     male = mold(vertices, faces, 1, closed.case.male.mount, closed.case.male.smooth)
-    nearest = _nearest(closed.case.male.vertices, vertices)
+    nearest = np.asarray(cKDTree(closed.case.male.vertices).query(vertices)[1], dtype=np.int64)
     apart = clearance(male, closed.case.female).gap
     to_set = apart + closed.clearance_cold - closed.datum.gap
     carried = (
@@ -183,9 +185,3 @@ def _at_design(tried: _Tried, wanted: Wanted, count: int) -> tuple[Array, Array]
     off[of[mine]] = (tried.found.thickness - wanted.at(tried.closed.cold))[mine]
     rate[of[mine]] = tried.found.share[mine]
     return off, rate
-
-
-def _nearest(points: Array, places: Array) -> Ints:
-    from scipy.spatial import cKDTree
-
-    return np.asarray(cKDTree(points).query(places)[1], dtype=np.int64)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -90,8 +89,9 @@ class Beside(Nearby):
         moved = self._origins.changed(model.case, self._job.inputs, changes)
         case, quiet = moved.case, moved.job
         files = reread(quiet, case, model.case, model.files, moved.handed)
+        # How much there is of each mode of a mold, where numbers of its heat document change.
         amounts = [
-            _amounts(grown, moved.handed.get(heat.name, {}))
+            np.array([moved.handed.get(heat.name, {}).get(k, 0.0) for k in range(len(grown.modes))])
             for grown, heat in zip(model.grown, files.heat, strict=True)
         ]
         celsius = [
@@ -161,11 +161,6 @@ def beside(job: Job, model: Model, closed: Closed, origins: Origins) -> Beside |
     if not all(grown.even for grown in model.grown) and "expansion.reference" in names:
         return None
     return Beside(job, model, closed, origins)
-
-
-def _amounts(grown: ThermalDisplacement, changes: Mapping[int, float]) -> Array:
-    """Return how much of each mode of a mold there is, where numbers of its heat document change."""
-    return np.array([changes.get(k, 0.0) for k in range(len(grown.modes))])
 
 
 def _given(grown: ThermalDisplacement, amounts: Array) -> Array | None:

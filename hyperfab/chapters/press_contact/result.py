@@ -60,6 +60,11 @@ class PressResult:
         return self.wanted.beside(self.formed, self.closed, self.frame)
 
     @property
+    def guided(self) -> bool:
+        """Whether the molds stay parallel."""
+        return not self.closed.case.floating and self.closed.pose.angle == 0.0
+
+    @property
     def frame(self) -> PressFrame:
         """How the molds close."""
         return self.model.files.frame
@@ -132,7 +137,7 @@ def document_of(told: PressResult) -> PressDocument:
         pressure_mean_MPa=on_touching / touching if touching > 0.0 else 0.0,
         stroke_mm=closed.stroke,
         tilt_deg=float(np.degrees(closed.pose.angle)),
-        tilt_vector_deg=_tilt_vector(told),
+        tilt_vector_deg=None if told.guided else _place(frame, np.degrees([*closed.pose.tilt, 0.0])),
         centre_of_pressure_mm=_centre_of_pressure(told),
         energy_J=1e-3 * contact.energy,
         regions=[
@@ -140,7 +145,7 @@ def document_of(told: PressResult) -> PressDocument:
                 contact=region.contact,
                 area_mm2=region.area,
                 # Regions are found on the hot male; their place is told on the drawing.
-                centroid_mm=_place(frame, region.centroid + _near(front.vertices, shift, region.centroid)),
+                centroid_mm=_place(frame, region.centroid + shift[_nearest(front.vertices, region.centroid)]),
                 gap_mean_mm=region.gap,
                 pressure_mean_MPa=region.pressure,
                 force_N=region.load,
@@ -181,12 +186,6 @@ def document_of(told: PressResult) -> PressDocument:
         design=told.design,
         left_out=_left_out(told),
     )
-
-
-def _tilt_vector(told: PressResult) -> tuple[float, float, float] | None:
-    if not told.closed.case.floating and told.closed.pose.angle == 0.0:
-        return None
-    return _place(told.frame, np.degrees([*told.closed.pose.tilt, 0.0]))
 
 
 def _centre_of_pressure(told: PressResult) -> tuple[float, float, float] | None:
@@ -290,8 +289,8 @@ def _place(frame: PressFrame, point: Array) -> tuple[float, float, float]:
     return x, y, z
 
 
-def _near(vertices: Array, values: Array, point: Array) -> Array:
-    return np.asarray(values[int(np.argmin(((vertices - point) ** 2).sum(axis=1)))])
+def _nearest(vertices: Array, point: Array) -> int:
+    return int(np.argmin(((vertices - point) ** 2).sum(axis=1)))
 
 
 def _state_areas(
@@ -328,8 +327,7 @@ def _chord_error(mold: Mold) -> float:
 
 
 def _left_out(told: PressResult) -> list[str]:
-    guided = not told.closed.case.floating and told.closed.pose.angle == 0.0
-    out = ["tilt: the molds are guided and stay parallel (--float, --tilt)"] if guided else []
+    out = ["tilt: the molds are guided and stay parallel (--float, --tilt)"] if told.guided else []
     if any(grown.even and "mean" in grown.known_from for grown in told.grown):
         out.append("uneven temperature: each mold grows with one mean temperature")
     document, fabrics = told.model.files.document, told.model.files.fabrics
