@@ -21,7 +21,7 @@ from hyperfab.pressing.contact import contact, stiffness
 from hyperfab.pressing.foam_law import FoamLaw
 from hyperfab.pressing.gap import Front, Gap
 from hyperfab.pressing.growth import Growth, ungrown
-from hyperfab.pressing.pose import Pose
+from hyperfab.pressing.mold import Pose
 from hyperfab.pressing.press import Press
 from hyperfab.pressing.sandwich import Sandwich
 from hyperfab.pressing.series import knots

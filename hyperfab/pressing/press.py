@@ -14,8 +14,7 @@ from hyperfab.errors import InputError
 from hyperfab.pressing.clip import Quadrature, positive_part
 from hyperfab.pressing.contact import Contact, contact, stiffness
 from hyperfab.pressing.gap import Front, Gap, nearest_gap, normal_gap, touch_gap
-from hyperfab.pressing.mold import Mold
-from hyperfab.pressing.pose import UPRIGHT, Pose
+from hyperfab.pressing.mold import UPRIGHT, Mold, Pose
 from hyperfab.pressing.sandwich import Sandwich
 from hyperfab.surface.curve import along_a_curve
 

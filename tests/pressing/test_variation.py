@@ -6,7 +6,7 @@ import pytest
 from hyperfab.pressing.balance import balance
 from hyperfab.pressing.foam_law import linear, plateau, relaxed
 from hyperfab.pressing.gap import molding_front
-from hyperfab.pressing.pose import Pose
+from hyperfab.pressing.mold import Pose
 from hyperfab.pressing.press import Press
 from hyperfab.pressing.sandwich import Sandwich, thickness_factor
 

@@ -9,7 +9,7 @@ from hyperfab.chapters.drape.fabric import use_of
 from hyperfab.chapters.drape.model import Model, State
 from hyperfab.chapters.job import Job
 from hyperfab.cloth import Answers, Sheet
-from hyperfab.cloth.cuts import stands_out
+from hyperfab.cloth.depth import stands_out
 from hyperfab.cloth.friction import SLIDES, STARTS, STICKS
 from hyperfab.cloth.mold import FREE
 from hyperfab.documents.drape import DrapeDocument, DrapeMold, DrapeState, Place, Rubbing
