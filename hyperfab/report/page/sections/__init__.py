@@ -5,10 +5,10 @@ from __future__ import annotations
 import importlib
 
 from hyperfab.errors import HyperfabError
-from hyperfab.report.bands import figure, interval, shares
+from hyperfab.report.bands import figure, interval, shares, value_of
 from hyperfab.report.labels import parted, title
 from hyperfab.report.page.charts import bars, chart
-from hyperfab.report.page.parts import KINDS, Cell, Part, Section, Source, Table, word
+from hyperfab.report.page.parts import Cell, Part, Section, Source, Table, word
 
 
 def build(source: Source) -> Section:
@@ -30,11 +30,6 @@ def build(source: Source) -> Section:
     return section
 
 
-def heading(source: Source) -> str:
-    """Return the title of a document's section."""
-    return KINDS[source.kind]
-
-
 def _there(source: Source, name: str) -> bool:
     if (
         not name.endswith((".vtu", ".csv", ".png"))
@@ -52,7 +47,7 @@ def _sure(source: Source) -> list[Part]:
         return []
     rows = []
     for key, band in bands.items():
-        unit, value = parted(key)[1], _value(source.data, key)
+        unit, value = parted(key)[1], float(value_of(source.data, key))
         rows.append(
             [
                 word(title(key)),
@@ -97,10 +92,3 @@ def _sure(source: Source) -> list[Part]:
     if told.get("left_out"):
         found.append(Table("Not carried", [""], [[word(text)] for text in told["left_out"]], folded=True))
     return found
-
-
-def _value(data: object, key: str) -> float:
-    found = data
-    for step in key.split("."):
-        found = found[step]  # type: ignore[index]
-    return float(found)  # type: ignore[arg-type]
