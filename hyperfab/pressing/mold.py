@@ -39,6 +39,12 @@ class PressFrame:
         vector["xyz".index(self.axis)] = self.sign
         return vector
 
+    @property
+    def plan(self) -> tuple[str, str]:
+        """The names of the STL's axes across the closing direction."""
+        first, second, _ = AXES[self.axis]
+        return "xyz"[first], "xyz"[second]
+
     def inward(self, points: Array) -> Array:
         """Carry points (..., 3) from the STL's coordinates into the press frame."""
         turned = np.asarray(points)[..., AXES[self.axis]]

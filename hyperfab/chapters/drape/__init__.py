@@ -12,8 +12,7 @@ from hyperfab.chapters.drape.fabric import note_ranges
 from hyperfab.chapters.drape.model import Model, State, at_depths, model_of, read_files
 from hyperfab.chapters.drape.result import document_of, judge, say, tears
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.uncertainty import carry
-from hyperfab.chapters.uncertainty.carry import Sure
+from hyperfab.chapters.uncertainty.carry import Sure, carry
 from hyperfab.chapters.uncertainty.sources import Origins, origins
 from hyperfab.cloth import BeyondLaw, HeldNodeInside, Step
 from hyperfab.cloth.cascade import grid_sizes

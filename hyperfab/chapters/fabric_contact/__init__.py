@@ -13,8 +13,7 @@ from hyperfab.chapters.fabric_contact.fields import picture, vtu
 from hyperfab.chapters.fabric_contact.result import document, mounted_row, row, status_of
 from hyperfab.chapters.fabric_contact.setup import Setup, read_geometry, setup_of
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.uncertainty import carry
-from hyperfab.chapters.uncertainty.carry import Sure
+from hyperfab.chapters.uncertainty.carry import Sure, carry
 from hyperfab.documents.contact import ContactDocument
 from hyperfab.errors import NotConverged
 from hyperfab.io.csv_write import csv_bytes

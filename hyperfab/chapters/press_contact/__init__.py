@@ -19,7 +19,7 @@ from hyperfab.chapters.press_contact.laws import materials
 from hyperfab.chapters.press_contact.model import Model, model_of, read_files
 from hyperfab.chapters.press_contact.result import PressResult, document_of
 from hyperfab.chapters.press_contact.warmth import settled, warmed
-from hyperfab.chapters.uncertainty import carry
+from hyperfab.chapters.uncertainty.carry import carry
 from hyperfab.chapters.uncertainty.handed import identified, join
 from hyperfab.chapters.uncertainty.sources import Origins, origins
 from hyperfab.console import NEGATIVE_VERDICT

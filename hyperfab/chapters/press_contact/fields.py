@@ -89,7 +89,6 @@ def picture_of(told: PressResult, document: PressDocument, sure: Sure) -> bytes:
 
     closed = told.closed
     front, sandwich = closed.front, closed.press.sandwich
-    turned = told.frame.inward(np.arange(3.0))
     mold = SpottedMold(
         vertices=front.vertices,
         faces=front.faces,
@@ -99,7 +98,7 @@ def picture_of(told: PressResult, document: PressDocument, sure: Sure) -> bytes:
         level=np.asarray(sandwich.thickness - closed.touch),
         areas=front.molding_areas,
         thickness=document.sandwich_mm,
-        axes=("xyz"[abs(int(turned[0]))], "xyz"[abs(int(turned[1]))]),
+        axes=told.frame.plan,
     )
     data = document.to_json()
     title = (
@@ -115,14 +114,13 @@ def formed_picture(told: PressResult) -> bytes:
 
     assert told.formed is not None
     front = told.closed.front
-    turned = told.frame.inward(np.arange(3.0))
     fields = _formed_fields(told)
     mold = FormedMold(
         vertices=front.vertices,
         faces=front.faces[~front.flange],
         thickness=fields["formed_thickness_mm"],
         off=fields.get("off_wanted_mm"),
-        axes=("xyz"[abs(int(turned[0]))], "xyz"[abs(int(turned[1]))]),
+        axes=told.frame.plan,
     )
     beside = "" if told.beside is None else f", off by {told.beside.worst_mm:+.2f} mm at most"
     part = formed_part(told.formed, told.closed, told.closed.cold)
