@@ -22,7 +22,7 @@ from pathlib import Path
 import trimesh
 
 from hyperfab.cloth import Mold, Sheet, answers, drape, mold_of, raised
-from hyperfab.cloth.fabric import Pulled, spring_law
+from hyperfab.cloth.law import Pulled, spring_law
 from hyperfab.cloth.membrane import MembraneLaw
 from hyperfab.materials import bind
 from hyperfab.materials.orthotropic import Orthotropic

@@ -25,7 +25,7 @@ import trimesh
 from hyperfab.arrays import Array
 from hyperfab.chapters.fit.identify import Identified, Setting, identify
 from hyperfab.cloth import Mold, Sheet, answers, drape, mold_of, raised
-from hyperfab.cloth.fabric import spring_law
+from hyperfab.cloth.law import spring_law
 from hyperfab.cloth.sensitivity import Neighbourhood as Draped
 from hyperfab.materials import bind
 from hyperfab.materials.registry import law

@@ -9,8 +9,8 @@ from typing import Any, ClassVar, Self
 
 from hyperfab.cases.field import Setting, settings_of
 from hyperfab.cases.kinds import plain
-from hyperfab.cases.tolerances import tolerances, with_tolerances
 from hyperfab.errors import InputError, UsageError
+from hyperfab.io.units import Toleranced, toleranced
 
 #: Keys of ``setup`` beside the fields: which were not asked but follow from inputs, and what the input files hold.
 DERIVED, HASHES = "derived", "sha256"
@@ -149,3 +149,30 @@ class Case:
 
 def _bare(value: Any) -> Any:
     return os.path.basename(value) if isinstance(value, str) else [os.path.basename(name) for name in value]
+
+
+def tolerances(value: Any, path: str) -> dict[str, float]:
+    """Return the standard deviations that a value states, by the places of its numbers: ``size_mm.0``.
+
+    >>> tolerances((Toleranced(20.0, 0.5), 30.0), "size_mm")
+    {'size_mm.0': 0.5}
+    """
+    if isinstance(value, Toleranced):
+        return {path: value.sd}
+    found: dict[str, float] = {}
+    if isinstance(value, (Mapping, tuple, list)):
+        items = value.items() if isinstance(value, Mapping) else enumerate(value)
+        for key, one in items:
+            found |= tolerances(one, f"{path}.{key}")
+    return found
+
+
+def with_tolerances(value: Any, path: str, known: Mapping[str, float]) -> Any:
+    """Return a value with the standard deviations that are ``known`` of its numbers, by their places."""
+    if isinstance(value, float) and path in known:
+        return toleranced(value, known[path])
+    if isinstance(value, tuple):
+        return tuple(with_tolerances(one, f"{path}.{i}", known) for i, one in enumerate(value))
+    if isinstance(value, Mapping):
+        return {key: with_tolerances(one, f"{path}.{key}", known) for key, one in value.items()}
+    return value

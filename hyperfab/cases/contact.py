@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from hyperfab.cases.case import Case
-from hyperfab.cases.field import amount, choice, file, flag, setting, stl_unit, uncertainty, whole
+from hyperfab.cases.field import amount, choice, file, flag, setting, stl_unit, thickness, uncertainty, whole
 from hyperfab.cases.kinds import Amount, File, OrName
 from hyperfab.errors import UsageError
 
@@ -40,13 +40,7 @@ class ContactCase(Case):
         "Diameter or side of the undeformed sheet, 200mm; longer side of an outline from a file.", example="200mm",
         above=0.0,
     )  # fmt: skip
-    thickness: float | None = amount(
-        "length",
-        "LENGTH",
-        "Thickness; the material's own where it has one, else 1mm.",
-        example="0.8mm",
-        above=0.0,
-    )
+    thickness: float | None = thickness()
     sphere_radius: float | None = amount(
         "length", "LENGTH", "Radius of the rigid sphere, 40mm where not given.", example="40mm", above=0.0,
         over=("punch",),

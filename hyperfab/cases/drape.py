@@ -7,7 +7,18 @@ from dataclasses import dataclass
 from typing import Any
 
 from hyperfab.cases.case import Case
-from hyperfab.cases.field import amount, choice, file, files, series, setting, stl_unit, uncertainty, whole
+from hyperfab.cases.field import (
+    amount,
+    choice,
+    file,
+    files,
+    series,
+    setting,
+    stl_unit,
+    thickness,
+    uncertainty,
+    whole,
+)
 from hyperfab.cases.kinds import Amount, Kind, Whole
 from hyperfab.errors import UsageError
 
@@ -139,13 +150,7 @@ class DrapeCase(Case):
     )  # fmt: skip
     warp: str | None = file("TEST.csv", "Uniaxial test taken as the warp's law as it stands.")
     weft: str | None = file("TEST.csv", "Uniaxial test taken as the weft's law as it stands.")
-    thickness: float | None = amount(
-        "length",
-        "LENGTH",
-        "Thickness; the material's own where it has one, else 1mm.",
-        example="0.8mm",
-        above=0.0,
-    )
+    thickness: float | None = thickness()
     temperature: float | None = amount(
         "temperature",
         "T",

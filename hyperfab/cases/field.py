@@ -176,6 +176,12 @@ def series(item: Kind, mark: str, count: tuple[int, ...], metavar: str, help: st
     return setting(Series(item, mark, count, example or default or ""), metavar, help, default, **more)
 
 
+def thickness() -> Any:
+    """Return the field for the thickness of a fabric."""
+    help = "Thickness; the material's own where it has one, else 1mm."
+    return amount("length", "LENGTH", help, example="0.8mm", above=0.0)
+
+
 def uncertainty() -> Any:
     """Return the field for how uncertainty of the inputs is carried into the results."""
     return choice(

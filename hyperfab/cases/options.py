@@ -6,8 +6,7 @@ from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from typing import Any, TypeVar
 
-from hyperfab.cases.case import Case
-from hyperfab.cases.tolerances import tolerances
+from hyperfab.cases.case import Case, tolerances
 from hyperfab.errors import UsageError
 
 CaseT = TypeVar("CaseT", bound=Case)

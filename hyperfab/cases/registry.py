@@ -18,7 +18,7 @@ CASES = {
     "close-loop": "loop:LoopCase",
     "report": "about:ReportCase",
     "sweep": "sweep:SweepCase",
-    "export": "export:ExportCase",
+    "export": "about:ExportCase",
     "summary": "about:SummaryCase",
     "sample": "about:SampleCase",
     "schema": "about:SchemaCase",

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from hyperfab.cases.case import Case
+from hyperfab.cases.case import Case, tolerances
 from hyperfab.cases.like import earlier
 from hyperfab.cases.options import given, shown
 from hyperfab.cases.registry import case_class
-from hyperfab.cases.tolerances import tolerances
 from hyperfab.chapters.job import Job
 from hyperfab.io.json_io import load_json
 
@@ -65,52 +64,31 @@ def run(job: Job, case: Case) -> int:
 
 def chapter_of(command: str) -> Callable[[Job, Any], int]:
     """Return what runs a command; each takes the case that the registry has for it."""
+    chapter: Callable[[Job, Any], int]
     if command == "fit":
-        from hyperfab.chapters.fit import run as fit
-
-        return fit
-    if command == "close-loop":
-        from hyperfab.chapters.close_loop import run as close_loop
-
-        return close_loop
-    if command == "export":
-        from hyperfab.chapters.export import run as export
-
-        return export
-    if command == "fabric-contact":
-        from hyperfab.chapters.fabric_contact import run as fabric_contact
-
-        return fabric_contact
-    if command == "drape":
-        from hyperfab.chapters.drape import run as drape
-
-        return drape
-    if command == "mold-heat":
-        from hyperfab.chapters.mold_heat import run as mold_heat
-
-        return mold_heat
-    if command == "press-contact":
-        from hyperfab.chapters.press_contact import run as press_contact
-
-        return press_contact
-    if command == "report":
-        from hyperfab.chapters.report import run as report
-
-        return report
-    if command == "sweep":
-        from hyperfab.chapters.sweep import run as sweep
-
-        return sweep
-    if command == "summary":
-        from hyperfab.chapters.summary import run as summary
-
-        return summary
-    if command == "sample":
-        from hyperfab.chapters.sample import run as sample
-
-        return sample
-    if command == "schema":
-        from hyperfab.chapters.schema import run as schema
-
-        return schema
-    raise KeyError(command)
+        from hyperfab.chapters.fit import run as chapter
+    elif command == "close-loop":
+        from hyperfab.chapters.close_loop import run as chapter
+    elif command == "export":
+        from hyperfab.chapters.export import run as chapter
+    elif command == "fabric-contact":
+        from hyperfab.chapters.fabric_contact import run as chapter
+    elif command == "drape":
+        from hyperfab.chapters.drape import run as chapter
+    elif command == "mold-heat":
+        from hyperfab.chapters.mold_heat import run as chapter
+    elif command == "press-contact":
+        from hyperfab.chapters.press_contact import run as chapter
+    elif command == "report":
+        from hyperfab.chapters.report import run as chapter
+    elif command == "sweep":
+        from hyperfab.chapters.sweep import run as chapter
+    elif command == "summary":
+        from hyperfab.chapters.summary import run as chapter
+    elif command == "sample":
+        from hyperfab.chapters.sample import run as chapter
+    elif command == "schema":
+        from hyperfab.chapters.schema import run as chapter
+    else:
+        raise KeyError(command)
+    return chapter

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hyperfab import __version__
-from hyperfab.cases.export import ExportCase
+from hyperfab.cases.about import ExportCase
 from hyperfab.chapters.fabric import ORTHOTROPIC, FabricDocument, read_fabric_document
 from hyperfab.chapters.job import Job
 from hyperfab.errors import UsageError

@@ -15,9 +15,9 @@ from hyperfab.documents.material import AtTemperature, Direction, MaterialDocume
 from hyperfab.errors import InputError
 from hyperfab.materials import Material, bind
 from hyperfab.materials.effects import thermal_softening
+from hyperfab.materials.effects.elastic_law import richer
 from hyperfab.materials.hyperfoam import ORDERS, Hyperfoam
 from hyperfab.materials.orthotropic import Orthotropic
-from hyperfab.materials.richer import richer
 
 #: The law that is the whole sheet's, not one direction's.
 ORTHOTROPIC = "orthotropic"

@@ -114,8 +114,8 @@ class _Seen:
         return [self.named(value) for value in data] if isinstance(data, list) else data
 
 
-def refuse_twice(names: Sequence[str], what: str = "rows") -> None:
-    """UsageError where a measured file is given twice: ``what`` it holds would count double."""
+def refuse_twice(names: Sequence[str]) -> None:
+    """UsageError where a measured file is given twice: its rows would count double."""
     twice = [name for name, count in Counter(names).items() if count > 1]
     if twice:
-        raise UsageError(f"{twice[0]} is given twice; its {what} would count double")
+        raise UsageError(f"{twice[0]} is given twice; its rows would count double")

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from hyperfab.arrays import Array
 
-from .cuts import Cut, cut
+from .depth import Cut, cut
 from .law import SpringLaw
 from .membrane import Cells, cells_of
 from .mold import FREE, Mold

@@ -14,7 +14,7 @@ from hyperfab.arrays import Array
 
 from .answers import Answers, answers
 from .balance import Balance
-from .cuts import Cut
+from .depth import Cut
 from .linear import Solver, Tangent, apply
 from .mold import Mold
 from .multigrid import project

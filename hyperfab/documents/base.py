@@ -30,6 +30,11 @@ KINDS: dict[str, str] = {
 }
 
 
+def optional(description: str) -> Any:
+    """Return the field of a key that is absent where there is nothing to say; ``description`` goes to the schema."""
+    return Field(default=None, description=description)
+
+
 class Part(BaseModel):
     """A table of a document that a program wrote: keys of a later minor version are kept."""
 
@@ -48,14 +53,12 @@ class Validity(Part):
     model_config = ConfigDict(populate_by_name=True)
 
     of: str = Field(description="stretch, temperature_degC, strain, or a table's name")
-    direction: str | None = Field(default=None, description="warp or weft, where each has a law of its own")
+    direction: str | None = optional("warp or weft, where each has a law of its own")
     used: tuple[float, float] = Field(description="smallest and largest value met")
-    known: tuple[float, float] | None = Field(
-        default=None, description="smallest and largest value tested or tabulated; absent where nothing says"
+    known: tuple[float, float] | None = optional(
+        "smallest and largest value tested or tabulated; absent where nothing says"
     )
-    within: bool | None = Field(
-        default=None, description="whether used lies in known; absent where that is unknown"
-    )
+    within: bool | None = optional("whether used lies in known; absent where that is unknown")
     source: str = Field(alias="from", description="the input that the law or the table came from")
 
 
@@ -82,11 +85,11 @@ class Document(BaseModel):
     files: list[str] = Field(
         default_factory=list, description="files written beside the document, relative to it"
     )
-    validity: list[Validity] | None = Field(
-        default=None, description="where each law and table was used, beside where it was tested or tabulated"
+    validity: list[Validity] | None = optional(
+        "where each law and table was used, beside where it was tested or tabulated"
     )
-    provenance: Provenance | None = Field(default=None, description="how the document came to be")
-    setup: Any = Field(default=None, description="the set-up that was run, defaults included")
+    provenance: Provenance | None = optional("how the document came to be")
+    setup: Any = optional("the set-up that was run, defaults included")
 
     @classmethod
     def format_name(cls) -> str:

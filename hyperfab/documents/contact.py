@@ -6,8 +6,8 @@ from typing import ClassVar
 
 from pydantic import Field
 
-from hyperfab.documents.base import Document, Part
-from hyperfab.documents.uncertainty import Uncertainty
+from hyperfab.documents.base import Part, optional
+from hyperfab.documents.uncertainty import Computed
 
 
 class SetupPart(Part):
@@ -17,25 +17,21 @@ class SetupPart(Part):
     fabric: str = Field(description="how the sheet's law was made of the material document")
     shape: str = Field(description="disc, square, or the file that the outline was read from")
     size_mm: float = Field(description="diameter or side; the longer side of the box around an outline")
-    area_mm2: float | None = Field(
-        default=None, description="of the undeformed sheet, where it was read from a file"
-    )
+    area_mm2: float | None = optional("of the undeformed sheet, where it was read from a file")
     thickness_mm: float
-    sphere_radius_mm: float | None = Field(default=None, description="absent with a punch")
-    punch: str | None = Field(default=None, description="file of the surface pressed in place of a sphere")
+    sphere_radius_mm: float | None = optional("absent with a punch")
+    punch: str | None = optional("file of the surface pressed in place of a sphere")
     punch_facets: int | None = None
     depth_mm: float
     prestretch: float
-    rim_slip_mm2_N: float | None = Field(
-        default=None, description="slip of the rim in mm for each N/mm of tension; absent where it is held"
+    rim_slip_mm2_N: float | None = optional(
+        "slip of the rim in mm for each N/mm of tension; absent where it is held"
     )
-    temperature_degC: float | None = Field(default=None, description="of the fabric, where known")
-    constants_degC: float | None = Field(
-        default=None, description="temperature of the constants, where none are known at that of the fabric"
+    temperature_degC: float | None = optional("of the fabric, where known")
+    constants_degC: float | None = optional(
+        "temperature of the constants, where none are known at that of the fabric"
     )
-    effects: list[str] | None = Field(
-        default=None, description="effects of the material document that are obeyed"
-    )
+    effects: list[str] | None = optional("effects of the material document that are obeyed")
     friction: str
     mesh_size_mm: float
     elements: str
@@ -46,13 +42,10 @@ class StabilityPart(Part):
 
     stable: bool
     first_unstable_depth_mm: float | None = None
-    at_mm: tuple[float, float] | None = Field(
-        default=None, description="place on the undeformed sheet (x, y)"
-    )
-    stretches: tuple[float, float] | None = Field(default=None, description="principal stretches there")
-    bands_depth_mm: float | None = Field(
-        default=None,
-        description="where the path ends because the stretch gathers in bands (ellipticity is lost)",
+    at_mm: tuple[float, float] | None = optional("place on the undeformed sheet (x, y)")
+    stretches: tuple[float, float] | None = optional("principal stretches there")
+    bands_depth_mm: float | None = optional(
+        "where the path ends because the stretch gathers in bands (ellipticity is lost)"
     )
     bands_at_mm: tuple[float, float] | None = None
     bands_stretches: tuple[float, float] | None = None
@@ -83,7 +76,7 @@ class BalancePart(Part):
     force_imbalance_relative: float = Field(description="(reaction - contact force) / force")
 
 
-class ContactDocument(Document):
+class ContactDocument(Computed):
     """The result of ``hf fabric-contact``.
 
     Where the full depth was not reached, force, radius, stretch and stress are those at ``depth_reached_mm``.
@@ -91,47 +84,40 @@ class ContactDocument(Document):
 
     KIND: ClassVar[str] = "contact"
 
-    uncertainty: Uncertainty | None = Field(
-        default=None, description="how sure the figures are, where the inputs say how sure they are"
-    )
     converged: bool
-    status: str | None = Field(default=None, description="what stood in the way")
-    depth_reached_mm: float | None = Field(default=None, description="where the full depth was not reached")
-    turning_point_mm: float | None = Field(
-        default=None, description="depth beyond which there is no equilibrium"
-    )
+    status: str | None = optional("what stood in the way")
+    depth_reached_mm: float | None = optional("where the full depth was not reached")
+    turning_point_mm: float | None = optional("depth beyond which there is no equilibrium")
     newton_iterations: int = Field(description="on the fitted mesh of the last depth")
     newton_iterations_total: int = Field(description="over all depths and meshes")
     unknowns: int
-    linear_solver: str | None = Field(default=None, description="what solved Newton's equations")
+    linear_solver: str | None = optional("what solved Newton's equations")
     force_N: float | None = None
-    force_error_relative: float | None = Field(default=None, description="estimated from two meshes")
-    cut_max_mm: float | None = Field(
-        default=None, description="how deep elements cut into sharp edges of a punch, between their nodes"
+    force_error_relative: float | None = optional("estimated from two meshes")
+    cut_max_mm: float | None = optional(
+        "how deep elements cut into sharp edges of a punch, between their nodes"
     )
-    force_extrapolated_N: float | None = Field(
-        default=None, description="for load steps of length zero, where the force hangs on them (stick)"
+    force_extrapolated_N: float | None = optional(
+        "for load steps of length zero, where the force hangs on them (stick)"
     )
     force_depth: list[tuple[float, float]] = Field(description="[depth_mm, force_N]")
-    contact_radius_mm: float | None = Field(default=None, description="deformed; the mean around the sphere")
+    contact_radius_mm: float | None = optional("deformed; the mean around the sphere")
     contact_radius_undeformed_mm: float | None = None
     stretch_max: float | None = None
-    stress_max_MPa: float | None = Field(default=None, description="largest Cauchy principal stress")
-    stress_nominal_max_MPa: float | None = Field(
-        default=None, description="largest nominal principal stress: force per undeformed section"
+    stress_max_MPa: float | None = optional("largest Cauchy principal stress")
+    stress_nominal_max_MPa: float | None = optional(
+        "largest nominal principal stress: force per undeformed section"
     )
-    pressure_max_MPa: float | None = Field(default=None, description="largest contact pressure of the punch")
-    energy_J: float | None = Field(default=None, description="strain energy of the sheet")
-    wrinkled_area_fraction: float | None = Field(
-        default=None, description="of the undeformed area; slack included"
-    )
+    pressure_max_MPa: float | None = optional("largest contact pressure of the punch")
+    energy_J: float | None = optional("strain energy of the sheet")
+    wrinkled_area_fraction: float | None = optional("of the undeformed area; slack included")
     stability: StabilityPart
     balance: BalancePart | None = None
     setup: SetupPart
-    compared_at_depth_mm: float | None = Field(default=None, description="depth of the comparison")
-    stress_difference_percent: float | None = Field(
-        default=None, description="100 max|sB - sA| / max|sA|, Cauchy principal stresses at the same points"
+    compared_at_depth_mm: float | None = optional("depth of the comparison")
+    stress_difference_percent: float | None = optional(
+        "100 max|sB - sA| / max|sA|, Cauchy principal stresses at the same points"
     )
-    force_ratio: float | None = Field(default=None, description="F_A / F_B")
+    force_ratio: float | None = optional("F_A / F_B")
     against: OtherPart | None = None
     left_out: list[str] = Field(default_factory=list, description="what this result does not contain")

@@ -6,8 +6,8 @@ from typing import ClassVar
 
 from pydantic import Field
 
-from hyperfab.documents.base import Document, Part
-from hyperfab.documents.uncertainty import Uncertainty
+from hyperfab.documents.base import Part, optional
+from hyperfab.documents.uncertainty import Computed
 
 
 class Place(Part):
@@ -35,20 +35,13 @@ class SpringUse(Part):
 
     model: str
     stretch_max: float = Field(description="largest stretch of a spring; of a membrane along it in a cell")
-    tested_stretch_max: float | None = Field(
-        default=None, description="largest stretch of the uniaxial tests behind the constants"
+    tested_stretch_max: float | None = optional("largest stretch of the uniaxial tests behind the constants")
+    beyond_tested: int | None = optional(
+        "springs, or cells of a membrane, beyond the tests; absent where nothing says how far these went"
     )
-    beyond_tested: int | None = Field(
-        default=None,
-        description="springs, or cells of a membrane, beyond the tests; absent where nothing says how far these went",
-    )
-    softens_at: float | None = Field(default=None, description="stretch at which the stress stops rising")
-    ends_at: float | None = Field(
-        default=None, description="stretch at which the law ends (locks), where springs pass it"
-    )
-    fails_at: float | None = Field(
-        default=None, description="stretch at which the tested specimen failed, where springs pass it"
-    )
+    softens_at: float | None = optional("stretch at which the stress stops rising")
+    ends_at: float | None = optional("stretch at which the law ends (locks), where springs pass it")
+    fails_at: float | None = optional("stretch at which the tested specimen failed, where springs pass it")
 
 
 class Rubbing(Part):
@@ -83,16 +76,13 @@ class DrapeState(Part):
     draw_in_mm: dict[str, float] | None = None
 
 
-class DrapeDocument(Document):
+class DrapeDocument(Computed):
     """A fabric draped on a mold."""
 
     KIND: ClassVar[str] = "drape"
 
-    uncertainty: Uncertainty | None = Field(
-        default=None, description="how sure the figures are, where the inputs say how sure they are"
-    )
     converged: bool = Field(description="residual_relative is at or below the tolerance")
-    status: str | None = Field(default=None, description="why it did not converge, and where")
+    status: str | None = optional("why it did not converge, and where")
     iterations: int = Field(description="Newton steps on all grids")
     iterations_finest: int = Field(description="Newton steps on the grid asked for")
     residual_max_N: float = Field(description="largest unbalanced force on a node")
@@ -107,39 +97,30 @@ class DrapeDocument(Document):
     force_N: float = Field(description="force of the press: sum of the contact forces along z")
     imbalance_N: float = Field(description="contact forces + clamp reactions + weight: zero at equilibrium")
     contact_nodes: int
-    contact_edges: int | None = Field(
-        default=None, description="springs between two nodes that a sharp edge of the mold carries"
-    )
+    contact_edges: int | None = optional("springs between two nodes that a sharp edge of the mold carries")
     penetration_max_mm: float = Field(description="deepest point of the net, nodes and springs, in the mold")
     penetration_nodes_mm: float
     penetration_edges_mm: float = Field(
         description="depth of the deepest point of any spring below the mold's surface, exact to 1e-6 mm"
     )
-    penetration_edges_at_mm: list[float] | None = Field(
-        default=None, description="place on the flat sheet of the spring that cuts deepest"
+    penetration_edges_at_mm: list[float] | None = optional(
+        "place on the flat sheet of the spring that cuts deepest"
     )
-    stretch_max: float | None = Field(
-        default=None,
-        description="largest stretch of a spring, of warp and weft; of a membrane the largest principal stretch",
+    stretch_max: float | None = optional(
+        "largest stretch of a spring, of warp and weft; of a membrane the largest principal stretch"
     )
-    stretch_max_at_mm: Place | None = Field(
-        default=None, description="the middle of that spring, or of that cell of a membrane"
+    stretch_max_at_mm: Place | None = optional("the middle of that spring, or of that cell of a membrane")
+    stress_max_MPa: float | None = optional("of a membrane: largest Cauchy principal stress")
+    stress_nominal_max_MPa: float | None = optional(
+        "largest nominal stress, force per undeformed section: of springs, of a membrane the principal one"
     )
-    stress_max_MPa: float | None = Field(
-        default=None, description="of a membrane: largest Cauchy principal stress"
+    wrinkled_area_fraction: float | None = optional(
+        "of a membrane: share of the undeformed area wrinkled or slack"
     )
-    stress_nominal_max_MPa: float | None = Field(
-        default=None,
-        description="largest nominal stress, force per undeformed section: of springs, of a membrane the principal one",
+    stands_through_mm: float | None = optional(
+        "how far a corner or tip of the mold stands out through the net, between its nodes"
     )
-    wrinkled_area_fraction: float | None = Field(
-        default=None, description="of a membrane: share of the undeformed area wrinkled or slack"
-    )
-    stands_through_mm: float | None = Field(
-        default=None,
-        description="how far a corner or tip of the mold stands out through the net, between its nodes",
-    )
-    stands_through_at_mm: Place | None = Field(default=None, description="where, on the sheet and in space")
+    stands_through_at_mm: Place | None = optional("where, on the sheet and in space")
     slack_springs: int = Field(
         description="springs without tension; of a membrane cells without tension in one direction or both"
     )
@@ -151,39 +132,30 @@ class DrapeDocument(Document):
     size_mm: list[float]
     shape: str = Field(default="rectangle", description="of the flat sheet: rectangle, or disc")
     depth_mm: float
-    temperature_degC: float | None = Field(default=None, description="of the fabric's constants, where known")
-    constants_degC: float | None = Field(
-        default=None, description="temperature of the constants, where none are known at that of the fabric"
+    temperature_degC: float | None = optional("of the fabric's constants, where known")
+    constants_degC: float | None = optional(
+        "temperature of the constants, where none are known at that of the fabric"
     )
     clamp: list[str]
     slide: list[str] = Field(default_factory=list, description="edges held but free along their line")
-    blank_holder_N_mm: dict[str, float] | None = Field(
-        default=None,
-        description="friction of the blank holder a unit length of an edge: drawn in at this pull",
+    blank_holder_N_mm: dict[str, float] | None = optional(
+        "friction of the blank holder a unit length of an edge: drawn in at this pull"
     )
-    friction: float | None = Field(default=None, description="coefficient of Coulomb friction on the mold")
-    rubbing: Rubbing | None = Field(default=None, description="where something rubs")
-    depth_reached_mm: float | None = Field(
-        default=None, description="where the way ended early: the last depth with an equilibrium"
-    )
-    force_depth: list[list[float]] | None = Field(
-        default=None, description="[[depth_mm, force_N], ...] at the states asked for"
-    )
-    states: list[DrapeState] | None = Field(default=None, description="the sheet at each depth asked for")
+    friction: float | None = optional("coefficient of Coulomb friction on the mold")
+    rubbing: Rubbing | None = optional("where something rubs")
+    depth_reached_mm: float | None = optional("where the way ended early: the last depth with an equilibrium")
+    force_depth: list[list[float]] | None = optional("[[depth_mm, force_N], ...] at the states asked for")
+    states: list[DrapeState] | None = optional("the sheet at each depth asked for")
     solver: str = Field(default="newton")
     prestretch: list[float] = Field(default_factory=lambda: [1.0, 1.0], description="along warp and weft")
     mass_g_m2: float | None = None
     shear_modulus_MPa: float | None = None
-    shear_law: str | None = Field(
-        default=None, description="measured: such that the net answers a bias test as measured"
-    )
-    draw_in_mm: dict[str, float] | None = Field(
-        default=None, description="how far each edge that is not clamped is drawn in"
-    )
-    max_stretch: float | None = Field(default=None, description="--max-stretch")
-    over_max_stretch: int | None = Field(default=None, description="springs stretched further")
-    over_max_stretch_at_mm: list[float] | None = Field(
-        default=None, description="place on the flat sheet of the most stretched spring, where it is over"
+    shear_law: str | None = optional("measured: such that the net answers a bias test as measured")
+    draw_in_mm: dict[str, float] | None = optional("how far each edge that is not clamped is drawn in")
+    max_stretch: float | None = optional("--max-stretch")
+    over_max_stretch: int | None = optional("springs stretched further")
+    over_max_stretch_at_mm: list[float] | None = optional(
+        "place on the flat sheet of the most stretched spring, where it is over"
     )
     warp: SpringUse
     weft: SpringUse

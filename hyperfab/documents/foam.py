@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, PlainSerializer, PlainValidator, WithJsonSchema, model_validator
 
-from hyperfab.documents.base import HandWritten, MisfitError, Section
+from hyperfab.documents.base import HandWritten, MisfitError, Section, optional
 from hyperfab.documents.press_terms import Poisson, PressSection, Relaxation, Variation
 from hyperfab.documents.quantity import (
     ConstantConductivity,
@@ -248,9 +248,7 @@ class FoamDocument(HandWritten):
     conductivity: ConstantConductivity | None = None
     specific_heat: ConstantSpecificHeat | None = None
     density: Density | None = None
-    temperature: Temperature | None = Field(
-        default=None, description="as the sandwich is laid in; left out: expansion.reference"
-    )
+    temperature: Temperature | None = optional("as the sandwich is laid in; left out: expansion.reference")
     contact_conductance: ContactConductance | None = None
     fabric: Fabric = Fabric()
     set: Annotated[

@@ -6,8 +6,8 @@ from typing import ClassVar
 
 from pydantic import Field
 
-from hyperfab.documents.base import Document, Part
-from hyperfab.documents.uncertainty import Uncertainty
+from hyperfab.documents.base import Part, optional
+from hyperfab.documents.uncertainty import Computed
 
 
 class ProbeResult(Part):
@@ -37,10 +37,8 @@ class WorkSurface(Evenness):
 class Energy(Part):
     """The account of heat from the start to the end."""
 
-    supplied_J: float | None = Field(
-        default=None, description="given by the heaters; absent in a steady state"
-    )
-    lost_J: float | None = Field(default=None, description="left through all other conditions")
+    supplied_J: float | None = optional("given by the heaters; absent in a steady state")
+    lost_J: float | None = optional("left through all other conditions")
     stored_J: float = Field(description="gained by the parts")
     imbalance_relative: float = Field(
         description="largest |supplied - lost - stored| after any step, over all heat turned over, "
@@ -49,9 +47,7 @@ class Energy(Part):
     by_condition_J: dict[str, float] = Field(
         default_factory=dict, description="heat that entered through each condition; lost heat is negative"
     )
-    at_warmup: dict[str, float] | None = Field(
-        default=None, description="supplied_J, lost_J, stored_J when the target was reached"
-    )
+    at_warmup: dict[str, float] | None = optional("supplied_J, lost_J, stored_J when the target was reached")
 
 
 class Extreme(Part):
@@ -75,10 +71,10 @@ class Design(Part):
         default_factory=dict, description="power of each heater, at its greatest"
     )
     warmup_wanted_s: float | None = None
-    power_factor: float | None = Field(default=None, description="on all powers, for the wanted warm-up time")
-    runs: int | None = Field(default=None, description="warm-ups that were computed to find the factor")
+    power_factor: float | None = optional("on all powers, for the wanted warm-up time")
+    runs: int | None = optional("warm-ups that were computed to find the factor")
     steady_spread_before_K: float | None = None
-    steady_spread_K: float | None = Field(default=None, description="spread of the work surface when shared")
+    steady_spread_K: float | None = optional("spread of the work surface when shared")
     steady_mean_degC: float | None = None
 
 
@@ -86,10 +82,8 @@ class Variation(Part):
     """One variation of the mold: factors on what its document says, and what it then does."""
 
     factors: dict[str, float]
-    warmup_time_s: float | None = Field(
-        default=None, description="absent where the target is not reached in the time"
-    )
-    work_surface_mean_degC: float | None = Field(default=None, description="at the warm-up, else at the end")
+    warmup_time_s: float | None = optional("absent where the target is not reached in the time")
+    work_surface_mean_degC: float | None = optional("at the warm-up, else at the end")
     work_surface_spread_K: float | None = None
     probes_final_degC: dict[str, float] = Field(default_factory=dict)
     probes_max_degC: dict[str, float] = Field(default_factory=dict)
@@ -116,7 +110,7 @@ class PieceResult(Part):
     dip_K: float = Field(description="the first less the second")
     dip_max_K: float = Field(description="greatest fall at any node of these faces")
     heat_from_mold_J: float
-    heat_from_other_J: float | None = Field(default=None, description="from what its other face meets")
+    heat_from_other_J: float | None = optional("from what its other face meets")
     taken_out_degC: float = Field(description="mean of the piece, by its heat capacity, as it is taken out")
     supplied_J: float = Field(description="by the heaters until the next")
     lost_J: float = Field(description="by the mold through all conditions until the next, the piece apart")
@@ -134,9 +128,7 @@ class Production(Part):
         description="whether what the mold would still change by, its changes from piece to piece summed on, is below "
         "run.tolerance"
     )
-    drift_K: float | None = Field(
-        default=None, description="greatest change of any node from one laying in to the next, at the end"
-    )
+    drift_K: float | None = optional("greatest change of any node from one laying in to the next, at the end")
     power_W: float = Field(description="mean of the heaters through the last period")
     power_to_hold_W: float = Field(
         description="what the mold lost and the piece took in the last period, over the period: with it the "
@@ -161,16 +153,13 @@ class ReducedRun(Part):
     taken_back: int = Field(description="stretches that a check did not accept, gone through in full instead")
 
 
-class HeatDocument(Document):
+class HeatDocument(Computed):
     """The result of ``hf mold-heat``."""
 
     KIND: ClassVar[str] = "heat"
 
-    uncertainty: Uncertainty | None = Field(
-        default=None, description="how sure the figures are, where the inputs say how sure they are"
-    )
     converged: bool
-    status: str | None = Field(default=None, description="why not, where converged is false; or a remark")
+    status: str | None = optional("why not, where converged is false; or a remark")
     steady: bool = False
     steps: int
     rejected_steps: int | None = None
@@ -178,9 +167,7 @@ class HeatDocument(Document):
     elements: int | None = None
     solver: str | None = None
     linear_iterations: int | None = None
-    residual_max_K: float | None = Field(
-        default=None, description="largest residual of a stage, as a temperature"
-    )
+    residual_max_K: float | None = optional("largest residual of a stage, as a temperature")
     end_time_s: float | None = None
     warmup_time_s: float | None = None
     target_degC: float | None = None
@@ -188,14 +175,12 @@ class HeatDocument(Document):
     probes: dict[str, ProbeResult] = Field(default_factory=dict)
     work_surface: WorkSurface | None = None
     energy: Energy
-    efficiency: float | None = Field(
-        default=None,
-        description="heat stored in all parts over heat given by the heaters, from the start to the warm-up where it "
-        "was reached, else to the end; what is missing to 1 was lost on the way",
+    efficiency: float | None = optional(
+        "heat stored in all parts over heat given by the heaters, from the start to the warm-up where it "
+        "was reached, else to the end; what is missing to 1 was lost on the way"
     )
-    power_supplied_W: float | None = Field(
-        default=None,
-        description="power at the end of the heaters; in a steady state also of held temperatures that give heat",
+    power_supplied_W: float | None = optional(
+        "power at the end of the heaters; in a steady state also of held temperatures that give heat"
     )
     power_lost_W: dict[str, float] = Field(
         default_factory=dict, description="heat leaving through each condition at the end"
@@ -203,13 +188,11 @@ class HeatDocument(Document):
     conditions: dict[str, FaceUse] = Field(default_factory=dict)
     mass_kg: float
     mass_by_part_kg: dict[str, float] = Field(default_factory=dict)
-    heat_capacity_J_K: float | None = Field(default=None, description="heat to warm all parts by one kelvin")
+    heat_capacity_J_K: float | None = optional("heat to warm all parts by one kelvin")
     design: Design | None = None
     variations: Variations | None = None
     production: Production | None = None
-    reduced: ReducedRun | None = Field(
-        default=None, description="where a long run was followed on a reduced mold"
-    )
+    reduced: ReducedRun | None = optional("where a long run was followed on a reduced mold")
     hottest: Extreme | None = None
     coldest: Extreme | None = None
     flux_max_W_m2: float | None = None

@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
-from hyperfab.documents.base import Document, Part
+from hyperfab.documents.base import Document, Part, optional
 
 
 class Misfit(Part):
@@ -15,8 +15,8 @@ class Misfit(Part):
     rms: float = Field(description="root mean square, in the unit of the data")
     relative_rms: float = Field(description="rms over the root mean square of the measured values")
     nrmse: float = Field(description="rms over the largest measured value")
-    nrmse_of_tests: float | None = Field(
-        default=None, description="mean over the tests of each test's rms over its own largest measured value"
+    nrmse_of_tests: float | None = optional(
+        "mean over the tests of each test's rms over its own largest measured value"
     )
     chi2_reduced: float = Field(description="mean square in standard deviations of the noise; 1 is noise")
 
@@ -28,11 +28,9 @@ class Errors(Part):
     before: Misfit
     after: Misfit
     noise: Misfit
-    delivered: Misfit | None = Field(
-        default=None, description="of the model as it was given, before any constant was refitted"
-    )
-    tests: int | None = Field(default=None, description="tests that were predicted without taking part")
-    source: str | None = Field(default=None, description="how the tests that took no part were chosen")
+    delivered: Misfit | None = optional("of the model as it was given, before any constant was refitted")
+    tests: int | None = optional("tests that were predicted without taking part")
+    source: str | None = optional("how the tests that took no part were chosen")
 
 
 class NoiseFigures(Part):
@@ -44,13 +42,12 @@ class NoiseFigures(Part):
     unit: str
     source: str
     degrees_of_freedom: float | None = None
-    specimen_scatter: float | None = Field(
-        default=None, description="relative standard deviation of the stiffness between specimens"
+    specimen_scatter: float | None = optional(
+        "relative standard deviation of the stiffness between specimens"
     )
-    correlation: float | None = Field(default=None, description="between neighbouring readings")
-    assumed_scatter: float | None = Field(
-        default=None,
-        description="scatter of specimens that was taken for what is left, though no two were alike",
+    correlation: float | None = optional("between neighbouring readings")
+    assumed_scatter: float | None = optional(
+        "scatter of specimens that was taken for what is left, though no two were alike"
     )
 
 
@@ -61,10 +58,8 @@ class Evidence(Part):
         description="by how much it lowers BIC, readings counted by their number of independent ones"
     )
     variance_share: float = Field(description="share of what was not noise that it takes")
-    held_out_share: float | None = Field(
-        default=None, description="share of the error on tests that took no part that it takes"
-    )
-    tests_helped: float | None = Field(default=None, description="share of those tests it predicts better")
+    held_out_share: float | None = optional("share of the error on tests that took no part that it takes")
+    tests_helped: float | None = optional("share of those tests it predicts better")
 
 
 class AddedEffect(Part):
@@ -90,9 +85,7 @@ class Candidate(Part):
     id: str
     title: str
     visible: bool = Field(description="false where these data could not show it at any size")
-    not_sought: str | None = Field(
-        default=None, description="why it was left out: the model has it, or what the data lack"
-    )
+    not_sought: str | None = optional("why it was left out: the model has it, or what the data lack")
     score: float = Field(description="how far the residual points at it, in standard deviations")
     delta_bic: float = Field(
         description="what it lowers BIC by: alone, or, where it was added, beside the other added ones"
@@ -104,9 +97,8 @@ class Candidate(Part):
     refitted: bool = Field(
         description="whether delta_bic is of a fit of all constants; else it follows from the score (0: not visible)"
     )
-    probability: float | None = Field(
-        default=None,
-        description="that the model lacks it, from what each model leaves; none where nothing was fitted",
+    probability: float | None = optional(
+        "that the model lacks it, from what each model leaves; none where nothing was fitted"
     )
     confounded_with: list[str] = Field(default_factory=list)
     shown_by: str = Field(description="the measurement that tells it from its look-alikes")
@@ -125,15 +117,11 @@ class Judged(Part):
 class Residual(Judged):
     """What is left after the effects were added; ``before`` is what was left without them."""
 
-    before: Judged | None = Field(
-        default=None, description="the same of the model with its own constants refitted, no effect added"
-    )
+    before: Judged | None = optional("the same of the model with its own constants refitted, no effect added")
     rides_on: dict[str, float] = Field(
         default_factory=dict, description="share of it that the means over each state variable explain"
     )
-    suggestion: str | None = Field(
-        default=None, description="a formula that would take part of it: a hint, never added"
-    )
+    suggestion: str | None = optional("a formula that would take part of it: a hint, never added")
     suggestion_share: float | None = None
 
 
@@ -162,9 +150,7 @@ class ChapterTried(Part):
     """One document behind the model, its constants together."""
 
     chapter: str
-    document: str | None = Field(
-        default=None, description="relative to this one; absent where it is the model's own set-up"
-    )
+    document: str | None = optional("relative to this one; absent where it is the model's own set-up")
     probability: float
     off: float = Field(description="standard deviations of what was known of its constants, together")
     error: Errors = Field(
@@ -178,21 +164,16 @@ class Upstream(Part):
     """Which of the documents behind the model is off, each chapter's constants together."""
 
     verdict: Literal["chapter", "ambiguous", "as stated", "something else"]
-    chapter: str | None = Field(default=None, description="the one that is off, where it is one")
-    document: str | None = Field(
-        default=None, description="its document; where several may be, the likeliest one's"
-    )
+    chapter: str | None = optional("the one that is off, where it is one")
+    document: str | None = optional("its document; where several may be, the likeliest one's")
     probability: dict[str, float] = Field(
         description="of each chapter, that all is as stated, and that it is something else"
     )
-    error: Errors | None = Field(
-        default=None,
-        description="of the whole chain run anew with the corrected document, beside it as it was",
+    error: Errors | None = optional(
+        "of the whole chain run anew with the corrected document, beside it as it was"
     )
-    written: str | None = Field(default=None, description="the corrected document, relative to this one")
-    command: str | None = Field(
-        default=None, description="the command that takes it, from this document's folder"
-    )
+    written: str | None = optional("the corrected document, relative to this one")
+    command: str | None = optional("the command that takes it, from this document's folder")
     chapters: list[ChapterTried]
     indistinguishable: list[str] = Field(
         default_factory=list, description="chapters of which one is off, and these data cannot tell which"
@@ -218,21 +199,17 @@ class LoopDocument(Document):
     held_out: Errors | None = None
     residual: Residual
     candidates: list[Candidate] = Field(default_factory=list)
-    something_else: float | None = Field(
-        default=None, description="probability that what the model lacks is no entry of the catalogue"
+    something_else: float | None = optional(
+        "probability that what the model lacks is no entry of the catalogue"
     )
     indistinguishable: list[list[str]] = Field(
         default_factory=list,
         description="sets of effects that these data cannot tell apart, the named one first",
     )
     next_measurement: NextMeasurement | None = None
-    upstream: Upstream | None = Field(
-        default=None, description="with --upstream: the documents behind the model"
-    )
-    model: str | None = Field(default=None, description="the extended model, relative to this document")
-    model_command: str | None = Field(
-        default=None, description="the command that makes the extended model again, from its folder"
-    )
+    upstream: Upstream | None = optional("with --upstream: the documents behind the model")
+    model: str | None = optional("the extended model, relative to this document")
+    model_command: str | None = optional("the command that makes the extended model again, from its folder")
     left_out: dict[str, int] = Field(default_factory=dict, description="rows left out, by reason")
     preparation: list[str] = Field(
         default_factory=list, description="how the measured files were read, and what was done to them"

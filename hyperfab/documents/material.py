@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
-from hyperfab.documents.base import Document, Part
+from hyperfab.documents.base import Document, Part, optional
 from hyperfab.errors import UsageError
 
 #: Constants are numbers: a number in quotes is a mistake of another program, not to be read over.
@@ -23,9 +23,9 @@ class TestFigures(Part):
     relative_rms: float = Field(description="root of the mean of (1 - model/measured)^2")
     nrmse: float = Field(description="root-mean-square error of the stress over the largest measured stress")
     points: int = Field(description="rows")
-    stretch_min: float | None = Field(default=None, description="smallest stretch of the test, or 1")
-    stretch_max: float | None = Field(default=None, description="largest stretch of the test, or 1")
-    predicted: bool | None = Field(default=None, description="true where the test took no part in the fit")
+    stretch_min: float | None = optional("smallest stretch of the test, or 1")
+    stretch_max: float | None = optional("largest stretch of the test, or 1")
+    predicted: bool | None = optional("true where the test took no part in the fit")
 
 
 class OutlierReading(Part):
@@ -78,8 +78,8 @@ class FitUncertainty(Part):
     """How sure the constants are: covariance, and where it comes from."""
 
     order: list[str] = Field(description="names of the constants, in the order of the covariance")
-    covariance: list[list[float]] | None = Field(
-        default=None, description="of the constants; absent where nothing shows how specimens scatter"
+    covariance: list[list[float]] | None = optional(
+        "of the constants; absent where nothing shows how specimens scatter"
     )
     specimens: int = Field(description="specimens fitted")
     degrees_of_freedom: float = Field(
@@ -88,20 +88,17 @@ class FitUncertainty(Part):
     source: Literal["specimens", "readings", "stated"] = Field(
         description="specimens: from how they scatter; readings: how they scatter is unknown"
     )
-    law: float | None = Field(
-        default=None,
-        description="how far the stress of other accepted laws is from this one's, relative, over all modes up to "
-        "the tests' I1 (--model all)",
+    law: float | None = optional(
+        "how far the stress of other accepted laws is from this one's, relative, over all modes up to "
+        "the tests' I1 (--model all)"
     )
-    parts: list[ScatterPart] | None = Field(
-        default=None,
-        description="what each kind of specimens adds, where there are several: their sum is the covariance but for "
-        "what few degrees of freedom widen it by, constant by constant; what hangs on several constants takes these",
+    parts: list[ScatterPart] | None = optional(
+        "what each kind of specimens adds, where there are several: their sum is the covariance but for "
+        "what few degrees of freedom widen it by, constant by constant; what hangs on several constants takes these"
     )
-    next_specimen: list[NextSpecimen] | None = Field(
-        default=None,
-        description="where readings of one more specimen are to be expected, of each kind of test with replicates; "
-        "where directions have constants of their own, it stands with them",
+    next_specimen: list[NextSpecimen] | None = optional(
+        "where readings of one more specimen are to be expected, of each kind of test with replicates; "
+        "where directions have constants of their own, it stands with them"
     )
 
 
@@ -112,22 +109,16 @@ class FitFigures(Part):
     relative_rms: float
     nrmse: float
     points: int
-    parameters_sd: Parameters | None = Field(
-        default=None,
-        description="standard deviation of each constant, in its unit: by how specimens scatter where there are "
-        "replicates, else of the readings alone",
+    parameters_sd: Parameters | None = optional(
+        "standard deviation of each constant, in its unit: by how specimens scatter where there are "
+        "replicates, else of the readings alone"
     )
     uncertainty: FitUncertainty | None = None
-    condition_number: float | None = Field(
-        default=None,
-        description="of the Jacobian with columns of length one: 1 where constants are independent",
+    condition_number: float | None = optional(
+        "of the Jacobian with columns of length one: 1 where constants are independent"
     )
-    correlation: list[list[float]] | None = Field(
-        default=None, description="of the constants, in the order of parameters"
-    )
-    outliers: list[OutlierReading] | None = Field(
-        default=None, description="readings far from where all others say they should be"
-    )
+    correlation: list[list[float]] | None = optional("of the constants, in the order of parameters")
+    outliers: list[OutlierReading] | None = optional("readings far from where all others say they should be")
     tests: dict[str, TestFigures | Unpredicted] = Field(
         default_factory=dict, description="the same figures for each test"
     )
@@ -150,8 +141,8 @@ class StableRange(Part):
         description="what ends the range above: instability, the limiting stretch of the law, or the scan"
     )
     first_unstable_stretch: float | None = None
-    stable_over_data: bool | None = Field(
-        default=None, description="whether the range covers the stretches of the test; absent without one"
+    stable_over_data: bool | None = optional(
+        "whether the range covers the stretches of the test; absent without one"
     )
 
 
@@ -161,17 +152,15 @@ class StablePlane(Part):
     stretch_min: float
     stretch_max: float
     stable_fraction: float = Field(description="share of the pairs, within the law's limit, that are stable")
-    first_unstable_stretches: list[float] | None = Field(
-        default=None, description="the unstable pair nearest to rest"
-    )
+    first_unstable_stretches: list[float] | None = optional("the unstable pair nearest to rest")
 
 
 class Tested(Part):
     """How far the tests of one mode went."""
 
     stretch: tuple[float, float] = Field(description="smallest and largest stretch, rest among them")
-    temperature_degC: tuple[float, float] | None = Field(
-        default=None, description="lowest and highest temperature; absent where the tests state none"
+    temperature_degC: tuple[float, float] | None = optional(
+        "lowest and highest temperature; absent where the tests state none"
     )
 
 
@@ -192,9 +181,7 @@ class Direction(Part):
     stability_plane: StablePlane | None = None
     stable: bool | None = None
     temperatures: list[AtTemperature] | None = None
-    tested: dict[str, Tested] | None = Field(
-        default=None, description="by test: the range of the data behind the constants"
-    )
+    tested: dict[str, Tested] | None = optional("by test: the range of the data behind the constants")
 
 
 class Undetermined(Part):
@@ -214,9 +201,8 @@ class ModelRow(Part):
     parameters: Parameters | None = None
     fit: FitFigures | None = None
     stability: dict[str, StableRange] | None = None
-    carry_over: float | None = Field(
-        default=None,
-        description="relative rms expected for tests the constants have not seen, up to the I1 tested; ranks the table",
+    carry_over: float | None = optional(
+        "relative rms expected for tests the constants have not seen, up to the I1 tested; ranks the table"
     )
     stable: bool | None = None
     accepted: bool | None = None
@@ -246,54 +232,44 @@ class MaterialDocument(Document):
         "of both directions together where directions are given"
     )
     thickness_mm: float | None = Field(default=None, gt=0.0, description="undeformed thickness")
-    thickness_nominal: bool | None = Field(
-        default=None,
-        description="true where no thickness is known: 1 mm is taken, and constants in MPa are N/mm of width",
+    thickness_nominal: bool | None = optional(
+        "true where no thickness is known: 1 mm is taken, and constants in MPa are N/mm of width"
     )
-    temperature_degC: float | None = Field(
-        default=None, description="temperature at which parameters hold, where the tests state theirs"
+    temperature_degC: float | None = optional(
+        "temperature at which parameters hold, where the tests state theirs"
     )
-    directions: dict[str, Direction] | None = Field(
-        default=None, description="warp and weft, each with its own constants, where tests were cut both ways"
+    directions: dict[str, Direction] | None = optional(
+        "warp and weft, each with its own constants, where tests were cut both ways"
     )
-    temperatures: list[AtTemperature] | None = Field(
-        default=None, description="constants against temperature, to be interpolated linearly"
+    temperatures: list[AtTemperature] | None = optional(
+        "constants against temperature, to be interpolated linearly"
     )
     fit: FitFigures | None = None
     stability: dict[str, StableRange] | None = None
     stability_plane: StablePlane | None = None
-    stable: bool | None = Field(default=None, description="Drucker-stable over the stretches of the tests")
-    accepted: bool | None = Field(default=None, description="whether the fit is within --accept")
-    accepted_by: str | None = Field(
-        default=None,
-        description="the figure that --accept bounds: relative_rms (orthotropic: a stress below a tenth of the peak "
-        "counts as that); nrmse in an absolute fit and of a foam, which minimise it",
+    stable: bool | None = optional("Drucker-stable over the stretches of the tests")
+    accepted: bool | None = optional("whether the fit is within --accept")
+    accepted_by: str | None = optional(
+        "the figure that --accept bounds: relative_rms (orthotropic: a stress below a tenth of the peak "
+        "counts as that); nrmse in an absolute fit and of a foam, which minimise it"
     )
-    objective: str | None = Field(default=None, description="relative or absolute least squares")
-    fit_on: list[str] | None = Field(default=None, description="tests that took part in the fit")
-    left_out: dict[str, int] | None = Field(default=None, description="rows left out, by reason")
-    preparation: list[str] | None = Field(
-        default=None, description="what was done to the data before the fit"
-    )
-    replicates: list[Replicates] | None = Field(default=None, description="scatter between specimens")
-    bulk_modulus_MPa: float | None = Field(default=None, description="from the volumetric test")
+    objective: str | None = optional("relative or absolute least squares")
+    fit_on: list[str] | None = optional("tests that took part in the fit")
+    left_out: dict[str, int] | None = optional("rows left out, by reason")
+    preparation: list[str] | None = optional("what was done to the data before the fit")
+    replicates: list[Replicates] | None = optional("scatter between specimens")
+    bulk_modulus_MPa: float | None = optional("from the volumetric test")
     warnings: list[str] | None = None
-    models: list[ModelRow] | None = Field(default=None, description="all laws, best first (--model all)")
-    undetermined: list[Undetermined] | None = Field(
-        default=None, description="constants that the tests leave open (orthotropic)"
+    models: list[ModelRow] | None = optional("all laws, best first (--model all)")
+    undetermined: list[Undetermined] | None = optional("constants that the tests leave open (orthotropic)")
+    effects: list[dict[str, Any]] | None = optional(
+        "physical terms beyond the law, as hf close-loop adds them; tentative: beside it something is left"
     )
-    effects: list[dict[str, Any]] | None = Field(
-        default=None,
-        description="physical terms beyond the law, as hf close-loop adds them; tentative: beside it something is left",
+    joint_uncertainty: FitUncertainty | None = optional(
+        "how sure the constants of an extended model are, those of its effects too, all together; by their "
+        "places in the document"
     )
-    joint_uncertainty: FitUncertainty | None = Field(
-        default=None,
-        description="how sure the constants of an extended model are, those of its effects too, all together; by their "
-        "places in the document",
-    )
-    tested: dict[str, Tested] | None = Field(
-        default=None, description="by test: the range of the data behind the constants"
-    )
+    tested: dict[str, Tested] | None = optional("by test: the range of the data behind the constants")
 
     def tested_stretch(
         self, direction: str | None = None, test: str | None = None

@@ -6,8 +6,8 @@ from typing import ClassVar
 
 from pydantic import Field
 
-from hyperfab.documents.base import Document, Part
-from hyperfab.documents.uncertainty import Uncertainty
+from hyperfab.documents.base import Part, optional
+from hyperfab.documents.uncertainty import Computed
 
 Place = tuple[float, float, float]
 
@@ -40,10 +40,9 @@ class RegionPart(Part):
     gap_mean_mm: float
     pressure_mean_MPa: float
     force_N: float = Field(description="pressure times area, whatever its direction: see normal_force_N")
-    normal_force_N: float | None = Field(
-        default=None,
-        description="integral of the pressure over the region, across the surface; on slopes more than its share of "
-        "the closing force, the document's force_N",
+    normal_force_N: float | None = optional(
+        "integral of the pressure over the region, across the surface; on slopes more than its share of "
+        "the closing force, the document's force_N"
     )
 
 
@@ -107,11 +106,9 @@ class WarmingPart(Part):
         description="[time_s, least, mean, greatest degC] from the closing on"
     )
     target_degC: float | None = None
-    reached_first_s: float | None = Field(default=None, description="when the first place passes the target")
-    reached_last_s: float | None = Field(
-        default=None, description="when all have; absent where some do not within the dwell"
-    )
-    reached_fraction: float | None = Field(default=None, description="area that passes it within the dwell")
+    reached_first_s: float | None = optional("when the first place passes the target")
+    reached_last_s: float | None = optional("when all have; absent where some do not within the dwell")
+    reached_fraction: float | None = optional("area that passes it within the dwell")
 
 
 class SetPart(Part):
@@ -121,9 +118,7 @@ class SetPart(Part):
     source: str
     rate_1_s: float | None = None
     activation_J_mol: float | None = None
-    rms: float | None = Field(
-        default=None, description="of the measured shares about the law identified from them"
-    )
+    rms: float | None = optional("of the measured shares about the law identified from them")
     share_min: float = Field(description="over the area where the sandwich is pressed")
     share_mean: float
     share_max: float
@@ -178,14 +173,11 @@ class CompensationPart(Part):
     )
 
 
-class PressDocument(Document):
+class PressDocument(Computed):
     """The result of ``hf press-contact``."""
 
     KIND: ClassVar[str] = "press"
 
-    uncertainty: Uncertainty | None = Field(
-        default=None, description="how sure the figures are, where the inputs say how sure they are"
-    )
     converged: bool
     status: str | None = None
 
@@ -200,14 +192,12 @@ class PressDocument(Document):
     molding_area_mm2: float = Field(description="male surface that faces the female, without the flat flange")
     flange_area_mm2: float
     force_N: float = Field(description="closing force: the part of all pressure along the axis")
-    bearing_area_ratio: float | None = Field(
-        default=None,
-        description="area of the female over that of the male where the sandwich bears, by pressure: forces count the "
-        "pressure on the male's area",
+    bearing_area_ratio: float | None = optional(
+        "area of the female over that of the male where the sandwich bears, by pressure: forces count the "
+        "pressure on the male's area"
     )
-    force_beside_fraction: float | None = Field(
-        default=None,
-        description="share of all pressure beside the touching area: borne by the nearest gap, not met by the normal",
+    force_beside_fraction: float | None = optional(
+        "share of all pressure beside the touching area: borne by the nearest gap, not met by the normal"
     )
     pressure_max_MPa: float
     pressure_mean_MPa: float = Field(description="over the touching area, of the pressure that acts on it")
@@ -215,20 +205,18 @@ class PressDocument(Document):
         description="travel from the first touch of the sandwich; negative: not yet touched"
     )
     tilt_deg: float
-    tilt_vector_deg: Place | None = Field(
-        default=None, description="rotation vector of a floating or tilted female"
-    )
+    tilt_vector_deg: Place | None = optional("rotation vector of a floating or tilted female")
     centre_of_pressure_mm: Place | None = None
     energy_J: float
     regions: list[RegionPart]
     states: StateAreas
 
     clearance_cold_mm: float = Field(description="axial clearance at the datum, cold")
-    clearance_to_set_mm: float | None = Field(
-        default=None, description="clearance to set, cold and unloaded, before the press frame yields"
+    clearance_to_set_mm: float | None = optional(
+        "clearance to set, cold and unloaded, before the press frame yields"
     )
-    clearance_drawn_mm: float | None = Field(
-        default=None, description="axial clearance at the datum as drawn; negative: drawn into each other"
+    clearance_drawn_mm: float | None = optional(
+        "axial clearance at the datum as drawn; negative: drawn into each other"
     )
     clearance_hot_mm: float = Field(description="axial clearance at the datum of the hot molds")
     datum_mm: Place = Field(description="the datum: closest pair along the axis, on the male, cold")
@@ -238,7 +226,7 @@ class PressDocument(Document):
     male: MoldPart
     female: MoldPart
     sandwich_mm: float = Field(description="thickness of foam and fabric, unpressed; the mean where draped")
-    sandwich_min_mm: float | None = Field(default=None, description="where the drape thins it most")
+    sandwich_min_mm: float | None = optional("where the drape thins it most")
     sandwich_max_mm: float | None = None
     foam_shrinkage: float = Field(
         description="share of the foam's thickness lost to heat by the end of the dwell"
@@ -246,22 +234,19 @@ class PressDocument(Document):
     foam_relaxation: float = Field(
         default=0.0, description="share of the foam's stress lost by the end of the dwell"
     )
-    foam_thinning: str | None = Field(
-        default=None, description="how foam thins where it is draped: by which Poisson's ratio, or by its law"
+    foam_thinning: str | None = optional(
+        "how foam thins where it is draped: by which Poisson's ratio, or by its law"
     )
-    frame_stiffness_N_mm: float | None = Field(default=None, description="of the press; absent: rigid")
-    final_thickness: ThicknessRange | None = Field(
-        default=None,
-        description="of the sandwich when the press has opened; absent where no recovery of the foam is given",
+    frame_stiffness_N_mm: float | None = optional("of the press; absent: rigid")
+    final_thickness: ThicknessRange | None = optional(
+        "of the sandwich when the press has opened; absent where no recovery of the foam is given"
     )
-    formed: FormedPart | None = Field(
-        default=None, description="of the sandwich after --dwell; absent where no set of the foam is given"
+    formed: FormedPart | None = optional(
+        "of the sandwich after --dwell; absent where no set of the foam is given"
     )
-    wanted: WantedPart | None = Field(
-        default=None, description="what was asked for (--wanted), and what is formed"
-    )
+    wanted: WantedPart | None = optional("what was asked for (--wanted), and what is formed")
     compensation: CompensationPart | None = None
-    warming: WarmingPart | None = Field(default=None, description="temperature of the sandwich (--dwell)")
+    warming: WarmingPart | None = optional("temperature of the sandwich (--dwell)")
     chord_error_mm: float = Field(
         description="how far the facets stand off the smooth molds (95 % of the area)"
     )

@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from hyperfab.documents.base import Part
+from hyperfab.documents.base import Document, Part, optional
 
 #: The figures of each kind of document that are carried; * stands for every name.
 FIGURES: dict[str, tuple[str, ...]] = {
@@ -42,8 +42,8 @@ class Band(Part):
     low: float = Field(description="lower end of the interval")
     high: float = Field(description="upper end of the interval")
     budget: list[Share] = Field(description="what it is made of, largest first")
-    sensitivities: dict[str, float] | None = Field(
-        default=None, description="what the figure changes by with each input number, in their units (linear)"
+    sensitivities: dict[str, float] | None = optional(
+        "what the figure changes by with each input number, in their units (linear)"
     )
 
 
@@ -63,10 +63,9 @@ class SourcePart(Part):
 
     source: str = Field(description="as budgets name it")
     numbers: list[SourceNumber]
-    correlation: list[list[float]] | None = Field(default=None, description="of several numbers")
-    degrees_of_freedom: float | None = Field(
-        default=None,
-        description="that its standard deviations are known with; absent where they count as known",
+    correlation: list[list[float]] | None = optional("of several numbers")
+    degrees_of_freedom: float | None = optional(
+        "that its standard deviations are known with; absent where they count as known"
     )
 
 
@@ -75,8 +74,8 @@ class Uncertainty(Part):
 
     level: float = Field(description="probability of the intervals")
     method: Literal["linear", "sampled"]
-    samples: int | None = Field(default=None, description="runs that were drawn")
-    reason: str | None = Field(default=None, description="why it was sampled without being asked")
+    samples: int | None = optional("runs that were drawn")
+    reason: str | None = optional("why it was sampled without being asked")
     quantities: dict[str, Band] = Field(
         description="by the figure's own key, with dots where it stands deeper"
     )
@@ -89,6 +88,14 @@ class Uncertainty(Part):
         description="fields whose derivatives by each number lie in the .vtu, as NAME_by_1 and on through all sources",
     )
     left_out: list[str] = Field(default_factory=list, description="what is not carried")
+
+
+class Computed(Document):
+    """A document of computed figures."""
+
+    uncertainty: Uncertainty | None = optional(
+        "how sure the figures are, where the inputs say how sure they are"
+    )
 
 
 def figures_of(plain: Mapping[str, Any], kind: str) -> Iterator[tuple[str, float]]:

@@ -95,13 +95,13 @@ class Hyperfoam:
         with np.errstate(all="ignore"):
             return rows.stress(self, rows.strain(self))
 
-    def lateral(self, test: str, stretch: ArrayLike, stretch2: ArrayLike | None = None) -> Array:
+    def lateral(self, test: str, stretch: ArrayLike) -> Array:
         """Return the stretch (n,) across the load where it is free, by no force across.
 
         >>> Hyperfoam((0.1,), (4.0,), (0.25,)).lateral("uniaxial", [0.5]).round(12) == round(0.5**-0.25, 12)
         array([ True])
         """
-        rows = Rows.of(test, np.asarray(stretch, dtype=float), stretch2)
+        rows = Rows.of(test, np.asarray(stretch, dtype=float), None)
         with np.errstate(all="ignore"):
             return np.asarray(np.exp(rows.strain(self)[:, 2]))
 

@@ -7,10 +7,19 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from hyperfab.arrays import Array, Flags, Ints
-from hyperfab.membrane.contact import STIFF, Frictionless, Grip, Tangential, Terms
-from hyperfab.membrane.memory import Memory, landings, mounted, remembered
+from hyperfab.membrane.contact import (
+    STIFF,
+    Frictionless,
+    Grip,
+    Memory,
+    Tangential,
+    Terms,
+    landings,
+    mounted,
+    remembered,
+)
+from hyperfab.membrane.punch import Nearness, Punch
 from hyperfab.membrane.sheet import Assembled, Sheet
-from hyperfab.membrane.sphere import Nearness, Punch
 from hyperfab.numerics.linear import Factor, SingularMatrixError
 
 #: Largest way of a node in one iteration, relative to the distance from the punch's axis to the rim.

@@ -12,9 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from hyperfab.arrays import Array, Flags, Ints
-from hyperfab.membrane.contact import Terms
-from hyperfab.membrane.memory import Memory
-from hyperfab.membrane.sphere import Nearness
+from hyperfab.membrane.contact import Memory, Terms
+from hyperfab.membrane.punch import Nearness
 
 #: A slip shorter than this [mm] has no direction of its own.
 _NO_WAY = 1e-9

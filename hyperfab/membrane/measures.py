@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from hyperfab.arrays import Array
 from hyperfab.membrane.contact import Frictionless
 from hyperfab.membrane.equilibrium import Press, State
-from hyperfab.membrane.facets import Facets
 from hyperfab.membrane.mesh import shape_functions
+from hyperfab.membrane.punch import Facets
 from hyperfab.membrane.recovery import recovered_strain
 from hyperfab.membrane.sheet import Sheet
 from hyperfab.membrane.tension_field import TAUT, Principal

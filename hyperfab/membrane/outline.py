@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -116,6 +116,7 @@ class Disc:
 
     radius: float
     quarter: bool = False
+    convex: ClassVar[bool] = True
 
     @property
     def arcs(self) -> tuple[Arc, ...]:
@@ -128,11 +129,6 @@ class Disc:
                 Arc((0.0, r), (0.0, 0.0), normal=0),
             )
         return (Arc((r, 0.0), (-r, 0.0), centre=(0.0, 0.0)), Arc((-r, 0.0), (r, 0.0), centre=(0.0, 0.0)))
-
-    @property
-    def convex(self) -> bool:
-        """It is."""
-        return True
 
     @property
     def reach(self) -> float:
@@ -156,6 +152,7 @@ class Square:
 
     side: float
     quarter: bool = False
+    convex: ClassVar[bool] = True
 
     @property
     def arcs(self) -> tuple[Arc, ...]:
@@ -170,11 +167,6 @@ class Square:
             )
         corners = [(a, -a), (a, a), (-a, a), (-a, -a)]
         return tuple(Arc(corners[i - 1], corners[i]) for i in range(4))
-
-    @property
-    def convex(self) -> bool:
-        """It is."""
-        return True
 
     @property
     def reach(self) -> float:

@@ -11,8 +11,8 @@ from hyperfab.arrays import Array, Flags
 from hyperfab.membrane.contact import Frictionless
 from hyperfab.membrane.ellipticity import Weakest, weakest
 from hyperfab.membrane.equilibrium import NoEquilibriumError, Press, State
+from hyperfab.membrane.punch import Punch
 from hyperfab.membrane.sheet import Sheet
-from hyperfab.membrane.sphere import Punch
 from hyperfab.numerics.blocks import BlockPattern
 from hyperfab.numerics.linear import SingularMatrixError
 

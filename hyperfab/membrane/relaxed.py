@@ -19,8 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
-from hyperfab.materials.orthotropic.energy import Answer
-from hyperfab.materials.orthotropic.stability import least_modulus
+from hyperfab.materials.orthotropic.energy import Answer, least_modulus
 from hyperfab.membrane.tension_field import SLACK, WRINKLED, Principal, Response, principal_directions
 
 #: Stress on n, over the larger stress of the sheet, that counts as none.

@@ -16,17 +16,15 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.membrane.contact import Frictionless, Tangential
-from hyperfab.membrane.contact_edge import ContactEdge, contact_edge
-from hyperfab.membrane.contact_front import ContactFront
+from hyperfab.membrane.contact_edge import ContactEdge, ContactFront, contact_edge
 from hyperfab.membrane.equilibrium import NoEquilibriumError, Press, State
-from hyperfab.membrane.facets import Facets
 from hyperfab.membrane.measures import Fields, fields
 from hyperfab.membrane.mesh import SheetMesh, halved, interpolate, sheet_mesh
 from hyperfab.membrane.meshing import SizeField, Triangles, graded, triangulate
 from hyperfab.membrane.outline import Outline
 from hyperfab.membrane.path import Path, Watch, cold_start, follow, next_footing
+from hyperfab.membrane.punch import Facets, Sphere
 from hyperfab.membrane.sheet import Sheet
-from hyperfab.membrane.sphere import Sphere
 from hyperfab.membrane.tension_field import SheetLaw
 from hyperfab.membrane.work import doubtful
 from hyperfab.numerics.threads import side_by_side, threads
@@ -152,11 +150,9 @@ def _beyond(test: SphereTest, depth: float) -> SizeField:
     return lambda points: np.linalg.norm(np.maximum(np.abs(points - middle) - _TOUCHED * half, 0.0), axis=1)
 
 
-def fitted_mesh(
-    test: SphereTest, edges: Sequence[ContactEdge | ContactFront], level: float = 0.0
-) -> SheetMesh:
-    """Mesh the sheet finely along ``edges`` of contact; each ``level`` is one step finer."""
-    return _mesh(test, _fitted_triangles(test, edges, level))
+def fitted_mesh(test: SphereTest, edges: Sequence[ContactEdge | ContactFront]) -> SheetMesh:
+    """Mesh the sheet finely along ``edges`` of contact."""
+    return _mesh(test, _fitted_triangles(test, edges, 0.0))
 
 
 def _fitted_triangles(

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
 from hyperfab.pressing.gap import Front
-from hyperfab.pressing.pose import Pose
+from hyperfab.pressing.mold import Pose
 from hyperfab.pressing.sums import Totals
 
 #: A floating mold that turns further than this has tipped over.

@@ -11,9 +11,8 @@ from hyperfab.pressing.balance import balance
 from hyperfab.pressing.contact import Contact
 from hyperfab.pressing.gap import Front, axial_gap, molding_front, nearest_gap, oblique
 from hyperfab.pressing.growth import guide_line
-from hyperfab.pressing.mold import Mold
+from hyperfab.pressing.mold import Mold, Pose
 from hyperfab.pressing.placement import Clearance, clearance
-from hyperfab.pressing.pose import Pose
 from hyperfab.pressing.press import Press
 from hyperfab.pressing.sandwich import Sandwich
 

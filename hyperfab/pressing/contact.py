@@ -60,6 +60,17 @@ def contact(front: Front, gap: Gap, sandwich: Sandwich) -> Contact:
     )
 
 
+def modes_of(points: Array, arm: Array, turns: bool = True) -> Array:
+    """Return what raising the female by 1 mm and, where it ``turns``, turning it by 1 rad about x and y through ``arm``
+    (3,) are for ``points`` (n, 3) [mm] of the male: displacements (n, 3, 1 or 3), the other way."""
+    modes = np.zeros((len(points), 3, 3 if turns else 1))
+    modes[:, 2, 0] = -1.0
+    if turns:
+        modes[:, :, 1] = -np.cross([1.0, 0.0, 0.0], points - arm)
+        modes[:, :, 2] = -np.cross([0.0, 1.0, 0.0], points - arm)
+    return modes
+
+
 def stiffness(front: Front, result: Contact, sandwich: Sandwich, modes: Array) -> Array:
     """Return the tangent (d, d) of the force along ``modes`` (n, 3, d): displacements of the male per unit.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -30,6 +31,11 @@ class Front:
     areas: Array
     of_mold: Ints
     flange: Flags
+
+    @cached_property
+    def molding_areas(self) -> Array:
+        """Area (n,) [mm^2] of the molding surface, which the flange is no part of, that belongs to each vertex."""
+        return vertex_areas(self, ~self.flange)
 
 
 @dataclass(frozen=True)

@@ -17,11 +17,11 @@ from hyperfab.arrays import Array
 from hyperfab.pressing.balance import balance
 from hyperfab.pressing.clip import positive_part
 from hyperfab.pressing.closing import Closed
-from hyperfab.pressing.contact import contact, stiffness
+from hyperfab.pressing.contact import contact, modes_of, stiffness
 from hyperfab.pressing.foam_law import FoamLaw
 from hyperfab.pressing.gap import Front, Gap
 from hyperfab.pressing.growth import Growth, ungrown
-from hyperfab.pressing.pose import Pose
+from hyperfab.pressing.mold import Pose
 from hyperfab.pressing.press import Press
 from hyperfab.pressing.sandwich import Sandwich
 from hyperfab.pressing.series import knots
@@ -253,15 +253,10 @@ class ByPlace:
         found = contact(front, Gap(gap, direction, none, none.astype(bool)), self.sandwich)
         tangent = np.zeros((3, 3))
         if self.balanced:
-            # Raising or turning the female is the male moving the other way.
-            modes = np.zeros((len(gap), 3, 3 if turns else 1))
-            modes[:, 2, 0] = -1.0
-            if turns:
-                lever = front.vertices - arm
-                modes[:, :, 1] = -np.cross([1.0, 0.0, 0.0], lever)
-                modes[:, :, 2] = -np.cross([0.0, 1.0, 0.0], lever)
-            size = modes.shape[2]
-            tangent[:size, :size] = stiffness(front, found, self.sandwich, modes)
+            size = 3 if turns else 1
+            tangent[:size, :size] = stiffness(
+                front, found, self.sandwich, modes_of(front.vertices, arm, turns)
+            )
         part = positive_part(np.asarray(self.thickness - touch), front.faces, front.areas)
         there = self.sandwich.at(lambda values: part.at_corners(front.faces, values))
         load = float((there.pressure(part.at_corners(front.faces, gap)) * part.area).sum())

@@ -12,10 +12,9 @@ from scipy.optimize import brentq
 from hyperfab.arrays import Array, Ints
 from hyperfab.errors import InputError
 from hyperfab.pressing.clip import Quadrature, positive_part
-from hyperfab.pressing.contact import Contact, contact, stiffness
+from hyperfab.pressing.contact import Contact, contact, modes_of, stiffness
 from hyperfab.pressing.gap import Front, Gap, nearest_gap, normal_gap, touch_gap
-from hyperfab.pressing.mold import Mold
-from hyperfab.pressing.pose import UPRIGHT, Pose
+from hyperfab.pressing.mold import UPRIGHT, Mold, Pose
 from hyperfab.pressing.sandwich import Sandwich
 from hyperfab.surface.curve import along_a_curve
 
@@ -44,13 +43,7 @@ class Press:
     def tangent(self, pose: Pose, here: Contact) -> Array:
         """Return the tangent (3, 3) of the force by raising the female and turning it about x and y through its pivot:
         N/mm, N and N mm."""
-        lever = self.front.vertices - pose.arm
-        up, along_x, along_y = np.eye(3)[[2, 0, 1]]
-        # Raising or turning the female is the male moving the other way.
-        modes = -np.stack(
-            [np.broadcast_to(up, lever.shape), np.cross(along_x, lever), np.cross(along_y, lever)], axis=-1
-        )
-        return stiffness(self.front, here, self.sandwich, modes)
+        return stiffness(self.front, here, self.sandwich, modes_of(self.front.vertices, pose.arm))
 
     def gap(self, pose: Pose) -> Gap:
         """Return the nearest gap from each vertex of the front to the female at ``pose``."""

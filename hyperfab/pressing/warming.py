@@ -71,9 +71,9 @@ class Column:
         """Return the temperature (d, t, n) [degC] at depths ``shares`` (d,) of the foam and ``times`` (t,) [s]."""
         return self._at(times[:, None], shares)
 
-    def at_own(self, times: Array, share: float = 0.5) -> Array:
-        """Return the temperature (k, n) [degC] at ``times`` (k, n) [s] of each place's own."""
-        return np.asarray(self._at(times, np.array([share]))[0])
+    def at_own(self, times: Array) -> Array:
+        """Return the temperature (k, n) [degC] of the foam's middle at ``times`` (k, n) [s] of each place's own."""
+        return np.asarray(self._at(times, np.array([0.5]))[0])
 
     def _at(self, times: Array, shares: Array) -> Array:
         times = np.broadcast_to(times, (len(times), len(self.male)))
@@ -90,12 +90,12 @@ class Column:
         in_blocks(work, times.shape[1], _BLOCK)
         return self.start + out
 
-    def reaches(self, target: float, dwell: float, share: float = 0.5) -> Array:
-        """Return when (n,) [s] the temperature passes ``target`` [degC], NaN where it does not within ``dwell`` [s]."""
+    def reaches(self, target: float, dwell: float) -> Array:
+        """Return when (n,) [s] the foam's middle passes ``target`` [degC], NaN where not within ``dwell`` [s]."""
         rising = 1.0 if target >= self.start else -1.0
 
         def over(when: Array) -> Array:
-            return np.asarray(rising * (self.at_own(when[None], share)[0] - target))
+            return np.asarray(rising * (self.at_own(when[None])[0] - target))
 
         low, high = np.zeros(len(self.male)), np.full(len(self.male), dwell)
         before, after = np.full(len(self.male), rising * (self.start - target)), over(high)

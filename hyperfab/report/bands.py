@@ -70,10 +70,7 @@ def banded(data: Mapping[str, Any], key: str, unit: str = "", factor: float = 1.
     >>> banded({"force_N": 41.76324, "uncertainty": {"quantities": {"force_N": {"sd": 0.0015}}}}, "force_N", "N")
     '41.76 N'
     """
-    value: Any = data
-    for step in key.split("."):
-        value = value[step]
-    band = _bands(data).get(key)
+    value, band = value_of(data, key), _bands(data).get(key)
     text = format(factor * value, form)
     if band is not None:
         whole = figure(factor * value, factor * band["sd"])
@@ -122,6 +119,14 @@ def made_of(data: Mapping[str, Any]) -> Iterator[str]:
             alike.setdefault(shares(band["budget"]), []).append(parted(key)[0].replace(".", " "))
     for budget, names in alike.items():
         yield f"uncertainty of {', '.join(names)}: {budget} ({data['uncertainty']['method']}, ± one sd)"
+
+
+def value_of(data: Mapping[str, Any], key: str) -> Any:
+    """Return what stands under a key of a document, with dots where it stands deeper."""
+    value: Any = data
+    for step in key.split("."):
+        value = value[step]
+    return value
 
 
 def _bands(data: Mapping[str, Any]) -> Mapping[str, Any]:

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
 from hyperfab.report.drawing import draw_interval, png
-
-_COLOURS = ("#0072B2", "#D55E00")
+from hyperfab.report.labels import COLOURS
 
 
 @dataclass(frozen=True)
@@ -52,7 +51,7 @@ def contact_figure(curves: Sequence[Curve], stress: Surface | None, difference: 
         bottom=0.12, top=0.96, wspace=0.12,
     )  # fmt: skip
     axes = figure.add_subplot(grid[0, 0])
-    for curve, colour in zip(curves, _COLOURS, strict=False):
+    for curve, colour in zip(curves, COLOURS, strict=False):
         axes.plot(curve.depth, curve.force, marker="o", markersize=3, color=colour, label=curve.name)
         if curve.interval is not None:
             draw_interval(axes, (curve.depth[-1], curve.force[-1]), force=curve.interval, colour=colour)

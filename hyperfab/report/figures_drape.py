@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import matplotlib
 import numpy as np
@@ -14,8 +14,11 @@ from matplotlib.colors import LightSource, ListedColormap, Normalize
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-from hyperfab.arrays import Array, Flags
+from hyperfab.arrays import Array
 from hyperfab.report.drawing import draw_interval, png
+
+if TYPE_CHECKING:
+    from hyperfab.cloth import Answers
 
 MOST_LINES = 60  # of the net in the picture, a side
 MOST_FACETS = 4000  # of the mold in the picture; one of more is drawn from corners put together
@@ -26,23 +29,14 @@ COLOURS = "viridis"
 class Draped:
     """What a picture shows of a sheet of n by m nodes.
 
-    ``points`` and ``flat`` (n, m, 3) mm; by cell (n - 1, m - 1) stretches, thickness in mm, shear in degrees and
-    ``slack``; by node (n, m) stresses in MPa and ``contact``. ``peak``: the largest stretch of a spring, with its place
-    on the flat sheet and as draped. ``mold``: corners (k, 3) mm and facets (f, 3) in the frame of ``points``.
+    ``points`` and ``flat`` (n, m, 3) mm, and the ``fields`` there. ``peak``: where it is stretched most, on the flat
+    sheet and as draped. ``mold``: corners (k, 3) mm and facets (f, 3) in the frame of ``points``.
     """
 
     points: Array
     flat: Array
-    stretch_warp: Array
-    stretch_weft: Array
-    stretch_larger: Array
-    stress_warp: Array
-    stress_weft: Array
-    thickness: Array
-    shear: Array
-    contact: Flags
-    slack: Flags
-    peak: tuple[float, Sequence[float], Sequence[float]]
+    fields: Answers
+    peak: tuple[Sequence[float], Sequence[float]]
     mold: tuple[Array, npt.NDArray[np.int64]]
 
 
@@ -57,10 +51,10 @@ def drape_figure(
     figure = Figure(figsize=(19.0, 6.6), layout="constrained")
     grid = figure.add_gridspec(2, 5, width_ratios=(2.6, 1.0, 1.0, 1.0, 1.0))
     left = grid[:, 0].subgridspec(3, 1, height_ratios=(0.4, 2.2, 0.9))
-    larger = draped.stretch_larger
-    low = float(min(1.0, draped.stretch_warp.min(), draped.stretch_weft.min()))
-    stretches = Normalize(low, max(draped.peak[0], low + 1e-6))
-    stresses = Normalize(0.0, float(max(draped.stress_warp.max(), draped.stress_weft.max(), 1e-12)))
+    fields, larger = draped.fields, draped.fields.cell_stretch
+    low = float(min(1.0, fields.cell_stretch_warp.min(), fields.cell_stretch_weft.min()))
+    stretches = Normalize(low, max(fields.stretch_max, low + 1e-6))
+    stresses = Normalize(0.0, float(max(fields.stress_warp.max(), fields.stress_weft.max(), 1e-12)))
     scene = figure.add_subplot(left[1:] if force_depth is None else left[1], projection="3d")
     _scene(scene, draped, larger, stretches, 1.0 if force_depth is None else 1.4)
     _worst(figure.add_subplot(left[0]), draped, force)
@@ -68,15 +62,20 @@ def drape_figure(
     figure.colorbar(bar, ax=scene, label="larger stretch", orientation="horizontal", shrink=0.6, pad=0.01)
     if force_depth is not None:
         _curve(figure.add_subplot(left[2]), force_depth, interval)
-    turn = max(float(np.abs(draped.shear).max()), 1e-6)
+    turn = max(float(np.abs(fields.cell_shear).max()), 1e-6)
     panels = (
-        ("Stretch along warp", draped.stretch_warp, COLOURS, stretches),
-        ("Stretch along weft", draped.stretch_weft, COLOURS, stretches),
-        (f"Larger stretch: {draped.peak[0]:.3f} at the cross", larger, COLOURS, stretches),
-        (f"Thickness [mm], least {draped.thickness.min():.3g}", draped.thickness, COLOURS + "_r", None),
-        ("Stress along warp [MPa]", draped.stress_warp, COLOURS, stresses),
-        ("Stress along weft [MPa]", draped.stress_weft, COLOURS, stresses),
-        ("Shear angle [deg]", draped.shear, "RdBu_r", Normalize(-turn, turn)),
+        ("Stretch along warp", fields.cell_stretch_warp, COLOURS, stretches),
+        ("Stretch along weft", fields.cell_stretch_weft, COLOURS, stretches),
+        (f"Larger stretch: {fields.stretch_max:.3f} at the cross", larger, COLOURS, stretches),
+        (
+            f"Thickness [mm], least {fields.cell_thickness.min():.3g}",
+            fields.cell_thickness,
+            COLOURS + "_r",
+            None,
+        ),
+        ("Stress along warp [MPa]", fields.stress_warp, COLOURS, stresses),
+        ("Stress along weft [MPa]", fields.stress_weft, COLOURS, stresses),
+        ("Shear angle [deg]", fields.cell_shear, "RdBu_r", Normalize(-turn, turn)),
     )
     x, y = draped.flat[:, :, 0], draped.flat[:, :, 1]
     for index, (title, field, colours, norm) in enumerate(panels):
@@ -86,12 +85,12 @@ def drape_figure(
         figure.colorbar(image, ax=axes, fraction=0.046, pad=0.03).ax.tick_params(labelsize=7)
         _label(axes, title)
         if index == 2:
-            axes.plot(*draped.peak[1][:2], marker="x", color="tab:red", markersize=9, markeredgewidth=2)
+            axes.plot(*draped.peak[0][:2], marker="x", color="tab:red", markersize=9, markeredgewidth=2)
     axes = figure.add_subplot(grid[1, 4])
     # 0 free, 1 on the mold, 2 slack, by cell: slack is what one looks for first.
-    corner = draped.contact
+    corner = fields.touching
     touching = corner[1:, 1:] | corner[:-1, 1:] | corner[1:, :-1] | corner[:-1, :-1]
-    state = np.where(draped.slack, 2, np.where(touching, 1, 0))
+    state = np.where(fields.cell_slack, 2, np.where(touching, 1, 0))
     three = ListedColormap(["#f2f2f2", "#7a9cc6", "#d62728"])
     axes.pcolormesh(x, y, state, cmap=three, vmin=-0.5, vmax=2.5, shading="flat", rasterized=True)
     _label(axes, "On the mold (blue), slack (red)")
@@ -101,12 +100,14 @@ def drape_figure(
 def _worst(axes: Any, draped: Draped, force: str) -> None:
     """What one looks for first, in words above the scene."""
     axes.set_axis_off()
-    size, flat, at = draped.peak
+    flat, at = draped.peak
     places = [", ".join(f"{round(x, 1) + 0.0:.1f}" for x in place) for place in (flat[:2], at)]
-    axes.text(0.0, 1.0, f"Largest stretch {size:.3f}", fontsize=15, weight="bold", va="top")
+    axes.text(
+        0.0, 1.0, f"Largest stretch {draped.fields.stretch_max:.3f}", fontsize=15, weight="bold", va="top"
+    )
     below = (
         f"at the red cross: ({places[0]}) mm of the flat sheet,\n({places[1]}) mm on the mold (grey).\n"
-        f"Thinnest {draped.thickness.min():.3g} mm. Press force {force}."
+        f"Thinnest {draped.fields.cell_thickness.min():.3g} mm. Press force {force}."
     )
     axes.text(0.0, 0.55, below, fontsize=10.5, va="top", linespacing=1.4)
 
@@ -156,7 +157,7 @@ def _scene(scene: Any, draped: Draped, field: Array, scale: Normalize, zoom: flo
     )
     surfaces.set_clip_on(False)  # a zoomed scene is wider than its axes
     scene.add_collection3d(surfaces)
-    at = draped.peak[2]
+    at = draped.peak[1]
     scene.plot(
         [at[0]], [at[1]], [at[2]], marker="x", color="tab:red", markersize=9, markeredgewidth=2, zorder=99
     )

@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from hyperfab.report.drawing import png
+from hyperfab.report.labels import COLOURS
 
-#: Okabe and Ito's colours, told apart by everyone.
-_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+_COLOURS = (*COLOURS[:6], "#000000")
 _MARKS = "os^Dv<>"
 #: The test whose rows are shear strain and shear stress.
 _SHEARED = "simple-shear"

@@ -11,14 +11,14 @@ from matplotlib.figure import Figure
 from hyperfab.report.drawing import png
 
 if TYPE_CHECKING:
-    from hyperfab.studies.effects import MainEffect
+    from hyperfab.documents.sweep import Effect
     from hyperfab.studies.table import Table
 
 #: More lines than this are a grey area; every n-th case is drawn then.
 MAX_LINES = 2000
 
 
-def effects_png(effects: Sequence[MainEffect]) -> bytes:
+def effects_png(effects: Sequence[Effect]) -> bytes:
     """Draw the mean of each figure (a row) at each level of each axis (a column)."""
     axes = list(dict.fromkeys(effect.axis for effect in effects))
     figures = list(dict.fromkeys(effect.figure for effect in effects))

@@ -15,7 +15,7 @@ from typing import Any
 
 from hyperfab.errors import InputError, OutputError
 from hyperfab.numerics.threads import LIMIT, cores
-from hyperfab.studies.program import program
+from hyperfab.studies.plan import program
 
 #: How often a batch may lose its worker before it is handed back to the driver.
 ALLOWED_DEATHS = 5

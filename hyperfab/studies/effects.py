@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.documents.sweep import Effect
 from hyperfab.studies.axes import Axis
 from hyperfab.studies.table import Table
 
@@ -17,23 +17,12 @@ CLASSES = 5
 MOST_LEVELS = 100
 
 
-@dataclass(frozen=True)
-class MainEffect:
-    """Mean of a figure at each level of an axis, over all cases with that level.
+def main_effects(table: Table, axes: Sequence[Axis]) -> list[Effect]:
+    """Return the effect of each axis on each figure that is a number and varies.
 
-    ``variance_share`` is the part of the figure's variance that lies between the levels (the correlation ratio
-    eta squared): 1 where the axis alone decides the figure, 0 where its levels do not differ on average.
+    Its ``variance_share`` is the part of the figure's variance that lies between the levels: the correlation ratio eta
+    squared.
     """
-
-    axis: str
-    figure: str
-    levels: list[float | str]
-    means: list[float]
-    variance_share: float
-
-
-def main_effects(table: Table, axes: Sequence[Axis]) -> list[MainEffect]:
-    """Return the effect of each axis on each figure that is a number and varies."""
     found = []
     for axis in axes:
         names, groups = _levels(table, axis)
@@ -52,7 +41,15 @@ def main_effects(table: Table, axes: Sequence[Axis]) -> list[MainEffect]:
             between = sum(len(part) * (float(np.mean(part)) - mean) ** 2 for _, part in used)
             total = float(np.sum((values[known] - mean) ** 2))
             levels, means = [name for name, _ in used], [float(np.mean(part)) for _, part in used]
-            found.append(MainEffect(table.axes[axis.name], figure, levels, means, float(between / total)))
+            found.append(
+                Effect(
+                    axis=table.axes[axis.name],
+                    figure=figure,
+                    levels=levels,
+                    means=means,
+                    variance_share=float(between / total),
+                )
+            )
     return found
 
 

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import copy
+import functools
 import hashlib
 import json
 import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
+import hyperfab
 from hyperfab.documents.study import DocumentSection, StepSection, StudyDocument
 from hyperfab.errors import HyperfabError, InputError
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.json_io import dump_json, load_json
 from hyperfab.io.toml_io import dump_toml, load_toml
 from hyperfab.studies.axes import Axis, Layout, plain
-from hyperfab.studies.program import program
 from hyperfab.studies.template import TemplateError, fill, names
 
 #: Digits of a hash that name a step or a case: 128 bits.
@@ -87,9 +89,9 @@ class Plan:
         key = _hash({"values": texts, "steps": [step.key for step in steps.values()]})
         return Case(index, key, values, tuple(steps.values()))
 
-    def edited(self, name: str, index: int = 0) -> dict[str, Any]:
-        """Return document ``name`` as case ``index`` edits it, its files by absolute path."""
-        levels = self.layout.case(index)
+    def edited(self, name: str) -> dict[str, Any]:
+        """Return document ``name`` as the first case edits it, its files by absolute path."""
+        levels = self.layout.case(0)
         texts = {axis: level.text for axis, level in levels.items()}
         return self._edit(name, texts, {axis: level.number for axis, level in levels.items()})
 
@@ -159,9 +161,10 @@ class Plan:
             identity.append(symbol if path is None else self._file(path))
         key = _hash({"hf": program(), "command": section.command, "arguments": identity})
         needs = tuple(sorted(earlier[name].key for name in steps))
+        files = {self._file_name(name): document for name, document in edited.items()}
         written = tuple(
-            (self._file_name(name), _written(self._file_name(name), document))
-            for name, document in edited.items()
+            (name, dump_toml(document) if name.endswith(".toml") else dump_json(document))
+            for name, document in files.items()
         )
         return Step(key, section.name, section.command, tuple(words), written, needs)
 
@@ -242,10 +245,6 @@ def _bare(text: str) -> Any:
     return value if isinstance(value, (int, float, bool)) else text
 
 
-def _written(name: str, document: dict[str, Any]) -> bytes:
-    return dump_toml(document) if name.endswith(".toml") else dump_json(document)
-
-
 def _hash(value: object) -> str:
     text = json.dumps(value, sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(text.encode()).hexdigest()[:DIGITS]
@@ -312,3 +311,18 @@ def map_texts(value: Any, change: Callable[[str], str]) -> Any:
     if isinstance(value, list):
         return [map_texts(item, change) for item in value]
     return value
+
+
+@functools.cache
+def program() -> str:
+    """Return the version and, behind a +, the hash of all of the package's sources.
+
+    In a tree that is worked on the sources change under the same version, and with them what a step would find.
+    """
+    whole = hashlib.sha256()
+    root = Path(hyperfab.__file__).parent
+    for path in sorted(root.rglob("*.py"), key=lambda path: path.relative_to(root).parts):
+        data = path.read_bytes()
+        whole.update(f"{path.relative_to(root).as_posix()} {len(data)}\n".encode())
+        whole.update(data)
+    return f"{hyperfab.__version__}+{whole.hexdigest()[:16]}"

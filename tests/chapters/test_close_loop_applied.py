@@ -17,8 +17,7 @@ from hyperfab.cases.drape import DrapeCase
 from hyperfab.chapters.close_loop.contact import Forward as Pressed
 from hyperfab.chapters.close_loop.drape import Forward as Draped
 from hyperfab.chapters.close_loop.extended_sheet import contact_applied, drape_applied
-from hyperfab.chapters.drape.model import model_of, read_files
-from hyperfab.chapters.drape.states import at_depths
+from hyperfab.chapters.drape.model import at_depths, model_of, read_files
 from hyperfab.chapters.fabric_contact.fabric import read_fabric
 from hyperfab.chapters.fabric_contact.setup import read_geometry, setup_of
 from hyperfab.chapters.job import Job

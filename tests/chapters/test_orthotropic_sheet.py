@@ -113,7 +113,7 @@ def test_the_sphere_and_the_net_obey_it(fitted, hf, root):
 
 
 def test_the_springs_of_a_net_follow_the_strips_of_the_sheet():
-    from hyperfab.cloth.fabric import spring_law
+    from hyperfab.cloth.law import spring_law
     from hyperfab.materials.orthotropic.specimen import Along
 
     law = Orthotropic.of(KNIT)

@@ -12,7 +12,7 @@ from scipy.stats import norm
 
 from hyperfab.cases.options import read
 from hyperfab.cases.registry import case_class
-from hyperfab.chapters.press_contact import command, warmth
+from hyperfab.chapters.press_contact import nearby, warmth
 from hyperfab.chapters.rerun import Made, rerun
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.stl_write import stl_bytes
@@ -64,7 +64,7 @@ def test_gaps_to_the_first_order_give_what_presses_closed_anew_do(
     words: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     near = sds(pressed("cup", *words, "--uncertainty", "linear"))
-    monkeypatch.setattr(command.nearby, "beside", lambda *given: None)
+    monkeypatch.setattr(nearby, "beside", lambda *given: None)
     anew = sds(pressed("cup", *words, "--uncertainty", "linear"))
     assert set(near) == set(anew)
     for name, sd in anew.items():
@@ -93,7 +93,7 @@ def test_foam_as_soft_as_each_place_is_hot_goes_with_its_temperature_to_the_firs
 ) -> None:
     words = (*words, "--temperature", "200 degC +- 3 K", "--dwell", "5s", "--uncertainty", "linear")
     near = sds(pressed("cup", *words, foam=SOFTENING))
-    monkeypatch.setattr(command.nearby, "beside", lambda *given: None)
+    monkeypatch.setattr(nearby, "beside", lambda *given: None)
     anew = sds(pressed("cup", *words, foam=SOFTENING))
     assert set(near) == set(anew)
     for name, sd in anew.items():

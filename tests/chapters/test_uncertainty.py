@@ -151,10 +151,10 @@ def test_what_the_inputs_do_not_state_is_not_made_up(made: Any) -> None:
 @pytest.mark.parametrize(
     ("words", "module", "given"),
     [
-        (CONTACT, fabric_contact.command, {"fabric.json": material()}),
-        (DRAPE, drape.command, {"fabric.json": material()}),
+        (CONTACT, fabric_contact, {"fabric.json": material()}),
+        (DRAPE, drape, {"fabric.json": material()}),
         (("mold-heat", "mold.toml"), mold_heat.recipe, {"mold.toml": BRIEF.encode(), "film.csv": FILM}),
-        (PRESS, press_contact.command, {"foam.toml": FOAM.encode()}),
+        (PRESS, press_contact, {"foam.toml": FOAM.encode()}),
     ],
 )
 def test_where_nothing_is_stated_every_byte_is_as_if_nothing_were_carried(

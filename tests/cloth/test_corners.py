@@ -11,7 +11,7 @@ from cloth_molds import under
 
 from hyperfab.cloth import Sheet, follow, load_steps, mold_of, tabulate
 from hyperfab.cloth.bends import farthest, find_bends
-from hyperfab.cloth.fabric import spring_law
+from hyperfab.cloth.law import spring_law
 from hyperfab.cloth.newton import equilibrium
 from hyperfab.cloth.start import settled
 from hyperfab.materials import bind

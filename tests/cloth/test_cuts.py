@@ -8,8 +8,7 @@ import trimesh
 from cloth_molds import ball, block, punch, saddle, under
 
 from hyperfab.cloth import Sheet, answers, drape, mold_of, tabulate
-from hyperfab.cloth.cuts import SURE, cut, stands_out
-from hyperfab.cloth.depth import deepest
+from hyperfab.cloth.depth import SURE, cut, deepest, stands_out
 from hyperfab.cloth.start import settled
 from hyperfab.surface import Surface
 

@@ -9,7 +9,7 @@ from cloth_molds import ball, saddle, under
 from hyperfab.cloth import Sheet, answers, drape, mold_of, tabulate
 from hyperfab.cloth.balance import Balance
 from hyperfab.cloth.dynamic import swing
-from hyperfab.cloth.fabric import spring_law
+from hyperfab.cloth.law import spring_law
 from hyperfab.cloth.relaxation import relax
 from hyperfab.cloth.start import lowered, settled
 from hyperfab.materials import bind

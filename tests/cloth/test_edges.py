@@ -8,7 +8,7 @@ from cloth_molds import ball, block, punch, saddle, under
 
 from hyperfab.cloth import Sheet, answers, drape, mold_of, tabulate
 from hyperfab.cloth.energy import Energy
-from hyperfab.cloth.fabric import spring_law
+from hyperfab.cloth.law import spring_law
 from hyperfab.cloth.linear import Tangent, apply
 from hyperfab.cloth.net import FIXED, Y
 from hyperfab.materials import bind

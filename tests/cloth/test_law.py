@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hyperfab.cloth import piecewise_linear, tabulate
-from hyperfab.cloth.fabric import spring_law
+from hyperfab.cloth.law import spring_law
 from hyperfab.materials import bind
 
 

@@ -12,7 +12,7 @@ from cloth_molds import ball, block, punch, saddle, under
 
 from hyperfab.cloth import Answers, Equilibrium, Mold, Sheet, answers, drape, mold_of, raised
 from hyperfab.cloth.dynamic import swing
-from hyperfab.cloth.fabric import spring_law
+from hyperfab.cloth.law import spring_law
 from hyperfab.cloth.linear import Tangent, apply
 from hyperfab.cloth.membrane import Membrane, MembraneLaw
 from hyperfab.cloth.net import FIXED, X, Y, Z

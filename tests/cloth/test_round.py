@@ -14,7 +14,7 @@ from cloth_molds import ball, block, punch, saddle, under
 
 from hyperfab.arrays import Array
 from hyperfab.cloth import Answers, Equilibrium, Mold, Sheet, answers, drape, mold_of, raised
-from hyperfab.cloth.fabric import spring_law
+from hyperfab.cloth.law import spring_law
 from hyperfab.cloth.membrane import MembraneLaw
 from hyperfab.cloth.path import follow, load_steps
 from hyperfab.cloth.round import rounded, squared

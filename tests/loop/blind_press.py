@@ -17,7 +17,7 @@ from hyperfab.cases.options import read
 from hyperfab.cases.press import PressCase
 from hyperfab.chapters.close_loop.press import closed_press, noise_of, pose
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.press_contact.press_result import PressResult
+from hyperfab.chapters.press_contact.result import PressResult
 from hyperfab.console import Console
 from hyperfab.loop.design import NextMeasurement
 from hyperfab.loop.press_reading import Reading

@@ -19,7 +19,7 @@ from hyperfab.cases.press import PressCase
 from hyperfab.chapters.close_loop.extended_press import WRITERS, extend
 from hyperfab.chapters.close_loop.press import closed_press, plan_of, pose
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.press_contact.press_result import PressResult
+from hyperfab.chapters.press_contact.result import PressResult
 from hyperfab.console import Console
 from hyperfab.io.output import Output
 from hyperfab.loop.press import PressProblem

@@ -17,7 +17,7 @@ from hyperfab.loop.press import PressProblem
 from hyperfab.loop.press_reading import Changes, Reading, variation
 from hyperfab.loop.press_table import PressTable
 from hyperfab.pressing.growth import guide_line
-from hyperfab.pressing.pose import Pose
+from hyperfab.pressing.mold import Pose
 
 
 def posed() -> PressProblem:

@@ -8,11 +8,10 @@ from builders import uniform
 
 from hyperfab.materials import bind
 from hyperfab.membrane import outline
-from hyperfab.membrane.clamp import rim_edges
 from hyperfab.membrane.measures import mounted_energy
 from hyperfab.membrane.mesh import sheet_mesh
 from hyperfab.membrane.meshing import triangulate
-from hyperfab.membrane.sheet import Sheet
+from hyperfab.membrane.sheet import Sheet, rim_edges
 from hyperfab.membrane.sphere_contact import SphereTest, run
 from hyperfab.membrane.tension_field import IsotropicSheet
 from hyperfab.membrane.verdict import work

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from builders import uniform
 
-from hyperfab.membrane.contact_front import contact_front
+from hyperfab.membrane.contact_edge import contact_front
 from hyperfab.membrane.mesh import sheet_mesh
 from hyperfab.membrane.meshing import triangulate
 from hyperfab.membrane.outline import Disc

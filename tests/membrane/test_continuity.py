@@ -8,7 +8,7 @@ import pytest
 from cloth_molds import ball
 
 from hyperfab.cloth import Sheet, answers, drape, mold_of, raised
-from hyperfab.cloth.fabric import spring_law
+from hyperfab.cloth.law import spring_law
 from hyperfab.materials import bind
 from hyperfab.materials.orthotropic import Orthotropic
 from hyperfab.membrane.measures import fields

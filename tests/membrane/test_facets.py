@@ -9,10 +9,9 @@ import trimesh
 from hyperfab.materials import bind
 from hyperfab.membrane import outline
 from hyperfab.membrane.contact_edge import contact_edge
-from hyperfab.membrane.facets import Facets
 from hyperfab.membrane.friction import Coulomb
 from hyperfab.membrane.measures import cut
-from hyperfab.membrane.sphere import Sphere
+from hyperfab.membrane.punch import Facets, Sphere
 from hyperfab.membrane.sphere_contact import SphereTest, rough_path, run
 from hyperfab.membrane.tension_field import IsotropicSheet
 from hyperfab.surface import Surface

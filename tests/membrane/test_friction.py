@@ -9,11 +9,10 @@ import pytest
 
 from hyperfab.materials import bind
 from hyperfab.membrane import friction_path, outline
-from hyperfab.membrane.contact import Frictionless
+from hyperfab.membrane.contact import Frictionless, Memory
 from hyperfab.membrane.friction import Coulomb, Stick
 from hyperfab.membrane.friction_path import run_with_friction
 from hyperfab.membrane.measures import fields
-from hyperfab.membrane.memory import Memory
 from hyperfab.membrane.path import follow
 from hyperfab.membrane.sphere_contact import Outcome, Solved, SphereTest, rough_path
 from hyperfab.membrane.tension_field import IsotropicSheet

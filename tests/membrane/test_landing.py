@@ -7,9 +7,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hyperfab.membrane.memory import Memory, landings
+from hyperfab.membrane.contact import Memory, landings
 from hyperfab.membrane.path import _turning_ahead
-from hyperfab.membrane.sphere import Sphere
+from hyperfab.membrane.punch import Sphere
 
 
 def test_what_has_not_touched_yet_lands_on_the_punch():

@@ -8,15 +8,14 @@ from builders import uniform
 
 from hyperfab.materials import bind
 from hyperfab.membrane import outline
-from hyperfab.membrane.contact_edge import contact_edge
-from hyperfab.membrane.contact_front import ContactFront
+from hyperfab.membrane.contact_edge import ContactFront, contact_edge
 from hyperfab.membrane.equilibrium import Press
 from hyperfab.membrane.measures import fields, wrinkled_fraction
 from hyperfab.membrane.mesh import sheet_mesh
 from hyperfab.membrane.meshing import triangulate
 from hyperfab.membrane.path import cold_start
+from hyperfab.membrane.punch import Sphere
 from hyperfab.membrane.sheet import Sheet
-from hyperfab.membrane.sphere import Sphere
 from hyperfab.membrane.sphere_contact import Outcome, SphereTest, fitted_mesh, run
 from hyperfab.membrane.tension_field import IsotropicSheet
 from hyperfab.membrane.verdict import first_instability, stress_difference, work

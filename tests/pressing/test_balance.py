@@ -7,7 +7,7 @@ from hyperfab.errors import NotConverged
 from hyperfab.pressing.balance import balance
 from hyperfab.pressing.foam_law import linear
 from hyperfab.pressing.gap import molding_front
-from hyperfab.pressing.pose import Pose
+from hyperfab.pressing.mold import Pose
 from hyperfab.pressing.press import Press
 from hyperfab.pressing.sandwich import Sandwich
 

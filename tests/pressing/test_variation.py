@@ -6,10 +6,9 @@ import pytest
 from hyperfab.pressing.balance import balance
 from hyperfab.pressing.foam_law import linear, plateau, relaxed
 from hyperfab.pressing.gap import molding_front
-from hyperfab.pressing.pose import Pose
+from hyperfab.pressing.mold import Pose
 from hyperfab.pressing.press import Press
-from hyperfab.pressing.sandwich import Sandwich
-from hyperfab.pressing.thinning import thickness_factor
+from hyperfab.pressing.sandwich import Sandwich, thickness_factor
 
 A, B, HEIGHT, MODULUS = 120.0, 80.0, 9.0, 0.2
 

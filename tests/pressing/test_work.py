@@ -6,8 +6,8 @@ from scipy.spatial import cKDTree
 
 from hyperfab.pressing.foam_law import FoamLaw, hyperfoam, linear, plateau, table
 from hyperfab.pressing.gap import molding_front, nearest_gap
+from hyperfab.pressing.mold import Pose
 from hyperfab.pressing.placement import closing_frame, in_frame
-from hyperfab.pressing.pose import Pose
 from hyperfab.pressing.press import Press
 from hyperfab.pressing.sandwich import Sandwich
 from hyperfab.samples import cup

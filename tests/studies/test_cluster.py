@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from conftest import ROOT
 
-from hyperfab.studies.program import program
+from hyperfab.studies.plan import program
 
 pytest.importorskip("distributed", reason="Dask is not installed (pip install . brings it)")
 

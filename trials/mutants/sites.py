@@ -23,7 +23,7 @@ _TWINS |= {new: old for old, new in _TWINS.items() if old not in ("sum", "mean",
 _DROPPED = {"abs", "fabs", "absolute", "sqrt", "sorted", "deg2rad", "radians"}
 #: Calls whose arguments are words for people, and statements without a result.
 _WORDS = {"InputError", "UsageError", "ValueError", "TypeError", "RuntimeError", "Field", "ComputationError",
-          "warn", "append_note", "Option", "Argument", "field", "getattr", "round"}  # fmt: skip
+          "optional", "warn", "append_note", "Option", "Argument", "field", "getattr", "round"}  # fmt: skip
 
 
 @dataclass(frozen=True)

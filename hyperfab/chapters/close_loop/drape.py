@@ -193,7 +193,7 @@ class Forward:
                 replace(thread, pieces=thread.pieces * ratios[way])
                 for way, thread in (("warp", self.sheet.warp), ("weft", self.sheet.weft))
             )
-            files = replace(files, fabric=replace(files.fabric, warp=warp, weft=weft))
+            files = replace(files, fabric=files.fabric.with_laws(warp, weft))
         return model_of(case, files)
 
     def nodes(self, law: Array, added: Mapping[str, float], grid: tuple[int, int] | None = None) -> Array:

@@ -11,7 +11,7 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.chapters.close_loop.softening import nearest, soften
 from hyperfab.chapters.fabric import ORTHOTROPIC
-from hyperfab.chapters.tested import tested_by
+from hyperfab.chapters.look import tested_by
 from hyperfab.curve import TestCurve
 from hyperfab.documents.material import Direction, MaterialDocument
 from hyperfab.errors import InputError

@@ -16,7 +16,7 @@ from hyperfab.chapters.close_loop.readings import Apart, check_fixed
 from hyperfab.chapters.close_loop.sure import mark, tell_sure
 from hyperfab.chapters.fabric import ORTHOTROPIC
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.tested import tested_by
+from hyperfab.chapters.look import tested_by
 from hyperfab.chapters.validity import Ranges
 from hyperfab.documents.base import Validity, parse_document
 from hyperfab.documents.loop import Errors

@@ -19,12 +19,12 @@ from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, sprea
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
 from hyperfab.chapters.close_loop.upstream import WRITTEN
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.press_contact.command import SIBLINGS, note_ranges, solve
+from hyperfab.chapters.press_contact import SIBLINGS, note_ranges, solve
 from hyperfab.chapters.press_contact.formed import formed, read_setting
 from hyperfab.chapters.press_contact.formed import note_ranges as note_set_ranges
 from hyperfab.chapters.press_contact.laws import compression_law
 from hyperfab.chapters.press_contact.model import model_of, read_files
-from hyperfab.chapters.press_contact.press_result import PressResult
+from hyperfab.chapters.press_contact.result import PressResult
 from hyperfab.chapters.press_contact.warmth import column_of
 from hyperfab.chapters.rerun import Listener, check_unchanged, unchanged
 from hyperfab.documents.foam import MaterialLaw

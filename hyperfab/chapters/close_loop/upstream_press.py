@@ -13,12 +13,11 @@ from scipy.linalg import block_diag
 from scipy.special import ndtr
 
 from hyperfab.arrays import Array
-from hyperfab.cases.case import Case
+from hyperfab.cases.case import Case, tolerances
 from hyperfab.cases.drape import DrapeCase
 from hyperfab.cases.like import earlier
 from hyperfab.cases.mold import MoldCase
 from hyperfab.cases.press import PressCase
-from hyperfab.cases.tolerances import tolerances
 from hyperfab.chapters.close_loop.press import closed_press, on_front
 from hyperfab.chapters.close_loop.unsure import (
     is_length,
@@ -30,11 +29,11 @@ from hyperfab.chapters.close_loop.unsure import (
 )
 from hyperfab.chapters.close_loop.upstream import Corrected, Link, add
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.press_contact.command import solve
+from hyperfab.chapters.press_contact import solve
 from hyperfab.chapters.press_contact.heat import file_of
 from hyperfab.chapters.press_contact.model import model_of, read_files
 from hyperfab.chapters.press_contact.nearby import beside
-from hyperfab.chapters.press_contact.press_result import PressResult
+from hyperfab.chapters.press_contact.result import PressResult
 from hyperfab.chapters.press_contact.warmth import by_place
 from hyperfab.chapters.rerun import Listener, Overlay, rerun, unchanged
 from hyperfab.chapters.uncertainty.changed import Changed, Kept
@@ -225,7 +224,7 @@ class PressChain:
             own = number.own if isinstance(number, Handed) else number
             if own is not None:
                 own.move(moved, float(by))
-        case: PressCase = moved.case  # type: ignore[assignment]
+        case: PressCase = moved.case
         written = dict(moved.files)
         upstream: dict[str, bytes] = {}
         for one in self.behind:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from hyperfab.chapters.fabric_contact.fabric import Fabric as SheetFabric
 from hyperfab.chapters.fabric_contact.fabric import sheet_of
 from hyperfab.chapters.job import Job
 from hyperfab.cloth import SpringLaw
-from hyperfab.cloth.fabric import Pulled, spring_law
+from hyperfab.cloth.law import Pulled, spring_law
 from hyperfab.documents.drape import SpringUse
 from hyperfab.errors import InputError, UsageError
 from hyperfab.materials.orthotropic.specimen import Along
@@ -26,25 +26,45 @@ USUAL_THICKNESS = 1.0
 
 
 @dataclass(frozen=True)
-class Fabric:
-    """Laws of the springs along warp and weft, and the sheet's thickness in mm.
+class Way:
+    """The springs along one direction: their ``law``, what it is, the file it is from, the stretch to which the tests
+    behind it went, and that at which a specimen failed."""
 
-    By direction: ``models`` says what the law is, ``tested`` how far the tests behind it went, ``fails`` the stretch
-    at which a specimen failed, ``sources`` the files behind it. ``temperature`` [degC] is the
-    laws', where known, ``held_at`` that of the constants where they were not tested there. ``whole`` is the law of the
-    sheet as a membrane, where that is asked for.
+    model: str
+    law: SpringLaw
+    source: str
+    tested: float | None
+    fails: float | None = None
+
+
+@dataclass(frozen=True)
+class Fabric:
+    """The springs along warp and weft, and the sheet's thickness in mm.
+
+    ``temperature`` [degC] is the laws', where known, ``held_at`` that of the constants where they were not tested
+    there. ``whole`` is the law of the sheet as a membrane, where that is asked for.
     """
 
-    models: tuple[str, str]
-    warp: SpringLaw
-    weft: SpringLaw
+    ways: tuple[Way, Way]
     thickness: float
-    tested: tuple[float | None, float | None]
-    fails: tuple[float | None, float | None] = (None, None)
-    sources: tuple[str, str] = ("", "")
     temperature: float | None = None
     held_at: float | None = None
     whole: SheetFabric | None = None
+
+    @property
+    def warp(self) -> SpringLaw:
+        """The law along the warp."""
+        return self.ways[0].law
+
+    @property
+    def weft(self) -> SpringLaw:
+        """The law along the weft."""
+        return self.ways[1].law
+
+    def with_laws(self, warp: SpringLaw, weft: SpringLaw) -> Fabric:
+        """Return the fabric with other laws."""
+        one, two = self.ways
+        return replace(self, ways=(replace(one, law=warp), replace(two, law=weft)))
 
 
 def read_fabric(job: Job, case: DrapeCase) -> Fabric:
@@ -57,65 +77,53 @@ def read_fabric(job: Job, case: DrapeCase) -> Fabric:
             f"--temperature {case.temperature:g}degC: a test with --warp or --weft has its own temperature; fit "
             "the tests of several temperatures with hf fit"
         )
-    name, warp, weft, given = case.material, case.warp, case.weft, case.thickness
-    curves = [
-        None if file is None else read_curve(job, option, file, angle, given)
-        for option, file, angle in (("--warp", warp, 0.0), ("--weft", weft, 90.0))
+    name, given = case.material, case.thickness
+    tests = [
+        None if file is None else (file, read_curve(job, option, file, angle, given))
+        for option, file, angle in (("--warp", case.warp, 0.0), ("--weft", case.weft, 90.0))
     ]
     if name is None:
-        for option, curve in zip(("--weft", "--warp"), curves, strict=True):
-            if curve is None:
-                other = "--warp" if option == "--weft" else "--weft"
+        for option, other, test in zip(("--weft", "--warp"), ("--warp", "--weft"), tests, strict=True):
+            if test is None:
                 job.console.note(f"no {other}: the curve of {option} is taken for both directions")
-        curves = [curve or next(c for c in curves if c is not None) for curve in curves]
-        fabric = None
-    else:
-        fabric = _of_document(job, name, case)
-    known = [curve.thickness for curve in curves if curve is not None and curve.thickness is not None]
-    if given is None and known and max(known) > 1.02 * min(known):
+        tests = [test or next(one for one in tests if one is not None) for test in tests]
+    fabric = None if name is None else _of_document(job, name, case)
+    known = {file: curve.thickness for file, curve in filter(None, tests) if curve.thickness is not None}
+    if given is None and known and max(known.values()) > 1.02 * min(known.values()):
+        thickest = max(known, key=lambda file: known[file])
         raise InputError(
-            f"is {max(known):g} mm thick, the other test {min(known):g} mm",
-            file=warp if curves[0] is not None and curves[0].thickness == max(known) else weft,
+            f"is {known[thickest]:g} mm thick, the other test {min(known.values()):g} mm",
+            file=thickest,
             key="thickness",
             remedy="give --thickness",
         )
-    stated = fabric.thickness if fabric is not None and np.isfinite(fabric.thickness) else None
-    thick = given or stated or (float(np.mean(known)) if known else None)
+    thick = (
+        given or (fabric and fabric.thickness) or (float(np.mean(list(known.values()))) if known else None)
+    )
     if thick is None:
         thick = USUAL_THICKNESS
-        job.console.note(f"{name or warp or weft} states no thickness: 1 mm is taken (--thickness sets it)")
-    for curve, file in zip(curves, (warp, weft), strict=True):
-        if curve is not None and curve.per_width and thick != USUAL_THICKNESS:
+        told = name or case.warp or case.weft
+        job.console.note(f"{told} states no thickness: 1 mm is taken (--thickness sets it)")
+    ways: list[Way] = []
+    for k, test in enumerate(tests):
+        if test is None:
+            assert fabric is not None  # a document stands for what has no test
+            ways.append(fabric.ways[k])
+            continue
+        file, curve = test
+        if curve.per_width and thick != USUAL_THICKNESS:
             raise InputError(
                 f"is force per width, and the sheet is {thick:g} mm thick",
-                file=file or warp or weft,
+                file=file,
                 key="thickness",
                 remedy="give --thickness",
             )
-    models, laws = [], []
-    tested: list[float | None] = []
-    fails: list[float | None] = []
-    for k, curve in enumerate(curves):
-        if curve is not None:
-            models.append(MEASURED)
-            laws.append(curve.law)
-            tested.append(curve.tested)
-            fails.append(curve.fails_at)
-        elif fabric is not None:
-            models.append(fabric.models[k])
-            laws.append((fabric.warp, fabric.weft)[k])
-            tested.append(fabric.tested[k])
-            fails.append(None)
-    files = (warp or name or weft or "", weft or name or warp or "")
-    return Fabric(
-        (models[0], models[1]), laws[0], laws[1], thick, (tested[0], tested[1]), (fails[0], fails[1]), files,
-        None if fabric is None else fabric.temperature, None if fabric is None else fabric.held_at,
-        None if fabric is None else fabric.whole,
-    )  # fmt: skip
+        ways.append(Way(MEASURED, curve.law, file, curve.tested, curve.fails_at))
+    return replace(fabric or Fabric((ways[0], ways[1]), thick), ways=(ways[0], ways[1]), thickness=thick)
 
 
 def _of_document(job: Job, name: str, case: DrapeCase) -> Fabric:
-    """The fabric of a material document; thickness not a number where it states none."""
+    """The fabric of a material document; thickness 0 where it states none."""
     read = read_fabric_document(job, name, case.temperature)
     read.used_at(job)
     document = read.document
@@ -128,24 +136,20 @@ def _of_document(job: Job, name: str, case: DrapeCase) -> Fabric:
         job.console.warn(
             f"{name}: the springs do not act on {', '.join(untold)}: they answer as on a first, slow pull"
         )
-    laws, tested = [], []
-    for direction in ("warp", "weft"):
-        own = (document.directions or {}).get(direction)
-        key = "parameters" if own is None else f"directions.{direction}.parameters"
-        whole = read.sheet()
-        if whole is not None:
-            law: Pulled = Along(whole, 0.0 if direction == "warp" else 90.0)
-        else:
-            law = read.material(direction if own is not None else None)
-        laws.append(_law(law, name, key))
+    whole, ways = read.sheet(), []
+    for direction, angle in (("warp", 0.0), ("weft", 90.0)):
+        own = direction in (document.directions or {})
+        key = f"directions.{direction}.parameters" if own else "parameters"
+        law: Pulled = Along(whole, angle) if whole is not None else read.material(direction if own else None)
         known = document.tested_stretch(direction, "uniaxial")
-        tested.append(None if known is None else known[1])
-    thick = np.nan if document.thickness_mm is None else document.thickness_mm
+        ways.append(Way(document.model, _law(law, name, key), name, None if known is None else known[1]))
     return Fabric(
-        (document.model, document.model), laws[0], laws[1], thick, (tested[0], tested[1]),
-        sources=(name, name), temperature=read.temperature, held_at=read.held_at,
-        whole=sheet_of(read) if case.sheet == "membrane" else None,
-    )  # fmt: skip
+        (ways[0], ways[1]),
+        document.thickness_mm or 0.0,
+        read.temperature,
+        read.held_at,
+        sheet_of(read) if case.sheet == "membrane" else None,
+    )
 
 
 def _law(material: Pulled, name: str, key: str) -> SpringLaw:
@@ -157,40 +161,28 @@ def _law(material: Pulled, name: str, key: str) -> SpringLaw:
         ) from None
 
 
-def _end(model: str, law: SpringLaw, largest: float) -> float | None:
-    """Where a law of constants ends (its chains lock), where springs pass it; a measured one is extrapolated."""
-    passed = model != MEASURED and law.softens is None and largest > law.largest_stretch
-    return law.largest_stretch if passed else None
-
-
 def use_of(fabric: Fabric, stretch_warp: Array, stretch_weft: Array) -> tuple[SpringUse, SpringUse]:
     """How far each law was used, and whether it was tested and rising there.
 
     A membrane is not judged by the curves of its springs, but by the margin of its own law.
     """
     uses, springs = [], fabric.whole is None
-    for model, law, stretch, tested, fails in zip(
-        fabric.models,
-        (fabric.warp, fabric.weft),
-        (stretch_warp, stretch_weft),
-        fabric.tested,
-        fabric.fails,
-        strict=True,
-    ):
-        largest = float(stretch.max())
+    for way, stretch in zip(fabric.ways, (stretch_warp, stretch_weft), strict=True):
+        law, tested, largest = way.law, way.tested, float(stretch.max())
+        softens = springs and law.softens is not None and largest > law.softens
+        # A law of constants ends where its chains lock; a measured one is extrapolated.
+        locks = springs and way.model != MEASURED and law.softens is None and largest > law.largest_stretch
         uses.append(
             SpringUse(
-                model=model,
+                model=way.model,
                 stretch_max=largest,
                 tested_stretch_max=tested,
                 beyond_tested=None
                 if tested is None
                 else int(np.count_nonzero(stretch > tested * (1.0 + 1e-9))),
-                softens_at=law.softens
-                if springs and law.softens is not None and largest > law.softens
-                else None,
-                ends_at=_end(model, law, largest) if springs else None,
-                fails_at=fails if fails is not None and largest > fails else None,
+                softens_at=law.softens if softens else None,
+                ends_at=law.largest_stretch if locks else None,
+                fails_at=way.fails if way.fails is not None and largest > way.fails else None,
             )
         )
     return uses[0], uses[1]
@@ -198,9 +190,7 @@ def use_of(fabric: Fabric, stretch_warp: Array, stretch_weft: Array) -> tuple[Sp
 
 def note_ranges(job: Job, fabric: Fabric, stretch_warp: Array, stretch_weft: Array) -> None:
     """Note where the law of each direction was used; springs below 1 are slack, and ask it nothing."""
-    for way, source, tested, stretch in zip(
-        ("warp", "weft"), fabric.sources, fabric.tested, (stretch_warp, stretch_weft), strict=True
-    ):
-        known = None if tested is None else (1.0, tested)
+    for name, way, stretch in zip(("warp", "weft"), fabric.ways, (stretch_warp, stretch_weft), strict=True):
+        known = None if way.tested is None else (1.0, way.tested)
         met = np.maximum(stretch, 1.0)
-        job.ranges.used("stretch", met, known=known, source=source, direction=way, then="extrapolated")
+        job.ranges.used("stretch", met, known=known, source=way.source, direction=name, then="extrapolated")

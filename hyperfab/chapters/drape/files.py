@@ -7,9 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from hyperfab.arrays import Array, Ints
-from hyperfab.chapters.drape.model import Model
+from hyperfab.chapters.drape.model import Model, State
 from hyperfab.chapters.drape.result import peak
-from hyperfab.chapters.drape.states import State
 from hyperfab.chapters.uncertainty.carry import Sure
 from hyperfab.cloth import Sheet
 from hyperfab.cloth.friction import SLIDES, STARTS, STICKS
@@ -122,29 +121,12 @@ def picture(
 ) -> bytes:
     """The sheet draped on the mold (corners, facets), on the flat sheet its stretch and what follows from it, and the
     ``force`` of the press, in words, with its ``interval`` where it is known."""
-    from hyperfab.report.figures_drape import (
-        Draped,
-        drape_figure,
-    )  # matplotlib takes a fifth of the command's start
+    # matplotlib takes a fifth of the command's start.
+    from hyperfab.report.figures_drape import Draped, drape_figure
 
-    found, fields = states[-1].found, states[-1].fields
-    place = peak(sheet, states[-1])
+    found, place = states[-1].found, peak(sheet, states[-1])
     return drape_figure(
-        Draped(
-            found.state.x,
-            sheet.flat(),
-            fields.cell_stretch_warp,
-            fields.cell_stretch_weft,
-            fields.cell_stretch,
-            fields.stress_warp,
-            fields.stress_weft,
-            fields.cell_thickness,
-            fields.cell_shear,
-            fields.touching,
-            fields.cell_slack,
-            (fields.stretch_max, place.flat, place.draped),
-            mold,
-        ),
+        Draped(found.state.x, sheet.flat(), states[-1].fields, (place.flat, place.draped), mold),
         [(0.0, 0.0), *((s.depth, s.fields.press_force) for s in states)] if len(states) > 1 else None,
         force,
         interval,

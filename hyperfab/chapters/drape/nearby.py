@@ -7,20 +7,17 @@ from dataclasses import replace
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.cases.drape import DrapeCase
 from hyperfab.chapters.drape.fabric import read_fabric
-from hyperfab.chapters.drape.model import Model, sheet_of
-from hyperfab.chapters.drape.states import State
+from hyperfab.chapters.drape.model import Model, State, sheet_of
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.rerun import Listener
 from hyperfab.chapters.uncertainty.carry import Answer, Changes, Figures, Nearby, Slopes
-from hyperfab.chapters.uncertainty.sources import Origins, Setting
+from hyperfab.chapters.uncertainty.sources import Origins
 from hyperfab.cloth import Sheet
 from hyperfab.cloth.answers import Answers
 from hyperfab.cloth.sensitivity import Neighbourhood
 
 #: Options that change the sheet's law alone.
-_OF_THE_LAW = ("thickness_mm", "shear_modulus_MPa", "temperature_degC", "mass_g_m2")
+_OF_THE_LAW = {"thickness_mm", "shear_modulus_MPa", "temperature_degC", "mass_g_m2"}
 #: Steps of differences, over a standard deviation.
 _STEP = 0.05
 
@@ -36,29 +33,24 @@ class Beside(Nearby):
         self._moves: list[Array] = []
 
     def gradient(self) -> Slopes:
-        slopes: dict[str, list[float]] = {}
-        fields: dict[str, list[Array]] = {}
+        slopes: list[Answer] = []
         self._moves = []
-        for index, one in enumerate(self._origins.found):
-            sd = np.sqrt(np.diag(one.source.covariance))
-            for place in range(len(one.numbers)):
-                unit, step = np.eye(len(one.numbers))[place], _STEP * float(sd[place])
-
-                sheets = [self._sheet({index: way * step * unit}) for way in (1.0, -1.0)]
-                move, *ends = self._near.slopes(sheets[0], sheets[1], step)
-                self._moves.append(move)
-                up, down = (
-                    _answer(sheet, end, way * step * move)
-                    for sheet, end, way in zip(sheets, ends, (1.0, -1.0), strict=True)
+        for sd, index, unit in self._origins.each():
+            step = _STEP * sd
+            sheets = [self._sheet({index: way * step * unit}) for way in (1.0, -1.0)]
+            move, *ends = self._near.slopes(sheets[0], sheets[1], step)
+            self._moves.append(move)
+            up, down = (
+                _answer(sheet, end, way * step * move)
+                for sheet, end, way in zip(sheets, ends, (1.0, -1.0), strict=True)
+            )
+            slopes.append(
+                Answer(
+                    {name: (value - down.figures[name]) / (2.0 * step) for name, value in up.figures.items()},
+                    {name: (values - down.fields[name]) / (2.0 * step) for name, values in up.fields.items()},
                 )
-                for name, value in up.figures.items():
-                    slopes.setdefault(name, []).append((value - down.figures[name]) / (2.0 * step))
-                for name, values in up.fields.items():
-                    fields.setdefault(name, []).append((values - down.fields[name]) / (2.0 * step))
-        return Slopes(
-            {name: np.array(values) for name, values in slopes.items()},
-            {name: np.array(values) for name, values in fields.items()},
-        )
+            )
+        return Slopes.of(slopes)
 
     def at(self, changes: Changes) -> Answer:
         if not self._moves:
@@ -69,17 +61,13 @@ class Beside(Nearby):
         return _answer(sheet, self._near.answers(sheet, moved), moved)
 
     def _sheet(self, changes: Changes) -> Sheet:
-        inputs = self._job.inputs
-        moved = self._origins.changed(self._model.case, inputs, changes)
-        case: DrapeCase = moved.case  # type: ignore[assignment]
-        fabric = read_fabric(Job(self._job.command, (), Listener(), moved.inputs), case)
-        return sheet_of(case, replace(self._model.files, fabric=fabric))
+        moved = self._origins.changed(self._model.case, self._job.inputs, changes)
+        return sheet_of(moved.case, replace(self._model.files, fabric=read_fabric(moved.job, moved.case)))
 
 
 def beside(job: Job, model: Model, state: State, origins: Origins) -> Beside | None:
     """Return the neighbours of the last state; None where they hang on the way there, or on the mold's place."""
-    settings = [number.path for number in origins.numbers if isinstance(number, Setting)]
-    if model.case.has_friction or not set(settings) <= set(_OF_THE_LAW):
+    if model.case.has_friction or not origins.settings <= _OF_THE_LAW:
         return None
     return Beside(job, model, state, origins)
 

@@ -6,11 +6,10 @@ import numpy as np
 
 from hyperfab.cases.drape import DYNAMIC_STEPS, LOAD_STEPS, RELAXATION_STEPS, SIDES
 from hyperfab.chapters.drape.fabric import use_of
-from hyperfab.chapters.drape.model import Model
-from hyperfab.chapters.drape.states import State
+from hyperfab.chapters.drape.model import Model, State
 from hyperfab.chapters.job import Job
 from hyperfab.cloth import Answers, Sheet
-from hyperfab.cloth.cuts import stands_out
+from hyperfab.cloth.depth import stands_out
 from hyperfab.cloth.friction import SLIDES, STARTS, STICKS
 from hyperfab.cloth.mold import FREE
 from hyperfab.documents.drape import DrapeDocument, DrapeMold, DrapeState, Place, Rubbing
@@ -58,21 +57,18 @@ def document_of(model: Model, states: list[State]) -> DrapeDocument:
     shift = np.array(placed.standing(state.depth))
     through, top, below = stands_out(found.state.x, sheet, placed.surface, shift)
     where = Place(flat=below[:2].tolist(), draped=top.tolist())
+    newton = sum(step.iteration > 0 for one in states for step in one.found.history)
+    last = dict(_state(sheet, state, loose))
+    del last["depth_mm"]  # where the way ended early, that is not the depth asked for
     document = DrapeDocument(
-        converged=found.converged,
+        **last,
         status=status,
-        iterations=_steps(states) if case.solver == "newton" else found.history[-1].iteration,
+        iterations=newton if case.solver == "newton" else found.history[-1].iteration,
         iterations_finest=found.history[-1].iteration,
         residual_max_N=found.residual_max,
-        residual_relative=found.residual_relative,
         tolerance=tolerance,
         sheet=case.sheet,
-        energy_J=fields.spring_energy * 1e-3,
-        force_N=fields.press_force,
         imbalance_N=fields.imbalance,
-        contact_nodes=int(np.count_nonzero(fields.touching)),
-        contact_edges=fields.contact_edges,
-        penetration_max_mm=max(fields.cut.node, fields.cut.edge),
         penetration_nodes_mm=fields.cut.node,
         penetration_edges_mm=fields.cut.edge,
         penetration_edges_at_mm=list(fields.cut.flat) if fields.cut.edge > 0.0 else None,
@@ -89,10 +85,6 @@ def document_of(model: Model, states: list[State]) -> DrapeDocument:
         wrinkled_area_fraction=None
         if fields.cells is None
         else float(np.average(fields.cells.wrinkled, weights=sheet.areas)),
-        slack_springs=fields.slack_springs,
-        stress_warp_max_MPa=float(fields.stress_warp.max()),
-        stress_weft_max_MPa=float(fields.stress_weft.max()),
-        thickness_min_mm=float(fields.cell_thickness.min()),
         thickness_mm=sheet.thickness,
         grid=[sheet.n, sheet.m],
         size_mm=list(sheet.size),
@@ -118,7 +110,6 @@ def document_of(model: Model, states: list[State]) -> DrapeDocument:
             axis=case.axis,
             shift_mm=[float(v) + 0.0 for v in shift],
         ),
-        draw_in_mm=draw_in(sheet, state, loose),
     )
     if (not found.converged and state.depth < depths[-1] - 1e-9) or len(states) < len(depths):
         reached = [s.depth for s in states if s.found.converged]
@@ -129,11 +120,6 @@ def document_of(model: Model, states: list[State]) -> DrapeDocument:
     if state.rest is not None:
         document.rubbing = _rubbing(state)
     return document
-
-
-def _steps(states: list[State]) -> int:
-    """Newton steps on all grids, at all depths."""
-    return sum(1 for state in states for step in state.found.history if step.iteration > 0)
 
 
 def _state(sheet: Sheet, state: State, loose: list[str]) -> DrapeState:

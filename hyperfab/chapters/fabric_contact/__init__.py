@@ -1,5 +1,148 @@
-"""`hf fabric-contact`: a sphere pushed into a clamped sheet."""
+"""`hf fabric-contact`, a sphere pushed into a clamped sheet: read, check, press, judge, write."""
 
-from hyperfab.chapters.fabric_contact.command import run
+from __future__ import annotations
 
-__all__ = ["run"]
+import os
+
+import numpy as np
+
+from hyperfab.cases.contact import ContactCase
+from hyperfab.chapters.fabric_contact import nearby
+from hyperfab.chapters.fabric_contact.fabric import Fabric, read_fabric
+from hyperfab.chapters.fabric_contact.fields import picture, vtu
+from hyperfab.chapters.fabric_contact.result import document, mounted_row, row, status_of
+from hyperfab.chapters.fabric_contact.setup import Setup, read_geometry, setup_of
+from hyperfab.chapters.job import Job
+from hyperfab.chapters.uncertainty.carry import Sure, carry
+from hyperfab.documents.contact import ContactDocument
+from hyperfab.errors import NotConverged
+from hyperfab.io.csv_write import csv_bytes
+from hyperfab.io.output import Output
+from hyperfab.membrane.equilibrium import State
+from hyperfab.membrane.friction_path import LOAD_STEPS, run_with_friction
+from hyperfab.membrane.sphere_contact import Outcome
+from hyperfab.membrane.sphere_contact import run as press
+from hyperfab.membrane.verdict import first_instability, stress_difference
+from hyperfab.numerics.threads import side_by_side
+
+
+def run(job: Job, case: ContactCase) -> int:
+    """Press the sphere into the sheet; return 0, or 4 where the depth was not reached or the constants are unstable."""
+    out = job.opened(job.target, (".vtu", ".csv", ".png"))
+    fabrics = [
+        read_fabric(job, name, case.temperature) for name in (case.material, case.against) if name is not None
+    ]
+    geometry = read_geometry(job, case)
+    setup = setup_of(case, geometry, fabrics[0])
+    out.refuse_inputs(job.inputs)
+    if case.thickness is None and fabrics[0].thickness is None:
+        job.console.note(f"{case.material} states no thickness: 1 mm is taken (--thickness sets it)")
+    outcomes = _pressed(job, setup, fabrics)
+    instabilities = [first_instability(outcome) for outcome in outcomes]
+    found = document(setup, fabrics, outcomes, instabilities)
+    if not outcomes[0].solved:
+        raise NotConverged(
+            status_of(outcomes[0], None) or "no equilibrium", remedy="try a larger first --depth"
+        )
+    for fabric, outcome in zip(fabrics, outcomes, strict=True):
+        if outcome.solved:
+            last = outcome.solved[-1]
+            # A sheet that hangs slack carries nothing: its law is not asked below 1.
+            met = np.maximum(last.fields.stretch, 1.0)
+            job.ranges.used("stretch", met, known=fabric.tested, source=fabric.name, then="extrapolated")
+    sure = Sure()
+    if found.converged:
+        sure = carry(
+            job,
+            case,
+            found,
+            lambda: nearby.origins_of(job, case),
+            lambda origins: nearby.beside(job, case, geometry, outcomes[0], origins),
+        )
+        found.uncertainty = sure.uncertainty
+    _write(job, out, case, fabrics, outcomes, found, sure)
+    for number, (fabric, outcome, unstable) in enumerate(zip(fabrics, outcomes, instabilities, strict=True)):
+        status = status_of(outcome, unstable)
+        if status:
+            job.console.warn(f"{fabric.name}: {status}")
+        _table(job, fabric, outcome, number)
+    if found.cut_max_mm and found.force_error_relative and found.force_error_relative > case.tolerance:
+        job.console.warn(
+            f"elements cut up to {found.cut_max_mm:.2g} mm into sharp edges of the punch: its force is sure to "
+            f"{100.0 * found.force_error_relative:.2g} % only; round the edges, or choose a smaller --mesh-size"
+        )
+    failed = any(instabilities) or any(outcome.path.limit for outcome in outcomes)
+    return NotConverged.exit_status if failed else 0
+
+
+def _pressed(job: Job, setup: Setup, fabrics: list[Fabric]) -> list[Outcome]:
+    tests = [setup.test(fabric) for fabric in fabrics]
+    seen = [0]
+    expected = (
+        2
+        * len(tests)
+        * (max(len(setup.depths), LOAD_STEPS) if setup.friction.remembers else len(setup.depths))
+    )
+    with job.console.progress(
+        "Pressing the punch in" if setup.case.punch else "Pressing the sphere in"
+    ) as advance:
+
+        def watch(state: State) -> None:
+            seen[0] += 1
+            advance(min(1.0, seen[0] / expected), f"{state.depth:.3g} mm, {state.force:.3g} N")
+
+        if setup.friction.remembers:
+            return run_with_friction(tests, setup.depths, watch)
+        return press(tests, setup.depths, setup.case.tolerance, watch)
+
+
+def _write(
+    job: Job,
+    out: Output,
+    case: ContactCase,
+    fabrics: list[Fabric],
+    outcomes: list[Outcome],
+    found: ContactDocument,
+    sure: Sure,
+) -> None:
+    difference = None
+    both = len(outcomes) > 1
+    if both and found.compared_at_depth_mm is not None:
+        depth = found.compared_at_depth_mm
+        pair = [next(one for one in outcome.solved if one.state.depth == depth) for outcome in outcomes]
+        _, difference = stress_difference(pair[0], pair[1])
+    if out.wants_files:
+        last = outcomes[0].solved[-1]
+        shown = difference if difference is not None and pair[0] is last else None
+        rows = [mounted_row(last), *(row(solved) for solved in outcomes[0].solved)]
+        compared = (pair[0], difference) if difference is not None else None
+        field, drawn = side_by_side(
+            [
+                lambda: vtu(last, shown, sure.twins),
+                lambda: picture(_names(fabrics), outcomes, compared, sure.interval("force_N")),
+            ]
+        )
+        out.add(".vtu", field)
+        out.add(".csv", csv_bytes(list(rows[0]), [[float(one[name]) for name in rows[0]] for one in rows]))
+        out.add(".png", drawn)
+    job.write(out, found, case)
+
+
+def _names(fabrics: list[Fabric]) -> list[str]:
+    # The name alone: where a file lies on a machine has no place in a picture.
+    names = [os.path.basename(fabric.name) for fabric in fabrics]
+    return ["A: " + names[0], "B: " + names[1]] if len(names) > 1 else names
+
+
+def _table(job: Job, fabric: Fabric, outcome: Outcome, number: int) -> None:
+    rows = []
+    for solved in outcome.solved:
+        found = solved.fields
+        rows.append(
+            [
+                f"{solved.state.depth:.4g}", f"{solved.state.force:.6g}", f"{1e-3 * solved.state.energy:.5g}",
+                f"{np.max(found.stretch):.4f}", f"{np.max(found.cauchy):.4g}",
+            ]
+        )  # fmt: skip
+    columns = ("depth [mm]", "force [N]", "energy [J]", "stretch", "stress [MPa]")
+    job.console.table(f"{'AB'[number]}: {fabric.model}, {fabric.name}", columns, rows)

@@ -11,9 +11,8 @@ from hyperfab.chapters.fabric_contact.fields import sure_fields
 from hyperfab.chapters.fabric_contact.result import row
 from hyperfab.chapters.fabric_contact.setup import Geometry, setup_of
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.rerun import Listener
 from hyperfab.chapters.uncertainty.carry import Answer, Changes, Figures, Nearby, Slopes
-from hyperfab.chapters.uncertainty.sources import Origins, Setting, origins
+from hyperfab.chapters.uncertainty.sources import Origins, origins
 from hyperfab.documents.uncertainty import FIGURES
 from hyperfab.errors import NotConverged
 from hyperfab.membrane.equilibrium import NoEquilibriumError
@@ -21,14 +20,9 @@ from hyperfab.membrane.sensitivity import Neighbourhood
 from hyperfab.membrane.sphere_contact import Outcome, Solved, SphereTest
 
 #: Options that leave the mesh as it is.
-_ON_THE_MESH = (
-    "thickness_mm",
-    "depth_mm",
-    "sphere_radius_mm",
-    "prestretch",
-    "rim_slip_mm2_N",
-    "temperature_degC",
-)
+_ON_THE_MESH = {
+    "thickness_mm", "depth_mm", "sphere_radius_mm", "prestretch", "rim_slip_mm2_N", "temperature_degC"
+}  # fmt: skip
 #: Steps of differences, over a standard deviation.
 _STEP = 0.02
 
@@ -50,28 +44,24 @@ class Beside(Nearby):
         self, job: Job, case: ContactCase, geometry: Geometry, solved: Solved, origins: Origins
     ) -> None:
         self._job, self._case, self._geometry, self._origins = job, case, geometry, origins
-        self._solved = solved
         self._near = Neighbourhood(solved)
         self._moves: list[Array] = []
 
     def gradient(self) -> Slopes:
-        slopes: dict[str, list[float | Array]] = {}
+        slopes: list[Answer] = []
         self._moves = []
-        for index, one in enumerate(self._origins.found):
-            sd = np.sqrt(np.diag(one.source.covariance))
-            for place in range(len(one.numbers)):
-                unit = np.eye(len(one.numbers))[place]
+        for sd, index, unit in self._origins.each():
 
-                def test(change: float, index: int = index, unit: Array = unit) -> tuple[SphereTest, float]:
-                    return self._test({index: change * unit})
+            def test(by: float, index: int = index, unit: Array = unit) -> tuple[SphereTest, float]:
+                return self._test({index: by * unit})
 
-                moved, found = self._near.slopes(test, _STEP * float(sd[place]), _answer)
-                self._moves.append(moved)
-                for name, slope in found.items():
-                    slopes.setdefault(name, []).append(slope)
-        by_name = {name: np.array(values) for name, values in slopes.items()}
-        figures = {name: by_name.pop(name) for name in FIGURES["contact"]}
-        return Slopes(figures, by_name)
+            moved, found = self._near.slopes(
+                test, _STEP * sd, lambda solved: {**_figures(solved), **sure_fields(solved)}
+            )
+            self._moves.append(moved)
+            figures = {name: float(found.pop(name)) for name in FIGURES["contact"]}
+            slopes.append(Answer(figures, {name: np.asarray(slope) for name, slope in found.items()}))
+        return Slopes.of(slopes)
 
     def at(self, changes: Changes) -> Answer:
         """Return the figures of the equilibrium with numbers changed; NotConverged where there is none.
@@ -91,13 +81,10 @@ class Beside(Nearby):
         return Answer(found, sure_fields(solved))
 
     def _test(self, changes: Changes) -> tuple[SphereTest, float]:
-        inputs = self._job.inputs
-        moved = self._origins.changed(self._case, inputs, changes)
-        case: ContactCase = moved.case  # type: ignore[assignment]
-        quiet = Job(self._job.command, (), Listener(), moved.inputs)
-        fabric = read_fabric(quiet, case.material, case.temperature)
-        setup = setup_of(case, self._geometry, fabric)
-        return setup.test(fabric), setup.depth
+        moved = self._origins.changed(self._case, self._job.inputs, changes)
+        fabric = read_fabric(moved.job, moved.case.material, moved.case.temperature)
+        setup = setup_of(moved.case, self._geometry, fabric)
+        return setup.test(fabric), setup.depths[-1]
 
 
 def beside(
@@ -105,14 +92,9 @@ def beside(
 ) -> Beside | None:
     """Return the neighbours of a test's last equilibrium; None where they hang on the way, or have another mesh."""
     solved = outcome.solved[-1]
-    settings = [number.path for number in origins.numbers if isinstance(number, Setting)]
-    if solved.press.tangential.remembers or not set(settings) <= set(_ON_THE_MESH):
+    if solved.press.tangential.remembers or not origins.settings <= _ON_THE_MESH:
         return None
     return Beside(job, case, geometry, solved, origins)
-
-
-def _answer(solved: Solved) -> dict[str, float | Array]:
-    return {**_figures(solved), **sure_fields(solved)}
 
 
 def _figures(solved: Solved) -> Figures:

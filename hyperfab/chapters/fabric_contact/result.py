@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 
 from hyperfab.chapters.fabric_contact.fabric import Fabric
@@ -9,7 +10,6 @@ from hyperfab.chapters.fabric_contact.fields import pressure
 from hyperfab.chapters.fabric_contact.outline import is_file
 from hyperfab.chapters.fabric_contact.setup import Setup
 from hyperfab.documents.contact import BalancePart, ContactDocument, OtherPart, SetupPart, StabilityPart
-from hyperfab.membrane.contact import Tangential
 from hyperfab.membrane.contact_edge import contact_edge
 from hyperfab.membrane.friction import Coulomb
 from hyperfab.membrane.measures import cut, fields, mounted_energy, wrinkled_fraction
@@ -31,6 +31,7 @@ def document(
     outcome, unstable = outcomes[0], instabilities[0]
     limit = outcome.path.limit
     total = outcome.path.iterations
+    presses = [outcome.rough, *(solved.press for solved in outcome.solved)]
     if not setup.friction.remembers:
         total += sum(solved.state.iterations for solved in outcome.solved)
     found = ContactDocument(
@@ -41,7 +42,7 @@ def document(
         newton_iterations=outcome.solved[-1].state.iterations if outcome.solved else 0,
         newton_iterations_total=total,
         unknowns=(outcome.solved[-1].press if outcome.solved else outcome.rough).sheet.mesh.unknowns,
-        linear_solver=_linear_solver(outcome),
+        linear_solver=", ".join(sorted(set().union(*(press.sheet.pattern.solver.used for press in presses)))),
         force_depth=_force_depth(outcome),
         stability=_stability(unstable, limit),
         setup=_setup(setup, fabrics[0]),
@@ -60,19 +61,13 @@ def document(
 
 
 def _half_thickness(setup: Setup) -> list[str]:
-    if setup.punch is not None or setup.lift > 0.0:
+    if setup.case.punch is not None or setup.lift > 0.0:
         return []
     half = 0.5 * setup.thickness
     share = 100.0 * half / setup.radius
     return [
         f"half the sheet's thickness on the sphere: {half:g} mm, {share:.2g} % of its radius (--middle-surface)"
     ]
-
-
-def _linear_solver(outcome: Outcome) -> str:
-    """Name the solvers that were used, on all meshes."""
-    presses = [outcome.rough, *(solved.press for solved in outcome.solved)]
-    return ", ".join(sorted(set().union(*(press.sheet.pattern.solver.used for press in presses))))
 
 
 def status_of(outcome: Outcome, unstable: Instability | None) -> str | None:
@@ -124,17 +119,15 @@ def _add_last(found: ContactDocument, outcome: Outcome) -> None:
     last = outcome.solved[-1]
     sheet, state = last.press.sheet, last.state
     smooth = last.fields
-    found.force_N = state.force
+    for name, value in row(last).items():
+        if name != "depth_mm":
+            setattr(found, name, value)
     found.force_error_relative = last.error
-    found.energy_J = _JOULE * state.energy
-    found.stretch_max = float(smooth.stretch.max())
-    found.stress_max_MPa = float(smooth.cauchy.max())
     found.pressure_max_MPa = float(pressure(last, smooth.cauchy, smooth.thickness).max())
     found.stress_nominal_max_MPa = float(smooth.nominal.max())
     found.wrinkled_area_fraction = wrinkled_fraction(sheet, state.places)
-    for name, deformed in (("contact_radius_mm", True), ("contact_radius_undeformed_mm", False)):
-        edge = contact_edge(last.press, state, deformed=deformed)
-        setattr(found, name, edge.mean if edge else 0.0)
+    edge = contact_edge(last.press, state, deformed=False)
+    found.contact_radius_undeformed_mm = edge.mean if edge else 0.0
     stored = state.energy - mounted_energy(last.press)
     done = work(outcome)
     lost = sheet.mesh.copies * state.memory.dissipated
@@ -203,30 +196,26 @@ def _stability(unstable: Instability | None, limit: Limit | None) -> StabilityPa
     return part
 
 
-def _friction(law: Tangential) -> str:
-    if not law.remembers:
-        return "frictionless"
-    return f"Coulomb {law.coefficient:g}" if isinstance(law, Coulomb) else "stick"
-
-
 def _setup(setup: Setup, fabric: Fabric) -> SetupPart:
+    case, law, punch = setup.case, setup.friction, setup.geometry.facets
+    coulomb = f"Coulomb {law.coefficient:g}" if isinstance(law, Coulomb) else "stick"
     return SetupPart(
         model=fabric.model,
         fabric=fabric.words,
-        shape=setup.shape,
-        size_mm=setup.size,
+        shape=os.path.basename(case.shape),
+        size_mm=setup.geometry.width,
         thickness_mm=setup.thickness,
-        area_mm2=setup.outline.area if is_file(setup.shape) else None,
-        sphere_radius_mm=None if setup.punch else setup.radius,
-        punch=setup.punch_name,
-        punch_facets=len(setup.punch.surface.faces) if setup.punch else None,
-        depth_mm=setup.depth,
-        prestretch=setup.prestretch,
-        rim_slip_mm2_N=setup.rim_slip or None,
+        area_mm2=setup.outline.area if is_file(case.shape) else None,
+        sphere_radius_mm=None if punch else setup.radius,
+        punch=None if case.punch is None else os.path.basename(case.punch),
+        punch_facets=len(punch.surface.faces) if punch else None,
+        depth_mm=setup.depths[-1],
+        prestretch=case.prestretch,
+        rim_slip_mm2_N=case.rim_slip or None,
         temperature_degC=fabric.temperature,
         constants_degC=fabric.held_at,
         effects=fabric.obeyed or None,
-        friction=_friction(setup.friction),
+        friction=coulomb if law.remembers else "frictionless",
         mesh_size_mm=setup.mesh_size,
-        elements=f"P{setup.order}" + (", a quarter of the sheet" if setup.outline.quarter else ""),
+        elements=case.element + (", a quarter of the sheet" if setup.outline.quarter else ""),
     )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,10 +14,10 @@ from hyperfab.chapters.job import Job
 from hyperfab.chapters.molds import read_molds
 from hyperfab.errors import InputError, UsageError
 from hyperfab.membrane.contact import Frictionless, Tangential
-from hyperfab.membrane.facets import Facets
 from hyperfab.membrane.friction import Coulomb, Stick
 from hyperfab.membrane.outline import Disc, Outline, Square
 from hyperfab.membrane.polygon import Polygon
+from hyperfab.membrane.punch import Facets
 from hyperfab.membrane.sphere_contact import SphereTest
 
 _ORDERS = {"P1": 1, "P2": 2}
@@ -26,51 +25,6 @@ _ORDERS = {"P1": 1, "P2": 2}
 _SIZE, _SPHERE = 200.0, 40.0
 #: Elements away from the contact, relative to half the size, where --mesh-size is not given.
 _MESH = 0.08
-
-
-@dataclass(frozen=True)
-class Setup:
-    """The geometry and the settings of the test, in mm.
-
-    ``punch`` is pressed in place of a sphere; ``radius`` is the sphere's, or half the punch's width;
-    ``lift`` is how far off the sphere the sheet's middle surface is held.
-    """
-
-    outline: Outline
-    shape: str
-    size: float
-    thickness: float
-    radius: float
-    depths: list[float]
-    prestretch: float
-    mesh_size: float
-    tolerance: float
-    friction: Tangential
-    order: int = 2
-    rim_slip: float = 0.0
-    punch: Facets | None = None
-    punch_name: str | None = None
-    lift: float = 0.0
-
-    @property
-    def depth(self) -> float:
-        """The depth asked for."""
-        return self.depths[-1]
-
-    def test(self, fabric: Fabric) -> SphereTest:
-        """Return the test of one fabric."""
-        return SphereTest(
-            self.outline,
-            fabric.law,
-            self.thickness,
-            self.radius + self.lift,
-            self.prestretch,
-            self.mesh_size,
-            order=self.order,
-            friction=self.friction,
-            rim_slip=self.rim_slip,
-            facets=self.punch,
-        )
 
 
 @dataclass(frozen=True)
@@ -82,6 +36,55 @@ class Geometry:
     width: float
     narrow: float
     facets: Facets | None
+
+
+@dataclass(frozen=True)
+class Setup:
+    """The test that a ``case`` and its ``geometry`` describe, with what the case leaves open [mm].
+
+    ``outline`` is what is meshed, a quarter where all is symmetric; ``radius`` is the sphere's, or half the punch's
+    width.
+    """
+
+    case: ContactCase
+    geometry: Geometry
+    outline: Outline
+    thickness: float
+    radius: float
+    mesh_size: float
+
+    @property
+    def depths(self) -> list[float]:
+        """The depths [mm] shown; the last is the one asked for."""
+        return [float(part) for part in np.linspace(0.0, self.case.depth, self.case.steps + 1)[1:]]
+
+    @property
+    def friction(self) -> Tangential:
+        """The law of friction."""
+        given = self.case.friction
+        if given == STICK:
+            return Stick()
+        return Coulomb(float(given)) if given else Frictionless()
+
+    @property
+    def lift(self) -> float:
+        """How far [mm] off the sphere the sheet's middle surface is held."""
+        return 0.5 * self.thickness if self.case.middle_surface else 0.0
+
+    def test(self, fabric: Fabric) -> SphereTest:
+        """Return the test of one fabric."""
+        return SphereTest(
+            self.outline,
+            fabric.law,
+            self.thickness,
+            self.radius + self.lift,
+            self.case.prestretch,
+            self.mesh_size,
+            order=_ORDERS[self.case.element],
+            friction=self.friction,
+            rim_slip=self.case.rim_slip,
+            facets=self.geometry.facets,
+        )
 
 
 def read_geometry(job: Job, case: ContactCase) -> Geometry:
@@ -122,29 +125,7 @@ def setup_of(case: ContactCase, geometry: Geometry, fabric: Fabric) -> Setup:
         raise UsageError(
             f"--mesh-size {mesh:g}mm: between {narrow / 400:.3g}mm and {narrow / 6:.3g}mm for this sheet"
         )
-    return Setup(
-        outline,
-        os.path.basename(case.shape),
-        width,
-        thickness,
-        radius,
-        [float(part) for part in np.linspace(0.0, case.depth, case.steps + 1)[1:]],
-        case.prestretch,
-        mesh,
-        case.tolerance,
-        _friction(case.friction),
-        _ORDERS[case.element],
-        case.rim_slip,
-        geometry.facets,
-        None if case.punch is None else os.path.basename(case.punch),
-        0.5 * thickness if case.middle_surface else 0.0,
-    )
-
-
-def _friction(given: float | str) -> Tangential:
-    if given == STICK:
-        return Stick()
-    return Coulomb(float(given)) if given else Frictionless()
+    return Setup(case, geometry, outline, thickness, radius, mesh)
 
 
 def _within(value: float, least: float, most: float, shown: str) -> None:

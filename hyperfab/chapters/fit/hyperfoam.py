@@ -14,7 +14,7 @@ from hyperfab.chapters.fit.plateau import Plateau, plateau, table_csv, table_of
 from hyperfab.chapters.fit.readings import Readings
 from hyperfab.chapters.fit.siblings import curves_csv, grid_of, line
 from hyperfab.chapters.fit.whole import Answer, WholeFit
-from hyperfab.chapters.tested import tested_by
+from hyperfab.chapters.look import tested_by
 from hyperfab.curve import TestCurve
 from hyperfab.documents.material import FitFigures, MaterialDocument, StableRange, TestFigures, Undetermined
 from hyperfab.errors import InputError

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.chapters.tested import tested_by
+from hyperfab.chapters.look import tested_by
 from hyperfab.curve import TestCurve
 from hyperfab.documents.material import Tested
 from hyperfab.materials import Material

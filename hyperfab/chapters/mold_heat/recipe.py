@@ -16,8 +16,7 @@ from hyperfab.chapters.mold_heat.problem import MoldBuilder, Problem
 from hyperfab.chapters.mold_heat.result import IMBALANCE_ALLOWED, steady_document, transient_document
 from hyperfab.chapters.mold_heat.tables import Tables
 from hyperfab.chapters.mold_heat.variations import SHARPER, read_variations, variations_csv, vary
-from hyperfab.chapters.uncertainty import carry
-from hyperfab.chapters.uncertainty.carry import Sure
+from hyperfab.chapters.uncertainty.carry import Sure, carry
 from hyperfab.chapters.uncertainty.sources import Origins, of_films, origins
 from hyperfab.console import Advance
 from hyperfab.documents.base import read_document

@@ -9,12 +9,11 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.chapters.press_contact.formed import part_of as formed_part
 from hyperfab.chapters.press_contact.nearby import ROOM
-from hyperfab.chapters.press_contact.press_result import PressResult
+from hyperfab.chapters.press_contact.result import PressResult
 from hyperfab.chapters.uncertainty.carry import Sure
 from hyperfab.documents.press import PressDocument
 from hyperfab.io import vtu
 from hyperfab.io.csv_write import csv_bytes
-from hyperfab.pressing.gap import vertex_areas
 from hyperfab.report.bands import banded
 
 _CURVE_HEADER = ("stroke_mm", "force_N", "pressed_area_mm2", "gap_min_mm", "energy_J")
@@ -90,7 +89,6 @@ def picture_of(told: PressResult, document: PressDocument, sure: Sure) -> bytes:
 
     closed = told.closed
     front, sandwich = closed.front, closed.press.sandwich
-    turned = told.frame.inward(np.arange(3.0))
     mold = SpottedMold(
         vertices=front.vertices,
         faces=front.faces,
@@ -98,9 +96,9 @@ def picture_of(told: PressResult, document: PressDocument, sure: Sure) -> bytes:
         gap=closed.contact.gap,
         pressure=closed.contact.pressure,
         level=np.asarray(sandwich.thickness - closed.touch),
-        areas=vertex_areas(front, ~front.flange),
+        areas=front.molding_areas,
         thickness=document.sandwich_mm,
-        axes=("xyz"[abs(int(turned[0]))], "xyz"[abs(int(turned[1]))]),
+        axes=told.frame.plan,
     )
     data = document.to_json()
     title = (
@@ -116,14 +114,13 @@ def formed_picture(told: PressResult) -> bytes:
 
     assert told.formed is not None
     front = told.closed.front
-    turned = told.frame.inward(np.arange(3.0))
     fields = _formed_fields(told)
     mold = FormedMold(
         vertices=front.vertices,
         faces=front.faces[~front.flange],
         thickness=fields["formed_thickness_mm"],
         off=fields.get("off_wanted_mm"),
-        axes=("xyz"[abs(int(turned[0]))], "xyz"[abs(int(turned[1]))]),
+        axes=told.frame.plan,
     )
     beside = "" if told.beside is None else f", off by {told.beside.worst_mm:+.2f} mm at most"
     part = formed_part(told.formed, told.closed, told.closed.cold)

@@ -18,7 +18,6 @@ from hyperfab.io.csv_table import Table as Rows
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.inputs import Inputs
 from hyperfab.pressing.closing import Closed
-from hyperfab.pressing.gap import vertex_areas
 from hyperfab.pressing.mold import PressFrame
 from hyperfab.pressing.setting import Arrhenius, SetLaw, Share, Table, identified, stays
 from hyperfab.pressing.warming import Column
@@ -111,7 +110,7 @@ def note_ranges(job: Job, found: Formed, dwell: float, closed: Closed) -> None:
 
 def part_of(found: Formed, closed: Closed, places: Array) -> FormedPart:
     """Return what the document tells; ``places`` (n, 3) [mm] are the front's vertices as they are drawn."""
-    area = vertex_areas(closed.front, ~closed.front.flange)
+    area = closed.front.molding_areas
     there = np.flatnonzero(area > 0.0)
     thickness, back = found.thickness, found.springback
     pressed = found.pressed & (area > 0.0)
@@ -175,7 +174,7 @@ class Wanted:
 
     def beside(self, found: Formed, closed: Closed, frame: PressFrame) -> WantedPart:
         """Return by how much the product misses it."""
-        area = vertex_areas(closed.front, ~closed.front.flange)
+        area = closed.front.molding_areas
         there = np.flatnonzero(area > 0.0)
         wanted = self.at(closed.cold)
         off = found.thickness - wanted

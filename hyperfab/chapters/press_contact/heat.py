@@ -9,9 +9,8 @@ import numpy as np
 from hyperfab.arrays import Array, Ints
 from hyperfab.cases.kinds import File
 from hyperfab.cases.press import PressCase
-from hyperfab.chapters.field import read_field
+from hyperfab.chapters.field import derivatives, read_field
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.uncertainty.fields import derivatives
 from hyperfab.documents.base import read_document
 from hyperfab.documents.heat import HeatDocument
 from hyperfab.errors import InputError

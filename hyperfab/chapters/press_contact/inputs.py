@@ -10,10 +10,9 @@ from typing import Literal
 import numpy as np
 
 from hyperfab.cases.press import PressCase
-from hyperfab.chapters.field import read_field
+from hyperfab.chapters.field import derivatives, read_field
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.molds import MoldFile, read_mold
-from hyperfab.chapters.uncertainty.fields import derivatives
 from hyperfab.documents.base import read_document
 from hyperfab.documents.drape import DrapeDocument
 from hyperfab.documents.foam import FoamDocument
@@ -25,7 +24,7 @@ from hyperfab.io.inputs import Inputs
 from hyperfab.pressing.growth import Expansion
 from hyperfab.pressing.mold import PressFrame
 from hyperfab.pressing.placement import closing_frame
-from hyperfab.pressing.thinning import thickness_factor, thinning_at
+from hyperfab.pressing.sandwich import thickness_factor, thinning_at
 from hyperfab.surface import Surface
 
 #: Aluminium 6061: mean coefficients of expansion from 20 degC to 100 and to 300 degC (ASM Handbook, volume 2).

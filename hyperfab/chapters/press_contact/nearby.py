@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.cases.press import PressCase
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact.heat import ThermalDisplacement
 from hyperfab.chapters.press_contact.model import Model, joint_of, offset_of, reread, sandwich_of, tilt_of
@@ -19,7 +17,6 @@ from hyperfab.chapters.uncertainty.sources import Origins
 from hyperfab.errors import NotConverged
 from hyperfab.numerics.trend import Trend
 from hyperfab.pressing.closing import Closed
-from hyperfab.pressing.gap import vertex_areas
 from hyperfab.pressing.growth import Expansion, even_growth, guide_line
 from hyperfab.pressing.nearby import Displacement, Found, Neighbourhood
 from hyperfab.pressing.sandwich import Sandwich
@@ -43,7 +40,7 @@ class Beside(Nearby):
         self._near = Neighbourhood(closed, (male.growth, female.growth), (modes[0], modes[1]))
         # A female is looked for where those before lie.
         self._places = Trend()
-        self._area = vertex_areas(closed.front, ~closed.front.flange)
+        self._area = closed.front.molding_areas
         self._celsius = foam_temperature(job, model, closed) if by_place(model) else None
         self._warmer: Array | None = None
         self.samples = _SAMPLES if closed.press.sandwich.law.places is None else _BY_PLACE
@@ -64,12 +61,10 @@ class Beside(Nearby):
         """Return what the temperature of the places changes by from ``before`` (n,) [degC] on with each number
         (numbers, n)."""
         rows = []
-        for k, origin in enumerate(self._origins.sources):
-            for number, sd in enumerate(np.sqrt(np.diag(origin.covariance))):
-                change = np.zeros(len(origin.covariance))
-                change[number] = _STEP * sd
-                gained = self._settled({k: change}, before) - before if sd > 0.0 else 0.0 * before
-                rows.append(gained / max(change[number], np.finfo(float).tiny))
+        for sd, index, unit in self._origins.each():
+            by = _STEP * sd
+            gained = self._settled({index: by * unit}, before) - before if sd > 0.0 else 0.0 * before
+            rows.append(gained / max(by, np.finfo(float).tiny))
         return np.array(rows)
 
     def _settled(self, changes: Changes, before: Array) -> Array:
@@ -90,13 +85,13 @@ class Beside(Nearby):
     def _close(self, changes: Changes, places: Array | None) -> tuple[Found, Sandwich, Model]:
         """Return the same with the foam's law read at the temperature of ``places`` (n,) [degC] where that is given,
         and the model it is of."""
-        inputs, model = self._job.inputs, self._model
-        moved = self._origins.changed(model.case, inputs, changes)
-        case: PressCase = moved.case  # type: ignore[assignment]
-        quiet = Job(self._job.command, (), Listener(), moved.inputs)
+        model = self._model
+        moved = self._origins.changed(model.case, self._job.inputs, changes)
+        case, quiet = moved.case, moved.job
         files = reread(quiet, case, model.case, model.files, moved.handed)
+        # How much there is of each mode of a mold, where numbers of its heat document change.
         amounts = [
-            _amounts(grown, moved.handed.get(heat.name, {}))
+            np.array([moved.handed.get(heat.name, {}).get(k, 0.0) for k in range(len(grown.modes))])
             for grown, heat in zip(model.grown, files.heat, strict=True)
         ]
         celsius = [
@@ -166,11 +161,6 @@ def beside(job: Job, model: Model, closed: Closed, origins: Origins) -> Beside |
     if not all(grown.even for grown in model.grown) and "expansion.reference" in names:
         return None
     return Beside(job, model, closed, origins)
-
-
-def _amounts(grown: ThermalDisplacement, changes: Mapping[int, float]) -> Array:
-    """Return how much of each mode of a mold there is, where numbers of its heat document change."""
-    return np.array([changes.get(k, 0.0) for k in range(len(grown.modes))])
 
 
 def _given(grown: ThermalDisplacement, amounts: Array) -> Array | None:

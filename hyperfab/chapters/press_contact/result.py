@@ -1,16 +1,22 @@
-"""The figures of a press: the document of ``hf press-contact``."""
+"""What is told of a press: all that the outputs of ``hf press-contact`` tell of, and the document."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
+from hyperfab.chapters.press_contact.formed import Formed, Wanted
 from hyperfab.chapters.press_contact.formed import part_of as formed_part
-from hyperfab.chapters.press_contact.press_result import PressResult
-from hyperfab.chapters.press_contact.warmth import left_out, part_of
+from hyperfab.chapters.press_contact.heat import ThermalDisplacement
+from hyperfab.chapters.press_contact.model import Foam, Model
+from hyperfab.chapters.press_contact.warmth import Warmed, left_out, part_of
 from hyperfab.documents.foam import MaterialLaw
 from hyperfab.documents.press import (
+    CompensationPart,
+    DesignPart,
     GapRange,
     Histogram,
     LeverPart,
@@ -19,10 +25,10 @@ from hyperfab.documents.press import (
     RegionPart,
     StateAreas,
     ThicknessRange,
+    WantedPart,
 )
 from hyperfab.pressing.closing import Closed
-from hyperfab.pressing.gap import vertex_areas
-from hyperfab.pressing.growth import guide_line
+from hyperfab.pressing.growth import Expansion, guide_line
 from hyperfab.pressing.mold import Mold, PressFrame
 from hyperfab.pressing.regions import regions
 from hyperfab.pressing.sandwich import State
@@ -33,12 +39,73 @@ _COLD = 1.0
 _SIGNS = {1: "+", -1: "-"}
 
 
+@dataclass(frozen=True)
+class PressResult:
+    """All that the outputs tell: the model, the closed press, its ``curve``, what the dwell does and the design."""
+
+    model: Model
+    closed: Closed
+    curve: Array
+    warmed: Warmed | None = None
+    design: DesignPart | None = None
+    formed: Formed | None = None
+    wanted: Wanted | None = None
+    compensation: CompensationPart | None = None
+
+    @property
+    def beside(self) -> WantedPart | None:
+        """By how much what is formed misses what is wanted."""
+        if self.formed is None or self.wanted is None:
+            return None
+        return self.wanted.beside(self.formed, self.closed, self.frame)
+
+    @property
+    def guided(self) -> bool:
+        """Whether the molds stay parallel."""
+        return not self.closed.case.floating and self.closed.pose.angle == 0.0
+
+    @property
+    def frame(self) -> PressFrame:
+        """How the molds close."""
+        return self.model.files.frame
+
+    @property
+    def reference(self) -> float:
+        """Temperature [degC] at which the drawing holds."""
+        return self.model.files.document.expansion.reference
+
+    @property
+    def expansions(self) -> tuple[Expansion, Expansion]:
+        """Of the male and the female."""
+        return self.model.files.expansions
+
+    @property
+    def grown(self) -> tuple[ThermalDisplacement, ThermalDisplacement]:
+        """How the male and the female have grown."""
+        return self.model.grown
+
+    @property
+    def foam(self) -> Foam:
+        """What of the foam is lost and given back."""
+        return self.model.foam
+
+    @property
+    def final_thickness(self) -> Array | None:
+        """Thickness (n,) [mm] of the sandwich when the press has opened: foam springs back by its recovery."""
+        if self.foam.recovery is None:
+            return None
+        sandwich, gap = self.closed.press.sandwich, self.closed.contact.gap
+        foam = np.broadcast_to(np.asarray(sandwich.foam), gap.shape)
+        pressed, _ = sandwich.pressed(gap)
+        return np.asarray(sandwich.fabric + pressed + self.foam.recovery * (foam - pressed))
+
+
 def document_of(told: PressResult) -> PressDocument:
     """Return the document, without provenance."""
     closed, frame = told.closed, told.frame
     front, contact = closed.front, closed.contact
     molding = ~front.flange
-    area = vertex_areas(front, molding)
+    area = front.molding_areas
     molded = area > 0.0
     lowest = int(np.argmin(contact.gap))
     touching = float(closed.touching.sum())
@@ -70,7 +137,7 @@ def document_of(told: PressResult) -> PressDocument:
         pressure_mean_MPa=on_touching / touching if touching > 0.0 else 0.0,
         stroke_mm=closed.stroke,
         tilt_deg=float(np.degrees(closed.pose.angle)),
-        tilt_vector_deg=_tilt_vector(told),
+        tilt_vector_deg=None if told.guided else _place(frame, np.degrees([*closed.pose.tilt, 0.0])),
         centre_of_pressure_mm=_centre_of_pressure(told),
         energy_J=1e-3 * contact.energy,
         regions=[
@@ -78,7 +145,7 @@ def document_of(told: PressResult) -> PressDocument:
                 contact=region.contact,
                 area_mm2=region.area,
                 # Regions are found on the hot male; their place is told on the drawing.
-                centroid_mm=_place(frame, region.centroid + _near(front.vertices, shift, region.centroid)),
+                centroid_mm=_place(frame, region.centroid + shift[_nearest(front.vertices, region.centroid)]),
                 gap_mean_mm=region.gap,
                 pressure_mean_MPa=region.pressure,
                 force_N=region.load,
@@ -119,12 +186,6 @@ def document_of(told: PressResult) -> PressDocument:
         design=told.design,
         left_out=_left_out(told),
     )
-
-
-def _tilt_vector(told: PressResult) -> tuple[float, float, float] | None:
-    if not told.closed.case.floating and told.closed.pose.angle == 0.0:
-        return None
-    return _place(told.frame, np.degrees([*told.closed.pose.tilt, 0.0]))
 
 
 def _centre_of_pressure(told: PressResult) -> tuple[float, float, float] | None:
@@ -228,8 +289,8 @@ def _place(frame: PressFrame, point: Array) -> tuple[float, float, float]:
     return x, y, z
 
 
-def _near(vertices: Array, values: Array, point: Array) -> Array:
-    return np.asarray(values[int(np.argmin(((vertices - point) ** 2).sum(axis=1)))])
+def _nearest(vertices: Array, point: Array) -> int:
+    return int(np.argmin(((vertices - point) ** 2).sum(axis=1)))
 
 
 def _state_areas(
@@ -266,8 +327,7 @@ def _chord_error(mold: Mold) -> float:
 
 
 def _left_out(told: PressResult) -> list[str]:
-    guided = not told.closed.case.floating and told.closed.pose.angle == 0.0
-    out = ["tilt: the molds are guided and stay parallel (--float, --tilt)"] if guided else []
+    out = ["tilt: the molds are guided and stay parallel (--float, --tilt)"] if told.guided else []
     if any(grown.even and "mean" in grown.known_from for grown in told.grown):
         out.append("uneven temperature: each mold grows with one mean temperature")
     document, fabrics = told.model.files.document, told.model.files.fabrics

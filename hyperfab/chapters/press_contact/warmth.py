@@ -18,7 +18,6 @@ from hyperfab.io.csv_table import read_table
 from hyperfab.io.inputs import Inputs
 from hyperfab.pressing.closing import Closed, close_press, press_again
 from hyperfab.pressing.curved import barycentric
-from hyperfab.pressing.gap import vertex_areas
 from hyperfab.pressing.warming import Column
 
 #: Times of the dwell that are told, close together at its beginning, where the most happens.
@@ -58,7 +57,7 @@ def warmed(job: Job, model: Model, closed: Closed) -> Warmed | None:
     if dwell is None:
         return None
     column = column_of(job, model, closed)
-    area = vertex_areas(closed.front, ~closed.front.flange)
+    area = closed.front.molding_areas
     times = dwell * (np.arange(1, _TIMES + 1) / _TIMES) ** 2
     middle = column.at(times)
     over = middle[:, area > 0.0]
@@ -148,7 +147,7 @@ def column_of(job: Job, model: Model, closed: Closed) -> Column:
 
 def part_of(warm: Warmed, closed: Closed, places: Array) -> WarmingPart:
     """Return what the document tells; ``places`` (n, 3) [mm] are the front's vertices as they are drawn."""
-    area = vertex_areas(closed.front, ~closed.front.flange)
+    area = closed.front.molding_areas
     there = np.flatnonzero(area > 0.0)
     coldest = int(there[np.argmin(warm.middle[there])])
     _, least, mean, most = (float(value) for value in warm.over_time[-1])

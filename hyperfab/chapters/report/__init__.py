@@ -14,10 +14,9 @@ from hyperfab.documents.base import document_class, parse_document, stated_kind
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.json_io import load_json
 from hyperfab.io.output import check_place, write_single
-from hyperfab.report.page.parts import Chart, Picture, Scene, Section, Source, in_order
-from hyperfab.report.page.pictures import light
+from hyperfab.report.page.parts import KINDS, Chart, Picture, Scene, Section, Source, in_order, light
 from hyperfab.report.page.render import page
-from hyperfab.report.page.sections import KINDS, build, heading
+from hyperfab.report.page.sections import build
 from hyperfab.report.page.sections.heat import molds
 
 #: A page heavier than this opens slowly on a phone.
@@ -45,7 +44,7 @@ def run(job: Job, case: ReportCase) -> int:
     with job.console.progress("Writing the page") as advance:
         ordered = in_order(list(sources.values()))
         for index, source in enumerate(ordered):
-            advance(index / len(ordered), heading(source))
+            advance(index / len(ordered), KINDS[source.kind])
             section = build(source)
             _add_pictures(source, section)
             told.append((source, section))
@@ -112,5 +111,5 @@ def _add_pictures(source: Source, section: Section) -> None:
     drawn = source.sibling(".png", but=".model.png")
     picture = None if drawn is None else light(drawn)
     if picture is not None:
-        words = f"Picture of {heading(source).lower()}, as the command drew it."
+        words = f"Picture of {KINDS[source.kind].lower()}, as the command drew it."
         section.parts.append(Picture(words, words, picture, only_print=views))

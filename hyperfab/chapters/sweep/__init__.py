@@ -28,8 +28,8 @@ MANY = 1_000_000
 def run(job: Job, case: SweepCase, commands: ModuleType = steps) -> int:
     """Run the study; ``commands`` is the module that runs, checks and warms up single commands."""
     study = case.study
-    if case.parquet:
-        _need_pyarrow()
+    if case.parquet and find_spec("pyarrow") is None:
+        raise UsageError("--parquet needs pyarrow: pip install 'hyperfab[parquet]'")
     document = read_document(job.inputs, study, StudyDocument)
     if document.cases > MANY and not case.yes:
         factors = " x ".join(str(axis.count) for axis in document.axis.values() if not axis.drawn)
@@ -132,8 +132,3 @@ def _teller(most: int, advance: Advance) -> Callable[[Progress], None]:
 def _account(plan: Plan, progress: Progress) -> str:
     text = f"{len(plan)} cases: {progress.run} steps run, {progress.reused} found finished"
     return text + (f", {progress.skipped} not run for want of an earlier one" if progress.skipped else "")
-
-
-def _need_pyarrow() -> None:
-    if find_spec("pyarrow") is None:
-        raise UsageError("--parquet needs pyarrow: pip install 'hyperfab[parquet]'")

@@ -10,7 +10,7 @@ import numpy as np
 
 from hyperfab.cases.sweep import SweepCase
 from hyperfab.chapters.job import Job
-from hyperfab.documents.sweep import Effect, FigureRange, Front, SweepDocument
+from hyperfab.documents.sweep import FigureRange, Front, SweepDocument
 from hyperfab.io.output import Output
 from hyperfab.report.figures_sweep import cases_png, effects_png
 from hyperfab.studies.effects import main_effects, pareto_front
@@ -37,7 +37,7 @@ def write_result(
         axes=table.axes,
         figures=_ranges(table),
         limits={name: limit.model_dump(exclude_none=True) for name, limit in plan.study.limit.items()},
-        effects=[Effect(**vars(effect)) for effect in effects],
+        effects=effects,
         front=_front(plan, table),
         best=_best(table, senses),
         senses=senses,

@@ -12,9 +12,9 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.cases.place import put
+from hyperfab.chapters.field import HANDED
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import rerun
-from hyperfab.chapters.uncertainty.fields import HANDED
 from hyperfab.chapters.uncertainty.handed import described, identified
 from hyperfab.chapters.uncertainty.sources import Origins
 from hyperfab.console import Advance
@@ -75,6 +75,14 @@ class Slopes:
 
     figures: Mapping[str, Array]
     fields: Mapping[str, Array] = dataclasses.field(default_factory=dict)
+
+    @staticmethod
+    def of(each: Sequence[Answer]) -> Slopes:
+        """Return the slopes by all numbers, of what each changes the figures and fields by."""
+        return Slopes(
+            {name: np.array([one.figures[name] for one in each]) for name in each[0].figures},
+            {name: np.array([one.fields[name] for one in each]) for name in each[0].fields},
+        )
 
 
 class Nearby(ABC):

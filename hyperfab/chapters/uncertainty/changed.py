@@ -5,13 +5,16 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, TypeVar
+from typing import Any, Generic, TypeVar
 
 from hyperfab.cases.case import Case
-from hyperfab.chapters.uncertainty.fields import moved_fields
+from hyperfab.chapters.field import moved_fields
+from hyperfab.chapters.job import Job
+from hyperfab.chapters.rerun import Listener
 from hyperfab.io.inputs import MAX_BYTES, Inputs
 from hyperfab.io.toml_io import dump_toml
 
+CaseT = TypeVar("CaseT", bound=Case)
 Parsed = TypeVar("Parsed")
 
 
@@ -24,10 +27,10 @@ class Kept:
     documents: dict[tuple[str, object], Any] = field(default_factory=dict)
 
 
-class Changed:
+class Changed(Generic[CaseT]):
     """A case and its files, with other numbers in them; what is read of these is ``kept``."""
 
-    def __init__(self, case: Case, inputs: Inputs, kept: Kept) -> None:
+    def __init__(self, case: CaseT, inputs: Inputs, kept: Kept) -> None:
         self.case = case
         self._inputs, self._kept = inputs, kept
         self._documents: dict[str, Any] = {}
@@ -48,6 +51,11 @@ class Changed:
     def inputs(self) -> Inputs:
         """The documents and tables as they are now, and all else as it is."""
         return _Moved(self._inputs, self._documents, self.written, self._kept)
+
+    @property
+    def job(self) -> Job:
+        """The command on these inputs, with nobody at its console."""
+        return Job(self.case.COMMAND, (), Listener(), self.inputs)
 
     @property
     def files(self) -> dict[str, bytes]:

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from hyperfab.cases.case import Case
+from hyperfab.chapters.field import HANDED, derivatives, grid_of, read_handing
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.uncertainty.changed import Changed
-from hyperfab.chapters.uncertainty.fields import HANDED, derivatives, grid_of, read_handing
 from hyperfab.chapters.uncertainty.sources import Number, Origin, Origins
 from hyperfab.documents.uncertainty import SourceNumber, SourcePart
 from hyperfab.io.inputs import Inputs
@@ -35,7 +35,7 @@ class Handed:
     own: Number | None = None
     file: str | None = None
 
-    def move(self, inputs: Changed, change: float) -> None:
+    def move(self, inputs: Changed[Any], change: float) -> None:
         """Change it."""
         for document, index in self.at.items():
             changes = inputs.handed.setdefault(document, {})

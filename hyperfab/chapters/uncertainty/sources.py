@@ -14,11 +14,10 @@ import numpy as np
 from pydantic import BaseModel
 
 from hyperfab.arrays import Array
-from hyperfab.cases.case import Case
+from hyperfab.cases.case import Case, tolerances
 from hyperfab.cases.place import get, put
-from hyperfab.cases.tolerances import tolerances
 from hyperfab.chapters.fabric import ORTHOTROPIC
-from hyperfab.chapters.uncertainty.changed import Changed, Kept
+from hyperfab.chapters.uncertainty.changed import CaseT, Changed, Kept
 from hyperfab.documents.base import Document, parse_document
 from hyperfab.documents.material import AtTemperature, Direction, FitUncertainty, MaterialDocument
 from hyperfab.io.csv_write import csv_bytes
@@ -46,7 +45,7 @@ class Number(Protocol):
     def file(self) -> str | None:
         """The file it stands in; None for one of the case."""
 
-    def move(self, inputs: Changed, change: float) -> None:
+    def move(self, inputs: Changed[Any], change: float) -> None:
         """Change it."""
 
 
@@ -62,7 +61,7 @@ class Setting:
         """Its key in ``setup``."""
         return self.path
 
-    def move(self, inputs: Changed, change: float) -> None:
+    def move(self, inputs: Changed[Any], change: float) -> None:
         """Change it."""
         inputs.case = put(inputs.case, self.path, get(inputs.case, self.path) + change)
 
@@ -82,7 +81,7 @@ class Entry:
         """The file, and the key in it."""
         return f"{os.path.basename(self.file)}: {'.'.join(map(str, self.place))}"
 
-    def move(self, inputs: Changed, change: float) -> None:
+    def move(self, inputs: Changed[Any], change: float) -> None:
         """Change it."""
         at = inside(inputs.document(self.file), self.place[:-1])
         if self.unit is None:
@@ -104,7 +103,7 @@ class Stiffness:
         """The file, and what is stiffer."""
         return f"{os.path.basename(self.file)}: stiffness{self.way}"
 
-    def move(self, inputs: Changed, change: float) -> None:
+    def move(self, inputs: Changed[Any], change: float) -> None:
         """Change the constants that are stresses."""
         for place in self.places:
             constants = inside(inputs.document(self.file), place)
@@ -125,7 +124,7 @@ class Along:
         """The file, and which of the independent directions of its constants."""
         return f"{os.path.basename(self.file)}: constants and effects, direction {self.index}"
 
-    def move(self, inputs: Changed, change: float) -> None:
+    def move(self, inputs: Changed[Any], change: float) -> None:
         """Change them."""
         for place, by in zip(self.places, self.column, strict=True):
             at = inside(inputs.document(self.file), place[:-1])
@@ -144,7 +143,7 @@ class Film:
         """The file, and its column."""
         return f"{os.path.basename(self.file)}: h"
 
-    def move(self, inputs: Changed, change: float) -> None:
+    def move(self, inputs: Changed[Any], change: float) -> None:
         """Change all rows."""
         moved = self.table.off(change)
         # A film takes no heat from what is warmer.
@@ -184,7 +183,22 @@ class Origins:
         each = [np.asarray(changes.get(k, np.zeros(len(one.numbers)))) for k, one in enumerate(self.found)]
         return np.concatenate(each)
 
-    def changed(self, case: Case, inputs: Inputs, changes: Mapping[int, Sequence[float] | Array]) -> Changed:
+    @property
+    def settings(self) -> set[str]:
+        """The places in the case at which options are unsure."""
+        return {number.path for number in self.numbers if isinstance(number, Setting)}
+
+    def each(self) -> Iterator[tuple[float, int, Array]]:
+        """Yield, of each number, its standard deviation, the number of its source, and the unit of it alone there."""
+        for index, one in enumerate(self.found):
+            for sd, unit in zip(
+                np.sqrt(np.diag(one.source.covariance)), np.eye(len(one.numbers)), strict=True
+            ):
+                yield float(sd), index, unit
+
+    def changed(
+        self, case: CaseT, inputs: Inputs, changes: Mapping[int, Sequence[float] | Array]
+    ) -> Changed[CaseT]:
         """Return the inputs with the numbers of some sources changed: ``changes`` by the source's number."""
         moved = Changed(case, inputs, self._kept)
         for index, values in changes.items():

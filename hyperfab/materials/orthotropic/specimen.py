@@ -13,8 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from hyperfab.arrays import Array
 from hyperfab.materials.material import Uniaxial
-from hyperfab.materials.orthotropic.energy import Answer, Orthotropic
-from hyperfab.materials.orthotropic.stability import least_modulus
+from hyperfab.materials.orthotropic.energy import Answer, Orthotropic, least_modulus
 
 _STEPS = 60
 #: Residual stress across a strip, over the stress along it, that counts as none, and that an equilibrium may keep

@@ -9,12 +9,26 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from PIL import Image, UnidentifiedImageError
+
 from hyperfab.errors import HyperfabError, InputError
 from hyperfab.report.bands import warmup
 from hyperfab.report.labels import parted
 
 #: Significant digits of a number shown to a person; the full value is a hover away.
 DIGITS = 4
+
+#: Kinds of document that have a section, and what it is called, along the line from material to press; then what was
+#: learnt from measurement, and studies.
+KINDS = {
+    "material": "Fabric",
+    "contact": "Sheet under the sphere",
+    "drape": "Drape",
+    "heat": "Mold heat",
+    "press": "Press",
+    "loop": "Model against measurement",
+    "sweep": "Study",
+}
 
 Plain = Mapping[str, Any]
 
@@ -81,7 +95,6 @@ class Scene:
     alt: str
     mesh: dict[str, Any]
     fields: list[dict[str, Any]]
-    extra: list[dict[str, Any]] = field(default_factory=list)
     #: Where the eye stands at first, and whether lines that are parallel stay so.
     eye: tuple[float, float, float] = (1.62, -1.95, 1.4)
 
@@ -114,8 +127,6 @@ class Cases:
     axes: list[str]
     figures: list[str]
     front: list[str]
-    #: Figures of which more is better; of the others it is less.
-    greatest: list[str] = field(default_factory=list)
 
 
 Part = Table | Chart | Scene | Picture | Cases
@@ -176,6 +187,11 @@ def rounded(value: float | int, digits: int = DIGITS) -> str:
     return f"{value:.{digits}g}"
 
 
+def known(data: Plain, key: str, unit: str = "", scale: float = 1.0) -> Cell | None:
+    """Return a figure of a document as ``number`` does; None where it has none."""
+    return None if data.get(key) is None else number(data[key] * scale, unit)
+
+
 def percent(share: float | None, digits: int = 3) -> Cell:
     """Return a share of one as per cent.
 
@@ -204,8 +220,8 @@ def facts(caption: str, rows: Sequence[tuple[str, Cell | None]], folded: bool = 
     return Table(caption, ["", ""], [[word(name), cell] for name, cell in rows if cell is not None], folded)
 
 
-def setup(data: Plain) -> Table | None:
-    """Return what was asked for, folded: the document's ``setup``, each figure with its unit."""
+def asked(data: Plain) -> list[Table]:
+    """Return what was asked for, folded: the document's ``setup``, each figure with its unit, if it has one."""
     rows: list[tuple[str, Cell | None]] = []
 
     def tell(given: Plain, before: str) -> None:
@@ -223,7 +239,12 @@ def setup(data: Plain) -> Table | None:
                 rows.append((name, word(value) if value != "" else None))
 
     tell(data.get("setup") or {}, "")
-    return facts("What was asked for", rows, folded=True) if rows else None
+    return [facts("What was asked for", rows, folded=True)] if rows else []
+
+
+def computed(*rows: tuple[str, Cell]) -> Table:
+    """Return how the figures were computed, folded."""
+    return facts("How it was computed", rows, folded=True)
 
 
 def columns(data: bytes | None, name: str) -> dict[str, list[str]]:
@@ -249,10 +270,6 @@ def floats(cells: Sequence[str]) -> list[float | None]:
     return found
 
 
-#: The line: material, sheet, drape, heat, press; then what was learnt from measurement, and studies.
-ORDER = ("material", "contact", "drape", "heat", "press", "loop", "sweep")
-
-
 def parents(source: Source, sources: Sequence[Source]) -> list[Source]:
     """Return the documents among ``sources`` that ``source`` was made from."""
     provenance = source.data.get("provenance") or {}
@@ -262,5 +279,33 @@ def parents(source: Source, sources: Sequence[Source]) -> list[Source]:
 
 def in_order(sources: Sequence[Source]) -> list[Source]:
     """Return the documents as the line runs; within a kind, as they were given."""
-    known = {kind: place for place, kind in enumerate(ORDER)}
-    return sorted(sources, key=lambda source: known.get(source.kind, len(ORDER)))
+    return sorted(sources, key=lambda source: list(KINDS).index(source.kind))
+
+
+#: Pictures larger than this are stored with a palette: a third of the bytes, and nobody sees it.
+LARGE = 60_000
+#: Pixels of a picture from somewhere else that are still opened.
+MAX_PIXELS = 40_000_000
+
+
+def light(data: bytes) -> bytes | None:
+    """Return a PNG with at most 256 colours where it was large; None where it is no picture.
+
+    >>> light(b"no picture") is None
+    True
+    """
+    try:
+        with Image.open(io.BytesIO(data), formats=["PNG"]) as picture:
+            if picture.width * picture.height > MAX_PIXELS:
+                return None
+            if len(data) <= LARGE:
+                picture.verify()
+                return data
+            small = picture.convert("RGB").quantize(
+                256, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE
+            )
+    except (UnidentifiedImageError, OSError, SyntaxError, ValueError, Image.DecompressionBombError):
+        return None
+    buffer = io.BytesIO()
+    small.save(buffer, "PNG", optimize=True)
+    return min(buffer.getvalue(), data, key=len)

@@ -17,6 +17,7 @@ from hyperfab import __version__
 from hyperfab.report.labels import title as words_of
 from hyperfab.report.page.front import FrontPage, front
 from hyperfab.report.page.parts import (
+    KINDS,
     Cases,
     Cell,
     Chart,
@@ -30,7 +31,6 @@ from hyperfab.report.page.parts import (
     parents,
     word,
 )
-from hyperfab.report.page.sections import heading
 
 #: Levels of an axis that a filter lists; a drawn axis has more, and gets no filter.
 MAX_LEVELS = 40
@@ -43,7 +43,9 @@ def page(title: str | None, told: Sequence[tuple[Source, Section]], comparison: 
     """
     sources = [source for source, _ in told]
     if not title:
-        title = f"{heading(sources[0])}: {_name(sources[0])}" if len(sources) == 1 else "From fabric to press"
+        title = (
+            f"{KINDS[sources[0].kind]}: {_name(sources[0])}" if len(sources) == 1 else "From fabric to press"
+        )
     places = {id(source): f"section-{index + 1}" for index, source in enumerate(sources)}
     items = []
     for source, section in told:
@@ -52,7 +54,7 @@ def page(title: str | None, told: Sequence[tuple[Source, Section]], comparison: 
         items.append(
             {
                 "id": own,
-                "heading": heading(source),
+                "heading": KINDS[source.kind],
                 "name": _name(source),
                 "section": section,
                 "mark": {True: "pass", False: "fail", None: ""}[section.passed],

@@ -6,7 +6,7 @@ from typing import Any
 
 from hyperfab.report.bands import banded
 from hyperfab.report.page.charts import chart, line
-from hyperfab.report.page.parts import Figure, Section, Source, Table, facts, number, percent, setup
+from hyperfab.report.page.parts import Figure, Section, Source, asked, computed, facts, known, number, percent
 from hyperfab.report.page.scenes import Field, views
 
 _FIELDS = (
@@ -36,8 +36,8 @@ def section(source: Source) -> Section:
                 ("energy in the sheet", number(data.get("energy_J"), "J")),
                 ("wrinkled part of the area", percent(data.get("wrinkled_area_fraction"))),
                 ("constants stable where used", number(stability.get("stable"))),
-                ("stress of B differs from A by", _number(data, "stress_difference_percent", "%")),
-                ("force of A over force of B", _number(data, "force_ratio", "")),
+                ("stress of B differs from A by", known(data, "stress_difference_percent", "%")),
+                ("force of A over force of B", known(data, "force_ratio")),
             ],
         )
     )
@@ -66,14 +66,12 @@ def section(source: Source) -> Section:
         f"The sheet as the {_punch(data)} has deformed it, coloured by a field.",
         _FIELDS,
     )
-    found.parts += [part for part in (setup(data), _computed(data)) if part is not None]
-    return found
-
-
-def _computed(data: Any) -> Table:
     steps = data.get("newton_iterations_total", data["newton_iterations"])
-    rows = [("steps of Newton's method", number(steps)), ("unknowns", number(data["unknowns"]))]
-    return facts("How it was computed", rows, folded=True)
+    found.parts += asked(data)
+    found.parts.append(
+        computed(("steps of Newton's method", number(steps)), ("unknowns", number(data["unknowns"])))
+    )
+    return found
 
 
 def _verdict(data: Any) -> tuple[bool | None, str]:
@@ -90,10 +88,6 @@ def _verdict(data: Any) -> tuple[bool | None, str]:
 
 def _punch(data: Any) -> str:
     return "punch" if (data.get("setup") or {}).get("punch") else "sphere"
-
-
-def _number(data: Any, key: str, unit: str) -> Any:
-    return number(data[key], unit) if key in data else None
 
 
 def _curve(pairs: list[Any]) -> tuple[list[float], list[float]]:

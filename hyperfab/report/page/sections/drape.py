@@ -11,12 +11,13 @@ from hyperfab.report.page.parts import (
     Figure,
     Section,
     Source,
+    asked,
     columns,
+    computed,
     coordinates,
     facts,
     floats,
     number,
-    setup,
     word,
 )
 from hyperfab.report.page.scenes import Field, views
@@ -91,11 +92,13 @@ def section(source: Source) -> Section:
                 traces,
             )
         )
-    rows = [
-        ("unbalanced force, relative", number(data["residual_relative"], "", 2)),
-        ("steps", number(data["iterations"])),
-    ]
-    found.parts += [part for part in (setup(data), facts("How it was computed", rows, folded=True)) if part]
+    found.parts += asked(data)
+    found.parts.append(
+        computed(
+            ("unbalanced force, relative", number(data["residual_relative"], "", 2)),
+            ("steps", number(data["iterations"])),
+        )
+    )
     return found
 
 

@@ -13,12 +13,14 @@ from hyperfab.report.page.parts import (
     Section,
     Source,
     Table,
+    asked,
     columns,
+    computed,
     facts,
     floats,
+    known,
     number,
     percent,
-    setup,
     warmup_cell,
     word,
 )
@@ -48,13 +50,13 @@ def section(source: Source) -> Section:
             "Figures of the mold",
             [
                 ("warm-up", warmup_cell(data) if warmed else None),
-                ("work surface at warm-up, mean", _number(warm, "mean_degC", "°C")),
-                ("work surface at warm-up, spread", _number(warm, "spread_K", "K")),
-                ("work surface at the end, mean", _number(surface, "mean_degC", "°C")),
-                ("work surface at the end, spread", _number(surface, "spread_K", "K")),
-                ("heat supplied", _number(energy, "supplied_J", "MJ", 1e-6)),
-                ("heat lost", _number(energy, "lost_J", "MJ", 1e-6)),
-                ("heat stored", _number(energy, "stored_J", "MJ", 1e-6)),
+                ("work surface at warm-up, mean", known(warm, "mean_degC", "°C")),
+                ("work surface at warm-up, spread", known(warm, "spread_K", "K")),
+                ("work surface at the end, mean", known(surface, "mean_degC", "°C")),
+                ("work surface at the end, spread", known(surface, "spread_K", "K")),
+                ("heat supplied", known(energy, "supplied_J", "MJ", 1e-6)),
+                ("heat lost", known(energy, "lost_J", "MJ", 1e-6)),
+                ("heat stored", known(energy, "stored_J", "MJ", 1e-6)),
                 (
                     "efficiency: heat stored in the parts of that supplied, to warm-up",
                     percent(data["efficiency"]) if data.get("efficiency") is not None else None,
@@ -63,7 +65,7 @@ def section(source: Source) -> Section:
                 ("variations on the reduced mold", number(len(varied["runs"])) if varied else None),
                 (
                     "reduced mold, greatest difference from the full run",
-                    _number(varied, "difference_max_K", "K"),
+                    known(varied, "difference_max_K", "K"),
                 ),
             ],
         )
@@ -105,16 +107,14 @@ def section(source: Source) -> Section:
                 [bars("heat", list(flows), [value / 1e6 for value in flows.values()])],
             )
         )
-    computed = facts(
-        "How it was computed",
-        [
+    found.parts += asked(data)
+    found.parts.append(
+        computed(
             ("unknowns", number(data["unknowns"])),
             ("time steps", number(data["steps"])),
             ("error of the account of heat", number(energy["imbalance_relative"], "", 2)),
-        ],
-        folded=True,
+        )
     )
-    found.parts += [part for part in (setup(data), computed) if part is not None]
     found.notes += [str(text) for text in data.get("notes", [])]
     return found
 
@@ -133,10 +133,6 @@ def _verdict(data: Any) -> tuple[bool | None, str]:
     if data.get("target_reached") is False or "target_degC" in data:
         return False, f"The work surface does not reach {number(data.get('target_degC'), '°C').text}."
     return None, f"Computed to its end{even}; no target was set."
-
-
-def _number(data: Any, key: str, unit: str, scale: float = 1.0) -> Any:
-    return number(data[key] * scale, unit) if data.get(key) is not None else None
 
 
 def molds(sources: Sequence[Source]) -> Table | None:

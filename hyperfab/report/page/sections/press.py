@@ -12,11 +12,11 @@ from hyperfab.report.page.parts import (
     Section,
     Source,
     Table,
+    asked,
     coordinates,
     facts,
     number,
     percent,
-    setup,
     word,
 )
 from hyperfab.report.page.scenes import Field, views
@@ -38,7 +38,8 @@ def section(source: Source) -> Section:
     """Return the section of a press document."""
     data = source.data
     found = Section("", *_verdict(data))
-    hot = ", hot" if _is_hot(data) else ""
+    # A mold that has grown is not at the temperature it was drawn at.
+    hot = ", hot" if any((data.get(mold) or {}).get("growth_strain") for mold in ("male", "female")) else ""
     share = banded(data, "contact_fraction", "%", 100.0, ".3g")
     found.figures = [
         Figure(share, "of the molding surface touches"),
@@ -96,14 +97,8 @@ def section(source: Source) -> Section:
     found.parts.append(_regions(data["regions"]))
     if data.get("sensitivity"):
         found.parts.append(_changes(data["sensitivity"]))
-    asked = setup(data)
-    found.parts += [asked] if asked is not None else []
+    found.parts += asked(data)
     return found
-
-
-def _is_hot(data: Any) -> bool:
-    """Whether a mold is not at the temperature it was drawn at."""
-    return any((data.get(mold) or {}).get("growth_strain") for mold in ("male", "female"))
 
 
 def _verdict(data: Any) -> tuple[bool | None, str]:

@@ -16,10 +16,10 @@ from hyperfab.report.page.parts import (
     Table,
     columns,
     floats,
+    light,
     number,
     word,
 )
-from hyperfab.report.page.pictures import light
 
 #: The page carries this many cases; the table beside the document has all.
 MAX_CASES = 2000
