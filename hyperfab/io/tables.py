@@ -125,9 +125,8 @@ def find(rows: Sequence[Row], fits: Fits, layout: Layout) -> list[Block]:
         ):
             end -= 1  # what stands above the next head belongs to it
         block.rows = list(rows[start:end])
-    for block in found[
-        1:
-    ]:  # what stands above the first table and not again above another holds for that too
+    # What stands above the first table, and not again above another, holds for that too.
+    for block in found[1:]:
         common = {key: told for key, told in found[0].metadata.items() if key not in _OF_ONE}
         block.metadata = {**common, **block.metadata}
     return found

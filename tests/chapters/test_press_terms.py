@@ -38,11 +38,17 @@ def with_foam(shop, monkeypatch, text, **options):
     return press(shop, monkeypatch, foam="other.toml", **{"gap": "3mm", **options})[1]
 
 
+def but_for_names(document):
+    """The document without what tells which files it was made from."""
+    known = [{**one, "from": None} for one in document["validity"]]
+    return {**document, "provenance": None, "setup": None, "validity": known}
+
+
 def test_terms_of_zero_change_no_bit(shop, monkeypatch):
     _, plain = press(shop, monkeypatch, gap="3mm", temperature="200degC")
     picture = (shop / "press.vtu").read_bytes()
     zeros = with_foam(shop, monkeypatch, NOTHING, temperature="200degC")
-    assert {**zeros, "provenance": None, "setup": None} == {**plain, "provenance": None, "setup": None}
+    assert but_for_names(zeros) == but_for_names(plain)
     assert (shop / "press.vtu").read_bytes() == picture
 
 
@@ -68,14 +74,14 @@ def test_molds_that_do_not_grow_and_foam_that_does_not_shrink_change_no_bit(shop
 def test_a_tilt_in_the_document_is_the_tilt_of_the_option(shop, monkeypatch):
     written = with_foam(shop, monkeypatch, 'press = { tilt = { x = "0.1 deg", y = "-0.05 deg" } }\n')
     _, asked = press(shop, monkeypatch, gap="3mm", tilt="0.1deg,-0.05deg")
-    assert {**written, "provenance": None, "setup": None} == {**asked, "provenance": None, "setup": None}
+    assert but_for_names(written) == but_for_names(asked)
     assert written["tilt_vector_deg"] == pytest.approx([0.1, -0.05, 0.0])
     assert written["tilt_deg"] == pytest.approx(np.hypot(0.1, 0.05))
     _, plain = press(shop, monkeypatch, gap="3mm")
     # Turned about x the half at positive y comes closer: the pressure moves there by the press frame's right hand.
     assert written["centre_of_pressure_mm"][1] != pytest.approx(plain["centre_of_pressure_mm"][1], abs=0.1)
     _, option_wins = press(shop, monkeypatch, gap="3mm", foam="other.toml", tilt="0deg,0deg")
-    assert {**option_wins, "provenance": None, "setup": None} == {**plain, "provenance": None, "setup": None}
+    assert but_for_names(option_wins) == but_for_names(plain)
 
 
 @pytest.mark.parametrize("facets", ["smooth", "flat"])
@@ -97,7 +103,7 @@ def test_a_female_mounted_off_the_axis_is_the_one_drawn_there(shop, monkeypatch,
 def test_the_frame_in_the_document_yields_as_the_option_does(shop, monkeypatch):
     written = with_foam(shop, monkeypatch, 'press = { stiffness = "1 kN/mm" }\n')
     _, asked = press(shop, monkeypatch, gap="3mm", frame_stiffness="1kN/mm")
-    assert {**written, "provenance": None, "setup": None} == {**asked, "provenance": None, "setup": None}
+    assert but_for_names(written) == but_for_names(asked)
     assert written["frame_stiffness_N_mm"] == 1000.0
 
 
