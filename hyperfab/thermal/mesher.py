@@ -209,7 +209,9 @@ def _run(
                 try:
                     frame = frames.get(timeout=0.2)
                     if not frame:
-                        return process.wait()
+                        with contextlib.suppress(subprocess.TimeoutExpired):
+                            return process.wait(limit)
+                        return None
                     take(frame)
                 except queue.Empty:
                     gone = time.monotonic() - start
