@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import PurePath
 from typing import Any
 
 import numpy as np
@@ -15,33 +14,16 @@ from hyperfab.arrays import Ints
 from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
 from hyperfab.io.csv_dialect import open_sheets
-from hyperfab.io.csv_numbers import numbers, settle_decimal, words
+from hyperfab.io.csv_numbers import numbers, settle_decimal
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.headings import kind_named, word_for
+from hyperfab.io.kind_of_test import TESTS, said, tests_of_rows
 from hyperfab.io.layout import PLAIN, Choice, Layout
-from hyperfab.io.role_words import no_stress, no_test, understood
+from hyperfab.io.role_words import no_test, understood
 from hyperfab.io.roles import STRESSES, STRETCHES, Roles, fits, may_be_specimens, roles, specimens
 from hyperfab.io.row_states import directions, held_down, of_each_row, words_or_stated
 from hyperfab.io.specimen import Geometry, Loading, read_geometry, read_loading
 from hyperfab.io.tables import NO_READING, is_number
 
-#: The deformation modes a test can be in.
-TESTS = (
-    "uniaxial",
-    "confined-compression",
-    "shear",
-    "simple-shear",
-    "biaxial",
-    "biaxial-general",
-    "volumetric",
-)
-
-
-#: Tests by the letters that papers give them, where a file states its test.
-_LETTERS = {
-    "ut": "uniaxial", "uc": "compression", "ps": "shear", "et": "biaxial", "eb": "biaxial", "ebt": "biaxial",
-    "bt": "biaxial", "ss": "simple-shear",
-}  # fmt: skip
 #: Rows that tell how far two readings are apart, and how many times that the first may be.
 _SHORT, _STALE = 10, 5.0
 #: Beyond these no fabric or rubber was ever tested: a wrong unit or a wrong column. The stress is the largest of a
@@ -95,7 +77,7 @@ def read_tests(
     found: list[TestData] = []
     sheets = []
     for sheet in open_sheets(data, name, fits, told):
-        kind = _said(sheet, test)
+        kind = said(sheet, test)
         parts = specimens(sheet, one_axis=kind is not None and not kind.startswith("biaxial"))
         if kind is None and len(parts) == 1 and may_be_specimens(sheet):
             raise no_test(sheet, TESTS)
@@ -127,7 +109,7 @@ def _read_sheet(
     ]
     mark = settle_decimal(sheet, numeric, decimal)
     sheet = _without_stale_row(sheet, columns, mark)
-    kinds, compression = _tests_of_rows(sheet, columns, test)
+    kinds, compression = tests_of_rows(sheet, columns, test)
     notes: list[str] = []
     sizes = read_geometry(sheet, geometry, mark, notes)
     ways = directions(sheet, columns)
@@ -252,98 +234,6 @@ def _set_aside(columns: Roles, loadings: Iterable[Loading]) -> list[str]:
         for name, one in columns.columns.items()
         if one.heading.index not in used and name not in rows
     ]
-
-
-def _said(sheet: CsvSheet, given: str | None) -> str | None:
-    """Return which test a file is said to be: by an option, a line, or words above its table."""
-    for entry in sheet.metadata.get("test", []) if given is None else []:
-        if (
-            found := _declared_test(entry.value, sheet.name) if entry.sure else kind_named(entry.value)
-        ) is not None:
-            return found
-    return given
-
-
-def _declared_test(test: str | None, name: str) -> str | None:
-    if test is None:
-        return None
-    folded = test.strip().casefold().replace("_", "-")
-    folded = _LETTERS.get(folded, folded)
-    found = folded if folded in TESTS else word_for(folded, "TESTS")
-    if found is None:
-        raise InputError(
-            f"{test[:40]} is no test", file=name, key="test", remedy=f"one of {', '.join(TESTS)}"
-        )
-    return "uniaxial" if found == "compression" else found
-
-
-def _tests_of_rows(sheet: CsvSheet, columns: Roles, given: str | None) -> tuple[list[str], bool]:
-    """Return the test each row belongs to, and whether it is told to be a compression.
-
-    The command line, the column and the metadata must agree; a file that does not say is recognised by its columns, by
-    the words above the table, or by its name.
-    """
-    column = columns.columns.get("test")
-    entry = next((one for one in sheet.metadata.get("test", []) if one.sure), None)
-    told = words(sheet, column.heading) if column else [entry.value] if entry else []
-    texts = [_LETTERS.get(text.strip().casefold(), text) for text in told]
-    where = [*sheet.lines] if column else [entry.line] if entry else []
-    known: dict[str, str] = {}
-    compression = False
-    for text, line in zip(texts, where, strict=True):
-        if text in known:
-            continue
-        compression = compression or word_for(text, "TESTS") == "compression"
-        try:
-            known[text] = _declared_test(text, sheet.name) or ""
-        except InputError as error:
-            raise InputError(
-                error.message,
-                file=sheet.name,
-                line=line,
-                column="test" if column else None,
-                remedy=error.remedy,
-            ) from None
-        plain = known[text].removesuffix("-general")
-        if given is not None and plain != given.removesuffix("-general"):
-            raise InputError(
-                f"says the test is {known[text]}, but it was given as {given}",
-                file=sheet.name,
-                line=line,
-                remedy=f"give it as --{plain}, or correct the line",
-            )
-    count = len(sheet.lines)
-    if texts:
-        return ([known[text] for text in texts] if column else [known[texts[0]]] * count), compression
-    guess = _recognised(sheet, columns)
-    compression = guess == "compression"
-    if given is not None:
-        return [_declared_test(given, sheet.name) or ""] * count, compression
-    if guess is None and columns.first(STRESSES) is None:
-        raise no_stress(sheet, columns)
-    if guess is None:
-        raise no_test(sheet, TESTS)
-    return ["uniaxial" if compression else guess] * count, compression
-
-
-def _recognised(sheet: CsvSheet, columns: Roles) -> str | None:
-    """Return the test that columns, words above the table or the file's name tell, the surest first."""
-    names = columns.columns
-    if "shear stress" in names or "shear strain" in names:
-        return "simple-shear"
-    if any(name.endswith(" 2") and name[:-2] in STRESSES for name in names):
-        return "biaxial-general"
-    if "volume ratio" in names:
-        return "volumetric"
-    for entry in sheet.metadata.get("test", []):
-        if (found := kind_named(entry.value)) is not None:
-            return found
-    stem = PurePath(sheet.name.partition(".xlsx")[0]).stem
-    if (found := kind_named(stem)) is not None:
-        return found
-    titles = " ".join(one.heading.title for one in names.values())
-    found = kind_named(titles)
-    return found if found in ("uniaxial", "compression") else None
 
 
 def _groups(
