@@ -16,7 +16,7 @@ from hyperfab.errors import InputError
 from hyperfab.io.csv_dialect import open_sheets
 from hyperfab.io.csv_numbers import numbers, settle_decimal
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.kind_of_test import TESTS, said, tests_of_rows
+from hyperfab.io.kinds_of_tests import TESTS, said, tests_of_rows
 from hyperfab.io.layout import PLAIN, Choice, Layout
 from hyperfab.io.role_words import no_test, understood
 from hyperfab.io.roles import STRESSES, STRETCHES, Roles, fits, may_be_specimens, roles, specimens
