@@ -98,8 +98,9 @@ class TwoLevel:
     """A smoother on all unknowns and a coarse space below it: for degree 2 on degree 1 the fastest found.
 
     ``coarse`` is Pᵀ A P for the prolongation ``prolongation`` P (rows of held unknowns empty). The smoother is a
-    Chebyshev polynomial of ``degree`` in the Jacobi-scaled matrix, before and after the coarse correction. It reads
-    the matrix in single precision, a third less to fetch from memory: what is solved is the caller's own matrix.
+    Chebyshev polynomial of ``degree`` in the Jacobi-scaled matrix, before and after the coarse correction, up to its
+    ``largest`` eigenvalue, which is estimated where none is given. It reads the matrix in single precision, a third
+    less to fetch from memory: what is solved is the caller's own matrix.
     """
 
     def __init__(
@@ -109,6 +110,7 @@ class TwoLevel:
         coarse: Preconditioner,
         free: NDArray[np.bool_],
         degree: int = 2,
+        largest: float | None = None,
     ) -> None:
         self._matrix = sparse.csr_matrix(
             (matrix.data.astype(np.float32), matrix.indices, matrix.indptr), shape=matrix.shape, copy=False
@@ -118,8 +120,8 @@ class TwoLevel:
         self._coarse = coarse
         self._inverse = np.where(free, 1.0 / matrix.diagonal(), 0.0)
         self._degree = degree
-        largest = 1.15 * largest_eigenvalue(matrix, self._inverse)
-        self._centre, self._spread = largest * 0.5 * (1 + 1 / 6), largest * 0.5 * (1 - 1 / 6)
+        self.largest = 1.15 * largest_eigenvalue(matrix, self._inverse) if largest is None else largest
+        self._centre, self._spread = self.largest * 0.5 * (1 + 1 / 6), self.largest * 0.5 * (1 - 1 / 6)
 
     def apply(self, residual: Array) -> Array:
         """Return one symmetric V-cycle from zero."""

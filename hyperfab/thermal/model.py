@@ -42,8 +42,23 @@ NEWTON_SOLVE = 1e-4
 #: Uniform shifts that close the balance of a nonlinear stage; the second one is already tiny.
 BALANCINGS = 3
 NEWTON_STEPS = 40
-#: A preconditioner serves steps up to this many times as long, or as short, as the one it was made for.
+#: A coarse solver serves steps up to this many times as long, or as short, as the one it was made for.
 ALIKE = 2.0
+#: Coarse solvers that are kept, the last used.
+KEPT = 8
+
+
+@dataclass(frozen=True)
+class _Prepared:
+    """What is dear in a preconditioner, and the step it was made for, as ``solve_stage`` has it.
+
+    ``coarse`` solves on the coarse space, or the whole of a small mold; ``largest`` is as in ``TwoLevel``.
+    """
+
+    interval: float
+    storage: float
+    coarse: Preconditioner
+    largest: float
 
 
 @dataclass
@@ -78,7 +93,7 @@ class HeatModel:
         self.lumped_capacity = diagonal * (self._total_capacity / diagonal.sum())
         self.last_matrix: sparse.csr_matrix | None = None
         self._assembled: tuple[float, float] | None = None
-        self._prepared: tuple[float, float] | None = None
+        self._prepared: list[_Prepared] = []  # the last used at the end
         self._preconditioner: Preconditioner | None = None
         self._volume: tuple[tuple[float, float], Array] | None = None
 
@@ -232,14 +247,18 @@ class HeatModel:
 
     def changed(self) -> None:
         """Forget the matrices: a condition was switched."""
-        self._assembled = self._prepared = None
+        self._assembled = self._preconditioner = None
+        self._prepared.clear()
 
-    def _is_prepared(self, interval: float, storage: float) -> bool:
-        """Whether the preconditioner serves: made for this step, or, where it is no factorisation, for one like it."""
-        if self._prepared is None or self._prepared[1] != storage:
-            return False
-        ratio = interval / self._prepared[0]
-        return ratio == 1.0 or (not self._is_small and 1.0 / ALIKE < ratio < ALIKE)
+    def _serving(self, interval: float, storage: float) -> _Prepared | None:
+        """Return what was made for this step, or, where that is no factorisation of it all, for one like it."""
+        alike = [one for one in self._prepared if one.storage == storage]
+        nearest = min(alike, key=lambda one: abs(np.log(interval / one.interval)), default=None)
+        if nearest is None:
+            return None
+        ratio = interval / nearest.interval
+        serves = ratio == 1.0 or (not self._is_small and 1.0 / ALIKE < ratio < ALIKE)
+        return nearest if serves else None
 
     def _residual(
         self, time: float, interval: float, storage: float, target: Array, temperature: Array
@@ -257,9 +276,9 @@ class HeatModel:
         same = self._assembled == (interval, storage)
         if not (same and self.linear and self.last_matrix is not None):
             matrix = self._step_matrix(time, interval, storage, temperature)
-            if not self._is_prepared(interval, storage):
-                self._prepare(time, interval, storage, temperature, matrix)
-                self._prepared = (interval, storage)
+            serving = self._serving(interval, storage)
+            if serving is None or serving is not self._prepared[-1] or self._preconditioner is None:
+                self._prepare(time, interval, storage, temperature, matrix, serving)
             self.last_matrix, self._assembled = matrix, (interval, storage)
         return self.last_matrix
 
@@ -300,21 +319,34 @@ class HeatModel:
         return sparse.csr_matrix(p.T @ (matrix @ p))
 
     def _prepare(
-        self, time: float, interval: float, storage: float, temperature: Array, matrix: sparse.csr_matrix
+        self,
+        time: float,
+        interval: float,
+        storage: float,
+        temperature: Array,
+        matrix: sparse.csr_matrix,
+        serving: _Prepared | None,
     ) -> None:
-        """Make the preconditioner for a step length; a matrix that only drifts keeps it."""
-        if self._is_small:
-            self._preconditioner = Direct(matrix, self.free)
+        """Make the preconditioner for a step length, of what is ``serving`` it; a matrix that drifts keeps it."""
+        largest = None if serving is None else serving.largest
+        if serving is not None:
+            coarse = serving.coarse
+        elif self._is_small:
+            coarse = Direct(matrix, self.free)
+        elif self.medium.linear:  # what conducts and stores is taken to the coarse space once
+            faces = np.zeros_like(matrix.data)
+            self._add_conditions(time, interval, temperature, faces)
+            conduction, capacity = self._on_the_coarse_space
+            coarse = hierarchy(interval * conduction + storage * capacity + self._coarse(faces), COARSE)
         else:
-            p = self._prolongation
-            if self.medium.linear:  # what conducts and stores is taken to the coarse space once
-                faces = np.zeros_like(matrix.data)
-                self._add_conditions(time, interval, temperature, faces)
-                conduction, capacity = self._on_the_coarse_space
-                coarse = interval * conduction + storage * capacity + self._coarse(faces)
-            else:
-                coarse = self._coarse(matrix.data)
-            self._preconditioner = TwoLevel(matrix, p, hierarchy(coarse, COARSE), self.free)
+            coarse = hierarchy(self._coarse(matrix.data), COARSE)
+        if self._is_small:
+            self._preconditioner, largest = coarse, 1.0
+        else:
+            whole = TwoLevel(matrix, self._prolongation, coarse, self.free, largest=largest)
+            self._preconditioner, largest = whole, whole.largest
+        used = serving or _Prepared(interval, storage, coarse, largest)
+        self._prepared = [*[one for one in self._prepared if one is not used][1 - KEPT :], used]
 
 
 def _degree_two_on_one(mesh: HeatMesh, free: NDArray[np.bool_]) -> sparse.csr_matrix:

@@ -127,10 +127,9 @@ class Face:
         rows = facets.at_points_of(lift.basis)
         origin, weights = facets.at_points(lift.origin).ravel(), facets.weights.ravel()
         loss, rate, cooling = _loss(condition, origin, self._at)
-        weighted = rows * weights[:, None]
-        self._flow = -(loss @ weighted)
-        self._matrix = weighted.T @ (rate[:, None] * rows)
-        self._air = cooling @ weighted
+        self._flow = -((loss * weights) @ rows)
+        self._matrix = rows.T @ ((rate * weights)[:, None] * rows)
+        self._air = (cooling * weights) @ rows
         if condition.linear:
             origin, weights, rows = origin[:0], weights[:0], rows[:0]
         elif len(weights) > POINTS:

@@ -23,6 +23,8 @@ SCALES = 6
 DROP = 1e-7
 #: States that a basis is made of at most.
 SNAPSHOTS = 100
+#: Vectors that are multiplied at a time.
+BLOCK = 32
 #: How sharply the answers are solved for: they are directions.
 SOLVE = 1e-6
 
@@ -72,19 +74,22 @@ def lift_of(
         matrix = model.step_matrix(state.time, float(scale), origin)
         slow = [drift, *([np.sum(lost, axis=0)] if lost else [])] if scale > 0.5 * stretch else []
         columns += [model.solve(matrix, scale * load, SOLVE) for load in (*loads, *slow)]
-    found = np.stack(columns, axis=1)
+    basis = np.stack(columns, axis=1)
+    columns.clear()  # each as large as a state: no more of them at a time than must be
     uniform = np.full(len(origin), 1.0 / np.sqrt(total))
     held = capacity @ uniform
-    basis = found
     for threshold in (DROP, 0.0):  # once more, against rounding
-        basis = basis - uniform[:, None] * (held @ basis)
+        basis -= uniform[0] * (held @ basis)
         basis = orthonormal(basis, capacity, threshold, most - 1)
     return Lift(origin, np.ascontiguousarray(np.column_stack([uniform, basis])), examples(seen))
 
 
 def orthonormal(vectors: Array, capacity: sparse.csr_matrix, threshold: float, most: int) -> Array:
     """Return at most so many vectors that span them, orthonormal in the heat capacity, the largest first."""
-    gram = vectors.T @ (capacity @ vectors)
+    gram = np.empty((vectors.shape[1], vectors.shape[1]))
+    for first in range(0, len(gram), BLOCK):
+        block = slice(first, first + BLOCK)
+        gram[:, block] = vectors.T @ (capacity @ vectors[:, block])
     values, axes = np.linalg.eigh(0.5 * (gram + gram.T))
     keep = np.flatnonzero(values > threshold**2 * float(capacity.sum()))[::-1][:most]
     return np.asarray((vectors @ axes[:, keep]) / np.sqrt(values[keep]))

@@ -31,7 +31,7 @@ from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.projected import ProjectedModel, why_not
 from hyperfab.thermal.radiation import Radiation
 from hyperfab.thermal.run_basis import duration, lift_of, orthonormal
-from hyperfab.thermal.step import Model, State, initial_state, take_step
+from hyperfab.thermal.step import Model, State, initial_state, stages, take_step
 from hyperfab.thermal.thermostat import Thermostat
 from hyperfab.thermal.trail import Lift
 
@@ -291,6 +291,7 @@ class Shortcut:
         """Go through the stretch in full: by how much watched places are off on the way [K], and all at its end."""
         begun = self._now[0].state
         state = initial_state(self.model, begun.time, lift.nodal(begun.temperature))
+        before = begun.temperature
         within = shifts = 0.0
         self._found = []
         ends = [one.count for one in self._now[1:]] + [len(history.states)]
@@ -298,10 +299,14 @@ class Shortcut:
             for heater, on in zip(self.model.heaters, stretch.on, strict=True):
                 heater.on = on
             for past in history.states[stretch.count : end]:
-                step = take_step(self.model, state, past.time - state.time, estimate=False)
+                length, now = past.time - state.time, past.coordinates
+                assert past.coordinates_slope is not None
+                foretold = stages(now - before, past.coordinates_slope, length)
+                first, whole = (lift.basis @ np.stack(foretold, axis=1)).T
+                step = take_step(self.model, state, length, estimate=False, guesses=(first, whole))
                 state = replace(step.state, time=past.time)
                 assert state.slope is not None
-                reduced = lift.nodal(past.coordinates)
+                before, reduced = now, lift.nodal(now)
                 off = reduced - state.temperature
                 self._found.append(off)
                 within = max(within, float(np.abs(off[self.nodes]).max(initial=0.0)))

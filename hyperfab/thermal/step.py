@@ -111,19 +111,29 @@ def initial_state(model: Model, time: float, temperature: Array) -> State:
     return State(time, temperature, model.stored(temperature), rate)
 
 
-def take_step(model: Model, start: State, length: float, *, estimate: bool = True) -> Step:
-    """Advance by ``length`` [s], with an ``estimate`` of the error; NotConverged where a stage does not settle."""
+def take_step(
+    model: Model,
+    start: State,
+    length: float,
+    *,
+    estimate: bool = True,
+    guesses: tuple[Array, Array] | None = None,
+) -> Step:
+    """Advance by ``length`` [s], with an ``estimate`` of the error; NotConverged where a stage does not settle.
+
+    ``guesses`` are by how much the temperatures change to each stage (n,) [K], where something foretells it.
+    """
     g = GAMMA * length
     t1, t2 = start.time + g, start.time + length
     ahead = 0.0 if start.slope is None else g * start.slope
     reference = g * norm(start.rate * model.free)
-    guess = model.hold(t1, start.temperature + ahead)
+    guess = model.hold(t1, start.temperature + (ahead if guesses is None else guesses[0]))
     first, residual1 = model.solve_stage(t1, g, start.stored, guess, reference=reference or None)
     stored1 = model.stored(first)
     rate1 = (stored1 - start.stored) / g
     slope1 = (first - start.temperature) / g
     target = start.stored + (length - g) * rate1
-    guess = model.hold(t2, start.temperature + length * slope1)
+    guess = model.hold(t2, start.temperature + (length * slope1 if guesses is None else guesses[1]))
     reference = g * norm(rate1 * model.free)
     second, residual2 = model.solve_stage(t2, g, target, guess, reference=reference or None)
     stored2 = model.stored(second)
@@ -134,6 +144,12 @@ def take_step(model: Model, start: State, length: float, *, estimate: bool = Tru
     state = State(t2, second, stored2, rate2, slope2)
     moved = model.moved(stored2 - start.stored)
     return Step(state, error, heat, moved, max(residual1, residual2))
+
+
+def stages(change: Array, slope: Array, length: float) -> tuple[Array, Array]:
+    """Return the changes to the stages of a step of ``length`` [s], from that to its end and the ``slope`` there."""
+    g = GAMMA * length
+    return g * (change - g * slope) / (length - g), change
 
 
 def _entering(model: Model, time: float, temperature: Array, rate: Array) -> Array:

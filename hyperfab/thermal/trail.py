@@ -88,6 +88,11 @@ class Past:
         return self._trail.entry(self._number)[1]
 
     @property
+    def coordinates_slope(self) -> Array | None:
+        """How fast its coordinates change, where it is reduced."""
+        return self._trail.entry(self._number)[2]
+
+    @property
     def slope(self) -> Array | None:
         """How fast they change [K/s], as the step found that led here; None at the start."""
         lift, _, second = self._trail.entry(self._number)

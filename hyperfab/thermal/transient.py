@@ -125,6 +125,7 @@ def run(
                 f"{schedule.most_steps} time steps did not reach the end",
                 remedy="widen the thermostat's band or the tolerance",
             )
+    model.changed()  # the room is for what is made of the result
     return history
 
 
