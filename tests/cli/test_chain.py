@@ -51,6 +51,17 @@ def test_fit_pipes_into_drape_and_its_file_into_press(hf: Run, tmp_path: Path) -
     assert with_drape["contact_area_mm2"] != without["contact_area_mm2"]
 
 
+def test_a_foam_pipes_into_press(hf: Run, tmp_path: Path) -> None:
+    foam = only_document(hf("fit", "--uniaxial", "specimens/foam.csv", "--model", "hyperfoam-1"), "material")
+    given = json.dumps(foam | {"thickness_mm": 10.0}).encode()
+    (tmp_path / "foam.json").write_bytes(given)
+    last = PRESS.index("--foam") + 1
+    press = [*PRESS[:last], "{}", *PRESS[last + 1 :], "--temperature", "200degC"]
+    piped = only_document(hf(*[word.format("-") for word in press], stdin=given), "press")
+    named = only_document(hf(*[word.format(tmp_path / "foam.json") for word in press]), "press")
+    assert piped["contact_area_mm2"] == named["contact_area_mm2"] > 0.0
+
+
 def test_mold_heat_pipes_into_press(hf: Run, tmp_path: Path) -> None:
     (tmp_path / "plate.toml").write_text(PLATE)
     (tmp_path / "film.csv").write_bytes(FILM)

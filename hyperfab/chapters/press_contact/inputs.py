@@ -13,7 +13,7 @@ from hyperfab.cases.press import PressCase
 from hyperfab.chapters.field import derivatives, read_field
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.molds import MoldFile, read_mold
-from hyperfab.documents.base import read_document
+from hyperfab.documents.base import parse_document, read_document
 from hyperfab.documents.drape import DrapeDocument
 from hyperfab.documents.foam import FoamDocument
 from hyperfab.documents.material import MaterialDocument
@@ -33,6 +33,8 @@ ALUMINIUM = ((100.0, 300.0), (23.6e-6, 25.2e-6))
 _TORN = 0.8
 #: What is done beyond a table's rows.
 _END_ROWS = "its end rows hold there"
+#: How the name of a table ends, which is often given in a sandwich's place.
+_TABLES = (".csv", ".tsv", ".txt", ".xlsx")
 #: Steps of differences, over a standard deviation.
 _STEP = 0.1
 _REFERENCE_RANGE = (-50.0, 60.0)
@@ -65,8 +67,12 @@ def read_molds(job: Job, case: PressCase) -> tuple[Surface, Surface, PressFrame]
 
 def read_foam(inputs: Inputs, name: str) -> FoamDocument:
     """Read the sandwich; a material document is a foam of its thickness without fabric."""
-    if name.endswith(".json"):
-        material = read_document(inputs, name, MaterialDocument)
+    if name.endswith(_TABLES):
+        remedy = f'write a foam.toml with thickness = "10 mm" and compression = {{ table = "{name}" }}'
+        raise InputError("is a table, no sandwich", file=name, remedy=remedy)
+    loaded = inputs.plain(name)
+    if isinstance(loaded, Mapping) and loaded.get("format") == MaterialDocument.format_name():
+        material = parse_document(loaded, name, MaterialDocument)
         if material.thickness_mm is None:
             raise InputError(
                 "states no thickness of the foam",
@@ -79,9 +85,7 @@ def read_foam(inputs: Inputs, name: str) -> FoamDocument:
             thickness=f"{material.thickness_mm!r} mm",
             compression={"material": os.path.basename(name)},
         )
-    if not name.endswith(".toml"):
-        raise InputError("is no .toml document", file=name, remedy="write the sandwich as foam.toml")
-    return read_document(inputs, name, FoamDocument)
+    return parse_document(loaded, name, FoamDocument)
 
 
 def variation(name: str, document: FoamDocument, axis: str, vertices: np.ndarray) -> np.ndarray | float:
