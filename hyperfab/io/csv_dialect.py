@@ -334,6 +334,7 @@ def _sheet(
         tuple(dict.fromkeys(block.words)),
         layout,
         mark="." if separator == "cell" and not any(map(_has_comma, columns)) else None,
+        over=block.over,
     )
 
 

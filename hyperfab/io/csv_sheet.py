@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from hyperfab.errors import InputError
 from hyperfab.io.headings import Heading, meaning, suffixed
 from hyperfab.io.layout import PLAIN, Layout, filled_in
+from hyperfab.io.rows import Row
 from hyperfab.io.tables import Entry
 
 
@@ -16,7 +17,8 @@ class CsvSheet:
     """A table in cells: all rows have the header's number of columns, blank rows are counted and gone.
 
     ``columns`` holds the cells by column; ``lines`` the source line of each row. ``left_out`` counts rows that are no
-    readings by reason, ``closing`` are the words they begin with. ``mark`` is the decimal mark where it is sure.
+    readings by reason, ``closing`` are the words they begin with. ``mark`` is the decimal mark where it is sure;
+    ``over`` the row of titles above the header.
     """
 
     name: str
@@ -31,6 +33,7 @@ class CsvSheet:
     layout: Layout = PLAIN
     mark: str | None = None
     label: str = ""
+    over: Row | None = None
 
     def find(self, *names: str) -> Heading | None:
         """Return the column of one of ``names``, or None; InputError where two columns have it.

@@ -19,8 +19,9 @@ from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.kinds_of_tests import TESTS, said, tests_of_rows
 from hyperfab.io.layout import PLAIN, Choice, Layout
 from hyperfab.io.role_words import no_test, understood
-from hyperfab.io.roles import STRESSES, STRETCHES, Roles, fits, may_be_specimens, roles, specimens
+from hyperfab.io.roles import STRESSES, STRETCHES, Roles, fits, roles
 from hyperfab.io.row_states import directions, held_down, of_each_row, words_or_stated
+from hyperfab.io.side_by_side import may_be_specimens, specimens
 from hyperfab.io.specimen import Geometry, Loading, read_geometry, read_loading
 from hyperfab.io.tables import NO_READING, is_number
 

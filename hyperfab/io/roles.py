@@ -13,14 +13,13 @@ from hyperfab.io.headings import (
     KIND,
     Heading,
     Meaning,
-    heading,
     is_of,
     meaning,
     plain,
     suffixed,
     word_for,
 )
-from hyperfab.io.tables import Entry, is_number
+from hyperfab.io.tables import is_number
 
 #: What gives a stretch and what a stress, the surest first.
 STRETCHES = (
@@ -37,7 +36,7 @@ STRETCHES = (
 STRESSES = ("stress", "true stress", "membrane stress", "shear stress", "force")
 #: What a unit of each kind suggests that a column is.
 BY_KIND = {"stress": "stress", "force": "force", "membrane-stress": "membrane stress", "length": "extension"}
-_SPECIMEN = re.compile(
+SPECIMEN = re.compile(
     r"(?:probe|specimen|sample|probeta|muestra|eprouvette|echantillon|provino|campione|corpo de "
     r"prova|amostra|prufling|probekorper|test piece|versuch|spec|cp)"
     r"(?: n| no| nr)? ?(\d{1,3}|[a-z])\b[ :]*(.*)"
@@ -76,11 +75,11 @@ class Roles:
 
 def fits(heads: Sequence[Heading]) -> bool:
     """Whether headings give a stretch and a stress."""
-    ones = [read(head) or ((found := _label(head)) and read(found[0])) for head in heads]
+    ones = [read(head) or ((found := label_of(head)) and read(found[0])) for head in heads]
     names = {one.name for one in ones if one}
     if any(names & set(STRETCHES)) and any(names & set(STRESSES)):
         return True
-    return bool(names & set(STRETCHES)) and any(_by_unit(head) for head in heads)
+    return bool(names & set(STRETCHES)) and any(by_unit(head) for head in heads)
 
 
 def read(head: Heading) -> Meaning | None:
@@ -91,92 +90,16 @@ def read(head: Heading) -> Meaning | None:
     return found
 
 
-def _by_unit(head: Heading) -> str | None:
+def by_unit(head: Heading) -> str | None:
     """Return what a column that is called after a specimen holds, by its unit."""
-    match = _SPECIMEN.fullmatch(plain(head.label))
+    match = SPECIMEN.fullmatch(plain(head.label))
     if match is None or match[2] or head.unit is None:
         return None
     return next((name for kind, name in BY_KIND.items() if is_of(head.unit, kind)), None)
 
 
-def specimens(sheet: CsvSheet, one_axis: bool = False) -> list[CsvSheet]:
-    """Return the tables of the specimens that stand side by side, each with the columns all share; else the sheet.
-
-    They are told by their titles, equal to the letter and repeated, by ``Probe 1``, ``Specimen 2`` before a
-    title, by ``.1``, ``.2`` behind it, as pandas writes copies, or by ``_1``, ``_2``, ``_3`` and letters; two numbers
-    are the axes of a general biaxial test, unless the test is known to have ``one_axis``.
-    """
-    if sheet.layout.columns:
-        return [sheet]
-    groups: dict[str, list[Heading]] = {}
-    shared: list[Heading] = []
-    titles = [plain(head.title) for head in sheet.headings]
-    repeated = {title for title in titles if title and titles.count(title) > 1}
-    names = {
-        m.name for head in sheet.headings if plain(head.title) in repeated and (m := read(head)) is not None
-    }
-    both = bool(names & set(STRETCHES)) and bool(names & set(STRESSES))
-    copies = {
-        title.rpartition(".")[0] for head in sheet.headings if re.fullmatch(r".+\.\d", title := head.title)
-    }
-    seen: dict[str, int] = {}
-    for head, title in zip(sheet.headings, titles, strict=True):
-        match = _SPECIMEN.fullmatch(plain(head.label))
-        copy = re.fullmatch(r"(.+)\.(\d)", head.title)
-        if match and (match[2] or _by_unit(head)):
-            label = match[2] or str(_by_unit(head))
-            unit = head.unit
-            made = replace(head, label=label, unit=unit)
-            groups.setdefault(match[1], []).append(made)
-        elif title in repeated and both:
-            seen[title] = seen.get(title, 0) + 1
-            groups.setdefault(str(seen[title]), []).append(head)
-        elif copy and copy[1] in {one.title for one in sheet.headings}:
-            groups.setdefault(str(int(copy[2]) + 1), []).append(
-                replace(heading(copy[1], head.index), title=head.title)
-            )
-        elif head.title in copies:
-            groups.setdefault("1", []).append(head)
-        else:
-            shared.append(head)
-    stated: dict[str, _Label] = {}
-    if not groups:
-        labelled, shared = _labelled(sheet.headings, one_axis)
-        groups = {label.key: heads for label, heads in labelled.items()}
-        stated = {label.key: label for label in labelled if label.setting != "specimen"}
-    told = {
-        key: {m.name for one in heads if (m := meaning(one)) is not None} for key, heads in groups.items()
-    }
-    if len(groups) < 2 or not all(names & set(STRESSES) for names in told.values()):
-        return [sheet]
-    if not all(names & set(STRETCHES) for names in told.values()) and not fits(
-        [*shared, *next(iter(groups.values()))]
-    ):
-        return [sheet]
-    found = []
-    for key, heads in groups.items():
-        own = [one.index for one in heads]
-        rows = [row for row in range(len(sheet.lines)) if any(sheet.columns[index][row] for index in own)]
-        columns = tuple([cells[row] for row in rows] for cells in sheet.columns)
-        label = f"{sheet.label} {key}".strip()
-        metadata = dict(sheet.metadata)
-        if key in stated:
-            metadata[stated[key].setting] = [Entry(stated[key].value, sheet.header_line, sure=False)]
-        found.append(
-            replace(
-                sheet,
-                metadata=metadata,
-                headings=tuple(sorted([*shared, *heads], key=lambda one: one.index)),
-                columns=columns,
-                lines=[sheet.lines[row] for row in rows],
-                label=label,
-            )
-        )
-    return found
-
-
 @dataclass(frozen=True)
-class _Label:
+class Label:
     """What a title says beside what its column holds: ``key``, the setting it is and its value."""
 
     key: str
@@ -184,61 +107,30 @@ class _Label:
     value: str
 
 
-def _label(head: Heading) -> tuple[Heading, _Label] | None:
+def label_of(head: Heading) -> tuple[Heading, Label] | None:
     """Return a heading without the label in its title and that: ``Stress_2``, ``Course stress``, ``Stress 20C``."""
     match = _LABELLED.fullmatch(plain(head.label))
     if match:
         made = replace(head, label=match[1].strip())
-        return (made, _Label(match[2], "specimen", match[2])) if read(made) and not _is_symbol(made) else None
+        return (made, Label(match[2], "specimen", match[2])) if read(made) and not _is_symbol(made) else None
     words = [word.strip("()[]") for word in re.split(r"[\s_]+", head.title)]
     words = [word for word in words if word != head.unit]
     for own, rest in ((words[-1:], words[:-1]), (words[:1], words[1:]), (words[-2:], words[:-2])):
         made = replace(head, label=" ".join(rest))
-        label = _state(" ".join(own))
+        label = state_of(" ".join(own))
         if rest and label and read(made) is not None:
             return made, label
     return None
 
 
-def _state(text: str) -> _Label | None:
+def state_of(text: str) -> Label | None:
     """Return what a word in a title states of its column: a direction, an angle, a temperature or a rate."""
     if word_for(text, "DIRECTIONS"):
-        return _Label(text.casefold(), "direction", text)
+        return Label(text.casefold(), "direction", text)
     for name, form, unit in _STATES:
         if match := form.fullmatch(text):
-            return _Label(text, name, f"{match[1]} {unit}")
+            return Label(text, name, f"{match[1]} {unit}")
     return None
-
-
-def _labelled(heads: Sequence[Heading], one_axis: bool) -> tuple[dict[_Label, list[Heading]], list[Heading]]:
-    """Return the headings of each specimen by the label in its titles, and the others.
-
-    Nothing where the same columns do not stand there for each, a stress among them, or where two axes could be meant.
-    """
-    groups: dict[_Label, list[Heading]] = {}
-    shared: list[Heading] = []
-    for head in heads:
-        found = _label(head)
-        if found is None:
-            shared.append(head)
-        else:
-            groups.setdefault(found[1], []).append(found[0])
-    kinds = [{one.name for head in own if (one := read(head)) is not None} for own in groups.values()]
-    keys = {label.key for label in groups}
-    axes = keys <= {"x", "y"} or (
-        not one_axis and (keys <= {"1", "2"} or any(label.setting == "direction" for label in groups))
-    )
-    alike = len(kinds) > 1 and all(one == kinds[0] for one in kinds) and kinds[0] & set(STRESSES)
-    # Two forces over one extension may be two load cells.
-    own = kinds and (kinds[0] & set(STRETCHES) or kinds[0] & set(STRESSES) - {"force"})
-    one_kind = len({label.setting for label in groups}) == 1
-    return (groups, shared) if alike and own and one_kind and not axes else ({}, list(heads))
-
-
-def may_be_specimens(sheet: CsvSheet) -> bool:
-    """Whether columns are those of specimens cut in several directions, if the test has one axis, else of its axes."""
-    labels = _labelled(sheet.headings, one_axis=True)[0] if not sheet.layout.columns else {}
-    return any(label.setting == "direction" for label in labels)
 
 
 def _is_symbol(head: Heading) -> bool:
@@ -257,7 +149,7 @@ def roles(sheet: CsvSheet) -> Roles:
                 found.setdefault(choice.name, []).append((-1, Column(choice.name, head, minus=choice.minus)))
             continue
         what = read(head)
-        along = _label(head) if what is None else None
+        along = label_of(head) if what is None else None
         if along is not None and along[1].setting == "direction":  # an axis of a biaxial test, by its name
             what, head = read(along[0]), along[0]
             axis = {"warp": "1", "weft": "2"}.get(word_for(along[1].value, "DIRECTIONS") or "")

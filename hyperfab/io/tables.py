@@ -39,6 +39,7 @@ NO_READING = re.compile(
 _BLANK_UNITS = frozenset(
     ("", "-", "--", "#", "count", "counts", "text", "none", "n", "no", "[]", "()", "1")
 ) | words("unit; units; einheit; einheiten; unidad; unidades; unite; unites; unita; unidade")
+_SETTING = re.compile(r"\s*([^:=]{1,80}?)\s*[:=]\s*(.*)")
 #: What stands above one table of several is that one's own.
 _OF_ONE = ("specimen", "cycle", "branch")
 #: Below so many rows a table beside a long one is a summary of it.
@@ -56,7 +57,10 @@ class Entry:
 
 @dataclass
 class Block:
-    """One table: the line of its head, its headings, its rows or, where they are plain throughout, its columns."""
+    """One table: the line of its head, its headings, its rows or, where they are plain throughout, its columns.
+
+    ``over`` is the row above its head where that holds titles of several columns.
+    """
 
     head_line: int
     headings: tuple[Heading, ...]
@@ -66,6 +70,7 @@ class Block:
     words: list[str] = field(default_factory=list)
     columns: list[list[str]] | None = None
     lines: list[int] = field(default_factory=list)
+    over: Row | None = None
 
 
 def is_number(cell: str) -> bool:
@@ -117,6 +122,8 @@ def find(rows: Sequence[Row], fits: Fits, layout: Layout) -> list[Block]:
         before = heads[number - 1][1] if number else 0
         above = [row for row, one in zip(rows[before:first], data[before:first], strict=True) if not one]
         block.metadata = settings(above)
+        if above and above[-1] is rows[first - 1] and sum(map(bool, above[-1][1])) > 1:
+            block.over = above[-1]
         end = heads[number + 1][0] if number + 1 < len(heads) else len(rows)
         while (
             number + 1 < len(heads)
@@ -305,7 +312,8 @@ def settings(rows: Sequence[Row]) -> dict[str, list[Entry]]:
     ``Zugversuch nach ISO 13934-1`` in a line by itself, states it.
     """
     found: dict[str, list[Entry]] = {}
-    for line, cells in rows:
+    for line, row in rows:
+        cells = [part for cell in row for part in _parted(cell)]
         title = [cell for cell in cells if cell]
         if len(title) == 1 and _stated(title, 0) is None and kind_named(title[0]) is not None:
             found.setdefault("test", []).append(Entry(title[0], line, sure=False))
@@ -328,9 +336,15 @@ def settings(rows: Sequence[Row]) -> dict[str, list[Entry]]:
     return found
 
 
+def _parted(cell: str) -> list[str]:
+    """Return the settings of a cell that holds several, as ``Width: 10 mm; Thickness: 2 mm``; else the cell."""
+    parts = [part.strip() for part in cell.split(";")]
+    return parts if len(parts) > 1 and all(_SETTING.fullmatch(part) for part in parts if part) else [cell]
+
+
 def _stated(cells: Sequence[str], place: int) -> tuple[str, str, str | None, int] | None:
     """Return key, value, unit and the next place, where the cell at ``place`` begins a setting."""
-    match = re.fullmatch(r"\s*([^:=]{1,80}?)\s*[:=]\s*(.*)", cells[place])
+    match = _SETTING.fullmatch(cells[place])
     if match and match[2] and not is_clock(cells[place]):
         key, value, after = match[1], match[2], place + 1
     elif cells[place] and place + 1 < len(cells) and not is_number(cells[place]):

@@ -221,3 +221,43 @@ def test_a_column_may_state_tests_by_the_letters_that_papers_give_them() -> None
     )
     found = read_tests(f"mode,stretch,stress_MPa\n{rows}".encode(), "a.csv")
     assert [part.mode for part in found] == ["uniaxial", "shear", "biaxial"]
+
+
+TESTS_ABOVE = "Uniaxial tension,,Equibiaxial tension,,Pure shear,\n"
+
+
+def test_titles_above_pairs_of_columns_say_which_test_each_is() -> None:
+    data = TESTS_ABOVE.encode() + table(",".join(["Strain,Stress (MPa)"] * 3), pairs())
+    found = read_tests(data, "a.csv")
+    same(found)
+    assert [part.mode for part in found] == ["uniaxial", "biaxial", "shear"]
+    # A file of several tests is not one test because an option says so.
+    with pytest.raises(InputError, match=r"line 1.*biaxial, but it was given as uniaxial.*without the option"):
+        read_tests(data, "a.csv", test="uniaxial")
+
+
+def test_points_read_off_a_diagram_need_one_word_for_all_pairs() -> None:
+    data = TESTS_ABOVE.encode() + table("X,Y,X,Y,X,Y", pairs())
+    with pytest.raises(InputError) as refused:
+        read_tests(data, "a.csv")
+    (told,) = re.findall(r'--columns "(.+)"', str(refused.value))
+    found = read_tests(data, "a.csv", columns=layout([told]))
+    same(found)
+    assert [part.mode for part in found] == ["uniaxial", "biaxial", "shear"]
+
+
+def test_titles_above_pairs_of_columns_say_how_warm_each_was() -> None:
+    data = b"Warm 23C,,80 \xc2\xb0C,,105 degC,\n" + table(",".join(["strain,stress [MPa]"] * 3), pairs())
+    found = read_tests(data, "a.csv", test="uniaxial")
+    same(found)
+    assert [part.temperature_degC for part in found] == [
+        pytest.approx(np.full(len(STRAIN), warm)) for warm in (23.0, 80.0, 105.0)
+    ]
+
+
+def test_sizes_may_stand_in_one_line() -> None:
+    line = b"Width: 10 mm; Thickness: 2 mm; Gauge length: 50 mm\n"
+    force = [50.0 * STRAIN, 20.0 * PULLS[0]]
+    (found,) = read_tests(line + table("Extension (mm),Load (N)", force), "a.csv", test="uniaxial")
+    assert found.stretch == pytest.approx(1.0 + STRAIN)
+    assert found.stress == pytest.approx(PULLS[0], rel=1e-5, abs=1e-12)

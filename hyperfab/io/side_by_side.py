@@ -1,0 +1,184 @@
+"""Tests that stand side by side in one table, told apart by titles repeated, numbered or stated above them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from hyperfab.io.csv_sheet import CsvSheet
+from hyperfab.io.headings import Heading, heading, kind_named, meaning, plain
+from hyperfab.io.layout import named
+from hyperfab.io.roles import (
+    SPECIMEN,
+    STRESSES,
+    STRETCHES,
+    Label,
+    by_unit,
+    fits,
+    label_of,
+    read,
+    state_of,
+)
+from hyperfab.io.tables import Entry
+
+
+def specimens(sheet: CsvSheet, one_axis: bool = False) -> list[CsvSheet]:
+    """Return the tables of the specimens that stand side by side, each with the columns all share; else the sheet.
+
+    They are told by their titles, equal to the letter and repeated, by ``Probe 1``, ``Specimen 2`` before a
+    title, by ``.1``, ``.2`` behind it, as pandas writes copies, or by ``_1``, ``_2``, ``_3`` and letters; two numbers
+    are the axes of a general biaxial test, unless the test is known to have ``one_axis``.
+    """
+    if (titled := _under_titles(sheet)) is not None:
+        return titled
+    if sheet.layout.columns:
+        return [sheet]
+    groups: dict[str, list[Heading]] = {}
+    shared: list[Heading] = []
+    titles = [plain(head.title) for head in sheet.headings]
+    repeated = {title for title in titles if title and titles.count(title) > 1}
+    names = {
+        m.name for head in sheet.headings if plain(head.title) in repeated and (m := read(head)) is not None
+    }
+    both = bool(names & set(STRETCHES)) and bool(names & set(STRESSES))
+    copies = {
+        title.rpartition(".")[0] for head in sheet.headings if re.fullmatch(r".+\.\d", title := head.title)
+    }
+    seen: dict[str, int] = {}
+    for head, title in zip(sheet.headings, titles, strict=True):
+        match = SPECIMEN.fullmatch(plain(head.label))
+        copy = re.fullmatch(r"(.+)\.(\d)", head.title)
+        if match and (match[2] or by_unit(head)):
+            label = match[2] or str(by_unit(head))
+            unit = head.unit
+            made = replace(head, label=label, unit=unit)
+            groups.setdefault(match[1], []).append(made)
+        elif title in repeated and both:
+            seen[title] = seen.get(title, 0) + 1
+            groups.setdefault(str(seen[title]), []).append(head)
+        elif copy and copy[1] in {one.title for one in sheet.headings}:
+            groups.setdefault(str(int(copy[2]) + 1), []).append(
+                replace(heading(copy[1], head.index), title=head.title)
+            )
+        elif head.title in copies:
+            groups.setdefault("1", []).append(head)
+        else:
+            shared.append(head)
+    stated: dict[str, Label] = {}
+    if not groups:
+        labelled, shared = _labelled(sheet.headings, one_axis)
+        groups = {label.key: heads for label, heads in labelled.items()}
+        stated = {label.key: label for label in labelled if label.setting != "specimen"}
+    told = {
+        key: {m.name for one in heads if (m := meaning(one)) is not None} for key, heads in groups.items()
+    }
+    if len(groups) < 2 or not all(names & set(STRESSES) for names in told.values()):
+        return [sheet]
+    if not all(names & set(STRETCHES) for names in told.values()) and not fits(
+        [*shared, *next(iter(groups.values()))]
+    ):
+        return [sheet]
+    found = []
+    for key, heads in groups.items():
+        metadata = dict(sheet.metadata)
+        if key in stated:
+            metadata[stated[key].setting] = [Entry(stated[key].value, sheet.header_line, sure=False)]
+        found.append(_part(sheet, heads, shared, f"{sheet.label} {key}".strip(), metadata))
+    return found
+
+
+def _part(
+    sheet: CsvSheet,
+    heads: Sequence[Heading],
+    shared: Sequence[Heading],
+    label: str,
+    metadata: Mapping[str, list[Entry]],
+) -> CsvSheet:
+    """Return the table of some columns and those that all share, with the rows that have any of its own."""
+    own = [one.index for one in heads]
+    rows = [row for row in range(len(sheet.lines)) if any(sheet.columns[index][row] for index in own)]
+    return replace(
+        sheet,
+        metadata=metadata,
+        headings=tuple(sorted([*shared, *heads], key=lambda one: one.index)),
+        columns=tuple([cells[row] for row in rows] for cells in sheet.columns),
+        lines=[sheet.lines[row] for row in rows],
+        label=label,
+    )
+
+
+def _under_titles(sheet: CsvSheet) -> list[CsvSheet] | None:
+    """Return the tables that stand side by side under titles of their own, which say what each is: a test, a state.
+
+    None where there are no such titles, or not all have a stretch and a stress.
+    """
+    if sheet.over is None:
+        return None
+    line, cells = sheet.over
+    groups: list[tuple[str, list[Heading]]] = []
+    for head in sheet.headings:
+        title = cells[head.index].strip() if head.index < len(cells) else ""
+        if title or not groups:
+            groups.append((title, []))
+        if head.title.strip():
+            alike = next(one for one in sheet.headings if plain(one.title) == plain(head.title))
+            choice = sheet.layout.choice(alike, sheet.headings)
+            groups[-1][1].append(head if choice is None else named(choice, head))
+    told = [_told(title) for title, _ in groups]
+    if len(groups) < 2 or not any(told) or not all(title and fits(heads) for title, heads in groups):
+        return None
+    return [
+        _part(
+            sheet,
+            heads,
+            (),
+            title,
+            {**sheet.metadata, **{key: [Entry(value, line, key == "test")] for key, value in one.items()}},
+        )
+        for (title, heads), one in zip(groups, told, strict=True)
+    ]
+
+
+def _told(title: str) -> dict[str, str]:
+    """Return what a title says of the columns below it: the test, a temperature, a rate."""
+    found: dict[str, str] = {}
+    words = title.split()
+    for count in (2, 1):
+        for k in range(len(words) + 1 - count):
+            label = state_of(" ".join(words[k : k + count]).strip("(),;"))
+            if label is not None and label.setting != "direction":
+                found.setdefault(label.setting, label.value)
+    kind = kind_named(title)
+    return found if kind is None else {**found, "test": kind}
+
+
+def _labelled(heads: Sequence[Heading], one_axis: bool) -> tuple[dict[Label, list[Heading]], list[Heading]]:
+    """Return the headings of each specimen by the label in its titles, and the others.
+
+    Nothing where the same columns do not stand there for each, a stress among them, or where two axes could be meant.
+    """
+    groups: dict[Label, list[Heading]] = {}
+    shared: list[Heading] = []
+    for head in heads:
+        found = label_of(head)
+        if found is None:
+            shared.append(head)
+        else:
+            groups.setdefault(found[1], []).append(found[0])
+    kinds = [{one.name for head in own if (one := read(head)) is not None} for own in groups.values()]
+    keys = {label.key for label in groups}
+    axes = keys <= {"x", "y"} or (
+        not one_axis and (keys <= {"1", "2"} or any(label.setting == "direction" for label in groups))
+    )
+    alike = len(kinds) > 1 and all(one == kinds[0] for one in kinds) and kinds[0] & set(STRESSES)
+    # Two forces over one extension may be two load cells.
+    own = kinds and (kinds[0] & set(STRETCHES) or kinds[0] & set(STRESSES) - {"force"})
+    one_kind = len({label.setting for label in groups}) == 1
+    return (groups, shared) if alike and own and one_kind and not axes else ({}, list(heads))
+
+
+def may_be_specimens(sheet: CsvSheet) -> bool:
+    """Whether columns are those of specimens cut in several directions, if the test has one axis, else of its axes."""
+    labels = _labelled(sheet.headings, one_axis=True)[0] if not sheet.layout.columns else {}
+    return any(label.setting == "direction" for label in labels)
