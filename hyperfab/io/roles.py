@@ -46,6 +46,8 @@ _STATES = (
     ("direction", re.compile(r"(\d{1,3}) ?(?:deg|degrees|°)"), "deg"),
     ("temperature", re.compile(r"([-−]?\d+(?:\.\d+)?) ?(?:°|deg)? ?C"), "degC"),
     ("rate", re.compile(r"(\d*\.?\d+(?:[eE]-?\d+)?) ?(?:1?/s|s-1|s\^-1)"), "1/s"),
+    ("rate", re.compile(r"(\d*\.?\d+) ?mm/min"), "mm/min"),
+    ("rate", re.compile(r"(\d*\.?\d+) ?mm/s"), "mm/s"),
 )
 #: A specimen's number or letter behind what a column holds.
 _LABELLED = re.compile(r"([a-z ]*[a-z]{3}) ?(\d{1,2}|(?<= )[a-z])")

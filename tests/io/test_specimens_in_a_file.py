@@ -11,6 +11,7 @@ import pytest
 from hyperfab.errors import InputError
 from hyperfab.io.csv_tests import TestData, read_tests
 from hyperfab.io.layout import layout
+from hyperfab.io.specimen import Geometry
 from hyperfab.io.tables import shape
 
 STRAIN = np.linspace(0.0, 1.2, 13)
@@ -232,7 +233,9 @@ def test_titles_above_pairs_of_columns_say_which_test_each_is() -> None:
     same(found)
     assert [part.mode for part in found] == ["uniaxial", "biaxial", "shear"]
     # A file of several tests is not one test because an option says so.
-    with pytest.raises(InputError, match=r"line 1.*biaxial, but it was given as uniaxial.*without the option"):
+    with pytest.raises(
+        InputError, match=r"line 1.*biaxial, but it was given as uniaxial.*without the option"
+    ):
         read_tests(data, "a.csv", test="uniaxial")
 
 
@@ -252,6 +255,16 @@ def test_titles_above_pairs_of_columns_say_how_warm_each_was() -> None:
     same(found)
     assert [part.temperature_degC for part in found] == [
         pytest.approx(np.full(len(STRAIN), warm)) for warm in (23.0, 80.0, 105.0)
+    ]
+
+
+def test_titles_above_pairs_of_columns_say_how_fast_each_was() -> None:
+    data = b"10 mm/min,,100 mm/min,,1000 mm/min,\n" + table(
+        ",".join(["Extension (mm),stress [MPa]"] * 3), pairs()
+    )
+    found = read_tests(data, "a.csv", test="uniaxial", geometry=Geometry(gauge_length=50.0))
+    assert [part.rate_1_s for part in found] == [
+        pytest.approx(np.full(len(STRAIN), speed / 60.0 / 50.0)) for speed in (10.0, 100.0, 1000.0)
     ]
 
 
