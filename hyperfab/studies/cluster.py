@@ -205,21 +205,11 @@ def _dask() -> Any:
 
 def _end(cluster: Any, client: Any) -> None:
     """End the workers and all that they started, at once: nothing that they have not put in its place is kept."""
-    import psutil
-
     interrupted = sys.exc_info()[0] is not None
-    family: list[Any] = []
     if interrupted:
         for nanny in list(cluster.workers.values()):
             nanny.auto_restart = False
-        # A worker that is starting is known to no nanny yet, but is our child. What tracks semaphores ends by itself.
-        for process in psutil.Process().children(recursive=True):
-            with contextlib.suppress(psutil.Error):
-                if not any("resource_tracker" in word for word in process.cmdline()):
-                    family.append(process)
-        for process in family:
-            with contextlib.suppress(psutil.Error):
-                process.kill()
+        _kill_children()
     with contextlib.suppress(Exception):
         if client is not None:
             client.close(timeout=0.5 if interrupted else 10)
@@ -227,6 +217,17 @@ def _end(cluster: Any, client: Any) -> None:
     if interrupted:
         # Or Dask would wait ten seconds more at exit for a worker that was starting.
         cluster.shutdown_on_close = False
-    for process in family:
+        _kill_children()  # one that was started meanwhile, before it finds its parent gone and says so
+
+
+def _kill_children() -> None:
+    """Kill what this process has started; a worker that is starting is known to no nanny yet, but is our child.
+
+    What tracks semaphores ends by itself.
+    """
+    import psutil
+
+    for process in psutil.Process().children(recursive=True):
         with contextlib.suppress(psutil.Error):
-            process.kill()
+            if not any("resource_tracker" in word for word in process.cmdline()):
+                process.kill()
