@@ -15,15 +15,24 @@ HEADLINES = (
     "contact_fraction", "pressure_max_MPa", "gap_mean_mm",
 )  # fmt: skip
 
+#: Figures below this are told with a power of ten.
+_SMALL = 1e-5
+
 
 def figure(value: float, sd: float) -> str:
     """Return a value rounded by its standard deviation, of which two figures are told (one from 3 to 9).
 
     >>> figure(41.76324, 1.4987), figure(0.01234, 0.00056), figure(1234.5, 310.0), figure(7.0, 1e-15)
     ('41.8 ± 1.5', '0.0123 ± 0.0006', '1200 ± 300', '7')
+    >>> figure(2.41e-26, 4.2e-24), figure(2.513e-7, 3.1e-9)
+    ('(0 ± 4)e-24', '(2.51 ± 0.03)e-07')
     """
     if not sd > 1e-9 * abs(value):  # of a sum, what rounding leaves
         return f"{value:.6g}"
+    larger = max(abs(value), sd)
+    if larger < _SMALL:  # or it would be all noughts
+        scale = 10.0 ** floor(log10(larger))
+        return f"({_rounded(value / scale, sd / scale)} ± {_rounded(sd / scale, sd / scale)})e{log10(scale):03.0f}"
     return f"{_rounded(value, sd)} ± {_rounded(sd, sd)}"
 
 
