@@ -10,7 +10,7 @@ from dataclasses import replace
 from hyperfab.errors import InputError
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.encoding import decode
-from hyperfab.io.headings import fold, heading, is_closing, setting, unit_of
+from hyperfab.io.headings import fold, heading, is_closing, kind_named, setting, unit_of
 from hyperfab.io.layout import PLAIN, Layout, filled_in
 from hyperfab.io.rows import MAX_CELLS, MAX_COLUMNS, SEPARATORS, Row, lines_of, split, titles_by_gaps, uniform
 from hyperfab.io.table_readings import readings
@@ -34,6 +34,10 @@ from hyperfab.io.tables import (
 )
 from hyperfab.io.xlsx import is_workbook, split_sheet, worksheets
 
+#: How comments begin that other programs write above a table; of a row of units no word follows.
+_COMMENT = re.compile(r"^(?:%|//)+(?=[ \t]*[^\W\d_]{2,})")
+#: A comment of so few words may name the test.
+_WORDS = 4
 #: Rows from which the head of a long file is told.
 _WINDOW = 400
 
@@ -143,6 +147,8 @@ def _comments(
         stripped = line.strip()
         if not stripped:
             continue
+        if not body:
+            stripped = _COMMENT.sub("#", stripped)
         if stripped.startswith(("#", '"#')) and not (body and _no_reading(stripped)):
             key, colon, value = stripped.strip(";,\t").strip('"').lstrip("#").partition(":")
             if colon and not body:
@@ -154,6 +160,8 @@ def _comments(
                 metadata.setdefault(name, []).append(Entry(stated, number, sure))
             elif not body:
                 comment = (number, stripped.lstrip("#"))
+                if len(comment[1].split()) <= _WORDS and kind_named(comment[1]) is not None:
+                    metadata.setdefault("test", []).append(Entry(comment[1].strip(), number, sure=False))
         elif number <= skip:
             for known, entries in settings([(number, split(line, _separator([line]), "", number))]).items():
                 metadata.setdefault(known, []).extend(entries)

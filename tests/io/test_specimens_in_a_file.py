@@ -274,3 +274,16 @@ def test_sizes_may_stand_in_one_line() -> None:
     (found,) = read_tests(line + table("Extension (mm),Load (N)", force), "a.csv", test="uniaxial")
     assert found.stretch == pytest.approx(1.0 + STRAIN)
     assert found.stress == pytest.approx(PULLS[0], rel=1e-5, abs=1e-12)
+
+
+@pytest.mark.parametrize("mark", ["%", "#", "//", "%%"])
+def test_comments_of_other_programs_tell_the_test_and_the_head(mark: str) -> None:
+    rows = "\n".join(f"{a:.6g} {b:.6g}" for a, b in zip(STRAIN, PULLS[0], strict=True))
+    data = f"{mark} uniaxial tension\n{mark} strain stress(MPa)\n{rows}\n".encode()
+    (found,) = read_tests(data, "a.txt")
+    assert found.mode == "uniaxial"
+    assert found.stretch == pytest.approx(1.0 + STRAIN, rel=1e-5)
+    # Too many words to be a name: nothing is made of it.
+    talk = f"{mark} more of it in the biaxial test of last year\n{mark} strain stress(MPa)\n{rows}\n".encode()
+    with pytest.raises(InputError, match="which test"):
+        read_tests(talk, "a.txt")
