@@ -168,7 +168,7 @@ def look(
     if np.ptp(way) > 0.0:
         side = branches(way) if branch is None else branch
         found += _unloading(way, stress, side)
-        found += _cycles(way, stress, side, cycles(way, side) if cycle is None else cycle)
+        found += _cycles(way, stress, side, cycles(way, side) if cycle is None else cycle, time)
     return found
 
 
@@ -329,7 +329,7 @@ def _unloading(way: Array, stress: Array, side: Ints) -> Iterator[Doubt]:
         )
 
 
-def _cycles(way: Array, stress: Array, side: Ints, number: Ints) -> Iterator[Doubt]:
+def _cycles(way: Array, stress: Array, side: Ints, number: Ints, time: Array | None) -> Iterator[Doubt]:
     first, last = int(number.min()), int(number.max())
     if first == last:
         return
@@ -340,9 +340,24 @@ def _cycles(way: Array, stress: Array, side: Ints, number: Ints) -> Iterator[Dou
             "cycles",
             tuple(int(row) for row in np.flatnonzero(number != first)),
             size,
-            f"cycles {first} and {last} differ by up to {100 * most:.0f} %, {100 * size:.0f} % of the peak in the mean",
+            f"cycles {first} and {last} differ by up to {100 * most:.0f} %, {100 * size:.0f} % of the peak in the mean"
+            + _paces(way, loading, number, time),
             "--cycle first takes the first alone",
         )
+
+
+def _paces(way: Array, loading: Flags, number: Ints, time: Array | None) -> str:
+    """Return how fast the first and the last cycle were pulled, in words, where one was twice as fast."""
+    if time is None:
+        return ""
+    found = []
+    for cycle in (number.min(), number.max()):
+        rows = loading & (number == cycle)
+        took = float(np.ptp(time[rows]))
+        found.append(float(np.ptp(way[rows])) / took if took > 0.0 else 0.0)
+    one, two = found
+    told = min(found) > 0.0 and max(one / two, two / one) >= 2.0
+    return f"; they were pulled at {one:.2g} and {two:.2g} 1/s" if told else ""
 
 
 def _apart(

@@ -143,6 +143,16 @@ def test_loading_unloading_and_cycles_are_told_with_their_distance() -> None:
     assert (branches(1.0 + way)[:50] == 1).all()
 
 
+def test_pulls_at_several_rates_are_told_with_their_rates() -> None:
+    up = np.linspace(0.0, 0.5, 50)
+    way, stress = np.concatenate([up, up]), np.concatenate([up, 1.2 * up])
+    time = np.concatenate([up / 0.01, 60.0 + up / 0.5])
+    [found] = look(1.0 + way, stress, time=time)
+    assert found.text.endswith("; they were pulled at 0.01 and 0.5 1/s")
+    [found] = look(1.0 + way, stress, time=np.arange(100.0))
+    assert "pulled" not in found.text
+
+
 def test_a_loss_too_small_to_matter_draws_no_remark() -> None:
     up = np.linspace(0.0, 0.5, 50)
     way = np.concatenate([up, up[::-1]])
