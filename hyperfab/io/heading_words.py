@@ -57,7 +57,8 @@ COLUMNS: dict[str, str] = {
         deformation vraie; deformation logarithmique; deformazione vera; deformazione logaritmica; deformacao
         verdadeira; deformacao logaritmica""",
     "green strain": """green strain; lagrange strain; lagrangian strain; green lagrange strain; green lagrange""",
-    "membrane stress": """membrane stress; force per width; load per width; force per unit width; line load;
+    "membrane stress": """membrane stress; force per width; load per width; force width; load width;
+        force per unit width; line load;
         linienkraft;
         breitenbezogene kraft; kraft pro breite; fuerza por ancho; fuerza por unidad de ancho; force par largeur;
         effort lineique; forza per larghezza; forca por largura; unit load""",

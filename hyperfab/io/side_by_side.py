@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.headings import Heading, heading, kind_named, meaning, plain
+from hyperfab.io.headings import Heading, heading, kind_named, meaning, plain, word_for
 from hyperfab.io.layout import named
 from hyperfab.io.roles import (
     SPECIMEN,
@@ -30,7 +30,7 @@ def specimens(sheet: CsvSheet, one_axis: bool = False) -> list[CsvSheet]:
     title, by ``.1``, ``.2`` behind it, as pandas writes copies, or by ``_1``, ``_2``, ``_3`` and letters; two numbers
     are the axes of a general biaxial test, unless the test is known to have ``one_axis``.
     """
-    if (titled := _under_titles(sheet)) is not None:
+    if (titled := _under_titles(sheet, one_axis)) is not None:
         return titled
     if sheet.layout.columns:
         return [sheet]
@@ -108,10 +108,11 @@ def _part(
     )
 
 
-def _under_titles(sheet: CsvSheet) -> list[CsvSheet] | None:
+def _under_titles(sheet: CsvSheet, one_axis: bool) -> list[CsvSheet] | None:
     """Return the tables that stand side by side under titles of their own, which say what each is: a test, a state.
 
-    None where there are no such titles, or not all have a stretch and a stress.
+    Directions are said of specimens where the test has ``one_axis``, else of its axes. None where there are no such
+    titles, or not all have a stretch and a stress.
     """
     if sheet.over is None:
         return None
@@ -125,8 +126,18 @@ def _under_titles(sheet: CsvSheet) -> list[CsvSheet] | None:
             alike = next(one for one in sheet.headings if plain(one.title) == plain(head.title))
             choice = sheet.layout.choice(alike, sheet.headings)
             groups[-1][1].append(head if choice is None else named(choice, head))
-    told = [_told(title) for title, _ in groups]
-    if len(groups) < 2 or not any(told) or not all(title and fits(heads) for title, heads in groups):
+    axes = [_axis(title) for title, _ in groups]
+    if not one_axis and axes in (["1", "2"], ["2", "1"]):
+        along = [
+            replace(head, title=f"{head.title} {title}", label=f"{head.label} {axis}")
+            for (title, heads), axis in zip(groups, axes, strict=True)
+            for head in heads
+        ]
+        return [replace(sheet, headings=tuple(along))]
+    told = [_told(title, one_axis) for title, _ in groups]
+    if len(groups) < 2 or not all(title and fits(heads) for title, heads in groups):
+        return None
+    if not any(told) and not sheet.layout.columns:
         return None
     return [
         _part(
@@ -140,16 +151,26 @@ def _under_titles(sheet: CsvSheet) -> list[CsvSheet] | None:
     ]
 
 
-def _told(title: str) -> dict[str, str]:
-    """Return what a title says of the columns below it: the test, a temperature, a rate."""
+def _axis(title: str) -> str | None:
+    """Return the axis that a title names: ``Axis 1``, ``X``, ``Warp``; None where it names none."""
+    words = plain(title).split()
+    last = {"x": "1", "y": "2"}.get(words[-1], words[-1]) if words else ""
+    if last in ("1", "2") and words[:-1] in ([], ["axis"], ["direction"], ["achse"], ["eje"], ["axe"]):
+        return last
+    return {"warp": "1", "weft": "2"}.get(word_for(title, "DIRECTIONS") or "")
+
+
+def _told(title: str, one_axis: bool) -> dict[str, str]:
+    """Return what a title says of columns below it: test, temperature, rate, direction where it has ``one_axis``."""
+    kind = kind_named(title)
+    along = one_axis or kind == "uniaxial"
     found: dict[str, str] = {}
     words = title.split()
     for count in (2, 1):
         for k in range(len(words) + 1 - count):
             label = state_of(" ".join(words[k : k + count]).strip("(),;"))
-            if label is not None and label.setting != "direction":
+            if label is not None and (along or label.setting != "direction"):
                 found.setdefault(label.setting, label.value)
-    kind = kind_named(title)
     return found if kind is None else {**found, "test": kind}
 
 
@@ -181,4 +202,7 @@ def _labelled(heads: Sequence[Heading], one_axis: bool) -> tuple[dict[Label, lis
 def may_be_specimens(sheet: CsvSheet) -> bool:
     """Whether columns are those of specimens cut in several directions, if the test has one axis, else of its axes."""
     labels = _labelled(sheet.headings, one_axis=True)[0] if not sheet.layout.columns else {}
-    return any(label.setting == "direction" for label in labels)
+    above = [] if sheet.over is None else sheet.over[1]
+    return any(label.setting == "direction" for label in labels) or any(
+        word_for(title, "DIRECTIONS") for title in above
+    )

@@ -287,3 +287,24 @@ def test_comments_of_other_programs_tell_the_test_and_the_head(mark: str) -> Non
     talk = f"{mark} more of it in the biaxial test of last year\n{mark} strain stress(MPa)\n{rows}\n".encode()
     with pytest.raises(InputError, match="which test"):
         read_tests(talk, "a.txt")
+
+
+@pytest.mark.parametrize("titles", ["Warp,,Weft,", "Axis 1,,Axis 2,", "X,,Y,", "MD,,CD,"])
+def test_axes_in_titles_above_a_biaxial_test_are_its_axes(titles: str) -> None:
+    data = f"{titles}\n".encode() + table("Strain,Stress (MPa),Strain,Stress (MPa)", pairs()[:4])
+    (found,) = read_tests(data, "a.csv", test="biaxial")
+    assert found.mode == "biaxial-general"
+    assert found.stretch2 == pytest.approx(found.stretch)
+    assert found.stress == pytest.approx(PULLS[0], rel=1e-5, abs=1e-12)
+    assert found.stress2 == pytest.approx(PULLS[1], rel=1e-5, abs=1e-12)
+
+
+def test_directions_in_titles_above_are_those_of_specimens_where_the_test_has_one_axis() -> None:
+    data = b"Warp,,Weft,,45 deg,\n" + table(",".join(["Strain,Stress (MPa)"] * 3), pairs())
+    found = read_tests(data, "a.csv", test="uniaxial")
+    same(found)
+    assert [part.direction for part in found] == [0.0, 90.0, 45.0]
+    # Two directions may be two specimens or two axes: only who tested knows.
+    two = b"Warp,,Weft,\n" + table("Strain,Stress (MPa),Strain,Stress (MPa)", pairs()[:4])
+    with pytest.raises(InputError, match="which test"):
+        read_tests(two, "a.csv")
