@@ -10,7 +10,7 @@ from __future__ import annotations
 #: Words of a column by what it holds. A unit decides where words have two senses.
 COLUMNS: dict[str, str] = {
     "stretch": """stretch; stretch ratio; extension ratio; elongation ratio; draw ratio; principal stretch; nominal
-        stretch; lambda; lam; l l0; l/l0; streckung; streckverhaltnis; dehnungsverhaltnis; verstreckgrad;
+        stretch; lambda; lam; l l0; l/l0; streckung; streckverhaltnis; dehnungsverhaltnis; verstreckgrad; f11;
         alargamiento relativo lambda; taux d elongation; rapporto di estensione; axial stretch""",
     "strain": """strain; engineering strain; nominal strain; technical strain; eng strain; tensile strain; axial strain;
         longitudinal strain; strain reading; epsilon; eps; e; major strain; dehnung; standarddehnung; nenndehnung;
@@ -131,7 +131,7 @@ ACROSS: dict[str, str] = {
         laterale dehnung; deformacion transversal; deformacion lateral; deformation transversale;
         deformation laterale; deformazione trasversale; deformazione laterale; deformacao transversal;
         deformacao lateral""",
-    "stretch": """lateral stretch; transverse stretch; transversal stretch; lateral stretch ratio; transverse stretch
+    "stretch": """f22; lateral stretch; transverse stretch; transversal stretch; lateral stretch ratio; transverse stretch
         ratio; width ratio; querstreckung; querstreckverhaltnis""",
 }
 #: Known, and no reading of the test: their names are told, nothing is asked.
