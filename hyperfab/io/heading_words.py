@@ -131,8 +131,8 @@ ACROSS: dict[str, str] = {
         laterale dehnung; deformacion transversal; deformacion lateral; deformation transversale;
         deformation laterale; deformazione trasversale; deformazione laterale; deformacao transversal;
         deformacao lateral""",
-    "stretch": """f22; lateral stretch; transverse stretch; transversal stretch; lateral stretch ratio; transverse stretch
-        ratio; width ratio; querstreckung; querstreckverhaltnis""",
+    "stretch": """f22; lateral stretch; transverse stretch; transversal stretch; lateral stretch ratio; transverse
+        stretch ratio; width ratio; querstreckung; querstreckverhaltnis""",
 }
 #: Known, and no reading of the test: their names are told, nothing is asked.
 ASIDE = """date; datum; fecha; data; clock; uhrzeit; heure; hora; ora; time of day; date time; datetime; datum
