@@ -44,8 +44,8 @@ BALANCINGS = 3
 NEWTON_STEPS = 40
 #: A coarse solver serves steps up to this many times as long, or as short, as the one it was made for.
 ALIKE = 2.0
-#: Coarse solvers that are kept, the last used.
-KEPT = 8
+#: Coarse solvers that are kept, the last used, till a system takes more conjugate-gradient steps than this.
+KEPT, TIRED = 8, 40
 
 
 @dataclass(frozen=True)
@@ -95,6 +95,7 @@ class HeatModel:
         self._assembled: tuple[float, float] | None = None
         self._prepared: list[_Prepared] = []  # the last used at the end
         self._preconditioner: Preconditioner | None = None
+        self._tired = False  # a contact that has closed is nothing that solvers from before know of
         self._volume: tuple[tuple[float, float], Array] | None = None
 
     @property
@@ -235,6 +236,7 @@ class HeatModel:
         assert self._preconditioner is not None
         found = conjugate_gradients(matrix, right, self._preconditioner, self.free, tolerance=tolerance)
         self.iterations += found.iterations
+        self._tired = self._tired or found.iterations > TIRED
         return found.x
 
     def step_matrix(self, time: float, interval: float, temperature: Array) -> sparse.csr_matrix:
@@ -248,6 +250,7 @@ class HeatModel:
     def changed(self) -> None:
         """Forget the matrices: a condition was switched."""
         self._assembled = self._preconditioner = None
+        self._tired = False
         self._prepared.clear()
 
     def _serving(self, interval: float, storage: float) -> _Prepared | None:
@@ -276,6 +279,8 @@ class HeatModel:
         same = self._assembled == (interval, storage)
         if not (same and self.linear and self.last_matrix is not None):
             matrix = self._step_matrix(time, interval, storage, temperature)
+            if self._tired:
+                self.changed()
             serving = self._serving(interval, storage)
             if serving is None or serving is not self._prepared[-1] or self._preconditioner is None:
                 self._prepare(time, interval, storage, temperature, matrix, serving)
