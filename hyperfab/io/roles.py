@@ -125,6 +125,11 @@ def label_of(head: Heading) -> tuple[Heading, Label] | None:
     return None
 
 
+def axis_of(text: str) -> str | None:
+    """Return the axis of a biaxial test that a direction's word stands for."""
+    return {"warp": "1", "weft": "2"}.get(word_for(text, "DIRECTIONS") or "")
+
+
 def state_of(text: str) -> Label | None:
     """Return what a word in a title states of its column: a direction, an angle, a temperature or a rate."""
     if word_for(text, "DIRECTIONS"):
@@ -154,7 +159,7 @@ def roles(sheet: CsvSheet) -> Roles:
         along = label_of(head) if what is None else None
         if along is not None and along[1].setting == "direction":  # an axis of a biaxial test, by its name
             what, head = read(along[0]), along[0]
-            axis = {"warp": "1", "weft": "2"}.get(word_for(along[1].value, "DIRECTIONS") or "")
+            axis = axis_of(along[1].value)
             what = replace(what, axis=axis) if what is not None and axis else None
         if what is None or what.name == "aside":
             if head.title.strip() and any(sheet.columns[head.index]):

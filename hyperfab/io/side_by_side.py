@@ -14,6 +14,7 @@ from hyperfab.io.roles import (
     STRESSES,
     STRETCHES,
     Label,
+    axis_of,
     by_unit,
     fits,
     label_of,
@@ -157,7 +158,7 @@ def _axis(title: str) -> str | None:
     last = {"x": "1", "y": "2"}.get(words[-1], words[-1]) if words else ""
     if last in ("1", "2") and words[:-1] in ([], ["axis"], ["direction"], ["achse"], ["eje"], ["axe"]):
         return last
-    return {"warp": "1", "weft": "2"}.get(word_for(title, "DIRECTIONS") or "")
+    return axis_of(title)
 
 
 def _told(title: str, one_axis: bool) -> dict[str, str]:

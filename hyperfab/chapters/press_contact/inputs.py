@@ -70,7 +70,10 @@ def read_foam(inputs: Inputs, name: str) -> FoamDocument:
     if name.endswith(_TABLES):
         remedy = f'write a foam.toml with thickness = "10 mm" and compression = {{ table = "{name}" }}'
         raise InputError("is a table, no sandwich", file=name, remedy=remedy)
-    loaded = inputs.plain(name)
+    return inputs.parsed(name, FoamDocument, lambda loaded: _foam_of(loaded, name))
+
+
+def _foam_of(loaded: object, name: str) -> FoamDocument:
     if isinstance(loaded, Mapping) and loaded.get("format") == MaterialDocument.format_name():
         material = parse_document(loaded, name, MaterialDocument)
         if material.thickness_mm is None:
