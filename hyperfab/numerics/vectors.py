@@ -37,17 +37,6 @@ def norm(a: Array) -> float:
     return math.sqrt(dot(a, a))
 
 
-def copied(a: Array) -> Array:
-    """Return a copy of a vector, made on the cores there are: fresh memory costs more than the copying.
-
-    >>> copied(np.array([1.0, 2.0]))
-    array([1., 2.])
-    """
-    result = np.empty_like(a)
-    in_blocks(lambda first, last: np.copyto(result[first:last], a[first:last]), len(a), _LONG)
-    return result
-
-
 def rows(a: NDArray[N], places: Ints) -> NDArray[N]:
     """Return ``a[places]``, gathered on the cores there are and in a third of the time.
 

@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import sparse
 
 from hyperfab.arrays import Array, Ints
-from hyperfab.numerics.kernels import kernel
+from hyperfab.numerics.kernels import inlined, kernel
 
 
 class Pattern:
@@ -50,6 +51,12 @@ class Pattern:
         _scatter(self.indptr, self.indices, nodes.astype(np.int64), np.ascontiguousarray(blocks), data)
         return data
 
+    def places(self, nodes: Ints) -> NDArray[np.int32]:
+        """Return where the matrices of node lists (m, k) come to stand (m k k,), for lists scattered often: ``add``."""
+        found = np.empty(nodes.size * nodes.shape[1], np.int32)
+        _find(self.indptr, self.indices, nodes.astype(np.int64), found)
+        return found
+
     @cached_property
     def _of_diagonal(self) -> Ints:
         rows = np.repeat(np.arange(self.size), np.diff(self.indptr))
@@ -64,20 +71,41 @@ class Pattern:
         return sparse.csr_matrix((data, self.indices, self.indptr), shape=(self.size, self.size), copy=False)
 
 
+@inlined
+def _place(indices, low, high, column):  # type: ignore[no-untyped-def]
+    """Return where ``column`` is in a sorted row from ``low`` to ``high``."""
+    while low < high:
+        middle = (low + high) // 2
+        if indices[middle] < column:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
 @kernel
 def _scatter(indptr, indices, nodes, blocks, data):  # type: ignore[no-untyped-def]
     m, k = nodes.shape
     for e in range(m):
         for i in range(k):
             row = nodes[e, i]
-            start, end = indptr[row], indptr[row + 1]
             for j in range(k):
-                column = nodes[e, j]
-                low, high = start, end - 1
-                while low < high:
-                    middle = (low + high) // 2
-                    if indices[middle] < column:
-                        low = middle + 1
-                    else:
-                        high = middle
-                data[low] += blocks[e, i, j]
+                data[_place(indices, indptr[row], indptr[row + 1] - 1, nodes[e, j])] += blocks[e, i, j]
+
+
+@kernel
+def _find(indptr, indices, nodes, places):  # type: ignore[no-untyped-def]
+    m, k = nodes.shape
+    for e in range(m):
+        for i in range(k):
+            row = nodes[e, i]
+            for j in range(k):
+                found = _place(indices, indptr[row], indptr[row + 1] - 1, nodes[e, j])
+                places[(e * k + i) * k + j] = found
+
+
+@kernel
+def add(places: NDArray[np.int32], entries: Array, data: Array) -> None:
+    """Add entries (p,) to a data array at their ``Pattern.places`` (p,)."""
+    for i in range(len(places)):
+        data[places[i]] += entries[i]

@@ -6,6 +6,8 @@ their factorisation.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy import sparse
 
@@ -22,12 +24,15 @@ class FacetOperator:
     def __init__(self, points: Array, nodes: Ints) -> None:
         self.nodes = nodes
         self.weights = facet_weights(points[nodes])
+        #: The nodes of all facets, each once.
+        self.all_nodes, own = np.unique(nodes, return_inverse=True)
+        self._size = len(points)
         values, _ = TRIANGLE.tables
         f, q = self.weights.shape
         rows = np.repeat(np.arange(f * q), 6)
-        columns = np.repeat(nodes, q, axis=0).ravel()
+        columns = np.repeat(own.reshape(nodes.shape), q, axis=0).ravel()
         entries = np.tile(values.ravel(), f)
-        self._to_points = sparse.csr_matrix((entries, (rows, columns)), shape=(f * q, len(points)))
+        self._to_points = sparse.csr_matrix((entries, (rows, columns)), shape=(f * q, len(self.all_nodes)))
         self._to_nodes = sparse.csr_matrix(self._to_points.T)
         self._products = np.einsum("qi,qj->qij", values, values).reshape(q, 36)
 
@@ -38,15 +43,37 @@ class FacetOperator:
 
     def at_points(self, nodal: Array) -> Array:
         """Return a nodal field (n,) at the quadrature points (f, q)."""
-        return (self._to_points @ nodal).reshape(self.weights.shape)
+        return (self._to_points @ nodal[self.all_nodes]).reshape(self.weights.shape)
 
     def at_points_of(self, fields: Array) -> Array:
         """Return nodal fields (n, r) at the quadrature points, one row a point (f q, r)."""
-        return np.asarray(self._to_points @ fields)
+        return np.asarray(self._to_points @ fields[self.all_nodes])
 
     def load(self, density: Array | float) -> Array:
         """Return the nodal loads (n,) of a density per area (f, q): their sum is its integral."""
+        result = np.zeros(self._size)
+        result[self.all_nodes] = self.own_load(density)
+        return result
+
+    def own_load(self, density: Array | float) -> Array:
+        """Return the loads on ``all_nodes`` alone."""
         return self._to_nodes @ (self.weights * density).ravel()
+
+    def own_matrix(self, density: Array) -> sparse.csr_matrix:
+        """Return the sum of ``matrices`` between ``all_nodes``."""
+        weighted = sparse.diags((self.weights * density).ravel())
+        return sparse.csr_matrix(self._to_nodes @ weighted @ self._to_points)
+
+    def means(self, chosen: Sequence[Ints]) -> tuple[sparse.csr_matrix, Array]:
+        """Return what makes fields on ``all_nodes`` their means over groups of points, and the area of each [m^2]."""
+        weights = self.weights.ravel()
+        area = np.array([weights[group].sum() for group in chosen])
+        rows = np.repeat(np.arange(len(chosen)), [len(group) for group in chosen])
+        points = np.concatenate([*chosen, np.zeros(0, np.int64)])
+        averaging = sparse.csr_matrix(
+            (weights[points] / area[rows], (rows, points)), shape=(len(chosen), len(weights))
+        )
+        return sparse.csr_matrix(averaging @ self._to_points), area
 
     def matrices(self, density: Array) -> Array:
         """Return the facet matrices (f, 6, 6): the integral of density (f, q) times two shape functions."""

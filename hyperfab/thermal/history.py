@@ -8,6 +8,7 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.thermal.ledger import Ledger
+from hyperfab.thermal.step import along
 from hyperfab.thermal.trail import Trail
 
 
@@ -95,10 +96,9 @@ def curve(history: History, sensor: Array, times: Array) -> Array:
         length = t1 - t0
         inside = (times > t0) & (times < t1)
         if inside.any():
-            s = (times[inside] - t0) / length
             rise = values[i] - values[i - 1]
-            start = 2.0 * rise / length - end if known is None else known
-            cubic = length * (start * s * (1 - s) ** 2 - end * s**2 * (1 - s))
-            result[inside] = values[i - 1] + rise * s**2 * (3 - 2 * s) + cubic
+            begin = 2.0 * rise - length * end if known is None else length * known
+            risen, _ = along(rise, begin, length * end, (times[inside] - t0) / length)
+            result[inside] = values[i - 1] + risen
         known = None if i in jumps else end
     return result

@@ -10,6 +10,7 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from hyperfab.arrays import Array, Ints
+from hyperfab.surface.curve import along_a_curve
 
 #: Local vertex numbers of the six edges, in the order of the edge nodes 4 to 9 (VTK's and scikit-fem's order).
 EDGES = np.array([[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]])
@@ -84,18 +85,19 @@ def build_mesh(
     surface: Ints | None = None,
     surface_face: Ints | None = None,
 ) -> HeatMesh:
-    """Number the nodes, straighten what curves too far, find outer facets and interfaces.
+    """Number nodes and elements so that neighbours have near numbers, straighten what curves too far, find facets.
 
     ``points`` in m. Facets that are not in ``surface`` (three vertices each) get face number -1; without
     ``surface`` all do.
     """
     elements = _oriented(points, elements)
-    elements, points, vertices, edge_ends = _renumber(points, elements)
+    near = along_a_curve(points[elements[:, 0]])  # a product with a matrix of the mesh then takes two thirds
+    elements, parts = elements[near], parts[near]
+    elements, points, vertices, edge_ends, place = _renumber(points, elements)
     points, curved = _straightened(points, elements, edge_ends, vertices)
     facets = _facets(elements, parts)
     if surface is not None and surface_face is not None:
-        old_to_new = _vertex_map(points, elements, surface)
-        facets = _with_faces(facets, elements, old_to_new, surface_face)
+        facets = _with_faces(facets, elements, place[surface], surface_face)
     return HeatMesh(points, elements, parts, vertices, edge_ends, curved, facets)
 
 
@@ -140,15 +142,16 @@ def _oriented(points: Array, elements: Ints) -> Ints:
     return np.where((volume < 0)[:, None], flipped, elements)
 
 
-def _renumber(points: Array, elements: Ints) -> tuple[Ints, Array, int, Ints]:
-    """Put vertices first and drop points no element uses."""
+def _renumber(points: Array, elements: Ints) -> tuple[Ints, Array, int, Ints, Ints]:
+    """Put vertices first, each kind along a curve, and drop points no element uses; also where each point went."""
     vertex_ids = np.unique(elements[:, :4])
     edge_ids = np.setdiff1d(np.unique(elements[:, 4:]), vertex_ids)
-    order = np.concatenate([vertex_ids, edge_ids])
+    order = np.concatenate([ids[along_a_curve(points[ids])] for ids in (vertex_ids, edge_ids)])
     place = np.full(len(points), -1, dtype=np.int64)
     place[order] = np.arange(len(order))
     renumbered = place[elements]
-    return renumbered, points[order], len(vertex_ids), _edge_ends(renumbered, len(order), len(vertex_ids))
+    ends = _edge_ends(renumbered, len(order), len(vertex_ids))
+    return renumbered, points[order], len(vertex_ids), ends, place
 
 
 def _edge_ends(elements: Ints, count: int, vertices: int) -> Ints:
@@ -229,13 +232,6 @@ def _facets(elements: Ints, parts: Ints) -> Facets:
         other_local=np.concatenate([nothing, local[high]]),
         face=np.full(len(one) + len(between), -1, dtype=np.int64),
     )
-
-
-def _vertex_map(points: Array, elements: Ints, surface: Ints) -> Ints:
-    """The mesher's vertices are all used and come first, so their order is kept."""
-    if surface.max() >= elements[:, :4].max() + 1:
-        raise ValueError("the mesher's vertices do not come first")
-    return surface
 
 
 def _with_faces(facets: Facets, elements: Ints, surface: Ints, face: Ints) -> Facets:

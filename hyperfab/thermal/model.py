@@ -19,10 +19,16 @@ from scipy.sparse.csgraph import connected_components
 from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
 from hyperfab.numerics.aggregation import hierarchy
-from hyperfab.numerics.multilevel import Direct, Preconditioner, TwoLevel, conjugate_gradients
+from hyperfab.numerics.multilevel import (
+    Direct,
+    Preconditioner,
+    TwoLevel,
+    conjugate_gradients,
+    largest_eigenvalue,
+)
 from hyperfab.numerics.product import product
-from hyperfab.numerics.vectors import copied, dot, norm
-from hyperfab.thermal.assembly import Pattern
+from hyperfab.numerics.vectors import dot, norm
+from hyperfab.thermal.assembly import Pattern, add
 from hyperfab.thermal.condition import Condition
 from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.medium import Medium, ThermalMaterial
@@ -39,13 +45,16 @@ RESIDUAL = 1e-6
 ROUNDING = 1e-13
 STILL = 1e-9
 NEWTON_SOLVE = 1e-4
+#: The matrix of a time step serves from iteration to iteration, and in both stages, as long as each leaves less than
+#: this of a residual.
+SLOW = 0.02
 #: Uniform shifts that close the balance of a nonlinear stage; the second one is already tiny.
 BALANCINGS = 3
 NEWTON_STEPS = 40
-#: A coarse solver serves steps up to this many times as long, or as short, as the one it was made for.
+#: A coarse solver serves a step whose matrix is up to this many times, or down to one so-manyth of, its own.
 ALIKE = 2.0
 #: Coarse solvers that are kept, the last used, till a system takes more conjugate-gradient steps than this.
-KEPT, TIRED = 8, 40
+KEPT, TIRED = 12, 40
 
 
 @dataclass(frozen=True)
@@ -96,7 +105,6 @@ class HeatModel:
         self._prepared: list[_Prepared] = []  # the last used at the end
         self._preconditioner: Preconditioner | None = None
         self._tired = False  # a contact that has closed is nothing that solvers from before know of
-        self._volume: tuple[tuple[float, float], Array] | None = None
 
     @property
     def size(self) -> int:
@@ -154,9 +162,7 @@ class HeatModel:
     def tangent(self, time: float, temperature: Array) -> Array:
         """Return the data of minus the flow's derivative (its symmetric part in k(T)) [W/K]."""
         data = self.medium.conduction(temperature).copy()
-        for condition in self.conditions:
-            if len(condition.nodes):
-                self.pattern.scatter(condition.nodes, condition.tangent(time, temperature), data)
+        self._add_conditions(time, 1.0, temperature, data)
         return data
 
     def solve_stage(
@@ -179,14 +185,14 @@ class HeatModel:
         temperature = guess.copy()
         matrix = self._stage_matrix(time, interval, storage, temperature)
         scale = norm(self.pattern.diagonal(matrix) * self.free)
-        goal, size, moved = 0.0, np.inf, np.inf
+        goal, size, moved, tolerance = 0.0, np.inf, np.inf, np.inf
         residual = change = np.zeros(0)
         for step in range(NEWTON_STEPS):
             if step == 0 or not self.linear:
                 residual = self._residual(time, interval, storage, target, temperature)
             else:
                 residual = np.where(self.free, residual - product(matrix, change), 0.0)
-            size = norm(residual)
+            before, size = size, norm(residual)
             if step == 0:
                 goal = max(RESIDUAL * (size if reference is None else reference), ROUNDING * scale)
             if size <= goal or moved <= STILL:
@@ -201,10 +207,12 @@ class HeatModel:
                         break
                     residual = self._residual(time, interval, storage, target, temperature)
                 return temperature, size / scale
-            if step and not self.linear:
-                matrix = self._step_matrix(time, interval, storage, temperature)
+            anew = (step and not storage) or size > max(3.0 * tolerance, SLOW) * before
+            if anew and not self.linear:
+                matrix = self.last_matrix = self._step_matrix(time, interval, storage, temperature)
             least = 0.0 if self.linear else NEWTON_SOLVE
-            change = self.solve(matrix, residual, min(max(0.5 * goal / size, least), 0.1))
+            tolerance = min(max(0.5 * goal / size, least), 0.1)
+            change = self.solve(matrix, residual, tolerance)
             temperature += change
             moved = float(np.abs(change).max())
             if not np.isfinite(moved) or moved > 1e7:
@@ -241,11 +249,11 @@ class HeatModel:
 
     def step_matrix(self, time: float, interval: float, temperature: Array) -> sparse.csr_matrix:
         """Return the matrix of an implicit step of ``interval`` [s] and make ``solve`` ready for it."""
-        return self._stage_matrix(time, interval, 1.0, temperature)
+        return self._stage_matrix(time, interval, 1.0, temperature, anew=True)
 
     def steady_matrix(self, time: float, temperature: Array) -> sparse.csr_matrix:
         """Return minus the flow's derivative [W/K] and make ``solve`` ready for it."""
-        return self._stage_matrix(time, 1.0, 0.0, temperature)
+        return self._stage_matrix(time, 1.0, 0.0, temperature, anew=True)
 
     def changed(self) -> None:
         """Forget the matrices: a condition was switched."""
@@ -257,11 +265,14 @@ class HeatModel:
         """Return what was made for this step, or, where that is no factorisation of it all, for one like it."""
         alike = [one for one in self._prepared if one.storage == storage]
         nearest = min(alike, key=lambda one: abs(np.log(interval / one.interval)), default=None)
-        if nearest is None:
+        if nearest is None or nearest.interval == interval:
+            return nearest
+        if self._is_small:
             return None
-        ratio = interval / nearest.interval
-        serves = ratio == 1.0 or (not self._is_small and 1.0 / ALIKE < ratio < ALIKE)
-        return nearest if serves else None
+        # Steps that are short for the smallest elements have nearly the same matrix: what stores.
+        fast = self._fastest if storage else np.inf
+        ratio = (1.0 / fast + interval) / (1.0 / fast + nearest.interval)
+        return nearest if 1.0 / ALIKE < ratio < ALIKE else None
 
     def _residual(
         self, time: float, interval: float, storage: float, target: Array, temperature: Array
@@ -273,11 +284,11 @@ class HeatModel:
         return residual
 
     def _stage_matrix(
-        self, time: float, interval: float, storage: float, temperature: Array
+        self, time: float, interval: float, storage: float, temperature: Array, *, anew: bool = False
     ) -> sparse.csr_matrix:
-        """Return the matrix to start a stage with, its preconditioner made; kept while nothing in it changes."""
+        """Return the matrix to start a stage with, its preconditioner made; the last one of this step, or made anew."""
         same = self._assembled == (interval, storage)
-        if not (same and self.linear and self.last_matrix is not None):
+        if not same or self.last_matrix is None or (anew and not self.linear):
             matrix = self._step_matrix(time, interval, storage, temperature)
             if self._tired:
                 self.changed()
@@ -290,26 +301,26 @@ class HeatModel:
     def _step_matrix(
         self, time: float, interval: float, storage: float, temperature: Array
     ) -> sparse.csr_matrix:
-        data = self._of_the_volume(interval, storage, temperature)
+        data = interval * self.medium.conduction(temperature)
+        if storage:
+            data += storage * self.medium.capacity(temperature)
         self._add_conditions(time, interval, temperature, data)
         return self.pattern.matrix(data)
 
     def _add_conditions(self, time: float, interval: float, temperature: Array, data: Array) -> None:
-        for condition in self.conditions:
-            if len(condition.nodes):
-                blocks = interval * condition.tangent(time, temperature)
-                self.pattern.scatter(condition.nodes, blocks, data)
+        for condition, places in self._coupling:
+            add(places, (interval * condition.tangent(time, temperature)).ravel(), data)
 
-    def _of_the_volume(self, interval: float, storage: float, temperature: Array) -> Array:
-        """Return the data of what conducts and stores, an array of the caller's own."""
-        if self.medium.linear and self._volume is not None and self._volume[0] == (interval, storage):
-            return copied(self._volume[1])
-        data = interval * self.medium.conduction(temperature)
-        if storage:
-            data += storage * self.medium.capacity(temperature)
-        if self.medium.linear and not self.linear:  # the conditions alone change it: it is asked for again
-            self._volume = ((interval, storage), copied(data))
-        return data
+    @cached_property
+    def _coupling(self) -> list[tuple[Condition, NDArray[np.int32]]]:
+        """The conditions that couple nodes, and where their matrices come to stand."""
+        return [(c, self.pattern.places(c.nodes)) for c in self.conditions if len(c.nodes)]
+
+    @cached_property
+    def _fastest(self) -> float:
+        """How fast the quickest field dies away, roughly [1/s]."""
+        conduction = self.pattern.matrix(self.medium.conduction(np.zeros(self.size)))
+        return largest_eigenvalue(conduction, self.free / self.lumped_capacity)
 
     @cached_property
     def _on_the_coarse_space(self) -> tuple[sparse.csr_matrix, sparse.csr_matrix]:

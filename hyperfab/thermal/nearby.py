@@ -126,7 +126,7 @@ class Neighbourhood:
                     step = replace(step, state=replace(step.state, time=time))
                 state = step.state
                 history.states.append(state, self.lift)
-                history.ledger.add(step.heat, model.total(state.stored), step.moved)
+                history.ledger.add(step.entered(model), model.total(state.stored), step.moved)
                 if hit:
                     history.reached = len(history.states) - 1
                     if self._stops:

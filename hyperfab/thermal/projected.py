@@ -17,11 +17,12 @@ from typing import Protocol, Self
 import numpy as np
 from scipy import linalg
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.errors import NotConverged
 from hyperfab.thermal.condition import Condition
 from hyperfab.thermal.contact import Contact
 from hyperfab.thermal.convection import Convection
+from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.lumping import groups
 from hyperfab.thermal.medium import Medium
@@ -32,9 +33,9 @@ from hyperfab.thermal.tables import Table
 from hyperfab.thermal.trail import Lift
 
 #: Points that stand for a face in what is not linear there.
-POINTS = 300
+POINTS = 600
 #: Newton's method ends where a step moves the mean square by less [K].
-STILL = 1e-11
+STILL = 1e-9
 NEWTON_STEPS = 30
 #: A factorised matrix serves from step to step as long as each iteration leaves less than this part of the way.
 SLOW = 0.05
@@ -124,22 +125,14 @@ class Face:
         self.condition = condition
         self._at = condition.ambient.at(time)
         facets = condition.facets
-        rows = facets.at_points_of(lift.basis)
-        origin, weights = facets.at_points(lift.origin).ravel(), facets.weights.ravel()
-        loss, rate, cooling = _loss(condition, origin, self._at)
-        self._flow = -((loss * weights) @ rows)
-        self._matrix = rows.T @ ((rate * weights)[:, None] * rows)
-        self._air = (cooling * weights) @ rows
-        if condition.linear:
-            origin, weights, rows = origin[:0], weights[:0], rows[:0]
-        elif len(weights) > POINTS:
-            # Alike are points as warm as each other in all that is gone through: they pass a film's corners together.
-            alike = np.stack([facets.at_points(one).ravel() for one in (lift.origin, *lift.seen)], axis=1)
-            chosen = groups(alike, weights, POINTS)
-            total = np.array([weights[group].sum() for group in chosen])
-            origin = np.array([weights[g] @ origin[g] for g in chosen]) / total
-            rows = np.stack([weights[g] @ rows[g] for g in chosen]) / total[:, None]
-            weights = total
+        basis, origin = lift.basis[facets.all_nodes], lift.origin[facets.all_nodes]
+        loss, rate, cooling = _loss(condition, facets.at_points(lift.origin), self._at)
+        self._flow = -(facets.own_load(loss) @ basis)
+        self._matrix = basis.T @ (facets.own_matrix(rate) @ basis)
+        self._air = facets.own_load(cooling) @ basis
+        chosen = [] if condition.linear else lift.once(facets, lambda: _as_warm(facets, lift))
+        means, weights = facets.means(chosen)
+        rows, origin = means @ basis, means @ origin
         self._rows, self._weighted, self._origin = rows, rows * weights[:, None], origin
         self._base = _loss(condition, origin, self._at)
 
@@ -171,6 +164,12 @@ class Face:
         at = self._origin + self._rows @ coordinates
         _, rate, _ = _loss(self.condition, at, self.condition.ambient.at(time))
         return self._matrix + self._weighted.T @ ((rate - self._base[1])[:, None] * self._rows)
+
+
+def _as_warm(facets: FacetOperator, lift: Lift) -> list[Ints]:
+    """Return groups of points as warm as each other in all that is gone through: they pass corners together."""
+    alike = np.stack([facets.at_points(one).ravel() for one in (lift.origin, *lift.seen)], axis=1)
+    return groups(alike, facets.weights.ravel(), POINTS)
 
 
 def _lost(condition: Convection | Radiation, at: Array, ambient: float) -> Array:
@@ -239,20 +238,27 @@ class ProjectedMedium:
     conducted: Array
 
     @staticmethod
-    def of(medium: Medium, lift: Lift) -> ProjectedMedium:
-        """Return a medium without tables in coordinates."""
+    def of(medium: Medium, lift: Lift, narrow: ProjectedMedium | None = None) -> ProjectedMedium:
+        """Return a medium without tables in coordinates; ``narrow`` is the same on the first vectors of the basis."""
         basis, origin, pattern = lift.basis, lift.origin, medium.pattern
+        known = 0 if narrow is None else len(narrow.mass)
         capacity = pattern.matrix(medium.capacity(origin))
-        held = capacity @ basis
-        conducted = pattern.matrix(medium.conduction(origin)) @ basis
+        conduction = pattern.matrix(medium.conduction(origin))
         level = 0.5 * (float(origin.min()) + float(origin.max()))
+        new = np.ascontiguousarray(basis[:, known:])
+        held, conducted = capacity @ new, conduction @ new
+        mass, conducting = basis.T @ held, basis.T @ conducted
+        weights = held.sum(axis=0)
+        if narrow is not None:
+            mass, conducting = _bordered(narrow.mass, mass), _bordered(narrow.conduction, conducting)
+            weights = np.concatenate([narrow.weights, weights])
         return ProjectedMedium(
-            basis.T @ held,
-            held.sum(axis=0),
+            mass,
+            weights,
             float(capacity.sum()),
             medium.stored(origin) @ basis,
-            basis.T @ conducted,
-            (origin - level) @ conducted,
+            conducting,
+            (conduction @ (origin - level)) @ basis,
         )
 
     @cached_property
@@ -272,18 +278,31 @@ class ProjectedMedium:
         )
 
 
+def _bordered(known: Array, new: Array) -> Array:
+    """Return the symmetric matrix whose first rows and columns are ``known``, and last columns ``new``."""
+    size = len(known)
+    return np.block([[known, new[:size]], [new[:size].T, new[size:]]])
+
+
 class ProjectedModel:
-    """``model`` on the basis of ``lift``, linear about its origin at ``time``; asked as the full model is."""
+    """``model`` on the basis of ``lift``, linear about its origin at ``time``; asked as the full model is.
+
+    ``narrow`` is the model on the first vectors of that basis, about any origin.
+    """
 
     prescribed: Sequence[Prescribed] = ()
 
-    def __init__(self, model: HeatModel, lift: Lift, time: float) -> None:
+    def __init__(
+        self, model: HeatModel, lift: Lift, time: float, narrow: ProjectedModel | None = None
+    ) -> None:
         self.lift = lift
         self.full = model
         basis, origin = lift.basis, lift.origin
         found = [project(condition, lift, time) for condition in model.conditions]
         self.conditions: list[Projected] = [condition for condition in found if condition is not None]
-        self.medium = ProjectedMedium.of(model.medium, lift)
+        self.medium: ProjectedMedium = ProjectedMedium.of(
+            model.medium, lift, None if narrow is None else narrow.medium
+        )
         self.free = np.ones(len(self.mass), dtype=bool)
         self.last_matrix: tuple[Array, Array] | None = None
         self._factorised_for = (0.0, 0.0)

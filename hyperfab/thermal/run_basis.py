@@ -18,7 +18,7 @@ from hyperfab.thermal.thermostat import Thermostat
 from hyperfab.thermal.trail import Lift, examples
 
 #: Time scales of the answers to heaters, from the shortest stage to all that is left.
-SCALES = 6
+SCALES = 10
 #: Directions in which the states differ by less, root of the mean square [K], are left out.
 DROP = 1e-7
 #: States that a basis is made of at most.

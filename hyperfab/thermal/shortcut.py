@@ -33,7 +33,7 @@ from hyperfab.thermal.radiation import Radiation
 from hyperfab.thermal.run_basis import duration, lift_of, orthonormal
 from hyperfab.thermal.step import Model, State, initial_state, stages, take_step
 from hyperfab.thermal.thermostat import Thermostat
-from hyperfab.thermal.trail import Lift
+from hyperfab.thermal.trail import EXAMPLES, Lift
 
 #: What the reduced mold may be off by, gathered over the run [K].
 MOST = 0.05
@@ -99,7 +99,7 @@ class _Alike:
     """Stretches on a basis that end with the same heaters on: how many, and which of them is checked next.
 
     ``found`` is what the last check found, ``since`` how many came after it, ``before`` how many of these before the
-    last check of any; ``widened`` is what was found when it last came into the basis [K].
+    last check of any; ``widened`` is what was found when it came into the basis [K], until less than half is.
     """
 
     count: int = 0
@@ -136,7 +136,9 @@ class Shortcut:
         self._alike: dict[tuple[bool, ...], _Alike] = {}
         self._now: list[_Stretch] = []  # the stretch gone through, with short ones before it
         self._ended = True
-        self._found: list[Array] = []  # what the last check found on the way, where the basis is to have it
+        # What the last check found on the way, where the basis is to have it, and the states that it went through.
+        self._found: list[Array] = []
+        self._passed: list[Array] = []
         self._checked: _Stretch | None = None  # where the last stretch that was checked ended
         self._since = 0
         self._clocked = _follows_a_clock(full)
@@ -149,9 +151,8 @@ class Shortcut:
                 view = self._reduce(history, state)
                 state = initial_state(view.model, state.time, np.zeros(self._vectors))
         elif view.lift is not None and self._found:
-            view = self._widened(history, view.lift, state.time)
-            coordinates = np.pad(state.temperature, (0, self._vectors - len(state.temperature)))
-            state = initial_state(view.model, state.time, coordinates)
+            view = self._widened(history, view, state)
+            state = initial_state(view.model, state.time, np.zeros(self._vectors))
         on = tuple(heater.on for heater in self.model.heaters)
         begins = _Stretch(len(history.states), len(history.switches), state, length, on)
         self._now = [begins] if self._ended else [*self._now, begins]
@@ -211,8 +212,10 @@ class Shortcut:
         coming = ahead * alike.count / sum(one.count for one in kinds)
         here = self._kelvin(alike.found)
         much = coming * here > ENOUGH * left / len(kinds)
-        if much and here < 0.5 * alike.widened and self._vectors < VECTORS:
-            alike.widened = here
+        if here < 0.5 * alike.widened:  # what came into the basis then was of use
+            alike.widened = np.inf
+        if much and np.isinf(alike.widened) and self._vectors < VECTORS:
+            alike.widened, alike.next = here, alike.count + 1
         else:
             self._found = []
 
@@ -259,23 +262,24 @@ class Shortcut:
             self._begun = state.time
         return self._seen(lift, state.time)
 
-    def _widened(self, history: History, lift: Lift, time: float) -> View:
-        """Return the mold on a basis that has what the last check found too; all its stretches are checked anew."""
+    def _widened(self, history: History, view: View, state: State) -> View:
+        """Return the mold about ``state`` on a basis that has what the last check found too."""
+        lift, narrow = view.lift, view.model
+        assert lift is not None
+        assert isinstance(narrow, ProjectedModel)
         found, basis = np.stack(self._found, axis=1), lift.basis
         capacity = self.model.pattern.matrix(self.model.medium.capacity(lift.origin))
         self._found = []
         for share in (NOVEL, 0.0):  # once more, against rounding
             found = found - basis @ (basis.T @ (capacity @ found))
             found = orthonormal(found, capacity, share * float(np.abs(found).max()), VECTORS - basis.shape[1])
-        wider = replace(lift, basis=np.column_stack([basis, found]))
-        history.states.widen(wider)
-        self._spent = sum((one.found.times(one.since) for one in self._alike.values()), self._spent)
-        for one in self._alike.values():
-            one.found, one.since, one.before, one.next = _Off(), 0, 0, one.count + 1
-        return self._seen(wider, time)
+        seen = [*lift.seen, *self._passed][-EXAMPLES:]
+        wider = Lift(lift.nodal(state.temperature), np.column_stack([basis, found]), seen)
+        history.states.widen(lift, wider)
+        return self._seen(wider, state.time, narrow)
 
-    def _seen(self, lift: Lift, time: float) -> View:
-        """Return the mold in the coordinates of a basis."""
+    def _seen(self, lift: Lift, time: float, narrow: ProjectedModel | None = None) -> View:
+        """Return the mold in the coordinates of a basis; ``narrow`` is it in the first of them."""
         self._vectors = lift.basis.shape[1]
         thermostats = []
         for one in self.full.thermostats:
@@ -285,7 +289,7 @@ class Shortcut:
         if target is not None:
             row, at_origin = lift.sensor(target.sensor)
             target = Target(row, target.value - at_origin)
-        return View(ProjectedModel(self.model, lift, time), thermostats, target, lift)
+        return View(ProjectedModel(self.model, lift, time, narrow), thermostats, target, lift)
 
     def _check(self, history: History, lift: Lift) -> tuple[float, _Off]:
         """Go through the stretch in full: by how much watched places are off on the way [K], and all at its end."""
@@ -293,7 +297,7 @@ class Shortcut:
         state = initial_state(self.model, begun.time, lift.nodal(begun.temperature))
         before = begun.temperature
         within = shifts = 0.0
-        self._found = []
+        self._found, self._passed = [], []
         ends = [one.count for one in self._now[1:]] + [len(history.states)]
         for stretch, end in zip(self._now, ends, strict=True):
             for heater, on in zip(self.model.heaters, stretch.on, strict=True):
@@ -309,6 +313,7 @@ class Shortcut:
                 before, reduced = now, lift.nodal(now)
                 off = reduced - state.temperature
                 self._found.append(off)
+                self._passed.append(state.temperature)
                 within = max(within, float(np.abs(off[self.nodes]).max(initial=0.0)))
                 changing = state.slope if self._clocked else state.slope[self.nodes]
                 self._fastest = max(self._fastest, float(np.abs(changing).max(initial=0.0)))

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, overload
 
 import numpy as np
 
@@ -59,7 +59,13 @@ class Model(Protocol):
         """Return the temperatures with those held set to their values."""
 
     def solve_stage(
-        self, time: float, interval: float, target: Array, guess: Array, *, reference: float | None
+        self,
+        time: float,
+        interval: float,
+        target: Array,
+        guess: Array,
+        *,
+        reference: float | None,
     ) -> tuple[Array, float]:
         """Solve E(T) - interval f(time, T) = target."""
 
@@ -80,7 +86,8 @@ class Model(Protocol):
 class State:
     """Temperatures (n,) [degC], the heat stored at each node and its rate of change [J, W] at ``time`` [s].
 
-    ``slope`` [K/s] is how fast the temperatures change, where a step has found it and nothing has jumped since.
+    ``slope`` [K/s] is how fast the temperatures change, ``bend`` [K/s^2] how fast that does, where a step has found
+    them and nothing has jumped since.
     """
 
     time: float
@@ -88,21 +95,37 @@ class State:
     stored: Array
     rate: Array
     slope: Array | None = None
+    bend: Array | None = None
+
+
+@dataclass(frozen=True)
+class Stage:
+    """Temperatures (n,) [degC] at ``time`` [s], and the rate of the stored heat [W], that stand for ``lasts`` [s]."""
+
+    time: float
+    temperature: Array
+    rate: Array
+    lasts: float
 
 
 @dataclass(frozen=True)
 class Step:
-    """A step taken: the state at its end, the estimated error [K] where it was asked for, and its account of heat [J].
+    """A step taken: the state at its end, its stages, and the estimated error [K] where it was asked for.
 
-    ``heat`` is the heat that entered through each condition, in the model's order, then through each group of
-    held nodes; ``moved`` the heat that changed its node; ``residual`` the largest residual of its stages [K].
+    ``moved`` is the heat that changed its node [J], ``residual`` the largest residual of its stages [K].
     """
 
     state: State
+    stages: tuple[Stage, Stage]
     error: float
-    heat: Array
     moved: float
     residual: float
+
+    def entered(self, model: Model) -> Array:
+        """Return the heat that entered through each condition of its model, then each group of held nodes [J]."""
+        return np.sum(
+            [one.lasts * _entering(model, one.time, one.temperature, one.rate) for one in self.stages], axis=0
+        )
 
 
 def initial_state(model: Model, time: float, temperature: Array) -> State:
@@ -125,7 +148,9 @@ def take_step(
     """
     g = GAMMA * length
     t1, t2 = start.time + g, start.time + length
-    ahead = 0.0 if start.slope is None else g * start.slope
+    ahead: Array | float = 0.0 if start.slope is None else g * start.slope
+    if start.bend is not None:
+        ahead += g**2 * start.bend
     reference = g * norm(start.rate * model.free)
     guess = model.hold(t1, start.temperature + (ahead if guesses is None else guesses[0]))
     first, residual1 = model.solve_stage(t1, g, start.stored, guess, reference=reference or None)
@@ -133,17 +158,42 @@ def take_step(
     rate1 = (stored1 - start.stored) / g
     slope1 = (first - start.temperature) / g
     target = start.stored + (length - g) * rate1
-    guess = model.hold(t2, start.temperature + (length * slope1 if guesses is None else guesses[1]))
+    ahead = length * slope1
+    if start.slope is not None:
+        ahead += (0.5 * length / g - 1.0) * length * (slope1 - start.slope)
+    guess = model.hold(t2, start.temperature + (ahead if guesses is None else guesses[1]))
     reference = g * norm(rate1 * model.free)
     second, residual2 = model.solve_stage(t2, g, target, guess, reference=reference or None)
     stored2 = model.stored(second)
     rate2 = (stored2 - target) / g
     slope2 = (second - start.temperature - (length - g) * slope1) / g
-    heat = (length - g) * _entering(model, t1, first, rate1) + g * _entering(model, t2, second, rate2)
+    gone_through = Stage(t1, first, rate1, length - g), Stage(t2, second, rate2, g)
     error = _error(model, start, length, rate1, rate2) if estimate else math.nan
-    state = State(t2, second, stored2, rate2, slope2)
+    state = State(t2, second, stored2, rate2, slope2, (slope2 - slope1) / (length - g))
     moved = model.moved(stored2 - start.stored)
-    return Step(state, error, heat, moved, max(residual1, residual2))
+    return Step(state, gone_through, error, moved, max(residual1, residual2))
+
+
+@overload
+def along(rise: float, begin: float, end: float, share: float) -> tuple[float, float]: ...
+@overload
+def along(rise: Array, begin: Array, end: Array, share: float) -> tuple[Array, Array]: ...
+@overload
+def along(rise: float, begin: float, end: float, share: Array) -> tuple[Array, Array]: ...
+def along(rise: Any, begin: Any, end: Any, share: Any) -> tuple[Any, Any]:
+    """Return how far a cubic has risen at a ``share`` of a step, and its slope there.
+
+    ``rise`` is its rise over the whole step, ``begin`` and ``end`` its slopes, of the whole step as well.
+
+    >>> along(1.0, 0.0, 0.0, 0.5)
+    (0.5, 1.5)
+    """
+    rest = 1.0 - share
+    risen = rise * share**2 * (1.0 + 2.0 * rest) + begin * share * rest**2 - end * share**2 * rest
+    slope = (
+        6.0 * rise * share * rest + begin * rest * (1.0 - 3.0 * share) + end * share * (share - 2.0 * rest)
+    )
+    return risen, slope
 
 
 def stages(change: Array, slope: Array, length: float) -> tuple[Array, Array]:

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import IO, overload
+from typing import IO, Any, TypeVar, overload
 
 import numpy as np
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.vectors import dot
 from hyperfab.thermal.step import State
+
+T = TypeVar("T")
 
 #: Bytes of states held in memory; what is more goes to the file, oldest first.
 ROOM = 256 * 2**20
@@ -31,8 +33,7 @@ class Lift:
     origin: Array
     basis: Array
     seen: Sequence[Array] = ()
-    _rows: dict[int, tuple[Array, Array, float]] = field(default_factory=dict, init=False)
-    _parts: dict[int, tuple[Ints, Lift]] = field(default_factory=dict, init=False)
+    _made: dict[int, tuple[object, Any]] = field(default_factory=dict, init=False)
 
     def nodal(self, coordinates: Array) -> Array:
         """Return nodal temperatures [degC]."""
@@ -40,18 +41,24 @@ class Lift:
 
     def part(self, nodes: Ints) -> Lift:
         """Return what lifts to ``nodes`` alone."""
-        # Kept with the nodes themselves: an id alone may come again for others.
-        if id(nodes) not in self._parts:
-            self._parts[id(nodes)] = (nodes, Lift(self.origin[nodes], self.basis[nodes]))
-        return self._parts[id(nodes)][1]
+        return self.once(nodes, lambda: Lift(self.origin[nodes], self.basis[nodes]))
 
     def sensor(self, sensor: Array) -> tuple[Array, float]:
         """Return what a sensor (n,) weighs the coordinates with (r,), and what it reads at the origin."""
-        if id(sensor) not in self._rows:
+
+        def made() -> tuple[Array, float]:
             felt = np.flatnonzero(sensor)
-            self._rows[id(sensor)] = (sensor, sensor[felt] @ self.basis[felt], dot(sensor, self.origin))
-        _, row, at_origin = self._rows[id(sensor)]
-        return row, at_origin
+            return sensor[felt] @ self.basis[felt], dot(sensor, self.origin)
+
+        return self.once(sensor, made)
+
+    def once(self, of: object, make: Callable[[], T]) -> T:
+        """Return what is made of something with this lift: made once."""
+        # Kept with the thing itself: an id alone may come again for another.
+        if id(of) not in self._made:
+            self._made[id(of)] = of, make()
+        found: T = self._made[id(of)][1]
+        return found
 
 
 def examples(states: Sequence[Past]) -> list[Array]:
@@ -161,14 +168,14 @@ class Trail(Sequence[Past]):
         del self.times[count:], self._entries[count:]
         self._ends = []
 
-    def widen(self, wider: Lift) -> None:
+    def widen(self, lift: Lift, wider: Lift) -> None:
         """See states by the first vectors of a basis that has come to be one of more, and let go of the old one."""
-        narrow: dict[int, Lift] = {}
-        for number, (lift, first, second, size) in enumerate(self._entries):
-            if lift is not None and lift.origin is wider.origin:
-                if size not in narrow:
-                    narrow[size] = Lift(wider.origin, wider.basis[:, :size])
-                self._entries[number] = (narrow[size], first, second, size)
+        narrow: dict[tuple[int, int], Lift] = {}
+        for number, (one, first, second, size) in enumerate(self._entries):
+            if one is not None and any(lift.basis is it for it in (one.basis, one.basis.base)):
+                if (id(one.origin), size) not in narrow:
+                    narrow[id(one.origin), size] = Lift(one.origin, wider.basis[:, :size])
+                self._entries[number] = (narrow[id(one.origin), size], first, second, size)
 
     @property
     def in_memory(self) -> int:

@@ -16,9 +16,9 @@ from hyperfab.thermal.ledger import Ledger
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.renewal import Renewal
 from hyperfab.thermal.shortcut import Shortcut, View
-from hyperfab.thermal.step import Model, State, Step, initial_state, take_step
+from hyperfab.thermal.step import Model, State, Step, along, initial_state, stages, take_step
 from hyperfab.thermal.thermostat import Thermostat
-from hyperfab.thermal.trail import Trail
+from hyperfab.thermal.trail import Past, Trail
 
 #: Step-size control: the error of a step falls with the third power of its length.
 ORDER = 3
@@ -56,12 +56,12 @@ def run(
     renewals: Sequence[Renewal] = (),
     finished: Callable[[History], bool] = lambda history: False,
     shortcut: Shortcut | None = None,
-    advance: Callable[[float, Array], None] = lambda time, temperature: None,
+    advance: Callable[[Past], None] = lambda now: None,
 ) -> History:
     """Follow the temperatures from ``start`` (n,) [degC] at time 0.
 
     ``finished`` is asked at every corner whether to stop there; a ``shortcut`` may see the mold by the coordinates of a
-    basis for a while; ``advance`` is told time and temperatures after every step, or every stretch of a reduced mold.
+    basis for a while; ``advance`` is told the state after every step, or every stretch of a reduced mold.
     Raises NotConverged where the step falls below any use or more than ``most_steps`` are taken.
     """
     state = initial_state(model, 0.0, start)
@@ -88,7 +88,7 @@ def run(
         state = step.state
         history.states.append(state, view.lift)
         history.residual = max(history.residual, step.residual)
-        history.ledger.add(step.heat, view.model.total(state.stored), step.moved)
+        history.ledger.add(step.entered(view.model), view.model.total(state.stored), step.moved)
         if hit_target:
             history.reached = len(history.states) - 1
             if end is None:
@@ -97,7 +97,7 @@ def run(
             break
         jump = bool(events) or (stop is not None and state.time == stop)
         if jump or view.lift is None:
-            advance(state.time, history.states[-1].temperature)
+            advance(history.states[-1])
         if jump and shortcut is not None and not shortcut.holds(history, view):
             view, state, length = shortcut.back(history, view)
             continue
@@ -220,23 +220,59 @@ def _stop_at_event(
 
 
 def shortened(model: Model, start: State, step: Step, excess: Callable[[Array], float]) -> Step:
-    """Find the step length at which ``excess`` of the end temperatures is zero (Illinois false position)."""
+    """Find the step length at which ``excess`` of the end temperatures is zero.
+
+    ``excess`` is linear in them, below zero at the start and not at the end of ``step``. The first guess is where the
+    cubic of that step crosses zero, the next where the line through the last two does, or the middle of what is left;
+    each step begins at what the cubic of the one before foretells.
+    """
     low, high = 0.0, step.state.time - start.time
-    low_value, high_value = excess(start.temperature), excess(step.state.temperature)
-    side = 0
-    while abs(high_value) > EVENT_TEMPERATURE and high - low > EVENT_TIME * max(high, start.time):
-        length = high - high_value * (high - low) / (high_value - low_value)
-        found = take_step(model, start, length, estimate=False)
-        value = excess(found.state.temperature)
-        if value >= 0.0 or abs(value) <= EVENT_TEMPERATURE:
-            high, high_value, step = length, value, found
-            low_value *= 0.5 if side == 1 else 1.0
-            side = 1
+    length, found, value = high, step, excess(step.state.temperature)
+    before = None
+    trial = 0
+    while abs(value) > EVENT_TEMPERATURE and high - low > EVENT_TIME * max(high, start.time):
+        rise, begin, end = _piece(start, found.state, length)
+        if before is None:
+            begins = excess(start.temperature)
+            slopes = [excess(start.temperature + one) - begins for one in (begin, end)]
+            wanted = length * _crossing(begins, value - begins, *slopes)
         else:
-            low, low_value = length, value
-            high_value *= 0.5 if side == -1 else 1.0
-            side = -1
+            wanted = length - value * (length - before[0]) / (value - before[1])
+        trial += 1
+        if not low < wanted < high or trial % 6 == 0:
+            wanted = 0.5 * (low + high)
+        change, slope = along(rise, begin, end, wanted / length)
+        guesses = stages(change, slope / length, wanted)
+        found = take_step(model, start, wanted, estimate=False, guesses=guesses)
+        before = length, value
+        length, value = wanted, excess(found.state.temperature)
+        if value >= 0.0 or abs(value) <= EVENT_TEMPERATURE:
+            high, step = length, found
+        else:
+            low = length
     return step
+
+
+def _piece(start: State, end: State, length: float) -> tuple[Array, Array, Array]:
+    """Return the rise over a step and the slopes at its ends, of the whole step; a parabola's where it began anew."""
+    assert end.slope is not None
+    rise, last = end.temperature - start.temperature, length * end.slope
+    return rise, 2.0 * rise - last if start.slope is None else length * start.slope, last
+
+
+def _crossing(value: float, rise: float, begin: float, end: float) -> float:
+    """Return at what share of a step a cubic from ``value`` below zero comes to zero, by Newton's method from its end.
+
+    >>> round(_crossing(-0.25, 1.0, 0.0, 2.0), 12)  # a parabola
+    0.5
+    """
+    share = 1.0
+    for _ in range(20):
+        risen, slope = along(rise, begin, end, share)
+        if slope <= 0.0:
+            break
+        share -= (value + risen) / slope
+    return share
 
 
 def _never(history: History, target: Target, capacity: float) -> bool:

@@ -157,7 +157,7 @@ def test_a_source_that_grows_evenly_is_summed_exactly_by_one_step(block):
     step = take_step(model, start, 3.0)
     assert step.state.time == 8.0
     assert step.state.stored.sum() - start.stored.sum() == pytest.approx(16.0 * (8.0**2 - 5.0**2), rel=1e-9)
-    assert step.heat[-1] == pytest.approx(16.0 * (8.0**2 - 5.0**2), rel=1e-9)
+    assert step.entered(model)[-1] == pytest.approx(16.0 * (8.0**2 - 5.0**2), rel=1e-9)
 
 
 def test_the_error_told_of_a_step_is_its_error(block):

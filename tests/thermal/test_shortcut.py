@@ -14,7 +14,7 @@ from hyperfab.thermal.history import History, curve
 from hyperfab.thermal.ledger import Ledger
 from hyperfab.thermal.lumping import groups
 from hyperfab.thermal.model import HeatModel
-from hyperfab.thermal.projected import Face
+from hyperfab.thermal.projected import Face, ProjectedMedium, ProjectedModel
 from hyperfab.thermal.radiation import Radiation
 from hyperfab.thermal.run_basis import orthonormal
 from hyperfab.thermal.shortcut import View, shortcut_for
@@ -200,8 +200,20 @@ def test_what_a_check_finds_comes_into_the_basis(block):
     assert shortcut is not None
     found = [1e-5 * rng.normal(size=model.size) for _ in range(2)]
     shortcut._found = [*found, found[0] + basis[:, 1]]  # what the basis has adds nothing
-    wider = shortcut._widened(history, lift, 1.0).lift
+    now = State(1.0, coordinates, np.zeros(4), np.zeros(4))
+    shortcut._passed = [np.full(model.size, 79.0)]
+    narrow = View(ProjectedModel(model, lift, 0.0), thermostats, None, lift)
+    found_view = shortcut._widened(history, narrow, now)
+    wider = found_view.lift
     assert wider is not None
+    # It is about the state of now, knows one more of those gone through, and is what is projected from nothing.
+    np.testing.assert_array_equal(wider.origin, before[0])
+    np.testing.assert_array_equal(wider.seen[-1], shortcut._passed[0])
+    anew = ProjectedMedium.of(model.medium, wider)
+    for name, value in vars(anew).items():
+        np.testing.assert_allclose(
+            getattr(found_view.model.medium, name), value, rtol=1e-9, atol=1e-9, err_msg=name
+        )
     assert wider.basis.shape[1] == 6
     np.testing.assert_array_equal(wider.basis[:, :4], basis)
     np.testing.assert_allclose(wider.basis.T @ (capacity @ wider.basis), np.eye(6), atol=1e-9)

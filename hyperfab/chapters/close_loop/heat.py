@@ -83,8 +83,9 @@ def run(job: Job, given: Given) -> int:
     left_out = {f"no reading of {name}": count for name, count in read.missing.items()}
     result = describe(problem, found, "K", left_out, [], domain="heat")
     fit = found.after.fit
-    met = problem.temperatures(fit.x[: fit.own], fit.terms)
-    note_ranges(job, given.name, builder.tables, *met, problem.runs[0].clock[0])
+    outside, anywhere = problem.temperatures(fit.x[: fit.own], fit.terms)
+    reached = {True: outside, False: anywhere}
+    note_ranges(job, given.name, builder.tables, reached.__getitem__, problem.runs[0].clock[0])
     if out.wants_files:
         target = out.path(".model.toml")
         folders = (os.path.dirname(given.name), str(target.parent))

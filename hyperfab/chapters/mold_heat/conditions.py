@@ -62,6 +62,7 @@ class Placing:
         #: Facets that pieces of a production cover, and the films on them, which act while they are bare.
         self.covered = np.zeros(len(faces.mesh.facets.element), dtype=bool)
         self.bare: list[Switched] = []
+        self._operators: dict[bytes, FacetOperator] = {}
         self.refuse_overlap([(f"contact.{i}.between", joint.mask) for i, joint in enumerate(joints)])
 
     def prescribed(self) -> list[Prescribed]:
@@ -149,7 +150,10 @@ class Placing:
         for name, mine in ((base, mask & ~self.covered), (f"{base}, between pieces", mask & self.covered)):
             if not mine.any():
                 continue
-            operator = FacetOperator(self.mesh.points, self.mesh.facet_nodes(mine))
+            operator = self._operators.get(mine.tobytes())  # one for films and radiation of the same faces
+            if operator is None:
+                operator = FacetOperator(self.mesh.points, self.mesh.facet_nodes(mine))
+                self._operators[mine.tobytes()] = operator
             condition = made(self._named(name), operator)
             if mine[self.covered].any():
                 condition = Switched(condition, on=False)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cache
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -30,7 +33,7 @@ from hyperfab.thermal.ledger import Ledger
 from hyperfab.thermal.model import without_route
 from hyperfab.thermal.shortcut import View, is_long, shortcut_for
 from hyperfab.thermal.step import initial_state
-from hyperfab.thermal.trail import Trail
+from hyperfab.thermal.trail import Past, Trail
 from hyperfab.thermal.transient import Schedule
 from hyperfab.thermal.transient import run as follow
 
@@ -88,10 +91,13 @@ def run(job: Job, case: MoldCase) -> int:
         advance(0.97, "writing")
     for text in problem.notes:
         job.console.note(f"{mold}: {text}")
-    outer = np.unique(problem.mesh.facet_nodes(problem.mesh.facets.outer))
-    reached = history.states.extremes
-    everywhere = reached(np.arange(problem.mesh.solid))
-    note_ranges(job, mold, builder.tables, reached(outer), everywhere, history.states.times)
+
+    @cache
+    def reached(outside: bool) -> tuple[float, float]:
+        outer = problem.mesh.facet_nodes(problem.mesh.facets.outer)
+        return history.states.extremes(np.unique(outer) if outside else np.arange(problem.mesh.solid))
+
+    note_ranges(job, mold, builder.tables, reached, history.states.times)
     result.design = chosen
     result.notes = builder.doubts + problem.notes
     _say(job, result)
@@ -120,20 +126,20 @@ def _origins(job: Job, case: MoldCase, builder: MoldBuilder) -> Origins:
 
 
 def note_ranges(
-    job: Job, name: str, tables: Tables, outer: ArrayLike, everywhere: ArrayLike, times: ArrayLike
+    job: Job, name: str, tables: Tables, reached: Callable[[bool], ArrayLike], times: ArrayLike
 ) -> None:
-    """Note where the tables were used: films at the temperatures of the ``outer`` faces [degC], what materials have at
-    those ``everywhere``, the rest at ``times`` [s].
+    """Note where the tables were used: films at the temperatures ``reached`` outside (True) [degC], what materials have
+    at those anywhere (False), the rest at ``times`` [s].
 
     Where no table states a temperature, all are constants: the mold's temperatures are told, and that nothing says
     where those hold.
     """
     then = "its end rows hold there"
     for (kind, table), known in tables.tabulated.items():
-        met = outer if kind == "film-coefficient" else everywhere
+        met = reached(kind == "film-coefficient")
         job.ranges.used(table, met, known=known, source=name, unit="degC", then=then)
     if not tables.tabulated:
-        job.ranges.used("temperature_degC", everywhere, known=None, source=name)
+        job.ranges.used("temperature_degC", reached(False), known=None, source=name)
     for table, known in tables.timed.items():
         job.ranges.used(table, times, known=known, source=name, unit="s", then=then)
 
@@ -161,16 +167,18 @@ def _transient(
     pace = Pace(problem, start, shortcut is not None)
     reached = [(0.0, 0.0 if target is None else dot(target.sensor, start))]
 
-    def progress(time: float, temperature: Array) -> None:
-        until = settings.until
+    some = np.arange(0, len(start), max(len(start) // 2000, 1))  # to show where it is, enough
+
+    def progress(now: Past) -> None:
+        time, until = now.time, settings.until
         if problem.pieces is not None:
             until = problem.pieces.section.period * problem.pieces.count
         elif until is None:
             assert target is not None
-            reached.append((time, dot(target.sensor, temperature)))
-            (before, cold), (now, warm) = reached[-2:]
-            until = now + max(target.value - warm, 0.0) * (now - before) / max(warm - cold, 1e-9)
-        advance(FOLLOWED * pace.done(time, until), f"{time:.0f} s, {temperature.max():.1f} degC")
+            reached.append((time, now.reading(target.sensor)[0]))
+            (before, cold), (_, warm) = reached[-2:]
+            until = time + max(target.value - warm, 0.0) * (time - before) / max(warm - cold, 1e-9)
+        advance(FOLLOWED * pace.done(time, until), f"{time:.0f} s, {now.on(some).max():.1f} degC")
 
     history = follow(
         problem.model,
