@@ -3,11 +3,33 @@
 from __future__ import annotations
 
 import heapq
+from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
+from hyperfab.thermal.facet_operator import FacetOperator
+
+#: Points that stand for a face in what is not linear there.
+POINTS = 600
+
+
+class Alike:
+    """Points of faces that count as one: as warm as each other in all ``states`` (n,) [degC], which stand for a run.
+
+    They pass the corners of a film's table together.
+    """
+
+    def __init__(self, states: Sequence[Array]) -> None:
+        self._states = states
+        self._found: dict[int, tuple[FacetOperator, list[Ints]]] = {}
+
+    def groups(self, facets: FacetOperator) -> list[Ints]:
+        """Return the numbers of the points in each group, POINTS groups at most."""
+        if id(facets) not in self._found:  # kept with the facets: an id alone may come again for others
+            rows = np.stack([facets.at_points(state).ravel() for state in self._states], axis=1)
+            self._found[id(facets)] = facets, groups(rows, facets.weights.ravel(), POINTS)
+        return self._found[id(facets)][1]
 
 
 def lumped(rows: Array, weights: Array, count: int) -> tuple[Array, Array]:
@@ -25,17 +47,17 @@ def lumped(rows: Array, weights: Array, count: int) -> tuple[Array, Array]:
     return means, total
 
 
-def groups(rows: Array, weights: Array, count: int) -> list[NDArray[np.int64]]:
+def groups(rows: Array, weights: Array, count: int) -> list[Ints]:
     """Return the points of at most ``count`` groups, by their numbers.
 
     >>> [group.tolist() for group in groups(np.array([[0.0], [0.1], [5.0], [5.2]]), np.ones(4), 2)]
     [[0, 1], [2, 3]]
     """
     whole = np.arange(len(weights))
-    heap: list[tuple[float, int, NDArray[np.int64], Array]] = []
+    heap: list[tuple[float, int, Ints, Array]] = []
     number = 0
 
-    def push(group: NDArray[np.int64]) -> None:
+    def push(group: Ints) -> None:
         nonlocal number
         w = weights[group]
         centred = rows[group] - (w @ rows[group]) / w.sum()

@@ -54,7 +54,7 @@ NEWTON_STEPS = 40
 #: A coarse solver serves a step whose matrix is up to this many times, or down to one so-manyth of, its own.
 ALIKE = 2.0
 #: Coarse solvers that are kept, the last used, till a system takes more conjugate-gradient steps than this.
-KEPT, TIRED = 12, 40
+KEPT, TIRED = 8, 40
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from hyperfab.numerics.vectors import dot
 from hyperfab.thermal.convection import Convection
 from hyperfab.thermal.history import History, Target
 from hyperfab.thermal.ledger import Ledger
+from hyperfab.thermal.lumping import Alike
 from hyperfab.thermal.medium import Medium
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.projected import Face, ProjectedMedium, ProjectedModel, Together, scaled
@@ -71,13 +72,16 @@ class Neighbourhood:
         ]
         self._jumps = {history.states.times[k] for k in history.jumps}
         last = history.states[-1]
-        alike = len({material.name for material in model.materials}) == 1
+        uniform = len({material.name for material in model.materials}) == 1
         touched = {name for change in changes for name in (*change.conductivity, *change.capacity)}
-        self._media = {name: model.medium if alike else _of_material(model, name) for name in sorted(touched)}
-        self.lift = Lift(last.temperature, self._basis(last.time, changes), examples(history.states))
+        self._media = {
+            name: model.medium if uniform else _of_material(model, name) for name in sorted(touched)
+        }
+        alike = Alike([last.temperature, *examples(history.states)])
+        self.lift = Lift(last.temperature, self._basis(last.time, changes), alike)
         self._base = ProjectedModel(model, self.lift, last.time)
         self._parts = {
-            name: self._base.medium if alike else ProjectedMedium.of(medium, self.lift)
+            name: self._base.medium if uniform else ProjectedMedium.of(medium, self.lift)
             for name, medium in self._media.items()
         }
         self._spreads = {

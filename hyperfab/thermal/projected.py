@@ -17,23 +17,20 @@ from typing import Protocol, Self
 import numpy as np
 from scipy import linalg
 
-from hyperfab.arrays import Array, Ints
+from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
 from hyperfab.thermal.condition import Condition
 from hyperfab.thermal.contact import Contact
 from hyperfab.thermal.convection import Convection
-from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.heater import Heater
-from hyperfab.thermal.lumping import groups
+from hyperfab.thermal.lumping import Alike
 from hyperfab.thermal.medium import Medium
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.prescribed import Prescribed
-from hyperfab.thermal.radiation import SIGMA, ZERO_CELSIUS, Radiation
+from hyperfab.thermal.radiation import SIGMA, ZERO_CELSIUS, Radiation, fourth_power
 from hyperfab.thermal.tables import Table
 from hyperfab.thermal.trail import Lift
 
-#: Points that stand for a face in what is not linear there.
-POINTS = 600
 #: Newton's method ends where a step moves the mean square by less [K].
 STILL = 1e-9
 NEWTON_STEPS = 30
@@ -130,7 +127,7 @@ class Face:
         self._flow = -(facets.own_load(loss) @ basis)
         self._matrix = basis.T @ (facets.own_matrix(rate) @ basis)
         self._air = facets.own_load(cooling) @ basis
-        chosen = [] if condition.linear else lift.once(facets, lambda: _as_warm(facets, lift))
+        chosen = [] if condition.linear else (lift.alike or Alike([lift.origin])).groups(facets)
         means, weights = facets.means(chosen)
         rows, origin = means @ basis, means @ origin
         self._rows, self._weighted, self._origin = rows, rows * weights[:, None], origin
@@ -166,18 +163,13 @@ class Face:
         return self._matrix + self._weighted.T @ ((rate - self._base[1])[:, None] * self._rows)
 
 
-def _as_warm(facets: FacetOperator, lift: Lift) -> list[Ints]:
-    """Return groups of points as warm as each other in all that is gone through: they pass corners together."""
-    alike = np.stack([facets.at_points(one).ravel() for one in (lift.origin, *lift.seen)], axis=1)
-    return groups(alike, facets.weights.ravel(), POINTS)
-
-
 def _lost(condition: Convection | Radiation, at: Array, ambient: float) -> Array:
     """Return the heat lost per area at surface temperatures."""
     if isinstance(condition, Convection):
         return np.asarray(condition.film(at) * (at - ambient))
     hot = np.maximum(at + ZERO_CELSIUS, 0.0)
-    return np.asarray(condition.emissivity * SIGMA * (hot**4 - (ambient + ZERO_CELSIUS) ** 4))
+    grey = condition.emissivity * SIGMA
+    return np.asarray(grey * (fourth_power(hot) - fourth_power(ambient + ZERO_CELSIUS)))
 
 
 def _loss(condition: Convection | Radiation, at: Array, ambient: float) -> tuple[Array, Array, Array]:
@@ -187,15 +179,15 @@ def _loss(condition: Convection | Radiation, at: Array, ambient: float) -> tuple
         return film * (at - ambient), film + condition.film.slope(at) * (at - ambient), film
     hot = np.maximum(at + ZERO_CELSIUS, 0.0)
     grey = condition.emissivity * SIGMA
-    loss = grey * (hot**4 - (ambient + ZERO_CELSIUS) ** 4)
-    return loss, 4.0 * grey * hot**3, np.full_like(at, grey)
+    loss = grey * (fourth_power(hot) - fourth_power(ambient + ZERO_CELSIUS))
+    return loss, 4.0 * grey * (hot * hot * hot), np.full_like(at, grey)
 
 
 def _warmer(condition: Convection | Radiation, before: float, now: float) -> float:
     """Return by how much the surroundings are warmer: in kelvin to a film, in its fourth power to radiation."""
     if isinstance(condition, Convection):
         return now - before
-    return (now + ZERO_CELSIUS) ** 4 - (before + ZERO_CELSIUS) ** 4
+    return fourth_power(now + ZERO_CELSIUS) - fourth_power(before + ZERO_CELSIUS)
 
 
 def project(condition: Condition, lift: Lift, time: float) -> Projected | None:

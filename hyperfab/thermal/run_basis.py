@@ -11,6 +11,7 @@ from hyperfab.arrays import Array
 from hyperfab.thermal.convection import Convection
 from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.history import History
+from hyperfab.thermal.lumping import Alike
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.radiation import Radiation
 from hyperfab.thermal.step import GAMMA, State
@@ -81,7 +82,9 @@ def lift_of(
     for threshold in (DROP, 0.0):  # once more, against rounding
         basis -= uniform[0] * (held @ basis)
         basis = orthonormal(basis, capacity, threshold, most - 1)
-    return Lift(origin, np.ascontiguousarray(np.column_stack([uniform, basis])), examples(seen))
+    return Lift(
+        origin, np.ascontiguousarray(np.column_stack([uniform, basis])), Alike([origin, *examples(seen)])
+    )
 
 
 def orthonormal(vectors: Array, capacity: sparse.csr_matrix, threshold: float, most: int) -> Array:

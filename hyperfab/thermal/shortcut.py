@@ -33,7 +33,7 @@ from hyperfab.thermal.radiation import Radiation
 from hyperfab.thermal.run_basis import duration, lift_of, orthonormal
 from hyperfab.thermal.step import Model, State, initial_state, stages, take_step
 from hyperfab.thermal.thermostat import Thermostat
-from hyperfab.thermal.trail import EXAMPLES, Lift
+from hyperfab.thermal.trail import Lift
 
 #: What the reduced mold may be off by, gathered over the run [K].
 MOST = 0.05
@@ -132,13 +132,12 @@ class Shortcut:
         self.always, self.most = always, most
         self._tries = self._stretches = self._checks = self._in_full = self._vectors = self._taken_back = 0
         self._within = self._fastest = self._begun = 0.0
+        self._slowest = np.inf  # how fast the reading of a thermostat passed where it switched, at least [K/s]
         self._spent = _Off()
         self._alike: dict[tuple[bool, ...], _Alike] = {}
         self._now: list[_Stretch] = []  # the stretch gone through, with short ones before it
         self._ended = True
-        # What the last check found on the way, where the basis is to have it, and the states that it went through.
-        self._found: list[Array] = []
-        self._passed: list[Array] = []
+        self._found: list[Array] = []  # what the last check found on the way, where the basis is to have it
         self._checked: _Stretch | None = None  # where the last stretch that was checked ended
         self._since = 0
         self._clocked = _follows_a_clock(full)
@@ -163,6 +162,7 @@ class Shortcut:
     def holds(self, history: History, view: View) -> bool:
         """Whether the stretch that has ended may stay as it is; a full one may, a reduced one is checked at times."""
         now = history.states[-1].time
+        self._slowest = min([self._slowest, *_passing(history, view)])
         steps = len(history.states) - (self._now[-1].count if self._now else 0)
         self._ended = steps >= SETTLED or len(self._now) >= TOGETHER or now >= self.until
         if view.lift is None or not self._ended:
@@ -273,8 +273,7 @@ class Shortcut:
         for share in (NOVEL, 0.0):  # once more, against rounding
             found = found - basis @ (basis.T @ (capacity @ found))
             found = orthonormal(found, capacity, share * float(np.abs(found).max()), VECTORS - basis.shape[1])
-        seen = [*lift.seen, *self._passed][-EXAMPLES:]
-        wider = Lift(lift.nodal(state.temperature), np.column_stack([basis, found]), seen)
+        wider = Lift(lift.nodal(state.temperature), np.column_stack([basis, found]), lift.alike)
         history.states.widen(lift, wider)
         return self._seen(wider, state.time, narrow)
 
@@ -294,10 +293,11 @@ class Shortcut:
     def _check(self, history: History, lift: Lift) -> tuple[float, _Off]:
         """Go through the stretch in full: by how much watched places are off on the way [K], and all at its end."""
         begun = self._now[0].state
-        state = initial_state(self.model, begun.time, lift.nodal(begun.temperature))
         before = begun.temperature
+        reduced = lift.nodal(before)
+        state = initial_state(self.model, begun.time, reduced)
         within = shifts = 0.0
-        self._found, self._passed = [], []
+        self._found = []
         ends = [one.count for one in self._now[1:]] + [len(history.states)]
         for stretch, end in zip(self._now, ends, strict=True):
             for heater, on in zip(self.model.heaters, stretch.on, strict=True):
@@ -307,13 +307,13 @@ class Shortcut:
                 assert past.coordinates_slope is not None
                 foretold = stages(now - before, past.coordinates_slope, length)
                 first, whole = (lift.basis @ np.stack(foretold, axis=1)).T
+                reduced = reduced + whole
                 step = take_step(self.model, state, length, estimate=False, guesses=(first, whole))
                 state = replace(step.state, time=past.time)
                 assert state.slope is not None
-                before, reduced = now, lift.nodal(now)
+                before = now
                 off = reduced - state.temperature
                 self._found.append(off)
-                self._passed.append(state.temperature)
                 within = max(within, float(np.abs(off[self.nodes]).max(initial=0.0)))
                 changing = state.slope if self._clocked else state.slope[self.nodes]
                 self._fastest = max(self._fastest, float(np.abs(changing).max(initial=0.0)))
@@ -331,9 +331,10 @@ class Shortcut:
             state = initial_state(self.model, state.time, moved)
         assert state.slope is not None
         most = float(np.abs(off).max())
-        # What is off elsewhere comes to the probe too, and is felt there in switchings to come: all of it counts.
         later = most / abs(rate) if rate != 0.0 else 0.0
-        return within, _Off(most + later * float(np.abs(state.slope).max()), shifts + later)
+        most += later * float(np.abs(state.slope).max())
+        # What is off elsewhere comes to a probe too, and is felt there in switchings to come: all of it counts.
+        return within, _Off(most, shifts + later + most / self._slowest)
 
     def _switches(self, temperature: Array) -> Array | None:
         """Return the sensor of a thermostat that switches at these temperatures, if any does."""
@@ -341,6 +342,15 @@ class Shortcut:
             if abs(one.excess(temperature)) <= SWITCHES:
                 return one.sensor
         return None
+
+
+def _passing(history: History, view: View) -> list[float]:
+    """Return how fast the readings pass of the thermostats that switch now [K/s]."""
+    _, now, slope = history.states.entry(len(history.states) - 1)
+    if slope is None:
+        return []
+    switching = [one for one in view.thermostats if abs(one.excess(now)) <= SWITCHES]
+    return [abs(dot(one.sensor, slope)) for one in switching]
 
 
 def _follows_a_clock(full: View) -> bool:

@@ -11,6 +11,7 @@ import numpy as np
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.vectors import dot
+from hyperfab.thermal.lumping import Alike
 from hyperfab.thermal.step import State
 
 T = TypeVar("T")
@@ -27,12 +28,12 @@ BLOCK = 64
 class Lift:
     """Nodal fields from r coordinates: ``origin`` (n,) [degC] plus ``basis`` (n, r) times them.
 
-    ``seen`` are temperatures (n,) [degC] of the kind that it is to stand for.
+    ``alike`` says which points of its faces count as one.
     """
 
     origin: Array
     basis: Array
-    seen: Sequence[Array] = ()
+    alike: Alike | None = None
     _made: dict[int, tuple[object, Any]] = field(default_factory=dict, init=False)
 
     def nodal(self, coordinates: Array) -> Array:
