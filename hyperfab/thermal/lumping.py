@@ -11,7 +11,7 @@ from hyperfab.arrays import Array, Ints
 from hyperfab.thermal.facet_operator import FacetOperator
 
 #: Points that stand for a face in what is not linear there.
-POINTS = 600
+POINTS = 1000
 
 
 class Alike:

@@ -21,7 +21,7 @@ from hyperfab.thermal.trail import Lift, examples
 #: Time scales of the answers to heaters, from the shortest stage to all that is left.
 SCALES = 10
 #: Directions in which the states differ by less, root of the mean square [K], are left out.
-DROP = 1e-7
+DROP = 1e-9
 #: States that a basis is made of at most.
 SNAPSHOTS = 100
 #: Vectors that are multiplied at a time.

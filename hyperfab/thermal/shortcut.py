@@ -99,7 +99,8 @@ class _Alike:
     """Stretches on a basis that end with the same heaters on: how many, and which of them is checked next.
 
     ``found`` is what the last check found, ``since`` how many came after it, ``before`` how many of these before the
-    last check of any; ``widened`` is what was found when it came into the basis [K], until less than half is.
+    last check of any; ``widened`` is what was found when it came into the basis [K], until less than half or more than
+    half as much again is.
     """
 
     count: int = 0
@@ -132,7 +133,9 @@ class Shortcut:
         self.always, self.most = always, most
         self._tries = self._stretches = self._checks = self._in_full = self._vectors = self._taken_back = 0
         self._within = self._fastest = self._begun = 0.0
-        self._slowest = np.inf  # how fast the reading of a thermostat passed where it switched, at least [K/s]
+        self._slowest = (
+            np.inf
+        )  # how fast the reading of a thermostat passed where it switched, at least [K/s]
         self._spent = _Off()
         self._alike: dict[tuple[bool, ...], _Alike] = {}
         self._now: list[_Stretch] = []  # the stretch gone through, with short ones before it
@@ -212,7 +215,7 @@ class Shortcut:
         coming = ahead * alike.count / sum(one.count for one in kinds)
         here = self._kelvin(alike.found)
         much = coming * here > ENOUGH * left / len(kinds)
-        if here < 0.5 * alike.widened:  # what came into the basis then was of use
+        if not 0.5 * alike.widened <= here <= 1.5 * alike.widened:  # it was of use, or there is more to find
             alike.widened = np.inf
         if much and np.isinf(alike.widened) and self._vectors < VECTORS:
             alike.widened, alike.next = here, alike.count + 1
@@ -323,18 +326,17 @@ class Shortcut:
             assert state.slope is not None
             felt = self._switches(reduced)
             rate = 0.0 if felt is None else dot(felt, state.slope)
-            if felt is None or rate == 0.0 or stretch is self._now[-1]:
-                continue
-            later = dot(felt, off) / rate
+            later = dot(felt, off) / rate if felt is not None and rate != 0.0 else 0.0
             shifts += abs(later)
-            moved = state.temperature if self._clocked else state.temperature + later * state.slope
-            state = initial_state(self.model, state.time, moved)
+            if rate != 0.0 and stretch is not self._now[-1]:
+                moved = state.temperature if self._clocked else state.temperature + later * state.slope
+                state = initial_state(self.model, state.time, moved)
+        # Where nothing goes by the clock, what is off along the way that the state goes is off in time alone.
         assert state.slope is not None
-        most = float(np.abs(off).max())
-        later = most / abs(rate) if rate != 0.0 else 0.0
-        most += later * float(np.abs(state.slope).max())
+        along = later * state.slope
+        most = float((np.abs(off) + np.abs(along) if self._clocked else np.abs(off - along)).max())
         # What is off elsewhere comes to a probe too, and is felt there in switchings to come: all of it counts.
-        return within, _Off(most, shifts + later + most / self._slowest)
+        return within, _Off(most, shifts + most / self._slowest)
 
     def _switches(self, temperature: Array) -> Array | None:
         """Return the sensor of a thermostat that switches at these temperatures, if any does."""
