@@ -133,9 +133,8 @@ class Shortcut:
         self.always, self.most = always, most
         self._tries = self._stretches = self._checks = self._in_full = self._vectors = self._taken_back = 0
         self._within = self._fastest = self._begun = 0.0
-        self._slowest = (
-            np.inf
-        )  # how fast the reading of a thermostat passed where it switched, at least [K/s]
+        # How fast the reading of a thermostat passed where it switched, at least [K/s].
+        self._slowest = np.inf
         self._spent = _Off()
         self._alike: dict[tuple[bool, ...], _Alike] = {}
         self._now: list[_Stretch] = []  # the stretch gone through, with short ones before it
@@ -352,7 +351,7 @@ def _passing(history: History, view: View) -> list[float]:
     if slope is None:
         return []
     switching = [one for one in view.thermostats if abs(one.excess(now)) <= SWITCHES]
-    return [abs(dot(one.sensor, slope)) for one in switching]
+    return [rate for one in switching if (rate := abs(dot(one.sensor, slope))) > 0.0]
 
 
 def _follows_a_clock(full: View) -> bool:
