@@ -52,7 +52,7 @@ SLOW = 0.02
 BALANCINGS = 3
 NEWTON_STEPS = 40
 #: A coarse solver serves a step whose matrix is up to this many times, or down to one so-manyth of, its own.
-ALIKE = 2.0
+ALIKE = 4.0
 #: Coarse solvers that are kept, the last used, till a system takes more conjugate-gradient steps than this.
 KEPT, TIRED = 8, 40
 
@@ -301,11 +301,18 @@ class HeatModel:
     def _step_matrix(
         self, time: float, interval: float, storage: float, temperature: Array
     ) -> sparse.csr_matrix:
-        data = interval * self.medium.conduction(temperature)
+        """Return storage times the capacity and ``interval`` times what conducts; it is written over by the next."""
+        data = np.multiply(self.medium.conduction(temperature), interval, out=self._entries)
         if storage:
-            data += storage * self.medium.capacity(temperature)
+            capacity = self.medium.capacity(temperature)
+            data += capacity if storage == 1.0 else storage * capacity
         self._add_conditions(time, interval, temperature, data)
         return self.pattern.matrix(data)
+
+    @cached_property
+    def _entries(self) -> Array:
+        """Room for a matrix of a step: as large as all states of many steps, to be asked for once."""
+        return np.empty(self.pattern.entries)
 
     def _add_conditions(self, time: float, interval: float, temperature: Array, data: Array) -> None:
         for condition, places in self._coupling:
@@ -327,6 +334,19 @@ class HeatModel:
         """What conducts [W/K] and what stores [J/K], where neither changes with temperature."""
         nothing = np.zeros(self.size)
         return self._coarse(self.medium.conduction(nothing)), self._coarse(self.medium.capacity(nothing))
+
+    def _coarse_conditions(self, time: float, temperature: Array) -> sparse.csr_matrix:
+        """Return what the conditions conduct on the coarse space [W/K]: of few nodes, so by a matrix of these alone."""
+        p, total = self._prolongation, sparse.csr_matrix((self._prolongation.shape[1],) * 2)
+        for condition, _ in self._coupling:
+            nodes, blocks = condition.nodes, condition.tangent(time, temperature)
+            own, number = np.unique(nodes, return_inverse=True)
+            number = number.reshape(nodes.shape)
+            rows = np.repeat(number, nodes.shape[1], axis=1).ravel()
+            columns = np.tile(number, (1, nodes.shape[1])).ravel()
+            matrix = sparse.csr_matrix((blocks.ravel(), (rows, columns)), shape=(len(own), len(own)))
+            total = total + p[own].T @ (matrix @ p[own])
+        return total
 
     def _coarse(self, data: Array) -> sparse.csr_matrix:
         """Return a matrix of the pattern on the coarse space of the preconditioner."""
@@ -350,10 +370,9 @@ class HeatModel:
         elif self._is_small:
             coarse = Direct(matrix, self.free)
         elif self.medium.linear:  # what conducts and stores is taken to the coarse space once
-            faces = np.zeros_like(matrix.data)
-            self._add_conditions(time, interval, temperature, faces)
             conduction, capacity = self._on_the_coarse_space
-            coarse = hierarchy(interval * conduction + storage * capacity + self._coarse(faces), COARSE)
+            faces = self._coarse_conditions(time, temperature)
+            coarse = hierarchy(interval * (conduction + faces) + storage * capacity, COARSE)
         else:
             coarse = hierarchy(self._coarse(matrix.data), COARSE)
         if self._is_small:

@@ -15,7 +15,7 @@ from functools import cached_property
 from typing import Protocol, Self
 
 import numpy as np
-from scipy import linalg
+from scipy import linalg, sparse
 
 from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
@@ -34,8 +34,10 @@ from hyperfab.thermal.trail import Lift
 #: Newton's method ends where a step moves the mean square by less [K].
 STILL = 1e-9
 NEWTON_STEPS = 30
-#: A factorised matrix serves from step to step as long as each iteration leaves less than this part of the way.
+#: What conditions conduct serves from step to step as long as each iteration leaves less than this part of the way.
 SLOW = 0.05
+#: Vectors that are multiplied at a time.
+BLOCK = 32
 
 
 class Projected(Protocol):
@@ -237,10 +239,7 @@ class ProjectedMedium:
         capacity = pattern.matrix(medium.capacity(origin))
         conduction = pattern.matrix(medium.conduction(origin))
         level = 0.5 * (float(origin.min()) + float(origin.max()))
-        new = np.ascontiguousarray(basis[:, known:])
-        held, conducted = capacity @ new, conduction @ new
-        mass, conducting = basis.T @ held, basis.T @ conducted
-        weights = held.sum(axis=0)
+        (weights, mass), (_, conducting) = (_by_vector(basis, one, known) for one in (capacity, conduction))
         if narrow is not None:
             mass, conducting = _bordered(narrow.mass, mass), _bordered(narrow.conduction, conducting)
             weights = np.concatenate([narrow.weights, weights])
@@ -268,6 +267,16 @@ class ProjectedMedium:
             self.conduction + conduction * other.conduction,
             self.conducted + conduction * other.conducted,
         )
+
+
+def _by_vector(basis: Array, matrix: sparse.csr_matrix, first: int) -> tuple[Array, Array]:
+    """Return the sums (k,) of a matrix times the k vectors of a basis (n, r) from ``first`` on, and basis.T times it."""
+    columns = range(
+        first, max(basis.shape[1], first + 1), BLOCK
+    )  # none, where there is no vector from there on
+    products = (matrix @ np.ascontiguousarray(basis[:, at : at + BLOCK]) for at in columns)
+    found = [(one.sum(axis=0), basis.T @ one) for one in products]
+    return np.concatenate([sums for sums, _ in found]), np.hstack([rows for _, rows in found])
 
 
 def _bordered(known: Array, new: Array) -> Array:
@@ -298,6 +307,7 @@ class ProjectedModel:
         self.free = np.ones(len(self.mass), dtype=bool)
         self.last_matrix: tuple[Array, Array] | None = None
         self._factorised_for = (0.0, 0.0)
+        self._tangent: Array | None = None
         capacity = model.pattern.matrix(model.medium.capacity(origin))
         shapes = [heater.shape / model.lumped_capacity for heater in model.heaters]
         self._shapes = np.array([heater.shape @ basis for heater in model.heaters]).reshape(
@@ -310,7 +320,8 @@ class ProjectedModel:
     def changed_to(self, medium: ProjectedMedium, conditions: Sequence[Projected]) -> Self:
         """Return the mold with another medium and other conditions on the same basis."""
         found = copy.copy(self)
-        found.medium, found.conditions, found.last_matrix = medium, list(conditions), None
+        found.medium, found.conditions = medium, list(conditions)
+        found.last_matrix = found._tangent = None
         return found
 
     @property
@@ -370,16 +381,16 @@ class ProjectedModel:
             if moved <= STILL:
                 return found, moved
             if moved > SLOW * before:
-                self.last_matrix = None
+                self.last_matrix = self._tangent = None
             before = moved
         raise NotConverged(f"the reduced mold at {time:.6g} s did not settle", remedy="set reduced = false")
 
     def _factor(
         self, time: float, interval: float, coordinates: Array, storage: float
     ) -> tuple[Array, Array]:
-        matrix = storage * self.mass + interval * self.medium.conduction
-        for condition in self.conditions:
-            matrix += interval * condition.tangent(time, coordinates)
+        if self._tangent is None:
+            self._tangent = np.asarray(sum(one.tangent(time, coordinates) for one in self.conditions))
+        matrix = storage * self.mass + interval * (self.medium.conduction + self._tangent)
         return linalg.lu_factor(matrix, check_finite=False)
 
     def solve(self, matrix: tuple[Array, Array], right: Array, tolerance: float) -> Array:

@@ -13,6 +13,7 @@ from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.history import History
 from hyperfab.thermal.lumping import Alike
 from hyperfab.thermal.model import HeatModel
+from hyperfab.thermal.projected import BLOCK
 from hyperfab.thermal.radiation import Radiation
 from hyperfab.thermal.step import GAMMA, State
 from hyperfab.thermal.thermostat import Thermostat
@@ -24,8 +25,6 @@ SCALES = 10
 DROP = 1e-9
 #: States that a basis is made of at most.
 SNAPSHOTS = 100
-#: Vectors that are multiplied at a time.
-BLOCK = 32
 #: How sharply the answers are solved for: they are directions.
 SOLVE = 1e-6
 
@@ -74,17 +73,19 @@ def lift_of(
     for scale in scales:
         matrix = model.step_matrix(state.time, float(scale), origin)
         slow = [drift, *([np.sum(lost, axis=0)] if lost else [])] if scale > 0.5 * stretch else []
-        columns += [model.solve(matrix, scale * load, SOLVE) for load in (*loads, *slow)]
-    basis = np.stack(columns, axis=1)
-    columns.clear()  # each as large as a state: no more of them at a time than must be
+        answers = [model.solve(matrix, scale * load, SOLVE) for load in (*loads, *slow)]
+        # A kelvin each: what a heater does in all that is left is no better a direction than what it does in a step.
+        columns += [one / model.capacity_norm(one) for one in answers]
+    basis = np.empty((len(origin), len(columns)), order="F")
+    for number in range(len(columns) - 1, -1, -1):  # each as large as a state: let go of one by one
+        basis[:, number] = columns.pop()
     uniform = np.full(len(origin), 1.0 / np.sqrt(total))
     held = capacity @ uniform
     for threshold in (DROP, 0.0):  # once more, against rounding
         basis -= uniform[0] * (held @ basis)
         basis = orthonormal(basis, capacity, threshold, most - 1)
-    return Lift(
-        origin, np.ascontiguousarray(np.column_stack([uniform, basis])), Alike([origin, *examples(seen)])
-    )
+    alike = Alike([origin, *examples(seen)])
+    return Lift.with_room(origin, np.column_stack([uniform, basis]), most, alike)
 
 
 def orthonormal(vectors: Array, capacity: sparse.csr_matrix, threshold: float, most: int) -> Array:

@@ -11,7 +11,7 @@ it where nothing goes by the clock: the check goes on shifted, the shifts are su
 change in that time. With a clock they make what any place changes. Where the stretches to come would use up what is
 left of ``MOST``, what the check found is added to the basis. Where the sum is more than what is due by then, the run
 goes back to the end of the last checked stretch and on from there in full, until a new basis is made; after ``TRIES``
-it stays full.
+that were of no use it stays full.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ from hyperfab.thermal.history import History, Reduced, Target
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.projected import ProjectedModel, why_not
 from hyperfab.thermal.radiation import Radiation
-from hyperfab.thermal.run_basis import duration, lift_of, orthonormal
+from hyperfab.thermal.run_basis import DROP, duration, lift_of, orthonormal
 from hyperfab.thermal.step import Model, State, initial_state, stages, take_step
 from hyperfab.thermal.thermostat import Thermostat
 from hyperfab.thermal.trail import Lift
 
 #: What the reduced mold may be off by, gathered over the run [K].
 MOST = 0.05
-#: Bases tried before the run stays full.
+#: Bases tried in vain, held for less long than they were waited for, before the run stays full.
 TRIES = 5
 #: Share of it that may be used up at the beginning; the rest comes with the time.
 HEAD_START = 0.25
@@ -51,7 +51,7 @@ ENOUGH = 0.5
 #: Stretches are steady that are off by no more than so many times what those like them were the time before.
 STEADY = 1.1
 #: Vectors that are kept; and directions of what a check found are left out that are less than this share of the most.
-VECTORS, NOVEL = 120, 1e-3
+VECTORS, NOVEL = 160, 1e-3
 #: What no check sees: the full mold's stages are solved to 1e-6 of what a step changes, some 10 K.
 SOLVED = 1e-5
 #: A thermostat switches at the end of a stretch where its probe is as near as this [K].
@@ -134,6 +134,7 @@ class Shortcut:
         self.full, self.until, self.sensors, self.nodes = full, until, sensors, nodes
         self.always, self.most = always, most
         self._tries = self._stretches = self._checks = self._in_full = self._vectors = self._taken_back = 0
+        self._waited = self._before = 0
         self._within = self._fastest = self._begun = 0.0
         # How fast the reading of a thermostat passed where it switched, at least [K/s].
         self._slowest = np.inf
@@ -154,7 +155,7 @@ class Shortcut:
                 view = self._reduce(history, state)
                 state = initial_state(view.model, state.time, np.zeros(self._vectors))
         elif view.lift is not None and self._found:
-            view = self._widened(history, view, state)
+            view = self._widened(view, state)
             state = initial_state(view.model, state.time, np.zeros(self._vectors))
         on = tuple(heater.on for heater in self.model.heaters)
         begins = _Stretch(len(history.states), len(history.switches), state, length, on)
@@ -236,6 +237,8 @@ class Shortcut:
         for heater, on in zip(self.model.heaters, begun.on, strict=True):
             heater.on = on
         self._stretches -= self._since
+        if self._stretches - self._before >= self._waited:  # it has paid: the next is waited for no longer
+            self._tries -= 1
         self._since, self._in_full, self._now, self._found = 0, 0, [begun], []
         self._taken_back += 1
         self._spent = sum((one.found.times(one.before) for one in self._alike.values()), self._spent)
@@ -262,11 +265,12 @@ class Shortcut:
         """Return the mold in the coordinates of a basis about ``state``."""
         lift = lift_of(self.model, self.full.thermostats, history, state, self.until, VECTORS)
         self._tries += 1
-        if self._tries == 1:
+        self._waited, self._before = self._in_full, self._stretches
+        if not self._checks:
             self._begun = state.time
         return self._seen(lift, state.time)
 
-    def _widened(self, history: History, view: View, state: State) -> View:
+    def _widened(self, view: View, state: State) -> View:
         """Return the mold about ``state`` on a basis that has what the last check found too."""
         lift, narrow = view.lift, view.model
         assert lift is not None
@@ -274,12 +278,15 @@ class Shortcut:
         found, basis = np.stack(self._found, axis=1), lift.basis
         capacity = self.model.pattern.matrix(self.model.medium.capacity(lift.origin))
         self._found = []
-        for share in (NOVEL, 0.0):  # once more, against rounding
-            found = found - basis @ (basis.T @ (capacity @ found))
-            found = orthonormal(found, capacity, share * float(np.abs(found).max()), VECTORS - basis.shape[1])
-        wider = Lift(lift.nodal(state.temperature), np.column_stack([basis, found]), lift.alike)
-        history.states.widen(lift, wider)
-        return self._seen(wider, state.time, narrow)
+        room, most = VECTORS - basis.shape[1], float(np.abs(found).max())
+
+        def beyond(vectors: Array) -> Array:
+            return np.asarray(vectors - basis @ (basis.T @ (capacity @ vectors)))
+
+        found = beyond(found)
+        found = orthonormal(found, capacity, max(NOVEL * float(np.abs(found).max()), DROP * most), room)
+        found = orthonormal(beyond(found), capacity, 0.0, room)  # once more, against rounding
+        return self._seen(lift.wider(lift.nodal(state.temperature), found), state.time, narrow)
 
     def _seen(self, lift: Lift, time: float, narrow: ProjectedModel | None = None) -> View:
         """Return the mold in the coordinates of a basis; ``narrow`` is it in the first of them."""

@@ -40,6 +40,23 @@ class Lift:
         """Return nodal temperatures [degC]."""
         return self.origin + self.basis @ coordinates
 
+    @staticmethod
+    def with_room(origin: Array, basis: Array, room: int, alike: Alike | None = None) -> Lift:
+        """Return what lifts with a basis that may come to be one of ``room`` vectors without being copied."""
+        store = np.empty((len(origin), max(room, basis.shape[1])))
+        store[:, : basis.shape[1]] = basis
+        return Lift(origin, store[:, : basis.shape[1]], alike)
+
+    def wider(self, origin: Array, vectors: Array) -> Lift:
+        """Return what lifts about another origin, with ``vectors`` (n, k) behind this basis, in the room it has.
+
+        This one lifts as before: both see the same numbers.
+        """
+        store, known = self.basis.base, self.basis.shape[1]
+        assert store is not None
+        store[:, known : known + vectors.shape[1]] = vectors
+        return Lift(origin, store[:, : known + vectors.shape[1]], self.alike)
+
     def part(self, nodes: Ints) -> Lift:
         """Return what lifts to ``nodes`` alone."""
         return self.once(nodes, lambda: Lift(self.origin[nodes], self.basis[nodes]))
@@ -168,15 +185,6 @@ class Trail(Sequence[Past]):
             self._held -= _bytes(first, second)
         del self.times[count:], self._entries[count:]
         self._ends = []
-
-    def widen(self, lift: Lift, wider: Lift) -> None:
-        """See states by the first vectors of a basis that has come to be one of more, and let go of the old one."""
-        narrow: dict[tuple[int, int], Lift] = {}
-        for number, (one, first, second, size) in enumerate(self._entries):
-            if one is not None and any(lift.basis is it for it in (one.basis, one.basis.base)):
-                if (id(one.origin), size) not in narrow:
-                    narrow[id(one.origin), size] = Lift(one.origin, wider.basis[:, :size])
-                self._entries[number] = (narrow[id(one.origin), size], first, second, size)
 
     @property
     def in_memory(self) -> int:

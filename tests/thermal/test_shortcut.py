@@ -190,7 +190,7 @@ def test_what_a_check_finds_comes_into_the_basis(block):
     basis = orthonormal(
         np.column_stack([np.ones(model.size), rng.normal(size=(model.size, 3))]), capacity, 0.0, 9
     )
-    lift = Lift(np.full(model.size, 80.0), basis)
+    lift = Lift.with_room(np.full(model.size, 80.0), basis, 9)
     start = initial_state(model, 0.0, np.full(model.size, 25.0))
     history = History(Trail([start]), Ledger.begin(model, 0.0, []))
     coordinates = rng.normal(size=4)
@@ -202,7 +202,7 @@ def test_what_a_check_finds_comes_into_the_basis(block):
     shortcut._found = [*found, found[0] + basis[:, 1]]  # what the basis has adds nothing
     now = State(1.0, coordinates, np.zeros(4), np.zeros(4))
     narrow = View(ProjectedModel(model, lift, 0.0), thermostats, None, lift)
-    found_view = shortcut._widened(history, narrow, now)
+    found_view = shortcut._widened(narrow, now)
     wider = found_view.lift
     assert wider is not None
     # It is about the state of now, and is what is projected from nothing.
@@ -222,6 +222,12 @@ def test_what_a_check_finds_comes_into_the_basis(block):
     np.testing.assert_allclose(history.states[1].temperature, before[0], rtol=1e-14)
     np.testing.assert_allclose(history.states[1].slope, before[1], rtol=1e-12)
     assert np.shares_memory(history.states.entry(1)[0].basis, wider.basis)
+    # What it has already makes it no wider; it is about the present state all the same.
+    shortcut._found = [1e-5 * basis[:, 1], basis[:, 2]]
+    again = shortcut._widened(found_view, State(2.0, np.ones(6), np.zeros(6), np.zeros(6))).lift
+    assert again is not None
+    assert again.basis.shape[1] == 6
+    np.testing.assert_allclose(again.origin, wider.nodal(np.ones(6)))
 
 
 def test_schedule_that_jumps_and_surroundings_that_change(block):
