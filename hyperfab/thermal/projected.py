@@ -270,10 +270,9 @@ class ProjectedMedium:
 
 
 def _by_vector(basis: Array, matrix: sparse.csr_matrix, first: int) -> tuple[Array, Array]:
-    """Return the sums (k,) of a matrix times the k vectors of a basis (n, r) from ``first`` on, and basis.T times it."""
-    columns = range(
-        first, max(basis.shape[1], first + 1), BLOCK
-    )  # none, where there is no vector from there on
+    """Return the sums (k,) of a matrix times the vectors of a basis (n, r) from ``first`` on, and basis.T times it."""
+    last = max(basis.shape[1], first + 1)  # where there are no more, a block of none
+    columns = range(first, last, BLOCK)
     products = (matrix @ np.ascontiguousarray(basis[:, at : at + BLOCK]) for at in columns)
     found = [(one.sum(axis=0), basis.T @ one) for one in products]
     return np.concatenate([sums for sums, _ in found]), np.hstack([rows for _, rows in found])
