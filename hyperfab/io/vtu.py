@@ -76,6 +76,30 @@ def unstructured(
         ) from error
 
 
+def refilled(grid: bytes, name: str, values: ArrayLike) -> bytes:
+    """Return the bytes of a .vtu file with other values in one of its point fields: ``values`` (n,).
+
+    What ``unstructured`` would return, in a fraction of the time: the mesh, nine tenths of it, is not packed again.
+
+    >>> triangle = [[0, 0, 0], [1, 0, 0], [0, 1, 0]], {"triangle": [[0, 1, 2]]}
+    >>> cold, hot = (unstructured(*triangle, {"heat": heat}) for heat in ([1, 2, 3], [7, 8, 9]))
+    >>> refilled(cold, "heat", [7, 8, 9]) == hot
+    True
+    """
+    field = np.asarray(values)
+    alone = unstructured(np.zeros((len(field), 3)), {"vertex": [[0]]}, {name: field})
+    (begin, end), (first, last) = _place(grid, name), _place(alone, name)
+    return grid[:begin] + alone[first:last] + grid[end:]
+
+
+def _place(grid: bytes, name: str) -> tuple[int, int]:
+    """Return where the array of a point field begins and ends in a file."""
+    begin = grid.index(b"<DataArray", grid.index(b"<PointData"))
+    while f'Name="{escape(name)}"'.encode() not in grid[begin : grid.index(b">", begin)]:
+        begin = grid.index(b"<DataArray", begin + 1)
+    return begin, grid.index(b"</DataArray>", begin)
+
+
 def collection(times_s: Sequence[float], files: Sequence[str]) -> bytes:
     """Return the bytes of a .pvd file that plays ``files`` (names relative to it) at ``times_s``.
 

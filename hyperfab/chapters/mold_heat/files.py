@@ -13,7 +13,7 @@ from hyperfab.chapters.mold_heat.production import pieces_csv
 from hyperfab.chapters.uncertainty.carry import Sure
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
-from hyperfab.io.vtu import collection, unstructured
+from hyperfab.io.vtu import collection, refilled, unstructured
 from hyperfab.report.figures_heat import heat_figure
 from hyperfab.thermal import surface
 from hyperfab.thermal.history import History, curve, curve_times
@@ -21,6 +21,8 @@ from hyperfab.thermal.sensors import as_shown
 
 #: Frames of the time series, and bytes all fields may take together: more steps are thinned evenly.
 FRAMES, SERIES_BYTES = 40, 50e6
+#: The field of a series that changes from frame to frame.
+TEMPERATURE = "temperature_degC"
 
 
 def load_writers() -> None:
@@ -51,8 +53,9 @@ def write_fields(out: Output, problem: Problem, history: History, target: float 
     names = []
     for number, index in enumerate(frames):
         suffix = f".{number:03d}.vtu"
+        temperature = history.states[index].temperature[: problem.mesh.solid]
         is_last = number == len(frames) - 1
-        out.add(suffix, ending if is_last else _field(problem, history.states[index].temperature, None))
+        out.add(suffix, ending if is_last else refilled(ending, TEMPERATURE, temperature))
         names.append(out.path(suffix).name)
     out.add(".pvd", collection([history.states[i].time for i in frames], names))
     times = curve_times(history)
@@ -94,7 +97,7 @@ def _field(problem: Problem, temperature: Array, flux: Array | None, sure: Mappi
     return unstructured(
         mesh.points[:solid] * 1e3,
         {"tetra10": mesh.elements},
-        {"temperature_degC": temperature[:solid], **sure},
+        {TEMPERATURE: temperature[:solid], **sure},
         cells,
     )
 
