@@ -39,8 +39,8 @@ from hyperfab.thermal.trail import Lift
 MOST = 0.05
 #: Bases tried in vain, held for less long than they were waited for, before the run stays full.
 TRIES = 5
-#: Stretches in full before the first of them: the warm-up, and a cycle and a half.
-FIRST = 4
+#: Stretches in full before the first of them: the warm-up and a cycle, of a long run a cycle and a half.
+FIRST, FIRST_OF_LONG = 3, 4
 #: Share of it that may be used up at the beginning; the rest comes with the time.
 HEAD_START = 0.25
 #: Smaller molds are followed in full, and so is what is left where it has fewer stretches than this.
@@ -256,7 +256,8 @@ class Shortcut:
 
     def _due(self, history: History, now: float) -> bool:
         # The first stretch is the warm-up; a mold that is still far from its cycle gets longer from try to try.
-        if self._in_full < max(FIRST, 2**self._tries) or self._tries >= TRIES:
+        first = FIRST if self.always else FIRST_OF_LONG
+        if self._in_full < max(first, 2**self._tries) or self._tries >= TRIES:
             return False
         if self.always:
             return True
