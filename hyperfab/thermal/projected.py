@@ -239,7 +239,7 @@ class ProjectedMedium:
         capacity = pattern.matrix(medium.capacity(origin))
         conduction = pattern.matrix(medium.conduction(origin))
         level = 0.5 * (float(origin.min()) + float(origin.max()))
-        (weights, mass), (_, conducting) = (_by_vector(basis, one, known) for one in (capacity, conduction))
+        (weights, mass), (_, conducting) = (by_vector(basis, one, known) for one in (capacity, conduction))
         if narrow is not None:
             mass, conducting = _bordered(narrow.mass, mass), _bordered(narrow.conduction, conducting)
             weights = np.concatenate([narrow.weights, weights])
@@ -269,7 +269,7 @@ class ProjectedMedium:
         )
 
 
-def _by_vector(basis: Array, matrix: sparse.csr_matrix, first: int) -> tuple[Array, Array]:
+def by_vector(basis: Array, matrix: sparse.csr_matrix, first: int) -> tuple[Array, Array]:
     """Return the sums (k,) of a matrix times the vectors of a basis (n, r) from ``first`` on, and basis.T times it."""
     last = max(basis.shape[1], first + 1)  # where there are no more, a block of none
     columns = range(first, last, BLOCK)

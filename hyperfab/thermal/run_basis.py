@@ -13,7 +13,7 @@ from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.history import History
 from hyperfab.thermal.lumping import Alike
 from hyperfab.thermal.model import HeatModel
-from hyperfab.thermal.projected import BLOCK
+from hyperfab.thermal.projected import by_vector
 from hyperfab.thermal.radiation import Radiation
 from hyperfab.thermal.step import GAMMA, State
 from hyperfab.thermal.thermostat import Thermostat
@@ -85,15 +85,12 @@ def lift_of(
         basis -= uniform[0] * (held @ basis)
         basis = orthonormal(basis, capacity, threshold, most - 1)
     alike = Alike([origin, *examples(seen)])
-    return Lift.with_room(origin, np.column_stack([uniform, basis]), most, alike)
+    return Lift.with_room(origin, uniform[:, None], most, alike).wider(origin, basis)
 
 
 def orthonormal(vectors: Array, capacity: sparse.csr_matrix, threshold: float, most: int) -> Array:
     """Return at most so many vectors that span them, orthonormal in the heat capacity, the largest first."""
-    gram = np.empty((vectors.shape[1], vectors.shape[1]))
-    for first in range(0, len(gram), BLOCK):
-        block = slice(first, first + BLOCK)
-        gram[:, block] = vectors.T @ (capacity @ vectors[:, block])
+    _, gram = by_vector(vectors, capacity, 0)
     values, axes = np.linalg.eigh(0.5 * (gram + gram.T))
     keep = np.flatnonzero(values > threshold**2 * float(capacity.sum()))[::-1][:most]
     return np.asarray((vectors @ axes[:, keep]) / np.sqrt(values[keep]))

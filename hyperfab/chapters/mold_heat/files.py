@@ -54,8 +54,7 @@ def write_fields(out: Output, problem: Problem, history: History, target: float 
     for number, index in enumerate(frames):
         suffix = f".{number:03d}.vtu"
         temperature = history.states[index].temperature[: problem.mesh.solid]
-        is_last = number == len(frames) - 1
-        out.add(suffix, ending if is_last else refilled(ending, TEMPERATURE, temperature))
+        out.add(suffix, refilled(ending, TEMPERATURE, temperature))
         names.append(out.path(suffix).name)
     out.add(".pvd", collection([history.states[i].time for i in frames], names))
     times = curve_times(history)
