@@ -13,7 +13,7 @@ os.environ.update(dict.fromkeys(("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLI
 
 import pytest
 from hypothesis import HealthCheck, settings
-from pictures import WHOLE, stamped
+from pictures import DRAWN, blanked, drawn
 from warm import Warm
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -28,7 +28,7 @@ settings.register_profile(
 settings.register_profile("fuzz", settings.get_profile("default"), derandomize=False, max_examples=5000)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
 
-stamped()
+blanked()
 
 Run = Callable[..., "subprocess.CompletedProcess[bytes]"]
 
@@ -40,11 +40,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Draw pictures whole for the tests that look at them, and for the slow ones."""
-    if item.get_closest_marker("pictures") or item.get_closest_marker("slow"):
-        os.environ[WHOLE] = "1"
+    """Draw the pictures of a test as it needs them."""
+    how = drawn(item)
+    if how is None:
+        os.environ.pop(DRAWN, None)
     else:
-        os.environ.pop(WHOLE, None)
+        os.environ[DRAWN] = how
 
 
 @pytest.fixture(scope="session")

@@ -156,14 +156,14 @@ def _serve(number: int) -> None:
 if __name__ == "__main__":
     import gc
 
-    from pictures import stamped
+    from pictures import blanked
 
     sys.path[0] = str(ROOT)
     from hyperfab import __main__ as program
 
     _imported()
     _compiled()
-    stamped()
+    blanked()
     gc.freeze()
     sys.argv[0] = str(program.__file__)
     _serve(int(sys.argv[1]))
