@@ -21,7 +21,11 @@ def main() -> None:
     gc.set_threshold(100_000)
     from hyperfab.cli import main as hf
 
-    hf()
+    try:
+        hf()
+    finally:
+        # The interpreter would look through all that is left before it lets go of it: half a second.
+        gc.freeze()
 
 
 def _hold_standard_streams() -> None:

@@ -1,9 +1,9 @@
 """Pictures left blank: most tests run a command for its figures, and to draw its picture would be most of the wait.
 
-All that a picture holds is put into it, from the same values; what draws it (labels measured out, lines made pixels) is
-left out. Tests that look at a picture ask for it with ``@pytest.mark.pictures``, and one in eight of the others draws
-too, at the size of a stamp; the pages of docs/ and whatever else begins from nothing (tests/faults, tests/test_readme.py)
-draw whole ones.
+All that a picture holds is put into it, from the same values; what draws it (labels measured out, lines made pixels)
+is left out. Tests that look at a picture ask for it with ``@pytest.mark.pictures``, and one in eight of the others
+draws too, at the size of a stamp; the pages of docs/ and whatever else begins from nothing (tests/faults,
+tests/test_readme.py) draw whole ones.
 """
 
 from __future__ import annotations

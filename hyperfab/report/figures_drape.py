@@ -48,52 +48,62 @@ def drape_figure(
 ) -> bytes:
     """PNG of a draped sheet with the ``force`` of the press in words, and where given in N against the depth in mm;
     ``interval`` is where the last force is to be expected, where that is known."""
-    figure = Figure(figsize=(19.0, 6.6), layout="constrained")
-    grid = figure.add_gridspec(2, 5, width_ratios=(2.6, 1.0, 1.0, 1.0, 1.0))
-    left = grid[:, 0].subgridspec(3, 1, height_ratios=(0.4, 2.2, 0.9))
+    # A fixed layout: to measure out the room for labels would take as long as all the rest.
+    figure = Figure(figsize=(19.0, 6.6))
     fields, larger = draped.fields, draped.fields.cell_stretch
     low = float(min(1.0, fields.cell_stretch_warp.min(), fields.cell_stretch_weft.min()))
     stretches = Normalize(low, max(fields.stretch_max, low + 1e-6))
     stresses = Normalize(0.0, float(max(fields.stress_warp.max(), fields.stress_weft.max(), 1e-12)))
-    scene = figure.add_subplot(left[1:] if force_depth is None else left[1], projection="3d")
+    foot = 0.0 if force_depth is None else 0.3
+    scene = figure.add_axes((0.0, foot + 0.13, 0.31, 0.72 - foot), projection="3d")
     _scene(scene, draped, larger, stretches, 1.0 if force_depth is None else 1.4)
-    _worst(figure.add_subplot(left[0]), draped, force)
-    bar = ScalarMappable(stretches, COLOURS)
-    figure.colorbar(bar, ax=scene, label="larger stretch", orientation="horizontal", shrink=0.6, pad=0.01)
+    _worst(figure.add_axes((0.005, 0.85, 0.3, 0.13)), draped, force)
+    bar = figure.add_axes((0.065, foot + 0.115, 0.18, 0.025))
+    figure.colorbar(
+        ScalarMappable(stretches, COLOURS), cax=bar, label="larger stretch", orientation="horizontal"
+    )
     if force_depth is not None:
-        _curve(figure.add_subplot(left[2]), force_depth, interval)
+        _curve(figure.add_axes((0.04, 0.09, 0.255, 0.2)), force_depth, interval)
     turn = max(float(np.abs(fields.cell_shear).max()), 1e-6)
+    # Panels that share their colours share a bar, beside the last of them.
     panels = (
-        ("Stretch along warp", fields.cell_stretch_warp, COLOURS, stretches),
-        ("Stretch along weft", fields.cell_stretch_weft, COLOURS, stretches),
-        (f"Larger stretch: {fields.stretch_max:.3f} at the cross", larger, COLOURS, stretches),
+        ("Stretch along warp", fields.cell_stretch_warp, COLOURS, stretches, False),
+        ("Stretch along weft", fields.cell_stretch_weft, COLOURS, stretches, False),
+        (f"Larger stretch: {fields.stretch_max:.3f} at the cross", larger, COLOURS, stretches, True),
         (
             f"Thickness [mm], least {fields.cell_thickness.min():.3g}",
             fields.cell_thickness,
             COLOURS + "_r",
             None,
+            True,
         ),
-        ("Stress along warp [MPa]", fields.stress_warp, COLOURS, stresses),
-        ("Stress along weft [MPa]", fields.stress_weft, COLOURS, stresses),
-        ("Shear angle [deg]", fields.cell_shear, "RdBu_r", Normalize(-turn, turn)),
+        ("Stress along warp [MPa]", fields.stress_warp, COLOURS, stresses, False),
+        ("Stress along weft [MPa]", fields.stress_weft, COLOURS, stresses, True),
+        ("Shear angle [deg]", fields.cell_shear, "RdBu_r", Normalize(-turn, turn), True),
     )
     x, y = draped.flat[:, :, 0], draped.flat[:, :, 1]
-    for index, (title, field, colours, norm) in enumerate(panels):
-        axes = figure.add_subplot(grid[index // 4, 1 + index % 4])
+    grid = figure.add_gridspec(
+        2, 4, left=0.345, right=0.965, bottom=0.085, top=0.945, wspace=0.36, hspace=0.16
+    )
+    sheets = grid.subplots(sharex=True, sharey=True)
+    for axes in sheets[:, 0]:
+        axes.set_ylabel("weft, flat [mm]", fontsize=8)
+    for axes in sheets[1]:
+        axes.set_xlabel("warp, flat [mm]", fontsize=8)
+    for axes, (title, field, colours, norm, barred) in zip(sheets.flat, panels, strict=False):
         shading: Literal["gouraud", "flat"] = "gouraud" if field.shape == x.shape else "flat"
         image = axes.pcolormesh(x, y, field, cmap=colours, norm=norm, shading=shading, rasterized=True)
-        figure.colorbar(image, ax=axes, fraction=0.046, pad=0.03).ax.tick_params(labelsize=7)
+        if barred:
+            figure.colorbar(image, cax=axes.inset_axes((1.03, 0.0, 0.05, 1.0))).ax.tick_params(labelsize=7)
         _label(axes, title)
-        if index == 2:
-            axes.plot(*draped.peak[0][:2], marker="x", color="tab:red", markersize=9, markeredgewidth=2)
-    axes = figure.add_subplot(grid[1, 4])
+    sheets[0, 2].plot(*draped.peak[0][:2], marker="x", color="tab:red", markersize=9, markeredgewidth=2)
     # 0 free, 1 on the mold, 2 slack, by cell: slack is what one looks for first.
     corner = fields.touching
     touching = corner[1:, 1:] | corner[:-1, 1:] | corner[1:, :-1] | corner[:-1, :-1]
     state = np.where(fields.cell_slack, 2, np.where(touching, 1, 0))
     three = ListedColormap(["#f2f2f2", "#7a9cc6", "#d62728"])
-    axes.pcolormesh(x, y, state, cmap=three, vmin=-0.5, vmax=2.5, shading="flat", rasterized=True)
-    _label(axes, "On the mold (blue), slack (red)")
+    sheets[1, 3].pcolormesh(x, y, state, cmap=three, vmin=-0.5, vmax=2.5, shading="flat", rasterized=True)
+    _label(sheets[1, 3], "On the mold (blue), slack (red)")
     return png(figure, 100)
 
 
@@ -125,10 +135,8 @@ def _curve(
 
 
 def _label(axes: Any, title: str) -> None:
-    axes.set_title(title, fontsize=10)
+    axes.set_title(title, fontsize=10, y=1.0)  # where it belongs, not where there is sure to be room
     axes.set_aspect("equal")
-    axes.set_xlabel("warp, flat [mm]", fontsize=8)
-    axes.set_ylabel("weft, flat [mm]", fontsize=8)
     axes.tick_params(labelsize=7)
 
 

@@ -57,8 +57,11 @@ def spotting_drawing(
     from matplotlib.figure import Figure
     from matplotlib.gridspec import GridSpec
 
-    figure = Figure(figsize=(11.0, 5.6), dpi=110, layout="constrained")
-    grid = GridSpec(2, 2, figure=figure, width_ratios=[1.55, 1.0])
+    figure = Figure(figsize=(11.0, 5.6), dpi=110)
+    grid = GridSpec(
+        2, 2, figure=figure, width_ratios=[1.55, 1.0], left=0.08, right=0.985, bottom=0.09, top=0.88, wspace=0.17,
+        hspace=0.3,
+    )  # fmt: skip
     _plan(figure, figure.add_subplot(grid[:, 0]), mold)
     _histogram(figure.add_subplot(grid[0, 1]), mold)
     _force(figure.add_subplot(grid[1, 1]), curve, sure)

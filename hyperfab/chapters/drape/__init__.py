@@ -36,6 +36,7 @@ def run(job: Job, case: DrapeCase) -> int:
     torn = tears(job, document, model.sheet, found[-1], case.max_stretch)
     sure = Sure()
     if document.converged:
+        say(job, document)
         sure = carry(
             job,
             case,
@@ -47,8 +48,6 @@ def run(job: Job, case: DrapeCase) -> int:
     if out.wants_files:
         files.write(out, model, found, sure, banded(document.to_json(), "force_N", "N"))
     job.write(out, document, case, thickness_mm=model.sheet.thickness)
-    if document.converged:
-        say(job, document)
     return 4 if not sound else 1 if torn else 0
 
 

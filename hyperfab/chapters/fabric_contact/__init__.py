@@ -50,6 +50,16 @@ def run(job: Job, case: ContactCase) -> int:
             # A sheet that hangs slack carries nothing: its law is not asked below 1.
             met = np.maximum(last.fields.stretch, 1.0)
             job.ranges.used("stretch", met, known=fabric.tested, source=fabric.name, then="extrapolated")
+    for number, (fabric, outcome, unstable) in enumerate(zip(fabrics, outcomes, instabilities, strict=True)):
+        status = status_of(outcome, unstable)
+        if status:
+            job.console.warn(f"{fabric.name}: {status}")
+        _table(job, fabric, outcome, number)
+    if found.cut_max_mm and found.force_error_relative and found.force_error_relative > case.tolerance:
+        job.console.warn(
+            f"elements cut up to {found.cut_max_mm:.2g} mm into sharp edges of the punch: its force is sure to "
+            f"{100.0 * found.force_error_relative:.2g} % only; round the edges, or choose a smaller --mesh-size"
+        )
     sure = Sure()
     if found.converged:
         sure = carry(
@@ -61,16 +71,6 @@ def run(job: Job, case: ContactCase) -> int:
         )
         found.uncertainty = sure.uncertainty
     _write(job, out, case, fabrics, outcomes, found, sure)
-    for number, (fabric, outcome, unstable) in enumerate(zip(fabrics, outcomes, instabilities, strict=True)):
-        status = status_of(outcome, unstable)
-        if status:
-            job.console.warn(f"{fabric.name}: {status}")
-        _table(job, fabric, outcome, number)
-    if found.cut_max_mm and found.force_error_relative and found.force_error_relative > case.tolerance:
-        job.console.warn(
-            f"elements cut up to {found.cut_max_mm:.2g} mm into sharp edges of the punch: its force is sure to "
-            f"{100.0 * found.force_error_relative:.2g} % only; round the edges, or choose a smaller --mesh-size"
-        )
     failed = any(instabilities) or any(outcome.path.limit for outcome in outcomes)
     return NotConverged.exit_status if failed else 0
 

@@ -96,6 +96,7 @@ def run(job: Job, case: PressCase) -> int:
             out.add(".design.stl", stl)
         if compensated:
             out.add(".compensated.stl", compensated)
+    status = _judge(job, result, told.closed, case)
     sure = carry(
         job,
         case,
@@ -108,7 +109,7 @@ def run(job: Job, case: PressCase) -> int:
         out.add(".vtu", grid_of(told, sure.fields))
         out.add(".png", picture_of(told, result, sure))
     job.write(out, result, case)
-    return _judge(job, result, told.closed, case)
+    return status
 
 
 def _origins(job: Job, model: Model, result: PressDocument) -> Origins:
