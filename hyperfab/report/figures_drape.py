@@ -85,7 +85,7 @@ def drape_figure(
     grid = figure.add_gridspec(
         2, 4, left=0.345, right=0.965, bottom=0.085, top=0.945, wspace=0.36, hspace=0.16
     )
-    sheets = grid.subplots(sharex=True, sharey=True)
+    sheets = np.asarray(grid.subplots(sharex=True, sharey=True))
     for axes in sheets[:, 0]:
         axes.set_ylabel("weft, flat [mm]", fontsize=8)
     for axes in sheets[1]:
