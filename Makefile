@@ -156,13 +156,13 @@ lint: $(VENV)/dev
 	$(BIN)/ruff check .
 	$(BIN)/lint-imports
 
-# All of it for Linux; for the others what imports a module of the standard library that is not the same on every system.
-SYSTEM := os|sys|io|pathlib|shutil|tempfile|subprocess|signal|socket|select|selectors|multiprocessing|concurrent|threading
-SYSTEM := $(SYSTEM)|asyncio|time|errno|stat|mmap|resource|fcntl|termios|tty|pwd|locale|platform|ctypes|msvcrt|winreg
+# All of it for Linux; for the others what imports a module of the standard library whose types ask for the system.
+STUBS = $$($(BIN)/python -c 'import mypy; print(mypy.__path__[0])')/typeshed/stdlib
 
 types: $(VENV)/dev
-	@(echo linux; for system in win32 darwin; do echo $$system --follow-imports silent \
-	   $$(grep -lrE '^\s*(import|from) ($(SYSTEM))\b' --include=*.py hyperfab); done) \
+	@asking=$$(grep -rl sys.platform $(STUBS) | sed 's|.*/stdlib/||; s|[/.].*||' | sort -u | paste -sd '|'); \
+	 (echo linux; for system in win32 darwin; do echo $$system --follow-imports silent \
+	   $$(grep -lrE "^\s*(import|from) ($$asking)\b" --include=*.py hyperfab); done) \
 	   | xargs -P 3 -L 1 sh -c '$(BIN)/mypy --cache-dir .mypy_cache/$$0 --platform $$0 "$$@"'
 
 bench: $(VENV)/dev

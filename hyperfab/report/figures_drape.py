@@ -54,16 +54,16 @@ def drape_figure(
     low = float(min(1.0, fields.cell_stretch_warp.min(), fields.cell_stretch_weft.min()))
     stretches = Normalize(low, max(fields.stretch_max, low + 1e-6))
     stresses = Normalize(0.0, float(max(fields.stress_warp.max(), fields.stress_weft.max(), 1e-12)))
-    foot = 0.0 if force_depth is None else 0.3
+    foot = 0.0 if force_depth is None else 0.27
     scene = figure.add_axes((0.0, foot + 0.13, 0.31, 0.72 - foot), projection="3d")
-    _scene(scene, draped, larger, stretches, 1.0 if force_depth is None else 1.4)
+    _scene(scene, draped, larger, stretches)
     _worst(figure.add_axes((0.005, 0.85, 0.3, 0.13)), draped, force)
     bar = figure.add_axes((0.065, foot + 0.115, 0.18, 0.025))
     figure.colorbar(
         ScalarMappable(stretches, COLOURS), cax=bar, label="larger stretch", orientation="horizontal"
     )
     if force_depth is not None:
-        _curve(figure.add_axes((0.04, 0.09, 0.255, 0.2)), force_depth, interval)
+        _curve(figure.add_axes((0.04, 0.085, 0.255, 0.18)), force_depth, interval)
     turn = max(float(np.abs(fields.cell_shear).max()), 1e-6)
     # Panels that share their colours share a bar, beside the last of them.
     panels = (
@@ -135,12 +135,12 @@ def _curve(
 
 
 def _label(axes: Any, title: str) -> None:
-    axes.set_title(title, fontsize=10, y=1.0)  # where it belongs, not where there is sure to be room
+    axes.set_title(title, fontsize=10, y=1.0)  # no height given: all ticks would be measured
     axes.set_aspect("equal")
     axes.tick_params(labelsize=7)
 
 
-def _scene(scene: Any, draped: Draped, field: Array, scale: Normalize, zoom: float) -> None:
+def _scene(scene: Any, draped: Draped, field: Array, scale: Normalize) -> None:
     """The net, see-through, on the mold."""
     points = draped.points
     pick = [
@@ -163,7 +163,6 @@ def _scene(scene: Any, draped: Draped, field: Array, scale: Normalize, zoom: flo
         edgecolors=["#00000000"] * len(facets) + ["#00000028"] * len(quads),
         linewidths=0.2,
     )
-    surfaces.set_clip_on(False)  # a zoomed scene is wider than its axes
     scene.add_collection3d(surfaces)
     at = draped.peak[1]
     scene.plot(
@@ -174,7 +173,7 @@ def _scene(scene: Any, draped: Draped, field: Array, scale: Normalize, zoom: flo
     scene.set_xlim(low[0], high[0])
     scene.set_ylim(low[1], high[1])
     scene.set_zlim(low[2], max(high[2], low[2] + 1e-9))
-    scene.set_box_aspect((span[0], span[1], max(span[2], 0.05 * span[0])), zoom=zoom)
+    scene.set_box_aspect((span[0], span[1], max(span[2], 0.05 * span[0])))
     scene.set_xlabel("x [mm]", fontsize=8)
     scene.set_ylabel("y [mm]", fontsize=8)
     scene.locator_params(axis="z", nbins=3)
