@@ -20,7 +20,8 @@ from hyperfab.thermal.ledger import Ledger
 from hyperfab.thermal.lumping import Alike
 from hyperfab.thermal.medium import Medium
 from hyperfab.thermal.model import HeatModel
-from hyperfab.thermal.projected import Face, ProjectedMedium, ProjectedModel, Together, scaled
+from hyperfab.thermal.projected import ProjectedMedium, ProjectedModel
+from hyperfab.thermal.projected_condition import Face, Together, scaled
 from hyperfab.thermal.radiation import Radiation
 from hyperfab.thermal.step import State, initial_state, take_step
 from hyperfab.thermal.tables import Table
