@@ -9,23 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
-from hyperfab.numerics.aggregation import hierarchy
-from hyperfab.numerics.multilevel import (
-    Direct,
-    Preconditioner,
-    TwoLevel,
-    conjugate_gradients,
-    largest_eigenvalue,
-)
 from hyperfab.numerics.product import product
 from hyperfab.numerics.vectors import dot, norm
 from hyperfab.thermal.assembly import Pattern, add
@@ -34,11 +24,8 @@ from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.medium import Medium, ThermalMaterial
 from hyperfab.thermal.mesh import HeatMesh
 from hyperfab.thermal.prescribed import Prescribed
+from hyperfab.thermal.step_solver import Stage, StepSolver
 
-#: Below this number of unknowns a factorisation of the whole matrix is cheaper than the two-level cycle.
-SMALL = 2000
-#: Coarse spaces up to this size are factorised; larger ones are aggregated further.
-COARSE = 6000
 #: A stage is solved when its residual has fallen to this share, is as small as rounding makes it (per degree), or a
 #: Newton step moves no node by more than STILL [K]. The linear solves inside Newton need not be sharper than this.
 RESIDUAL = 1e-6
@@ -51,23 +38,6 @@ SLOW = 0.02
 #: Uniform shifts that close the balance of a nonlinear stage; the second one is already tiny.
 BALANCINGS = 3
 NEWTON_STEPS = 40
-#: A coarse solver serves a step whose matrix is up to this many times, or down to one so-manyth of, its own.
-ALIKE = 4.0
-#: Coarse solvers that are kept, the last used, till a system takes more conjugate-gradient steps than this.
-KEPT, TIRED = 8, 40
-
-
-@dataclass(frozen=True)
-class _Prepared:
-    """What is dear in a preconditioner, and the step it was made for, as ``solve_stage`` has it.
-
-    ``coarse`` solves on the coarse space, or the whole of a small mold; ``largest`` is as in ``TwoLevel``.
-    """
-
-    interval: float
-    storage: float
-    coarse: Preconditioner
-    largest: float
 
 
 @dataclass
@@ -82,8 +52,6 @@ class HeatModel:
     conditions: Sequence[Condition]
     prescribed: Sequence[Prescribed] = ()
     loose: Array = field(default_factory=lambda: np.zeros(0))
-    #: Conjugate-gradient steps so far.
-    iterations: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
         groups = [c.nodes for c in self.conditions if len(c.nodes) and c.nodes.shape[1] != 6]
@@ -93,8 +61,6 @@ class HeatModel:
         for held in self.prescribed:
             self.free[held.nodes] = False
         self.linear = self.medium.linear and all(c.linear for c in self.conditions)
-        self._is_small = int(self.free.sum()) <= SMALL
-        self._prolongation = _degree_two_on_one(self.mesh, self.free)
         self._capacity = self.pattern.matrix(self.medium.capacity(np.zeros(self.size)))
         diagonal = self._capacity.diagonal()
         self._total_capacity = float(self._capacity.sum())
@@ -102,9 +68,12 @@ class HeatModel:
         self.lumped_capacity = diagonal * (self._total_capacity / diagonal.sum())
         self.last_matrix: sparse.csr_matrix | None = None
         self._assembled: tuple[float, float] | None = None
-        self._prepared: list[_Prepared] = []  # the last used at the end
-        self._preconditioner: Preconditioner | None = None
-        self._tired = False  # a contact that has closed is nothing that solvers from before know of
+        #: The conditions that couple nodes, and where their matrices come to stand.
+        self._coupling = [(c, self.pattern.places(c.nodes)) for c in self.conditions if len(c.nodes)]
+        faces = [condition for condition, _ in self._coupling]
+        self._solver = StepSolver(self.mesh, self.medium, faces, self.free, self.lumped_capacity)
+        #: Room for the matrix of a step: as large as all states of many steps, to be asked for once.
+        self._entries = np.empty(self.pattern.entries)
 
     @property
     def size(self) -> int:
@@ -119,7 +88,12 @@ class HeatModel:
     @property
     def solver_name(self) -> str:
         """What solves the linear systems."""
-        return "sparse factorisation" if self._is_small else "conjugate gradients, degree 2 on degree 1"
+        return self._solver.name
+
+    @property
+    def iterations(self) -> int:
+        """Conjugate-gradient steps so far."""
+        return self._solver.iterations
 
     def total_capacity(self, temperature: Array) -> float:
         """Return the heat capacity of all parts at nodal temperatures [J/K]."""
@@ -182,14 +156,14 @@ class HeatModel:
         uniform shift that makes the residuals of the free nodes sum to zero: it closes the energy balance, which
         the iteration leaves open by its tolerance.
         """
-        temperature = guess.copy()
-        matrix = self._stage_matrix(time, interval, storage, temperature)
+        temperature, stage = guess.copy(), Stage(time, interval, storage)
+        matrix = self._stage_matrix(stage, temperature)
         scale = norm(self.pattern.diagonal(matrix) * self.free)
         goal, size, moved, tolerance = 0.0, np.inf, np.inf, np.inf
         residual = change = np.zeros(0)
         for step in range(NEWTON_STEPS):
             if step == 0 or not self.linear:
-                residual = self._residual(time, interval, storage, target, temperature)
+                residual = self._residual(stage, target, temperature)
             else:
                 residual = np.where(self.free, residual - product(matrix, change), 0.0)
             before, size = size, norm(residual)
@@ -199,17 +173,17 @@ class HeatModel:
                 uniform = self.free.astype(float)
                 capacity = dot(uniform, product(matrix, uniform))
                 if step and self.linear:  # what was carried along has gathered rounding
-                    residual = self._residual(time, interval, storage, target, temperature)
+                    residual = self._residual(stage, target, temperature)
                 for _ in range(BALANCINGS):
                     shift = float(residual.sum()) / capacity
                     temperature[self.free] += shift
                     if self.linear or abs(shift) < STILL:
                         break
-                    residual = self._residual(time, interval, storage, target, temperature)
+                    residual = self._residual(stage, target, temperature)
                 return temperature, size / scale
             anew = (step and not storage) or size > max(3.0 * tolerance, SLOW) * before
             if anew and not self.linear:
-                matrix = self.last_matrix = self._step_matrix(time, interval, storage, temperature)
+                matrix = self.last_matrix = self._step_matrix(stage, temperature)
             least = 0.0 if self.linear else NEWTON_SOLVE
             tolerance = min(max(0.5 * goal / size, least), 0.1)
             change = self.solve(matrix, residual, tolerance)
@@ -241,157 +215,49 @@ class HeatModel:
 
     def solve(self, matrix: sparse.csr_matrix, right: Array, tolerance: float) -> Array:
         """Solve with the step's matrix by preconditioned conjugate gradients."""
-        assert self._preconditioner is not None
-        found = conjugate_gradients(matrix, right, self._preconditioner, self.free, tolerance=tolerance)
-        self.iterations += found.iterations
-        self._tired = self._tired or found.iterations > TIRED
-        return found.x
+        return self._solver.solve(matrix, right, tolerance)
 
     def step_matrix(self, time: float, interval: float, temperature: Array) -> sparse.csr_matrix:
         """Return the matrix of an implicit step of ``interval`` [s] and make ``solve`` ready for it."""
-        return self._stage_matrix(time, interval, 1.0, temperature, anew=True)
+        return self._stage_matrix(Stage(time, interval), temperature, anew=True)
 
     def steady_matrix(self, time: float, temperature: Array) -> sparse.csr_matrix:
         """Return minus the flow's derivative [W/K] and make ``solve`` ready for it."""
-        return self._stage_matrix(time, 1.0, 0.0, temperature, anew=True)
+        return self._stage_matrix(Stage(time, 1.0, 0.0), temperature, anew=True)
 
     def changed(self) -> None:
         """Forget the matrices: a condition was switched."""
-        self._assembled = self._preconditioner = None
-        self._tired = False
-        self._prepared.clear()
+        self._assembled = None
+        self._solver.forget()
 
-    def _serving(self, interval: float, storage: float) -> _Prepared | None:
-        """Return what was made for this step, or, where that is no factorisation of it all, for one like it."""
-        alike = [one for one in self._prepared if one.storage == storage]
-        nearest = min(alike, key=lambda one: abs(np.log(interval / one.interval)), default=None)
-        if nearest is None or nearest.interval == interval:
-            return nearest
-        if self._is_small:
-            return None
-        # Steps that are short for the smallest elements have nearly the same matrix: what stores.
-        fast = self._fastest if storage else np.inf
-        ratio = (1.0 / fast + interval) / (1.0 / fast + nearest.interval)
-        return nearest if 1.0 / ALIKE < ratio < ALIKE else None
-
-    def _residual(
-        self, time: float, interval: float, storage: float, target: Array, temperature: Array
-    ) -> Array:
-        residual = target + interval * self.flow(time, temperature)
-        if storage:
-            residual -= storage * self.medium.stored(temperature)
+    def _residual(self, stage: Stage, target: Array, temperature: Array) -> Array:
+        residual = target + stage.interval * self.flow(stage.time, temperature)
+        if stage.storage:
+            residual -= stage.storage * self.medium.stored(temperature)
         residual[~self.free] = 0.0
         return residual
 
-    def _stage_matrix(
-        self, time: float, interval: float, storage: float, temperature: Array, *, anew: bool = False
-    ) -> sparse.csr_matrix:
-        """Return the matrix to start a stage with, its preconditioner made; the last one of this step, or made anew."""
-        same = self._assembled == (interval, storage)
+    def _stage_matrix(self, stage: Stage, temperature: Array, *, anew: bool = False) -> sparse.csr_matrix:
+        """Return the matrix to start a stage with, and be ready to solve: the last one of this step, or made anew."""
+        same = self._assembled == stage[1:]
         if not same or self.last_matrix is None or (anew and not self.linear):
-            matrix = self._step_matrix(time, interval, storage, temperature)
-            if self._tired:
-                self.changed()
-            serving = self._serving(interval, storage)
-            if serving is None or serving is not self._prepared[-1] or self._preconditioner is None:
-                self._prepare(time, interval, storage, temperature, matrix, serving)
-            self.last_matrix, self._assembled = matrix, (interval, storage)
+            matrix = self._step_matrix(stage, temperature)
+            self._solver.make_ready(stage, temperature, matrix)
+            self.last_matrix, self._assembled = matrix, stage[1:]
         return self.last_matrix
 
-    def _step_matrix(
-        self, time: float, interval: float, storage: float, temperature: Array
-    ) -> sparse.csr_matrix:
+    def _step_matrix(self, stage: Stage, temperature: Array) -> sparse.csr_matrix:
         """Return storage times the capacity and ``interval`` times what conducts; it is written over by the next."""
-        data = np.multiply(self.medium.conduction(temperature), interval, out=self._entries)
-        if storage:
+        data = np.multiply(self.medium.conduction(temperature), stage.interval, out=self._entries)
+        if stage.storage:
             capacity = self.medium.capacity(temperature)
-            data += capacity if storage == 1.0 else storage * capacity
-        self._add_conditions(time, interval, temperature, data)
+            data += capacity if stage.storage == 1.0 else stage.storage * capacity
+        self._add_conditions(stage.time, stage.interval, temperature, data)
         return self.pattern.matrix(data)
-
-    @cached_property
-    def _entries(self) -> Array:
-        """Room for a matrix of a step: as large as all states of many steps, to be asked for once."""
-        return np.empty(self.pattern.entries)
 
     def _add_conditions(self, time: float, interval: float, temperature: Array, data: Array) -> None:
         for condition, places in self._coupling:
             add(places, (interval * condition.tangent(time, temperature)).ravel(), data)
-
-    @cached_property
-    def _coupling(self) -> list[tuple[Condition, NDArray[np.int32]]]:
-        """The conditions that couple nodes, and where their matrices come to stand."""
-        return [(c, self.pattern.places(c.nodes)) for c in self.conditions if len(c.nodes)]
-
-    @cached_property
-    def _fastest(self) -> float:
-        """How fast the quickest field dies away, roughly [1/s]."""
-        conduction = self.pattern.matrix(self.medium.conduction(np.zeros(self.size)))
-        return largest_eigenvalue(conduction, self.free / self.lumped_capacity)
-
-    @cached_property
-    def _on_the_coarse_space(self) -> tuple[sparse.csr_matrix, sparse.csr_matrix]:
-        """What conducts [W/K] and what stores [J/K], where neither changes with temperature."""
-        nothing = np.zeros(self.size)
-        return self._coarse(self.medium.conduction(nothing)), self._coarse(self.medium.capacity(nothing))
-
-    def _coarse_conditions(self, time: float, temperature: Array) -> sparse.csr_matrix:
-        """Return what the conditions conduct on the coarse space [W/K]: of few nodes, so by a matrix of these alone."""
-        p, total = self._prolongation, sparse.csr_matrix((self._prolongation.shape[1],) * 2)
-        for condition, _ in self._coupling:
-            nodes, blocks = condition.nodes, condition.tangent(time, temperature)
-            own, number = np.unique(nodes, return_inverse=True)
-            number = number.reshape(nodes.shape)
-            rows = np.repeat(number, nodes.shape[1], axis=1).ravel()
-            columns = np.tile(number, (1, nodes.shape[1])).ravel()
-            matrix = sparse.csr_matrix((blocks.ravel(), (rows, columns)), shape=(len(own), len(own)))
-            total = total + p[own].T @ (matrix @ p[own])
-        return total
-
-    def _coarse(self, data: Array) -> sparse.csr_matrix:
-        """Return a matrix of the pattern on the coarse space of the preconditioner."""
-        matrix, p = self.pattern.matrix(data).copy(), self._prolongation
-        matrix.eliminate_zeros()
-        return sparse.csr_matrix(p.T @ (matrix @ p))
-
-    def _prepare(
-        self,
-        time: float,
-        interval: float,
-        storage: float,
-        temperature: Array,
-        matrix: sparse.csr_matrix,
-        serving: _Prepared | None,
-    ) -> None:
-        """Make the preconditioner for a step length, of what is ``serving`` it; a matrix that drifts keeps it."""
-        largest = None if serving is None else serving.largest
-        if serving is not None:
-            coarse = serving.coarse
-        elif self._is_small:
-            coarse = Direct(matrix, self.free)
-        elif self.medium.linear:  # what conducts and stores is taken to the coarse space once
-            conduction, capacity = self._on_the_coarse_space
-            faces = self._coarse_conditions(time, temperature)
-            coarse = hierarchy(interval * (conduction + faces) + storage * capacity, COARSE)
-        else:
-            coarse = hierarchy(self._coarse(matrix.data), COARSE)
-        if self._is_small:
-            self._preconditioner, largest = coarse, 1.0
-        else:
-            whole = TwoLevel(matrix, self._prolongation, coarse, self.free, largest=largest)
-            self._preconditioner, largest = whole, whole.largest
-        used = serving or _Prepared(interval, storage, coarse, largest)
-        self._prepared = [*[one for one in self._prepared if one is not used][1 - KEPT :], used]
-
-
-def _degree_two_on_one(mesh: HeatMesh, free: NDArray[np.bool_]) -> sparse.csr_matrix:
-    """Return the prolongation from free vertices and loose nodes to free nodes: edges' are means of their ends."""
-    n, v, loose = mesh.solid, mesh.vertices, len(mesh.points) - mesh.solid
-    rows = np.concatenate([np.arange(v), np.repeat(np.arange(v, n), 2), n + np.arange(loose)])
-    columns = np.concatenate([np.arange(v), mesh.edge_ends.ravel(), v + np.arange(loose)])
-    entries = np.concatenate([np.ones(v), np.full(2 * (n - v), 0.5), np.ones(loose)])
-    whole = sparse.csr_matrix((entries * free[rows], (rows, columns)), shape=(n + loose, v + loose))
-    return sparse.csr_matrix(whole[:, np.flatnonzero(np.concatenate([free[:v], free[n:]]))])
 
 
 def without_route(model: HeatModel) -> int | None:
