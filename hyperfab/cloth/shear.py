@@ -8,7 +8,6 @@ stress ``dW/dgamma``, and a pull along the threads nothing. A law is kept as a t
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import brentq
 
 from hyperfab.arrays import Array
 from hyperfab.numerics.kernels import kernel, part
@@ -69,6 +68,8 @@ def shear_of_bias(bias: SpringLaw, warp: SpringLaw, weft: SpringLaw, largest: fl
 
 def _stretch_at(law: SpringLaw, stress: float) -> float:
     """Stretch at which a law carries a stress."""
+    from scipy.optimize import brentq
+
     high = 2.0
     while float(law(high)[1][0]) < stress and high < 1e3:
         high *= 2.0

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
 
 from hyperfab.arrays import Array
 
@@ -87,6 +86,8 @@ def _loaded(trace: Trace) -> tuple[Array, Array]:
 
 def _steps(depth: Array, force: Array, turning: float | None, degree: int) -> Array:
     """Return the work of each step, by a spline of odd ``degree`` or as high as the points allow."""
+    from scipy.interpolate import make_interp_spline
+
     if len(depth) < 2:
         return np.zeros(1)
     degree = _degree(degree, len(depth))

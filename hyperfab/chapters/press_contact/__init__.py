@@ -87,7 +87,9 @@ def run(job: Job, case: PressCase) -> int:
             )  # fmt: skip
             told = replace(told, compensation=found)
         result = document_of(told)
-        advance(0.8, "pictures")
+        status = _judge(job, result, told.closed, case)
+        advance(0.8, "following the press from the first touch")
+        result.force_stroke = [(float(row[0]), float(row[1])) for row in told.curve]
         if out.wants_files:
             out.add(".csv", curve_csv(told.curve))
             if told.formed is not None:
@@ -96,7 +98,6 @@ def run(job: Job, case: PressCase) -> int:
             out.add(".design.stl", stl)
         if compensated:
             out.add(".compensated.stl", compensated)
-    status = _judge(job, result, told.closed, case)
     sure = carry(
         job,
         case,
@@ -130,9 +131,8 @@ def _origins(job: Job, model: Model, result: PressDocument) -> Origins:
 
 
 def solve(job: Job, model: Model) -> PressResult:
-    """Close the press, and follow it from the first touch."""
-    closed = settled(job, model)
-    return PressResult(model, closed, _curve(closed, model.case.strokes))
+    """Close the press."""
+    return PressResult(model, settled(job, model))
 
 
 def note_ranges(job: Job, model: Model, closed: Closed) -> None:
@@ -186,21 +186,6 @@ def _tell_held(job: Job, path: str, fitted: MaterialDocument, strain: float) -> 
             f"{held / free:.3g} times the stress of a free specimen, and no test with held sides is behind it: give "
             "hf fit a confined compression test or the measured lateral stretch, or fewer terms"
         )
-
-
-def _curve(closed: Closed, strokes: int) -> np.ndarray:
-    """Force over stroke from the first touch to the answer: stroke, force, touching area, smallest gap, energy.
-
-    The female keeps the tilt it has at the answer.
-    """
-    last = max(closed.stroke, 0.0)
-    rows = []
-    for stroke in np.linspace(0.0, last, strokes if last > 0.0 else 1):
-        pose = replace(closed.pose, opening=closed.first_touch - stroke)
-        here = closed.press.at(pose)
-        area = closed.press.touching(closed.press.touch(pose, here.gap)[1]).area.sum()
-        rows.append((stroke, here.closing_force, area, here.gap.min(), 1e-3 * here.energy))
-    return np.array(rows)
 
 
 def _tell_overlap(job: Job, closed: Closed, way: PressFrame) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,16 +42,28 @@ _SIGNS = {1: "+", -1: "-"}
 
 @dataclass(frozen=True)
 class PressResult:
-    """All that the outputs tell: the model, the closed press, its ``curve``, what the dwell does and the design."""
+    """All that the outputs tell: the model, the closed press, what the dwell does and the design."""
 
     model: Model
     closed: Closed
-    curve: Array
     warmed: Warmed | None = None
     design: DesignPart | None = None
     formed: Formed | None = None
     wanted: Wanted | None = None
     compensation: CompensationPart | None = None
+
+    @cached_property
+    def curve(self) -> Array:
+        """From the first touch to the answer (strokes, 5): stroke [mm], closing force [N], touching area [mm2],
+        smallest gap [mm] and energy [J]; the female keeps the tilt it has at the answer."""
+        closed, last = self.closed, max(self.closed.stroke, 0.0)
+        rows = []
+        for stroke in np.linspace(0.0, last, self.model.case.strokes if last > 0.0 else 1):
+            pose = replace(closed.pose, opening=closed.first_touch - stroke)
+            here = closed.press.at(pose)
+            area = closed.press.touching(closed.press.touch(pose, here.gap)[1]).area.sum()
+            rows.append((stroke, here.closing_force, area, here.gap.min(), 1e-3 * here.energy))
+        return np.array(rows)
 
     @property
     def beside(self) -> WantedPart | None:
@@ -101,7 +114,7 @@ class PressResult:
 
 
 def document_of(told: PressResult) -> PressDocument:
-    """Return the document, without provenance."""
+    """Return the document, without its force over stroke and provenance."""
     closed, frame = told.closed, told.frame
     front, contact = closed.front, closed.contact
     molding = ~front.flange
@@ -180,7 +193,7 @@ def document_of(told: PressResult) -> PressDocument:
         search="exact tree: every distance is proven the least",
         border_area_fraction=float(area[closed.at_border].sum() / area.sum()),
         oblique_area_fraction=float(area[closed.oblique].sum() / area.sum()),
-        force_stroke=[(float(row[0]), float(row[1])) for row in told.curve],
+        force_stroke=[],
         histogram=_histogram(contact.gap, area),
         sensitivity=_sensitivity(told, area),
         design=told.design,

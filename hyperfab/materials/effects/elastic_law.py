@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.special import expit
 
 from hyperfab.materials.effects.smooth import cardinal, straight
 from hyperfab.materials.kinematics import Sheet
@@ -84,6 +83,8 @@ def _second_invariant(sheet: Sheet) -> list[Term]:
 
 def _straightening(sheet: Sheet, at: float, width: float) -> list[Term]:
     """Return a stiffness that rises where yarns have straightened, at I1 - 3 = ``at``, over ``width``."""
+    from scipy.special import expit
+
     x = sheet.x
     step = expit((x - at) / width)
     grown = width * (np.logaddexp(0.0, (x - at) / width) - np.logaddexp(0.0, -at / width))

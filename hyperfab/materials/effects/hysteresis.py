@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import erf
 
 from hyperfab.materials.effects.path import Path
 from hyperfab.materials.effects.recurrence import along
@@ -89,6 +88,8 @@ def unloading(path: Path, energy: Array, amount: float, scale: float) -> Array:
     The pseudo-elastic loop that closes at each turn: Ogden & Roxburgh (1999), doi:10.1098/rspa.1999.0431, with the
     damage healed when the pull begins anew.
     """
+    from scipy.special import erf
+
     top = energy[np.maximum(path.turn, 0)]
     factor = 1.0 - amount * erf(np.maximum(top - energy, 0.0) / scale)
     return np.asarray(np.where(path.turn >= 0, factor, 1.0))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from scipy.special import erf
 
 from hyperfab.materials.effects.smooth import through
 from hyperfab.materials.effects.state import Acts, State
@@ -21,6 +20,8 @@ def softened(energy: Array, greatest: Array, amount: float, scale: float, beta: 
     >>> softened(np.array([1.0]), np.array([1.0]), 0.5, 0.1)
     array([1.])
     """
+    from scipy.special import erf
+
     return np.asarray(1.0 - amount * erf(np.maximum(greatest - energy, 0.0) / (scale + beta * greatest)))
 
 

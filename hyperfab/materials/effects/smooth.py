@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import CubicSpline, PPoly
 
 from hyperfab.materials.kinematics import Array
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline, PPoly
 
 
 def cardinal(count: int) -> CubicSpline:
@@ -15,6 +18,8 @@ def cardinal(count: int) -> CubicSpline:
 
     De Boor (2001), A Practical Guide to Splines, ch. IV.
     """
+    from scipy.interpolate import CubicSpline  # 0.3 s to load: only smooth laws need it
+
     knots = np.linspace(0.0, 1.0, count + 1)
     return CubicSpline(knots, np.eye(count + 1)[:, 1:], bc_type="natural")
 
