@@ -112,6 +112,7 @@ def close(
         best, tried = _grow(search, before, depth)
         best = _pruned(search, best)
         best = fewest(search, before, best, tried, lambda state: is_no_worse(before, state, apart))
+        best = _pruned(search, best)  # beside a richer form another name may have nothing left to say
         if best.ids and explains(before, best):
             break
     helpful = _no_worse(search, before, best, apart)

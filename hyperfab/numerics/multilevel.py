@@ -97,10 +97,11 @@ class Direct:
 class TwoLevel:
     """A smoother on all unknowns and a coarse space below it: for degree 2 on degree 1 the fastest found.
 
-    ``coarse`` is Pᵀ A P for the prolongation ``prolongation`` P (rows of held unknowns empty). The smoother is a
-    Chebyshev polynomial of ``degree`` in the Jacobi-scaled matrix, before and after the coarse correction, up to its
-    ``largest`` eigenvalue, which is estimated where none is given. It reads the matrix in single precision, a third
-    less to fetch from memory: what is solved is the caller's own matrix.
+    ``coarse`` is Pᵀ A P for the prolongation ``prolongation`` P (rows of held unknowns empty), whose transpose may be
+    given as ``restriction`` where many are made on the same. The smoother is a Chebyshev polynomial of ``degree`` in
+    the Jacobi-scaled matrix, before and after the coarse correction, up to its ``largest`` eigenvalue, which is
+    estimated where none is given. It reads the matrix in single precision, a third less to fetch from memory: what is
+    solved is the caller's own matrix.
     """
 
     def __init__(
@@ -111,12 +112,13 @@ class TwoLevel:
         free: NDArray[np.bool_],
         degree: int = 2,
         largest: float | None = None,
+        restriction: sparse.csr_matrix | None = None,
     ) -> None:
         self._matrix = sparse.csr_matrix(
             (matrix.data.astype(np.float32), matrix.indices, matrix.indptr), shape=matrix.shape, copy=False
         )
         self._prolongation = prolongation
-        self._restriction = sparse.csr_matrix(prolongation.T)
+        self._restriction = sparse.csr_matrix(prolongation.T) if restriction is None else restriction
         self._coarse = coarse
         self._inverse = np.where(free, 1.0 / matrix.diagonal(), 0.0)
         self._degree = degree

@@ -86,9 +86,11 @@ def _plan(figure: Any, axes: Any, mold: SpottedMold) -> None:
     if touched.any():
         pressure = 1000.0 * mold.pressure
         low, high = float(pressure[touched].min()), float(pressure[touched].max())
+        # A pressure that is the same everywhere, to rounding, has no range: the bar shows a tenth about it.
+        room = max(0.5 * (max(0.1 * high, 1e-12) - (high - low)), 0.0)
         blue = axes.tripcolor(
             plane, pressure, shading="gouraud", cmap=LinearSegmentedColormap.from_list("paste", _PASTE),
-            norm=Normalize(low, max(high, low + 1e-12)),
+            norm=Normalize(low - room, high + room),
         )  # fmt: skip
         figure.colorbar(blue, ax=axes, label="pressure where it touches [kPa]", shrink=0.8)
         if not touched.all():
@@ -112,10 +114,11 @@ def _histogram(axes: Any, mold: SpottedMold) -> None:
     finite = np.isfinite(mold.gap)
     gap = mold.gap[finite]
     low, high = (float(gap.min()), float(gap.max())) if len(gap) else (0.0, 1.0)
-    # A gap that is the same everywhere, to rounding, has no width to be cut into bars.
-    room = max(0.5 * (_LEAST_WIDTH_MM - (high - low)), 0.0)
+    # A gap that is the same everywhere, to rounding, is one bar, wide enough to be seen beside the line.
+    least = max(_LEAST_WIDTH_MM, 0.02 * abs(mold.thickness - low))
+    room = max(0.5 * (least - (high - low)), 0.0)
     across = (low - room, high + room)
-    axes.hist(gap, bins=60, range=across, weights=mold.areas[finite] / 100.0, color="0.6")
+    axes.hist(gap, bins=1 if room else 60, range=across, weights=mold.areas[finite] / 100.0, color="0.6")
     axes.axvline(mold.thickness, color=_BLUE, linewidth=1.2)
     axes.set_xlabel("gap [mm]; the line is the sandwich's thickness")
     axes.set_ylabel("area [cm²]")

@@ -77,7 +77,9 @@ def collect(plan: Plan, store: Store, accidents: Mapping[str, Outcome]) -> Table
             if outcome is None:
                 break
             if outcome.status:
-                row |= {"status": outcome.status, "failed_step": step.name, "message": outcome.message}
+                # A result that is not as asked for has no message but the warnings that say so.
+                told = outcome.message or "; ".join(outcome.warnings)
+                row |= {"status": outcome.status, "failed_step": step.name, "message": told}
             if not outcome.has_result:
                 break
         if study.limit:

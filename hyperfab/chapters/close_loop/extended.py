@@ -19,6 +19,7 @@ from hyperfab.loop.fabric import FabricProblem
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.problem import Constant
 from hyperfab.materials.effects import anisotropy, elastic_law
+from hyperfab.materials.effects.fabric import AT_A_TEMPERATURE
 from hyperfab.materials.effects.path import uniaxial_pull
 from hyperfab.materials.law import Law
 
@@ -86,7 +87,7 @@ def extend(document: MaterialDocument, problem: FabricProblem, fit: Fit, law: La
             "id": name,
             "form": form,
             "parameters": problem.effect(name).form(form).named(values),
-            **({"reference_degC": problem.fabric.reference_degC} if name == "thermal-softening" else {}),
+            **({"reference_degC": problem.fabric.reference_degC} if name in AT_A_TEMPERATURE else {}),
             **({"told_by": told_by[name]} if name in told_by else {}),
         }
         for name, (form, values) in terms.items()

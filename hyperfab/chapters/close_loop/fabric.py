@@ -29,6 +29,7 @@ from hyperfab.loop.catalogue.fabric import DataContext, entries
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
 from hyperfab.loop.gauges import misread
+from hyperfab.materials.effects.fabric import AT_A_TEMPERATURE
 from hyperfab.materials.effects.path import MODE_NAMES
 from hyperfab.materials.registry import law_of, stiffness_at_rest
 
@@ -125,7 +126,7 @@ def pose(
     check_fixed(fix, sorted(known), "model")
     reference = document.temperature_degC
     for item in document.effects or []:
-        if item.get("id") == "thermal-softening" and "reference_degC" in item:
+        if item.get("id") in AT_A_TEMPERATURE and "reference_degC" in item:
             reference = float(item["reference_degC"])
     return fabric_problem(
         law,

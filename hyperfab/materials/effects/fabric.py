@@ -45,6 +45,8 @@ _ON_STRESS = {
     "rate": rate.FORMS,
     "load-offset": load_offset.FORMS,
 }
+#: Effects whose constants are told at a reference temperature.
+AT_A_TEMPERATURE = ("thermal-softening", "rate")
 #: Forms of what rides on history that leave a first pull as the law has it.
 SPARES_FIRST_PULL: Mapping[str, Sequence[str]] = {
     "mullins": mullins.SPARES_FIRST_PULL,

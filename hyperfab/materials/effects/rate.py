@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,15 +15,21 @@ from hyperfab.materials.kinematics import Array
 from hyperfab.numerics.kernels import kernel
 
 
-def relaxing(path: Path, stress: Array, weights: Sequence[float], times_s: Sequence[float]) -> Array:
+def relaxing(
+    path: Path,
+    stress: Array,
+    weights: Sequence[float],
+    times_s: Sequence[float],
+    quick: Array | float = 1.0,
+) -> Array:
     """Return the stress of Maxwell branches beside the elastic one: ``sum g_k int exp(-(t-s)/tau_k) dP(s)``.
 
-    ``stress`` is the relaxed elastic stress at each row, taken linear in time between rows. Quasi-linear
-    viscoelasticity:
-    Fung (1981), Biomechanics, ch. 7; recursion of Taylor, Pister & Goudreau (1970), doi:10.1002/nme.1620020106.
+    ``stress`` is the relaxed elastic stress at each row, taken linear in time between rows; the material's own clock
+    goes ``quick`` times as fast. Quasi-linear viscoelasticity: Fung (1981), Biomechanics, ch. 7; recursion of Taylor,
+    Pister & Goudreau (1970), doi:10.1002/nme.1620020106.
     """
     change, begins = _steps(path, stress)
-    elapsed = path.waited
+    elapsed = path.waited * quick
     total = np.zeros_like(stress)
     for weight, tau in zip(weights, times_s, strict=True):
         ratio = elapsed / tau
@@ -44,14 +51,19 @@ def _steps(path: Path, stress: Array) -> tuple[Array, NDArray[np.bool_]]:
 
 
 def relaxing_bent(
-    path: Path, stress: Array, weights: Sequence[float], times_s: Sequence[float], bend: float
+    path: Path,
+    stress: Array,
+    weights: Sequence[float],
+    times_s: Sequence[float],
+    bend: float,
+    quick: Array | float = 1.0,
 ) -> Array:
     """Return the stress of Maxwell branches driven by ``stress stretch^bend``: they stiffen or weaken.
 
     At ``bend`` 0 that of ``relaxing``; with a negative one the branch follows the strain rather than the stress.
     Simo (1987), doi:10.1016/0045-7825(87)90107-1: an energy of its own for the overstress.
     """
-    return relaxing(path, stress * path.stretch**bend, weights, times_s)
+    return relaxing(path, stress * path.stretch**bend, weights, times_s, quick)
 
 
 def relaxing_measured(
@@ -156,7 +168,7 @@ def spectrum(at: State, stress: Array, values: Array) -> Array:
     """
     first, last, bend, quick = values[:4]
     change, begins = _steps(at.path, stress * at.path.stretch**bend)
-    elapsed = at.path.waited * np.exp(quick * (at.path.stretch - 1.0))
+    elapsed = at.path.waited * at.quick * np.exp(quick * (at.path.stretch - 1.0))
     total = np.zeros_like(stress)
     for share, tau in zip(values[4:], np.geomspace(first, last, len(values) - 4), strict=True):
         if share:
@@ -178,13 +190,40 @@ def quickened(speed: Array, reference: float, amount: float) -> Array:
     return np.asarray(1.0 + amount * np.log(np.maximum(speed, 1e-12) / reference))
 
 
+def quickening(temperature: Array, reference: float, shift: float, fall: float) -> Array:
+    """Return by how much all relaxation is faster than at the ``reference`` [degC]: ``exp(shift dT/(1 + dT/fall))``.
+
+    The shift of Williams, Landel & Ferry (1955), doi:10.1021/ja01619a008: ``shift`` [1/K] is ln 10 C1/C2, ``fall`` [K]
+    their C2. With the absolute temperature of the reference for ``fall`` it is that of Arrhenius.
+
+    >>> import numpy as np
+    >>> energy, gas, cold = 80e3, 8.314, 293.15  # J/mol, J/(mol K), K
+    >>> hot = quickening(np.array([60.0]), 20.0, energy / (gas * cold**2), cold)
+    >>> bool(np.isclose(hot[0], np.exp(energy / gas * (1 / cold - 1 / 333.15))))
+    True
+    """
+    rise = np.where(np.isfinite(temperature), temperature - reference, 0.0)
+    return np.asarray(np.exp(np.clip(shift * rise / np.maximum(1.0 + rise / fall, 0.05), -60.0, 60.0)))
+
+
+def _shifted(acts: Acts) -> Acts:
+    """Return a form whose times are those of the material's own clock; the shift's two constants come last."""
+
+    def found(at: State, stress: Array, values: Array) -> Array:
+        quick = quickening(at.path.temperature_degC, at.reference_degC, *values[-2:])
+        return acts(replace(at, quick=quick), stress, values[:-2])
+
+    return found
+
+
 def _maxwell(at: State, stress: Array, values: Array) -> Array:
-    return stress + relaxing(at.path, stress, list(values[0::2]), list(values[1::2]))
+    return stress + relaxing(at.path, stress, list(values[0::2]), list(values[1::2]), at.quick)
 
 
 def _maxwell_bent(at: State, stress: Array, values: Array) -> Array:
     branches = np.delete(values, 2)
-    return stress + relaxing_bent(at.path, stress, list(branches[0::2]), list(branches[1::2]), values[2])
+    own = list(branches[0::2]), list(branches[1::2])
+    return stress + relaxing_bent(at.path, stress, *own, values[2], at.quick)
 
 
 def _maxwell_measure(at: State, stress: Array, values: Array) -> Array:
@@ -226,6 +265,12 @@ FORMS: Mapping[str, Acts] = {
     "flow": _flow,
     "flow-strain": _flow,
     "smooth": spectrum,
+    "prony-1-shifted": _shifted(_maxwell),
+    "prony-2-shifted": _shifted(_maxwell),
+    "prony-3-shifted": _shifted(_maxwell),
+    "prony-2-bent-shifted": _shifted(_maxwell_bent),
+    "prony-3-bent-shifted": _shifted(_maxwell_bent),
+    "smooth-shifted": _shifted(spectrum),
     "viscous": lambda at, stress, values: stress + resisting(at.path, values[0], values[1], at.pace),
     "log-rate": _log_rate,
 }

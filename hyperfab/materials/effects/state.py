@@ -21,6 +21,7 @@ class State:
     energy          (n,) of the law there [MPa], 0 where no effect asks for it
     reference_degC  the temperature that the law's constants are of
     rate            (n,) strain rate of each test [1/s], nan where unknown
+    quick           how many times as fast the material's own clock runs up to each row: (n,), or 1
     """
 
     path: Path
@@ -28,6 +29,7 @@ class State:
     energy: Array
     reference_degC: float
     rate: Array | None
+    quick: Array | float = 1.0
 
     @cached_property
     def greatest(self) -> Array:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 
 from hyperfab.loop.catalogue.fabric.context import DataContext
@@ -305,7 +308,10 @@ def rate(context: DataContext) -> Effect:
     quick = Constant("quick", 0.0, -6.0 / context.reach, 12.0 / context.reach, 1.0)
     shares = [Constant(f"g_{k}", 0.0, 0.0, 20.0, 0.1) for k in range(1, 7)]
     start = (0.5 * step, whole, 0.0, 0.0, *6 * (0.1,))
-    smooth = freely(forms, "smooth", (*ends, bend, quick, *shares), start)
+    frees = [freely(forms, "smooth", (*ends, bend, quick, *shares), start)]
+    if len(context.temperatures) > 2:  # of two, a shift and a softening tell the same
+        shifted, free = _by_the_clock_of_the_material(context, forms, frees[0])
+        forms, frees = (*forms, *shifted), [*frees, free]
     return Effect(
         id="rate",
         title="stress depends on the rate",
@@ -313,7 +319,41 @@ def rate(context: DataContext) -> Effect:
         rides_on=("rate", "time"),
         shown_by="the same cycle at two rates a factor of 16 apart, and a hold of the stretch",
         source="Fung (1981), Biomechanics, ch. 7; Taylor, Pister & Goudreau (1970), doi:10.1002/nme.1620020106; "
-        "Bergstrom & Boyce (1998), doi:10.1016/S0022-5096(97)00075-6",
-        forms=(*forms, smooth),
+        "Bergstrom & Boyce (1998), doi:10.1016/S0022-5096(97)00075-6; Williams, Landel & Ferry (1955), "
+        "doi:10.1021/ja01619a008",
+        forms=(*forms, *frees),
         smooth=True,
     )
+
+
+def _by_the_clock_of_the_material(
+    context: DataContext, forms: Sequence[Form], free: Form
+) -> tuple[list[Form], Form]:
+    """Return Maxwell branches, and the spectrum ``free``, whose times shift with temperature."""
+    kelvin = 273.15 + float(np.mean(context.temperatures))
+    clock = Constant("shift_1_K", 0.0, 0.0, 1.0, 0.02), Constant("fall_K", kelvin, 20.0, 2000.0, 50.0)
+    # At the reference times may be as much shorter or longer than the tests as the shift makes them elsewhere.
+    widest = 1e4
+
+    def shifted(name: str) -> Form:
+        plain = next(form for form in forms if form.name == name)
+        wider = [
+            replace(one, low=one.low / widest, high=one.high * widest) if one.name.startswith("tau") else one
+            for one in plain.constants
+        ]
+        simpler = {"prony-2": "prony-1", "prony-3": "prony-2", "prony-3-bent": "prony-2-bent"}
+        before = (f"{simpler[name]}-shifted",) if name in simpler else ()
+        return Form(
+            f"{name}-shifted",
+            (*wider, *clock),
+            tuple((*start, shift, kelvin) for start in plain.starts[:1] for shift in (0.05, 0.2)),
+            refines=(name, *before),
+        )
+
+    names = ("prony-1", "prony-2", "prony-3", "prony-2-bent", "prony-3-bent")
+    ends = [fixed(one.name, one.value * by) for one, by in zip(free.constants[:2], (1e-4, 1e3), strict=True)]
+    shares = [Constant(f"g_{k}", 0.0, 0.0, 20.0, 0.1) for k in range(1, 11)]
+    start = (ends[0].value, ends[1].value, 0.0, 0.0, *10 * (0.1,), 0.1, kelvin)
+    found = [shifted(name) for name in names]
+    spectrum = (*ends, *free.constants[2:4], *shares, *clock)
+    return found, freely((*forms, *found), "smooth-shifted", spectrum, start)
