@@ -247,7 +247,7 @@ def rate(context: DataContext) -> Effect:
     reason = "" if context.shows_rate else "the tests have one rate, no hold and no way back"
     if not context.path.knows_time:
         reason = "not every test states its times or its rate"
-    forms = (
+    forms: tuple[Form, ...] = (
         Form("prony-1", one, tuple((0.3, t) for t in (t1, t2, t4)), tuple((0.02, t) for t in times)),
         Form(
             "prony-2",
