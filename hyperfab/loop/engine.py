@@ -327,14 +327,17 @@ def _pruned(search: Search, best: Candidate) -> Candidate:
 
 
 def _no_worse(search: Search, base: Candidate, best: Candidate, apart: Apart | None) -> Candidate:
-    """Take out terms until the model misses no more than without any: the data, each test left out, those set apart.
+    """Return the model, or, where it misses more than the one without names (the data, each test left out, those set
+    apart), the best with no other names that does not.
 
-    What is left then has to pay anew.
+    That may be one of simpler forms. What is left then has to pay anew.
     """
     while best.ids and not is_no_worse(base, best, apart):
         fewer = [search.without(best, name) for name in best.ids]
-        good = [state for state in fewer if is_no_worse(base, state, apart)]
-        best = _pruned(search, min(good or fewer, key=lambda state: state.fit.cost))
+        simpler = [state for state in search.states if state.ids and {*state.ids} <= {*best.ids}]
+        by_cost = sorted([*simpler, *fewer], key=lambda state: state.fit.cost)
+        good = next((state for state in by_cost if is_no_worse(base, state, apart)), None)
+        best = _pruned(search, good or min(fewer, key=lambda state: state.fit.cost))
     return best
 
 

@@ -50,6 +50,12 @@ def fewest(
         for ids in combinations([name for name in best.ids if name != plain], 2):
             search.freed(before, ids)
         found = _likeliest(search, before, no_worse)
+    if found is None and len(whole.ids) == 2:
+        # What formulas of two leave may hide a third, which shows beside their smooth laws.
+        for name in first:
+            if name not in whole.ids:
+                search.freed(before, [*whole.ids, name])
+        found = _likeliest(search, before, no_worse)
     return found or whole
 
 

@@ -74,3 +74,13 @@ def test_relaxation_that_heat_quickens_is_told_with_its_shift() -> None:
         assert shift == pytest.approx(decades(celsius), abs=0.15)
     # The law itself stiffens with the absolute temperature.
     assert told["thermal-softening"]["softening_1_K"] == pytest.approx(-1.0 / 293.15, abs=1e-3)
+
+
+def test_a_simpler_form_stays_where_a_richer_one_misses_readings_set_apart_by_more() -> None:
+    found = close(
+        problem(), design=False, apart=lambda fitted: float(any(form.free for form in fitted.forms.values()))
+    )
+    assert "rate" in found.after.ids
+    assert found.worse == ()
+    assert not any(form.free for form in found.after.fit.forms.values())
+    assert found.after.fit.forms["rate"].name.endswith("-shifted")
