@@ -208,7 +208,11 @@ def run(
     ``tolerance`` is on the estimated relative error of the force at the last depth that all of them reach.
     ``watch`` sees every equilibrium found.
     """
-    outcomes = [Outcome(*rough_path(test, depths, watch)) for test in tests]
+    # Facets remember where nodes were last: one after the other.
+    beside = 1 if any(test.facets for test in tests) else threads()
+    paths = [partial(rough_path, test, depths, watch) for test in tests]
+    roughs = side_by_side(paths) if beside > 1 else [path() for path in paths]
+    outcomes = [Outcome(*rough) for rough in roughs]
     last = min(outcome.path.states[-1].depth if outcome.path.states else 0.0 for outcome in outcomes)
     for outcome in outcomes:
         _visit(outcome, last)
@@ -223,8 +227,6 @@ def run(
 
     level = 0.0
     first = [partial(at, last, tolerance)] if last in wanted else []
-    # Facets remember where nodes were last: one after the other.
-    beside = 1 if any(test.facets for test in tests) else threads()
     rest = [partial(at, depth, None) for depth in sorted(wanted - {last})]
     for some in [first, *(rest[k : k + beside] for k in range(0, len(rest), beside))]:
         for taking, solved, reached in side_by_side([partial(call, level) for call in some]):
