@@ -87,10 +87,10 @@ def _plan(figure: Any, axes: Any, mold: SpottedMold) -> None:
         pressure = 1000.0 * mold.pressure
         low, high = float(pressure[touched].min()), float(pressure[touched].max())
         # A pressure that is the same everywhere, to rounding, has no range: the bar shows a tenth about it.
-        room = max(0.5 * (max(0.1 * high, 1e-12) - (high - low)), 0.0)
+        low, high = _at_least(max(0.1 * high, 1e-12), low, high)
         blue = axes.tripcolor(
             plane, pressure, shading="gouraud", cmap=LinearSegmentedColormap.from_list("paste", _PASTE),
-            norm=Normalize(low - room, high + room),
+            norm=Normalize(low, high),
         )  # fmt: skip
         figure.colorbar(blue, ax=axes, label="pressure where it touches [kPa]", shrink=0.8)
         if not touched.all():
@@ -110,15 +110,26 @@ def _plan(figure: Any, axes: Any, mold: SpottedMold) -> None:
     axes.set_title("Male mold, blue where it touches" + ("" if touched.any() else ": nowhere"), fontsize=10)
 
 
+def _at_least(width: float, low: float, high: float) -> tuple[float, float]:
+    """Return a range that is as wide at least, about its middle."""
+    room = max(0.5 * (width - (high - low)), 0.0)
+    return low - room, high + room
+
+
 def _histogram(axes: Any, mold: SpottedMold) -> None:
     finite = np.isfinite(mold.gap)
     gap = mold.gap[finite]
     low, high = (float(gap.min()), float(gap.max())) if len(gap) else (0.0, 1.0)
     # A gap that is the same everywhere, to rounding, is one bar, wide enough to be seen beside the line.
     least = max(_LEAST_WIDTH_MM, 0.02 * abs(mold.thickness - low))
-    room = max(0.5 * (least - (high - low)), 0.0)
-    across = (low - room, high + room)
-    axes.hist(gap, bins=1 if room else 60, range=across, weights=mold.areas[finite] / 100.0, color="0.6")
+    across = _at_least(least, low, high)
+    axes.hist(
+        gap,
+        bins=60 if across == (low, high) else 1,
+        range=across,
+        weights=mold.areas[finite] / 100.0,
+        color="0.6",
+    )
     axes.axvline(mold.thickness, color=_BLUE, linewidth=1.2)
     axes.set_xlabel("gap [mm]; the line is the sandwich's thickness")
     axes.set_ylabel("area [cm²]")

@@ -24,7 +24,7 @@ from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.medium import Medium, ThermalMaterial
 from hyperfab.thermal.mesh import HeatMesh
 from hyperfab.thermal.prescribed import Prescribed
-from hyperfab.thermal.step_solver import Stage, StepSolver
+from hyperfab.thermal.step_solver import StageEquation, StepSolver
 
 #: A stage is solved when its residual has fallen to this share, is as small as rounding makes it (per degree), or a
 #: Newton step moves no node by more than STILL [K]. The linear solves inside Newton need not be sharper than this.
@@ -156,7 +156,7 @@ class HeatModel:
         uniform shift that makes the residuals of the free nodes sum to zero: it closes the energy balance, which
         the iteration leaves open by its tolerance.
         """
-        temperature, stage = guess.copy(), Stage(time, interval, storage)
+        temperature, stage = guess.copy(), StageEquation(time, interval, storage)
         matrix = self._stage_matrix(stage, temperature)
         scale = norm(self.pattern.diagonal(matrix) * self.free)
         goal, size, moved, tolerance = 0.0, np.inf, np.inf, np.inf
@@ -219,25 +219,27 @@ class HeatModel:
 
     def step_matrix(self, time: float, interval: float, temperature: Array) -> sparse.csr_matrix:
         """Return the matrix of an implicit step of ``interval`` [s] and make ``solve`` ready for it."""
-        return self._stage_matrix(Stage(time, interval), temperature, anew=True)
+        return self._stage_matrix(StageEquation(time, interval), temperature, anew=True)
 
     def steady_matrix(self, time: float, temperature: Array) -> sparse.csr_matrix:
         """Return minus the flow's derivative [W/K] and make ``solve`` ready for it."""
-        return self._stage_matrix(Stage(time, 1.0, 0.0), temperature, anew=True)
+        return self._stage_matrix(StageEquation(time, 1.0, 0.0), temperature, anew=True)
 
     def changed(self) -> None:
         """Forget the matrices: a condition was switched."""
         self._assembled = None
         self._solver.forget()
 
-    def _residual(self, stage: Stage, target: Array, temperature: Array) -> Array:
+    def _residual(self, stage: StageEquation, target: Array, temperature: Array) -> Array:
         residual = target + stage.interval * self.flow(stage.time, temperature)
         if stage.storage:
             residual -= stage.storage * self.medium.stored(temperature)
         residual[~self.free] = 0.0
         return residual
 
-    def _stage_matrix(self, stage: Stage, temperature: Array, *, anew: bool = False) -> sparse.csr_matrix:
+    def _stage_matrix(
+        self, stage: StageEquation, temperature: Array, *, anew: bool = False
+    ) -> sparse.csr_matrix:
         """Return the matrix to start a stage with, and be ready to solve: the last one of this step, or made anew."""
         same = self._assembled == stage[1:]
         if not same or self.last_matrix is None or (anew and not self.linear):
@@ -246,7 +248,7 @@ class HeatModel:
             self.last_matrix, self._assembled = matrix, stage[1:]
         return self.last_matrix
 
-    def _step_matrix(self, stage: Stage, temperature: Array) -> sparse.csr_matrix:
+    def _step_matrix(self, stage: StageEquation, temperature: Array) -> sparse.csr_matrix:
         """Return storage times the capacity and ``interval`` times what conducts; it is written over by the next."""
         data = np.multiply(self.medium.conduction(temperature), stage.interval, out=self._entries)
         if stage.storage:

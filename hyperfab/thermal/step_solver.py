@@ -37,7 +37,7 @@ ALIKE = 4.0
 KEPT, TIRED = 8, 40
 
 
-class Stage(NamedTuple):
+class StageEquation(NamedTuple):
     """An implicit stage: storage E(T) - interval f(time, T) = target; ``storage`` is 1 in a step, 0 if steady."""
 
     time: float
@@ -95,7 +95,7 @@ class StepSolver:
         self._tired = self._tired or found.iterations > TIRED
         return found.x
 
-    def make_ready(self, stage: Stage, temperature: Array, matrix: sparse.csr_matrix) -> None:
+    def make_ready(self, stage: StageEquation, temperature: Array, matrix: sparse.csr_matrix) -> None:
         """Be ready to ``solve`` for a stage whose ``matrix`` is taken at a temperature; one that drifts will do."""
         if self._tired:
             self.forget()
@@ -119,7 +119,7 @@ class StepSolver:
         self._tired = False
         self._prepared.clear()
 
-    def _serving(self, stage: Stage) -> _Prepared | None:
+    def _serving(self, stage: StageEquation) -> _Prepared | None:
         """Return what was made for this stage, or, where that is no factorisation of it all, for one like it."""
         alike = [one for one in self._prepared if one.storage == stage.storage]
         nearest = min(alike, key=lambda one: abs(np.log(stage.interval / one.interval)), default=None)
@@ -138,7 +138,9 @@ class StepSolver:
         conduction = self.medium.pattern.matrix(self.medium.conduction(np.zeros(len(self.free))))
         return largest_eigenvalue(conduction, self.free / self.capacity)
 
-    def _coarse_solver(self, stage: Stage, temperature: Array, matrix: sparse.csr_matrix) -> Preconditioner:
+    def _coarse_solver(
+        self, stage: StageEquation, temperature: Array, matrix: sparse.csr_matrix
+    ) -> Preconditioner:
         if self.direct:
             return Direct(matrix, self.free)
         if self.medium.linear:  # what conducts and stores is taken to the coarse space once

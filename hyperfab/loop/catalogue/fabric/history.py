@@ -306,9 +306,8 @@ def rate(context: DataContext) -> Effect:
     )
     ends = (fixed("first_s", 0.5 * step), fixed("last_s", whole))
     quick = Constant("quick", 0.0, -6.0 / context.reach, 12.0 / context.reach, 1.0)
-    shares = [Constant(f"g_{k}", 0.0, 0.0, 20.0, 0.1) for k in range(1, 7)]
     start = (0.5 * step, whole, 0.0, 0.0, *6 * (0.1,))
-    frees = [freely(forms, "smooth", (*ends, bend, quick, *shares), start)]
+    frees = [freely(forms, "smooth", (*ends, bend, quick, *_shares(6)), start)]
     if len(context.temperatures) > 2:  # of two, a shift and a softening tell the same
         shifted, free = _by_the_clock_of_the_material(context, forms, frees[0])
         forms, frees = (*forms, *shifted), [*frees, free]
@@ -324,6 +323,11 @@ def rate(context: DataContext) -> Effect:
         forms=(*forms, *frees),
         smooth=True,
     )
+
+
+def _shares(count: int) -> list[Constant]:
+    """Return the shares of the branches of a spectrum."""
+    return [Constant(f"g_{k}", 0.0, 0.0, 20.0, 0.1) for k in range(1, count + 1)]
 
 
 def _by_the_clock_of_the_material(
@@ -346,14 +350,13 @@ def _by_the_clock_of_the_material(
         return Form(
             f"{name}-shifted",
             (*wider, *clock),
-            tuple((*start, shift, kelvin) for start in plain.starts[:1] for shift in (0.05, 0.2)),
+            tuple((*plain.starts[0], shift, kelvin) for shift in (0.05, 0.2)),
             refines=(name, *before),
         )
 
     names = ("prony-1", "prony-2", "prony-3", "prony-2-bent", "prony-3-bent")
     ends = [fixed(one.name, one.value * by) for one, by in zip(free.constants[:2], (1e-4, 1e3), strict=True)]
-    shares = [Constant(f"g_{k}", 0.0, 0.0, 20.0, 0.1) for k in range(1, 11)]
     start = (ends[0].value, ends[1].value, 0.0, 0.0, *10 * (0.1,), 0.1, kelvin)
     found = [shifted(name) for name in names]
-    spectrum = (*ends, *free.constants[2:4], *shares, *clock)
+    spectrum = (*ends, *free.constants[2:4], *_shares(10), *clock)
     return found, freely((*forms, *found), "smooth-shifted", spectrum, start)
