@@ -210,14 +210,17 @@ def _gradients(nodes: Array, elements: Ints, order: int) -> tuple[Array, Array]:
         local = np.array([[[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]]])
     else:
         local = np.stack([_p2_slopes(point) for point in area])
-    jacobian = np.einsum("mai,qaj->mqij", nodes[elements], local)
+    jacobian = np.swapaxes(nodes[elements], 1, 2)[:, None] @ local
     double = jacobian[..., 0, 0] * jacobian[..., 1, 1] - jacobian[..., 0, 1] * jacobian[..., 1, 0]
     if np.any(double <= 0):
         raise InputError(
             "an element is folded: the mesh is too coarse for its rim", remedy="choose a smaller --mesh-size"
         )
-    inverse = np.linalg.inv(jacobian)
-    return np.einsum("qaj,mqji->mqai", local, inverse), 0.5 * double * weight
+    turned = np.stack(
+        [jacobian[..., 1, 1], -jacobian[..., 0, 1], -jacobian[..., 1, 0], jacobian[..., 0, 0]], axis=-1
+    )
+    inverse = (turned / double[..., None]).reshape(jacobian.shape)
+    return local @ inverse, 0.5 * double * weight
 
 
 def _p2_slopes(point: Array) -> Array:

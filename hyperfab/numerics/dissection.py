@@ -21,29 +21,20 @@ _LEAF = 16
 
 
 @dataclass(frozen=True)
-class Front:
-    """Unknowns ``first`` to ``first + pivots`` (in the order of elimination) and the later ones they are tied to.
-
-    ``rest`` (b,) are those, ascending; ``children`` the numbers of earlier fronts whose remainders go into this one,
-    ``places`` (one array a child) where the unknowns of their ``rest`` stand in this front.
-    """
-
-    first: int
-    pivots: int
-    rest: Ints
-    children: tuple[int, ...]
-    places: tuple[Ints, ...]
-
-
-@dataclass(frozen=True)
 class Dissection:
-    """The order of elimination: ``order`` (unknowns,) lists the unknowns, first eliminated first.
+    """The order of elimination and its fronts, children before parents.
 
-    ``fronts``: children before parents; together their pivots are all unknowns, in order.
+    ``order`` (unknowns,) lists the unknowns, first eliminated first. Front f eliminates ``firsts[f]:firsts[f + 1]`` of
+    that order and is tied to the later ones ``rest[rest_starts[f]:rest_starts[f + 1]]``, ascending; ``above`` is the
+    place of each of these in the front above. ``children`` (fronts, 2) are the fronts below it, or -1.
     """
 
     order: Ints
-    fronts: tuple[Front, ...]
+    firsts: Ints
+    rest_starts: Ints
+    rest: Ints
+    above: Ints
+    children: Ints
 
 
 def dissect(elements: Ints, points: Array, free: NDArray[np.bool_]) -> Dissection:
@@ -74,21 +65,60 @@ def dissect(elements: Ints, points: Array, free: NDArray[np.bool_]) -> Dissectio
     numbers = number.reshape(free.shape)
     by_piece = np.argsort(piece, kind="stable")
     bounds = np.searchsorted(piece[by_piece], np.arange((1 << levels) + 1))
-    fronts: list[Front] = []
-    for step, place in enumerate(walk.tolist()):
-        begin, end = int(ends[step]), int(ends[step + 1])
-        if place >= 1 << levels:
-            leaf = place - (1 << levels)
-            seen = np.unique(numbers[elements[by_piece[bounds[leaf] : bounds[leaf + 1]]]])
-            children: tuple[int, ...] = ()
+    children = np.full((len(walk), 2), -1)
+    inner = walk < 1 << levels
+    children[inner] = turn[2 * walk[inner, None] + np.arange(2)]
+    of_piece = numbers[elements[by_piece]].reshape(len(elements), -1)
+    starts, rest, above = _ties(children, ends, of_piece, bounds)
+    return Dissection(order, ends, starts, rest, above, children)
+
+
+@kernel
+def _ties(children: Ints, firsts: Ints, unknowns: Ints, bounds: Ints) -> tuple[Ints, Ints, Ints]:
+    """Return where the ties of each front begin, which unknowns they are, and their places in the front above.
+
+    ``unknowns`` (m, k) of the elements (-1 where there is none), leaf by leaf, those of each from ``bounds`` on.
+    """
+    starts = np.zeros(len(children) + 1, np.int64)
+    rest, above = np.empty(unknowns.size, np.int64), np.empty(unknowns.size, np.int64)
+    seen = np.full(firsts[-1], -1)
+    leaf = 0
+    for f in range(len(children)):
+        begin, end, start = firsts[f], firsts[f + 1], starts[f]
+        left, right = children[f]
+        if left < 0:
+            most = unknowns[bounds[leaf] : bounds[leaf + 1]].size
         else:
-            children = (int(turn[2 * place]), int(turn[2 * place + 1]))
-            seen = np.union1d(fronts[children[0]].rest, fronts[children[1]].rest)
-        rest = seen[np.searchsorted(seen, end) :]
-        rows = np.concatenate([np.arange(begin, end), rest])
-        places = tuple(np.searchsorted(rows, fronts[child].rest) for child in children)
-        fronts.append(Front(begin, end - begin, rest, children, places))
-    return Dissection(order, tuple(fronts))
+            most = starts[left + 1] - starts[left] + starts[right + 1] - starts[right]
+        if start + most > len(rest):
+            rest = np.concatenate((rest, np.empty(len(rest) + most, np.int64)))
+            above = np.concatenate((above, np.empty(len(above) + most, np.int64)))
+        stop = start
+        if left < 0:
+            for number in unknowns[bounds[leaf] : bounds[leaf + 1]].ravel():
+                if number >= end and seen[number] != f:
+                    seen[number], rest[stop] = f, number
+                    stop += 1
+            rest[start:stop].sort()
+            leaf += 1
+        else:
+            i, j, i_end, j_end = starts[left], starts[right], starts[left + 1], starts[right + 1]
+            while i < i_end or j < j_end:
+                one = rest[i] if i < i_end else firsts[-1]
+                other = rest[j] if j < j_end else firsts[-1]
+                number = min(one, other)
+                place = number - begin if number < end else end - begin + stop - start
+                if one == number:
+                    above[i] = place
+                    i += 1
+                if other == number:
+                    above[j] = place
+                    j += 1
+                if number >= end:
+                    rest[stop] = number
+                    stop += 1
+        starts[f + 1] = stop
+    return starts, rest[: starts[-1]].copy(), above[: starts[-1]].copy()
 
 
 def _pieces(elements: Ints, points: Array, levels: int) -> Ints:

@@ -64,37 +64,33 @@ class Elimination:
     """
 
     def __init__(self, dissection: Dissection, rows: Numbers, columns: Numbers) -> None:
-        fronts = dissection.fronts
-        self.order = dissection.order
-        pivots = np.array([front.pivots for front in fronts], np.int64)
-        rests = np.array([len(front.rest) for front in fronts], np.int64)
-        starts, rest_starts = _sums(pivots * (pivots + rests)), _sums(rests)
-        rest = np.concatenate([front.rest for front in fronts])
-        above = np.empty(len(rest), np.int64)
-        for front in fronts:
-            for child, place in zip(front.children, front.places, strict=True):
-                above[rest_starts[child] : rest_starts[child + 1]] = place
+        self.order, firsts, rest_starts = dissection.order, dissection.firsts[:-1], dissection.rest_starts
+        pivots, rests = np.diff(dissection.firsts), np.diff(rest_starts)
+        starts = _sums(pivots * (pivots + rests))
         number = np.empty(len(self.order), np.int64)
         number[self.order] = np.arange(len(self.order))
         owner = np.repeat(np.arange(len(pivots)), pivots)
-        firsts = _sums(pivots)[:-1]
         #: Entries of the matrix, by number, and where each stands in the factor, front by front.
         self.source, self.target, entries = _places(
-            rows, columns, number, owner, firsts, pivots, starts, rest_starts, rest
+            rows, columns, number, owner, firsts, pivots, starts, rest_starts, dissection.rest
         )
         #: Ranges of fronts: those of one stage do not touch each other, and come after all of the stages before.
-        self.stages = _stages([front.children for front in fronts], int(starts[-1]))
-        worked, kept, self._room = _stacked([front.children for front in fronts], rests, self.stages)
+        inner = dissection.children[:, 0] >= 0
+        children = [
+            tuple(pair) if has else () for pair, has in zip(dissection.children.tolist(), inner, strict=True)
+        ]
+        self.stages = _stages(children, int(starts[-1]))
+        worked, kept, self._room = _stacked(children, rests, self.stages)
         self.fronts = Fronts(
             firsts,
             pivots,
             rests,
             starts,
             rest_starts,
-            rest,
-            above,
-            _sums(np.array([len(front.children) for front in fronts], np.int64)),
-            np.array([child for front in fronts for child in front.children], np.int64),
+            dissection.rest,
+            dissection.above,
+            _sums(2 * inner),
+            dissection.children[inner].ravel(),
             worked,
             kept,
             entries,

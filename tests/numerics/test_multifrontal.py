@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 import scipy.sparse as sparse
@@ -46,13 +48,41 @@ def test_every_unknown_is_eliminated_once_and_children_before_parents():
     pattern = _pattern(300)
     found = dissect(pattern._elements, pattern._points, pattern.free)
     np.testing.assert_array_equal(np.sort(found.order), np.arange(pattern.unknowns))
-    at = 0
-    for number, front in enumerate(found.fronts):
-        assert front.first == at
-        at += front.pivots
-        assert (front.rest >= at).all()
-        assert all(child < number for child in front.children)
-    assert at == pattern.unknowns
+    assert (found.firsts[0], found.firsts[-1]) == (0, pattern.unknowns)
+    assert (np.diff(found.firsts) >= 0).all()
+    assert (found.children < np.arange(len(found.children))[:, None]).all()
+    parent = np.full(len(found.children), -1)
+    inner = found.children[:, 0] >= 0
+    parent[found.children[inner]] = np.flatnonzero(inner)[:, None]
+    ties = np.array([set(), *map(set, _tied(pattern, found.order))], dtype=object)[1:]
+    for front, (begin, end) in enumerate(itertools.pairwise(found.firsts)):
+        rest, above = (
+            values[slice(*found.rest_starts[front : front + 2])] for values in (found.rest, found.above)
+        )
+        below = [
+            found.rest[slice(*found.rest_starts[child : child + 2])]
+            for child in found.children[front]
+            if inner[front]
+        ]
+        wanted = set().union(*ties[begin:end], *map(set, below))
+        assert {number for number in wanted if number >= end} <= set(rest)
+        assert (np.diff(rest) > 0).all()
+        assert (rest >= end).all()
+        if len(rest):
+            first, last = found.firsts[parent[front] : parent[front] + 2]
+            row = np.concatenate(
+                [
+                    np.arange(first, last),
+                    found.rest[slice(*found.rest_starts[parent[front] : parent[front] + 2])],
+                ]
+            )
+            np.testing.assert_array_equal(row[above], rest)
+
+
+def _tied(pattern: BlockPattern, order: np.ndarray) -> list[np.ndarray]:
+    """Return which unknowns, by their turn, each unknown shares an element with, by its turn."""
+    matrix = _definite(pattern)[order][:, order].tocsr()
+    return [matrix.indices[slice(*matrix.indptr[k : k + 2])] for k in range(len(order))]
 
 
 def test_fill_grows_as_nested_dissection_promises():
