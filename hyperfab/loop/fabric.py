@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hyperfab.arrays import Array
 from hyperfab.curve import TestCurve
 from hyperfab.loop.catalogue.fabric import DataContext, entries
-from hyperfab.loop.fabric_tests import curves_of, path_of, smooth_of, states_of
+from hyperfab.loop.fabric_tests import curves_of, hanging, path_of, smooth_of, states_of
 from hyperfab.loop.problem import HAS_IT, Constant, Extra, Problem
 from hyperfab.loop.thresholds import MACHINE
 from hyperfab.materials.effects import anisotropy
@@ -157,7 +157,6 @@ def fabric_problem(
     reference = (
         reference_degC if reference_degC is not None else (float(np.min(known)) if len(known) else 20.0)
     )
-    fabric = Fabric(law, path, reference, speed)
     stress = np.concatenate([test.stress for test in tests])
     held = held or {}
     own = _own(law, warp, "" if weft is None else "warp ", float(np.max(np.abs(stress))), fixed, prior)
@@ -166,6 +165,7 @@ def fabric_problem(
     for _, constants in held.values():
         own += constants
     curves, rows, measured = curves_of(path, tests, stress)
+    fabric = Fabric(law, path, reference, speed, hanging(path, curves, stress))
     context = DataContext(law, tuple(warp), path, stress, weft is not None, len(rows) > 0)
     effects = tuple(
         replace(effect, not_sought=HAS_IT) if effect.id in held else effect for effect in entries(context)

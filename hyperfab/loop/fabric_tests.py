@@ -5,16 +5,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
 from hyperfab.curve import TestCurve
+from hyperfab.loop.noise import MAD, third_differences
 from hyperfab.loop.problem import Curve
-from hyperfab.loop.thresholds import SHARE
+from hyperfab.loop.thresholds import MACHINE, SHARE, clearly
 from hyperfab.materials.effects.path import GENERAL, MODE_NAMES, Path, held, moving
 
 _SMOOTH_DEGREE = 5
 #: Rows slower than this share of a test's mean pace stand still.
 _STANDS = 0.1
+#: Paces within this factor count as one, where none is stated: machines and hands keep one so well. Rates that were
+#: chosen to differ are further apart.
+_ONE_PACE = 1.5
 
 
 def path_of(tests: Sequence[TestCurve]) -> tuple[Path, Array]:
@@ -95,30 +100,50 @@ def curves_of(
     return tuple(order), np.concatenate(rows), np.concatenate([stress, *extra])
 
 
+def hanging(path: Path, curves: Sequence[Curve], stress: Array) -> NDArray[np.bool_]:
+    """Return which rows (n,) are of sheets that hang slack where they would have to push: those pulled of curves
+    without readings clearly below zero. What is thick enough pushes back."""
+    found = path.stretch >= 1.0
+    for curve in curves:
+        if curve.channel == 0:
+            read = stress[curve.rows]
+            apart, _ = third_differences(stress, curve)
+            noise = max(
+                MAD * float(np.median(np.abs(apart))) if len(apart) else 0.0, MACHINE * float(np.max(read))
+            )
+            found[curve.rows] &= float(np.min(read)) > -np.sqrt(clearly()) * noise
+    return found
+
+
 def _setups(path: Path, tests: Sequence[TestCurve]) -> list[str]:
     """Return what each test shares with its replicates: the whole way it was led, in both stretches."""
-    found: list[tuple[str, Array, str]] = []
+    found: list[tuple[str, float, Array, str]] = []
     for test, rows in zip(tests, path.curves, strict=True):
-        how, way = _pace(test, path.moved(rows)), _way(path, rows)
-        like = (name for same, other, name in found if same == how and _is_same_way(way, other))
-        found.append((how, way, next(like, f"{how} {len(found)}")))
-    return [name for _, _, name in found]
+        how, pace, way = *_how(test, path.moved(rows)), _way(path, rows)
+        same = (
+            name
+            for other_how, other_pace, other_way, name in found
+            if other_how == how
+            and abs(np.log(pace / other_pace)) <= np.log(_ONE_PACE)
+            and _is_same_way(way, other_way)
+        )
+        found.append((how, pace, way, next(same, f"{how} {len(found)}")))
+    return [name for *_, name in found]
 
 
-def _pace(test: TestCurve, stretch: Array) -> str:
-    """Return mode, whether it pulls or presses, direction, temperature and rate of a test, rounded."""
+def _how(test: TestCurve, stretch: Array) -> tuple[str, float]:
+    """Return mode, whether it pulls or presses, direction, temperature and stated rate of a test, rounded; and where no
+    rate is stated, its pace [1/s], 1 where it has no clock."""
     temperature = "-" if test.temperature_degC is None else f"{float(np.mean(test.temperature_degC)):.0f}"
-    speed = "-" if test.rate_1_s is None else f"{float(np.median(test.rate_1_s)):.2g}"
-    if speed == "-" and test.time_s is not None:
+    speed, pace = "-" if test.rate_1_s is None else f"{float(np.median(test.rate_1_s)):.2g}", 1.0
+    if speed == "-" and test.time_s is not None and float(test.time_s[-1] - test.time_s[0]) > 0.0:
         moved, took = np.abs(np.diff(stretch)), np.diff(test.time_s)
-        span = float(test.time_s[-1] - test.time_s[0])
         # What waits at a stretch, however long, was pulled there at its own pace.
-        going = moved * span > _STANDS * float(np.sum(moved)) * took
-        # Hand-driven machines: within a factor of about two the pace counts as one.
-        pace = float(np.sum(moved[going]) / np.sum(took[going])) if np.any(going) else 0.0
-        speed = f"2^{round(np.log2(max(pace, 1e-12)) / 2.0):.0f}" if span > 0.0 else "-"
+        going = moved * float(test.time_s[-1] - test.time_s[0]) > _STANDS * float(np.sum(moved)) * took
+        pace = float(np.sum(moved[going]) / np.sum(took[going])) if np.any(going) else 1.0
+        speed = "by its clock"
     way = "pulls" if np.max(stretch) - 1.0 >= 1.0 - np.min(stretch) else "presses"
-    return f"{test.mode} {way} {test.angle_deg:.0f} {temperature} {speed}"
+    return f"{test.mode} {way} {test.angle_deg:.0f} {temperature} {speed}", pace
 
 
 def _way(path: Path, rows: slice) -> Array:

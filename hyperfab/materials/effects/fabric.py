@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hyperfab.materials.effects import (
     anisotropy,
@@ -45,6 +46,8 @@ _ON_STRESS = {
     "rate": rate.FORMS,
     "load-offset": load_offset.FORMS,
 }
+#: Effects of the machine that reads the stress, whatever that is; the last that acts.
+_OF_THE_MACHINE = ("load-offset",)
 #: Effects whose constants are told at a reference temperature.
 AT_A_TEMPERATURE = ("thermal-softening", "rate")
 #: Forms of what rides on history that leave a first pull as the law has it.
@@ -60,13 +63,15 @@ class Fabric:
     """Predicts the stress of every row of ``path`` for a law, its constants and effects.
 
     ``reference_degC`` is the temperature the constants are of; ``speed`` the strain rate of a row [1/s],
-    nan where unknown.
+    nan where unknown. Of rows that ``hang`` the stress is never below zero: a sheet on its way back goes slack where it
+    would have to push.
     """
 
     law: Law
     path: Path
     reference_degC: float = 20.0
     speed: Array | None = None
+    hang: NDArray[np.bool_] | None = None
     _bases: dict[tuple[object, ...], tuple[Array, Array | None]] = field(default_factory=dict)
     _last: tuple[tuple[object, ...], Array] = field(
         default_factory=lambda: ((None,), np.empty(0)), repr=False
@@ -89,6 +94,8 @@ class Fabric:
                 stress = permanent_set.second_network(stress, second, peak, *terms["permanent-set"][1])
             state = State(path, stretch, energy, self.reference_degC, self.speed)
             for name, forms in _ON_STRESS.items():
+                if name in _OF_THE_MACHINE and self.hang is not None:
+                    stress = np.where(self.hang, np.maximum(stress, 0.0), stress)
                 if name in terms:
                     form, values = terms[name]
                     stress = forms[form](state, stress, values)

@@ -1,5 +1,6 @@
 """The tests of a fabric and its law, as the entries of the catalogue are scaled to them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -53,12 +54,25 @@ class DataContext:
     @property
     def several_rates(self) -> bool:
         """Whether specimens were pulled at rates a factor of two apart, or held."""
+        return self._tell_time(self.path.curves)
+
+    @property
+    def clocks(self) -> int:
+        """At how many temperatures specimens were pulled at rates a factor of two apart, or held."""
+        at: dict[float, list[slice]] = {}
+        for rows in self.path.curves:
+            at.setdefault(float(np.round(2.0 * np.mean(self.path.temperature_degC[rows])) / 2.0), []).append(
+                rows
+            )
+        return sum(self._tell_time(curves) for curves in at.values())
+
+    def _tell_time(self, curves: Sequence[slice]) -> bool:
         speed = np.abs(self.path.speed)
-        going = [speed[rows][speed[rows] > 0.0] for rows in self.path.curves]
+        going = [speed[rows][speed[rows] > 0.0] for rows in curves]
         pace = [float(np.median(one)) for one in going if len(one)]
         if pace and max(pace) > 2.0 * min(pace):
             return True
-        return any(held(self.path.moved(rows)).any() for rows in self.path.curves)
+        return any(held(self.path.moved(rows)).any() for rows in curves)
 
     @property
     def angles(self) -> Array:

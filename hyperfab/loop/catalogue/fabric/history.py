@@ -308,7 +308,8 @@ def rate(context: DataContext) -> Effect:
     quick = Constant("quick", 0.0, -6.0 / context.reach, 12.0 / context.reach, 1.0)
     start = (0.5 * step, whole, 0.0, 0.0, *6 * (0.1,))
     frees = [freely(forms, "smooth", (*ends, bend, quick, *_shares(6)), start)]
-    if len(context.temperatures) > 2:  # of two, a shift and a softening tell the same
+    # Of two temperatures, or where times are told at one alone, a shift and a softening tell the same.
+    if len(context.temperatures) > 2 and context.clocks > 1:
         shifted, free = _by_the_clock_of_the_material(context, forms, frees[0])
         forms, frees = (*forms, *shifted), [*frees, free]
     return Effect(
