@@ -15,7 +15,7 @@ from hyperfab.loop.thresholds import FEWEST, ONE_CLOTH
 from hyperfab.materials.effects.path import GENERAL, MODE_NAMES
 
 #: How much faster one of two tests led alike may be: with another gauge length it seems to be.
-_PACE = 3.0
+_PACE = 2.0
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ def misread(curves: Sequence[Curve], measured: Array) -> list[Misread]:
     for curve in curves:
         if curve.channel == 0 and curve.setup:
             both = curve.setup.startswith(MODE_NAMES[GENERAL])
-            led = curve.setup if both else " ".join(curve.setup.split()[:3])
+            led = curve.setup if both else " ".join(curve.setup.split()[:4])  # but for its pace
             groups.setdefault(led, []).append(_first_pull(curve))
     found = []
     for members in groups.values():

@@ -90,15 +90,13 @@ HAS_IT = "the model has it"
 class Effect:
     """A catalogue entry: something a model may lack.
 
-    ``rides_on`` names the state variables the effect shows against; ``shown_by`` the measurement that would tell it
-    from its look-alikes; ``smooth`` whether a too poor smooth law could pass for it (its score is then taken
-    off a space of smooth curves). ``not_sought`` says why an entry is left out: the model has it, or the data lack
-    what it shows on.
+    ``shown_by`` is the measurement that would tell it from its look-alikes; ``smooth`` whether a too poor smooth law
+    could pass for it (its score is then taken off a space of smooth curves). ``not_sought`` says why an entry is left
+    out: the model has it, or the data lack what it shows on.
     """
 
     id: str
     title: str
-    rides_on: tuple[str, ...]
     shown_by: str
     source: str
     forms: tuple[Form, ...]

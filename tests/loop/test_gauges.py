@@ -77,3 +77,22 @@ def test_biaxial_tests_at_other_ratios_are_not_led_alike() -> None:
         tests.append(TestCurve("biaxial-general", pull, stress, stretch2=across, direction=0.0, source=name))
     problem = fabric_problem(law("neo-hookean"), [0.1], tests)
     assert misread(problem.curves, problem.measured) == []
+
+
+@pytest.mark.parametrize("of", ["temperature", "rate"])
+def test_what_heat_or_a_pace_softens_is_no_misread_width(of: str) -> None:
+    """A fabric at 23, 80 and 105 degC, one at three rates: a file each, nothing stated twice."""
+    pull, tests = np.linspace(1.0, 1.5, 60), []
+    for celsius, pace, share in ((23.0, 1.0, 1.0), (80.0, 3.0, 0.7), (105.0, 9.0, 0.55)):
+        tests.append(
+            TestCurve(
+                "uniaxial",
+                pull,
+                share * 0.4 * (pull - 1.0),
+                time_s=np.arange(60.0) * (pace if of == "rate" else 1.0),
+                temperature_degC=np.full(60, celsius if of == "temperature" else 23.0),
+                source=f"{celsius:g} degC, {pace:g} s",
+            )
+        )
+    problem = fabric_problem(law("neo-hookean"), [0.1], tests)
+    assert misread(problem.curves, problem.measured) == []

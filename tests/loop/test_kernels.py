@@ -50,7 +50,7 @@ class Line(Problem):
 
 def entry(name: str, low: float = -10.0) -> Effect:
     form = Form("one", (Constant("size", 0.0, low, 10.0, 0.1),), ((0.3,),), ((0.01,),))
-    return Effect(name, name, (), "", "", (form,))
+    return Effect(name, name, "", "", (form,))
 
 
 def line(

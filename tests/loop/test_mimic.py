@@ -34,7 +34,7 @@ class Saturating(Problem):
 def saturating(size: float) -> Saturating:
     def effect(name: str) -> Effect:
         form = Form("plain", (Constant("a", 0.0, 0.0, 1e9, 1e-2),), ((1.0,), (1e3,)), ((1e-2,),))
-        return Effect(name, name, ("place",), "nothing", "made up", (form,))
+        return Effect(name, name, "nothing", "made up", (form,))
 
     curves = tuple(Curve(f"{k}", 60 * k, 60 * k + 60, PLACE) for k in range(2))
     own = (Constant("level", 0.0),)

@@ -35,7 +35,6 @@ def friction(context: DataContext) -> Effect:
         id="friction",
         title="the sheet rubs on the punch",
         not_sought="" if context.friction else "the model's sheet sticks to the punch where it touches",
-        rides_on=("depth_mm",),
         shown_by="the same test with the punch oiled, or powdered",
         source="Coulomb's law",
         forms=(Form("Coulomb", (mu,), ((0.2,), (0.5,)), ((0.1,),)),) if context.friction else (),
@@ -49,7 +48,6 @@ def pretension(context: DataContext) -> Effect:
     return Effect(
         id="pretension",
         title="the sheet was mounted under tension",
-        rides_on=("depth_mm",),
         shown_by="the first tenth of the depth, read closely: a taut sheet resists at once",
         source="a rim held at a multiple of its place",
         forms=(Form("even", (added,), ((0.01,), (0.04,)), ((0.003,),)),),
@@ -67,7 +65,6 @@ def rim_slip(context: DataContext) -> Effect:
     return Effect(
         id="rim-slip",
         title="the sheet slips in its clamp",
-        rides_on=("depth_mm",),
         shown_by="marks on the sheet along the rim, before and after",
         source="a linear spring in the plane of the clamp, or one that dry friction holds at first",
         forms=(
@@ -87,7 +84,6 @@ def thermal_softening(context: DataContext) -> Effect:
         id="thermal-softening",
         title="stiffness changes with temperature",
         not_sought="" if met else "no file states its temperature",
-        rides_on=("temperature_degC",),
         shown_by="the same test at two temperatures 30 K or more apart",
         source="Ferry (1980), Viscoelastic Properties of Polymers, ch. 11",
         forms=tuple(softening(span, len(met))),

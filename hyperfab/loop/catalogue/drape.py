@@ -35,7 +35,6 @@ def friction(context: DataContext) -> Effect:
     return Effect(
         id="friction",
         title="the sheet rubs on the mold",
-        rides_on=("from the middle_mm", "z_mm"),
         shown_by="the same drape with the mold polished, or with a film of grease",
         source="Coulomb's law",
         forms=(Form("Coulomb", (mu,), ((0.1,), (0.35,)), ((0.05,),)),) if context.friction else (),
@@ -49,7 +48,6 @@ def gravity(context: DataContext) -> Effect:
     return Effect(
         id="gravity",
         title="the sheet hangs under its own weight",
-        rides_on=("from the middle_mm", "z_mm"),
         shown_by="the sheet on a scale; or the sag of the mounted sheet before it is draped",
         source="weight of the nodes' shares",
         forms=(Form("weight", (mass,), ((0.1 * most,), (0.5 * most,)), ((0.03 * most,),)),),
@@ -64,7 +62,6 @@ def pretension(context: DataContext) -> Effect:
     return Effect(
         id="pretension",
         title="the sheet was mounted under tension",
-        rides_on=("from the middle_mm", "z_mm"),
         shown_by="the force of the press over the first tenth of its way; markers where the sheet hangs free",
         source="springs shorter than the mounted sheet",
         forms=(
@@ -83,7 +80,6 @@ def shear_stiffness(context: DataContext) -> Effect:
     return Effect(
         id="shear-stiffness",
         title="the fabric resists shear",
-        rides_on=("x0_mm", "y0_mm"),
         shown_by="a bias test, cut at 45 degrees to the warp; or markers on the diagonals",
         source="energy of the angle between the threads, G gamma^2/2",
         forms=(form,) if most else (),
@@ -97,7 +93,6 @@ def biaxial_coupling(context: DataContext) -> Effect:
     return Effect(
         id="biaxial-coupling",
         title="warp and weft are coupled",
-        rides_on=("x0_mm", "y0_mm"),
         shown_by="a biaxial test of the fabric; or the force of the press",
         source="the fabric's own law as a membrane",
         forms=(),

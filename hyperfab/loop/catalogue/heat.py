@@ -59,7 +59,6 @@ def ambient_drift(context: DataContext) -> Effect:
         id="ambient-drift",
         title="the ambient changes with time",
         not_sought="" if context.films else "no face has a film",
-        rides_on=("time_s",),
         shown_by="a thermometer in the air, away from the mold",
         source="Newton's law of cooling with a moving ambient",
         forms=(
@@ -87,7 +86,6 @@ def base_conduction(context: DataContext) -> Effect:
         id="base-conduction",
         title="heat leaves through the base",
         not_sought="" if context.bench else "every outer face has a film",
-        rides_on=("above ambient_K", "probe"),
         shown_by="a thermocouple in the base plate beside one at the work surface, over a cool-down",
         source="Newton's law of cooling at the support",
         forms=(
@@ -135,7 +133,6 @@ def contact_resistance(context: DataContext) -> Effect:
         id="contact-resistance",
         title="parts that touch do not conduct perfectly",
         not_sought="" if joints else "the mold has one part",
-        rides_on=("power_W", "probe"),
         shown_by="a thermocouple on each side of the joint",
         source="Yovanovich (2005), doi:10.1109/TCAPT.2005.848483",
         forms=tuple(forms),
@@ -150,7 +147,6 @@ def convection_law(context: DataContext) -> Effect:
         id="convection-law",
         title="the film coefficient depends on the temperature difference in another way",
         not_sought="" if context.films else "no face has a film",
-        rides_on=("above ambient_K",),
         shown_by="plateaus at three powers, and a cool-down with the power off",
         source="Churchill & Chu (1975), doi:10.1016/0017-9310(75)90243-4",
         forms=(Form("power", (exponent,), ((0.25,), (-0.15,)), ((0.05,),)),),
@@ -175,7 +171,6 @@ def power_loss(context: DataContext) -> Effect:
         id="power-loss",
         title="part of the power does not reach the mold",
         not_sought="" if context.heaters else "the model has no heater",
-        rides_on=("power_W", "temperature_degC"),
         shown_by="a power meter at the heaters at two plateaus",
         source="energy balance of a resistance heater",
         forms=(
@@ -211,7 +206,6 @@ def property_drift(context: DataContext) -> Effect:
     return Effect(
         id="property-drift",
         title="conductivity or specific heat change with temperature",
-        rides_on=("temperature_degC", "heating rate_K_s"),
         shown_by="heating and cooling through the same temperatures at two powers",
         source="Touloukian (1970), Thermophysical Properties of Matter",
         forms=(
@@ -233,7 +227,6 @@ def radiation(context: DataContext) -> Effect:
         id="radiation",
         title="the mold radiates to its surroundings",
         not_sought=HAS_IT if context.emits else "" if context.films else "no face has a film",
-        rides_on=("temperature_degC",),
         shown_by="a plateau at twice the temperature rise, and a cool-down with the power off",
         source="Stefan-Boltzmann law",
         forms=(
@@ -264,7 +257,6 @@ def sensor_lag(context: DataContext) -> Effect:
     return Effect(
         id="sensor-lag",
         title="the sensors lag behind the metal",
-        rides_on=("heating rate_K_s",),
         shown_by="a step of power sampled closely, with a probe of known quick response beside",
         source="first-order lag; ASTM E839",
         forms=tuple(forms),

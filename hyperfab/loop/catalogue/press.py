@@ -91,7 +91,6 @@ def fabric_compression(context: DataContext) -> PressEffect:
         else HAS_IT
         if context.foam.across
         else "",
-        rides_on=("x_mm", "y_mm", "z_mm", "stroke_mm"),
         shown_by="the thickness of the fabrics alone under rising pressure (ISO 5084)",
         source="a linear spring; B. Storakers, J. Mech. Phys. Solids 34 (1986) 125, one term",
         forms=(
@@ -128,7 +127,6 @@ def foam_relaxation(context: DataContext) -> PressEffect:
     return PressEffect(
         id="foam-relaxation",
         title="the foam's pressure relaxes",
-        rides_on=("time_s",),
         shown_by="the force at a held gap over time",
         source="ISO 3385; one Maxwell branch, or Kohlrausch's stretched exponential",
         forms=tuple(forms),
@@ -154,7 +152,6 @@ def foam_shrinkage() -> PressEffect:
     return PressEffect(
         id="foam-shrinkage",
         title="the foam has shrunk",
-        rides_on=("x_mm", "y_mm", "z_mm"),
         shown_by="the thickness of the foam before and after it was heated without load",
         source="ASTM D2126: response of rigid cellular plastics to heat",
         forms=(Form("share", (amount,), ((0.05,), (0.2,)), ((0.02,),)),),
@@ -199,7 +196,6 @@ def foam_softening(context: DataContext) -> FoamSoftening:
         id="foam-softening",
         title="the foam is softer when it is hot",
         not_sought=reason,
-        rides_on=("temperature_degC",),
         shown_by="force over stroke with the molds cold",
         source="an exponential of temperature",
         forms=tuple(forms),
@@ -232,7 +228,6 @@ def frame_compliance(context: DataContext) -> PressEffect:
         id="frame-compliance",
         title="the frame of the press yields",
         not_sought="the press is set by its force, and no stroke was read" if unread else "",
-        rides_on=("stroke_mm",),
         shown_by="force over stroke with the molds metal on metal, or a dial gauge between the platens",
         source="a linear spring in series",
         forms=(Form("spring", (compliance,), ((0.1 * whole,), (0.5 * whole,)), ((0.02 * whole,),)),),
@@ -257,7 +252,6 @@ def lateral_shift() -> PressEffect:
     return PressEffect(
         id="lateral-shift",
         title="the molds are mounted off each other's axis",
-        rides_on=("x_mm", "y_mm"),
         shown_by="the thickness on opposite flanks, and a dial gauge on the mounting face, which a tilt moves",
         source="rigid displacement",
         forms=(Form("displacement", both, _both_ways(2.0 * some), ((some, 0.0), (0.0, some))),),
@@ -279,7 +273,6 @@ def set_of_foam(context: DataContext) -> PressEffect:
         id="set",
         title="a share of the foam's compression stays",
         not_sought=reason if context.formed else "no thickness was read after the press had opened",
-        rides_on=("x_mm", "y_mm", "z_mm"),
         shown_by="the thickness after the press has opened beside that in the closed press",
         source="ISO 1856: compression set",
         forms=(
@@ -303,7 +296,6 @@ def thermal_expansion() -> PressEffect:
     return PressEffect(
         id="thermal-expansion",
         title="the molds have grown with heat",
-        rides_on=("x_mm", "y_mm", "z_mm"),
         shown_by="the thickness of the sandwich on top and on the flanks, cold and hot",
         source="linear thermal expansion about the mounting face",
         forms=(
@@ -332,7 +324,6 @@ def thickness_variation() -> PressEffect:
     return PressEffect(
         id="thickness-variation",
         title="the foam is not equally thick everywhere",
-        rides_on=("x_mm", "y_mm"),
         shown_by="the thickness of the foam before it is pressed, at nine places",
         source="a polynomial over the plan",
         forms=(
@@ -364,7 +355,6 @@ def tilt(context: DataContext) -> PressEffect:
         id="tilt",
         title="the molds are not parallel",
         not_sought="a floating female finds its own tilt" if context.floats else "",
-        rides_on=("x_mm", "y_mm"),
         shown_by="pressure or thickness on opposite sides of the mold",
         source="rigid rotation, Rodrigues' formula",
         forms=(Form("rotation", both, _both_ways(2.0 * edge), ((edge, 0.0), (0.0, edge))),),

@@ -91,7 +91,6 @@ def hysteresis(context: DataContext) -> Effect:
         id="hysteresis",
         title="loading and unloading differ, whatever the rate",
         not_sought="" if context.unloads else "no test unloads",
-        rides_on=("branch",),
         shown_by="three cycles to one amplitude at two rates: a loop of the same width every time",
         source="Dahl (1968), TOR-158; Ogden & Roxburgh (1999), doi:10.1098/rspa.1999.0431",
         forms=(*forms, smooth),
@@ -152,7 +151,6 @@ def mullins(context: DataContext) -> Effect:
         id="mullins",
         title="softer after a first pull, up to the stretch it reached",
         not_sought="" if context.unloads else "no test unloads",
-        rides_on=("cycle", "branch"),
         shown_by="two pulls to one stretch, then one beyond it: the second follows the first's way down",
         source="Ogden & Roxburgh (1999), doi:10.1098/rspa.1999.0431; Simo (1987), doi:10.1016/0045-7825(87)90107-1",
         forms=(*forms, *smooth),
@@ -208,7 +206,6 @@ def permanent_set(context: DataContext) -> Effect:
         id="permanent-set",
         title="part of the strain stays",
         not_sought="" if context.unloads else "no test unloads",
-        rides_on=("cycle", "branch"),
         shown_by="unloading to zero force, a wait, and a second pull: the stretch at which force begins",
         source="ASTM D412 (tension set); Andrews, Tobolsky & Hanson (1946), doi:10.1063/1.1707724",
         forms=(*forms, *smooth),
@@ -316,7 +313,6 @@ def rate(context: DataContext) -> Effect:
         id="rate",
         title="stress depends on the rate",
         not_sought=reason,
-        rides_on=("rate", "time"),
         shown_by="the same cycle at two rates a factor of 16 apart, and a hold of the stretch",
         source="Fung (1981), Biomechanics, ch. 7; Taylor, Pister & Goudreau (1970), doi:10.1002/nme.1620020106; "
         "Bergstrom & Boyce (1998), doi:10.1016/S0022-5096(97)00075-6; Williams, Landel & Ferry (1955), "

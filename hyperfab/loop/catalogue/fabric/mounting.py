@@ -34,7 +34,6 @@ def grip_slack(context: DataContext) -> Effect:
     return Effect(
         id="grip-slack",
         title="the first extension takes up slack",
-        rides_on=("stretch",),
         shown_by="the stretch from marks on the specimen beside that of the grips, close readings at the start",
         source="ASTM D638, annex A1 (toe compensation)",
         forms=(*forms, *free),
@@ -67,7 +66,6 @@ def load_offset(context: DataContext) -> Effect:
     return Effect(
         id="load-offset",
         title="the load cell is off its zero",
-        rides_on=("stretch",),
         shown_by="readings at rest, before the pull and after full unloading",
         source="ASTM E4 (zero of a testing machine)",
         forms=tuple(forms),

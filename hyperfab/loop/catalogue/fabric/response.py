@@ -67,7 +67,6 @@ def anisotropy(context: DataContext) -> Effect:
         id="anisotropy",
         title="warp and weft differ",
         not_sought=reason,
-        rides_on=("direction",),
         shown_by="the same pull along warp and weft, each with a replicate",
         source="Spencer (1984), Continuum Theory of the Mechanics of Fibre-Reinforced Composites; "
         "Holzapfel, Gasser & Ogden (2000), doi:10.1023/A:1010835316564",
@@ -103,7 +102,6 @@ def compressibility(context: DataContext) -> Effect:
         id="compressibility",
         title="the sheet does not keep its volume",
         not_sought=reason,
-        rides_on=("mode", "transverse stretch"),
         shown_by="the transverse stretch of a uniaxial test, or uniaxial and biaxial tests of one sheet",
         source="Blatz & Ko (1962), doi:10.1122/1.548937; Flory (1961), doi:10.1039/tf9615700829",
         forms=(*forms, *free),
@@ -166,7 +164,6 @@ def elastic_law(context: DataContext) -> Effect:
     return Effect(
         id="elastic-law",
         title="the strain-energy law is too poor",
-        rides_on=("stretch", "mode"),
         shown_by="one more mode (planar shear or biaxial), and a pull farther than the product is stretched",
         source="Yeoh (1993), doi:10.5254/1.3538343; Fung (1967); Gent & Thomas (1958), doi:10.1002/pol.1958.1202811814",
         forms=(*forms, smooth),
@@ -212,7 +209,6 @@ def thermal_softening(context: DataContext) -> Effect:
         id="thermal-softening",
         title="stiffness changes with temperature",
         not_sought="" if several else "the tests state one temperature at most",
-        rides_on=("temperature",),
         shown_by="the same pull at two temperatures 30 K or more apart",
         source="Ferry (1980), Viscoelastic Properties of Polymers, ch. 11",
         forms=(*forms, smooth),
