@@ -8,11 +8,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hyperfab.materials.effects.path import Path
+from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL, Path
 from hyperfab.materials.effects.recurrence import along
 from hyperfab.materials.effects.state import Acts, State
 from hyperfab.materials.kinematics import Array
-from hyperfab.numerics.kernels import kernel
+from hyperfab.numerics.kernels import inlined, kernel
+
+#: Steps of a branch in series for each of its times, and between two rows at most.
+_STEPS, _MOST_STEPS = 6.0, 64
 
 
 def relaxing(
@@ -119,6 +122,74 @@ def flowing(
     pace = 0.5 * path.waited / tau_s * (np.maximum(path.stretch - 1.0, 0.0) + 0.05) ** strain
     found: Array = _flowing(weight * change, pace, begins, float(power) - 1.0, float(size))
     return found
+
+
+def stretched_in_series(at: State, moduli: Sequence[float], times_s: Sequence[float]) -> Array:
+    """Return the nominal stress (n,) [MPa] of neo-Hookean springs, each in series with a dashpot that flows far.
+
+    The stretch of a branch is that of its spring times that of its dashpot, whose logarithm grows by the deviatoric
+    stress over twice the viscosity, ``modulus time``: Reese & Govindjee (1998), doi:10.1016/S0020-7683(97)00217-5.
+    For small strains that of ``relaxing``.
+
+    >>> import numpy as np
+    >>> from dataclasses import replace
+    >>> from hyperfab.materials.effects.path import uniaxial_pull
+    >>> pull = replace(uniaxial_pull(np.array([1.0, 2.0, 2.0])), time_s=np.array([0.0, 1e-6, 1e6]))
+    >>> state = State(pull, pull.stretch, 0.0 * pull.stretch, 20.0, None)
+    >>> stretched_in_series(state, [0.4], [10.0]).round(3)
+    array([0. , 0.7, 0. ])
+    """
+    path, first = at.path, at.stretch
+    across = np.where(path.mode == SHEAR, 1.0, np.where(path.mode == BIAXIAL, first, path.across))
+    second = np.where(path.mode == UNIAXIAL, first**-0.5, across)
+    begins = np.zeros(len(first), dtype=np.bool_)
+    begins[list(path.starts[:-1])] = True
+    strain = np.log(np.stack([first, second], axis=1))
+    elapsed = np.ascontiguousarray(path.waited * at.quick)
+    total = np.zeros_like(first)
+    for modulus, tau in zip(moduli, times_s, strict=True):
+        if modulus:
+            total += modulus * _in_series(strain, elapsed, begins, float(tau)) / first
+    return total
+
+
+@kernel
+def _in_series(strain, elapsed, begins, tau):  # type: ignore[no-untyped-def]
+    """The true stress (n,) over the modulus of one branch, from logarithmic strains (n, 2): Runge and Kutta's steps."""
+    found = np.empty(len(strain))
+    x = y = 0.0
+    for i in range(len(strain)):
+        dx, dy = strain[i]
+        if begins[i]:
+            x = y = 0.0
+        else:
+            dx, dy = dx - strain[i - 1, 0], dy - strain[i - 1, 1]
+        ratio = elapsed[i] / tau
+        # A spring that is stretched far relaxes faster.
+        far = min(max(abs(x), abs(y), abs(x + y)) + max(abs(dx), abs(dy), abs(dx + dy)), 2.0)
+        steps = min(int(_STEPS * ratio * np.exp(2.0 * far)) + 1, _MOST_STEPS)
+        h = ratio / steps
+        if h > 1.0:
+            # Beside so long a time all is flow, at an even pace.
+            x, y = dx / ratio, dy / ratio
+        else:
+            dx, dy = dx / steps, dy / steps
+            for _ in range(steps):
+                a1, b1 = _pace(x, y, dx, dy, h)
+                a2, b2 = _pace(x + 0.5 * a1, y + 0.5 * b1, dx, dy, h)
+                a3, b3 = _pace(x + 0.5 * a2, y + 0.5 * b2, dx, dy, h)
+                a4, b4 = _pace(x + a3, y + b3, dx, dy, h)
+                x += (a1 + 2.0 * a2 + 2.0 * a3 + a4) / 6.0
+                y += (b1 + 2.0 * b2 + 2.0 * b3 + b4) / 6.0
+        found[i] = np.exp(2.0 * x) - np.exp(-2.0 * (x + y))
+    return found
+
+
+@inlined
+def _pace(x, y, dx, dy, h):  # type: ignore[no-untyped-def]
+    one, other, third = np.exp(2.0 * x), np.exp(2.0 * y), np.exp(-2.0 * (x + y))
+    mean = (one + other + third) / 3.0
+    return dx - 0.5 * h * (one - mean), dy - 0.5 * h * (other - mean)
 
 
 @kernel
@@ -264,6 +335,8 @@ FORMS: Mapping[str, Acts] = {
     "thinning-bent": _thinning_driven,
     "flow": _flow,
     "flow-strain": _flow,
+    "finite": lambda at, stress, values: stress + stretched_in_series(at, values[:1], values[1:]),
+    "finite-2": lambda at, stress, values: stress + stretched_in_series(at, values[::2], values[1::2]),
     "smooth": spectrum,
     "prony-1-shifted": _shifted(_maxwell),
     "prony-2-shifted": _shifted(_maxwell),

@@ -240,6 +240,12 @@ def rate(context: DataContext) -> Effect:
     level = Constant("flow_MPa", 0.1 * peak, 0.1 * peak, 0.1 * peak, 0.1 * peak)
     with_strain = Constant("strain", 0.0, -1.5, 1.5, 0.2)
     bend = Constant("bend", 0.0, -8.0, 8.0, 1.0)
+    spring = 0.1 * peak / context.reach
+    series = tuple(
+        constant
+        for k, (_, time) in enumerate((one, two), 1)
+        for constant in (Constant(f"mu{k}_MPa", 0.0, 0.0, 100.0 * spring, spring), time)
+    )
     viscous = Constant("viscous_MPa", 0.0, 0.0, peak, 0.05 * peak)
     reason = "" if context.shows_rate else "the tests have one rate, no hold and no way back"
     if not context.path.knows_time:
@@ -285,6 +291,13 @@ def rate(context: DataContext) -> Effect:
             (*one, power, level, with_strain),
             ((0.5, t2, 2.5, 0.1 * peak, -0.3),),
             refines=("flow", "thinning", "thinning-bent"),
+        ),
+        Form("finite", series[:2], ((spring, t2), (spring, t4)), refines="prony-1"),
+        Form(
+            "finite-2",
+            series,
+            ((spring, t1, spring, t3), (spring, t2, spring, t4)),
+            refines=("finite", "prony-2", "prony-bent", "prony-measure", "thinning", "flow", "flow-strain"),
         ),
         Form("prony-measure", (*one, measure), ((0.3, t2, 0.5),), refines="prony-1"),
         Form(
