@@ -335,8 +335,10 @@ FORMS: Mapping[str, Acts] = {
     "thinning-bent": _thinning_driven,
     "flow": _flow,
     "flow-strain": _flow,
-    "finite": lambda at, stress, values: stress + stretched_in_series(at, values[:1], values[1:]),
-    "finite-2": lambda at, stress, values: stress + stretched_in_series(at, values[::2], values[1::2]),
+    "finite": lambda at, stress, values: stress + stretched_in_series(at, [values[0]], [values[1]]),
+    "finite-2": lambda at, stress, values: (
+        stress + stretched_in_series(at, list(values[::2]), list(values[1::2]))
+    ),
     "smooth": spectrum,
     "prony-1-shifted": _shifted(_maxwell),
     "prony-2-shifted": _shifted(_maxwell),
