@@ -69,7 +69,7 @@ def test_relaxation_of_a_strip_that_goes_slack_is_found_with_its_constants() -> 
 
 def test_a_dashpot_that_flows_far_is_found_with_its_constants() -> None:
     """As a set or a loop it would pass, were there small strains alone."""
-    tests = [flowing(rate, top) for rate in RATES for top in (1.5, 2.5)]
+    tests = [flowing(rate, top) for rate in RATES[::2] for top in (1.5, 2.5)]
     found = close(fabric_problem(law("yeoh-3"), (0.02, 0.0, 0.0), tests), design=False)
     assert (found.verdict, found.after.ids) == ("effect", ("rate",))
     assert found.after.fit.forms["rate"].name == "finite-2"
