@@ -328,7 +328,8 @@ def rate(context: DataContext) -> Effect:
         not_sought=reason,
         shown_by="the same cycle at two rates a factor of 16 apart, and a hold of the stretch",
         source="Fung (1981), Biomechanics, ch. 7; Taylor, Pister & Goudreau (1970), doi:10.1002/nme.1620020106; "
-        "Bergstrom & Boyce (1998), doi:10.1016/S0022-5096(97)00075-6; Williams, Landel & Ferry (1955), "
+        "Bergstrom & Boyce (1998), doi:10.1016/S0022-5096(97)00075-6; Reese & Govindjee (1998), "
+        "doi:10.1016/S0020-7683(97)00217-5; Williams, Landel & Ferry (1955), "
         "doi:10.1021/ja01619a008",
         forms=(*forms, *frees),
         smooth=True,
