@@ -136,10 +136,11 @@ def _how(test: TestCurve, stretch: Array) -> tuple[str, float]:
     rate is stated, its pace [1/s], 1 where it has no clock."""
     temperature = "-" if test.temperature_degC is None else f"{float(np.mean(test.temperature_degC)):.0f}"
     speed, pace = "-" if test.rate_1_s is None else f"{float(np.median(test.rate_1_s)):.2g}", 1.0
-    if speed == "-" and test.time_s is not None and float(test.time_s[-1] - test.time_s[0]) > 0.0:
+    span = 0.0 if test.time_s is None else float(test.time_s[-1] - test.time_s[0])
+    if speed == "-" and test.time_s is not None and span > 0.0:
         moved, took = np.abs(np.diff(stretch)), np.diff(test.time_s)
         # What waits at a stretch, however long, was pulled there at its own pace.
-        going = moved * float(test.time_s[-1] - test.time_s[0]) > _STANDS * float(np.sum(moved)) * took
+        going = moved * span > _STANDS * float(np.sum(moved)) * took
         pace = float(np.sum(moved[going]) / np.sum(took[going])) if np.any(going) else 1.0
         speed = "by its clock"
     way = "pulls" if np.max(stretch) - 1.0 >= 1.0 - np.min(stretch) else "presses"

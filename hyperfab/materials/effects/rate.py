@@ -44,7 +44,8 @@ def relaxing(
 
 
 def _steps(path: Path, stress: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Return the change of stress up to each row, from nothing where a test begins, and which rows begin one."""
+    """Return what a quantity (n,) or (n, k) changes by up to each row, from nothing where a test begins, and which rows
+    begin one."""
     begins = np.zeros(len(stress), dtype=np.bool_)
     begins[list(path.starts[:-1])] = True
     change = np.empty_like(stress)
@@ -142,28 +143,24 @@ def stretched_in_series(at: State, moduli: Sequence[float], times_s: Sequence[fl
     path, first = at.path, at.stretch
     across = np.where(path.mode == SHEAR, 1.0, np.where(path.mode == BIAXIAL, first, path.across))
     second = np.where(path.mode == UNIAXIAL, first**-0.5, across)
-    begins = np.zeros(len(first), dtype=np.bool_)
-    begins[list(path.starts[:-1])] = True
-    strain = np.log(np.stack([first, second], axis=1))
+    change, begins = _steps(path, np.log(np.stack([first, second], axis=1)))
     elapsed = np.ascontiguousarray(path.waited * at.quick)
     total = np.zeros_like(first)
     for modulus, tau in zip(moduli, times_s, strict=True):
         if modulus:
-            total += modulus * _in_series(strain, elapsed, begins, float(tau)) / first
+            total += modulus * _in_series(change, elapsed, begins, float(tau)) / first
     return total
 
 
 @kernel
-def _in_series(strain, elapsed, begins, tau):  # type: ignore[no-untyped-def]
-    """The true stress (n,) over the modulus of one branch, from logarithmic strains (n, 2): Runge and Kutta's steps."""
-    found = np.empty(len(strain))
+def _in_series(change, elapsed, begins, tau):  # type: ignore[no-untyped-def]
+    """The true stress (n,) over the modulus of a branch, from what the logarithmic strains (n, 2) change by."""
+    found = np.empty(len(change))
     x = y = 0.0
-    for i in range(len(strain)):
-        dx, dy = strain[i]
+    for i in range(len(change)):
+        dx, dy = change[i]
         if begins[i]:
             x = y = 0.0
-        else:
-            dx, dy = dx - strain[i - 1, 0], dy - strain[i - 1, 1]
         ratio = elapsed[i] / tau
         # A spring that is stretched far relaxes faster.
         far = min(max(abs(x), abs(y), abs(x + y)) + max(abs(dx), abs(dy), abs(dx + dy)), 2.0)
