@@ -40,8 +40,13 @@ $(VENV)/wheel: $(VENV)/created pyproject.toml setup.py constraints.txt $(SOURCES
 	$(PIP) wheel --no-deps --wheel-dir $@ .
 	@touch $@
 
+# What the program is to have beside it; apart, so that `make -j2` installs it while the kernels are compiled.
+$(VENV)/needs.txt: $(VENV)/created pyproject.toml constraints.txt
+	sed -nE '/^dependencies/,/^]/s/^ *"([^"]+)".*/\1/p' pyproject.toml > $@
+	$(PIP) install --constraint constraints.txt --requirement $@
+
 # The program itself: what a user installs, in the versions of constraints.txt.
-$(VENV)/run: $(VENV)/wheel
+$(VENV)/run: $(VENV)/needs.txt $(VENV)/wheel
 	$(PIP) install --force-reinstall --no-deps $(VENV)/wheel/*.whl
 	$(PIP) install --constraint constraints.txt $(VENV)/wheel/*.whl
 	@touch $@

@@ -106,8 +106,9 @@ def compile_all() -> int:
 
     AHEAD.mkdir(exist_ok=True)
     names = sorted(listed())
-    packages = sorted({name.split(".")[1] for name in names})
-    groups = [[name for name in names if name.split(".")[1] == package] for package in packages]
+    # A module's kernels call each other, and are compiled together.
+    modules = sorted({name.rpartition(".")[0] for name in names})
+    groups = [[name for name in names if name.rpartition(".")[0] == module] for module in modules]
     with ProcessPoolExecutor(min(threads(), len(groups))) as pool:
         return sum(pool.map(compile_some, sorted(groups, key=len, reverse=True)))
 

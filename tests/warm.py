@@ -10,6 +10,7 @@ Run as a program, it serves the commands that come over the socket whose number 
 
 from __future__ import annotations
 
+import atexit
 import json
 import os
 import signal
@@ -17,9 +18,12 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
+from collections.abc import Callable
 from functools import cached_property
 from pathlib import Path
+from typing import NoReturn
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -153,6 +157,27 @@ def _serve(number: int) -> None:
         link.sendall(b"%d %f\n" % (os.waitstatus_to_exitcode(status), used.ru_utime + used.ru_stime))
 
 
+def _end(run: Callable[[], None]) -> NoReturn:
+    """Run the command and end as Python does, but for letting go of all that is loaded.
+
+    The fork shares that with the process it comes from, and would copy it to mark it as free: four fifths of the time
+    that a refused command takes.
+    """
+    try:
+        run()
+        status = 0
+    except SystemExit as ended:
+        status = ended.code or 0
+    threading._shutdown()  # type: ignore[attr-defined]
+    atexit._run_exitfuncs()
+    try:
+        sys.stdout.flush()
+        sys.stderr.flush()
+    except OSError:
+        status = 120
+    os._exit(status)  # what is neither a number nor None is an error of the program
+
+
 if __name__ == "__main__":
     import gc
 
@@ -167,4 +192,4 @@ if __name__ == "__main__":
     gc.freeze()
     sys.argv[0] = str(program.__file__)
     _serve(int(sys.argv[1]))
-    program.main()
+    _end(program.main)
