@@ -139,8 +139,17 @@ def _strains(
 
 def _averaged(mesh: SheetMesh, places: Array) -> Array:
     """Return the elements' mean deformation gradients (n, 3, 2), averaged at the nodes."""
-    mean = np.einsum("max,mqai,mq->mxi", places[mesh.elements], mesh.gradients, mesh.weights)
-    mean /= mesh.weights.sum(axis=1)[:, None, None]
-    total = np.zeros((len(mesh.nodes), 3, 2))
-    np.add.at(total, mesh.elements.ravel(), np.repeat(mean, mesh.elements.shape[1], axis=0))
-    return total / np.bincount(mesh.elements.ravel(), minlength=len(mesh.nodes))[:, None, None]
+    weights = mesh.weights / mesh.weights.sum(axis=1)[:, None]
+    gradients = (weights[:, None, :] @ mesh.gradients.reshape(*weights.shape, -1)).reshape(
+        *mesh.elements.shape, 2
+    )
+    mean = np.swapaxes(places[mesh.elements], 1, 2) @ gradients
+    at = mesh.elements.ravel()
+    total = [
+        np.bincount(at, np.repeat(mean[:, axis, slope], mesh.elements.shape[1]), len(mesh.nodes))
+        for axis in range(3)
+        for slope in range(2)
+    ]
+    return (
+        np.stack(total, axis=1).reshape(-1, 3, 2) / np.bincount(at, minlength=len(mesh.nodes))[:, None, None]
+    )
