@@ -39,6 +39,8 @@ NO_READING = re.compile(
 _BLANK_UNITS = frozenset(
     ("", "-", "--", "#", "count", "counts", "text", "none", "n", "no", "[]", "()", "1")
 ) | words("unit; units; einheit; einheiten; unidad; unidades; unite; unites; unita; unidade")
+#: A title with such a word names a test; others, as ``shear modulus``, may be a setting's.
+_OF_A_TEST = re.compile(r"(\btests?|versuche?|prufung)\b|\b(ensayo|essai|prova|ensaio)\b")
 _SETTING = re.compile(r"\s*([^:=]{1,80}?)\s*[:=]\s*(.*)")
 #: What stands above one table of several is that one's own.
 _OF_ONE = ("specimen", "cycle", "branch")
@@ -315,7 +317,7 @@ def settings(rows: Sequence[Row]) -> dict[str, list[Entry]]:
     for line, row in rows:
         cells = [part for cell in row for part in _parted(cell)]
         title = [cell for cell in cells if cell]
-        if len(title) == 1 and _stated(title, 0) is None and kind_named(title[0]) is not None:
+        if _is_title(title) and kind_named(title[0]) is not None:
             found.setdefault("test", []).append(Entry(title[0], line, sure=False))
         place = 0
         while place < len(cells):
@@ -334,6 +336,14 @@ def settings(rows: Sequence[Row]) -> dict[str, list[Entry]]:
             if name and value:
                 found.setdefault(name, []).append(Entry(text, line, sure=False))
     return found
+
+
+def _is_title(cells: Sequence[str]) -> bool:
+    """Whether the filled cells of a row are words alone: one, or ``Biaxial test, knit`` parted at its commas."""
+    if len(cells) == 1:
+        return _stated(cells, 0) is None
+    named = bool(cells) and _OF_A_TEST.search(plain(cells[0])) is not None
+    return named and not any(is_number(cell.split()[0]) for cell in cells)
 
 
 def _parted(cell: str) -> list[str]:

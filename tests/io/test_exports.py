@@ -240,6 +240,30 @@ def test_a_file_is_recognised_by_a_title_that_stands_in_a_line_by_itself(
             assert read_tests(text.encode(), "k17.csv")[0].mode == test
 
 
+@pytest.mark.parametrize(
+    "title",
+    [
+        "Biaxial tensile test of coated fabric, MSAJ/M-02-1995",
+        "Biaxial test,knitted fabric,cruciform",
+        "Biaxialer Zugversuch EN 17117-1",
+    ],
+)
+def test_loads_and_strains_along_warp_and_fill_are_one_biaxial_test_where_a_title_says_so(title: str) -> None:
+    """Without it they could as well be two strips side by side."""
+    head = "Stress warp [MPa],Stress fill [MPa],Strain warp [%],Strain fill [%]"
+    table = f"{head}\n1,2,0.1,0.4\n2,4,0.2,0.7\n"
+    [found] = read_tests(f"{title}\n{table}".encode(), "k17.csv")
+    assert found.mode == "biaxial-general"
+    with pytest.raises(InputError, match="does not say which test it is"):
+        read_tests(table.encode(), "k17.csv")
+
+
+@pytest.mark.parametrize("line", ["Shear modulus,3,MPa", "Test speed,10,mm/min", "Tensile strength,high"])
+def test_a_setting_is_no_title(line: str) -> None:
+    with pytest.raises(InputError, match="does not say which test it is"):
+        read_tests(f"{line}\nelongation [%],stress [MPa],note\n10,0.2,\n20,0.4,ok\n".encode(), "k17.csv")
+
+
 def test_closing_rows_and_errors_of_a_spreadsheet_are_counted() -> None:
     [found] = read(OTHERS["nv_rows"], "a")
     assert found.left_out == {"no reading (#NV)": 1}

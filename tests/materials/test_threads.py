@@ -54,7 +54,9 @@ def test_a_little_pull_meets_the_compliance_of_an_orthotropic_sheet(angle: float
     c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
     modulus = 1.0 / (S[0, 0] * c**4 + (2.0 * S[0, 1] + S[2, 2]) * s**2 * c**2 + S[1, 1] * s**4)
     problem = posed(cut([angle], reach=1e-3, rows=3))
-    found = Threads(problem.fabric.path).answer(CONSTANTS, problem.fabric.path.stretch)[0]
+    found = Threads(problem.fabric.path).answer(
+        CONSTANTS, problem.fabric.path.stretch, problem.fabric.path.across
+    )[0]
     # Threads bear tension alone: a way that is not pulled answers by the ground.
     pulled = np.linalg.solve(stiffness, [c * c, s * s, s * c])[:2] > 0.0
     if not pulled.all():
@@ -68,7 +70,7 @@ def test_a_little_pull_meets_the_compliance_of_an_orthotropic_sheet(angle: float
 @pytest.mark.parametrize("angle", [0.0, 22.0, 45.0, 90.0])
 def test_between_the_knots_a_strip_answers_as_the_free_strip_does(angle: float) -> None:
     path = posed(cut([angle], reach=0.4)).fabric.path
-    stress, energy, width = Threads(path).answer(CONSTANTS, path.stretch)
+    stress, energy, width = Threads(path).answer(CONSTANTS, path.stretch, path.across)
     exact = strip(Orthotropic.of(CONSTANTS), angle, path.stretch)
     assert stress == pytest.approx(exact.stress, abs=1e-4 * exact.stress.max())
     assert energy == pytest.approx(exact.answer.energy, abs=1e-4 * exact.answer.energy.max())
@@ -78,8 +80,8 @@ def test_between_the_knots_a_strip_answers_as_the_free_strip_does(angle: float) 
 def test_where_it_begins_does_not_change_an_equilibrium() -> None:
     path = posed(cut([0.0, 30.0, 60.0])).fabric.path
     used = Threads(path)
-    used.answer({**CONSTANTS, "G_MPa": 0.5}, path.stretch)
-    again, fresh = (one.answer(CONSTANTS, path.stretch)[0] for one in (used, Threads(path)))
+    used.answer({**CONSTANTS, "G_MPa": 0.5}, path.stretch, path.across)
+    again, fresh = (one.answer(CONSTANTS, path.stretch, path.across)[0] for one in (used, Threads(path)))
     assert again == pytest.approx(fresh, rel=1e-9, abs=1e-12)
 
 
@@ -103,7 +105,12 @@ def test_a_sheet_stretched_alike_every_way_does_not_know_how_it_is_mounted(
 
 def test_one_reading_of_an_equal_biaxial_test_is_the_mean_of_both_axes() -> None:
     two, one = (posed(cut([0.0, 90.0], GENERAL)), posed(cut([30.0], BIAXIAL)))
-    both = Threads(two.fabric.path).answer(CONSTANTS, two.fabric.path.stretch)[0].reshape(2, -1).mean(axis=0)
-    assert Threads(one.fabric.path).answer(CONSTANTS, one.fabric.path.stretch)[0] == pytest.approx(
-        both, rel=1e-12
+    both = (
+        Threads(two.fabric.path)
+        .answer(CONSTANTS, two.fabric.path.stretch, two.fabric.path.across)[0]
+        .reshape(2, -1)
+        .mean(axis=0)
     )
+    assert Threads(one.fabric.path).answer(CONSTANTS, one.fabric.path.stretch, one.fabric.path.across)[
+        0
+    ] == pytest.approx(both, rel=1e-12)

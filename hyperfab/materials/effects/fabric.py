@@ -22,7 +22,7 @@ from hyperfab.materials.effects import (
     rate,
     thermal_softening,
 )
-from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL, Path
+from hyperfab.materials.effects.path import BIAXIAL, GENERAL, SHEAR, UNIAXIAL, Path
 from hyperfab.materials.effects.state import State
 from hyperfab.materials.effects.threads import Threads
 from hyperfab.materials.kinematics import Array, Sheet
@@ -73,8 +73,8 @@ class Fabric:
     speed: Array | None = None
     hang: NDArray[np.bool_] | None = None
     _bases: dict[tuple[object, ...], tuple[Array, Array | None]] = field(default_factory=dict)
-    _last: tuple[tuple[object, ...], Array] = field(
-        default_factory=lambda: ((None,), np.empty(0)), repr=False
+    _last: tuple[tuple[object, ...], Array, Array] = field(
+        default_factory=lambda: ((None,), np.empty(0), np.empty(0)), repr=False
     )
 
     def stress(self, warp: Array, weft: Array | None, terms: Terms) -> Array:
@@ -85,12 +85,12 @@ class Fabric:
         """
         path = self.path
         terms = _present(terms)
-        stretch, place = self._stretch(terms)
+        stretch, side, place = self._stretches(terms)
         with np.errstate(all="ignore"):
-            stress, energy = self._elastic(warp, weft, terms, stretch, place)
+            stress, energy = self._elastic(warp, weft, terms, (stretch, side), place)
             if terms.get("permanent-set", ("",))[0] in permanent_set.NETWORKS:
-                peak = self._peak(stretch)
-                second, _ = self._elastic(warp, weft, terms, stretch / peak, (*place, "second"))
+                peak = self._peak(path, stretch)
+                second, _ = self._elastic(warp, weft, terms, (stretch / peak, side), (*place, "second"))
                 stress = permanent_set.second_network(stress, second, peak, *terms["permanent-set"][1])
             state = State(path, stretch, energy, self.reference_degC, self.speed)
             for name, forms in _ON_STRESS.items():
@@ -107,35 +107,42 @@ class Fabric:
         ``warp`` are the law's constants: a sheet of threads asks for them.
         """
         terms = _present(terms)
-        stretch, _ = self._stretch(terms)
+        stretch, side, place = self._stretches(terms)
         if _is_of_threads(terms):
             assert warp is not None
-            return self._of_threads(warp, terms, stretch)[2]
+            return self._of_threads(warp, terms, (stretch, side), place)[2]
         if "compressibility" not in terms:
             return np.asarray(stretch**-0.5)
         form, values = terms["compressibility"]
         return compressibility.FORMS[form].across(self.path, stretch, values)
 
-    def _stretch(self, terms: Terms) -> tuple[Array, tuple[object, ...]]:
-        """Return the specimen's stretch and what tells it from others; stress and stretch across both ask for it."""
+    def _stretches(self, terms: Terms) -> tuple[Array, Array, tuple[object, ...]]:
+        """Return the specimen's elastic stretch, what it is of it along the second axis of a general biaxial test, and
+        what tells these from others; stress and stretch across both ask for them."""
         slack, kept = (terms.get(name, ("", np.empty(0))) for name in ("grip-slack", "permanent-set"))
         if kept[0] not in permanent_set.FORMS:
             kept = "", np.empty(0)
         place: tuple[object, ...] = (*slack[:1], *slack[1], *kept[:1], *kept[1])
         if self._last[0] != place:
-            stretch = self.path.stretch
+            path = self.path
+            stretch, side = path.stretch, path.across
             if slack[0]:
-                stretch = grip_slack.FORMS[slack[0]](self.path, stretch, slack[1])
+                stretch = grip_slack.FORMS[slack[0]](path, stretch, slack[1])
             if kept[0]:
-                stretch = permanent_set.FORMS[kept[0]](self.path, stretch, self._peak(stretch), kept[1])
-            self._last = place, stretch
-        return self._last[1], place
+                stretch = self._without_set(path, stretch, *kept)
+                if np.any(path.mode == GENERAL):
+                    side = self._without_set(path.other_axis, side, *kept)
+            self._last = place, stretch, side
+        return self._last[1], self._last[2], place
 
-    def _peak(self, stretch: Array) -> Array:
-        if stretch is self.path.stretch:
-            return self.path.peak
+    def _without_set(self, path: Path, stretch: Array, form: str, values: Array) -> Array:
+        return permanent_set.FORMS[form](path, stretch, self._peak(path, stretch), values)
+
+    def _peak(self, path: Path, stretch: Array) -> Array:
+        if stretch is path.stretch:
+            return path.peak
         found = np.empty_like(stretch)
-        for rows in self.path.curves:
+        for rows in path.curves:
             found[rows] = np.maximum(np.maximum.accumulate(stretch[rows]), 1.0)
         return found
 
@@ -144,22 +151,24 @@ class Fabric:
         warp: Array,
         weft: Array | None,
         terms: Terms,
-        stretch: Array,
+        stretches: tuple[Array, Array],
         place: tuple[object, ...],
     ) -> tuple[Array, Array]:
         needs_energy = "mullins" in terms or terms.get("hysteresis", ("",))[0] in hysteresis.OF_ENERGY
         if _is_of_threads(terms):
-            return self._of_threads(warp, terms, stretch)[:2]
+            return self._of_threads(warp, terms, stretches, place)[:2]
 
         def of(constants: Array) -> tuple[Array, Array]:
-            return self._of_law(constants, terms, stretch, place, needs_energy)
+            return self._of_law(constants, terms, stretches, place, needs_energy)
 
         if (form := anisotropy.form_of(terms)) is not None:
-            return form.answer(of, self.path, stretch, warp, terms["anisotropy"][1])
+            return form.answer(of, self.path, stretches[0], warp, terms["anisotropy"][1])
         one = of(warp)
         return one if weft is None else anisotropy.between(self.path, one, of(weft))
 
-    def _of_threads(self, warp: Array, terms: Terms, stretch: Array) -> tuple[Array, Array, Array]:
+    def _of_threads(
+        self, warp: Array, terms: Terms, stretches: tuple[Array, Array], place: tuple[object, ...]
+    ) -> tuple[Array, Array, Array]:
         """Return stress, energy and stretch across of a sheet whose ground is the law, with threads in it."""
         ground = dict(zip(self.law.names, map(float, warp), strict=True))
         constants = anisotropy.SHEET.constants(ground, terms["anisotropy"][1])
@@ -167,9 +176,9 @@ class Fabric:
             form, values = terms["compressibility"]
             nu = compressibility.FORMS[form].poisson(values)
             constants |= {} if nu is None else {"nu": nu}
-        stress, energy, across = self._threads.answer(constants, stretch)
+        stress, energy, across = self._threads.answer(constants, *stretches)
         if "elastic-law" in terms:
-            more = self._of_law(np.zeros(len(warp)), terms, stretch, ("added",), True)
+            more = self._of_law(np.zeros(len(warp)), terms, stretches, (*place, "added"), True)
             stress, energy = stress + more[0], energy + more[1]
         return stress, energy, across
 
@@ -181,13 +190,13 @@ class Fabric:
         self,
         constants: Array,
         terms: Terms,
-        stretch: Array,
+        stretches: tuple[Array, Array],
         place: tuple[object, ...],
         needs_energy: bool,
     ) -> tuple[Array, Array]:
         given = dict(zip(self.law.names, map(float, constants), strict=True))
         if self.law.nonlinear and self.law.refusal(given) is not None:
-            nowhere = np.full_like(stretch, np.nan)
+            nowhere = np.full_like(stretches[0], np.nan)
             return nowhere, nowhere
         c, theta = self.law.split(given)
         extra_form, extra = terms.get("elastic-law", ("", np.empty(0)))
@@ -197,7 +206,7 @@ class Fabric:
         if key not in self._bases:
             if len(self._bases) >= _KEPT:
                 self._bases.pop(next(iter(self._bases)))
-            self._bases[key] = self._basis(theta, stretch, extra_form, shape, terms, needs_energy)
+            self._bases[key] = self._basis(theta, stretches, extra_form, shape, terms, needs_energy)
         columns, energies = self._bases[key]
         weights = np.array([*c, *linear])
         stress = columns @ weights
@@ -206,17 +215,17 @@ class Fabric:
     def _basis(
         self,
         theta: Sequence[float],
-        stretch: Array,
+        stretches: tuple[Array, Array],
         extra_form: str,
         shape: Sequence[float],
         terms: Terms,
         needs_energy: bool,
     ) -> tuple[Array, Array | None]:
         factor: Array | float = 1.0
-        l1, l2 = stretch, self._second(theta, stretch)
+        l1, l2 = stretches[0], self._second(theta, *stretches)
         if "compressibility" in terms:
             form, values = terms["compressibility"]
-            l1, l2, factor = compressibility.FORMS[form].state(self.path, stretch, l2, values)
+            l1, l2, factor = compressibility.FORMS[form].state(self.path, l1, l2, values)
         return self._columns(theta, Sheet.of(l1, l2), extra_form, shape, factor, needs_energy)
 
     def _columns(
@@ -238,10 +247,10 @@ class Fabric:
             return columns, None
         return columns, np.stack([_energy(part, sheet) + nothing for part in parts], axis=1)
 
-    def _second(self, theta: Sequence[float], stretch: Array) -> Array:
+    def _second(self, theta: Sequence[float], stretch: Array, side: Array) -> Array:
         """Return the second stretch where the sheet contracts as its law has it."""
         path = self.path
-        second = np.where(path.mode == BIAXIAL, stretch, np.where(path.mode == SHEAR, 1.0, path.across))
+        second = np.where(path.mode == BIAXIAL, stretch, np.where(path.mode == SHEAR, 1.0, side))
         return np.where(path.mode == UNIAXIAL, stretch ** -self.law.contraction(theta), second)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -43,6 +43,21 @@ class Path:
     def curves(self) -> list[slice]:
         """Rows of each curve."""
         return [slice(a, b) for a, b in zip(self.starts[:-1], self.starts[1:], strict=True)]
+
+    @cached_property
+    def least(self) -> Array:
+        """The least elastic stretch: a strip let go hangs slack at 1, a sheet held along two axes may be shorter."""
+        return np.where(self.mode == GENERAL, 0.0, 1.0)
+
+    @cached_property
+    def other_axis(self) -> Path:
+        """The way of the second axis of general biaxial tests; the other rows are as they are."""
+        general = self.mode == GENERAL
+        return replace(
+            self,
+            stretch=np.where(general, self.across, self.stretch),
+            across=np.where(general, self.stretch, self.across),
+        )
 
     @cached_property
     def up(self) -> NDArray[np.int64]:

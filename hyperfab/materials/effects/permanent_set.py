@@ -12,12 +12,20 @@ from hyperfab.materials.effects.smooth import through
 from hyperfab.materials.kinematics import Array
 
 
-def returned(stretch: Array, peak: Array, share: float, power: float = 1.0, bend: float = 0.0) -> Array:
+def returned(
+    stretch: Array,
+    peak: Array,
+    share: float,
+    power: float = 1.0,
+    bend: float = 0.0,
+    *,
+    least: Array | float = 1.0,
+) -> Array:
     """Return the elastic stretch where ``share`` of the largest strain so far stays when the load is gone.
 
     The first pull is the law's own; coming down, and up again to the old peak, the strain runs from the set to the peak
-    on a scale of its own: ``(strain - set) peak / (peak - set)``. Below the set the fabric is slack. With ``power`` the
-    set goes with that power of the largest strain (over 1/2); with ``bend`` as ``(1 - exp(-bend strain))/bend``.
+    on a scale of its own: ``(strain - set) peak / (peak - set)``. At its ``least`` the fabric is slack. With ``power``
+    the set goes with that power of the largest strain (over 1/2); with ``bend`` as ``(1 - exp(-bend strain))/bend``.
 
     >>> returned(np.array([1.5, 1.1]), np.array([1.5, 1.5]), 0.2)
     array([1.5, 1. ])
@@ -25,11 +33,18 @@ def returned(stretch: Array, peak: Array, share: float, power: float = 1.0, bend
     most = peak - 1.0
     kept = np.minimum(_rest(peak, share, power, bend), 0.95 * most)
     strain = (stretch - 1.0 - kept) * most / np.maximum(most - kept, 1e-12)
-    return np.asarray(np.where(stretch >= peak, stretch, 1.0 + np.maximum(strain, 0.0)))
+    return np.asarray(np.where(stretch >= peak, stretch, np.maximum(1.0 + strain, least)))
 
 
 def grown(
-    stretch: Array, peak: Array, share: float, power: float = 1.0, bend: float = 0.0, *, added: bool = False
+    stretch: Array,
+    peak: Array,
+    share: float,
+    power: float = 1.0,
+    bend: float = 0.0,
+    *,
+    added: bool = False,
+    least: Array | float = 1.0,
 ) -> Array:
     """Return the elastic stretch where the rest length has grown by ``share`` of the largest strain so far.
 
@@ -39,12 +54,12 @@ def grown(
     >>> grown(np.array([1.5]), np.array([1.5]), 0.0)
     array([1.5])
     """
-    return left_of(stretch, _rest(peak, share, power, bend), added)
+    return left_of(stretch, _rest(peak, share, power, bend), added, least)
 
 
-def left_of(stretch: Array, rest: Array, added: bool) -> Array:
+def left_of(stretch: Array, rest: Array, added: bool, least: Array | float) -> Array:
     """Return the elastic stretch over a set ``rest``: strains are ``added``, or stretches are multiplied."""
-    return np.asarray(np.maximum(stretch - rest if added else stretch / (1.0 + rest), 1.0))
+    return np.asarray(np.maximum(stretch - rest if added else stretch / (1.0 + rest), least))
 
 
 def crept(path: Path, share: float, strain: float, *, added: bool = False) -> Array:
@@ -59,7 +74,7 @@ def crept(path: Path, share: float, strain: float, *, added: bool = False) -> Ar
     keep = np.exp(-pulled / strain)
     keep[first] = 0.0
     rest = along(keep, (1.0 - np.exp(-pulled / strain)) * share * (path.peak - 1.0))
-    return left_of(path.stretch, rest, added)
+    return left_of(path.stretch, rest, added, path.least)
 
 
 def crept_smoothly(path: Path, values: Array, *, flows: bool = False) -> Array:
@@ -79,7 +94,7 @@ def crept_smoothly(path: Path, values: Array, *, flows: bool = False) -> Array:
     strained = (path.stretch if flows else path.peak) - 1.0
     aim = np.maximum(through(strained / reach, values[3:]), 0.0)
     rest = towards(keep, aim) if flows else along(keep, -np.expm1(-passed) * aim)
-    return left_of(path.stretch, rest, added=False)
+    return left_of(path.stretch, rest, False, path.least)
 
 
 def kept_on(path: Path, share: float, power: float, *, added: bool = False) -> Array:
@@ -90,7 +105,7 @@ def kept_on(path: Path, share: float, power: float, *, added: bool = False) -> A
     rest = np.where(
         path.returns > 0.0, share * (path.peak - 1.0) * np.maximum(path.returns, 1.0) ** power, 0.0
     )
-    return left_of(path.stretch, rest, added)
+    return left_of(path.stretch, rest, added, path.least)
 
 
 def second_network(first: Array, second: Array, peak: Array, share: float, power: float = 1.0) -> Array:
@@ -120,15 +135,21 @@ Lengthens = Callable[[Path, Array, Array, Array], Array]
 
 
 def _returned(bends: bool = False) -> Lengthens:
-    return lambda path, stretch, peak, values: returned(stretch, peak, *_curved(values, bends))
+    return lambda path, stretch, peak, values: returned(
+        stretch, peak, *_curved(values, bends), least=path.least
+    )
 
 
 def _flow(bends: bool = False, added: bool = False) -> Lengthens:
-    return lambda path, stretch, peak, values: grown(stretch, path.peak, *_curved(values, bends), added=added)
+    return lambda path, stretch, peak, values: grown(
+        stretch, path.peak, *_curved(values, bends), added=added, least=path.least
+    )
 
 
 def _next_pull(added: bool = False) -> Lengthens:
-    return lambda path, stretch, peak, values: grown(stretch, path.earlier_peak, *values, added=added)
+    return lambda path, stretch, peak, values: grown(
+        stretch, path.earlier_peak, *values, added=added, least=path.least
+    )
 
 
 def _crept(added: bool = False) -> Lengthens:

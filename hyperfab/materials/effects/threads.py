@@ -35,17 +35,20 @@ class Threads:
     path: Path
     _last: Strip | None = None
 
-    def answer(self, constants: Mapping[str, float], stretch: Array) -> tuple[Array, Array, Array]:
+    def answer(
+        self, constants: Mapping[str, float], stretch: Array, side: Array
+    ) -> tuple[Array, Array, Array]:
         """Return nominal stress [MPa], energy [MPa] and the stretch across of every row at its ``stretch``.
 
         ``constants`` are those of the orthotropic energy, absent where not named; what is below zero counts as nothing.
+        ``side`` is the stretch along the second axis of general biaxial tests.
         Rows without a direction are pulled along the warp. No number where a strip has no equilibrium.
         """
         law = _law(constants)
         path = self.path
         angle = np.where(np.isfinite(path.angle_deg), path.angle_deg, 0.0)
         stress, energy = np.full_like(stretch, np.nan), np.full_like(stretch, np.nan)
-        across = np.where(path.mode == BIAXIAL, stretch, np.where(path.mode == SHEAR, 1.0, path.across))
+        across = np.where(path.mode == BIAXIAL, stretch, np.where(path.mode == SHEAR, 1.0, side))
         square = path.mode != UNIAXIAL
         if np.any(square):
             one, other, energy[square] = held(law, angle[square], stretch[square], across[square])
