@@ -102,8 +102,9 @@ def curves_of(
 
 def hanging(path: Path, curves: Sequence[Curve], stress: Array) -> NDArray[np.bool_]:
     """Return which rows (n,) are of sheets that hang slack where they would have to push: those pulled of curves
-    without readings clearly below zero. What is thick enough pushes back."""
-    found = path.stretch >= 1.0
+    without readings clearly below zero, one of two axes also where it is shorter than at rest. What is thick enough
+    pushes back."""
+    found = (path.stretch >= 1.0) | (path.mode == GENERAL)
     for curve in curves:
         if curve.channel == 0:
             read = stress[curve.rows]

@@ -111,13 +111,13 @@ def extend(document: MaterialDocument, problem: FabricProblem, fit: Fit, law: La
             warp, own = _richer(warp, more), _richer(own, more)
             weft = None if weft is None else _richer(weft, more)
             record["told_by"] = "model"
-    if whole:
+    if how is not None and whole:
         [sheet] = [record for record in records if record["id"] == "anisotropy"]
         # The loop goes on from the ground's own law; the other commands take the whole sheet's.
         sheet["law"] = law.name if set(own) == set(law.names) else result.model
         # None of the ground's is below zero: the fit leaves them there to rounding.
         ground_of_it = {name: max(value, 0.0) for name, value in own.items()}
-        result.model, warp = ORTHOTROPIC, anisotropy.SHEET.constants(ground_of_it, values)
+        result.model, warp = ORTHOTROPIC, how.constants(ground_of_it, values)
     result.parameters = warp
     result.temperatures = None
     result.directions = None

@@ -27,6 +27,11 @@ SHOWN = 5
 def doubts(best: Judged, sets: Sets, setting: Setting) -> list[str]:
     """Say why the constants should be used with care."""
     found = []
+    if not best.accepted and any(curve.mode == "biaxial-general" for curve in sets.get(None, ())):
+        found.append(
+            f"{best.law.name} is the same along both axes of these tests, and not accepted; --model orthotropic tells "
+            "them apart"
+        )
     for name, part in best.results.items():
         if isinstance(part, str) or (name is None and len(best.results) > 1):
             continue

@@ -77,6 +77,10 @@ class Directions:
         """Return the constants along the weft."""
         raise NotImplementedError
 
+    def constants(self, ground: Mapping[str, float], values: Array) -> dict[str, float]:
+        """Return those of one energy of the whole sheet, whose ground has the law's."""
+        raise NotImplementedError
+
 
 class Ratio(Directions):
     """All stresses along the weft are those along the warp times one number."""
@@ -120,24 +124,27 @@ class Fibres(Directions):
         return ground[0] + stress, ground[1] + energy
 
 
+@dataclass(frozen=True)
 class WholeSheet(Directions):
-    """Threads in a ground, as one energy of the whole sheet: Orthotropic."""
+    """Threads in a ground, as one energy of the whole sheet, Orthotropic, with these of its constants; ``k2`` is that
+    of warp and weft."""
 
+    names: tuple[str, ...]
     told_by = "model"
     nearly = whole = True
 
     def absent(self, values: Array) -> bool:
         """Whether no thread and no shear stiffness is there."""
-        return not np.any(values[[0, 1, 3]])
+        return not any(value for name, value in zip(self.names, values, strict=True) if name.endswith("_MPa"))
 
     def constants(self, ground: Mapping[str, float], values: Array) -> dict[str, float]:
         """Return the constants of the orthotropic energy."""
-        k1_warp, k1_weft, k2, shear = map(float, values)
-        both = {"k1_warp_MPa": k1_warp, "k1_weft_MPa": k1_weft, "k2_warp": k2, "k2_weft": k2, "G_MPa": shear}
-        return {**ground, **both}
+        own = dict(zip(self.names, map(float, values), strict=True))
+        if "k2" in own:
+            own["k2_warp"] = own["k2_weft"] = own.pop("k2")
+        return {**ground, **own}
 
 
-SHEET = WholeSheet()
 #: The forms in which warp and weft differ.
 FORMS: Mapping[str, Directions] = {
     "ratio": Ratio(),
@@ -145,7 +152,10 @@ FORMS: Mapping[str, Directions] = {
     "warp-fibres": Fibres(lambda k, growth: (k, 0.0, growth), 2),
     "weft-fibres": Fibres(lambda k, growth: (0.0, k, growth), 2),
     "constants-fibres": Fibres(lambda warp, weft, growth: (warp, weft, growth), 3, Constants()),
-    "threads": SHEET,
+    "threads": WholeSheet(("k1_warp_MPa", "k1_weft_MPa", "k2", "G_MPa")),
+    "bias-threads": WholeSheet(
+        ("k1_warp_MPa", "k1_weft_MPa", "k2_warp", "k2_weft", "k1_bias_MPa", "k2_bias", "bias_deg")
+    ),
 }
 
 

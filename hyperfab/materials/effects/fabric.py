@@ -171,7 +171,9 @@ class Fabric:
     ) -> tuple[Array, Array, Array]:
         """Return stress, energy and stretch across of a sheet whose ground is the law, with threads in it."""
         ground = dict(zip(self.law.names, map(float, warp), strict=True))
-        constants = anisotropy.SHEET.constants(ground, terms["anisotropy"][1])
+        sheet = anisotropy.form_of(terms)
+        assert sheet is not None
+        constants = sheet.constants(ground, terms["anisotropy"][1])
         if "compressibility" in terms:
             form, values = terms["compressibility"]
             nu = compressibility.FORMS[form].poisson(values)

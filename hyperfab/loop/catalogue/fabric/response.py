@@ -7,6 +7,7 @@ import numpy as np
 from hyperfab.loop.catalogue import softening
 from hyperfab.loop.catalogue.fabric.context import DataContext
 from hyperfab.loop.problem import HAS_IT, Constant, Effect, Form, fixed, freely
+from hyperfab.materials.effects.path import GENERAL
 from hyperfab.materials.effects.threads import GROUND
 
 _ALL = {"C20_MPa", "C30_MPa"}
@@ -63,6 +64,8 @@ def anisotropy(context: DataContext) -> Effect:
         simpler = ("warp-fibres", "weft-fibres") if off_axis else simpler
         threads = (warp, across, growth, shear)
         forms.append(Form("threads", threads, (start,), refines=simpler, free=not off_axis))
+        if np.any(context.path.mode == GENERAL):
+            forms.append(_bias_threads(warp, across, stiff, far))
     return Effect(
         id="anisotropy",
         title="warp and weft differ",
@@ -71,6 +74,24 @@ def anisotropy(context: DataContext) -> Effect:
         source="Spencer (1984), Continuum Theory of the Mechanics of Fibre-Reinforced Composites; "
         "Holzapfel, Gasser & Ogden (2000), doi:10.1023/A:1010835316564",
         forms=tuple(forms),
+    )
+
+
+def _bias_threads(warp: Constant, across: Constant, stiff: float, far: float) -> Form:
+    """Return threads along warp and weft and a pair between them: what is pulled along one answers along the other."""
+    growths = [
+        Constant(f"k2_{way}", 0.0, 0.0, 20.0 / far**2, 0.3 / far**2) for way in ("warp", "weft", "bias")
+    ]
+    pair = Constant("k1_bias_MPa", 0.0, 0.0, scale=0.1 * stiff)
+    angle = Constant("bias_deg", 45.0, 10.0, 80.0, 5.0)
+    return Form(
+        "bias-threads",
+        (warp, across, *growths[:2], pair, growths[2], angle),
+        tuple(
+            (0.1 * stiff, 0.1 * stiff, 0.3 / far**2, 0.3 / far**2, 0.1 * stiff, 1.0 / far**2, a)
+            for a in (35.0, 50.0)
+        ),
+        refines=("warp-fibres", "weft-fibres", "constants-fibres"),
     )
 
 
