@@ -445,6 +445,8 @@ STATED: list[tuple[str, str, tuple[float, ...], Callable[[Row], float]]] = [
     ("elastic-law", "high-powers", (0.02, 0.05), plus(richer(lambda x, y: (0.08 * x**3, 0.0)), LOG)),
     ("elastic-law", "second-invariant", (0.02, 0.01, 0.03),
      richer(lambda x, y: (0.01 * y, 0.02 + 0.01 * x + 0.06 * y))),
+    ("elastic-law", "second-invariant-log", (0.02, 0.01, 0.03, 0.05),
+     plus(richer(lambda x, y: (0.01 * y, 0.02 + 0.01 * x + 0.06 * y)), LOG)),
     ("elastic-law", "powers-mixed", (0.02, 0.01, 0.04, 0.03),
      richer(lambda x, y: (0.04 * x + 0.03 * x * x + 0.03 * y, 0.04 + 0.03 * x))),
     ("elastic-law", "ogden", (0.05, 3.5), power_term(0.05, 3.5)),
@@ -534,7 +536,7 @@ STATED += [
 ]
 #: Forms that go from reading to reading by steps, on both sides.
 BY_STEPS = ("finite", "finite-2")
-ELSEWHERE = {("compressibility", "split"), ("anisotropy", "threads")}
+ELSEWHERE = {("compressibility", "split"), ("anisotropy", "threads"), ("anisotropy", "bias-threads")}
 #: Smooth laws that are not worked out here; of the energy tests/loop/test_smooth.py has limits.
 NOT_HERE = {
     ("hysteresis", "smooth"), ("permanent-set", "smooth"), ("elastic-law", "smooth"),
@@ -647,7 +649,8 @@ def test_the_energy_of_a_sheet_with_threads_and_an_added_law_is_the_integral_of_
     ) -> tuple[np.ndarray, np.ndarray]:
         way = uniaxial_pull(stretch)
         way.angle_deg[:] = angle
-        return Fabric(law("neo-hookean"), way, REFERENCE)._of_threads(np.array([0.2]), terms, stretch)[:2]
+        sheet = Fabric(law("neo-hookean"), way, REFERENCE)
+        return sheet._of_threads(np.array([0.2]), terms, (stretch, way.across), ())[:2]
 
     for terms in (threads, {**threads, "elastic-law": ("powers", np.array([0.05, 0.02]))}):
         stress, energy = answer(terms, lam)

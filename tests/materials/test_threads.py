@@ -114,3 +114,20 @@ def test_one_reading_of_an_equal_biaxial_test_is_the_mean_of_both_axes() -> None
     assert Threads(one.fabric.path).answer(CONSTANTS, one.fabric.path.stretch, one.fabric.path.across)[
         0
     ] == pytest.approx(both, rel=1e-12)
+
+
+@pytest.mark.parametrize("angle", [0.0, 90.0])
+def test_a_pair_between_warp_and_weft_answers_along_both(angle: float) -> None:
+    """Each of the pair at an angle b from the warp has I = warp² cos² b + weft² sin² b; it bears tension alone."""
+    along = np.linspace(0.97, 1.3, 12)
+    side = np.linspace(1.0, 1.15, 12)
+    made = TestCurve("biaxial-general", along, along, stretch2=side, direction=angle, source="held")
+    values = np.array([0.3, 0.2, 2.0, 1.0, 0.15, 3.0, 35.0])
+    found = posed([made]).fabric.stress(np.array([GROUND]), None, {"anisotropy": ("bias-threads", values)})
+    k_own, k2_own = (values[0], values[2]) if angle == 0.0 else (values[1], values[3])
+    share = np.cos(np.radians(values[6])) ** 2 if angle == 0.0 else np.sin(np.radians(values[6])) ** 2
+    wanted = 2.0 * GROUND * (along - 1.0 / (along**3 * side**2))
+    for count, k1, k2, c in ((1.0, k_own, k2_own, 1.0), (2.0, values[4], values[5], share)):
+        pulled = np.maximum(c * along**2 + (1.0 - c) * side**2 - 1.0, 0.0)
+        wanted += count * 2.0 * along * c * k1 * pulled * np.exp(k2 * pulled**2)
+    np.testing.assert_allclose(found, np.maximum(wanted, 0.0), rtol=1e-12)  # it hangs where it would push

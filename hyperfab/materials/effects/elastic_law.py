@@ -119,6 +119,7 @@ _POWERS = Added(
 _OGDEN = Added(("mu_MPa", "alpha"), lambda sheet, alpha: [PowerTerm(alpha)])
 _TOE = Added(("D_MPa", "at", "width"), _straightening)
 _FUNG = Added(("D_MPa", "b"), _exponential)
+_SECOND = Added(("C01_MPa", "C11_MPa", "C02_MPa"), _second_invariant)
 #: The forms of what is added.
 FORMS: Mapping[str, Added] = {
     "powers": _POWERS,
@@ -130,7 +131,8 @@ FORMS: Mapping[str, Added] = {
     "ogden": _OGDEN,
     "exponential": _FUNG,
     "high-powers": Added(("C40_MPa",), lambda sheet: [_power(sheet, 4.0)]).and_log(),
-    "second-invariant": Added(("C01_MPa", "C11_MPa", "C02_MPa"), _second_invariant),
+    "second-invariant": _SECOND,
+    "second-invariant-log": _SECOND.and_log(),
     "straightening": _TOE,
     "smooth": Added(
         ("reach", *(f"D_{k}_MPa" for k in range(1, 6)), "C01_MPa", "mu_MPa"), _smooth, lately=("mu_MPa",)

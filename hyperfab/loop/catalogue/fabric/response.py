@@ -173,6 +173,7 @@ def elastic_law(context: DataContext) -> Effect:
         ogden,
         exponential,
         Form("second-invariant", both, little, little),
+        Form("second-invariant-log", (*both, log), ((*little[0], 0.0),), refines="second-invariant"),
         Form("straightening", toe, _toes(size, far), _toes(0.1 * size, far)),
         Form("straightening-log", (*toe, log), ((*_toes(size, far)[0], 0.0),), refines="straightening"),
     ]
