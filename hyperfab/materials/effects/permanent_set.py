@@ -12,53 +12,30 @@ from hyperfab.materials.effects.smooth import through
 from hyperfab.materials.kinematics import Array
 
 
-def returned(
-    stretch: Array,
-    peak: Array,
-    share: float,
-    power: float = 1.0,
-    bend: float = 0.0,
-    *,
-    least: Array | float = 1.0,
-) -> Array:
-    """Return the elastic stretch where ``share`` of the largest strain so far stays when the load is gone.
+def returned(stretch: Array, peak: Array, rest: Array, least: Array | float = 1.0) -> Array:
+    """Return the elastic stretch where a set ``rest`` of the largest strain so far stays when the load is gone.
 
     The first pull is the law's own; coming down, and up again to the old peak, the strain runs from the set to the peak
-    on a scale of its own: ``(strain - set) peak / (peak - set)``. At its ``least`` the fabric is slack. With ``power``
-    the set goes with that power of the largest strain (over 1/2); with ``bend`` as ``(1 - exp(-bend strain))/bend``.
+    on a scale of its own: ``(strain - set) peak / (peak - set)``. At its ``least`` the fabric is slack.
 
-    >>> returned(np.array([1.5, 1.1]), np.array([1.5, 1.5]), 0.2)
+    >>> returned(np.array([1.5, 1.1]), np.array([1.5, 1.5]), np.array([0.1, 0.1]))
     array([1.5, 1. ])
     """
     most = peak - 1.0
-    kept = np.minimum(_rest(peak, share, power, bend), 0.95 * most)
+    kept = np.minimum(rest, 0.95 * most)
     strain = (stretch - 1.0 - kept) * most / np.maximum(most - kept, 1e-12)
     return np.asarray(np.where(stretch >= peak, stretch, np.maximum(1.0 + strain, least)))
 
 
-def grown(
-    stretch: Array,
-    peak: Array,
-    share: float,
-    power: float = 1.0,
-    bend: float = 0.0,
-    *,
-    added: bool = False,
-    least: Array | float = 1.0,
-) -> Array:
-    """Return the elastic stretch where the rest length has grown by ``share`` of the largest strain so far.
+def left_of(stretch: Array, rest: Array, added: bool, least: Array | float = 1.0) -> Array:
+    """Return the elastic stretch over a set ``rest``: strains are ``added``, or stretches are multiplied.
 
-    With ``peak`` the largest stretch including the present pull this is plastic flow as it happens; with that of the
-    earlier pulls it is a set that shows from the second pull on. ``power`` and ``bend`` as in ``returned``.
+    With the set of the largest stretch including the present pull this is plastic flow as it happens; with that of the
+    earlier pulls it is a set that shows from the second pull on.
 
-    >>> grown(np.array([1.5]), np.array([1.5]), 0.0)
-    array([1.5])
+    >>> left_of(np.array([1.5, 1.1]), np.array([0.2, 0.2]), added=False)
+    array([1.25, 1.  ])
     """
-    return left_of(stretch, _rest(peak, share, power, bend), added, least)
-
-
-def left_of(stretch: Array, rest: Array, added: bool, least: Array | float) -> Array:
-    """Return the elastic stretch over a set ``rest``: strains are ``added``, or stretches are multiplied."""
     return np.asarray(np.maximum(stretch - rest if added else stretch / (1.0 + rest), least))
 
 
@@ -123,7 +100,9 @@ def second_network(first: Array, second: Array, peak: Array, share: float, power
     return np.asarray(np.where(part > 0.0, np.maximum(both, np.minimum(first, 0.0)), first))
 
 
-def _rest(peak: Array, share: float, power: float, bend: float) -> Array:
+def _rest(peak: Array, share: float, power: float = 1.0, bend: float = 0.0) -> Array:
+    """Return the set of a largest stretch: ``share`` of the strain, with ``power`` of that power of it (over 1/2), with
+    ``bend`` as ``(1 - exp(-bend strain))/bend``."""
     most = peak - 1.0
     if bend:
         return share * -np.expm1(-bend * most) / bend
@@ -136,19 +115,19 @@ Lengthens = Callable[[Path, Array, Array, Array], Array]
 
 def _returned(bends: bool = False) -> Lengthens:
     return lambda path, stretch, peak, values: returned(
-        stretch, peak, *_curved(values, bends), least=path.least
+        stretch, peak, _rest(peak, *_curved(values, bends)), path.least
     )
 
 
 def _flow(bends: bool = False, added: bool = False) -> Lengthens:
-    return lambda path, stretch, peak, values: grown(
-        stretch, path.peak, *_curved(values, bends), added=added, least=path.least
+    return lambda path, stretch, peak, values: left_of(
+        stretch, _rest(path.peak, *_curved(values, bends)), added, path.least
     )
 
 
 def _next_pull(added: bool = False) -> Lengthens:
-    return lambda path, stretch, peak, values: grown(
-        stretch, path.earlier_peak, *values, added=added, least=path.least
+    return lambda path, stretch, peak, values: left_of(
+        stretch, _rest(path.earlier_peak, *values), added, path.least
     )
 
 
