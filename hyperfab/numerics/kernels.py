@@ -25,6 +25,7 @@ from hyperfab.numerics import compiling
 
 # Of any type: numba's own annotations reach only so far.
 _caching: Any = import_module("numba.core.caching")
+_runtime: Any = import_module("numba.core.runtime.nrt").rtsys
 _config: Any = import_module("numba.core.config")
 _intrinsic: Any = import_module("numba.core.extending")._Intrinsic
 
@@ -104,10 +105,13 @@ class Kept(_caching.FunctionCache):  # type: ignore[misc]
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return what is kept for a signature, None where it must be compiled."""
-        target_context.refresh()
         found = self._ahead.load(self._index_key(sig, target_context.codegen()))
         if found is not None:
+            # What has been compiled needs arrays to be counted, but nothing of what numba compiles by, which takes a
+            # quarter of a second to load.
+            _runtime.initialize(target_context)
             return _caching.CompileResultCacheImpl.rebuild(self, target_context, found)
+        target_context.refresh()
         found = None if compiling.building else super().load_overload(sig, target_context)
         if found is None and self._from_python:
             compiling.begins()

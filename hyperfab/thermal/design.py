@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import linprog
 
 from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
@@ -138,6 +137,8 @@ def _least_spread(
     now: Array, answers: Array, powers: Array, most: float | None, row: Array, wanted: float
 ) -> Array:
     """Return the change of the powers that makes max - min of ``now + answers change`` least, row . change = wanted."""
+    from scipy.optimize import linprog  # 0.1 s to load: only a design needs it
+
     count = len(powers)
     above = np.column_stack([answers, -np.ones(len(now)), np.zeros(len(now))])
     below = np.column_stack([-answers, np.zeros(len(now)), np.ones(len(now))])
