@@ -166,7 +166,7 @@ STUBS = $$($(BIN)/python -c 'import mypy; print(mypy.__path__[0])')/typeshed/std
 
 types: $(VENV)/dev
 	@asking=$$(grep -rl sys.platform $(STUBS) | sed 's|.*/stdlib/||; s|[/.].*||' | sort -u | paste -sd '|'); \
-	 (echo linux; for system in win32 darwin; do echo $$system --follow-imports silent \
+	 (echo linux --num-workers 2; for system in win32 darwin; do echo $$system --follow-imports silent \
 	   $$(grep -lrE "^\s*(import|from) ($$asking)\b" --include=*.py hyperfab); done) \
 	   | xargs -P 3 -L 1 sh -c '$(BIN)/mypy --cache-dir .mypy_cache/$$0 --platform $$0 "$$@"'
 
