@@ -293,7 +293,12 @@ SHEET = {"C10_MPa": 0.05, "k1_warp_MPa": 0.04, "k1_weft_MPa": 0.02}
 
 
 @pytest.mark.parametrize(
-    "command", [CONTACT, (*DRAPE, "--sheet", "membrane"), DRAPE], ids=["sphere", "sheet", "net"]
+    "command",
+    [
+        pytest.param(CONTACT, id="sphere"),
+        pytest.param((*DRAPE, "--sheet", "membrane"), id="sheet", marks=pytest.mark.slow),
+        pytest.param(DRAPE, id="net"),
+    ],
 )
 def test_one_law_of_the_sheet_is_one_source(made: Any, command: tuple[str, ...]) -> None:
     given = one_law_of_the_sheet(SHEET, {name: 0.02 * value for name, value in SHEET.items()})

@@ -103,7 +103,12 @@ def test_laws_of_other_make_are_called_by_their_name(effect: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "pair", [("anisotropy", "hysteresis"), ("rate", "thermal-softening"), ("mullins", "rate")]
+    "pair",
+    [
+        ("anisotropy", "hysteresis"),
+        ("rate", "thermal-softening"),
+        pytest.param(("mullins", "rate"), marks=pytest.mark.slow),
+    ],
 )
 def test_two_effects_are_both_found(pair: tuple[str, str]) -> None:
     problem, _, _, _ = case(1, pair, poor=False)
