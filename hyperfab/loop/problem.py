@@ -60,9 +60,14 @@ class Form:
         """Return ``values`` by the names of the constants."""
         return {one.name: float(value) for one, value in zip(self.constants, values, strict=True)}
 
+    @property
+    def simpler(self) -> tuple[str, ...]:
+        """The names of the forms that this one refines."""
+        return (self.refines,) if isinstance(self.refines, str) else self.refines or ()
+
     def enriches(self, name: str) -> bool:
         """Whether this form refines the one of that name."""
-        return self.refines == name or (isinstance(self.refines, tuple) and name in self.refines)
+        return name in self.simpler
 
     def begin(self, simpler: Form, values: Array) -> Array:
         """Return where a fit begins: what the ``simpler`` form has at its ``values``, the rest at its start."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -15,7 +16,7 @@ from hyperfab.loop.belief import belief, surprise
 from hyperfab.loop.engine import close
 from hyperfab.loop.heldout import HeldOut, help_of
 from hyperfab.loop.problem import Curve
-from hyperfab.materials.effects import grip_slack, load_offset
+from hyperfab.materials.effects import compressibility, grip_slack, load_offset, mullins, permanent_set, ways
 from hyperfab.materials.effects.elastic_law import FORMS
 from hyperfab.materials.effects.mullins import worn_smoothly
 from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL, uniaxial_pull
@@ -94,6 +95,49 @@ def test_a_set_that_flows_comes_nearer_to_what_the_strain_asks_for_and_stays_whe
     assert rest[31] == pytest.approx(0.04 * (1.0 - np.exp(-3.0)), rel=1e-6)
     # It goes on only towards what is more than it has.
     np.testing.assert_allclose(rest[32:36], rest[31], rtol=1e-9)
+
+
+def test_there_is_more_of_an_effect_each_way() -> None:
+    """Of strips along the warp, between and along the weft, of a sheet held across and one pulled both ways."""
+    path = uniaxial_pull(np.full(5, 1.3))
+    mode, angle = np.array([UNIAXIAL] * 3 + [SHEAR, BIAXIAL]), np.array([0.0, 45.0, 90.0, 90.0, 0.0])
+    path = replace(path, mode=mode, angle_deg=angle)
+    more = ways.amount(path, 0.4, 1.0)
+    np.testing.assert_allclose(more, [1.0, 1.2, 1.4, 1.4 * 2.0 / 3.0**0.5, 2.4], rtol=1e-12)
+    # The root of I1 - 3 at a small strain, over that of a strip.
+    small = 1.0 + 1e-4
+    strip, held, both = (
+        (x**2 + y**2 + (x * y) ** -2 - 3.0) ** 0.5
+        for x, y in ((small, small**-0.5), (small, 1.0), (small, small))
+    )
+    np.testing.assert_allclose(ways.amount(path, 0.0, 1.0)[3:], [held / strip, both / strip], rtol=1e-3)
+    # The change of the stress is so many times as large; a set is.
+    at = State(path, path.stretch, np.full(5, 0.1), 20.0, None)
+    worn, stress = np.array([0.8, 1.4, 0.7, 0.0, 0.2, 0.3, 0.35, 0.05, 0.08, 0.1]), np.full(5, 0.2)
+    lost = stress - worn_smoothly(at, stress, worn)
+    each = stress - mullins.FORMS["smooth-each-way"](at, stress, np.array([*worn, 0.4, 1.0]))
+    np.testing.assert_allclose(each, more * lost, rtol=1e-12)
+    flow = np.array([0.5, 0.1, 1e9, 0.01, 0.02, 0.03])
+    least, most = (
+        path.stretch / permanent_set.FORMS[name](path, path.stretch, path.peak, values) - 1.0
+        for name, values in (("smooth-flow", flow), ("smooth-flow-each-way", np.array([*flow, 0.4, 1.0])))
+    )
+    np.testing.assert_allclose(most, more * least, rtol=1e-12)
+
+
+def test_a_smooth_contraction_of_each_direction_is_that_of_its_own_values() -> None:
+    path = uniaxial_pull(np.linspace(1.0, 1.5, 20))
+    warp, weft = (0.4, 0.02, 0.05, 0.03), (0.3, -0.02, 0.01, 0.06)
+    both = compressibility.FORMS["directions-smooth"]
+    one = compressibility.FORMS["uniform-smooth"]
+    for angle, own in ((0.0, warp), (90.0, weft)):
+        along = replace(path, angle_deg=np.full(20, angle))
+        expected = one.across(along, along.stretch, np.array([0.5, *own]))
+        found = both.across(along, along.stretch, np.array([0.5, *warp, *weft]))
+        np.testing.assert_allclose(found, expected, rtol=1e-14)
+    nothing = np.array([0.5, 0.5, 0.0, 0.0, 0.0, 0.5, 0.0, 0.0, 0.0])
+    assert both.absent(nothing)
+    assert not both.absent(np.array([*nothing[:-1], 0.01]))
 
 
 def test_a_drift_of_no_formula_goes_through_its_values() -> None:

@@ -207,6 +207,12 @@ TOLD = [0.01 * (1.0 + number) for number in range(len(ROWS))]
 MEAN_RATE = math.exp(sum(map(math.log, TOLD)) / len(TOLD))
 
 
+def passed(row: Row) -> float:
+    """How much of its test's time has passed, 0 to 1."""
+    times = [one.t for one in ROWS if one.curve == row.curve]
+    return (row.t - min(times)) / (max(times) - min(times))
+
+
 def share(row: Row) -> float:
     return math.sin(row.angle) ** 2
 
@@ -434,6 +440,8 @@ STATED: list[tuple[str, str, tuple[float, ...], Callable[[Row], float]]] = [
     ("load-offset", "drift", (0.03, -0.002), lambda r: P(r.l) + 0.03 - 0.002 * r.t),
     ("load-offset", "settling", (0.03, -0.002, 6.0), lambda r: P(r.l) + 0.03 - 0.012 * (1.0 - math.exp(-r.t / 6.0))),
     ("load-offset", "each", (0.03, 0.01), lambda r: P(r.l) + (0.03, 0.04)[r.curve]),
+    ("load-offset", "each-drift", (0.03, 0.01, -0.02, 0.05),
+     lambda r: P(r.l) + (0.03, 0.04)[r.curve] + (-0.02, 0.05)[r.curve] * passed(r)),
     ("compressibility", "uniform", (0.3,), contracting(0.3)),
     ("compressibility", "slope", (0.3,), contracting(0.3, slope=True)),
     ("compressibility", "directions", (0.3, 0.4), contracting(0.3, weft=0.4)),
@@ -534,6 +542,18 @@ STATED += [
         ),
     ),
 ]
+
+
+def weft_more(plain: Callable[[Row], float]) -> Callable[[Row], float]:
+    """Return the stress of an effect of which the weft has half as much again; all rows are of strips."""
+    return lambda row: P(row.l) + (1.0 + 0.5 * math.sin(row.angle) ** 2) * (plain(row) - P(row.l))
+
+
+STATED += [
+    (effect, f"{form}-each-way", (*values, 0.5, 1.3), weft_more(plain))
+    for effect, form, values, plain in STATED
+    if (effect, form) in {("mullins", "smooth"), ("mullins", "smooth-energy"), ("rate", "smooth")}
+]
 #: Forms that go from reading to reading by steps, on both sides.
 BY_STEPS = ("finite", "finite-2")
 ELSEWHERE = {("compressibility", "split"), ("anisotropy", "threads"), ("anisotropy", "bias-threads")}
@@ -542,6 +562,8 @@ NOT_HERE = {
     ("hysteresis", "smooth"), ("permanent-set", "smooth"), ("elastic-law", "smooth"),
     ("permanent-set", "smooth-flow"),
     ("compressibility", "uniform-smooth"), ("compressibility", "slope-smooth"),
+    ("compressibility", "directions-smooth"), ("hysteresis", "smooth-each-way"),
+    ("permanent-set", "smooth-each-way"), ("permanent-set", "smooth-flow-each-way"),
 }  # fmt: skip
 
 

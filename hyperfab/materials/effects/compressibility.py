@@ -96,7 +96,7 @@ def of_shape(mode: Array, stretch: Array, second: Array, ratio: Array) -> tuple[
 class Contraction:
     """A form of the effect: an exponent of the whole sheet, or of ``each`` direction; ``bent``: with its bend.
 
-    ``smooth``: a smooth function of the logarithm of the stretch.
+    ``smooth``: a smooth function of the logarithm of the stretch, or of ``each`` direction one.
     """
 
     each: bool = False
@@ -106,7 +106,7 @@ class Contraction:
     def absent(self, values: Array) -> bool:
         """Whether the sheet keeps its volume."""
         if self.smooth:
-            return bool(values[1] == 0.5 and not np.any(values[2:]))
+            return all(bool(one[0] == 0.5 and not np.any(one[1:])) for one in self._smooth_parts(values))
         return bool(np.all(values[: len(values) - self.bent] == 0.5) and not (self.bent and values[-1]))
 
     def poisson(self, values: Array) -> float | None:
@@ -115,12 +115,18 @@ class Contraction:
 
     def exponent(self, path: Path, values: Array) -> tuple[Array, float]:
         """Return the exponent of every row, and the bend."""
-        if self.smooth:  # the reach, the exponent at rest, and what it has more at thirds of the reach
-            return values[1] + through(np.log(path.stretch) / np.log1p(values[0]), values[2:]), 0.0
+        if self.smooth:
+            way = np.log(path.stretch) / np.log1p(values[0])
+            warp, *weft = (one[0] + through(way, one[1:]) for one in self._smooth_parts(values))
+            return (warp + weft_share(path) * (weft[0] - warp) if weft else warp), 0.0
         nu = np.full_like(path.stretch, values[0])
         if self.each:
             nu = nu + weft_share(path) * (values[1] - values[0])
         return nu, float(values[-1]) if self.bent else 0.0
+
+    def _smooth_parts(self, values: Array) -> list[Array]:
+        """Return, of each direction, the exponent at rest and what it has more at thirds of the reach, told first."""
+        return np.split(values[1:], 2) if self.each else [values[1:]]
 
     def across(self, path: Path, stretch: Array, values: Array) -> Array:
         """Return the transverse stretch of uniaxial rows."""
@@ -178,4 +184,5 @@ FORMS: Mapping[str, Contraction] = {
     "slope-smooth": Slope(smooth=True),
     "directions": Contraction(each=True),
     "directions-bent": Contraction(each=True, bent=True),
+    "directions-smooth": Contraction(each=True, smooth=True),
 }

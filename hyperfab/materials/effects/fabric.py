@@ -110,7 +110,8 @@ class Fabric:
         stretch, side, place = self._stretches(terms)
         if _is_of_threads(terms):
             assert warp is not None
-            return self._of_threads(warp, terms, (stretch, side), place)[2]
+            with np.errstate(all="ignore"):
+                return self._of_threads(warp, terms, (stretch, side), place)[2]
         if "compressibility" not in terms:
             return np.asarray(stretch**-0.5)
         form, values = terms["compressibility"]

@@ -10,6 +10,7 @@ import numpy as np
 from hyperfab.materials.effects.path import Path
 from hyperfab.materials.effects.recurrence import along
 from hyperfab.materials.effects.state import Acts, State
+from hyperfab.materials.effects.ways import each_way
 from hyperfab.materials.kinematics import Array
 
 
@@ -37,7 +38,7 @@ class Yarns:
         return stress + total
 
 
-def friction(path: Path, stretch: Array, slip: Array, strain: float) -> Array:
+def friction(path: Path, stretch: Array, slip: Array, strain: Array | float) -> Array:
     """Return the stress of dry friction between yarns: towards +slip when pulled, -slip when let go.
 
     It builds up over a stretch ``strain``: Dahl (1968), A solid friction model, Aerospace Corp. TOR-158.
@@ -57,17 +58,18 @@ def friction_of_many(at: State, stress: Array, values: Array) -> Array:
     """Return the stress with the friction of four sets of yarns that turn over a hundredth to a half of ``reach``.
 
     ``values`` are the reach, the share of the load at which each set slides, the stress [MPa] at which it slides
-    beside that, and the power of the stretch with which both grow. The spectrum of Prandtl and Ishlinskii, rounded:
-    Visintin (1994), Differential Models of Hysteresis, ch. III.
+    beside that, the power of the stretch with which both grow, and that with which the strains do over which sets turn
+    (1: friction by the logarithm of the stretch). The spectrum of Prandtl and Ishlinskii, rounded: Visintin (1994),
+    Differential Models of Hysteresis, ch. III.
     """
-    count = (len(values) - 2) // 2
-    reach, shares, levels, growth = values[0], values[1 : count + 1], values[count + 1 : -1], values[-1]
-    grown = at.stretch**growth
+    reach, *loads, growth, widening = values
+    shares, levels = np.split(np.array(loads), 2)
+    grown, wider = at.stretch**growth, at.stretch**widening
     total = np.zeros_like(stress)
-    for strain, share, level in zip(np.geomspace(0.01, 0.5, count), shares, levels, strict=True):
+    for strain, share, level in zip(np.geomspace(0.01, 0.5, len(shares)), shares, levels, strict=True):
         if share or level:
             slip = (share * np.abs(stress) + level) * grown
-            total = total + friction(at.path, at.stretch, slip, reach * strain)
+            total = total + friction(at.path, at.stretch, slip, reach * strain * wider)
     return np.asarray(stress + total)
 
 
@@ -119,6 +121,7 @@ FORMS: Mapping[str, Acts] = {
     "friction-two": Yarns(("share", "share")),
     "dry-two": Yarns(("stress", "stress")),
     "smooth": friction_of_many,
+    "smooth-each-way": each_way(friction_of_many),
     "stop": Yarns(("stress",), by_stress=True),
     "stop-two": Yarns(("stress", "stress"), by_stress=True),
 }

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from hyperfab.materials.effects.grip_slack import of_each
+from hyperfab.materials.effects.path import Path
 from hyperfab.materials.effects.smooth import through
 from hyperfab.materials.effects.state import Acts
 from hyperfab.materials.kinematics import Array
@@ -32,6 +33,23 @@ def settling(time: Array, drift: float, tau: float) -> Array:
     return np.asarray(-drift * tau * np.expm1(-time / tau))
 
 
+def drifting_each(path: Path, values: Array) -> Array:
+    """Return an offset of each curve that drifts evenly as it goes on.
+
+    ``values``: as those of ``of_each``, then by how much each has moved at its end. A curve beyond those told has the
+    mean of both.
+    """
+    start, moved = np.split(values, 2)
+    times = np.concatenate([_passed(path.time_s[rows]) for rows in path.curves])
+    return of_each(path, start) + of_each(path, np.concatenate([moved[:1], moved[1:] - moved[0]])) * times
+
+
+def _passed(time: Array) -> Array:
+    """Return how much of a test's time has passed, 0 to 1."""
+    whole = float(np.ptp(time))
+    return (time - time[0]) / whole if whole > 0.0 else np.zeros_like(time)
+
+
 #: What each form makes of the stress.
 FORMS: Mapping[str, Acts] = {
     "constant": lambda at, stress, values: shifted(stress, values[0]),
@@ -40,6 +58,7 @@ FORMS: Mapping[str, Acts] = {
         stress, values[0] + settling(at.path.time_s, values[1], values[2])
     ),
     "each": lambda at, stress, values: shifted(stress, of_each(at.path, values)),
+    "each-drift": lambda at, stress, values: shifted(stress, drifting_each(at.path, values)),
     "smooth": lambda at, stress, values: shifted(
         stress, values[1] + through(at.path.time_s / values[0], values[2:])
     ),

@@ -8,6 +8,7 @@ import numpy as np
 
 from hyperfab.materials.effects.smooth import through
 from hyperfab.materials.effects.state import Acts, State
+from hyperfab.materials.effects.ways import each_way
 from hyperfab.materials.kinematics import Array
 
 
@@ -88,6 +89,10 @@ def worn_smoothly(at: State, stress: Array, values: Array, *, by_energy: bool = 
     return np.asarray(stress * np.maximum(1.0 - lost - depth * gone * below, 0.0))
 
 
+def _worn_by_energy(at: State, stress: Array, values: Array) -> Array:
+    return worn_smoothly(at, stress, values, by_energy=True)
+
+
 def _by_energy(at: State, stress: Array, values: Array) -> Array:
     return stress * softened(at.energy, at.greatest, *values)
 
@@ -110,7 +115,9 @@ FORMS: Mapping[str, Acts] = {
         stress * worn(at.path.stretch, at.path.peak, at.path.returns, *values)
     ),
     "smooth": worn_smoothly,
-    "smooth-energy": lambda at, stress, values: worn_smoothly(at, stress, values, by_energy=True),
+    "smooth-energy": _worn_by_energy,
+    "smooth-each-way": each_way(worn_smoothly),
+    "smooth-energy-each-way": each_way(_worn_by_energy),
     "damage": _by_damage,
     "damage-power": _by_damage,
 }

@@ -9,6 +9,7 @@ import numpy as np
 from hyperfab.materials.effects.path import Path
 from hyperfab.materials.effects.recurrence import along, towards
 from hyperfab.materials.effects.smooth import through
+from hyperfab.materials.effects.ways import amount
 from hyperfab.materials.kinematics import Array
 
 
@@ -54,12 +55,12 @@ def crept(path: Path, share: float, strain: float, *, added: bool = False) -> Ar
     return left_of(path.stretch, rest, added, path.least)
 
 
-def crept_smoothly(path: Path, values: Array, *, flows: bool = False) -> Array:
+def crept_smoothly(path: Path, values: Array, *, flows: bool = False, times: Array | float = 1.0) -> Array:
     """Return the elastic stretch over a set that follows a smooth function of the largest strain, over way and time.
 
     ``values`` are the reach, the strain pulled and the time [s] over which the set comes nearer to it, and its values
     at thirds of the reach. One that ``flows`` follows that function of the present strain, as long as this asks for
-    more: it stops as the load goes.
+    more: it stops as the load goes. The set is so many ``times`` that function.
     """
     reach, strain, time = values[:3]
     first = list(path.starts[:-1])
@@ -69,7 +70,7 @@ def crept_smoothly(path: Path, values: Array, *, flows: bool = False) -> Array:
     keep = np.exp(-passed)
     keep[first] = 0.0
     strained = (path.stretch if flows else path.peak) - 1.0
-    aim = np.maximum(through(strained / reach, values[3:]), 0.0)
+    aim = times * np.maximum(through(strained / reach, values[3:]), 0.0)
     rest = towards(keep, aim) if flows else along(keep, -np.expm1(-passed) * aim)
     return left_of(path.stretch, rest, False, path.least)
 
@@ -135,6 +136,16 @@ def _crept(added: bool = False) -> Lengthens:
     return lambda path, stretch, peak, values: np.minimum(stretch, crept(path, *values, added=added))
 
 
+def _smoothly(flows: bool = False, each_way: bool = False) -> Lengthens:
+    def lengthens(path: Path, stretch: Array, peak: Array, values: Array) -> Array:
+        times: Array | float = 1.0
+        if each_way:
+            values, times = values[:-2], amount(path, *values[-2:])
+        return np.minimum(stretch, crept_smoothly(path, values, flows=flows, times=times))
+
+    return lengthens
+
+
 def _cycles(added: bool = False) -> Lengthens:
     return lambda path, stretch, peak, values: np.minimum(stretch, kept_on(path, *values, added=added))
 
@@ -159,10 +170,10 @@ FORMS: Mapping[str, Lengthens] = {
     "next-pull-added": _next_pull(added=True),
     "crept": _crept(),
     "crept-added": _crept(added=True),
-    "smooth": lambda path, stretch, peak, values: np.minimum(stretch, crept_smoothly(path, values)),
-    "smooth-flow": lambda path, stretch, peak, values: np.minimum(
-        stretch, crept_smoothly(path, values, flows=True)
-    ),
+    "smooth": _smoothly(),
+    "smooth-flow": _smoothly(flows=True),
+    "smooth-each-way": _smoothly(each_way=True),
+    "smooth-flow-each-way": _smoothly(flows=True, each_way=True),
     "cycles": _cycles(),
     "cycles-added": _cycles(added=True),
 }

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL, Path
 from hyperfab.materials.effects.recurrence import along
 from hyperfab.materials.effects.state import Acts, State
+from hyperfab.materials.effects.ways import each_way
 from hyperfab.materials.kinematics import Array
 from hyperfab.numerics.kernels import inlined, kernel
 
@@ -337,6 +338,7 @@ FORMS: Mapping[str, Acts] = {
         stress + stretched_in_series(at, list(values[::2]), list(values[1::2]))
     ),
     "smooth": spectrum,
+    "smooth-each-way": each_way(spectrum),
     "prony-1-shifted": _shifted(_maxwell),
     "prony-2-shifted": _shifted(_maxwell),
     "prony-3-shifted": _shifted(_maxwell),

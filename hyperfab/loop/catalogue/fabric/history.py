@@ -85,15 +85,16 @@ def hysteresis(context: DataContext) -> Effect:
     )
     shares = [Constant(f"share_{k}", 0.0, 0.0, 0.9, 0.1) for k in range(1, 5)]
     levels = [Constant(f"friction_{k}_MPa", 0.0, 0.0, peak, 0.05 * peak) for k in range(1, 5)]
-    yarns = (fixed("reach", reach), *shares, *levels, Constant("growth", 0.0, -4.0, 4.0, 0.5))
-    smooth = freely(forms, "smooth", yarns, (reach, *4 * (0.03,), *4 * (0.01 * peak,), 0.0))
+    grow = [Constant(name, 0.0, -4.0, 4.0, 0.5) for name in ("growth", "widening")]
+    yarns = (fixed("reach", reach), *shares, *levels, *grow)
+    smooth = freely(forms, "smooth", yarns, (reach, *4 * (0.03,), *4 * (0.01 * peak,), 0.0, 0.0))
     return Effect(
         id="hysteresis",
         title="loading and unloading differ, whatever the rate",
         not_sought="" if context.unloads else "no test unloads",
         shown_by="three cycles to one amplitude at two rates: a loop of the same width every time",
         source="Dahl (1968), TOR-158; Ogden & Roxburgh (1999), doi:10.1098/rspa.1999.0431",
-        forms=(*forms, smooth),
+        forms=(*forms, smooth, *_each_way(context, smooth)),
         smooth=True,
     )
 
@@ -153,7 +154,7 @@ def mullins(context: DataContext) -> Effect:
         not_sought="" if context.unloads else "no test unloads",
         shown_by="two pulls to one stretch, then one beyond it: the second follows the first's way down",
         source="Ogden & Roxburgh (1999), doi:10.1098/rspa.1999.0431; Simo (1987), doi:10.1016/0045-7825(87)90107-1",
-        forms=(*forms, *smooth),
+        forms=(*forms, *smooth, *_each_way(context, *smooth)),
         smooth=True,
     )
 
@@ -208,9 +209,28 @@ def permanent_set(context: DataContext) -> Effect:
         not_sought="" if context.unloads else "no test unloads",
         shown_by="unloading to zero force, a wait, and a second pull: the stretch at which force begins",
         source="ASTM D412 (tension set); Andrews, Tobolsky & Hanson (1946), doi:10.1063/1.1707724",
-        forms=(*forms, *smooth),
+        forms=(*forms, *smooth, *_each_way(context, *smooth)),
         smooth=True,
     )
+
+
+def _each_way(context: DataContext, *smooth: Form) -> list[Form]:
+    """Return smooth laws of which there is more in one direction or mode than in another, where several are tested."""
+    several, modes = len(context.angles) > 1, len(np.unique(context.path.mode)) > 1
+    if not several and not modes:
+        return []
+    weft = Constant("weft", 0.0, -0.95, 5.0, 0.3) if several else fixed("weft", 0.0)
+    more = Constant("modes", 0.0, -3.0, 3.0, 0.5) if modes else fixed("modes", 0.0)
+    return [
+        Form(
+            f"{one.name}-each-way",
+            (*one.constants, weft, more),
+            ((*one.starts[0], 0.0, 0.0),),
+            refines=(one.name, *one.simpler),
+            free=True,
+        )
+        for one in smooth
+    ]
 
 
 def _slowly(context: DataContext) -> Constant:
@@ -318,6 +338,7 @@ def rate(context: DataContext) -> Effect:
     quick = Constant("quick", 0.0, -6.0 / context.reach, 12.0 / context.reach, 1.0)
     start = (0.5 * step, whole, 0.0, 0.0, *6 * (0.1,))
     frees = [freely(forms, "smooth", (*ends, bend, quick, *_shares(6)), start)]
+    frees += _each_way(context, *frees)
     # Of two temperatures, or where times are told at one alone, a shift and a softening tell the same.
     if len(context.temperatures) > 2 and context.clocks > 1:
         shifted, free = _by_the_clock_of_the_material(context, forms, frees[0])

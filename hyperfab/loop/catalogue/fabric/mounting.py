@@ -63,6 +63,10 @@ def load_offset(context: DataContext) -> Effect:
         own = [Constant(f"of_test_{k}_MPa", 0.0, -most, most, step) for k in range(2, count + 1)]
         begin = (step, *(0.0 for _ in own))
         forms.append(Form("each", (offset, *own), (begin,), refines="constant", of_each=True))
+        if context.path.knows_time:
+            drifts = [Constant(f"drift_of_{k}_MPa", 0.0, -most, most, step) for k in range(1, count + 1)]
+            begin = (*begin, *(0.0 for _ in drifts))
+            forms.append(freely(forms, "each-drift", (offset, *own, *drifts), begin))
     return Effect(
         id="load-offset",
         title="the load cell is off its zero",

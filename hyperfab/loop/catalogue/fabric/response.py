@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from hyperfab.loop.catalogue import softening
@@ -119,6 +121,9 @@ def compressibility(context: DataContext) -> Effect:
         more = [Constant(f"more_{k}", 0.0, -0.6, 0.6, 0.05) for k in range(1, 4)]
         both, start = (fixed("reach", context.reach), nu, *more), (context.reach, 0.4, 0.0, 0.0, 0.0)
         free = [freely(forms, f"{kind}-smooth", both, start) for kind in ("uniform", "slope")]
+        if len(context.angles) > 1:
+            weft = [across, *(replace(one, name=f"{one.name}_weft") for one in more)]
+            free.append(freely(forms, "directions-smooth", (*both, *weft), (*start, *start[1:])))
     return Effect(
         id="compressibility",
         title="the sheet does not keep its volume",
