@@ -17,7 +17,7 @@ from hyperfab.arrays import Array, Ints
 from hyperfab.errors import InputError
 from hyperfab.membrane.kernels import polygon_distance
 from hyperfab.membrane.outline import Outline
-from hyperfab.numerics.threads import threads
+from hyperfab.numerics.threads import for_nodes
 
 #: Wanted edge length [mm] at points (n, 2).
 SizeField = Callable[[Array], Array]
@@ -105,7 +105,7 @@ def graded(edge: Array, fine: float, coarse: float, growth: float) -> SizeField:
     tree = cKDTree(edge)
 
     def size(points: Array) -> Array:
-        distance, _ = tree.query(points, workers=threads())
+        distance, _ = tree.query(points, workers=for_nodes(len(points)))
         return np.asarray(np.minimum(coarse, fine + growth * distance))
 
     return size
@@ -182,7 +182,7 @@ def _spread(outline: Outline, size: SizeField, fixed: Array, moving: Array) -> A
 def _thinned(points: Array, size: SizeField, count: int) -> Array:
     """Drop interior points that are crowded: nearest neighbour closer than six tenths of the wanted edge."""
     tree = cKDTree(points)
-    distance, neighbour = tree.query(points[count:], k=2, workers=threads())
+    distance, neighbour = tree.query(points[count:], k=2, workers=for_nodes(len(points)))
     own = np.arange(count, len(points))
     other = np.where(neighbour[:, 0] == own, neighbour[:, 1], neighbour[:, 0])
     crowded = distance[:, 1] < 0.6 * size(points[count:])

@@ -26,7 +26,7 @@ from numba.extending import intrinsic
 
 from hyperfab.arrays import Ints
 from hyperfab.numerics.kernels import inlined
-from hyperfab.numerics.threads import for_a_grid, in_blocks
+from hyperfab.numerics.threads import for_nodes, in_blocks
 
 #: Rows of a band, and columns that are swept at once; BAND is at most PIECE.
 BAND, PIECE = 8, 32
@@ -95,4 +95,4 @@ def tell(done: Ints, first: int, end: int) -> None:
 def in_bands(sweep: Callable[[Ints], None], rows: int, columns: int) -> None:
     """Call ``sweep(done)`` on the cores there are, for a grid; ``done`` keeps account of its bands."""
     done = np.zeros(2 + rows // BAND, np.int64)
-    in_blocks(lambda *_: sweep(done), for_a_grid(rows, columns), 1)
+    in_blocks(lambda *_: sweep(done), for_nodes(rows * columns), 1)

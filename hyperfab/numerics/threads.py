@@ -21,7 +21,7 @@ T = TypeVar("T")
 #: What is a thread's own: the unfinished pieces of the work it takes part in, and the threads that serve it.
 _here = local()
 
-#: Nodes of a grid that are worth a thread's while.
+#: Nodes that are worth a thread's while.
 NODES = 5_000
 
 
@@ -123,9 +123,9 @@ def in_rows(work: Callable[[int, int], None], rows: int, columns: int) -> None:
         in_blocks(work, rows, max(1, min(NODES // columns, rows // (4 * threads()))))
 
 
-def for_a_grid(rows: int, columns: int) -> int:
-    """Return how many threads a grid is worth."""
-    return threads() if rows * columns >= NODES else 1
+def for_nodes(count: int) -> int:
+    """Return how many threads so many nodes are worth."""
+    return threads() if count >= NODES else 1
 
 
 def _crew(number: int) -> SimpleQueue[Callable[[], None]]:
