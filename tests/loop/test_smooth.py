@@ -111,18 +111,24 @@ def test_there_is_more_of_an_effect_each_way() -> None:
         for x, y in ((small, small**-0.5), (small, 1.0), (small, small))
     )
     np.testing.assert_allclose(ways.amount(path, 0.0, 1.0)[3:], [held / strip, both / strip], rtol=1e-3)
-    # The change of the stress is so many times as large; a set is.
+    # The change of the stress is so many times as large.
     at = State(path, path.stretch, np.full(5, 0.1), 20.0, None)
     worn, stress = np.array([0.8, 1.4, 0.7, 0.0, 0.2, 0.3, 0.35, 0.05, 0.08, 0.1]), np.full(5, 0.2)
     lost = stress - worn_smoothly(at, stress, worn)
     each = stress - mullins.FORMS["smooth-each-way"](at, stress, np.array([*worn, 0.4, 1.0]))
     np.testing.assert_allclose(each, more * lost, rtol=1e-12)
-    flow = np.array([0.5, 0.1, 1e9, 0.01, 0.02, 0.03])
-    least, most = (
-        path.stretch / permanent_set.FORMS[name](path, path.stretch, path.peak, values) - 1.0
-        for name, values in (("smooth-flow", flow), ("smooth-flow-each-way", np.array([*flow, 0.4, 1.0])))
-    )
-    np.testing.assert_allclose(most, more * least, rtol=1e-12)
+
+
+def test_a_set_by_load_is_that_of_the_load_in_each_mode() -> None:
+    """Of a set straight in the load, which follows it at once."""
+    path = uniaxial_pull(np.tile([1.0, 1.3], 3))
+    mode = np.repeat([UNIAXIAL, SHEAR, BIAXIAL], 2)
+    path = replace(path, starts=(0, 2, 4, 6), mode=mode, angle_deg=np.full(6, 90.0))
+    straight_on = np.array([2.0, 1e-9, 1e9, *(0.2 * k / 3.0 for k in (1, 2, 3)), 0.5, 0.0])
+    elastic = permanent_set.FORMS["smooth-flow-load-each-way"](path, path.stretch, path.peak, straight_on)
+    load = np.array([1.3 - 1.3**-2, 1.3 - 1.3**-3, 1.3 - 1.3**-5])
+    share = np.array([1.5, 1.5, 1.25])  # of a sheet pulled both ways half is weft
+    np.testing.assert_allclose(1.3 / elastic[1::2] - 1.0, share * 0.1 * load, rtol=1e-12)
 
 
 def test_a_smooth_contraction_of_each_direction_is_that_of_its_own_values() -> None:

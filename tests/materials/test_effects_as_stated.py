@@ -563,7 +563,7 @@ NOT_HERE = {
     ("permanent-set", "smooth-flow"),
     ("compressibility", "uniform-smooth"), ("compressibility", "slope-smooth"),
     ("compressibility", "directions-smooth"), ("hysteresis", "smooth-each-way"),
-    ("permanent-set", "smooth-each-way"), ("permanent-set", "smooth-flow-each-way"),
+    ("permanent-set", "smooth-load-each-way"), ("permanent-set", "smooth-flow-load-each-way"),
 }  # fmt: skip
 
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from hyperfab.materials.effects.grip_slack import pulls
 from hyperfab.materials.effects.path import Path
 from hyperfab.materials.effects.recurrence import along, towards
 from hyperfab.materials.effects.smooth import through
@@ -55,12 +56,15 @@ def crept(path: Path, share: float, strain: float, *, added: bool = False) -> Ar
     return left_of(path.stretch, rest, added, path.least)
 
 
-def crept_smoothly(path: Path, values: Array, *, flows: bool = False, times: Array | float = 1.0) -> Array:
+def crept_smoothly(
+    path: Path, values: Array, *, flows: bool = False, by_load: bool = False, times: Array | float = 1.0
+) -> Array:
     """Return the elastic stretch over a set that follows a smooth function of the largest strain, over way and time.
 
     ``values`` are the reach, the strain pulled and the time [s] over which the set comes nearer to it, and its values
     at thirds of the reach. One that ``flows`` follows that function of the present strain, as long as this asks for
-    more: it stops as the load goes. The set is so many ``times`` that function.
+    more: it stops as the load goes. ``by_load`` the load stands for the strain: a sheet pulled both ways bears more at
+    the same strain. The set is so many ``times`` that function.
     """
     reach, strain, time = values[:3]
     first = list(path.starts[:-1])
@@ -69,7 +73,8 @@ def crept_smoothly(path: Path, values: Array, *, flows: bool = False, times: Arr
     passed = pulled / strain + (path.waited / time if path.knows_time else 0.0)
     keep = np.exp(-passed)
     keep[first] = 0.0
-    strained = (path.stretch if flows else path.peak) - 1.0
+    stretch = path.stretch if flows else path.peak
+    strained = pulls(path, stretch) if by_load else stretch - 1.0
     aim = times * np.maximum(through(strained / reach, values[3:]), 0.0)
     rest = towards(keep, aim) if flows else along(keep, -np.expm1(-passed) * aim)
     return left_of(path.stretch, rest, False, path.least)
@@ -136,14 +141,15 @@ def _crept(added: bool = False) -> Lengthens:
     return lambda path, stretch, peak, values: np.minimum(stretch, crept(path, *values, added=added))
 
 
-def _smoothly(flows: bool = False, each_way: bool = False) -> Lengthens:
-    def lengthens(path: Path, stretch: Array, peak: Array, values: Array) -> Array:
-        times: Array | float = 1.0
-        if each_way:
-            values, times = values[:-2], amount(path, *values[-2:])
-        return np.minimum(stretch, crept_smoothly(path, values, flows=flows, times=times))
+def _smoothly(flows: bool = False) -> Lengthens:
+    return lambda path, stretch, peak, values: np.minimum(stretch, crept_smoothly(path, values, flows=flows))
 
-    return lengthens
+
+def _by_load_each_way(flows: bool = False) -> Lengthens:
+    return lambda path, stretch, peak, values: np.minimum(
+        stretch,
+        crept_smoothly(path, values[:-2], flows=flows, by_load=True, times=amount(path, *values[-2:])),
+    )
 
 
 def _cycles(added: bool = False) -> Lengthens:
@@ -172,8 +178,8 @@ FORMS: Mapping[str, Lengthens] = {
     "crept-added": _crept(added=True),
     "smooth": _smoothly(),
     "smooth-flow": _smoothly(flows=True),
-    "smooth-each-way": _smoothly(each_way=True),
-    "smooth-flow-each-way": _smoothly(flows=True, each_way=True),
+    "smooth-load-each-way": _by_load_each_way(),
+    "smooth-flow-load-each-way": _by_load_each_way(flows=True),
     "cycles": _cycles(),
     "cycles-added": _cycles(added=True),
 }

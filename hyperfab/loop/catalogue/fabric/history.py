@@ -198,9 +198,15 @@ def permanent_set(context: DataContext) -> Effect:
     forms = (*plain, *curved, crept, more, *sums, network, bent)
     sets = [Constant(f"set_{k}", 0.0, 0.0, 0.6 * reach, 0.01 * reach) for k in range(1, 4)]
     over = (Constant("strain", 0.1 * reach, 0.01 * reach, 50.0 * reach, reach), _slowly(context))
-    start = (reach, 0.3 * reach, over[1].value, 0.02 * reach, 0.05 * reach, 0.1 * reach)
+    start = (0.3 * reach, over[1].value, 0.02 * reach, 0.05 * reach, 0.1 * reach)
     smooth = [
-        freely(forms, name, (fixed("reach", reach), *over, *sets), start)
+        freely(forms, name, (fixed("reach", reach), *over, *sets), (reach, *start))
+        for name in ("smooth", "smooth-flow")
+    ]
+    # A sheet pulled both ways bears more at the same strain.
+    pull = 1.0 + reach - (1.0 + reach) ** -2.0
+    by_load = [
+        freely(forms, f"{name}-load", (fixed("reach_of_load", pull), *over, *sets), (pull, *start))
         for name in ("smooth", "smooth-flow")
     ]
     return Effect(
@@ -209,15 +215,18 @@ def permanent_set(context: DataContext) -> Effect:
         not_sought="" if context.unloads else "no test unloads",
         shown_by="unloading to zero force, a wait, and a second pull: the stretch at which force begins",
         source="ASTM D412 (tension set); Andrews, Tobolsky & Hanson (1946), doi:10.1063/1.1707724",
-        forms=(*forms, *smooth, *_each_way(context, *smooth)),
+        forms=(*forms, *smooth, *_each_way(context, *by_load)),
         smooth=True,
     )
 
 
 def _each_way(context: DataContext, *smooth: Form) -> list[Form]:
-    """Return smooth laws of which there is more in one direction or mode than in another, where several are tested."""
+    """Return smooth laws of which there is more in one direction or mode than in another, where several are tested.
+
+    On the way out alone that is a stiffness of each direction or mode.
+    """
     several, modes = len(context.angles) > 1, len(np.unique(context.path.mode)) > 1
-    if not several and not modes:
+    if not context.unloads or not (several or modes):
         return []
     weft = Constant("weft", 0.0, -0.95, 5.0, 0.3) if several else fixed("weft", 0.0)
     more = Constant("modes", 0.0, -3.0, 3.0, 0.5) if modes else fixed("modes", 0.0)

@@ -63,7 +63,9 @@ def load_offset(context: DataContext) -> Effect:
         own = [Constant(f"of_test_{k}_MPa", 0.0, -most, most, step) for k in range(2, count + 1)]
         begin = (step, *(0.0 for _ in own))
         forms.append(Form("each", (offset, *own), (begin,), refines="constant", of_each=True))
-        if context.path.knows_time:
+        # On the way out alone a drift in time is a softer or stiffer specimen.
+        if context.path.knows_time and context.unloads:
+            most = 0.1 * peak
             drifts = [Constant(f"drift_of_{k}_MPa", 0.0, -most, most, step) for k in range(1, count + 1)]
             begin = (*begin, *(0.0 for _ in drifts))
             forms.append(freely(forms, "each-drift", (offset, *own, *drifts), begin))
