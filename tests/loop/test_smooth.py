@@ -124,11 +124,11 @@ def test_a_set_by_load_is_that_of_the_load_in_each_mode() -> None:
     path = uniaxial_pull(np.tile([1.0, 1.3], 3))
     mode = np.repeat([UNIAXIAL, SHEAR, BIAXIAL], 2)
     path = replace(path, starts=(0, 2, 4, 6), mode=mode, angle_deg=np.full(6, 90.0))
-    straight_on = np.array([2.0, 1e-9, 1e9, *(0.2 * k / 3.0 for k in (1, 2, 3)), 0.5, 0.0])
+    straight_on = np.array([2.0, 0.01, 1e9, *(0.2 * k / 3.0 for k in (1, 2, 3)), 0.5, 0.0])
     elastic = permanent_set.FORMS["smooth-flow-load-each-way"](path, path.stretch, path.peak, straight_on)
     load = np.array([1.3 - 1.3**-2, 1.3 - 1.3**-3, 1.3 - 1.3**-5])
     share = np.array([1.5, 1.5, 1.25])  # of a sheet pulled both ways half is weft
-    np.testing.assert_allclose(1.3 / elastic[1::2] - 1.0, share * 0.1 * load, rtol=1e-12)
+    np.testing.assert_allclose(1.3 / elastic[1::2] - 1.0, share * 0.1 * load, rtol=1e-11)
 
 
 def test_a_smooth_contraction_of_each_direction_is_that_of_its_own_values() -> None:
