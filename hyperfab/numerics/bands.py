@@ -95,4 +95,5 @@ def tell(done: Ints, first: int, end: int) -> None:
 def in_bands(sweep: Callable[[Ints], None], rows: int, columns: int) -> None:
     """Call ``sweep(done)`` on the cores there are, for a grid; ``done`` keeps account of its bands."""
     done = np.zeros(2 + rows // BAND, np.int64)
-    in_blocks(lambda *_: sweep(done), for_nodes(rows * columns), 1)
+    most = for_nodes(rows * columns)
+    in_blocks(lambda *_: sweep(done), most, 1, most)

@@ -39,8 +39,8 @@ def threads() -> int:
     return max(1, most // max(1, len(getattr(_here, "unfinished", ()))))
 
 
-def in_blocks(work: Callable[[int, int], None], count: int, block: int) -> None:
-    """Call ``work(first, last)`` for items ``0:count`` in blocks of ``block``, side by side.
+def in_blocks(work: Callable[[int, int], None], count: int, block: int, most: int | None = None) -> None:
+    """Call ``work(first, last)`` for items ``0:count`` in blocks of ``block``, side by side on ``most`` threads.
 
     Only compiled kernels run side by side. A signal is obeyed between blocks.
 
@@ -50,7 +50,7 @@ def in_blocks(work: Callable[[int, int], None], count: int, block: int) -> None:
     [1, 1, 1, 1, 1]
     """
     blocks = [(first, min(first + block, count)) for first in range(0, count, block)]
-    others = min(threads(), len(blocks)) - 1
+    others = min(threads() if most is None else most, len(blocks)) - 1
     if others < 1:
         for first, last in blocks:
             work(first, last)
@@ -117,10 +117,11 @@ def in_rows(work: Callable[[int, int], None], rows: int, columns: int) -> None:
     Where a node's sum takes from the row before, the block computes that row's part anew: then the order of the
     additions, and with it the bits, do not depend on the blocks either.
     """
-    if rows * columns < NODES:
+    most = for_nodes(rows * columns)
+    if most == 1:
         work(0, rows)
     else:
-        in_blocks(work, rows, max(1, min(NODES // columns, rows // (4 * threads()))))
+        in_blocks(work, rows, max(1, min(NODES // columns, rows // (4 * most))), most)
 
 
 def for_nodes(count: int) -> int:
