@@ -87,6 +87,11 @@ def freely(forms: Sequence[Form], name: str, constants: Sequence[Constant], star
     return Form(name, tuple(constants), (tuple(start),), refines=simpler, free=True)
 
 
+def untried(form: Form) -> Form:
+    """Return a form that these data cannot show, though a model may have it already."""
+    return replace(form, probes=(), refines=())
+
+
 #: Why an entry is not sought that the model already has.
 HAS_IT = "the model has it"
 

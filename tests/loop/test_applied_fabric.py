@@ -111,6 +111,23 @@ def test_a_fabric_with_an_effect_is_the_one_that_is_written(model: str, effect: 
     )
 
 
+@pytest.mark.parametrize(("model", "effect", "form"), sought("yeoh-3"))
+def test_a_fabric_with_an_effect_meets_one_plain_pull(model: str, effect: str, form: str) -> None:
+    """That shows nothing of directions, modes, warmth or contraction: the effect is what it was, and holds."""
+    _, problem = given(model)
+    own = np.array([constant.value for constant in problem.own])
+    entry = problem.effect(effect).form(form)
+    values = np.array(entry.starts[0]) + 0.1 * np.array([constant.scale for constant in entry.constants])
+    lam = np.linspace(1.0, 1.3, 30)
+    pull = TestCurve(
+        "uniaxial", lam, lam - 1.0, time_s=10.0 * lam, temperature_degC=np.full(30, 23.0), source="t"
+    )
+    again = pose(written(model, own, {effect: (form, values)}), "loop.json", Measured([pull], "MPa"))
+    assert np.all(np.isfinite(again.predict(np.array([constant.value for constant in again.own]), {})))
+    stays = {f"{effect} {one.name}" for one in entry.constants if one.low == one.high}
+    assert all(one.low == one.high for one in again.own if one.name in stays)
+
+
 @pytest.mark.parametrize("model", [name for name, law in laws().items() if law.isotropic])
 @pytest.mark.parametrize(
     ("effect", "form", "values"),

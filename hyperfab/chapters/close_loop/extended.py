@@ -30,9 +30,12 @@ _ALONG = 1.0
 
 
 def held_terms(
-    document: MaterialDocument, name: str, entries: Mapping[str, Any]
+    document: MaterialDocument, name: str, entries: Mapping[str, Any], timed: bool
 ) -> dict[str, tuple[str, tuple[Constant, ...]]]:
-    """Return the terms a document already has: effect id -> form and constants, found in the catalogue ``entries``."""
+    """Return the terms a document already has: effect id -> form and constants, found in the catalogue ``entries``.
+
+    ``timed``: whether the tests state their times.
+    """
     found: dict[str, tuple[str, tuple[Constant, ...]]] = {}
     for index, item in enumerate(document.effects or []):
         key = f"effects.{index}"
@@ -49,7 +52,7 @@ def held_terms(
                 key=key,
                 remedy="remove it, or see docs/close-loop.md",
             )
-        if kind in _NEEDS_TIMES and effect.not_sought:
+        if kind in _NEEDS_TIMES and not timed:
             raise InputError(
                 f"the effect {kind!r} cannot be computed for these tests: {effect.not_sought}",
                 file=name,
@@ -62,8 +65,8 @@ def held_terms(
                 raise InputError("is missing", file=name, key=f"{key}.parameters.{constant.name}")
             value = float(values[constant.name])
             low, high = min(constant.low, value), max(constant.high, value)
-            if effect.not_sought:
-                low = high = value  # these data say nothing of it
+            if effect.not_sought or constant.low == constant.high:
+                low = high = value  # these data say nothing of it, or it is no unknown
             constants.append(Constant(f"{kind} {constant.name}", value, low, high, constant.scale))
         found[str(kind)] = (form.name, tuple(constants))
     return found

@@ -120,7 +120,8 @@ def pose(
         context = DataContext(
             law, tuple(constants), bare.fabric.path, stress, False, len(bare.transverse_rows) > 0
         )
-        held = held_terms(document, name, {effect.id: effect for effect in entries(context)})
+        catalogue = {effect.id: effect for effect in entries(context)}
+        held = held_terms(document, name, catalogue, context.path.knows_time)
     known = set(law.names) | {f"warp {key}" for key in law.names} | {f"weft {key}" for key in law.names}
     known |= {constant.name for _, constants_ in held.values() for constant in constants_}
     check_fixed(fix, sorted(known), "model")

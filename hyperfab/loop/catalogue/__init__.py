@@ -6,14 +6,13 @@ model or the data.
 
 from __future__ import annotations
 
-from hyperfab.loop.problem import Constant, Form
+from hyperfab.loop.problem import Constant, Form, untried
 
 
 def softening(span: float, temperatures: int) -> list[Form]:
     """Return stiffness exponential in temperature over a ``span`` [K]; of three ``temperatures`` also its curvature."""
     linear = Constant("softening_1_K", 0.0, -5.0 / span, 5.0 / span, 0.1 / span)
     forms = [Form("exponential", (linear,), ((0.2 / span,), (-0.2 / span,)), ((0.02 / span,),))]
-    if temperatures > 2:
-        bend = Constant("softening_1_K2", 0.0, -5.0 / span**2, 5.0 / span**2, 0.1 / span**2)
-        forms.append(Form("curved", (linear, bend), ((0.2 / span, 0.05 / span**2),), refines="exponential"))
-    return forms
+    bend = Constant("softening_1_K2", 0.0, -5.0 / span**2, 5.0 / span**2, 0.1 / span**2)
+    curved = Form("curved", (linear, bend), ((0.2 / span, 0.05 / span**2),), refines="exponential")
+    return [*forms, curved if temperatures > 2 else untried(curved)]

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from hyperfab.loop.catalogue.fabric.context import DataContext
-from hyperfab.loop.problem import Constant, Effect, Form, fixed, freely
+from hyperfab.loop.problem import Constant, Effect, Form, fixed, freely, untried
 
 
 def entries(context: DataContext) -> tuple[Effect, ...]:
@@ -221,16 +221,14 @@ def permanent_set(context: DataContext) -> Effect:
 
 
 def _each_way(context: DataContext, *smooth: Form) -> list[Form]:
-    """Return smooth laws of which there is more in one direction or mode than in another, where several are tested.
+    """Return smooth laws of which there is more in one direction or mode than in another.
 
-    On the way out alone that is a stiffness of each direction or mode.
+    They are tried where several are tested, and let go again: on the way out alone that is a stiffness of each.
     """
     several, modes = len(context.angles) > 1, len(np.unique(context.path.mode)) > 1
-    if not context.unloads or not (several or modes):
-        return []
     weft = Constant("weft", 0.0, -0.95, 5.0, 0.3) if several else fixed("weft", 0.0)
     more = Constant("modes", 0.0, -3.0, 3.0, 0.5) if modes else fixed("modes", 0.0)
-    return [
+    found = [
         Form(
             f"{one.name}-each-way",
             (*one.constants, weft, more),
@@ -240,6 +238,7 @@ def _each_way(context: DataContext, *smooth: Form) -> list[Form]:
         )
         for one in smooth
     ]
+    return found if context.unloads and (several or modes) else [untried(form) for form in found]
 
 
 def _slowly(context: DataContext) -> Constant:
@@ -348,10 +347,11 @@ def rate(context: DataContext) -> Effect:
     start = (0.5 * step, whole, 0.0, 0.0, *6 * (0.1,))
     frees = [freely(forms, "smooth", (*ends, bend, quick, *_shares(6)), start)]
     frees += _each_way(context, *frees)
+    shifted, free = _by_the_clock_of_the_material(context, forms, frees[0])
     # Of two temperatures, or where times are told at one alone, a shift and a softening tell the same.
-    if len(context.temperatures) > 2 and context.clocks > 1:
-        shifted, free = _by_the_clock_of_the_material(context, forms, frees[0])
-        forms, frees = (*forms, *shifted), [*frees, free]
+    if len(context.temperatures) < 3 or context.clocks < 2:
+        shifted, free = [untried(form) for form in shifted], untried(free)
+    forms, frees = (*forms, *shifted), [*frees, free]
     return Effect(
         id="rate",
         title="stress depends on the rate",
@@ -375,7 +375,7 @@ def _by_the_clock_of_the_material(
     context: DataContext, forms: Sequence[Form], free: Form
 ) -> tuple[list[Form], Form]:
     """Return Maxwell branches, and the spectrum ``free``, whose times shift with temperature."""
-    kelvin = 273.15 + float(np.mean(context.temperatures))
+    kelvin = 273.15 + (float(np.mean(context.temperatures)) if len(context.temperatures) else 20.0)
     clock = Constant("shift_1_K", 0.0, 0.0, 1.0, 0.02), Constant("fall_K", kelvin, 20.0, 2000.0, 50.0)
     # At the reference times may be as much shorter or longer than the tests as the shift makes them elsewhere.
     widest = 1e4

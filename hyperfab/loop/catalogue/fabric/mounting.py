@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hyperfab.loop.catalogue.fabric.context import DataContext
-from hyperfab.loop.problem import Constant, Effect, Form, fixed, freely
+from hyperfab.loop.problem import Constant, Effect, Form, fixed, freely, untried
 
 
 def entries(context: DataContext) -> tuple[Effect, ...]:
@@ -19,10 +19,9 @@ def grip_slack(context: DataContext) -> Effect:
     starts = ((0.03 * reach,), (0.1 * reach,), (-0.02 * reach,))
     forms = [Form("play", (slack,), starts, ((0.005 * reach,),))]
     count = len(context.path.curves)
-    if count > 1:
-        own = [Constant(f"of_test_{k}", 0.0, -0.3 * reach, high, step) for k in range(2, count + 1)]
-        start = (0.03 * reach, *(0.0 for _ in own))
-        forms.append(Form("each", (slack, *own), (start,), refines="play", of_each=True))
+    own = [Constant(f"of_test_{k}", 0.0, -0.3 * reach, high, step) for k in range(2, count + 1)]
+    each = Form("each", (slack, *own), ((0.03 * reach, *(0.0 for _ in own)),), refines="play", of_each=True)
+    forms.append(each if count > 1 else untried(each))
     toe = Constant("toe", 0.0, 0.0, high, step)
     forms.append(Form("toe", (slack, toe), ((0.03 * reach, 0.03 * reach),), refines="play"))
     gives = [Constant(f"give_{k}", 0.0, low, high, step) for k in range(1, 7)]
@@ -59,16 +58,17 @@ def load_offset(context: DataContext) -> Effect:
         free = (fixed("whole_s", whole), offset, *drifts)
         forms.append(freely(forms, "smooth", free, (whole, step, *3 * (0.0,))))
     count = len(context.path.curves)
-    if count > 1:
-        own = [Constant(f"of_test_{k}_MPa", 0.0, -most, most, step) for k in range(2, count + 1)]
-        begin = (step, *(0.0 for _ in own))
-        forms.append(Form("each", (offset, *own), (begin,), refines="constant", of_each=True))
+    own = [Constant(f"of_test_{k}_MPa", 0.0, -most, most, step) for k in range(2, count + 1)]
+    begin = (step, *(0.0 for _ in own))
+    each = Form("each", (offset, *own), (begin,), refines="constant", of_each=True)
+    forms.append(each if count > 1 else untried(each))
+    if context.path.knows_time:
+        most = 0.1 * peak
+        drifts = [Constant(f"drift_of_{k}_MPa", 0.0, -most, most, step) for k in range(1, count + 1)]
+        begin = (*begin, *(0.0 for _ in drifts))
+        drifting = freely(forms, "each-drift", (offset, *own, *drifts), begin)
         # On the way out alone a drift in time is a softer or stiffer specimen.
-        if context.path.knows_time and context.unloads:
-            most = 0.1 * peak
-            drifts = [Constant(f"drift_of_{k}_MPa", 0.0, -most, most, step) for k in range(1, count + 1)]
-            begin = (*begin, *(0.0 for _ in drifts))
-            forms.append(freely(forms, "each-drift", (offset, *own, *drifts), begin))
+        forms.append(drifting if count > 1 and context.unloads else untried(drifting))
     return Effect(
         id="load-offset",
         title="the load cell is off its zero",

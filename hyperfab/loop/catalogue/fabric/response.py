@@ -8,7 +8,7 @@ import numpy as np
 
 from hyperfab.loop.catalogue import softening
 from hyperfab.loop.catalogue.fabric.context import DataContext
-from hyperfab.loop.problem import HAS_IT, Constant, Effect, Form, fixed, freely
+from hyperfab.loop.problem import HAS_IT, Constant, Effect, Form, fixed, freely, untried
 from hyperfab.materials.effects.path import GENERAL
 from hyperfab.materials.effects.threads import GROUND
 
@@ -109,28 +109,30 @@ def compressibility(context: DataContext) -> Effect:
     nu = Constant("nu", 0.5, 0.0, 0.5, 0.05)
     bend = Constant("bend", 0.0, -1.0, 1.0, 0.1)
     forms = [Form(name, (nu,), ((0.4,), (0.2,)), ((0.48,),)) for name in ("uniform", "slope", "split")]
-    if context.transverse:
-        forms.append(Form("slope-bent", (nu, bend), ((0.4, 0.05),), refines="slope"))
-        forms.append(Form("uniform-bent", (nu, bend), ((0.4, 0.05),), refines="uniform"))
-    if context.transverse and len(context.angles) > 1:
-        across = Constant("nu_weft", 0.5, 0.0, 0.5, 0.05)
-        forms.append(Form("directions", (nu, across), ((0.4, 0.4),), ((0.48, 0.5), (0.5, 0.48))))
-        forms.append(Form("directions-bent", (nu, across, bend), ((0.4, 0.4, 0.05),), refines="directions"))
-    free = []
-    if context.transverse:
-        more = [Constant(f"more_{k}", 0.0, -0.6, 0.6, 0.05) for k in range(1, 4)]
-        both, start = (fixed("reach", context.reach), nu, *more), (context.reach, 0.4, 0.0, 0.0, 0.0)
-        free = [freely(forms, f"{kind}-smooth", both, start) for kind in ("uniform", "slope")]
-        if len(context.angles) > 1:
-            weft = [across, *(replace(one, name=f"{one.name}_weft") for one in more)]
-            free.append(freely(forms, "directions-smooth", (*both, *weft), (*start, *start[1:])))
+    across = Constant("nu_weft", 0.5, 0.0, 0.5, 0.05)
+    bent = [Form(f"{name}-bent", (nu, bend), ((0.4, 0.05),), refines=name) for name in ("slope", "uniform")]
+    each = [
+        Form("directions", (nu, across), ((0.4, 0.4),), ((0.48, 0.5), (0.5, 0.48))),
+        Form("directions-bent", (nu, across, bend), ((0.4, 0.4, 0.05),), refines="directions"),
+    ]
+    tried = [*forms, *bent, *each]
+    more = [Constant(f"more_{k}", 0.0, -0.6, 0.6, 0.05) for k in range(1, 4)]
+    both, start = (fixed("reach", context.reach), nu, *more), (context.reach, 0.4, 0.0, 0.0, 0.0)
+    smooth = [freely(tried, f"{kind}-smooth", both, start) for kind in ("uniform", "slope")]
+    weft = [across, *(replace(one, name=f"{one.name}_weft") for one in more)]
+    each.append(freely(tried, "directions-smooth", (*both, *weft), (*start, *start[1:])))
+    # How a sheet contracts is read, or it is not told.
+    if not context.transverse:
+        bent, smooth = [untried(form) for form in bent], [untried(form) for form in smooth]
+    if not context.transverse or len(context.angles) < 2:
+        each = [untried(form) for form in each]
     return Effect(
         id="compressibility",
         title="the sheet does not keep its volume",
         not_sought=reason,
         shown_by="the transverse stretch of a uniaxial test, or uniaxial and biaxial tests of one sheet",
         source="Blatz & Ko (1962), doi:10.1122/1.548937; Flory (1961), doi:10.1039/tf9615700829",
-        forms=(*forms, *free),
+        forms=(*forms, *bent, *each[:2], *smooth, each[2]),
     )
 
 
@@ -214,19 +216,20 @@ def thermal_softening(context: DataContext) -> Effect:
     """Stiffness that falls, or rises, with temperature: exponential; with three temperatures also its curvature, with
     four a step towards glass."""
     several, bends = len(context.temperatures) > 1, len(context.temperatures) > 2
-    span = float(np.ptp(context.temperatures)) if several else 30.0
+    known = context.temperatures if several else np.array([20.0, 50.0])
+    low, high = float(np.min(known)), float(np.max(known))
+    span = high - low
     forms = softening(span, len(context.temperatures))
     linear = forms[0].constants[0]
-    if len(context.temperatures) > 3:
-        low, high = float(np.min(context.temperatures)), float(np.max(context.temperatures))
-        glass = (
-            linear,
-            Constant("step", 0.0, 0.0, 8.0, 0.2),
-            Constant("at_degC", low + 0.3 * span, low - 0.5 * span, high, 0.1 * span),
-            Constant("width_K", 0.1 * span, 0.02 * span, 0.5 * span, 0.05 * span),
-        )
-        colder = (0.05 / span, 1.0, low + 0.3 * span, 0.1 * span), (0.05 / span, 3.0, low, 0.15 * span)
-        forms.append(Form("glass", glass, colder, colder[:1], refines=("exponential", "curved")))
+    step = (
+        linear,
+        Constant("step", 0.0, 0.0, 8.0, 0.2),
+        Constant("at_degC", low + 0.3 * span, low - 0.5 * span, high, 0.1 * span),
+        Constant("width_K", 0.1 * span, 0.02 * span, 0.5 * span, 0.05 * span),
+    )
+    colder = (0.05 / span, 1.0, low + 0.3 * span, 0.1 * span), (0.05 / span, 3.0, low, 0.15 * span)
+    glass = Form("glass", step, colder, colder[:1], refines=("exponential", "curved"))
+    forms.append(glass if len(context.temperatures) > 3 else untried(glass))
     curvature = forms[1].constants[1] if bends else fixed("softening_1_K2", 0.0)
     reach = fixed("reach", context.reach)
     more = [Constant(f"with_strain_{k}_1_K", 0.0, -5.0 / span, 5.0 / span, 0.1 / span) for k in (1, 2)]
