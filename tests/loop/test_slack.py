@@ -110,7 +110,7 @@ def test_the_shift_of_a_clock_is_told_where_it_is_read_at_two_temperatures() -> 
             for celsius, rate in at
         ]
         made = fabric_problem(law("yeoh-3"), (0.02, 0.0, 0.0), tests)
-        return {form.name for form in made.effect("rate").forms if "shifted" in form.name}
+        return {form.name for form in made.effect("rate").forms if "shifted" in form.name and form.simpler}
 
     once = (20.0, 0.01), (20.0, 0.05), (50.0, 0.01), (80.0, 0.01)
     assert not forms(*once)
