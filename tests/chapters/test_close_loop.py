@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import jsonschema
 import numpy as np
@@ -168,14 +169,22 @@ def test_every_entry_is_told_also_where_the_data_cannot_show_it(hf: Run, tmp_pat
     assert not {"held_out", "next_measurement", "model"} & found.keys()
 
 
-def test_model_with_a_rate_needs_tests_with_times(hf: Run, tmp_path: Path) -> None:
-    rate = {"id": "rate", "form": "prony-1", "parameters": {"g1": 0.3, "tau1_s": 5.0}}
-    (tmp_path / "fabric.json").write_text(json.dumps(MODEL | {"effects": [rate]}))
+@pytest.mark.parametrize(
+    "effect",
+    [
+        {"id": "rate", "form": "prony-1", "parameters": {"g1": 0.3, "tau1_s": 5.0}},
+        {"id": "load-offset", "form": "drift", "parameters": {"offset_MPa": 0.01, "drift_MPa_s": 1e-4}},
+    ],
+    ids=["rate", "drift"],
+)
+def test_model_with_a_rate_needs_tests_with_times(hf: Run, tmp_path: Path, effect: dict[str, Any]) -> None:
+    (tmp_path / "fabric.json").write_text(json.dumps(MODEL | {"effects": [effect]}))
     curve = "".join(f"{1.0 + 0.02 * i:.6g},{0.01 * i + 0.0001 * (i % 3):.6g}\n" for i in range(20))
     (tmp_path / "pull.csv").write_text(f"# test: uniaxial\nstretch [-],stress [MPa]\n{curve}")
     done = hf("close-loop", "fabric.json", "--measured", "pull.csv", cwd=tmp_path)
     assert done.returncode == 3
     assert b"fabric.json, key effects.0" in done.stderr
+    assert b"column time" in done.stderr
 
 
 @pytest.mark.parametrize(

@@ -45,19 +45,19 @@ def held_terms(
             continue
         effect = entries.get(str(kind))
         form = None if effect is None else next((f for f in effect.forms if f.name == form_name), None)
+        if effect is not None and not timed and (kind in _NEEDS_TIMES or form is None):
+            raise InputError(
+                f"the effect {kind!r} of form {form_name!r} cannot be computed: not every test states its times",
+                file=name,
+                key=key,
+                remedy="give every test a column time [s] or its rate [1/s], or take the effect out of the model",
+            )
         if effect is None or form is None or not isinstance(values, Mapping):
             raise InputError(
                 f"unknown effect {kind!r} of form {form_name!r}",
                 file=name,
                 key=key,
                 remedy="remove it, or see docs/close-loop.md",
-            )
-        if kind in _NEEDS_TIMES and not timed:
-            raise InputError(
-                f"the effect {kind!r} cannot be computed for these tests: {effect.not_sought}",
-                file=name,
-                key=key,
-                remedy="give every test a column time [s] or its rate [1/s], or take the effect out of the model",
             )
         constants = []
         for constant in form.constants:
