@@ -87,9 +87,9 @@ def freely(forms: Sequence[Form], name: str, constants: Sequence[Constant], star
     return Form(name, tuple(constants), (tuple(start),), refines=simpler, free=True)
 
 
-def untried(form: Form) -> Form:
-    """Return a form that these data cannot show, though a model may have it already."""
-    return replace(form, probes=(), refines=())
+def tried_if(shown: bool, *forms: Form) -> list[Form]:
+    """Return the forms, not to be tried unless these data could have ``shown`` them: a model may have them already."""
+    return list(forms) if shown else [replace(form, probes=(), refines=()) for form in forms]
 
 
 #: Why an entry is not sought that the model already has.

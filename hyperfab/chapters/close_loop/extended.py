@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -18,13 +18,13 @@ from hyperfab.errors import InputError
 from hyperfab.loop.fabric import FabricProblem
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.problem import Constant
-from hyperfab.materials.effects import anisotropy, elastic_law
+from hyperfab.materials.effects import anisotropy, elastic_law, load_offset, rate
 from hyperfab.materials.effects.fabric import AT_A_TEMPERATURE
 from hyperfab.materials.effects.path import uniaxial_pull
 from hyperfab.materials.law import Law
 
-#: Effects that have no prediction where the tests state no times.
-_NEEDS_TIMES = ("rate",)
+#: Forms that have no prediction where the tests state no times.
+_NEEDS_TIMES: Mapping[str, Container[str]] = {"rate": rate.FORMS, "load-offset": load_offset.IN_TIME}
 #: A test cut within this angle [deg] of warp or weft is a test of it.
 _ALONG = 1.0
 
@@ -45,7 +45,7 @@ def held_terms(
             continue
         effect = entries.get(str(kind))
         form = None if effect is None else next((f for f in effect.forms if f.name == form_name), None)
-        if effect is not None and not timed and (kind in _NEEDS_TIMES or form is None):
+        if not timed and form_name in _NEEDS_TIMES.get(str(kind), ()):
             raise InputError(
                 f"the effect {kind!r} of form {form_name!r} cannot be computed: not every test states its times",
                 file=name,

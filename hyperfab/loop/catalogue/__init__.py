@@ -6,7 +6,7 @@ model or the data.
 
 from __future__ import annotations
 
-from hyperfab.loop.problem import Constant, Form, untried
+from hyperfab.loop.problem import Constant, Form, tried_if
 
 
 def softening(span: float, temperatures: int) -> list[Form]:
@@ -15,4 +15,4 @@ def softening(span: float, temperatures: int) -> list[Form]:
     forms = [Form("exponential", (linear,), ((0.2 / span,), (-0.2 / span,)), ((0.02 / span,),))]
     bend = Constant("softening_1_K2", 0.0, -5.0 / span**2, 5.0 / span**2, 0.1 / span**2)
     curved = Form("curved", (linear, bend), ((0.2 / span, 0.05 / span**2),), refines="exponential")
-    return [*forms, curved if temperatures > 2 else untried(curved)]
+    return forms + tried_if(temperatures > 2, curved)

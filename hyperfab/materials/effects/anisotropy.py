@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hyperfab.materials.effects.path import BIAXIAL, GENERAL, SHEAR, Path
+from hyperfab.materials.effects.path import BIAXIAL, Path, second_stretch
 from hyperfab.materials.kinematics import Array
 from hyperfab.materials.law import Law
 
@@ -35,8 +35,7 @@ def fibres(path: Path, stretch: Array, warp: float, weft: float, growth: float) 
     standard reinforcing model.
     """
     share = weft_share(path)
-    across = np.where(path.mode == GENERAL, path.across, np.where(path.mode == SHEAR, 1.0, stretch**-0.5))
-    across = np.where(path.mode == BIAXIAL, stretch, across)
+    across = second_stretch(path.mode, stretch, stretch**-0.5, path.across)
     stress, energy = np.zeros_like(stretch), np.zeros_like(stretch)
     for stiffness, along in ((warp, 1.0 - share), (weft, share)):
         strain = np.maximum(stretch**2 * along + across**2 * (1.0 - along) - 1.0, 0.0)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hyperfab.materials.effects.anisotropy import weft_share
-from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL, Path
+from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL, Path, second_stretch
 from hyperfab.materials.effects.smooth import through
 from hyperfab.materials.kinematics import Array
 
@@ -68,7 +68,7 @@ def volume(mode: Array, stretch: Array, second: Array, nu: float) -> Array:
     if share == 0.0:
         return found
     area = np.where(mode == BIAXIAL, stretch**2, np.where(mode == SHEAR, stretch, stretch * second))
-    other = np.where(mode == BIAXIAL, stretch, np.where(mode == SHEAR, 1.0, second))
+    other = second_stretch(mode, stretch, second, second)
     pulled = mode == UNIAXIAL
     flat, thick = stretch**2 + np.where(pulled, 0.0, other**2), np.where(pulled, 0.0, area**-2.0)
     side = np.where(pulled, 1.0 / stretch, 0.0)
@@ -87,8 +87,7 @@ def volume(mode: Array, stretch: Array, second: Array, nu: float) -> Array:
 def of_shape(mode: Array, stretch: Array, second: Array, ratio: Array) -> tuple[Array, Array]:
     """Return the two stretches of shape alone, in the sheet's plane, of a volume ``ratio``."""
     size = np.cbrt(ratio)
-    other = np.where(mode == BIAXIAL, stretch, np.where(mode == SHEAR, 1.0, second))
-    other = np.where(mode == UNIAXIAL, np.sqrt(ratio / stretch), other)
+    other = second_stretch(mode, stretch, np.sqrt(ratio / stretch), second)
     return stretch / size, np.asarray(other / size)
 
 

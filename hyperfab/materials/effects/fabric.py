@@ -22,7 +22,7 @@ from hyperfab.materials.effects import (
     rate,
     thermal_softening,
 )
-from hyperfab.materials.effects.path import BIAXIAL, GENERAL, SHEAR, UNIAXIAL, Path
+from hyperfab.materials.effects.path import GENERAL, Path, second_stretch
 from hyperfab.materials.effects.state import State
 from hyperfab.materials.effects.threads import Threads
 from hyperfab.materials.kinematics import Array, Sheet
@@ -252,9 +252,7 @@ class Fabric:
 
     def _second(self, theta: Sequence[float], stretch: Array, side: Array) -> Array:
         """Return the second stretch where the sheet contracts as its law has it."""
-        path = self.path
-        second = np.where(path.mode == BIAXIAL, stretch, np.where(path.mode == SHEAR, 1.0, side))
-        return np.where(path.mode == UNIAXIAL, stretch ** -self.law.contraction(theta), second)
+        return second_stretch(self.path.mode, stretch, stretch ** -self.law.contraction(theta), side)
 
 
 def _present(terms: Terms) -> Terms:

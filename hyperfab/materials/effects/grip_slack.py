@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL, Path
+from hyperfab.materials.effects.path import Path, second_stretch
 from hyperfab.materials.effects.smooth import through
 from hyperfab.materials.kinematics import Array
 
@@ -55,8 +55,7 @@ def pulls(path: Path, stretch: Array) -> Array:
     >>> pulls(uniaxial_pull(np.array([1.0, 2.0])), np.array([1.0, 2.0]))
     array([0.  , 1.75])
     """
-    side = np.where(path.mode == UNIAXIAL, stretch**-0.5, np.where(path.mode == SHEAR, 1.0, path.across))
-    side = np.where(path.mode == BIAXIAL, stretch, side)
+    side = second_stretch(path.mode, stretch, stretch**-0.5, path.across)
     return np.asarray(stretch - 1.0 / (stretch**3 * side**2))
 
 
@@ -65,7 +64,11 @@ def of_each(path: Path, values: Array) -> Array:
 
     Curves beyond those told, not measured yet, get the mean.
     """
-    told = np.concatenate([values[:1], values[0] + values[1:]])
+    return by_curve(path, np.concatenate([values[:1], values[0] + values[1:]]))
+
+
+def by_curve(path: Path, told: Array) -> Array:
+    """Return one value a row, as ``told`` of its curve; of curves beyond those told the mean."""
     found = np.full(len(path.stretch), float(np.mean(told)))
     for value, rows in zip(told, path.curves, strict=False):
         found[rows] = value

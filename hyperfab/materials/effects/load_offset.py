@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from hyperfab.materials.effects.grip_slack import of_each
+from hyperfab.materials.effects.grip_slack import by_curve, of_each
 from hyperfab.materials.effects.path import Path
 from hyperfab.materials.effects.smooth import through
 from hyperfab.materials.effects.state import Acts
@@ -41,7 +41,7 @@ def drifting_each(path: Path, values: Array) -> Array:
     """
     start, moved = np.split(values, 2)
     times = np.concatenate([_passed(path.time_s[rows]) for rows in path.curves])
-    return of_each(path, start) + of_each(path, np.concatenate([moved[:1], moved[1:] - moved[0]])) * times
+    return of_each(path, start) + by_curve(path, moved) * times
 
 
 def _passed(time: Array) -> Array:
@@ -50,6 +50,8 @@ def _passed(time: Array) -> Array:
     return (time - time[0]) / whole if whole > 0.0 else np.zeros_like(time)
 
 
+#: Forms that have no prediction where the tests state no times.
+IN_TIME = ("drift", "settling", "each-drift", "smooth")
 #: What each form makes of the stress.
 FORMS: Mapping[str, Acts] = {
     "constant": lambda at, stress, values: shifted(stress, values[0]),

@@ -173,6 +173,18 @@ class Path:
         return bool(np.all(np.isfinite(self.time_s)))
 
 
+def second_stretch(mode: NDArray[np.int64], stretch: Array, strip: Array, side: Array) -> Array:
+    """Return the stretch across the pull: ``strip`` of uniaxial rows, as along it where both axes go alike, 1 where the
+    sheet is held across, else ``side``.
+
+    >>> mode = np.array([UNIAXIAL, SHEAR, BIAXIAL, GENERAL])
+    >>> second_stretch(mode, np.full(4, 1.5), np.full(4, 0.8), np.full(4, 1.2))
+    array([0.8, 1. , 1.5, 1.2])
+    """
+    given = np.where(mode == BIAXIAL, stretch, np.where(mode == SHEAR, 1.0, side))
+    return np.where(mode == UNIAXIAL, strip, given)
+
+
 def moving(stretch: Array, across: Array) -> Array:
     """Return the one of two stretches that moves most, the first where they move alike.
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL, Path
+from hyperfab.materials.effects.path import Path, second_stretch
 from hyperfab.materials.effects.recurrence import along
 from hyperfab.materials.effects.state import Acts, State
 from hyperfab.materials.effects.ways import each_way
@@ -142,8 +142,7 @@ def stretched_in_series(at: State, moduli: Sequence[float], times_s: Sequence[fl
     array([0. , 0.7, 0. ])
     """
     path, first = at.path, at.stretch
-    across = np.where(path.mode == SHEAR, 1.0, np.where(path.mode == BIAXIAL, first, path.across))
-    second = np.where(path.mode == UNIAXIAL, first**-0.5, across)
+    second = second_stretch(path.mode, first, first**-0.5, path.across)
     change, begins = _steps(path, np.log(np.stack([first, second], axis=1)))
     elapsed = np.ascontiguousarray(path.waited * at.quick)
     total = np.zeros_like(first)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL, Path
+from hyperfab.materials.effects.path import BIAXIAL, UNIAXIAL, Path, second_stretch
 from hyperfab.materials.kinematics import Array
 from hyperfab.materials.orthotropic import Orthotropic
 from hyperfab.materials.orthotropic.energy import ABSENT
@@ -48,7 +48,7 @@ class Threads:
         path = self.path
         angle = np.where(np.isfinite(path.angle_deg), path.angle_deg, 0.0)
         stress, energy = np.full_like(stretch, np.nan), np.full_like(stretch, np.nan)
-        across = np.where(path.mode == BIAXIAL, stretch, np.where(path.mode == SHEAR, 1.0, side))
+        across = second_stretch(path.mode, stretch, side, side)
         square = path.mode != UNIAXIAL
         if np.any(square):
             one, other, energy[square] = held(law, angle[square], stretch[square], across[square])

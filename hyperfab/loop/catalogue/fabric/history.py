@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from hyperfab.loop.catalogue.fabric.context import DataContext
-from hyperfab.loop.problem import Constant, Effect, Form, fixed, freely, untried
+from hyperfab.loop.problem import Constant, Effect, Form, fixed, freely, tried_if
 
 
 def entries(context: DataContext) -> tuple[Effect, ...]:
@@ -238,7 +238,7 @@ def _each_way(context: DataContext, *smooth: Form) -> list[Form]:
         )
         for one in smooth
     ]
-    return found if context.unloads and (several or modes) else [untried(form) for form in found]
+    return tried_if(context.unloads and (several or modes), *found)
 
 
 def _slowly(context: DataContext) -> Constant:
@@ -349,9 +349,8 @@ def rate(context: DataContext) -> Effect:
     frees += _each_way(context, *frees)
     shifted, free = _by_the_clock_of_the_material(context, forms, frees[0])
     # Of two temperatures, or where times are told at one alone, a shift and a softening tell the same.
-    if len(context.temperatures) < 3 or context.clocks < 2:
-        shifted, free = [untried(form) for form in shifted], untried(free)
-    forms, frees = (*forms, *shifted), [*frees, free]
+    told = len(context.temperatures) > 2 and context.clocks > 1
+    forms, frees = (*forms, *tried_if(told, *shifted)), frees + tried_if(told, free)
     return Effect(
         id="rate",
         title="stress depends on the rate",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hyperfab.loop.catalogue.fabric.context import DataContext
-from hyperfab.loop.problem import Constant, Effect, Form, fixed, freely, untried
+from hyperfab.loop.problem import Constant, Effect, Form, fixed, freely, tried_if
 
 
 def entries(context: DataContext) -> tuple[Effect, ...]:
@@ -21,7 +21,7 @@ def grip_slack(context: DataContext) -> Effect:
     count = len(context.path.curves)
     own = [Constant(f"of_test_{k}", 0.0, -0.3 * reach, high, step) for k in range(2, count + 1)]
     each = Form("each", (slack, *own), ((0.03 * reach, *(0.0 for _ in own)),), refines="play", of_each=True)
-    forms.append(each if count > 1 else untried(each))
+    forms += tried_if(count > 1, each)
     toe = Constant("toe", 0.0, 0.0, high, step)
     forms.append(Form("toe", (slack, toe), ((0.03 * reach, 0.03 * reach),), refines="play"))
     gives = [Constant(f"give_{k}", 0.0, low, high, step) for k in range(1, 7)]
@@ -61,14 +61,14 @@ def load_offset(context: DataContext) -> Effect:
     own = [Constant(f"of_test_{k}_MPa", 0.0, -most, most, step) for k in range(2, count + 1)]
     begin = (step, *(0.0 for _ in own))
     each = Form("each", (offset, *own), (begin,), refines="constant", of_each=True)
-    forms.append(each if count > 1 else untried(each))
+    forms += tried_if(count > 1, each)
     if context.path.knows_time:
         most = 0.1 * peak
         drifts = [Constant(f"drift_of_{k}_MPa", 0.0, -most, most, step) for k in range(1, count + 1)]
         begin = (*begin, *(0.0 for _ in drifts))
         drifting = freely(forms, "each-drift", (offset, *own, *drifts), begin)
         # On the way out alone a drift in time is a softer or stiffer specimen.
-        forms.append(drifting if count > 1 and context.unloads else untried(drifting))
+        forms += tried_if(count > 1 and context.unloads, drifting)
     return Effect(
         id="load-offset",
         title="the load cell is off its zero",

@@ -8,7 +8,7 @@ import numpy as np
 
 from hyperfab.loop.catalogue import softening
 from hyperfab.loop.catalogue.fabric.context import DataContext
-from hyperfab.loop.problem import HAS_IT, Constant, Effect, Form, fixed, freely, untried
+from hyperfab.loop.problem import HAS_IT, Constant, Effect, Form, fixed, freely, tried_if
 from hyperfab.materials.effects.path import GENERAL
 from hyperfab.materials.effects.threads import GROUND
 
@@ -115,24 +115,27 @@ def compressibility(context: DataContext) -> Effect:
         Form("directions", (nu, across), ((0.4, 0.4),), ((0.48, 0.5), (0.5, 0.48))),
         Form("directions-bent", (nu, across, bend), ((0.4, 0.4, 0.05),), refines="directions"),
     ]
-    tried = [*forms, *bent, *each]
+    formulas = [*forms, *bent, *each]
     more = [Constant(f"more_{k}", 0.0, -0.6, 0.6, 0.05) for k in range(1, 4)]
     both, start = (fixed("reach", context.reach), nu, *more), (context.reach, 0.4, 0.0, 0.0, 0.0)
-    smooth = [freely(tried, f"{kind}-smooth", both, start) for kind in ("uniform", "slope")]
+    smooth = [freely(formulas, f"{kind}-smooth", both, start) for kind in ("uniform", "slope")]
     weft = [across, *(replace(one, name=f"{one.name}_weft") for one in more)]
-    each.append(freely(tried, "directions-smooth", (*both, *weft), (*start, *start[1:])))
+    smooth_each = freely(formulas, "directions-smooth", (*both, *weft), (*start, *start[1:]))
     # How a sheet contracts is read, or it is not told.
-    if not context.transverse:
-        bent, smooth = [untried(form) for form in bent], [untried(form) for form in smooth]
-    if not context.transverse or len(context.angles) < 2:
-        each = [untried(form) for form in each]
+    read, read_each = context.transverse, context.transverse and len(context.angles) > 1
     return Effect(
         id="compressibility",
         title="the sheet does not keep its volume",
         not_sought=reason,
         shown_by="the transverse stretch of a uniaxial test, or uniaxial and biaxial tests of one sheet",
         source="Blatz & Ko (1962), doi:10.1122/1.548937; Flory (1961), doi:10.1039/tf9615700829",
-        forms=(*forms, *bent, *each[:2], *smooth, each[2]),
+        forms=(
+            *forms,
+            *tried_if(read, *bent),
+            *tried_if(read_each, *each),
+            *tried_if(read, *smooth),
+            *tried_if(read_each, smooth_each),
+        ),
     )
 
 
@@ -229,7 +232,7 @@ def thermal_softening(context: DataContext) -> Effect:
     )
     colder = (0.05 / span, 1.0, low + 0.3 * span, 0.1 * span), (0.05 / span, 3.0, low, 0.15 * span)
     glass = Form("glass", step, colder, colder[:1], refines=("exponential", "curved"))
-    forms.append(glass if len(context.temperatures) > 3 else untried(glass))
+    forms += tried_if(len(context.temperatures) > 3, glass)
     curvature = forms[1].constants[1] if bends else fixed("softening_1_K2", 0.0)
     reach = fixed("reach", context.reach)
     more = [Constant(f"with_strain_{k}_1_K", 0.0, -5.0 / span, 5.0 / span, 0.1 / span) for k in (1, 2)]
