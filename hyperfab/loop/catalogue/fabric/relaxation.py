@@ -1,0 +1,170 @@
+"""What a fabric does with time: stress that relaxes, by branches of many makes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from hyperfab.loop.catalogue.fabric.context import DataContext
+from hyperfab.loop.catalogue.fabric.history import each_way
+from hyperfab.loop.problem import Constant, Effect, Form, fixed, freely, tried_if
+
+
+def entries(context: DataContext) -> tuple[Effect, ...]:
+    """Return what may lack, scaled to the data."""
+    return (rate(context),)
+
+
+def rate(context: DataContext) -> Effect:
+    """A level or loop that moves with the rate, of stress that relaxes: one Maxwell branch, two or three, or stiffness
+    with the logarithm of the rate."""
+    step, whole = context.times
+    peak = context.peak_stress
+    low, high = 0.2 * step, 20.0 * whole
+    t1, t2, t3, t4 = times = tuple(float(t) for t in np.geomspace(2.0 * step, 0.5 * whole, 4))
+
+    def branch(k: int, start: float) -> tuple[Constant, Constant]:
+        return Constant(f"g{k}", 0.0, 0.0, 20.0, 0.1), Constant(f"tau{k}_s", start, low, high, start)
+
+    one, two, three = branch(1, t2), branch(2, t3), branch(3, t4)
+    measure = Constant("measure", 0.0, -4.0, 4.0, 1.0)
+    power = Constant("power", 1.0, 1.0, 8.0, 0.5)
+    thins = Constant("flow_MPa", 100.0 * peak, 0.005 * peak, 100.0 * peak, 0.2 * peak)
+    # Of power, time and stress level one is free to choose: the level.
+    level = Constant("flow_MPa", 0.1 * peak, 0.1 * peak, 0.1 * peak, 0.1 * peak)
+    with_strain = Constant("strain", 0.0, -1.5, 1.5, 0.2)
+    bend = Constant("bend", 0.0, -8.0, 8.0, 1.0)
+    spring = 0.1 * peak / context.reach
+    series = tuple(
+        constant
+        for k, (_, time) in enumerate((one, two), 1)
+        for constant in (Constant(f"mu{k}_MPa", 0.0, 0.0, 100.0 * spring, spring), time)
+    )
+    viscous = Constant("viscous_MPa", 0.0, 0.0, peak, 0.05 * peak)
+    reason = "" if context.shows_rate else "the tests have one rate, no hold and no way back"
+    if not context.path.knows_time:
+        reason = "not every test states its times or its rate"
+    forms: tuple[Form, ...] = (
+        Form("prony-1", one, tuple((0.3, t) for t in (t1, t2, t4)), tuple((0.02, t) for t in times)),
+        Form(
+            "prony-2",
+            (*one, *two),
+            ((0.2, t1, 0.2, t4), (0.2, t1, 0.1, t2)),
+            refines="prony-1",
+        ),
+        Form("prony-3", (*one, *two, *three), ((0.2, t1, 0.2, t3, 0.1, t4),), refines="prony-2"),
+        Form("prony-bent", (*one, bend), ((0.3, t2, 0.5),), refines="prony-1"),
+        Form(
+            "prony-2-bent",
+            (*one, bend, *two),
+            ((0.2, t1, 0.5, 0.2, t3), (0.2, t1, 0.5, 0.2, t1)),
+            refines=("prony-bent", "prony-2"),
+        ),
+        Form(
+            "prony-3-bent",
+            (*one, bend, *two, *three),
+            ((0.2, t1, 0.5, 0.2, t3, 0.2, t4),),
+            refines=("prony-2-bent", "prony-3"),
+        ),
+        Form(
+            "thinning",
+            (*one, thins),
+            ((0.5, t2, 0.15 * peak), (0.5, t3, 0.15 * peak)),
+            refines="prony-1",
+        ),
+        Form(
+            "thinning-prony",
+            (*one, thins, *two),
+            ((0.5, t2, 0.15 * peak, 0.1, t4),),
+            refines=("thinning", "prony-2"),
+        ),
+        Form("thinning-bent", (*one, thins, bend), ((0.5, t2, 0.15 * peak, 0.5),), refines="thinning"),
+        Form("flow", (*one, power, level), ((0.5, t2, 2.5, 0.1 * peak),), refines="prony-1"),
+        Form(
+            "flow-strain",
+            (*one, power, level, with_strain),
+            ((0.5, t2, 2.5, 0.1 * peak, -0.3),),
+            refines=("flow", "thinning", "thinning-bent"),
+        ),
+        Form("finite", series[:2], ((spring, t2), (spring, t4)), refines="prony-1"),
+        Form(
+            "finite-2",
+            series,
+            ((spring, t1, spring, t3), (spring, t2, spring, t4)),
+            refines=("finite", "prony-2", "prony-bent", "prony-measure", "thinning", "flow", "flow-strain"),
+        ),
+        Form("prony-measure", (*one, measure), ((0.3, t2, 0.5),), refines="prony-1"),
+        Form(
+            "prony-2-measure",
+            (*one, measure, *two),
+            ((0.2, t1, 0.5, 0.2, t3),),
+            refines=("prony-measure", "prony-2"),
+        ),
+        Form(
+            "viscous",
+            (viscous, Constant("power", 0.5, 0.2, 2.0, 0.2)),
+            ((0.05 * peak, 0.3), (0.05 * peak, 1.0)),
+            ((0.01 * peak, 0.3), (0.01 * peak, 1.0)),
+        ),
+        Form("log-rate", (Constant("amount", 0.0, -0.5, 0.5, 0.02),), ((0.05,),), ((0.01,),)),
+    )
+    ends = (fixed("first_s", 0.5 * step), fixed("last_s", whole))
+    quick = Constant("quick", 0.0, -6.0 / context.reach, 12.0 / context.reach, 1.0)
+    start = (0.5 * step, whole, 0.0, 0.0, *6 * (0.1,))
+    frees = [freely(forms, "smooth", (*ends, bend, quick, *_shares(6)), start)]
+    frees += each_way(context, *frees)
+    shifted, free = _by_the_clock_of_the_material(context, forms, frees[0])
+    # Of two temperatures, or where times are told at one alone, a shift and a softening tell the same.
+    told = len(context.temperatures) > 2 and context.clocks > 1
+    forms, frees = (*forms, *tried_if(told, *shifted)), frees + tried_if(told, free)
+    return Effect(
+        id="rate",
+        title="stress depends on the rate",
+        not_sought=reason,
+        shown_by="the same cycle at two rates a factor of 16 apart, and a hold of the stretch",
+        source="Fung (1981), Biomechanics, ch. 7; Taylor, Pister & Goudreau (1970), doi:10.1002/nme.1620020106; "
+        "Bergstrom & Boyce (1998), doi:10.1016/S0022-5096(97)00075-6; Reese & Govindjee (1998), "
+        "doi:10.1016/S0020-7683(97)00217-5; Williams, Landel & Ferry (1955), "
+        "doi:10.1021/ja01619a008",
+        forms=(*forms, *frees),
+        smooth=True,
+    )
+
+
+def _shares(count: int) -> list[Constant]:
+    """Return the shares of the branches of a spectrum."""
+    return [Constant(f"g_{k}", 0.0, 0.0, 20.0, 0.1) for k in range(1, count + 1)]
+
+
+def _by_the_clock_of_the_material(
+    context: DataContext, forms: Sequence[Form], free: Form
+) -> tuple[list[Form], Form]:
+    """Return Maxwell branches, and the spectrum ``free``, whose times shift with temperature."""
+    kelvin = 273.15 + (float(np.mean(context.temperatures)) if len(context.temperatures) else 20.0)
+    clock = Constant("shift_1_K", 0.0, 0.0, 1.0, 0.02), Constant("fall_K", kelvin, 20.0, 2000.0, 50.0)
+    # At the reference times may be as much shorter or longer than the tests as the shift makes them elsewhere.
+    widest = 1e4
+
+    def shifted(name: str) -> Form:
+        plain = next(form for form in forms if form.name == name)
+        wider = [
+            replace(one, low=one.low / widest, high=one.high * widest) if one.name.startswith("tau") else one
+            for one in plain.constants
+        ]
+        simpler = {"prony-2": "prony-1", "prony-3": "prony-2", "prony-3-bent": "prony-2-bent"}
+        before = (f"{simpler[name]}-shifted",) if name in simpler else ()
+        return Form(
+            f"{name}-shifted",
+            (*wider, *clock),
+            tuple((*plain.starts[0], shift, kelvin) for shift in (0.05, 0.2)),
+            refines=(name, *before),
+        )
+
+    names = ("prony-1", "prony-2", "prony-3", "prony-2-bent", "prony-3-bent")
+    ends = [fixed(one.name, one.value * by) for one, by in zip(free.constants[:2], (1e-4, 1e3), strict=True)]
+    start = (ends[0].value, ends[1].value, 0.0, 0.0, *10 * (0.1,), 0.1, kelvin)
+    found = [shifted(name) for name in names]
+    spectrum = (*ends, *free.constants[2:4], *_shares(10), *clock)
+    return found, freely((*forms, *found), "smooth-shifted", spectrum, start)
