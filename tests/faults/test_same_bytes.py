@@ -76,9 +76,10 @@ def hashes(arguments: list[str], folder: Path, **environment: str) -> dict[str, 
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_same_inputs_same_bytes(command: str, tmp_path: Path) -> None:
-    first = hashes(COMMANDS[command], tmp_path / "a", PYTHONHASHSEED="1")
+    first = hashes(COMMANDS[command], tmp_path / "a", PYTHONHASHSEED="1", HYPERFAB_THREADS="")
     again = hashes(
-        COMMANDS[command], tmp_path / "another place" / "b", PYTHONHASHSEED="2", OMP_NUM_THREADS="1",
-        OPENBLAS_NUM_THREADS="1", NUMBA_NUM_THREADS="1", TZ="Asia/Tokyo", LC_ALL="C", HOME=str(tmp_path),
+        COMMANDS[command], tmp_path / "another place" / "b", PYTHONHASHSEED="2", HYPERFAB_THREADS="1",
+        OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", NUMBA_NUM_THREADS="1", TZ="Asia/Tokyo", LC_ALL="C",
+        HOME=str(tmp_path),
     )  # fmt: skip
     assert first == again

@@ -29,7 +29,7 @@ def test_noise_is_called_noise(seed: int) -> None:
 
 
 @pytest.mark.parametrize("effect", truths.IDS)
-@pytest.mark.parametrize("seed", [0, 2])
+@pytest.mark.parametrize("seed", [0, pytest.param(2, marks=pytest.mark.slow)])
 def test_effect_is_named_or_among_its_look_alikes(effect: str, seed: int) -> None:
     problem, _, _, _ = case(seed, (effect,), poor=False)
     found = close(problem, design=False)
@@ -106,7 +106,7 @@ def test_laws_of_other_make_are_called_by_their_name(effect: str) -> None:
     "pair",
     [
         ("anisotropy", "hysteresis"),
-        ("rate", "thermal-softening"),
+        pytest.param(("rate", "thermal-softening"), marks=pytest.mark.slow),
         pytest.param(("mullins", "rate"), marks=pytest.mark.slow),
     ],
 )

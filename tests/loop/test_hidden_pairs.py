@@ -17,7 +17,7 @@ TIMES, SHARES = 10.0 ** np.arange(-3, 4), np.array([8.0, 5.0, 3.0, 1.6, 0.9, 0.5
 def pulled(celsius: float, rate: float) -> tuple[np.ndarray, np.ndarray]:
     """Return stretches and stresses [MPa] of a tacky elastomer: Maxwell branches whose clock is Williams, Landel and
     Ferry's, on chains of limited length that stiffen as entropy does."""
-    stretch = np.concatenate([np.linspace(1.0, 3.0, 40), np.linspace(3.0, 1.3, 40)[1:]])
+    stretch = np.concatenate([np.linspace(1.0, 3.0, 24), np.linspace(3.0, 1.3, 24)[1:]])
     step = np.abs(np.diff(stretch)) / rate
     clock = 10.0 ** (-8.0 * (celsius - 20.0) / (100.0 + celsius)) * TIMES
     driving = 0.02 * (stretch - stretch**-2)

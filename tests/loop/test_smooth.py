@@ -30,7 +30,7 @@ from hyperfab.materials.kinematics import Sheet
 @pytest.mark.parametrize(
     ("effect", "seed"),
     [
-        ("hysteresis", 3),
+        pytest.param("hysteresis", 3, marks=pytest.mark.slow),
         pytest.param("rate", 0, marks=pytest.mark.slow),
         pytest.param("rate", 2, marks=pytest.mark.slow),
         pytest.param("permanent-set", 1, marks=pytest.mark.slow),

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.materials.effects.path import Path, second_stretch
-from hyperfab.materials.effects.recurrence import along
 from hyperfab.materials.effects.state import Acts, State
 from hyperfab.materials.effects.ways import each_way
 from hyperfab.materials.kinematics import Array
@@ -33,14 +32,24 @@ def relaxing(
     Pister & Goudreau (1970), doi:10.1002/nme.1620020106.
     """
     change, begins = _steps(path, stress)
-    elapsed = path.waited * quick
-    total = np.zeros_like(stress)
-    for weight, tau in zip(weights, times_s, strict=True):
-        ratio = elapsed / tau
-        keep = np.exp(-ratio)
-        keep[begins] = 0.0
-        share = np.where(ratio > 1e-9, -np.expm1(-ratio) / np.maximum(ratio, 1e-9), 1.0)
-        total += along(keep, weight * share * change)
+    elapsed = np.ascontiguousarray(path.waited * quick)
+    found: Array = _relaxing(change, elapsed, begins, np.array(weights, float), np.array(times_s, float))
+    return found
+
+
+@kernel
+def _relaxing(change, elapsed, begins, weights, times):  # type: ignore[no-untyped-def]
+    total = np.zeros_like(change)
+    for k in range(len(weights)):
+        if weights[k] == 0.0:
+            continue
+        q = 0.0
+        for i in range(len(change)):
+            ratio = elapsed[i] / times[k]
+            fall = -np.expm1(-ratio)
+            share = fall / ratio if ratio > 1e-9 else 1.0
+            q = (0.0 if begins[i] else (1.0 - fall) * q) + weights[k] * share * change[i]
+            total[i] += q
     return total
 
 
@@ -235,16 +244,9 @@ def spectrum(at: State, stress: Array, values: Array) -> Array:
     the spectrum of relaxation by a few values. Ferry (1980), Viscoelastic Properties of Polymers, chs. 3 and 11.
     """
     first, last, bend, quick = values[:4]
-    change, begins = _steps(at.path, stress * at.path.stretch**bend)
-    elapsed = at.path.waited * at.quick * np.exp(quick * (at.path.stretch - 1.0))
-    total = np.zeros_like(stress)
-    for share, tau in zip(values[4:], np.geomspace(first, last, len(values) - 4), strict=True):
-        if share:
-            ratio = elapsed / tau
-            keep = np.where(begins, 0.0, np.exp(-ratio))
-            gain = np.where(ratio > 1e-9, -np.expm1(-ratio) / np.maximum(ratio, 1e-9), 1.0)
-            total = total + along(keep, share * gain * change)
-    return np.asarray(stress + total)
+    times = np.geomspace(first, last, len(values) - 4)
+    clock = at.quick * np.exp(quick * (at.path.stretch - 1.0))
+    return stress + relaxing_bent(at.path, stress, list(values[4:]), list(times), bend, clock)
 
 
 def quickened(speed: Array, reference: float, amount: float) -> Array:
