@@ -150,8 +150,10 @@ def halve(  # noqa: C901
 
 
 @kernel
-def sandwich_all(q: Array, diag: Singles, off: Singles, first: int, last: int) -> None:
-    """Put the projectors of the nodes around the blocks of rows ``first:last`` of an operator."""
+def sandwich_all(
+    q: Array, diag: Array, off: Array, to_diag: Singles, to_off: Singles, first: int, last: int
+) -> None:
+    """Put the projectors of the nodes around the blocks of rows ``first:last`` of an operator, in single precision."""
     n, m = q.shape[0], q.shape[1]
     b, t = np.empty((3, 3)), np.empty((3, 3))
     o = np.empty(9, np.float32)
@@ -162,12 +164,12 @@ def sandwich_all(q: Array, diag: Singles, off: Singles, first: int, last: int) -
             b[0, 0], b[0, 1], b[0, 2], b[1, 1], b[1, 2], b[2, 2] = o[0], o[1], o[2], o[3], o[4], o[5]
             b[1, 0], b[2, 0], b[2, 1] = b[0, 1], b[0, 2], b[1, 2]
             _sandwich(q[i, j], b, q[i, j], t, o)
-            diag[i, j, 0], diag[i, j, 1], diag[i, j, 2] = o[0], o[1], o[2]
-            diag[i, j, 3], diag[i, j, 4], diag[i, j, 5] = o[4], o[5], o[8]
+            to = to_diag[i, j]
+            to[0], to[1], to[2], to[3], to[4], to[5] = o[0], o[1], o[2], o[4], o[5], o[8]
             for d in range(off.shape[2]):
                 ni, nj = i + OX[d], j + OY[d]
                 if ni < n and 0 <= nj < m:
-                    for r in range(3):
-                        for c in range(3):
-                            b[r, c] = off[i, j, d, 3 * r + c]
-                    _sandwich(q[i, j], b, q[ni, nj], t, off[i, j, d])
+                    for k in range(9):
+                        o[k] = off[i, j, d, k]
+                        b[k // 3, k % 3] = o[k]
+                    _sandwich(q[i, j], b, q[ni, nj], t, to_off[i, j, d])

@@ -247,21 +247,15 @@ class Multigrid:
 
     def build(self, diag: Array, off: Array, q: Array) -> None:
         """Set up all levels for the finest operator (diagonal and forward blocks) and its projectors."""
-        top = self.levels[0]
-
-        def copy(first: int, last: int) -> None:
-            rows = slice(first, last)
-            top.q[rows], top.diag[rows], top.off[rows] = q[rows], diag[rows], off[rows]
-
-        in_rows(copy, *q.shape[:2])
-        _smoothed(top)
+        self.levels[0].q = q
+        _smoothed(self.levels[0], diag, off)
         for fine, coarse in zip(self.levels, self.levels[1:], strict=False):
             n, m = fine.q.shape[:2]
             rows, columns = injected(n), injected(m)
-            coarse.q[:] = fine.q[np.ix_(rows, columns)]
+            fine.q.take(rows, axis=0).take(columns, axis=1, out=coarse.q, mode="clip")  # else buffered
             _in_chunks(fine.diag, fine.off, rows, *fine.halved)
             _in_chunks(*fine.halved, columns, coarse.diag, coarse.off)
-            _smoothed(coarse)
+            _smoothed(coarse, coarse.diag, coarse.off)
         self.direct = _dense_inverse(self.levels[-1])
 
     def __call__(self, r: Array, out: Array) -> None:
@@ -289,11 +283,11 @@ class Multigrid:
         in_bands(lambda done: sweep_back(level.inverse, level.off, b, u, done), *u.shape[:2])
 
 
-def _smoothed(level: Level) -> None:
-    """Put the projectors around a level's operator, and invert its diagonal."""
+def _smoothed(level: Level, diag: Array, off: Array) -> None:
+    """Set a level's operator, ``diag`` and ``off`` between its projectors, and invert its diagonal."""
 
     def work(first: int, last: int) -> None:
-        sandwich_all(level.q, level.diag, level.off, first, last)
+        sandwich_all(level.q, diag, off, level.diag, level.off, first, last)
         invert(level.diag, level.q, level.inverse, first, last)
 
     in_rows(work, *level.q.shape[:2])
