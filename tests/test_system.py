@@ -96,10 +96,10 @@ def test_one_driver_alone_holds_a_study(tmp_path: Path) -> None:
 
 def test_a_mold_on_a_machine_without_the_mesher_says_what_it_needs(monkeypatch: pytest.MonkeyPatch) -> None:
     from hyperfab.errors import UsageError
-    from hyperfab.thermal import mesher
+    from hyperfab.thermal import mesher, netgen_process
     from hyperfab.thermal.geometry import Body, Box, Geometry
 
-    monkeypatch.setattr(mesher.importlib.util, "find_spec", lambda name: None)
+    monkeypatch.setattr(netgen_process.importlib.util, "find_spec", lambda name: None)
     body = Body("plate", (Box((0.0, 0.0, 0.0), (10.0, 10.0, 10.0)),))
     with pytest.raises(UsageError, match="netgen-mesher"):
         mesher.make_mesh(Geometry((body,), (), ()), 5.0)

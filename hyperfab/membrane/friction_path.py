@@ -10,7 +10,7 @@ import numpy as np
 
 from hyperfab.membrane.contact_edge import contact_edge
 from hyperfab.membrane.equilibrium import Press, State
-from hyperfab.membrane.path import Path, Watch, follow
+from hyperfab.membrane.path import Followed, Path, Watch, follow
 from hyperfab.membrane.sphere_contact import Outcome, Solved, SphereTest, fitted_mesh, press_on, rough_path
 
 #: Load steps of a path with friction, at least. Coulomb's force hangs little on it, full stick is of first order.
@@ -18,17 +18,21 @@ LOAD_STEPS = 40
 
 
 def run_with_friction(
-    tests: Sequence[SphereTest], depths: Sequence[float], watch: Watch = lambda state: None
+    tests: Sequence[SphereTest],
+    depths: Sequence[float],
+    watch: Watch = lambda state: None,
+    followed: Followed = lambda paths: None,
 ) -> list[Outcome]:
     """Press several sheets that differ in their law alone, all with the same friction, on one mesh.
 
     The path is followed on a rough mesh, and again on a mesh that is fine wherever the edge of contact came by.
     Where the step's length counts (full stick) the rough path is followed with steps of half the length too, and
-    ``Outcome.extrapolated`` is the force to which ever shorter steps lead.
+    ``Outcome.extrapolated`` is the force to which ever shorter steps lead. ``followed`` sees the rough paths.
     """
     parts = ceil(LOAD_STEPS / len(depths))
     steps = _divided(depths, parts)
     roughs = [rough_path(test, steps, watch) for test in tests]
+    followed([path for _, path in roughs])
     edges = [
         edge
         for press, path in roughs

@@ -69,6 +69,10 @@ class Path:
     footings: list[Footing] = field(default_factory=list)
 
 
+#: Is told of the paths of all sheets on their first meshes.
+Followed = Callable[[list[Path]], None]
+
+
 @dataclass(frozen=True)
 class Footing:
     """An equilibrium and how fast its places move with depth."""

@@ -22,7 +22,7 @@ from hyperfab.membrane.measures import Fields, fields
 from hyperfab.membrane.mesh import SheetMesh, halved, interpolate, sheet_mesh
 from hyperfab.membrane.meshing import SizeField, Triangles, graded, triangulate
 from hyperfab.membrane.outline import Outline
-from hyperfab.membrane.path import Path, Watch, cold_start, follow, next_footing
+from hyperfab.membrane.path import Followed, Path, Watch, cold_start, follow, next_footing
 from hyperfab.membrane.punch import Facets, Sphere
 from hyperfab.membrane.sheet import Sheet
 from hyperfab.membrane.tension_field import SheetLaw
@@ -201,17 +201,22 @@ def solve_on(test: SphereTest, mesh: SheetMesh, near: Solved) -> Solved:
 
 
 def run(
-    tests: Sequence[SphereTest], depths: Sequence[float], tolerance: float, watch: Watch = lambda state: None
+    tests: Sequence[SphereTest],
+    depths: Sequence[float],
+    tolerance: float,
+    watch: Watch = lambda state: None,
+    followed: Followed = lambda paths: None,
 ) -> list[Outcome]:
     """Press several sheets that differ in their law alone, on the same meshes, to compare them point by point.
 
     ``tolerance`` is on the estimated relative error of the force at the last depth that all of them reach.
-    ``watch`` sees every equilibrium found.
+    ``watch`` sees every equilibrium found; ``followed`` the rough paths (forces within some thousandths).
     """
     # Facets remember where nodes were last: one after the other.
     beside = 1 if any(test.facets for test in tests) else threads()
     paths = [partial(rough_path, test, depths, watch) for test in tests]
     roughs = side_by_side(paths) if beside > 1 else [path() for path in paths]
+    followed([path for _, path in roughs])
     outcomes = [Outcome(*rough) for rough in roughs]
     last = min(outcome.path.states[-1].depth if outcome.path.states else 0.0 for outcome in outcomes)
     for outcome in outcomes:

@@ -8,13 +8,10 @@ mesher that crashes or never returns ends with a message, Ctrl-C works at once, 
 from __future__ import annotations
 
 import contextlib
-import importlib.util
 import io
 import json
-import os
 import queue
 import subprocess
-import sys
 import tempfile
 import threading
 import time
@@ -26,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.errors import InputError, NotConverged, UsageError
+from hyperfab.thermal import netgen_process
 from hyperfab.thermal.geometry import Body, Box, Cylinder, Ellipsoid, Geometry, Shape, Stl
 from hyperfab.thermal.netgen_worker import LENGTH
 
@@ -144,7 +142,7 @@ def _ask(
     built: Callable[[NDArray[np.float64]], None] = lambda volumes: None,
 ) -> dict[str, Any]:
     """Give the worker a job and return its arrays."""
-    if importlib.util.find_spec("netgen") is None:
+    if not netgen_process.present():
         raise UsageError(
             "meshing a mold needs netgen-mesher, which has no wheel for this machine; "
             "run hf mold-heat on another one (x86-64, or an Apple one): its files are read here"
@@ -186,23 +184,13 @@ def _run(
     import psutil
 
     start = time.monotonic()
-    read, write = os.pipe()
-    # A thread feeds the job: communicate() forgets the rest of its input when it is asked again after a timeout.
-    threading.Thread(target=_feed, args=(write, job), daemon=True).start()
-    try:
-        process = subprocess.Popen(
-            [sys.executable, "-m", "hyperfab.thermal.netgen_worker"],
-            stdin=read,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            start_new_session=True,  # Ctrl-C reaches the parent alone, which then stops the worker
-        )
-    finally:
-        os.close(read)
-    with process:
+    with netgen_process.taken() as process:
         try:
             worker = psutil.Process(process.pid)
+            assert process.stdin is not None
             assert process.stdout is not None
+            # A thread feeds the job: communicate() forgets the rest of its input when asked again after a timeout.
+            threading.Thread(target=_feed, args=(process.stdin, job), daemon=True).start()
             frames: queue.SimpleQueue[bytes] = queue.SimpleQueue()
             threading.Thread(target=_read, args=(process.stdout, frames), daemon=True).start()
             while True:
@@ -225,9 +213,9 @@ def _run(
             process.wait()  # also on Ctrl-C: no dead child is left to others
 
 
-def _feed(descriptor: int, job: bytes) -> None:
+def _feed(stream: IO[bytes], job: bytes) -> None:
     """Write the job and close the pipe; a worker that ended early has closed its side."""
-    with contextlib.suppress(BrokenPipeError), os.fdopen(descriptor, "wb") as stream:
+    with contextlib.suppress(BrokenPipeError), stream:
         stream.write(job)
 
 

@@ -7,6 +7,7 @@ It runs apart because a mesher may crash, hang or print: the parent keeps a watc
 
 from __future__ import annotations
 
+import contextlib
 import io
 import json
 import os
@@ -41,7 +42,12 @@ def main() -> None:
     die_with_parent()
     answer = os.dup(1)
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # Netgen prints to standard output
-    job = json.loads(sys.stdin.buffer.read())
+    with contextlib.suppress(ImportError):  # before there is a job: it may be on its way
+        import netgen.occ  # noqa: F401
+    given = sys.stdin.buffer.read()
+    if not given:
+        return
+    job = json.loads(given)
     with os.fdopen(answer, "wb") as stream:
 
         def tell(arrays: dict[str, Any]) -> None:

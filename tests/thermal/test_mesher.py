@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from hyperfab.errors import InputError, NotConverged
-from hyperfab.thermal import mesher
+from hyperfab.thermal import netgen_process
 from hyperfab.thermal.faces import Faces
 from hyperfab.thermal.geometry import Body, Box, Cylinder, Ellipsoid, Geometry, Patch
 from hyperfab.thermal.mesh import build_mesh
@@ -122,7 +122,8 @@ def test_a_mesher_that_answers_nonsense_has_failed(tmp_path, monkeypatch, says):
     script = tmp_path / "python"
     script.write_text(f"#!/bin/sh\nprintf '{says}'\n")
     script.chmod(0o755)
-    monkeypatch.setattr(mesher.sys, "executable", str(script))
+    monkeypatch.setattr(netgen_process, "_begun", [])
+    monkeypatch.setattr(netgen_process.sys, "executable", str(script))
     geometry = Geometry((Body("block", (Box((0.0, 0.0, 0.0), (10.0, 10.0, 10.0)),)),))
     with pytest.raises(NotConverged, match="failed"):
         make_mesh(geometry, 5.0)
@@ -150,3 +151,18 @@ def test_half_an_ellipsoid_is_meshed_wherever_it_stands(half):
     raw = make_mesh(Geometry((Body("dome", (Ellipsoid((1.0, 2.0, 3.0), (30.0, 20.0, 25.0), half),)),)), 20.0)
     assert raw.volumes[0] == pytest.approx(2.0 / 3.0 * np.pi * 30.0 * 20.0 * 25.0, rel=1e-6)
     assert len(raw.elements) > 0
+
+
+def test_a_mesher_that_was_begun_is_taken_and_one_that_ended_is_not(monkeypatch):
+    monkeypatch.setattr(netgen_process, "_begun", [])
+    netgen_process.begin()
+    netgen_process.begin()
+    [begun] = netgen_process._begun
+    with netgen_process.taken() as process:
+        assert process is begun
+        process.kill()
+    netgen_process._begun.append(begun)
+    with netgen_process.taken() as process:
+        assert process is not begun
+        process.stdin.close()
+        assert process.wait(60) == 0

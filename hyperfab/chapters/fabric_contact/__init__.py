@@ -20,6 +20,7 @@ from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
 from hyperfab.membrane.equilibrium import State
 from hyperfab.membrane.friction_path import LOAD_STEPS, run_with_friction
+from hyperfab.membrane.path import Path
 from hyperfab.membrane.sphere_contact import Outcome
 from hyperfab.membrane.sphere_contact import run as press
 from hyperfab.membrane.verdict import first_instability, stress_difference
@@ -91,9 +92,16 @@ def _pressed(job: Job, setup: Setup, fabrics: list[Fabric]) -> list[Outcome]:
             seen[0] += 1
             advance(min(1.0, seen[0] / expected), f"{state.depth:.3g} mm, {state.force:.3g} N")
 
+        def followed(paths: list[Path]) -> None:
+            for fabric, path in zip(fabrics, paths, strict=True):
+                if path.states:
+                    last = path.states[-1]
+                    reached = f"force {last.force:.3g} N at {last.depth:g} mm"
+                    job.console.note(f"{fabric.name}: {reached}, before meshes fitted to the contact")
+
         if setup.friction.remembers:
-            return run_with_friction(tests, setup.depths, watch)
-        return press(tests, setup.depths, setup.case.tolerance, watch)
+            return run_with_friction(tests, setup.depths, watch, followed)
+        return press(tests, setup.depths, setup.case.tolerance, watch, followed)
 
 
 def _write(

@@ -1,5 +1,13 @@
 """``hf mold-heat``: the warm-up of a heated mold."""
 
-from hyperfab.chapters.mold_heat.recipe import run
+from hyperfab.cases.mold import MoldCase
+from hyperfab.chapters.job import Job
+from hyperfab.thermal import netgen_process
 
-__all__ = ["run"]
+
+def run(job: Job, case: MoldCase) -> int:
+    """Heat the mold of the case; 0, or 4 where the account of heat does not close."""
+    netgen_process.begin()  # it imports while this process does
+    from hyperfab.chapters.mold_heat import recipe
+
+    return recipe.run(job, case)
