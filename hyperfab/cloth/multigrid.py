@@ -283,7 +283,7 @@ class Multigrid:
         in_bands(lambda done: sweep_back(level.inverse, level.off, b, u, done), *u.shape[:2])
 
 
-def _smoothed(level: Level, diag: Array, off: Array) -> None:
+def _smoothed(level: Level, diag: Array | Singles, off: Array | Singles) -> None:
     """Set a level's operator, ``diag`` and ``off`` between its projectors, and invert its diagonal."""
 
     def work(first: int, last: int) -> None:
