@@ -51,10 +51,13 @@ $(VENV)/run: $(VENV)/needs.txt $(VENV)/wheel
 	$(PIP) install --constraint constraints.txt $(VENV)/wheel/*.whl
 	@touch $@
 
-# What the developers' targets need beside it. They run the modules that stand here: with the kernels of the wheel, as
-# far as these are the same.
-$(VENV)/dev: $(VENV)/run
-	$(PIP) install --constraint constraints.txt "$$(ls $(VENV)/wheel/*.whl)[dev]"
+# What the developers' targets need beside it.
+$(VENV)/tools.txt: $(VENV)/needs.txt
+	sed -nE '/^dev = /,/^]/s/^ *"([^"]+)".*/\1/p' pyproject.toml > $@
+	$(PIP) install --constraint constraints.txt --requirement $@
+
+# Tests run the modules that stand here: with the kernels of the wheel, as far as these are the same.
+$(VENV)/dev: $(VENV)/run $(VENV)/tools.txt
 	@rm -rf hyperfab/compiled
 	@cp -r $(VENV)/lib/python3*/site-packages/hyperfab/compiled hyperfab/ || echo "the wheel holds no kernels"
 	@touch $@
@@ -156,7 +159,7 @@ $(VERSIONS)/%/dev: $(VERSIONS)/%.txt
 	$(@D)/bin/python -m pip install --quiet --disable-pip-version-check --upgrade --constraint $< --editable '.[dev]'
 	@touch $@
 
-lint: $(VENV)/dev
+lint: $(VENV)/tools.txt
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/lint-imports
@@ -164,7 +167,7 @@ lint: $(VENV)/dev
 # All of it for Linux; for the others what imports a module of the standard library whose types ask for the system.
 STUBS = $$($(BIN)/python -c 'import mypy; print(mypy.__path__[0])')/typeshed/stdlib
 
-types: $(VENV)/dev
+types: $(VENV)/tools.txt
 	@asking=$$(grep -rl sys.platform $(STUBS) | sed 's|.*/stdlib/||; s|[/.].*||' | sort -u | paste -sd '|'); \
 	 (echo linux --num-workers 2; for system in win32 darwin; do echo $$system --follow-imports silent \
 	   $$(grep -lrE "^\s*(import|from) ($$asking)\b" --include=*.py hyperfab); done) \

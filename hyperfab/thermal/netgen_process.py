@@ -15,9 +15,16 @@ def present() -> bool:
 
 
 def begin() -> None:
-    """Begin the process of the next mesh. It waits for its job, and ends with this process where none comes."""
+    """Begin the process of the next mesh; it waits for its job."""
     if not _begun and present():
         _begun.append(_started())
+
+
+def end() -> None:
+    """End a process that was begun and not taken."""
+    while _begun:
+        with _begun.pop() as process:
+            process.kill()
 
 
 def taken() -> subprocess.Popen[bytes]:

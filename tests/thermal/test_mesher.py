@@ -166,3 +166,8 @@ def test_a_mesher_that_was_begun_is_taken_and_one_that_ended_is_not(monkeypatch)
         assert process is not begun
         process.stdin.close()
         assert process.wait(60) == 0
+    netgen_process.begin()
+    [begun] = netgen_process._begun
+    netgen_process.end()
+    assert begun.poll() is not None
+    assert netgen_process._begun == []

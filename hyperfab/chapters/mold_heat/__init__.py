@@ -8,6 +8,9 @@ from hyperfab.thermal import netgen_process
 def run(job: Job, case: MoldCase) -> int:
     """Heat the mold of the case; 0, or 4 where the account of heat does not close."""
     netgen_process.begin()  # it imports while this process does
-    from hyperfab.chapters.mold_heat import recipe
+    try:
+        from hyperfab.chapters.mold_heat import recipe
 
-    return recipe.run(job, case)
+        return recipe.run(job, case)
+    finally:
+        netgen_process.end()
