@@ -24,7 +24,8 @@ def brute(points, corners):
     radius = np.zeros(len(first))
     for t in range(len(first)):
         for v in range(1, 3):
-            radius[t] = max(radius[t], np.sqrt(((corners[t, v] - corners[t, 0]) ** 2).sum()))
+            side = corners[t, v] - corners[t, 0]
+            radius[t] = max(radius[t], np.sqrt(_dot(side, side)))
     out = np.empty(len(points))
     for i in range(len(points)):
         x, y, z = points[i, 0], points[i, 1], points[i, 2]
@@ -44,23 +45,37 @@ def brute(points, corners):
 def _to_facet(p, corner):
     a, b, c = corner[0], corner[1], corner[2]
     sides = ((a, b), (b, c), (c, a))
-    n = np.cross(b - a, c - a)
-    size = np.sqrt((n * n).sum())
+    n = _cross(b - a, c - a)
+    size = np.sqrt(_dot(n, n))
     if size > 0.0:
         n /= size
-        height = ((p - a) * n).sum()
+        height = _dot(p - a, n)
         foot, inside = p - height * n, True
         for s, e in sides:
-            inside = inside and (np.cross(e - s, foot - s) * n).sum() >= 0.0
+            inside = inside and _dot(_cross(e - s, foot - s), n) >= 0.0
         if inside:
             return abs(height)
     best = np.inf
     for s, e in sides:
         side = e - s
-        long = (side * side).sum()
-        share = min(max(((p - s) * side).sum() / long, 0.0), 1.0) if long > 0.0 else 0.0
-        best = min(best, np.sqrt(((s + share * side - p) ** 2).sum()))
+        long = _dot(side, side)
+        share = min(max(_dot(p - s, side) / long, 0.0), 1.0) if long > 0.0 else 0.0
+        off = s + share * side - p
+        best = min(best, np.sqrt(_dot(off, off)))
     return best
+
+
+# numpy's own sums and products take seconds to compile.
+@njit(cache=True)
+def _dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@njit(cache=True)
+def _cross(a, b):
+    out = np.empty(3)
+    out[0], out[1], out[2] = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+    return out
 
 
 def displaced(vertices, faces, centre, height, width):

@@ -76,16 +76,14 @@ class Column:
         return np.asarray(self._at(times, np.array([0.5]))[0])
 
     def _at(self, times: Array, shares: Array) -> Array:
-        times = np.broadcast_to(times, (len(times), len(self.male)))
+        times = np.array(np.broadcast_to(times, (len(times), len(self.male))), order="C")
         out = np.empty((len(shares), *times.shape))
         outer = np.stack([self.male - self.start, self.female - self.start])
+        # The kernel is compiled for C order.
+        layers = [np.ascontiguousarray(one) for one in (self.contact, self.resistance, self.capacity)]
 
         def work(first: int, last: int) -> None:
-            of = slice(first, last)
-            _respond(
-                times[:, of], outer[:, of], self.contact[:, of], self.resistance[:, of], self.capacity[:, of],
-                shares, _Z, _WEIGHT, out[:, :, of],
-            )  # fmt: skip
+            _respond(times, outer, *layers, shares, _Z, _WEIGHT, out, first, last)
 
         in_blocks(work, times.shape[1], _BLOCK)
         return self.start + out
@@ -126,16 +124,18 @@ def _respond(
     points: NDArray[np.complex128],
     weights: NDArray[np.complex128],
     out: Array,
+    start: int,
+    end: int,
 ) -> None:
-    """How far the temperature has moved at each depth by each time, ``outer`` (2, n) being where the molds would have
-    it."""
+    """How far the temperature has moved at each depth by each time at the places ``start:end``, ``outer`` (2, n) being
+    where the molds would have it."""
     depths = len(shares)
     alike = True  # depths that are their own mirror image: what comes from one side fades as what comes from the other
     for d in range(depths):
         alike = alike and abs(shares[d] + shares[depths - 1 - d] - 1.0) < 1e-15
     fades, rises = np.empty(depths, dtype=np.complex128), np.empty(depths, dtype=np.complex128)
     for k in range(times.shape[0]):
-        for i in range(times.shape[1]):
+        for i in range(start, end):
             for d in range(depths):
                 out[d, k, i] = 0.0
             if times[k, i] <= 0.0:

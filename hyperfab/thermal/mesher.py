@@ -191,6 +191,7 @@ def _run(
             assert process.stdout is not None
             # A thread feeds the job: communicate() forgets the rest of its input when asked again after a timeout.
             threading.Thread(target=_feed, args=(process.stdin, job), daemon=True).start()
+            process.stdin = None  # the thread's to close
             frames: queue.SimpleQueue[bytes] = queue.SimpleQueue()
             threading.Thread(target=_read, args=(process.stdout, frames), daemon=True).start()
             while True:

@@ -47,7 +47,7 @@ def random_grids(n: int, m: int, sheared: bool) -> Multigrid:
     free = np.zeros((n, m, 6))
     free[..., [0, 3, 5]] = 1.0
     grids = Multigrid(n, m, off.shape[2])
-    grids.build(diag, off, free)
+    grids.build(np.ascontiguousarray(diag), off, free)
     return grids
 
 

@@ -31,6 +31,7 @@ from numpy.typing import ArrayLike
 from hyperfab.arrays import Array
 from hyperfab.errors import InputError
 from hyperfab.materials.law import scaled
+from hyperfab.numerics.kernels import kernel, part
 
 #: The constants the energy is linear in, all stresses, then the others.
 LINEAR = ("C10_MPa", "C20_MPa", "C30_MPa", "C2_MPa", "k1_warp_MPa", "k1_weft_MPa", "k1_bias_MPa", "G_MPa")
@@ -117,14 +118,10 @@ class Orthotropic:
 
     def answer(self, strain: ArrayLike) -> Answer:
         """Return energy, stress and stiffness at C11, C22, C12 (n, 3)."""
-        C = np.asarray(strain, dtype=np.float64)
-        energy, stress, stiffness = np.zeros(len(C)), np.zeros((len(C), 3)), np.zeros((len(C), 3, 3))
-        for constant, (w, s, d) in zip(self.vector[: len(LINEAR)], self.terms(C), strict=True):
-            if constant != 0.0:
-                energy += constant * w
-                stress += constant * s
-                stiffness += constant * d
-        return Answer(energy, stress, stiffness)
+        C = np.ascontiguousarray(strain, dtype=np.float64)
+        found = Answer(np.zeros(len(C)), np.zeros((len(C), 3)), np.zeros((len(C), 3, 3)))
+        _answer(C, self.vector, found.energy, found.stress, found.stiffness)
+        return found
 
     def thickness_stretch(self, strain: Array) -> Array:
         """Return the thickness stretch (n,) of the ground, J^-m: 1/J where it keeps the volume."""
@@ -134,120 +131,177 @@ class Orthotropic:
 
     def stress_terms(self, strain: Array, theta: Array | None = None) -> Array:
         """Return the stress (n, 8, 3) of each linear constant, for other nonlinear constants where given."""
-        parts = _parts(strain, self._theta if theta is None else theta, bent=False)
-        return np.stack([g for _, g, _ in parts], axis=1) * _TWICE
-
-    def terms(self, strain: Array) -> list[tuple[Array, Array, Array]]:
-        """Return energy (n,), stress (n, 3) and stiffness (n, 3, 3) of each linear constant."""
-        parts = _parts(strain, self._theta, bent=True)
-        return [(w, g * _TWICE, H * (_TWICE[:, None] * _TWICE)) for w, g, H in parts if H is not None]
+        C = np.ascontiguousarray(strain, dtype=np.float64)
+        found = np.empty((len(C), len(LINEAR), 3))
+        _stresses(C, np.ascontiguousarray(self._theta if theta is None else theta), found)
+        return found
 
     @cached_property
     def _theta(self) -> Array:
         return self.vector[len(LINEAR) :]
 
 
-#: From derivatives by C11, C22, C12 to stress and stiffness: S = 2 dW/dC, and C12 stands in C twice.
-_TWICE = np.array([2.0, 2.0, 1.0])
-
-#: A value with its first (n, 3) and, where wanted, second derivatives (n, 3, 3) by C11, C22, C12.
-_Part = tuple[Array, Array, Array | None]
-
-
-def _parts(C: Array, theta: Array, bent: bool) -> list[_Part]:
-    """Return the terms in the order of LINEAR, with second derivatives where ``bent``."""
-    nu, k2_warp, k2_weft, k2_bias, bias = theta
-    x, y = _invariants(C, nu / (1.0 - nu), bent)
-    cos, sin = np.cos(np.deg2rad(bias)), np.sin(np.deg2rad(bias))
-    one, other = (_thread(C, k2_bias, cos, side * sin, bent) for side in (1.0, -1.0))
-    I2 = 3.0 + y[0]
-    return [
-        x,
-        _of(x, x[0] ** 2, 2.0 * x[0], 2.0 + 0.0 * x[0]),
-        _of(x, x[0] ** 3, 3.0 * x[0] ** 2, 6.0 * x[0]),
-        _of(y, np.log1p(y[0] / 3.0), 1.0 / I2, -1.0 / I2**2),
-        _thread(C, k2_warp, 1.0, 0.0, bent),
-        _thread(C, k2_weft, 0.0, 1.0, bent),
-        (
-            one[0] + other[0],
-            one[1] + other[1],
-            None if one[2] is None or other[2] is None else one[2] + other[2],
-        ),
-        _angle(C, bent),
-    ]
+@kernel
+def _answer(C: Array, constants: Array, energy: Array, stress: Array, stiffness: Array) -> None:
+    """Sum the terms whose constant is not zero."""
+    count = len(LINEAR)
+    wanted, theta = constants[:count] != 0.0, constants[count:]
+    w, g, H = np.zeros(count), np.zeros((count, 3)), np.zeros((count, 3, 3))
+    p, P = np.empty(3), np.empty((3, 3))
+    for i in range(len(C)):
+        _terms(C[i], theta, wanted, True, p, P, w, g, H)
+        for k in range(count):
+            if wanted[k]:
+                c = constants[k]
+                energy[i] += c * w[k]
+                for a in range(3):
+                    stress[i, a] += c * g[k, a]
+                    for b in range(3):
+                        stiffness[i, a, b] += c * H[k, a, b]
 
 
-def _invariants(C: Array, m: float, bent: bool) -> tuple[_Part, _Part]:
-    """Return x and y."""
-    c1, c2, c3 = C.T
-    det = c1 * c2 - c3 * c3
+@kernel
+def _stresses(C: Array, theta: Array, out: Array) -> None:
+    """The stress (n, 8, 3) of each term."""
+    count = len(LINEAR)
+    wanted = np.ones(count, np.bool_)
+    w, H = np.zeros(count), np.zeros((count, 3, 3))
+    p, P = np.empty(3), np.empty((3, 3))
+    for i in range(len(C)):
+        _terms(C[i], theta, wanted, False, p, P, w, out[i], H)
+
+
+@part
+def _terms(
+    c: Array, theta: Array, wanted: Array, bent: bool, p: Array, P: Array, w: Array, g: Array, H: Array
+) -> None:
+    """Energy (8,), stress (8, 3) and, where ``bent``, stiffness (8, 3, 3) of the terms in the order of LINEAR, at one
+    strain; ``p`` and ``P`` are room for an invariant's derivatives by C11, C22, C12."""
+    c1, c2, c3 = c[0], c[1], c[2]
+    det, trace, m = c1 * c2 - c3 * c3, c1 + c2, theta[0] / (1.0 - theta[0])
     log = np.log(det)
-    d1 = np.stack([c2, c1, -2.0 * c3], axis=1)
-    trace = c1 + c2
+    if wanted[0] or wanted[1] or wanted[2]:
+        value, slope, bend = _power(-m, log)
+        x = trace - 2.0 - value
+        _of_det(c1, c2, c3, -slope, -bend, p, P)
+        p[0] += 1.0
+        p[1] += 1.0
+        _chain(0, x, 1.0, 0.0, bent, p, P, w, g, H)
+        _chain(1, x * x, 2.0 * x, 2.0, bent, p, P, w, g, H)
+        _chain(2, x * x * x, 3.0 * x * x, 6.0 * x, bent, p, P, w, g, H)
+    if wanted[3]:
+        value, slope, bend = _power(m, log)
+        y = trace / det - 2.0 + value
+        _of_det(c1, c2, c3, slope - trace / det**2, bend + 2.0 * trace / det**3, p, P)
+        p[0] += 1.0 / det
+        p[1] += 1.0 / det
+        mixed = 1.0 / det**2
+        P[0, 0] -= 2.0 * c2 * mixed
+        P[1, 1] -= 2.0 * c1 * mixed
+        P[0, 1] -= trace * mixed
+        P[1, 0] -= trace * mixed
+        for a in range(2):
+            P[a, 2] += 2.0 * c3 * mixed
+            P[2, a] += 2.0 * c3 * mixed
+        I2 = 3.0 + y
+        _chain(3, np.log1p(y / 3.0), 1.0 / I2, -1.0 / I2**2, bent, p, P, w, g, H)
+    for k in range(4, 7):
+        w[k] = 0.0
+        g[k] = 0.0
+        H[k] = 0.0
+    if wanted[4]:
+        _thread(4, c, theta[1], 1.0, 0.0, bent, w, g, H)
+    if wanted[5]:
+        _thread(5, c, theta[2], 0.0, 1.0, bent, w, g, H)
+    if wanted[6]:
+        cos, sin = np.cos(np.deg2rad(theta[4])), np.sin(np.deg2rad(theta[4]))
+        _thread(6, c, theta[3], cos, sin, bent, w, g, H)
+        _thread(6, c, theta[3], cos, -sin, bent, w, g, H)
+    if wanted[7]:
+        _angle(7, c1, c2, c3, bent, w, g, H)
+    # From derivatives to stress and stiffness: S = 2 dW/dC, and C12 stands in C twice.
+    for k in range(len(wanted)):
+        for a in range(2):
+            g[k, a] *= 2.0
+            H[k, a, 2] *= 2.0
+            H[k, 2, a] *= 2.0
+            for b in range(2):
+                H[k, a, b] *= 4.0
 
-    def power(p: float) -> tuple[Array, Array, Array]:
-        """(det^p - 1)/p, log det at p = 0, and its derivatives by det."""
-        value = log if abs(p) < _TINY else np.expm1(p * log) / p
-        return value, np.exp((p - 1.0) * log), (p - 1.0) * np.exp((p - 2.0) * log)
 
-    shrunk, grown = power(-m), power(m)
-    slope = grown[1] - trace / det**2
-    x1, y1 = -shrunk[1][:, None] * d1, slope[:, None] * d1
-    x1[:, :2] += 1.0
-    y1[:, :2] += (1.0 / det)[:, None]
-    x2 = y2 = None
-    if bent:
-        outer = d1[:, :, None] * d1[:, None, :]
-        d2 = np.zeros((3, 3))
-        d2[0, 1] = d2[1, 0] = 1.0
-        d2[2, 2] = -2.0
-        both = np.zeros_like(outer)
-        both[:, :2, :] += d1[:, None, :]
-        both[:, :, :2] += d1[:, :, None]
-        x2 = -shrunk[2][:, None, None] * outer - shrunk[1][:, None, None] * d2
-        y2 = (
-            (grown[2] + 2.0 * trace / det**3)[:, None, None] * outer
-            + slope[:, None, None] * d2
-            - both / (det**2)[:, None, None]
-        )
-    return (trace - 2.0 - shrunk[0], x1, x2), (trace / det - 2.0 + grown[0], y1, y2)
+@part
+def _power(p: float, log: float) -> tuple[float, float, float]:
+    """(det^p - 1)/p, log det at p = 0, and its derivatives by det."""
+    value = log if abs(p) < _TINY else np.expm1(p * log) / p
+    return value, np.exp((p - 1.0) * log), (p - 1.0) * np.exp((p - 2.0) * log)
 
 
-def _of(inner: _Part, value: Array, slope: Array, bend: Array) -> _Part:
-    """Return a function of an invariant by the chain rule."""
-    _, g, H = inner
-    if H is not None:
-        H = slope[:, None, None] * H + bend[:, None, None] * g[:, :, None] * g[:, None, :]
-    return value, slope[:, None] * g, H
+@part
+def _of_det(c1: float, c2: float, c3: float, slope: float, bend: float, p: Array, P: Array) -> None:
+    """Derivatives (3,) and (3, 3) of a function of det C."""
+    p[0], p[1], p[2] = c2, c1, -2.0 * c3
+    for a in range(3):
+        for b in range(3):
+            P[a, b] = bend * p[a] * p[b]
+    P[0, 1] += slope
+    P[1, 0] += slope
+    P[2, 2] -= 2.0 * slope
+    for a in range(3):
+        p[a] *= slope
 
 
-def _thread(C: Array, k2: float, cos: float, sin: float, bent: bool) -> _Part:
-    """Return 1/(2 k2) (exp(k2 <I - 1>^2) - 1) of threads along (cos, sin)."""
-    along = np.array([cos * cos, sin * sin, 2.0 * cos * sin])
-    strain = np.maximum(C @ along - 1.0, 0.0)
+@part
+def _chain(
+    k: int,
+    value: float,
+    slope: float,
+    bend: float,
+    bent: bool,
+    p: Array,
+    P: Array,
+    w: Array,
+    g: Array,
+    H: Array,
+) -> None:
+    """A term that is a function of an invariant."""
+    w[k] = value
+    for a in range(3):
+        g[k, a] = slope * p[a]
+        if bent:
+            for b in range(3):
+                H[k, a, b] = slope * P[a, b] + bend * p[a] * p[b]
+
+
+@part
+def _thread(
+    k: int, c: Array, k2: float, cos: float, sin: float, bent: bool, w: Array, g: Array, H: Array
+) -> None:
+    """Add 1/(2 k2) (exp(k2 <I - 1>^2) - 1) of threads along (cos, sin)."""
+    along = (cos * cos, sin * sin, 2.0 * cos * sin)
+    strain = max(c[0] * along[0] + c[1] * along[1] + c[2] * along[2] - 1.0, 0.0)
     square = strain * strain
-    with np.errstate(over="ignore"):
-        growth = np.exp(k2 * square)
-        value = 0.5 * square if abs(k2) < _TINY else 0.5 * np.expm1(k2 * square) / k2
-        bend = np.where(strain > 0.0, growth * (1.0 + 2.0 * k2 * square), 0.0)
-    H = bend[:, None, None] * (along[:, None] * along) if bent else None
-    return value, (strain * growth)[:, None] * along, H
+    growth = np.exp(k2 * square)
+    w[k] += 0.5 * square if abs(k2) < _TINY else 0.5 * np.expm1(k2 * square) / k2
+    bend = growth * (1.0 + 2.0 * k2 * square) if strain > 0.0 else 0.0
+    for a in range(3):
+        g[k, a] += strain * growth * along[a]
+        if bent:
+            for b in range(3):
+                H[k, a, b] += bend * along[a] * along[b]
 
 
-def _angle(C: Array, bent: bool) -> _Part:
-    """Return half the squared sine of the change of the angle between warp and weft: nothing else moves it."""
-    c1, c2, c3 = C.T
+@part
+def _angle(k: int, c1: float, c2: float, c3: float, bent: bool, w: Array, g: Array, H: Array) -> None:
+    """Half the squared sine of the change of the angle between warp and weft: nothing else moves it."""
     product = c1 * c2
     square = c3 * c3 / product
-    g = np.stack([-0.5 * square / c1, -0.5 * square / c2, c3 / product], axis=1)
-    if not bent:
-        return 0.5 * square, g, None
-    H = np.empty((len(C), 3, 3))
-    H[:, 0, 0], H[:, 1, 1], H[:, 2, 2] = square / c1**2, square / c2**2, 1.0 / product
-    H[:, 0, 1] = H[:, 1, 0] = 0.5 * square / product
-    H[:, 0, 2] = H[:, 2, 0] = -c3 / (product * c1)
-    H[:, 1, 2] = H[:, 2, 1] = -c3 / (product * c2)
-    return 0.5 * square, g, H
+    w[k] = 0.5 * square
+    g[k, 0], g[k, 1], g[k, 2] = -0.5 * square / c1, -0.5 * square / c2, c3 / product
+    if bent:
+        H[k, 0, 0], H[k, 1, 1], H[k, 2, 2] = square / c1**2, square / c2**2, 1.0 / product
+        H[k, 0, 1] = H[k, 1, 0] = 0.5 * square / product
+        H[k, 0, 2] = H[k, 2, 0] = -c3 / (product * c1)
+        H[k, 1, 2] = H[k, 2, 1] = -c3 / (product * c2)
 
 
 def least_modulus(own: Answer, C: Array) -> Array:
