@@ -297,7 +297,7 @@ SHEET = {"C10_MPa": 0.05, "k1_warp_MPa": 0.04, "k1_weft_MPa": 0.02}
     [
         pytest.param(CONTACT, id="sphere"),
         pytest.param((*DRAPE, "--sheet", "membrane"), id="sheet", marks=pytest.mark.slow),
-        pytest.param(DRAPE, id="net"),
+        pytest.param(DRAPE, id="net", marks=pytest.mark.slow),
     ],
 )
 def test_one_law_of_the_sheet_is_one_source(made: Any, command: tuple[str, ...]) -> None:

@@ -399,7 +399,9 @@ CASES: dict[str, tuple[Callable[[pytest.MonkeyPatch], Any], Any]] = {
 AT_IMPORT = {"MACHINE"}
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if name == "ONE_CLOTH" else ()) for name in NAMES]
+)
 def test_each_number_lies_between_its_cases_and_within_a_factor_of_two(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
