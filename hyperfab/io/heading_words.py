@@ -199,6 +199,10 @@ SETTINGS: dict[str, str] = {
         mordazas; longitud entre mordazas; distance entre mors; ecartement des mors; longueur entre mors;
         longueur de serrage; distanza tra i morsetti; distanza morsetti; distanza tra le pinze; distancia entre
         garras; distancia entre as garras; つかみ間隔; チャック間距離; 夹距""",
+    "specimen length": """specimen length; sample length; length; overall length; total length; probenlange; lange;
+        gesamtlange; longitud; longitud de la probeta; longitud total; longueur; longueur de l eprouvette; longueur
+        eprouvette; longueur totale; lunghezza; lunghezza del provino; lunghezza provino; lunghezza totale;
+        comprimento; comprimento do corpo de prova; comprimento total""",
     "diameter": """diameter; specimen diameter; d0; durchmesser; probendurchmesser; diametro; diametro de la probeta;
         diametre; diametre de l eprouvette; 直径; диаметр""",
     "area": """area; cross section; cross sectional area; cross section area; initial area; s0; querschnitt;

@@ -14,7 +14,7 @@ from hyperfab.io.csv_numbers import quantities
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.role_words import missing, no_stress, no_stretch, unitless
 from hyperfab.io.roles import STRESSES, STRETCHES, Column, Roles
-from hyperfab.io.stated import amount, conflicting, stated
+from hyperfab.io.stated import amount, conflicting, perhaps_gauge_length, stated
 
 #: Columns that tell where a grip is, or how long the specimen.
 _LENGTHS = ("extension", "length", "position")
@@ -252,7 +252,7 @@ class _Reader:
                 "needs the gauge length to become a stretch",
                 file=self.sheet.name,
                 column=head.title,
-                remedy='give --gauge-length 50mm, or add a line "# gauge length: 50 mm" on top',
+                remedy=perhaps_gauge_length(self.sheet, self.decimal),
             )
         values = self._signed(values, column)
         if name == "position":

@@ -64,6 +64,14 @@ def conflicting(sheet: CsvSheet, decimal: str) -> None:
     )
 
 
+def perhaps_gauge_length(sheet: CsvSheet, decimal: str) -> str:
+    """Return how to say the gauge length that a file lacks, filled in where it states a length of the specimen."""
+    entry, length = stated(sheet, "specimen length"), amount(sheet, "specimen length", "length", decimal, [])
+    if entry is None or length is None:
+        return 'give --gauge-length 50mm, or add a line "# gauge length: 50 mm" on top'
+    return f"line {entry.line} has a length of {length:g} mm: if that is between the grips, --gauge-length {length:g}mm"
+
+
 def dotted(text: str, decimal: str) -> str:
     """Return ``12,5 mm`` as ``12.5 mm`` where the comma is a decimal mark for sure, or that of the file."""
     match = re.match(r"([+-]?\d+),(\d+)(?![\d,.])", text.strip())

@@ -41,6 +41,8 @@ _BLANK_UNITS = frozenset(
 ) | words("unit; units; einheit; einheiten; unidad; unidades; unite; unites; unita; unidade")
 #: A title with such a word names a test; others, as ``shear modulus``, may be a setting's.
 _OF_A_TEST = re.compile(r"(\btests?|versuche?|prufung)\b|\b(ensayo|essai|prova|ensaio)\b")
+#: What parts the settings of one cell; a comma that no space follows may be a decimal mark.
+_BETWEEN = re.compile(r";|, ")
 _SETTING = re.compile(r"\s*([^:=]{1,80}?)\s*[:=]\s*(.*)")
 #: What stands above one table of several is that one's own.
 _OF_ONE = ("specimen", "cycle", "branch")
@@ -347,8 +349,9 @@ def _is_title(cells: Sequence[str]) -> bool:
 
 
 def _parted(cell: str) -> list[str]:
-    """Return the settings of a cell that holds several, as ``Width: 10 mm; Thickness: 2 mm``; else the cell."""
-    parts = [part.strip() for part in cell.split(";")]
+    """Return the settings of a cell that holds several, as ``Width: 10 mm; Thickness: 2 mm`` or ``b0 = 25 mm, a0 = 2 mm``;
+    else the cell."""
+    parts = [part.strip() for part in _BETWEEN.split(cell)]
     return parts if len(parts) > 1 and all(_SETTING.fullmatch(part) for part in parts if part) else [cell]
 
 

@@ -268,12 +268,24 @@ def test_titles_above_pairs_of_columns_say_how_fast_each_was() -> None:
     ]
 
 
-def test_sizes_may_stand_in_one_line() -> None:
-    line = b"Width: 10 mm; Thickness: 2 mm; Gauge length: 50 mm\n"
+@pytest.mark.parametrize(
+    "line", ["Width: 10 mm; Thickness: 2 mm; Gauge length: 50 mm", '"L0 = 50,0 mm, b0 = 10 mm, a0 = 2 mm"']
+)
+def test_sizes_may_stand_in_one_line(line: str) -> None:
     force = [50.0 * STRAIN, 20.0 * PULLS[0]]
-    (found,) = read_tests(line + table("Extension (mm),Load (N)", force), "a.csv", test="uniaxial")
+    data = f"{line}\n".encode() + table("Extension (mm),Load (N)", force)
+    (found,) = read_tests(data, "a.csv", test="uniaxial")
     assert found.stretch == pytest.approx(1.0 + STRAIN)
     assert found.stress == pytest.approx(PULLS[0], rel=1e-5, abs=1e-12)
+
+
+def test_a_length_of_the_specimen_is_no_gauge_length_but_fills_in_the_option() -> None:
+    sizes = b"Specimen Width,10 mm\nSpecimen Thickness,2 mm\nSpecimen Length,120 mm\n"
+    data = sizes + table("Extension (mm),Load (N)", [50.0 * STRAIN, 20.0 * PULLS[0]])
+    with pytest.raises(InputError, match="line 3 has a length of 120 mm: .* --gauge-length 120mm"):
+        read_tests(data, "a.csv", test="uniaxial")
+    (found,) = read_tests(data, "a.csv", test="uniaxial", geometry=Geometry(gauge_length=50.0))
+    assert found.stretch == pytest.approx(1.0 + STRAIN)
 
 
 @pytest.mark.parametrize("mark", ["%", "#", "//", "%%"])

@@ -137,7 +137,7 @@ HOT_FORMS = {
 
 
 @pytest.mark.parametrize(
-    "kind", [pytest.param("share", marks=pytest.mark.slow), *(k for k in HOT_FORMS if k != "share")]
+    "kind", [pytest.param(kind, marks=() if kind == "bent" else pytest.mark.slow) for kind in HOT_FORMS]
 )
 def test_a_hot_press_with_effects_is_the_one_that_is_written(kind: str, tmp_path: Path) -> None:
     before = given(hot=True, dwell=kind == "dwell")
