@@ -349,8 +349,7 @@ def _is_title(cells: Sequence[str]) -> bool:
 
 
 def _parted(cell: str) -> list[str]:
-    """Return the settings of a cell that holds several, as ``Width: 10 mm; Thickness: 2 mm`` or ``b0 = 25 mm, a0 = 2 mm``;
-    else the cell."""
+    """Return the settings of a cell that holds several, as ``b0 = 25 mm, a0 = 2 mm``; else the cell."""
     parts = [part.strip() for part in _BETWEEN.split(cell)]
     return parts if len(parts) > 1 and all(_SETTING.fullmatch(part) for part in parts if part) else [cell]
 

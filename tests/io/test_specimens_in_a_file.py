@@ -282,7 +282,7 @@ def test_sizes_may_stand_in_one_line(line: str) -> None:
 def test_a_length_of_the_specimen_is_no_gauge_length_but_fills_in_the_option() -> None:
     sizes = b"Specimen Width,10 mm\nSpecimen Thickness,2 mm\nSpecimen Length,120 mm\n"
     data = sizes + table("Extension (mm),Load (N)", [50.0 * STRAIN, 20.0 * PULLS[0]])
-    with pytest.raises(InputError, match="line 3 has a length of 120 mm: .* --gauge-length 120mm"):
+    with pytest.raises(InputError, match=r"line 3 has a length of 120 mm: .* --gauge-length 120mm"):
         read_tests(data, "a.csv", test="uniaxial")
     (found,) = read_tests(data, "a.csv", test="uniaxial", geometry=Geometry(gauge_length=50.0))
     assert found.stretch == pytest.approx(1.0 + STRAIN)
