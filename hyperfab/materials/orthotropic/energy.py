@@ -26,7 +26,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from hyperfab.arrays import Array
 from hyperfab.errors import InputError
@@ -173,7 +173,15 @@ def _stresses(C: Array, theta: Array, out: Array) -> None:
 
 @part
 def _terms(
-    c: Array, theta: Array, wanted: Array, bent: bool, p: Array, P: Array, w: Array, g: Array, H: Array
+    c: Array,
+    theta: Array,
+    wanted: NDArray[np.bool_],
+    bent: bool,
+    p: Array,
+    P: Array,
+    w: Array,
+    g: Array,
+    H: Array,
 ) -> None:
     """Energy (8,), stress (8, 3) and, where ``bent``, stiffness (8, 3, 3) of the terms in the order of LINEAR, at one
     strain; ``p`` and ``P`` are room for an invariant's derivatives by C11, C22, C12."""
