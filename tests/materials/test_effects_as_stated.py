@@ -597,6 +597,28 @@ def test_a_form_is_the_law_that_the_page_states(
     assert found == pytest.approx([stated(row) for row in ROWS], rel=near, abs=1e-12)
 
 
+@pytest.mark.parametrize("slope", [None, 0.3])
+@pytest.mark.parametrize("form", ["returned", "flow", "flow-added", "next-pull"])
+@pytest.mark.parametrize("power", [None, 0.0, 0.6, 1.0])
+def test_a_set_contracts_the_strip_as_the_page_states(
+    form: str, power: float | None, slope: float | None
+) -> None:
+    """Slack it is as wide as a strip pulled to its set, at the peak of ``returned`` as one that has none."""
+    share, contracts = 0.2, lambda l: l ** -(slope or 0.5)
+    terms = {"permanent-set": (form, np.array([share] if power is None else [share, power]))}
+    if slope:
+        terms["compressibility"] = ("uniform", np.array([slope]))
+    stated = []
+    for row in ROWS:
+        s = share * ((row.earlier if form == "next-pull" else row.lm) - 1.0)
+        elastic = unslack(row.l, s, form.endswith("-added"))
+        if form == "returned":
+            elastic = row.l if row.l >= row.lm else 1.0 + max((row.e - s) * row.em / (row.em - s), 0.0)
+            s = s if elastic == 1.0 else row.l / elastic - 1.0
+        stated.append(contracts(elastic) * contracts(1.0 + s) ** (power or 0.0))
+    assert measured().across(terms) == pytest.approx(stated, rel=1e-12)
+
+
 def test_every_form_of_a_fabric_on_the_page_is_worked_out_here(root: File) -> None:
     page = (root / "docs" / "close-loop-laws.md").read_text(encoding="utf-8")
     told, effect = set(), ""

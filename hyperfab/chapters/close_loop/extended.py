@@ -25,6 +25,8 @@ from hyperfab.materials.law import Law
 
 #: Forms that have no prediction where the tests state no times.
 _NEEDS_TIMES: Mapping[str, Container[str]] = {"rate": rate.FORMS, "load-offset": load_offset.IN_TIME}
+#: What documents mean that were written before a constant was: a set did not contract the strip.
+UNSAID = {"contraction": 0.0}
 #: A test cut within this angle [deg] of warp or weft is a test of it.
 _ALONG = 1.0
 
@@ -61,9 +63,9 @@ def held_terms(
             )
         constants = []
         for constant in form.constants:
-            if constant.name not in values:
+            if constant.name not in values and constant.name not in UNSAID:
                 raise InputError("is missing", file=name, key=f"{key}.parameters.{constant.name}")
-            value = float(values[constant.name])
+            value = float(values.get(constant.name, UNSAID.get(constant.name, np.nan)))
             low, high = min(constant.low, value), max(constant.high, value)
             if effect.not_sought or constant.low == constant.high:
                 low = high = value  # these data say nothing of it, or it is no unknown

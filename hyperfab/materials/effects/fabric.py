@@ -73,8 +73,8 @@ class Fabric:
     speed: Array | None = None
     hang: NDArray[np.bool_] | None = None
     _bases: dict[tuple[object, ...], tuple[Array, Array | None]] = field(default_factory=dict)
-    _last: tuple[tuple[object, ...], Array, Array] = field(
-        default_factory=lambda: ((None,), np.empty(0), np.empty(0)), repr=False
+    _last: tuple[tuple[object, ...], Array, Array, Array] = field(
+        default_factory=lambda: ((None,), np.empty(0), np.empty(0), np.empty(0)), repr=False
     )
 
     def stress(self, warp: Array, weft: Array | None, terms: Terms) -> Array:
@@ -108,14 +108,22 @@ class Fabric:
         """
         terms = _present(terms)
         stretch, side, place = self._stretches(terms)
+
+        def contracted(stretch: Array) -> Array:
+            if "compressibility" not in terms:
+                return np.asarray(stretch**-0.5)
+            form, values = terms["compressibility"]
+            return compressibility.FORMS[form].across(self.path, stretch, values)
+
         if _is_of_threads(terms):
             assert warp is not None
             with np.errstate(all="ignore"):
-                return self._of_threads(warp, terms, (stretch, side), place)[2]
-        if "compressibility" not in terms:
-            return np.asarray(stretch**-0.5)
-        form, values = terms["compressibility"]
-        return compressibility.FORMS[form].across(self.path, stretch, values)
+                found = self._of_threads(warp, terms, (stretch, side), place)[2]
+        else:
+            found = contracted(stretch)
+        kept, values = terms.get("permanent-set", ("", np.empty(0)))
+        power = permanent_set.FORMS[kept].contraction(values) if kept in permanent_set.FORMS else 0.0
+        return found if power == 0.0 else found * contracted(1.0 + self._last[3]) ** power
 
     def _stretches(self, terms: Terms) -> tuple[Array, Array, tuple[object, ...]]:
         """Return the specimen's elastic stretch, what it is of it along the second axis of a general biaxial test, and
@@ -129,15 +137,17 @@ class Fabric:
             stretch, side = path.stretch, path.across
             if slack[0]:
                 stretch = grip_slack.FORMS[slack[0]](path, stretch, slack[1])
+            rest = np.zeros_like(stretch)
             if kept[0]:
-                stretch = self._without_set(path, stretch, *kept)
+                stretch, rest = self._without_set(path, stretch, *kept)
                 if np.any(path.mode == GENERAL):
-                    side = self._without_set(path.other_axis, side, *kept)
-            self._last = place, stretch, side
+                    side, _ = self._without_set(path.other_axis, side, *kept)
+            self._last = place, stretch, side, rest
         return self._last[1], self._last[2], place
 
-    def _without_set(self, path: Path, stretch: Array, form: str, values: Array) -> Array:
-        return permanent_set.FORMS[form](path, stretch, self._peak(path, stretch), values)
+    def _without_set(self, path: Path, stretch: Array, form: str, values: Array) -> tuple[Array, Array]:
+        takes, lengthens = permanent_set.FORMS[form]
+        return lengthens(path, stretch, self._peak(path, stretch), values[:takes])
 
     def _peak(self, path: Path, stretch: Array) -> Array:
         if stretch is path.stretch:

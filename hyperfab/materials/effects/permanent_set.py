@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import NamedTuple
 
 import numpy as np
 
@@ -41,8 +42,8 @@ def left_of(stretch: Array, rest: Array, added: bool, least: Array | float = 1.0
     return np.asarray(np.maximum(stretch - rest if added else stretch / (1.0 + rest), least))
 
 
-def crept(path: Path, share: float, strain: float, *, added: bool = False) -> Array:
-    """Return the elastic stretch where the rest length follows the largest strain pull by pull.
+def crept(path: Path, share: float, strain: float) -> Array:
+    """Return the set where the rest length follows the largest strain pull by pull.
 
     With every pull it comes nearer to ``share`` of the largest strain so far, over the strain ``strain`` pulled: a set
     that grows with the cycles. Evolution of Armstrong & Frederick (1966), CEGB RD/B/N 731.
@@ -52,14 +53,13 @@ def crept(path: Path, share: float, strain: float, *, added: bool = False) -> Ar
     pulled[first] = np.maximum(path.stretch[first] - 1.0, 0.0)
     keep = np.exp(-pulled / strain)
     keep[first] = 0.0
-    rest = along(keep, (1.0 - np.exp(-pulled / strain)) * share * (path.peak - 1.0))
-    return left_of(path.stretch, rest, added, path.least)
+    return along(keep, (1.0 - np.exp(-pulled / strain)) * share * (path.peak - 1.0))
 
 
 def crept_smoothly(
     path: Path, values: Array, *, flows: bool = False, by_load: bool = False, times: Array | float = 1.0
 ) -> Array:
-    """Return the elastic stretch over a set that follows a smooth function of the largest strain, over way and time.
+    """Return a set that follows a smooth function of the largest strain, over way and time.
 
     ``values`` are the reach, the strain pulled and the time [s] over which the set comes nearer to it, and its values
     at thirds of the reach. One that ``flows`` follows that function of the present strain, as long as this asks for
@@ -76,19 +76,17 @@ def crept_smoothly(
     stretch = path.stretch if flows else path.peak
     strained = pulls(path, stretch) if by_load else stretch - 1.0
     aim = times * np.maximum(through(strained / reach, values[3:]), 0.0)
-    rest = towards(keep, aim) if flows else along(keep, -np.expm1(-passed) * aim)
-    return left_of(path.stretch, rest, False, path.least)
+    return towards(keep, aim) if flows else along(keep, -np.expm1(-passed) * aim)
 
 
-def kept_on(path: Path, share: float, power: float, *, added: bool = False) -> Array:
-    """Return the elastic stretch where each time the specimen is let go adds to its rest length.
+def kept_on(path: Path, share: float, power: float) -> Array:
+    """Return the set where each time the specimen is let go adds to its rest length.
 
     The set is ``share`` of the largest strain so far times the number of returns to that power.
     """
-    rest = np.where(
+    return np.where(
         path.returns > 0.0, share * (path.peak - 1.0) * np.maximum(path.returns, 1.0) ** power, 0.0
     )
-    return left_of(path.stretch, rest, added, path.least)
 
 
 def second_network(first: Array, second: Array, peak: Array, share: float, power: float = 1.0) -> Array:
@@ -115,45 +113,62 @@ def _rest(peak: Array, share: float, power: float = 1.0, bend: float = 0.0) -> A
     return share * most if power == 1.0 else share * most * (np.maximum(most, 1e-12) / 0.5) ** (power - 1.0)
 
 
-#: The elastic stretch in each form: of the path, the specimen's stretch and its largest so far, and the constants.
-Lengthens = Callable[[Path, Array, Array, Array], Array]
+#: The elastic stretch and the set in each form: of the path, the specimen's stretch and its largest so far, and the
+#: constants.
+Lengthens = Callable[[Path, Array, Array, Array], tuple[Array, Array]]
+
+
+class Form(NamedTuple):
+    """How many constants a form ``takes``, and what it makes of them; one more may follow: the set's contraction."""
+
+    takes: int
+    lengthens: Lengthens
+
+    def contraction(self, values: Array) -> float:
+        """Return the power with which a set contracts the specimen as a pull to its length does; 0: not at all."""
+        return float(values[self.takes]) if len(values) > self.takes else 0.0
 
 
 def _returned(bends: bool = False) -> Lengthens:
-    return lambda path, stretch, peak, values: returned(
-        stretch, peak, _rest(peak, *_curved(values, bends)), path.least
-    )
+    def found(path: Path, stretch: Array, peak: Array, values: Array) -> tuple[Array, Array]:
+        rest = _rest(peak, *_curved(values, bends))
+        elastic = returned(stretch, peak, rest, path.least)
+        # It shows on the way down, the more the further down.
+        return elastic, np.where(
+            elastic > path.least, stretch / elastic - 1.0, np.minimum(rest, 0.95 * (peak - 1.0))
+        )
+
+    return found
 
 
 def _flow(bends: bool = False, added: bool = False) -> Lengthens:
-    return lambda path, stretch, peak, values: left_of(
-        stretch, _rest(path.peak, *_curved(values, bends)), added, path.least
-    )
+    def found(path: Path, stretch: Array, peak: Array, values: Array) -> tuple[Array, Array]:
+        rest = _rest(path.peak, *_curved(values, bends))
+        return left_of(stretch, rest, added, path.least), rest
+
+    return found
 
 
 def _next_pull(added: bool = False) -> Lengthens:
-    return lambda path, stretch, peak, values: left_of(
-        stretch, _rest(path.earlier_peak, *values), added, path.least
-    )
+    def found(path: Path, stretch: Array, peak: Array, values: Array) -> tuple[Array, Array]:
+        rest = _rest(path.earlier_peak, *values)
+        return left_of(stretch, rest, added, path.least), rest
+
+    return found
 
 
-def _crept(added: bool = False) -> Lengthens:
-    return lambda path, stretch, peak, values: np.minimum(stretch, crept(path, *values, added=added))
+def _over(rest_of: Callable[[Path, Array], Array], added: bool = False) -> Lengthens:
+    """Return the form of a set that hangs on the path alone."""
+
+    def found(path: Path, stretch: Array, peak: Array, values: Array) -> tuple[Array, Array]:
+        rest = rest_of(path, values)
+        return np.minimum(stretch, left_of(path.stretch, rest, added, path.least)), rest
+
+    return found
 
 
-def _smoothly(flows: bool = False) -> Lengthens:
-    return lambda path, stretch, peak, values: np.minimum(stretch, crept_smoothly(path, values, flows=flows))
-
-
-def _by_load_each_way(flows: bool = False) -> Lengthens:
-    return lambda path, stretch, peak, values: np.minimum(
-        stretch,
-        crept_smoothly(path, values[:-2], flows=flows, by_load=True, times=amount(path, *values[-2:])),
-    )
-
-
-def _cycles(added: bool = False) -> Lengthens:
-    return lambda path, stretch, peak, values: np.minimum(stretch, kept_on(path, *values, added=added))
+def _by_load_each_way(path: Path, values: Array, flows: bool) -> Array:
+    return crept_smoothly(path, values[:-2], flows=flows, by_load=True, times=amount(path, *values[-2:]))
 
 
 def _curved(values: Array, bends: bool) -> tuple[float, ...]:
@@ -161,27 +176,27 @@ def _curved(values: Array, bends: bool) -> tuple[float, ...]:
     return (values[0], 1.0, values[1]) if bends else tuple(values)
 
 
-FORMS: Mapping[str, Lengthens] = {
-    "returned": _returned(),
-    "returned-power": _returned(),
-    "returned-bent": _returned(bends=True),
-    "flow": _flow(),
-    "flow-power": _flow(),
-    "flow-bent": _flow(bends=True),
-    "flow-added": _flow(added=True),
-    "flow-power-added": _flow(added=True),
-    "flow-bent-added": _flow(bends=True, added=True),
-    "next-pull": _next_pull(),
-    "next-pull-power": _next_pull(),
-    "next-pull-added": _next_pull(added=True),
-    "crept": _crept(),
-    "crept-added": _crept(added=True),
-    "smooth": _smoothly(),
-    "smooth-flow": _smoothly(flows=True),
-    "smooth-load-each-way": _by_load_each_way(),
-    "smooth-flow-load-each-way": _by_load_each_way(flows=True),
-    "cycles": _cycles(),
-    "cycles-added": _cycles(added=True),
+FORMS: Mapping[str, Form] = {
+    "returned": Form(1, _returned()),
+    "returned-power": Form(2, _returned()),
+    "returned-bent": Form(2, _returned(bends=True)),
+    "flow": Form(1, _flow()),
+    "flow-power": Form(2, _flow()),
+    "flow-bent": Form(2, _flow(bends=True)),
+    "flow-added": Form(1, _flow(added=True)),
+    "flow-power-added": Form(2, _flow(added=True)),
+    "flow-bent-added": Form(2, _flow(bends=True, added=True)),
+    "next-pull": Form(1, _next_pull()),
+    "next-pull-power": Form(2, _next_pull()),
+    "next-pull-added": Form(1, _next_pull(added=True)),
+    "crept": Form(2, _over(lambda path, values: crept(path, *values))),
+    "crept-added": Form(2, _over(lambda path, values: crept(path, *values), added=True)),
+    "smooth": Form(6, _over(crept_smoothly)),
+    "smooth-flow": Form(6, _over(lambda path, values: crept_smoothly(path, values, flows=True))),
+    "smooth-load-each-way": Form(8, _over(lambda path, values: _by_load_each_way(path, values, False))),
+    "smooth-flow-load-each-way": Form(8, _over(lambda path, values: _by_load_each_way(path, values, True))),
+    "cycles": Form(2, _over(lambda path, values: kept_on(path, *values))),
+    "cycles-added": Form(2, _over(lambda path, values: kept_on(path, *values), added=True)),
 }
 #: Forms in which a second network stands beside the law: it moves no stretch.
 NETWORKS = ("network", "network-power")

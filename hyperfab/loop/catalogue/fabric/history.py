@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from hyperfab.loop.catalogue.fabric.context import DataContext
 from hyperfab.loop.problem import Constant, Effect, Form, fixed, freely, tried_if
+from hyperfab.materials.effects.permanent_set import FORMS as SETS
 
 
 def entries(context: DataContext) -> tuple[Effect, ...]:
@@ -212,8 +215,25 @@ def permanent_set(context: DataContext) -> Effect:
         not_sought="" if context.unloads else "no test unloads",
         shown_by="unloading to zero force, a wait, and a second pull: the stretch at which force begins",
         source="ASTM D412 (tension set); Andrews, Tobolsky & Hanson (1946), doi:10.1063/1.1707724",
-        forms=(*forms, *smooth, *each_way(context, *by_load)),
+        forms=tuple(_contracting(context, form) for form in (*forms, *smooth, *each_way(context, *by_load))),
         smooth=True,
+    )
+
+
+def _contracting(context: DataContext, form: Form) -> Form:
+    """Return a set that contracts the strip as a pull to its length does, to a power: 0 is not at all.
+
+    Where nobody measured across, nothing is known of it.
+    """
+    if form.name not in SETS:
+        return form
+    width = Constant("contraction", 1.0, 0.0, 1.5, 0.2) if context.transverse else fixed("contraction", 1.0)
+    powers = (1.0, 0.0) if context.transverse else (1.0,)
+    return replace(
+        form,
+        constants=(*form.constants, width),
+        starts=tuple((*one, 1.0) for one in form.starts),
+        probes=tuple((*one, power) for power in powers for one in form.probes),
     )
 
 
