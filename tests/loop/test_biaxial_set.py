@@ -70,6 +70,7 @@ def test_a_set_along_both_axes_is_found_alone_with_its_share() -> None:
     assert np.sqrt(np.mean((fit.predicted - problem.measured) ** 2)) < 1.1 * NOISE
 
 
+@pytest.mark.slow
 def test_a_sheet_whose_axes_answer_to_each_other_is_told_with_its_set() -> None:
     ratios = ((1.0, 1.0), (1.0, 0.5), (0.5, 1.0), (1.0, 0.0), (0.0, 1.0))
     tests = [test for one, two in ratios for test in pulled((0.22 * one, 0.22 * two), 2, knitted=True)]
