@@ -7,7 +7,6 @@ It runs apart because a mesher may crash, hang or print: the parent keeps a watc
 
 from __future__ import annotations
 
-import contextlib
 import io
 import json
 import os
@@ -42,8 +41,8 @@ def main() -> None:
     die_with_parent()
     answer = os.dup(1)
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # Netgen prints to standard output
-    with contextlib.suppress(ImportError):  # before there is a job: it may be on its way
-        import netgen.occ  # noqa: F401
+    import netgen.occ  # noqa: F401 - while the job is on its way
+
     given = sys.stdin.buffer.read()
     if not given:
         return

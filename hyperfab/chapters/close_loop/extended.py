@@ -61,11 +61,11 @@ def held_terms(
                 key=key,
                 remedy="remove it, or see docs/close-loop.md",
             )
-        constants = []
+        constants, values = [], {**UNSAID, **values}
         for constant in form.constants:
-            if constant.name not in values and constant.name not in UNSAID:
+            if constant.name not in values:
                 raise InputError("is missing", file=name, key=f"{key}.parameters.{constant.name}")
-            value = float(values.get(constant.name, UNSAID.get(constant.name, np.nan)))
+            value = float(values[constant.name])
             low, high = min(constant.low, value), max(constant.high, value)
             if effect.not_sought or constant.low == constant.high:
                 low = high = value  # these data say nothing of it, or it is no unknown

@@ -85,7 +85,7 @@ class Fabric:
         """
         path = self.path
         terms = _present(terms)
-        stretch, side, place = self._stretches(terms)
+        stretch, side, _, place = self._stretches(terms)
         with np.errstate(all="ignore"):
             stress, energy = self._elastic(warp, weft, terms, (stretch, side), place)
             if terms.get("permanent-set", ("",))[0] in permanent_set.NETWORKS:
@@ -107,7 +107,7 @@ class Fabric:
         ``warp`` are the law's constants: a sheet of threads asks for them.
         """
         terms = _present(terms)
-        stretch, side, place = self._stretches(terms)
+        stretch, side, rest, place = self._stretches(terms)
 
         def contracted(stretch: Array) -> Array:
             if "compressibility" not in terms:
@@ -123,11 +123,11 @@ class Fabric:
             found = contracted(stretch)
         kept, values = terms.get("permanent-set", ("", np.empty(0)))
         power = permanent_set.FORMS[kept].contraction(values) if kept in permanent_set.FORMS else 0.0
-        return found if power == 0.0 else found * contracted(1.0 + self._last[3]) ** power
+        return found if power == 0.0 else found * contracted(1.0 + rest) ** power
 
-    def _stretches(self, terms: Terms) -> tuple[Array, Array, tuple[object, ...]]:
-        """Return the specimen's elastic stretch, what it is of it along the second axis of a general biaxial test, and
-        what tells these from others; stress and stretch across both ask for them."""
+    def _stretches(self, terms: Terms) -> tuple[Array, Array, Array, tuple[object, ...]]:
+        """Return the specimen's elastic stretch, what it is of it along the second axis of a general biaxial test, its
+        set, and what tells these from others; stress and stretch across both ask for them."""
         slack, kept = (terms.get(name, ("", np.empty(0))) for name in ("grip-slack", "permanent-set"))
         if kept[0] not in permanent_set.FORMS:
             kept = "", np.empty(0)
@@ -143,7 +143,7 @@ class Fabric:
                 if np.any(path.mode == GENERAL):
                     side, _ = self._without_set(path.other_axis, side, *kept)
             self._last = place, stretch, side, rest
-        return self._last[1], self._last[2], place
+        return *self._last[1:], place
 
     def _without_set(self, path: Path, stretch: Array, form: str, values: Array) -> tuple[Array, Array]:
         takes, lengthens = permanent_set.FORMS[form]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -25,8 +26,7 @@ def returned(stretch: Array, peak: Array, rest: Array, least: Array | float = 1.
     array([1.5, 1. ])
     """
     most = peak - 1.0
-    kept = np.minimum(rest, 0.95 * most)
-    strain = (stretch - 1.0 - kept) * most / np.maximum(most - kept, 1e-12)
+    strain = (stretch - 1.0 - rest) * most / np.maximum(most - rest, 1e-12)
     return np.asarray(np.where(stretch >= peak, stretch, np.maximum(1.0 + strain, least)))
 
 
@@ -42,12 +42,13 @@ def left_of(stretch: Array, rest: Array, added: bool, least: Array | float = 1.0
     return np.asarray(np.maximum(stretch - rest if added else stretch / (1.0 + rest), least))
 
 
-def crept(path: Path, share: float, strain: float) -> Array:
+def crept(path: Path, values: Array) -> Array:
     """Return the set where the rest length follows the largest strain pull by pull.
 
-    With every pull it comes nearer to ``share`` of the largest strain so far, over the strain ``strain`` pulled: a set
-    that grows with the cycles. Evolution of Armstrong & Frederick (1966), CEGB RD/B/N 731.
+    ``values`` are a share and a strain: with every pull the set comes nearer to that share of the largest strain so
+    far, over that strain pulled; it grows with the cycles. Evolution of Armstrong & Frederick (1966), CEGB RD/B/N 731.
     """
+    share, strain = values
     first = list(path.starts[:-1])
     pulled = np.maximum(np.diff(path.stretch, prepend=1.0), 0.0)
     pulled[first] = np.maximum(path.stretch[first] - 1.0, 0.0)
@@ -79,11 +80,13 @@ def crept_smoothly(
     return towards(keep, aim) if flows else along(keep, -np.expm1(-passed) * aim)
 
 
-def kept_on(path: Path, share: float, power: float) -> Array:
+def kept_on(path: Path, values: Array) -> Array:
     """Return the set where each time the specimen is let go adds to its rest length.
 
-    The set is ``share`` of the largest strain so far times the number of returns to that power.
+    ``values`` are a share and a power: the set is that share of the largest strain so far times the number of returns
+    to that power.
     """
+    share, power = values
     return np.where(
         path.returns > 0.0, share * (path.peak - 1.0) * np.maximum(path.returns, 1.0) ** power, 0.0
     )
@@ -131,27 +134,19 @@ class Form(NamedTuple):
 
 def _returned(bends: bool = False) -> Lengthens:
     def found(path: Path, stretch: Array, peak: Array, values: Array) -> tuple[Array, Array]:
-        rest = _rest(peak, *_curved(values, bends))
+        rest = np.minimum(_rest(peak, *_curved(values, bends)), 0.95 * (peak - 1.0))
         elastic = returned(stretch, peak, rest, path.least)
         # It shows on the way down, the more the further down.
-        return elastic, np.where(
-            elastic > path.least, stretch / elastic - 1.0, np.minimum(rest, 0.95 * (peak - 1.0))
-        )
+        return elastic, np.where(elastic > path.least, stretch / elastic - 1.0, rest)
 
     return found
 
 
-def _flow(bends: bool = False, added: bool = False) -> Lengthens:
+def _flow(bends: bool = False, added: bool = False, earlier: bool = False) -> Lengthens:
+    """Return the form of plastic flow as it happens, or of a set of the ``earlier`` pulls."""
+
     def found(path: Path, stretch: Array, peak: Array, values: Array) -> tuple[Array, Array]:
-        rest = _rest(path.peak, *_curved(values, bends))
-        return left_of(stretch, rest, added, path.least), rest
-
-    return found
-
-
-def _next_pull(added: bool = False) -> Lengthens:
-    def found(path: Path, stretch: Array, peak: Array, values: Array) -> tuple[Array, Array]:
-        rest = _rest(path.earlier_peak, *values)
+        rest = _rest(path.earlier_peak if earlier else path.peak, *_curved(values, bends))
         return left_of(stretch, rest, added, path.least), rest
 
     return found
@@ -186,17 +181,17 @@ FORMS: Mapping[str, Form] = {
     "flow-added": Form(1, _flow(added=True)),
     "flow-power-added": Form(2, _flow(added=True)),
     "flow-bent-added": Form(2, _flow(bends=True, added=True)),
-    "next-pull": Form(1, _next_pull()),
-    "next-pull-power": Form(2, _next_pull()),
-    "next-pull-added": Form(1, _next_pull(added=True)),
-    "crept": Form(2, _over(lambda path, values: crept(path, *values))),
-    "crept-added": Form(2, _over(lambda path, values: crept(path, *values), added=True)),
+    "next-pull": Form(1, _flow(earlier=True)),
+    "next-pull-power": Form(2, _flow(earlier=True)),
+    "next-pull-added": Form(1, _flow(added=True, earlier=True)),
+    "crept": Form(2, _over(crept)),
+    "crept-added": Form(2, _over(crept, added=True)),
     "smooth": Form(6, _over(crept_smoothly)),
-    "smooth-flow": Form(6, _over(lambda path, values: crept_smoothly(path, values, flows=True))),
-    "smooth-load-each-way": Form(8, _over(lambda path, values: _by_load_each_way(path, values, False))),
-    "smooth-flow-load-each-way": Form(8, _over(lambda path, values: _by_load_each_way(path, values, True))),
-    "cycles": Form(2, _over(lambda path, values: kept_on(path, *values))),
-    "cycles-added": Form(2, _over(lambda path, values: kept_on(path, *values), added=True)),
+    "smooth-flow": Form(6, _over(partial(crept_smoothly, flows=True))),
+    "smooth-load-each-way": Form(8, _over(partial(_by_load_each_way, flows=False))),
+    "smooth-flow-load-each-way": Form(8, _over(partial(_by_load_each_way, flows=True))),
+    "cycles": Form(2, _over(kept_on)),
+    "cycles-added": Form(2, _over(kept_on, added=True)),
 }
 #: Forms in which a second network stands beside the law: it moves no stretch.
 NETWORKS = ("network", "network-power")

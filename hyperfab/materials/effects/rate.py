@@ -33,22 +33,23 @@ def relaxing(
     """
     change, begins = _steps(path, stress)
     elapsed = np.ascontiguousarray(path.waited * quick)
-    found: Array = _relaxing(change, elapsed, begins, np.array(weights, float), np.array(times_s, float))
+    branches = np.array([*zip(weights, times_s, strict=True)], float).reshape(-1, 2)
+    found: Array = _relaxing(change, elapsed, begins, branches)
     return found
 
 
 @kernel
-def _relaxing(change, elapsed, begins, weights, times):  # type: ignore[no-untyped-def]
+def _relaxing(change, elapsed, begins, branches):  # type: ignore[no-untyped-def]
     total = np.zeros_like(change)
-    for k in range(len(weights)):
-        if weights[k] == 0.0:
+    for weight, time in branches:
+        if weight == 0.0:
             continue
         q = 0.0
         for i in range(len(change)):
-            ratio = elapsed[i] / times[k]
+            ratio = elapsed[i] / time
             fall = -np.expm1(-ratio)
             share = fall / ratio if ratio > 1e-9 else 1.0
-            q = (0.0 if begins[i] else (1.0 - fall) * q) + weights[k] * share * change[i]
+            q = (0.0 if begins[i] else (1.0 - fall) * q) + weight * share * change[i]
             total[i] += q
     return total
 
