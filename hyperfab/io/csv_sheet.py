@@ -9,7 +9,7 @@ from hyperfab.errors import InputError
 from hyperfab.io.headings import Heading, meaning, suffixed
 from hyperfab.io.layout import PLAIN, Layout, filled_in
 from hyperfab.io.rows import Row
-from hyperfab.io.tables import Entry
+from hyperfab.io.settings import Entry
 
 
 @dataclass(frozen=True)

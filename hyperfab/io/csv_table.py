@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.errors import InputError
+from hyperfab.io.cells import is_clock
 from hyperfab.io.csv_dialect import open_sheet
 from hyperfab.io.csv_numbers import quantities, seconds, settle_decimal
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import Heading, meaning, suffixed
 from hyperfab.io.layout import PLAIN, Layout
-from hyperfab.io.tables import is_clock
 from hyperfab.io.unit_table import UnitError
 from hyperfab.io.units import KINDS, column_factor
 

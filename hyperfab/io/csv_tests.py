@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from hyperfab.arrays import Ints
 from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
+from hyperfab.io.cells import NO_READING, is_number
 from hyperfab.io.csv_dialect import open_sheets
 from hyperfab.io.csv_numbers import numbers, settle_decimal
 from hyperfab.io.csv_sheet import CsvSheet
@@ -23,7 +24,6 @@ from hyperfab.io.roles import STRESSES, STRETCHES, Roles, fits, roles
 from hyperfab.io.row_states import directions, held_down, of_each_row, words_or_stated
 from hyperfab.io.side_by_side import may_be_specimens, specimens
 from hyperfab.io.specimen import Geometry, Loading, read_geometry, read_loading
-from hyperfab.io.tables import NO_READING, is_number
 
 #: Rows that tell how far two readings are apart, and how many times that the first may be.
 _SHORT, _STALE = 10, 5.0

@@ -7,6 +7,7 @@ import shlex
 from collections.abc import Iterable, Sequence
 
 from hyperfab.errors import InputError
+from hyperfab.io.cells import is_number
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import (
     KIND,
@@ -20,7 +21,7 @@ from hyperfab.io.headings import (
     unit_of,
 )
 from hyperfab.io.roles import BY_KIND, STRESSES, STRETCHES, Column, Roles
-from hyperfab.io.tables import is_length, is_number, shape
+from hyperfab.io.tables import is_length, shape
 from hyperfab.io.units import is_unit
 
 #: Units to propose where a column has none.

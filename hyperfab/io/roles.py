@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from hyperfab.io.cells import is_number
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import (
     KIND,
@@ -19,7 +20,6 @@ from hyperfab.io.headings import (
     suffixed,
     word_for,
 )
-from hyperfab.io.tables import is_number
 
 #: What gives a stretch and what a stress, the surest first.
 STRETCHES = (

@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from hyperfab.arrays import Array
 from hyperfab.curve import DIRECTIONS
 from hyperfab.errors import InputError
+from hyperfab.io.cells import is_clock
 from hyperfab.io.csv_numbers import numbers, quantities, seconds, words
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import Heading, is_of, word_for
 from hyperfab.io.roles import Roles
 from hyperfab.io.specimen import Geometry, no_unit
 from hyperfab.io.stated import amount, stated
-from hyperfab.io.tables import is_clock
 
 _SIDES = {"load": 1, "unload": -1}
 

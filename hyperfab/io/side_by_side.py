@@ -21,7 +21,7 @@ from hyperfab.io.roles import (
     read,
     state_of,
 )
-from hyperfab.io.tables import Entry
+from hyperfab.io.settings import Entry
 
 
 def specimens(sheet: CsvSheet, one_axis: bool = False) -> list[CsvSheet]:

@@ -6,7 +6,7 @@ import re
 
 from hyperfab.errors import InputError
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.tables import Entry
+from hyperfab.io.settings import Entry
 from hyperfab.io.units import quantity
 
 

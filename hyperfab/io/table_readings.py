@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from hyperfab.errors import InputError
+from hyperfab.io.cells import NO_READING, is_number
 from hyperfab.io.headings import NUMBER_LIKE, Heading, is_closing, meaning, plain
 from hyperfab.io.layout import Layout
 from hyperfab.io.rows import SEPARATORS, Row
-from hyperfab.io.tables import NO_READING, Block, Fits, is_number, is_units
+from hyperfab.io.tables import Block, Fits, is_units
 
 
 def readings(block: Block, fits: Fits, name: str, separator: str, layout: Layout) -> list[Block]:

@@ -8,12 +8,11 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from hyperfab.errors import InputError
+from hyperfab.io.cells import NO_READING, is_clock, is_number
 from hyperfab.io.headings import (
     Heading,
-    fold,
     heading,
     is_closing,
-    kind_named,
     meaning,
     plain,
     setting,
@@ -22,41 +21,19 @@ from hyperfab.io.headings import (
 )
 from hyperfab.io.layout import Layout, named
 from hyperfab.io.rows import Row
+from hyperfab.io.settings import Entry, settings
 
 #: Says of headings whether they make the table that is looked for.
 Fits = Callable[[Sequence[Heading]], bool]
 
-_NUMBER = re.compile(r"[+-]?(?:\d[\d.,' \u00a0\u202f]*|[.,]\d+)(?:[eE][+-]?\d+)?\s?%?")
 _PLAIN = re.compile(r"[-+]?\d*[.,]?\d+(?:[eE][-+]?\d+)?")
-_CLOCK = re.compile(
-    r"(?:\d{1,4}[-./]\d{1,2}[-./]\d{1,4})?[T ]*(?:\d{1,3}:\d{2}(?::\d{2}(?:[.,]\d+)?)?)?\s?(?:[AaPp]\.?[Mm]\.?)?"
-)
-#: What spreadsheets and machines write where there is no reading.
-NO_READING = re.compile(
-    r"#?(?:n/?a|nv|div/0!?|¡?div/0!|value!?|valor!|wert!|valeur!|valore!|ref!|num!|zahl!|null!|name\?|n\.a\.|n\.d\.|nd|k\.a\.)|-{1,4}|\*+|#+|[–—]|ovl|overload|nan|none|null|inf",
-    re.IGNORECASE,
-)
 _BLANK_UNITS = frozenset(
     ("", "-", "--", "#", "count", "counts", "text", "none", "n", "no", "[]", "()", "1")
 ) | words("unit; units; einheit; einheiten; unidad; unidades; unite; unites; unita; unidade")
-#: A title with such a word names a test; others, as ``shear modulus``, may be a setting's.
-_OF_A_TEST = re.compile(r"(\btests?|versuche?|prufung)\b|\b(ensayo|essai|prova|ensaio)\b")
-#: What parts the settings of one cell; a comma that no space follows may be a decimal mark.
-_BETWEEN = re.compile(r";|, ")
-_SETTING = re.compile(r"\s*([^:=]{1,80}?)\s*[:=]\s*(.*)")
 #: What stands above one table of several is that one's own.
 _OF_ONE = ("specimen", "cycle", "branch")
 #: Below so many rows a table beside a long one is a summary of it.
 _FEW = 12
-
-
-@dataclass(frozen=True)
-class Entry:
-    """A line of metadata: its value and where it stands; ``sure`` where it is a line of the contract's own form."""
-
-    value: str
-    line: int
-    sure: bool = True
 
 
 @dataclass
@@ -75,20 +52,6 @@ class Block:
     columns: list[list[str]] | None = None
     lines: list[int] = field(default_factory=list)
     over: Row | None = None
-
-
-def is_number(cell: str) -> bool:
-    """Whether a cell looks like a number in any country's writing."""
-    return _NUMBER.fullmatch(cell) is not None
-
-
-def is_clock(cell: str) -> bool:
-    """Whether a cell is a date, a time of day, or both."""
-    return (
-        len(cell) > 3
-        and (":" in cell or cell.count(".") == 2 or cell.count("-") == 2 or cell.count("/") == 2)
-        and (_CLOCK.fullmatch(cell) is not None)
-    )
 
 
 def is_data(cells: Sequence[str]) -> bool:
@@ -307,72 +270,6 @@ def with_units(
             )
         found.append(Heading(one.title, one.label, one.unit or unit, one.index))
     return tuple(found)
-
-
-def settings(rows: Sequence[Row]) -> dict[str, list[Entry]]:
-    """Return what lines above a table state: ``Breite;50,0;mm``, ``Width: 50 mm``, ``L0 [mm];50``.
-
-    Words nobody knows stand under their own name, so that they can be told. A title that names a test, as
-    ``Zugversuch nach ISO 13934-1`` in a line by itself, states it.
-    """
-    found: dict[str, list[Entry]] = {}
-    for line, row in rows:
-        cells = [part for cell in row for part in _parted(cell)]
-        title = [cell for cell in cells if cell]
-        if _is_title(title) and kind_named(title[0]) is not None:
-            found.setdefault("test", []).append(Entry(title[0], line, sure=False))
-        place = 0
-        while place < len(cells):
-            taken = _stated(cells, place)
-            if taken is None:
-                place += 1
-                continue
-            key, value, unit, place = taken
-            known = setting(key)
-            name = fold(key) if known in (None, "quiet") else known
-            text = (
-                value
-                if unit is None or not value or unit_of(value.lstrip("+-0123456789., "))
-                else f"{value} {unit}"
-            )
-            if name and value:
-                found.setdefault(name, []).append(Entry(text, line, sure=False))
-    return found
-
-
-def _is_title(cells: Sequence[str]) -> bool:
-    """Whether the filled cells of a row are words alone: one, or ``Biaxial test, knit`` parted at its commas."""
-    if len(cells) == 1:
-        return _stated(cells, 0) is None
-    named = bool(cells) and _OF_A_TEST.search(plain(cells[0])) is not None
-    return named and not any(is_number(cell.split()[0]) for cell in cells)
-
-
-def _parted(cell: str) -> list[str]:
-    """Return the settings of a cell that holds several, as ``b0 = 25 mm, a0 = 2 mm``; else the cell."""
-    parts = [part.strip() for part in _BETWEEN.split(cell)]
-    return parts if len(parts) > 1 and all(_SETTING.fullmatch(part) for part in parts if part) else [cell]
-
-
-def _stated(cells: Sequence[str], place: int) -> tuple[str, str, str | None, int] | None:
-    """Return key, value, unit and the next place, where the cell at ``place`` begins a setting."""
-    match = _SETTING.fullmatch(cells[place])
-    if match and match[2] and not is_clock(cells[place]):
-        key, value, after = match[1], match[2], place + 1
-    elif cells[place] and place + 1 < len(cells) and not is_number(cells[place]):
-        key, value, after = cells[place].rstrip(":= "), cells[place + 1], place + 2
-        if not value or (place > 0 and setting(key) is None):
-            return None
-        beyond = cells[after + (after < len(cells) and unit_of(cells[after].strip("[](){} ")) is not None) :]
-        if any(beyond) and setting(next(filter(None, beyond)).rstrip(":= ")) is None:
-            return None  # a table's row, no setting
-    else:
-        return None
-    read = heading(key, 0)
-    unit = read.unit
-    if unit is None and after < len(cells) and (one := unit_of(cells[after].strip("[](){} "))) is not None:
-        unit, after = one, after + 1
-    return read.label, value, unit, after
 
 
 def understood(blocks: Sequence[Block], name: str) -> list[Block]:
