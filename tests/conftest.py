@@ -11,17 +11,19 @@ from pathlib import Path
 # As in `hf` itself: the dense blocks here are too small for threads, which only wait for each other. Before numpy.
 os.environ.update(dict.fromkeys(("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"), "1"))
 
-# Of several workers each has its share of the cores: threads that wait for one another would wait for the others' too.
-if "PYTEST_XDIST_WORKER_COUNT" in os.environ:
-    share = (os.cpu_count() or 1) // int(os.environ["PYTEST_XDIST_WORKER_COUNT"])
-    os.environ.setdefault("HYPERFAB_THREADS", str(max(1, share)))
-
 import pytest
 from hypothesis import HealthCheck, settings
 from pictures import DRAWN, blanked, drawn
 from warm import Warm
 
+from hyperfab.numerics.threads import LIMIT, cores
+
 ROOT = Path(__file__).resolve().parent.parent
+
+# Of several workers each has its share of the cores: threads that wait for one another would wait for the others' too.
+if "PYTEST_XDIST_WORKER_COUNT" in os.environ:
+    share = cores() // int(os.environ["PYTEST_XDIST_WORKER_COUNT"])
+    os.environ.setdefault(LIMIT, str(max(1, share)))
 
 settings.register_profile(
     "default",
