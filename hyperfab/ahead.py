@@ -18,19 +18,16 @@ from pathlib import Path
 from typing import Any
 
 LIST = Path(__file__).with_suffix(".json")
-#: The packages that have kernels.
-PACKAGES = ("cloth", "materials.effects", "membrane", "numerics", "pressing", "surface", "thermal")
 
 
 def all_kernels() -> dict[str, Any]:
     """Return the kernels of the package that Python calls, by module and name."""
     from hyperfab.numerics.kernels import KERNELS
 
-    for name in PACKAGES:
-        package = import_module(f"hyperfab.{name}")
-        for path in sorted(Path(package.__path__[0]).glob("*.py")):
-            if b"from hyperfab.numerics.kernels import" in path.read_bytes():
-                import_module(f"{package.__name__}.{path.stem}")
+    root = Path(__file__).parent
+    for path in sorted(root.rglob("*.py")):
+        if b"\nfrom hyperfab.numerics.kernels import" in path.read_bytes():
+            import_module(".".join(("hyperfab", *path.relative_to(root).with_suffix("").parts)))
     return {name: made for name, made in sorted(KERNELS.items()) if name.startswith("hyperfab.")}
 
 

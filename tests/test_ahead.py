@@ -56,6 +56,18 @@ def test_every_kernel_is_listed_with_its_types() -> None:
             assert [written(read(kind)) for kind in form] == form
 
 
+def test_every_kernel_that_is_listed_is_found_by_a_build(tmp_path: Path) -> None:
+    # In a process of its own: here the tests have imported what a build must find by itself.
+    done = python(tmp_path, "from hyperfab.ahead import all_kernels; print(*all_kernels())")
+    assert done.stdout.split() == sorted(listed())
+
+
+@pytest.mark.skipif(not kernels.AHEAD.is_dir(), reason="the kernels of the build are not here: make .venv/dev")
+def test_the_build_has_compiled_every_kernel_that_is_listed() -> None:
+    compiled = {path.name.partition(".py3")[0] for path in kernels.AHEAD.glob("*.nbi")}
+    assert [name for name in listed() if name.removeprefix("hyperfab.") not in compiled] == []
+
+
 @pytest.mark.parametrize(
     "value",
     [

@@ -271,6 +271,11 @@ class MoldDocument(HandWritten):
     production: ProductionSection | None = None
     run: RunSection
 
+    def surfaces(self) -> list[str]:
+        """Return the names of the STL files."""
+        bodies = [*self.part, *self.cavity]
+        return [one.stl for body in bodies for one in (body, *(body.shapes or ())) if one.stl is not None]
+
     def places(self) -> list[tuple[str, Place]]:
         """Return every place a section acts on, with the section's key."""
         kinds: dict[str, Sequence[HasPlaces]] = {

@@ -127,7 +127,7 @@ def close_press(case: Case) -> Closed:
         at_border=nearest.at_border,
         oblique=oblique(front, nearest),
         touching=part.per_face(np.ones(part.area.shape), len(front.faces)),
-        first_touch=press.first_touch(),
+        first_touch=press.first_touch,
         datum=datum,
         clearance_cold=datum.gap + start + pose.opening,
         clearance_hot=clearance(male, there).gap,

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.optimize import brentq
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.errors import InputError
+from hyperfab.numerics.roots import zero_between
 from hyperfab.pressing.clip import Quadrature, positive_part
 from hyperfab.pressing.contact import Contact, contact, modes_of, stiffness
 from hyperfab.pressing.gap import Front, Gap, nearest_gap, normal_gap, touch_gap
@@ -67,12 +67,14 @@ class Press:
     def _order(self) -> Ints:
         return along_a_curve(self.front.vertices)
 
+    @cached_property
     def first_touch(self) -> float:
-        """Return the opening at which the sandwich is first touched when the press closes."""
+        """The opening at which the sandwich is first touched when the press closes."""
         return self._opening_where(lambda gap: float(np.min(gap - self.sandwich.thickness)))
 
+    @cached_property
     def metal_contact(self) -> float:
-        """Return the opening at which the bare molds would touch."""
+        """The opening at which the bare molds would touch."""
         return self._opening_where(lambda gap: float(np.min(gap)))
 
     def opening_for(self, force: float) -> float:
@@ -80,7 +82,7 @@ class Press:
 
         Raises InputError where the molds touch before, naming the largest force the sandwich can carry.
         """
-        low, high = self.metal_contact(), self.first_touch()
+        low, high = self.metal_contact, self.first_touch
         largest = self.at(low).closing_force
         if force > largest:
             raise InputError(
@@ -90,7 +92,7 @@ class Press:
         # At the first touch, found to a tolerance, a force that is next to nothing may be passed already.
         while self.at(high).closing_force >= force:
             high += max(high - low, _POSITION_TOLERANCE)
-        return _root(lambda s: self.at(s).closing_force - force, low, high)
+        return zero_between(lambda s: self.at(s).closing_force - force, low, high, _POSITION_TOLERANCE)
 
     def _opening_where(self, margin: Callable[[Array], float]) -> float:
         """Return the opening at which a margin of the gaps, growing with the opening, is zero."""
@@ -113,8 +115,4 @@ class Press:
                     "the molds never part along the closing axis" if start < 0.0 else "the molds never touch",
                     remedy="check --axis and the two STL files",
                 )
-        return _root(value, *sorted((near, far)))
-
-
-def _root(value: Callable[[float], float], low: float, high: float) -> float:
-    return float(brentq(value, low, high, xtol=_POSITION_TOLERANCE, rtol=1e-14))
+        return zero_between(value, near, far, _POSITION_TOLERANCE)

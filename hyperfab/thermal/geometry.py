@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
-from hyperfab.surface import Surface
 
 Vector = tuple[float, float, float]
 
@@ -146,6 +145,8 @@ class Stl:
 
     def distance(self, points: Array) -> Array:
         """Return the distance of each point from the surface, or from the ``fine`` one where that is nearer [mm]."""
+        from hyperfab.surface import Surface  # 0.7 s to load, with what compiles its search
+
         found = np.abs(Surface(self.vertices, self.triangles).nearest(points).distance)
         return found if self.fine is None else np.minimum(found, self.fine.distance(points))
 

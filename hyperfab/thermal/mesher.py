@@ -97,6 +97,15 @@ def make_mesh(
     limit = patience
     if limit is None:
         limit = PATIENCE_BASE + PATIENCE_PER_TETRAHEDRON * expected_tetrahedra(geometry, mesh_size)
+    return RawMesh(**_ask(_mesh_job(geometry, mesh_size, grading), limit, waiting, built))
+
+
+def begin_mesh(geometry: Geometry, mesh_size: float) -> None:
+    """Let the mesher begin on what ``make_mesh`` will be asked for; ``netgen_process.end`` ends it where it is not."""
+    netgen_process.begin(_mesh_job(geometry, mesh_size, GRADING))
+
+
+def _mesh_job(geometry: Geometry, mesh_size: float, grading: float) -> bytes:
     job = {
         "task": "mesh",
         "parts": [_body(part) for part in geometry.parts],
@@ -105,7 +114,7 @@ def make_mesh(
         "mesh_size": mesh_size,
         "grading": grading,
     }
-    return RawMesh(**_ask(job, limit, waiting, built))
+    return json.dumps(job).encode()
 
 
 def mesh_surface(
@@ -131,12 +140,12 @@ def mesh_surface(
     with tempfile.TemporaryDirectory(
         prefix="hf-mesh-"
     ) as folder:  # here: a worker that is killed leaves nothing
-        arrays = _ask({**job, "folder": folder}, patience, waiting)
+        arrays = _ask(json.dumps({**job, "folder": folder}).encode(), patience, waiting)
     return arrays["vertices"], arrays["triangles"]
 
 
 def _ask(
-    job: dict[str, Any],
+    job: bytes,
     limit: float,
     waiting: Callable[[float], None],
     built: Callable[[NDArray[np.float64]], None] = lambda volumes: None,
@@ -157,7 +166,7 @@ def _ask(
         else:
             answer.update(arrays)
 
-    status = _run(json.dumps(job).encode(), limit, waiting, take)
+    status = _run(job, limit, waiting, take)
     if status is None:
         raise NotConverged(
             f"the mesher did not come back within {limit:.0f} s and was stopped",
@@ -184,14 +193,10 @@ def _run(
     import psutil
 
     start = time.monotonic()
-    with netgen_process.taken() as process:
+    with netgen_process.taken(job) as process:
         try:
             worker = psutil.Process(process.pid)
-            assert process.stdin is not None
             assert process.stdout is not None
-            # A thread feeds the job: communicate() forgets the rest of its input when asked again after a timeout.
-            threading.Thread(target=_feed, args=(process.stdin, job), daemon=True).start()
-            process.stdin = None  # the thread's to close
             frames: queue.SimpleQueue[bytes] = queue.SimpleQueue()
             threading.Thread(target=_read, args=(process.stdout, frames), daemon=True).start()
             while True:
@@ -212,12 +217,6 @@ def _run(
         finally:
             process.kill()
             process.wait()  # also on Ctrl-C: no dead child is left to others
-
-
-def _feed(stream: IO[bytes], job: bytes) -> None:
-    """Write the job and close the pipe; a worker that ended early has closed its side."""
-    with contextlib.suppress(BrokenPipeError), stream:
-        stream.write(job)
 
 
 def _read(stream: IO[bytes], frames: queue.SimpleQueue[bytes]) -> None:

@@ -1,12 +1,16 @@
-"""The mesher's process, which can be begun before there is anything to mesh: it imports while the command does."""
+"""The mesher's process, which can be begun before its mesh is asked for: it works while the command imports."""
 
 from __future__ import annotations
 
+import contextlib
 import importlib.util
 import subprocess
 import sys
+import threading
+from typing import IO
 
-_begun: list[subprocess.Popen[bytes]] = []
+#: The process that was begun, and the job that it was given: none yet where that is empty.
+_begun: list[tuple[subprocess.Popen[bytes], bytes]] = []
 
 
 def present() -> bool:
@@ -14,26 +18,37 @@ def present() -> bool:
     return importlib.util.find_spec("netgen") is not None
 
 
-def begin() -> None:
-    """Begin the process of the next mesh; it waits for its job."""
-    if not _begun and present():
-        _begun.append(_started())
+def begin(job: bytes = b"") -> None:
+    """Begin the process of the next mesh: it goes to work on its ``job``, or waits for one."""
+    if present():
+        _begun.append((taken(job), job))
 
 
 def end() -> None:
     """End a process that was begun and not taken."""
     while _begun:
-        with _begun.pop() as process:
+        with _begun.pop()[0] as process:
             process.kill()
 
 
-def taken() -> subprocess.Popen[bytes]:
-    """Return a process that waits for its job: the one that was begun, or a new one."""
-    while _begun:
-        process = _begun.pop()
-        if process.poll() is None:
-            return process
-    return _started()
+def taken(job: bytes) -> subprocess.Popen[bytes]:
+    """Return a process that works on ``job``: the one that was begun, or a new one."""
+    if _begun and _begun[0][1] == job != b"":
+        return _begun.pop()[0]
+    if _begun and (_begun[0][1] or _begun[0][0].poll() is not None):
+        end()
+    process = _begun.pop()[0] if _begun else _started()
+    if job:
+        # A thread feeds the job: communicate() forgets the rest of its input when asked again after a timeout.
+        threading.Thread(target=_feed, args=(process.stdin, job), daemon=True).start()
+        process.stdin = None  # the thread's to close
+    return process
+
+
+def _feed(stream: IO[bytes], job: bytes) -> None:
+    """Write the job and close the pipe; a worker that ended early has closed its side."""
+    with contextlib.suppress(BrokenPipeError), stream:
+        stream.write(job)
 
 
 def _started() -> subprocess.Popen[bytes]:

@@ -100,7 +100,7 @@ def test_a_press_with_soft_fabric_stores_the_work_of_its_closing(shapes):
     press = Press(molding_front(male, female), female, both)
     found = press.at(-2.5)
     stiffness = 4000.0 / (4.0 / 0.02 + 1.0 / 0.01)
-    assert press.first_touch() == pytest.approx(-1.0, abs=1e-8)
+    assert press.first_touch == pytest.approx(-1.0, abs=1e-8)
     assert found.closing_force == pytest.approx(stiffness * 1.5, rel=1e-6)
     assert found.energy == pytest.approx(0.5 * stiffness * 1.5**2, rel=1e-6)
 

@@ -81,7 +81,7 @@ def rate_and_force(press, opening, turned=0.0):
 def test_the_closing_force_is_the_rate_of_the_energy(shapes, name, smooth):
     male, female = molds(shapes, name, smooth)
     press = Press(molding_front(male, female), female, Sandwich(4.5, 0.0, linear(0.05)))
-    touch, metal = press.first_touch(), press.metal_contact()
+    touch, metal = press.first_touch, press.metal_contact
     for share in (0.13, 0.31, 0.52, 0.77):
         opening = touch + share * (metal - touch)
         for turned in (0.0, 0.004):
@@ -123,7 +123,7 @@ def test_no_nearest_gap_jumps(shapes, name):
     male, female = molds(shapes, name, True)
     front = molding_front(male, female)
     press = Press(front, female, Sandwich(4.5, 0.0, linear(0.05)))
-    touch, metal = press.first_touch(), press.metal_contact()
+    touch, metal = press.first_touch, press.metal_contact
     openings = np.linspace(touch, metal, 400)
     found = [press.gap(Pose(opening)) for opening in openings]
     step = openings[0] - openings[1]
@@ -162,7 +162,7 @@ def test_the_gap_is_the_distance_of_the_smooth_surface_that_is_told(shapes):
 def test_the_work_of_a_closing_is_its_energy(cells, smooth):
     male, female = cups(cells, smooth)
     press = Press(molding_front(male, female), female, Sandwich(4.5, 0.0, linear(0.05)))
-    touch = press.first_touch()
+    touch = press.first_touch
     nodes, weights = np.polynomial.legendre.leggauss(8)
     ends = np.linspace(0.0, touch, 33)
     half = 0.5 * np.diff(ends)[:, None]

@@ -13,7 +13,7 @@ from hyperfab.thermal import netgen_process
 from hyperfab.thermal.faces import Faces
 from hyperfab.thermal.geometry import Body, Box, Cylinder, Ellipsoid, Geometry, Patch
 from hyperfab.thermal.mesh import build_mesh
-from hyperfab.thermal.mesher import expected_tetrahedra, make_mesh
+from hyperfab.thermal.mesher import begin_mesh, expected_tetrahedra, make_mesh
 
 
 def meshed(geometry, size):
@@ -157,17 +157,47 @@ def test_a_mesher_that_was_begun_is_taken_and_one_that_ended_is_not(monkeypatch)
     monkeypatch.setattr(netgen_process, "_begun", [])
     netgen_process.begin()
     netgen_process.begin()
-    [begun] = netgen_process._begun
-    with netgen_process.taken() as process:
+    [(begun, _)] = netgen_process._begun
+    with netgen_process.taken(b"") as process:
         assert process is begun
         process.kill()
-    netgen_process._begun.append(begun)
-    with netgen_process.taken() as process:
+    netgen_process._begun.append((begun, b""))
+    with netgen_process.taken(b"") as process:
         assert process is not begun
         process.stdin.close()
         assert process.wait(60) == 0
     netgen_process.begin()
-    [begun] = netgen_process._begun
+    [(begun, _)] = netgen_process._begun
     netgen_process.end()
     assert begun.poll() is not None
     assert netgen_process._begun == []
+
+
+def test_a_mesh_that_was_begun_is_the_one_that_is_made_and_another_is_made_anew(monkeypatch):
+    monkeypatch.setattr(netgen_process, "_begun", [])
+    geometry = Geometry((Body("block", (Box((0.0, 0.0, 0.0), (20.0, 10.0, 5.0)),)),))
+    for size, begins in ((5.0, 1), (4.0, 2)):
+        netgen_process.begin()
+        begin_mesh(geometry, 5.0)
+        [(begun, _)] = netgen_process._begun
+        started = count_started(monkeypatch)
+        mesh = make_mesh(geometry, size)
+        assert len(started) == begins - 1  # another size is another job
+        assert begun.poll() is not None
+        assert netgen_process._begun == []
+        monkeypatch.undo()
+        monkeypatch.setattr(netgen_process, "_begun", [])
+        assert mesh.points.tobytes() == make_mesh(geometry, size).points.tobytes()
+
+
+def count_started(monkeypatch):
+    """Return a list that grows with every process of the mesher that is started from now on."""
+    started = []
+    start = netgen_process._started
+
+    def counted():
+        started.append(start())
+        return started[-1]
+
+    monkeypatch.setattr(netgen_process, "_started", counted)
+    return started

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hyperfab.chapters.close_loop.describe import curves_csv, describe, errors_of
+from hyperfab.chapters.close_loop.describe import curves_csv, describe, errors_of, say
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended import extend, held_terms
-from hyperfab.chapters.close_loop.finalise import Axis, picture, stated_size, tell, ticking
+from hyperfab.chapters.close_loop.finalise import Axis, picture, stated_size, ticking, write
 from hyperfab.chapters.close_loop.measured_tests import Measured, given_as, read_measured
 from hyperfab.chapters.close_loop.readings import Apart, check_fixed
 from hyperfab.chapters.close_loop.sure import mark, tell_sure
@@ -83,13 +83,14 @@ def run(job: Job, given: Given) -> int:
     result.preparation = tests.preparation
     if apart is not None and held_out is not None:
         result.held_out = _errors(apart, found, tests.unit, len(held_out.tests))
+    say(job.console, problem, found, result)
     if out.wants_files:
         model.provenance = record(job.command, job.arguments, job.inputs.files, out.target)
         model.validity = _closed_on(given.measured, tests)
         out.add(".model.json", dump_json(model.to_json()))
         result.model = out.path(".model.json").name
         _files(out, problem, found, tests.unit)
-    return tell(job, out, given, problem, found, result)
+    return write(job, out, given, found, result)
 
 
 def pose(

@@ -119,6 +119,7 @@ def finish(
         result = describe(problem, found, problem.units[0], {}, list(warnings), domain=domain)
         if apart:
             result.held_out = _predicted(set_apart(problem, apart), found, problem.units[0])
+        say(job.console, problem, found, result)
         if out.wants_files:
             tick("the extended model")
             _model(job, out, extend(found), result, caution(found))
@@ -126,23 +127,14 @@ def finish(
         if upstream is not None:
             tick("the documents behind the model")
             traced = upstream(found, result)
-    return tell(job, out, given, problem, found, result, traced)
-
-
-def tell(
-    job: Job,
-    out: Output,
-    given: Given,
-    problem: Problem,
-    found: Finding,
-    result: LoopDocument,
-    more: Sequence[str] = (),
-) -> int:
-    """Say what was found, and ``more``; write all; return the exit status."""
-    say(job.console, problem, found, result)
-    result.summary += more
-    for text in more:
+    result.summary += traced
+    for text in traced:
         job.console.note(text)
+    return write(job, out, given, found, result)
+
+
+def write(job: Job, out: Output, given: Given, found: Finding, result: LoopDocument) -> int:
+    """Write all; return the exit status."""
     job.write(out, result, given.case)
     return NEGATIVE_VERDICT if found.verdict == "unexplained" else 0
 

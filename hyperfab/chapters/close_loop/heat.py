@@ -10,10 +10,10 @@ from typing import TypeGuard
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.chapters.close_loop.describe import describe
+from hyperfab.chapters.close_loop.describe import describe, say
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_mold import TABLES, extend
-from hyperfab.chapters.close_loop.finalise import Axis, picture, stated_size, tell, ticking
+from hyperfab.chapters.close_loop.finalise import Axis, picture, stated_size, ticking, write
 from hyperfab.chapters.close_loop.readings import Thermocouples, check_fixed, read_thermocouples
 from hyperfab.chapters.close_loop.sure import caution, noted
 from hyperfab.chapters.job import Job
@@ -86,6 +86,7 @@ def run(job: Job, given: Given) -> int:
     outside, anywhere = problem.temperatures(fit.x[: fit.own], fit.terms)
     reached = {True: outside, False: anywhere}
     note_ranges(job, given.name, builder.tables, reached.__getitem__, problem.runs[0].clock[0])
+    say(job.console, problem, found, result)
     if out.wants_files:
         target = out.path(".model.toml")
         folders = (os.path.dirname(given.name), str(target.parent))
@@ -98,7 +99,7 @@ def run(job: Job, given: Given) -> int:
             out.add(suffix, content)
         result.model = out.path(".model.toml").name
         _files(out, problem, found, read)
-    return tell(job, out, given, problem, found, result)
+    return write(job, out, given, found, result)
 
 
 def pose(

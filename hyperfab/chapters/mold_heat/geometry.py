@@ -1,23 +1,14 @@
-"""From the shapes of a mold document to the shapes that are meshed, and an earlier field put on them."""
+"""From the shapes of a mold document to the shapes that are meshed."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from hyperfab.arrays import Array
-from hyperfab.chapters.field import read_field
-from hyperfab.chapters.molds import TURNED, read_mesh
-from hyperfab.documents.base import read_document
-from hyperfab.documents.heat import HeatDocument
 from hyperfab.documents.mold import FacesInBox, MoldDocument
 from hyperfab.documents.mold_shapes import BodySection, PartSection, ShapeSection
 from hyperfab.errors import InputError
 from hyperfab.io.inputs import Inputs
-from hyperfab.io.vtu_read import Grid
 from hyperfab.thermal.geometry import Body, Box, Cylinder, Ellipsoid, Geometry, Patch, Shape, Stl
-from hyperfab.thermal.locate import Locator
-from hyperfab.thermal.mesh import HeatMesh
-from hyperfab.thermal.repair import pieces, repaired
 
 
 def geometry_of(
@@ -67,48 +58,13 @@ class _Reader:
             return [Ellipsoid(e.centre, e.semi_axes, e.half, name)]
         if section.stl is None:
             raise InputError("has no shape", file=self.name)
+        # 0.7 s to load: only surfaces need them, and the mesher can begin on shapes before.
+        from hyperfab.chapters.molds import TURNED, read_mesh
+        from hyperfab.thermal.repair import pieces, repaired
+
         file = self.inputs.beside(self.name, section.stl)
         surface = read_mesh(self.inputs, file, section.unit or self.stl_unit, self.questions.append)
         origin = np.asarray(section.origin or (0.0, 0.0, 0.0))
         found = repaired(surface.vertices[:, TURNED[section.axis or "z"]] + origin, surface.faces, file)
         self.questions.extend(f"{file}: {note}" for note in found.notes)
         return [Stl(*piece, name) for piece in pieces(found.vertices, found.triangles)]
-
-
-#: A node further than this many elements outside the earlier mold has no temperature there.
-BEYOND = 1.5
-
-
-def earlier_field(inputs: Inputs, mold: str, relative: str) -> Grid:
-    """Read the last field of the heat document that ``mold`` names; InputError where there is none."""
-    name = inputs.beside(mold, relative)
-    return read_field(inputs, name, read_document(inputs, name, HeatDocument), "tetra10", "temperature_degC")
-
-
-def start_from(grid: Grid, mesh: HeatMesh, mold: str) -> Array:
-    """Return an earlier field (points in mm) at the nodes of ``mesh``: part by part where the parts agree.
-
-    Raises InputError where a node lies outside the earlier mold.
-    """
-    temperature = grid.point_data["temperature_degC"].astype(np.float64)
-    points, elements = grid.points / 1e3, grid.cells["tetra10"]
-    parts = np.asarray(grid.cell_data.get("part", np.zeros(len(elements))), dtype=np.int64)
-    same = len(points) == mesh.solid and np.array_equal(elements, mesh.elements)
-    if same and np.allclose(points, mesh.points[: mesh.solid], atol=1e-9):
-        return temperature
-    together = parts.max() != mesh.parts.max()
-    result = np.full(mesh.solid, np.nan)
-    for part in range(int(mesh.parts.max()) + 1):
-        theirs = np.ones(len(elements), dtype=bool) if together else parts == part
-        mine = np.unique(mesh.elements[mesh.parts == part])
-        nodes, weights, outside = Locator(points, elements[theirs]).find(mesh.points[mine])
-        if outside.max() > BEYOND:
-            x, y, z = 1e3 * mesh.points[mine[int(np.argmax(outside))]]
-            raise InputError(
-                f"the earlier mold has nothing at ({x:.1f}, {y:.1f}, {z:.1f}) mm",
-                file=mold,
-                key="run.start",
-                remedy="start from a run of the same mold",
-            )
-        result[mine] = np.einsum("pi,pi->p", weights, temperature[nodes])
-    return result

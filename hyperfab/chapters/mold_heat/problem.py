@@ -9,9 +9,10 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.chapters.mold_heat.conditions import Placing, at_key
-from hyperfab.chapters.mold_heat.geometry import earlier_field, geometry_of, start_from
+from hyperfab.chapters.mold_heat.geometry import geometry_of
 from hyperfab.chapters.mold_heat.meshing import mesh_mold
 from hyperfab.chapters.mold_heat.production import Pieces, pieces_of
+from hyperfab.chapters.mold_heat.start import earlier_field, start_from
 from hyperfab.chapters.mold_heat.tables import Tables, refuse_exposed, refuse_unknown_names
 from hyperfab.documents.mold import EarlierField, MoldDocument
 from hyperfab.errors import InputError

@@ -22,7 +22,6 @@ from hyperfab.chapters.mold_heat.variations import SHARPER, read_variations, var
 from hyperfab.chapters.uncertainty.carry import Sure, carry
 from hyperfab.chapters.uncertainty.sources import Origins, of_films, origins
 from hyperfab.console import Advance
-from hyperfab.documents.base import read_document
 from hyperfab.documents.heat import HeatDocument
 from hyperfab.documents.mold import MoldDocument
 from hyperfab.documents.uncertainty import figures_of
@@ -41,14 +40,13 @@ from hyperfab.thermal.transient import run as follow
 FOLLOWED = 0.95
 
 
-def run(job: Job, case: MoldCase) -> int:
-    """Heat the mold of the case; 0, or 4 where the account of heat does not close."""
+def run(job: Job, case: MoldCase, document: MoldDocument) -> int:
+    """Heat the mold of the case, whose ``document`` was read; 0, or 4 where the account of heat does not close."""
     mold = case.mold
     out = job.opened(
         job.target,
         (".vtu", ".[0-9]*.vtu", ".csv", ".history.csv", ".variations.csv", ".pieces.csv", ".png", ".pvd"),
     )
-    document = read_document(job.inputs, mold, MoldDocument)
     check(case, document)
     asked = None if case.variations is None else read_variations(job.inputs, case.variations, document, mold)
     builder = MoldBuilder(document, mold, job.inputs, case.stl_unit)

@@ -230,7 +230,7 @@ def _judge(job: Job, result: PressDocument, closed: Closed, case: PressCase) -> 
         status = NotConverged.exit_status
     if result.gap_min_mm <= 0.0 and closed.case.force is None:
         at = ", ".join(f"{value:.1f}" for value in result.gap_min_at_mm)
-        apart = closed.press.metal_contact() - closed.pose.opening
+        apart = closed.press.metal_contact - closed.pose.opening
         job.console.warn(
             f"the hot molds overlap by {-result.gap_min_mm:.3f} mm at ({at}) mm: open by {apart:.3f} mm to part them"
         )
