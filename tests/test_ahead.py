@@ -62,7 +62,9 @@ def test_every_kernel_that_is_listed_is_found_by_a_build(tmp_path: Path) -> None
     assert done.stdout.split() == sorted(listed())
 
 
-@pytest.mark.skipif(not kernels.AHEAD.is_dir(), reason="the kernels of the build are not here: make .venv/dev")
+@pytest.mark.skipif(
+    not kernels.AHEAD.is_dir(), reason="the kernels of the build are not here: make .venv/dev"
+)
 def test_the_build_has_compiled_every_kernel_that_is_listed() -> None:
     compiled = {path.name.partition(".py3")[0] for path in kernels.AHEAD.glob("*.nbi")}
     assert [name for name in listed() if name.removeprefix("hyperfab.") not in compiled] == []

@@ -98,7 +98,8 @@ def read_mold(job: Job, name: str, stl_unit: str, axis: str = "z") -> MoldFile:
     """
     mesh = read_mesh(job.inputs, name, stl_unit, job.console.warn)
     vertices, faces, facet = mesh.vertices[:, TURNED[axis]], mesh.faces, mesh.facet_of_face
-    found = Surface(vertices, faces).soundness()
+    surface = Surface(vertices, faces)
+    found = surface.soundness()
     if len(found.degenerate_facets) or len(found.duplicate_facets):
         drop = np.union1d(found.degenerate_facets, found.duplicate_facets)
         keep = np.setdiff1d(np.arange(len(faces)), drop)
@@ -106,14 +107,16 @@ def read_mold(job: Job, name: str, stl_unit: str, axis: str = "z") -> MoldFile:
             raise InputError("no facet has an area", file=name, remedy="export the surface again")
         job.console.warn(f"{name}: {len(drop)} facets without area or given twice were left out")
         faces, facet = faces[keep], facet[keep]
-    faces, turned = consistently_wound(faces)
+    wound, turned = consistently_wound(faces)
     if len(turned):
         first = facet[turned[0]] + 1
         job.console.warn(
             f"{name}: {len(turned)} facets faced the wrong way and were turned, facet {first} first"
         )
-    surface = Surface(vertices, faces)
-    one = MoldFile(name, surface, surface.soundness(), facet)
+    if len(turned) or len(wound) < len(surface.faces):
+        surface = Surface(vertices, wound)
+        found = surface.soundness()
+    one = MoldFile(name, surface, found, facet)
     return _outward(job, one) if one.found.closed and one.found.volume_mm3 < 0.0 else one
 
 

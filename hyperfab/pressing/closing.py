@@ -53,8 +53,7 @@ class Closed:
     ``press`` stands at ``pose``, which puts the hot ``female`` where it is; ``contact`` is what the sandwich does
     there. At the vertices of ``front`` (hot): ``normal`` and ``axial`` gaps, NaN where they miss, ``touch`` the gap
     that decides what touches, flags for feet on an open edge and for oblique ones. ``cold`` (n, 3) are the same
-    vertices cold. ``touching`` (m,) [mm^2] is each face's touching area. ``first_touch`` [mm] is the opening at
-    which the sandwich is first touched.
+    vertices cold. ``touching`` (m,) [mm^2] is each face's touching area.
     """
 
     case: Case
@@ -69,7 +68,6 @@ class Closed:
     at_border: Flags
     oblique: Flags
     touching: Array
-    first_touch: float
     datum: Clearance
     clearance_cold: float
     clearance_hot: float
@@ -78,6 +76,11 @@ class Closed:
     def front(self) -> Front:
         """The molding part of the hot male."""
         return self.press.front
+
+    @property
+    def first_touch(self) -> float:
+        """The opening at which the sandwich is first touched [mm]."""
+        return self.press.first_touch
 
     @property
     def stroke(self) -> float:
@@ -127,7 +130,6 @@ def close_press(case: Case) -> Closed:
         at_border=nearest.at_border,
         oblique=oblique(front, nearest),
         touching=part.per_face(np.ones(part.area.shape), len(front.faces)),
-        first_touch=press.first_touch,
         datum=datum,
         clearance_cold=datum.gap + start + pose.opening,
         clearance_hot=clearance(male, there).gap,

@@ -18,9 +18,9 @@ from hyperfab.chapters.close_loop.contact import Forward as Pressed
 from hyperfab.chapters.close_loop.drape import Forward as Draped
 from hyperfab.chapters.close_loop.extended_sheet import contact_applied, drape_applied
 from hyperfab.chapters.drape.model import at_depths, model_of, read_files
-from hyperfab.chapters.fabric_contact.fabric import read_fabric
 from hyperfab.chapters.fabric_contact.setup import read_geometry, setup_of
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.sheet import read_fabric
 from hyperfab.console import Console
 from hyperfab.documents.base import parse_document
 from hyperfab.documents.material import MaterialDocument

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from hyperfab.chapters.fabric_contact.fabric import read_fabric
 from hyperfab.chapters.fabric_contact.outline import read_outline
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.sheet import read_fabric
 from hyperfab.console import Console
 from hyperfab.errors import InputError, UsageError
 

@@ -18,10 +18,10 @@ from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, finish, stated
 from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, read_files, spread
 from hyperfab.chapters.close_loop.softening import linear_of, scaled_material
 from hyperfab.chapters.fabric import FabricDocument
-from hyperfab.chapters.fabric_contact.fabric import read_fabric
 from hyperfab.chapters.fabric_contact.setup import read_geometry, setup_of
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import Listener, Overlay, check_unchanged, unchanged
+from hyperfab.chapters.sheet import read_fabric
 from hyperfab.documents.base import parse_document, read_document
 from hyperfab.documents.contact import ContactDocument
 from hyperfab.documents.material import MaterialDocument

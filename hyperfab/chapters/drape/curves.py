@@ -15,6 +15,7 @@ from hyperfab.io.csv_tests import TestData, read_tests
 from hyperfab.io.specimen import Geometry
 from hyperfab.io.text import number_of_rows
 from hyperfab.numerics.hygiene import first_loading
+from hyperfab.numerics.monotone import never_falling
 
 #: Tests further apart than this in temperature [K] are not of one curve.
 ONE_TEMPERATURE = 5.0
@@ -131,14 +132,7 @@ def _averaged(curves: list[tuple[Array, Array]], dropped: Counter[str]) -> tuple
 
 
 def _rising(stress: Array) -> Array:
-    """Nearest curve that does not fall: neighbours that do are pooled (pool adjacent violators)."""
-    blocks: list[tuple[float, int]] = []
-    for value in stress:
-        mean, count = float(value), 1
-        while blocks and blocks[-1][0] > mean:
-            other, more = blocks.pop()
-            mean, count = (mean * count + other * more) / (count + more), count + more
-        blocks.append((mean, count))
-    level = np.concatenate([np.full(count, mean) for mean, count in blocks])
+    """Return the nearest curve from 0 on that does not fall."""
+    level = never_falling(stress)
     level[0] = 0.0
     return np.maximum(level, 0.0)

@@ -10,9 +10,9 @@ from hyperfab.arrays import Array
 from hyperfab.cases.drape import DrapeCase
 from hyperfab.chapters.drape.curves import read_curve
 from hyperfab.chapters.fabric import read_fabric_document
-from hyperfab.chapters.fabric_contact.fabric import Fabric as SheetFabric
-from hyperfab.chapters.fabric_contact.fabric import sheet_of
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.sheet import Fabric as SheetFabric
+from hyperfab.chapters.sheet import sheet_of
 from hyperfab.cloth import SpringLaw
 from hyperfab.cloth.law import Pulled, spring_law
 from hyperfab.documents.drape import SpringUse

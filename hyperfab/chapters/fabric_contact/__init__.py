@@ -8,11 +8,11 @@ import numpy as np
 
 from hyperfab.cases.contact import ContactCase
 from hyperfab.chapters.fabric_contact import nearby
-from hyperfab.chapters.fabric_contact.fabric import Fabric, read_fabric
 from hyperfab.chapters.fabric_contact.fields import picture, vtu
 from hyperfab.chapters.fabric_contact.result import document, mounted_row, row, status_of
 from hyperfab.chapters.fabric_contact.setup import Setup, read_geometry, setup_of
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.sheet import Fabric, read_fabric
 from hyperfab.chapters.uncertainty.carry import Sure, carry
 from hyperfab.documents.contact import ContactDocument
 from hyperfab.errors import NotConverged

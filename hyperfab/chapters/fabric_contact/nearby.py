@@ -6,11 +6,11 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.cases.contact import ContactCase
-from hyperfab.chapters.fabric_contact.fabric import read_fabric
 from hyperfab.chapters.fabric_contact.fields import sure_fields
 from hyperfab.chapters.fabric_contact.result import row
 from hyperfab.chapters.fabric_contact.setup import Geometry, setup_of
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.sheet import read_fabric
 from hyperfab.chapters.uncertainty.carry import Answer, Changes, Figures, Nearby, Slopes
 from hyperfab.chapters.uncertainty.sources import Origins, origins
 from hyperfab.documents.uncertainty import FIGURES

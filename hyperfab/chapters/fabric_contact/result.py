@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 
-from hyperfab.chapters.fabric_contact.fabric import Fabric
 from hyperfab.chapters.fabric_contact.fields import pressure
 from hyperfab.chapters.fabric_contact.outline import is_file
 from hyperfab.chapters.fabric_contact.setup import Setup
+from hyperfab.chapters.sheet import Fabric
 from hyperfab.documents.contact import BalancePart, ContactDocument, OtherPart, SetupPart, StabilityPart
 from hyperfab.membrane.contact_edge import contact_edge
 from hyperfab.membrane.friction import Coulomb

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hyperfab.cases.contact import SHAPES, STICK, ContactCase
-from hyperfab.chapters.fabric_contact.fabric import Fabric
 from hyperfab.chapters.fabric_contact.outline import is_file, read_outline
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.molds import read_molds
+from hyperfab.chapters.sheet import Fabric
 from hyperfab.errors import InputError, UsageError
 from hyperfab.membrane.contact import Frictionless, Tangential
 from hyperfab.membrane.friction import Coulomb, Stick

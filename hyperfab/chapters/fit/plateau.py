@@ -11,6 +11,7 @@ from hyperfab.arrays import Array
 from hyperfab.curve import TestCurve
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.numerics.hygiene import first_loading, scatter
+from hyperfab.numerics.monotone import never_falling
 
 #: Compression whose stress times the stretch falls by more than this share is carried by no stable law.
 _FALLS = 0.05
@@ -73,14 +74,12 @@ def table_of(curves: Sequence[TestCurve], mode: str) -> tuple[Array, Array, floa
 
     Where the nominal stress falls the press has no single answer: there the table is the nearest that never falls.
     """
-    from scipy.optimize import isotonic_regression
-
     parts = [part for part in (_loading(c) for c in curves if c.mode == mode) if len(part.stretch) > 2]
     means = [_steps(1.0 - part.stretch, -part.stress) for part in parts]
     strain = min(float(own[-1]) for own, _ in means) * np.arange(1, _ROWS + 1) / _ROWS
     levels = [np.interp(strain, np.append(0.0, own), np.append(0.0, stress)) for own, stress in means]
     mean = np.mean(levels, axis=0)
-    level = np.maximum(np.asarray(isotonic_regression(mean).x), 0.0)
+    level = np.maximum(never_falling(mean), 0.0)
     return strain, level, float(np.abs(level - mean).max() / mean.max())
 
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -203,15 +204,39 @@ def _expansion(inputs: Inputs, name: str, value: float | TableFile | None, refer
 
 @dataclass(frozen=True)
 class Draped:
-    """How much ``thinner`` a draped sheet is at each of the male's vertices (n,), and what that changes ``by`` (k, n)
-    with each number of its document, in their order; none where it hands nothing on."""
+    """How much ``thinner`` a draped sheet is at each of the male's vertices (n,).
 
-    thinner: np.ndarray
-    by: np.ndarray
+    ``changes`` are the numbers of its document that are unsure, in their order: each one's standard deviation, what
+    it changes of the thickness of the cells, and how it moves the nodes. None where it hands nothing on.
+    """
+
+    places: np.ndarray
+    nodes: np.ndarray
+    quads: np.ndarray
+    factor: np.ndarray
+    changes: Sequence[tuple[float, np.ndarray, np.ndarray]]
+
+    @cached_property
+    def thinner(self) -> np.ndarray:
+        """How much thinner the sheet is (n,)."""
+        return thinning_at(self.places, self.nodes, self.quads, self.factor)
+
+    @cached_property
+    def by(self) -> np.ndarray:
+        """What each number changes of that (k, n)."""
+        return np.array([self._by(*change) for change in self.changes]).reshape(-1, len(self.places))
 
     def at(self, changes: Mapping[int, float]) -> np.ndarray:
         """Return the thinning where numbers of the document change."""
         return np.asarray(self.thinner + sum((change * self.by[k] for k, change in changes.items()), 0.0))
+
+    def _by(self, sd: float, thicker: np.ndarray, moved: np.ndarray) -> np.ndarray:
+        # Nodes move as their cells thin: a place of the mold then meets another one of the sheet.
+        up, down = (
+            thinning_at(self.places, self.nodes + step * moved, self.quads, self.factor + step * thicker)
+            for step in (_STEP * sd, -_STEP * sd)
+        )
+        return (up - down) / (2.0 * _STEP * sd)
 
 
 def thinning(job: Job, drape: str, male: str, vertices: np.ndarray, unsure: bool) -> Draped:
@@ -222,21 +247,15 @@ def thinning(job: Job, drape: str, male: str, vertices: np.ndarray, unsure: bool
         job.console.warn(f"{drape}: the drape did not converge; its thickness is taken as it is")
     grid = read_field(job.inputs, drape, document, "quad", "thickness_mm")
     _check_same_mold(job, document, drape, male)
-    factor = grid.cell_data["thickness_mm"] / document.thickness_mm
-    at, quads = vertices + np.array(document.mold.shift_mm), grid.cells["quad"]
     numbers = [] if document.uncertainty is None else document.uncertainty.sources
     sds = [number.sd for source in numbers for number in source.numbers]
-    found = []
     known = zip(sds, derivatives(grid, "thickness_ratio"), derivatives(grid, "place_mm"), strict=False)
-    for sd, thicker, moved in known if unsure else ():
-        # Nodes move as their cells thin: a place of the mold then meets another one of the sheet.
-        up, down = (
-            thinning_at(at, grid.points + step * moved, quads, factor + step * thicker)
-            for step in (_STEP * sd, -_STEP * sd)
-        )
-        found.append((up - down) / (2.0 * _STEP * sd))
     return Draped(
-        thinning_at(at, grid.points, quads, factor), np.array(found).reshape(len(found), len(vertices))
+        vertices + np.array(document.mold.shift_mm),
+        grid.points,
+        grid.cells["quad"],
+        grid.cell_data["thickness_mm"] / document.thickness_mm,
+        list(known) if unsure else [],
     )
 
 

@@ -23,6 +23,7 @@ from hyperfab.errors import InputError
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.inputs import Inputs
 from hyperfab.materials.hyperfoam import ORDERS, Hyperfoam
+from hyperfab.numerics.monotone import never_falling
 from hyperfab.pressing import foam_law
 from hyperfab.pressing.foam_law import FoamLaw, Tempered
 from hyperfab.pressing.series import together
@@ -210,9 +211,7 @@ def _without_jitter(stress: np.ndarray) -> np.ndarray:
     """Return the never falling stress (n,) nearest to one that falls by no more than jitter; another one as it is."""
     if (np.maximum.accumulate(stress) - stress).max() > _JITTER * stress.max():
         return stress
-    from scipy.optimize import isotonic_regression
-
-    return np.asarray(isotonic_regression(stress).x)
+    return never_falling(stress)
 
 
 def _table_law(job: Job, path: str) -> FoamLaw:
