@@ -22,7 +22,7 @@ def zero_between(value: Callable[[float], float], low: float, high: float, toler
     """
     x1, x2 = low, high
     f1, f2 = value(x1), value(x2)
-    if f1 * f2 > 0.0:
+    if f1 != 0.0 and f2 != 0.0 and (f1 > 0.0) == (f2 > 0.0):
         raise ValueError(f"no change of sign between {low:g} and {high:g}")
     t = 0.5  # where the next point lies between the latest and the one beyond the zero
     while f1 != 0.0 and f2 != 0.0 and abs(x2 - x1) > tolerance:
@@ -30,7 +30,7 @@ def zero_between(value: Callable[[float], float], low: float, high: float, toler
         if x in (x1, x2):
             break  # no double lies between
         f = value(x)
-        if f * f1 > 0.0:
+        if (f > 0.0) == (f1 > 0.0):
             x3, f3 = x1, f1
         else:
             x3, f3, x2, f2 = x2, f2, x1, f1
