@@ -67,7 +67,7 @@ class FabricProblem(Problem):
         stress = self.fabric.stress(warp, weft, given)
         if len(self.transverse_rows) == 0:
             return stress
-        return np.concatenate([stress, self.fabric.across(given, warp)[self.transverse_rows]])
+        return np.concatenate([stress, self.fabric.across(given, warp, weft)[self.transverse_rows]])
 
     @property
     def look_alikes(self) -> Sequence[frozenset[str]]:

@@ -13,6 +13,7 @@ from pathlib import Path as File
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL, Path, uniaxial_pull
@@ -101,6 +102,16 @@ def spline(values: tuple[float, ...], x: float) -> float:
 def W(l: float, c: tuple[float, ...] = C) -> float:
     x = l * l + 2.0 / l - 3.0
     return c[0] * x + c[1] * x * x + c[2] * x**3
+
+
+def gripped(read: float, give: Callable[[float], float]) -> float:
+    """The stretch of a specimen that is read together with what the grips ``give`` under its load."""
+    return float(brentq(lambda l: l + give(P(l)) - read, 1.0, read, xtol=1e-13)) if read > 1.0 else read
+
+
+def slipped(row: Row, give: Callable[[float], float]) -> float:
+    """The same where the grips do not take back what they gave."""
+    return max(row.l - row.lm + gripped(row.lm, give), 1.0)
 
 
 def driven(
@@ -468,6 +479,13 @@ STATED: list[tuple[str, str, tuple[float, ...], Callable[[Row], float]]] = [
 ]  # fmt: skip
 #: What grips give, at sixths.
 GIVES = (0.004, 0.01, 0.02, 0.03, 0.035, 0.05)
+
+
+def given_freely(load: float) -> float:
+    """What grips give by a smooth law that is told up to 0.5 MPa."""
+    return spline(GIVES, math.log1p(20.0 * load / 0.5) / math.log(21.0))
+
+
 #: Verified where they are told: by differences of its own energy (tests/loop/test_effects.py), and as strips that find
 #: their width and shear (tests/materials/test_threads.py).
 STATED += [
@@ -515,14 +533,10 @@ STATED += [
         (0.8, *GIVES),
         lambda row: P(1.0 + max(row.e - spline(GIVES, math.log1p(25.0 * row.e) / math.log(21.0)), 0.0)),
     ),
-    (
-        "grip-slack",
-        "smooth-load",
-        (1.6, *GIVES),
-        lambda row: P(
-            1.0 + max(row.e - spline(GIVES, math.log1p(12.5 * (row.l - row.l**-2)) / math.log(21.0)), 0.0)
-        ),
-    ),
+    ("grip-slack", "yields", (0.05,), lambda row: P(gripped(row.l, lambda load: 0.05 * load))),
+    ("grip-slack", "slips", (0.1, 0.3), lambda row: P(slipped(row, lambda load: 0.1 * max(load - 0.3, 0.0)))),
+    ("grip-slack", "smooth-force", (0.5, *GIVES), lambda row: P(gripped(row.l, given_freely))),
+    ("grip-slack", "smooth-slip", (0.5, *GIVES), lambda row: P(slipped(row, given_freely))),
     (
         "load-offset",
         "smooth",
@@ -554,8 +568,8 @@ STATED += [
     for effect, form, values, plain in STATED
     if (effect, form) in {("mullins", "smooth"), ("mullins", "smooth-energy"), ("rate", "smooth")}
 ]
-#: Forms that go from reading to reading by steps, on both sides.
-BY_STEPS = ("finite", "finite-2")
+#: Forms that go from reading to reading by steps, on both sides, or find the load of a specimen between such.
+BY_STEPS = ("finite", "finite-2", "yields", "slips", "smooth-force", "smooth-slip")
 ELSEWHERE = {("compressibility", "split"), ("anisotropy", "threads"), ("anisotropy", "bias-threads")}
 #: Smooth laws that are not worked out here; of the energy tests/loop/test_smooth.py has limits.
 NOT_HERE = {

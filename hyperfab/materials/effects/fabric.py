@@ -32,6 +32,8 @@ from hyperfab.materials.term import InvariantTerm, Term
 #: A term: its form and its constants, in the order of the form.
 Terms = Mapping[str, tuple[str, Array]]
 _KEPT = 12
+#: Steps to the largest stretch of a test in which grips find what the specimen bears.
+_STEPS = 150
 #: The effects within the law.
 _IN_LAW: Mapping[str, Mapping[str, Any]] = {
     "anisotropy": anisotropy.FORMS,
@@ -46,6 +48,8 @@ _ON_STRESS = {
     "rate": rate.FORMS,
     "load-offset": load_offset.FORMS,
 }
+#: Effects on the stress that are there from the first pull on, at any pace: what grips that yield feel.
+_HEATED = ("thermal-softening",)
 #: Effects of the machine that reads the stress, whatever that is; the last that acts.
 _OF_THE_MACHINE = ("load-offset",)
 #: Effects whose constants are told at a reference temperature.
@@ -85,7 +89,7 @@ class Fabric:
         """
         path = self.path
         terms = _present(terms)
-        stretch, side, _, place = self._stretches(terms)
+        stretch, side, _, place = self._stretches(terms, warp, weft)
         with np.errstate(all="ignore"):
             stress, energy = self._elastic(warp, weft, terms, (stretch, side), place)
             if terms.get("permanent-set", ("",))[0] in permanent_set.NETWORKS:
@@ -101,13 +105,13 @@ class Fabric:
                     stress = forms[form](state, stress, values)
         return np.asarray(stress)
 
-    def across(self, terms: Terms, warp: Array | None = None) -> Array:
+    def across(self, terms: Terms, warp: Array | None = None, weft: Array | None = None) -> Array:
         """Return the transverse stretch of uniaxial rows; the other rows are without meaning.
 
-        ``warp`` are the law's constants: a sheet of threads asks for them.
+        ``warp`` and ``weft`` are the law's constants: a sheet of threads asks for them, and grips that yield.
         """
         terms = _present(terms)
-        stretch, side, rest, place = self._stretches(terms)
+        stretch, side, rest, place = self._stretches(terms, warp, weft)
 
         def contracted(stretch: Array) -> Array:
             if "compressibility" not in terms:
@@ -125,17 +129,25 @@ class Fabric:
         power = permanent_set.FORMS[kept].contraction(values) if kept in permanent_set.FORMS else 0.0
         return found if power == 0.0 else found * contracted(1.0 + rest) ** power
 
-    def _stretches(self, terms: Terms) -> tuple[Array, Array, Array, tuple[object, ...]]:
+    def _stretches(
+        self, terms: Terms, warp: Array | None, weft: Array | None
+    ) -> tuple[Array, Array, Array, tuple[object, ...]]:
         """Return the specimen's elastic stretch, what it is of it along the second axis of a general biaxial test, its
         set, and what tells these from others; stress and stretch across both ask for them."""
         slack, kept = (terms.get(name, ("", np.empty(0))) for name in ("grip-slack", "permanent-set"))
         if kept[0] not in permanent_set.FORMS:
             kept = "", np.empty(0)
         place: tuple[object, ...] = (*slack[:1], *slack[1], *kept[:1], *kept[1])
+        if slack[0] in grip_slack.OF_LOAD:
+            bearing = (*_IN_LAW, *_HEATED)
+            place += tuple((name, terms[name][0], *terms[name][1]) for name in bearing if name in terms)
+            place += tuple(None if one is None else tuple(one) for one in (warp, weft))
         if self._last[0] != place:
             path = self.path
             stretch, side = path.stretch, path.across
-            if slack[0]:
+            if slack[0] in grip_slack.OF_LOAD:
+                stretch = self._yielded(terms, warp, weft)
+            elif slack[0]:
                 stretch = grip_slack.FORMS[slack[0]](path, stretch, slack[1])
             rest = np.zeros_like(stretch)
             if kept[0]:
@@ -144,6 +156,45 @@ class Fabric:
                     side, _ = self._without_set(path.other_axis, side, *kept)
             self._last = place, stretch, side, rest
         return *self._last[1:], place
+
+    def _yielded(self, terms: Terms, warp: Array | None, weft: Array | None) -> Array:
+        """Return the stretch of specimens whose grips give with the load that the law has them bear."""
+        assert warp is not None
+        form, values = terms["grip-slack"]
+        steps = self._in_steps
+        bears = {name: term for name, term in terms.items() if name in (*_IN_LAW, *_HEATED)}
+        load = np.maximum(np.nan_to_num(steps.stress(warp, weft, bears)), 0.0)
+        gives, stays = grip_slack.OF_LOAD[form](load, values), form in grip_slack.STAYS
+        found = np.empty_like(self.path.stretch)
+        for rows, of in zip(self.path.curves, steps.path.curves, strict=True):
+            found[rows] = grip_slack.yielded(
+                self.path.stretch[rows], steps.path.stretch[of], gives[of], stays
+            )
+        return found
+
+    @cached_property
+    def _in_steps(self) -> Fabric:
+        """What reads each test on a way of even steps out, as far as it went and a little beyond."""
+        path, count = self.path, _STEPS
+        first = np.repeat([rows.start for rows in path.curves], count)
+        reach = np.array([1.1 * max(float(np.max(path.stretch[rows])) - 1.0, 1e-6) for rows in path.curves])
+        # Closer at the start, where the load rises steeply.
+        stretch = 1.0 + np.outer(reach, np.linspace(0.0, 1.0, count) ** 2).ravel()
+        tops = np.array([rows.start + int(np.argmax(path.stretch[rows])) for rows in path.curves])
+        far = np.repeat(tops, count)
+        ratio = (path.across[far] - 1.0) / np.maximum(path.stretch[far] - 1.0, 1e-9)
+        unknown = np.full(len(stretch), np.nan)
+        way = Path(
+            starts=tuple(range(0, len(stretch) + 1, count)),
+            mode=path.mode[first],
+            stretch=stretch,
+            across=1.0 + ratio * (stretch - 1.0),
+            time_s=unknown,
+            temperature_degC=path.temperature_degC[first],
+            angle_deg=path.angle_deg[first],
+            branch=np.ones(len(stretch), dtype=np.int64),
+        )
+        return Fabric(self.law, way, self.reference_degC)
 
     def _without_set(self, path: Path, stretch: Array, form: str, values: Array) -> tuple[Array, Array]:
         takes, lengthens = permanent_set.FORMS[form]

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from hyperfab.materials.effects.path import Path, second_stretch
+from hyperfab.materials.effects.path import Path
 from hyperfab.materials.effects.smooth import through
 from hyperfab.materials.kinematics import Array
 
@@ -32,8 +32,8 @@ def taken_up(stretch: Array, slack: float | Array, toe: float = 0.0) -> Array:
     return np.asarray(1.0 + np.maximum(strain, 0.0))
 
 
-def given(stretch: Array, reach: float, values: Array, load: Array | None = None) -> Array:
-    """Return the specimen's stretch where what the grips give is a smooth function of the strain read, or of ``load``.
+def given(stretch: Array, reach: float, values: Array) -> Array:
+    """Return the specimen's stretch where what the grips give is a smooth function of the strain read.
 
     ``values`` are what they give at even parts of the logarithm of the strain, ``ln(1 + 20 e/reach)`` to the reach:
     most of it is given at the start.
@@ -42,21 +42,34 @@ def given(stretch: Array, reach: float, values: Array, load: Array | None = None
     array([1.  , 1.48])
     """
     strain = stretch - 1.0
-    measure = np.maximum(strain if load is None else load, 0.0)
-    place = np.log1p(_CLOSE * measure / reach) / np.log1p(_CLOSE)
-    less = strain - through(place, values)
+    less = strain - _smoothly(strain, reach, values)
     return np.asarray(1.0 + np.where(strain > 0.0, np.maximum(less, 0.0), strain))
 
 
-def pulls(path: Path, stretch: Array) -> Array:
-    """Return the load of a sheet at a stretch, over a third of its Young's modulus: that of neo-Hooke's in each mode.
+def yielded(stretch: Array, steps: Array, gives: Array, stays: bool = False) -> Array:
+    """Return the stretch (n,) of a specimen in one test whose grips give as it is stretched.
 
-    >>> from hyperfab.materials.effects.path import uniaxial_pull
-    >>> pulls(uniaxial_pull(np.array([1.0, 2.0])), np.array([1.0, 2.0]))
-    array([0.  , 1.75])
+    ``steps`` (m,) are stretches of the specimen, rising from 1, and ``gives`` (m,) what the grips give there: the
+    strain read is both together. What ``stays`` is not taken back on the way back.
+
+    >>> steps = np.array([1.0, 1.1, 1.2])
+    >>> yielded(np.array([1.0, 1.12, 1.01]), steps, 0.2 * (steps - 1.0)).round(9)
+    array([1.        , 1.1       , 1.00833333])
+    >>> yielded(np.array([1.0, 1.12, 1.05]), steps, 0.2 * (steps - 1.0), stays=True).round(9)
+    array([1.  , 1.1 , 1.03])
     """
-    side = second_stretch(path.mode, stretch, stretch**-0.5, path.across)
-    return np.asarray(stretch - 1.0 / (stretch**3 * side**2))
+    reads = np.maximum.accumulate(steps + gives)
+    if stays:
+        most = np.maximum(np.maximum.accumulate(stretch), 1.0)
+        found = np.maximum(stretch - most + np.interp(most, reads, steps), 1.0)
+    else:
+        found = np.interp(stretch, reads, steps)
+    return np.asarray(np.where(stretch > 1.0, found, stretch))
+
+
+def _smoothly(measure: Array, far: float, values: Array) -> Array:
+    place = np.log1p(_CLOSE * np.maximum(measure, 0.0) / far) / np.log1p(_CLOSE)
+    return through(place, values)
 
 
 def of_each(path: Path, values: Array) -> Array:
@@ -81,5 +94,13 @@ FORMS: Mapping[str, Callable[[Path, Array, Array], Array]] = {
     "toe": lambda path, stretch, values: taken_up(stretch, *values),
     "each": lambda path, stretch, values: taken_up(stretch, of_each(path, values)),
     "smooth": lambda path, stretch, values: given(stretch, values[0], values[1:]),
-    "smooth-load": lambda path, stretch, values: given(stretch, values[0], values[1:], pulls(path, stretch)),
 }
+#: What the grips give in the forms that ask for it: of the load [MPa], never below zero, that the specimen bears.
+OF_LOAD: Mapping[str, Callable[[Array, Array], Array]] = {
+    "yields": lambda load, values: values[0] * load,
+    "slips": lambda load, values: values[0] * np.maximum(load - values[1], 0.0),
+    "smooth-force": lambda load, values: _smoothly(load, values[0], values[1:]),
+    "smooth-slip": lambda load, values: _smoothly(load, values[0], values[1:]),
+}
+#: Of these those by which the specimen has slipped: what was given is not taken back.
+STAYS = ("slips", "smooth-slip")

@@ -8,8 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hyperfab.materials.effects.grip_slack import pulls
-from hyperfab.materials.effects.path import Path
+from hyperfab.materials.effects.path import Path, second_stretch
 from hyperfab.materials.effects.recurrence import along, towards
 from hyperfab.materials.effects.smooth import through
 from hyperfab.materials.effects.ways import amount
@@ -55,6 +54,17 @@ def crept(path: Path, values: Array) -> Array:
     keep = np.exp(-pulled / strain)
     keep[first] = 0.0
     return along(keep, (1.0 - np.exp(-pulled / strain)) * share * (path.peak - 1.0))
+
+
+def pulls(path: Path, stretch: Array) -> Array:
+    """Return the load of a sheet at a stretch, over a third of its Young's modulus: that of neo-Hooke's in each mode.
+
+    >>> from hyperfab.materials.effects.path import uniaxial_pull
+    >>> pulls(uniaxial_pull(np.array([1.0, 2.0])), np.array([1.0, 2.0]))
+    array([0.  , 1.75])
+    """
+    side = second_stretch(path.mode, stretch, stretch**-0.5, path.across)
+    return np.asarray(stretch - 1.0 / (stretch**3 * side**2))
 
 
 def crept_smoothly(
