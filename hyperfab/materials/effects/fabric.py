@@ -33,7 +33,7 @@ from hyperfab.materials.term import InvariantTerm, Term
 Terms = Mapping[str, tuple[str, Array]]
 _KEPT = 12
 #: Steps to the largest stretch of a test in which grips find what the specimen bears.
-_STEPS = 150
+_STEPS = 200
 #: The effects within the law.
 _IN_LAW: Mapping[str, Mapping[str, Any]] = {
     "anisotropy": anisotropy.FORMS,
