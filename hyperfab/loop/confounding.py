@@ -17,7 +17,7 @@ from hyperfab.loop.candidate import Candidate
 from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.judge import common_bic
 from hyperfab.loop.noise import Noise
-from hyperfab.loop.problem import Problem
+from hyperfab.loop.problem import Form, Problem
 from hyperfab.loop.score import orthonormal, projected
 from hyperfab.loop.search import Search
 from hyperfab.loop.thresholds import MARGIN, ODDS, SHARE, UNLIKELY
@@ -46,7 +46,7 @@ def rivals(search: Search, best: Candidate, sure: Callable[[], Belief]) -> dict[
         for name, states in _as_likely(search, best, sure()).items():
             found[name] = {**found[name], **states}
     for name, others in found.items():
-        for other in _never_told_from(search.problem, name, best.ids):
+        for other in _never_told_from(search.problem, name, best.fit.forms):
             if other in tried[name]:
                 others.setdefault(other, tried[name][other])
     return found
@@ -150,18 +150,23 @@ def _alike(search: Search, best: Candidate, without: Candidate) -> dict[str, flo
     return found
 
 
-def indistinguishable(problem: Problem, others: Mapping[str, Iterable[str]]) -> list[list[str]]:
-    """Return, for each found effect, the set of it, its rivals, and what tests of this plan never tell from it."""
+def indistinguishable(
+    problem: Problem, others: Mapping[str, Iterable[str]], forms: Mapping[str, Form]
+) -> list[list[str]]:
+    """Return, for each found effect, the set of it, its rivals, and what tests of this plan never tell from it.
+
+    ``forms`` are those found, of each effect.
+    """
     sets = [
-        [name, *dict.fromkeys([*rivals_of, *_never_told_from(problem, name, others)])]
+        [name, *dict.fromkeys([*rivals_of, *_never_told_from(problem, name, forms)])]
         for name, rivals_of in others.items()
     ]
     return [one for one in sets if len(one) > 1]
 
 
-def _never_told_from(problem: Problem, name: str, found: Iterable[str]) -> list[str]:
+def _never_told_from(problem: Problem, name: str, found: Mapping[str, Form]) -> list[str]:
     """Return what no tests of this plan tell from an effect, less what is found beside it."""
-    alike = {one for group in problem.look_alikes if name in group for one in group}
+    alike = {one for group in problem.look_alikes(found) if name in group for one in group}
     return [one for one in sorted(alike.difference(found)) if not problem.effect(one).not_sought]
 
 

@@ -133,7 +133,7 @@ def close(
     found = replace(found, doubted=doubted, worse=worse)
     tick("rivals")
     others = rivals(search, best, sure_of)
-    sets = indistinguishable(problem, others)
+    sets = indistinguishable(problem, others, best.fit.forms)
     verdict = "ambiguous" if sets and found.verdict == "effect" else found.verdict
     measurements: list[NextMeasurement] = []
     alike = {id(state): state.fit for instead in others.values() for state in instead.values()}

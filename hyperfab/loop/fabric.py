@@ -14,10 +14,11 @@ from hyperfab.arrays import Array
 from hyperfab.curve import TestCurve
 from hyperfab.loop.catalogue.fabric import DataContext, entries
 from hyperfab.loop.fabric_tests import curves_of, hanging, path_of, smooth_of, states_of
-from hyperfab.loop.problem import HAS_IT, Constant, Extra, Problem
+from hyperfab.loop.problem import HAS_IT, Constant, Extra, Form, Problem
 from hyperfab.loop.thresholds import MACHINE
 from hyperfab.materials.effects import anisotropy
 from hyperfab.materials.effects.fabric import Fabric
+from hyperfab.materials.effects.grip_slack import STAYS
 from hyperfab.materials.effects.path import BIAXIAL, GENERAL, MODE_NAMES, Path, uniaxial_pull
 from hyperfab.materials.identification.design import Problem as LawProblem
 from hyperfab.materials.identification.fit import fit_law
@@ -69,13 +70,14 @@ class FabricProblem(Problem):
             return stress
         return np.concatenate([stress, self.fabric.across(given, warp, weft)[self.transverse_rows]])
 
-    @property
-    def look_alikes(self) -> Sequence[frozenset[str]]:
-        """Effects that only second pulls, or several rates and holds, tell apart: all of them make one loop."""
+    def look_alikes(self, forms: Mapping[str, Form]) -> Sequence[frozenset[str]]:
+        """Return effects that only second pulls, or several rates and holds, tell apart: all of them make one loop."""
         context = DataContext(self.law, (), self.fabric.path, self.measured)
         if not context.unloads or context.pulls_again:
             return ()
         same = {"hysteresis", "mullins", "permanent-set"}
+        if "grip-slack" in forms and forms["grip-slack"].name in STAYS:
+            same.add("grip-slack")
         return (frozenset(same if context.several_rates else {*same, "rate"}),)
 
     def forbidden(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Mapping[str, float]:

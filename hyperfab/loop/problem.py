@@ -216,9 +216,11 @@ class Problem(ABC):
         """Whether the entries are laws that only describe, so that they are made smooth where none is quite right."""
         return any(form.free for effect in self.effects for form in effect.forms)
 
-    @property
-    def look_alikes(self) -> Sequence[frozenset[str]]:
-        """Sets of effects that measurements of this plan cannot tell apart, whatever fits them best."""
+    def look_alikes(self, forms: Mapping[str, Form]) -> Sequence[frozenset[str]]:
+        """Return sets of effects that measurements of this plan cannot tell apart, whatever fits them best.
+
+        ``forms`` are those that were found.
+        """
         return ()
 
     def forbidden(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Mapping[str, float]:

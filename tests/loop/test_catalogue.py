@@ -176,21 +176,26 @@ def test_effects_that_make_one_loop_are_told_apart_by_second_pulls_and_by_rates(
     up = np.linspace(1.0, 1.4, 20)
     loop = np.concatenate([up, up[-2::-1]])
 
-    def alike(*tests: tuple[np.ndarray, float]) -> list[set[str]]:
-        """Of curves at rates [1/s]."""
+    def alike(*tests: tuple[np.ndarray, float], slack: str = "") -> list[set[str]]:
+        """Of curves at rates [1/s], where the grips were found to give so."""
         done = []
         for number, (lam, rate) in enumerate(tests):
             time = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(lam)))]) / rate
             done.append(
                 TestCurve("uniaxial", lam, lam - 1.0, time_s=time, source=f"{number}", specimen=f"{number}")
             )
-        return [set(one) for one in fabric_problem(laws()["neo-hookean"], (0.2,), done).look_alikes]
+        problem = fabric_problem(laws()["neo-hookean"], (0.2,), done)
+        named = {form.name: form for form in problem.effect("grip-slack").forms}
+        return [set(one) for one in problem.look_alikes({"grip-slack": named[slack]} if slack else {})]
 
     one_loop = {"hysteresis", "mullins", "permanent-set"}
     assert alike((up, 0.01)) == []
     assert alike((loop, 0.01)) == [{*one_loop, "rate"}]
     assert alike((loop, 0.01), (loop, 0.1)) == [one_loop]
     assert alike((np.concatenate([loop, loop[1:]]), 0.01)) == []
+    # What has slipped out of the grips does not come back; what was slack at the start makes no loop.
+    assert alike((loop, 0.01), (loop, 0.1), slack="slips") == [{*one_loop, "grip-slack"}]
+    assert alike((loop, 0.01), (loop, 0.1), slack="play") == [one_loop]
 
 
 def test_a_membrane_is_asked_for_no_shear_beside_its_laws():

@@ -533,8 +533,13 @@ STATED += [
         (0.8, *GIVES),
         lambda row: P(1.0 + max(row.e - spline(GIVES, math.log1p(25.0 * row.e) / math.log(21.0)), 0.0)),
     ),
-    ("grip-slack", "yields", (0.05,), lambda row: P(gripped(row.l, lambda load: 0.05 * load))),
-    ("grip-slack", "slips", (0.1, 0.3), lambda row: P(slipped(row, lambda load: 0.1 * max(load - 0.3, 0.0)))),
+    ("grip-slack", "yields", (0.5, 0.025), lambda row: P(gripped(row.l, lambda load: 0.05 * load))),
+    (
+        "grip-slack",
+        "slips",
+        (0.5, 0.05, 0.3),
+        lambda row: P(slipped(row, lambda load: 0.1 * max(load - 0.3, 0.0))),
+    ),
     ("grip-slack", "smooth-force", (0.5, *GIVES), lambda row: P(gripped(row.l, given_freely))),
     ("grip-slack", "smooth-slip", (0.5, *GIVES), lambda row: P(slipped(row, given_freely))),
     (

@@ -97,8 +97,8 @@ FORMS: Mapping[str, Callable[[Path, Array, Array], Array]] = {
 }
 #: What the grips give in the forms that ask for it: of the load [MPa], never below zero, that the specimen bears.
 OF_LOAD: Mapping[str, Callable[[Array, Array], Array]] = {
-    "yields": lambda load, values: values[0] * load,
-    "slips": lambda load, values: values[0] * np.maximum(load - values[1], 0.0),
+    "yields": lambda load, values: values[1] / values[0] * load,
+    "slips": lambda load, values: values[1] / values[0] * np.maximum(load - values[2], 0.0),
     "smooth-force": lambda load, values: _smoothly(load, values[0], values[1:]),
     "smooth-slip": lambda load, values: _smoothly(load, values[0], values[1:]),
 }

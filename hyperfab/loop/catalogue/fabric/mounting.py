@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from hyperfab.loop.catalogue.fabric.context import DataContext
 from hyperfab.loop.problem import Constant, Effect, Form, fixed, freely, tried_if
 
@@ -25,21 +27,22 @@ def grip_slack(context: DataContext) -> Effect:
     toe = Constant("toe", 0.0, 0.0, high, step)
     forms.append(Form("toe", (slack, toe), ((0.03 * reach, 0.03 * reach),), refines="play"))
     peak = context.peak_stress
-    most, step_by_load = 0.6 * reach / peak, 0.02 * reach / peak
-    yields = Constant("yields_1_MPa", 0.0, 0.0, most, step_by_load)
-    forms.append(Form("yields", (yields,), ((0.05 * reach / peak,),), ((0.005 * reach / peak,),)))
-    slips = Constant("slips_1_MPa", 0.0, 0.0, 5.0 * most, step_by_load)
+    told_to = fixed("peak_MPa", peak)
+    give = Constant("give", 0.0, 0.0, high, step)
+    little = 0.005 * reach
+    forms.append(Form("yields", (told_to, give), ((peak, 0.05 * reach),), ((peak, little),)))
     holds = Constant("holds_MPa", 0.2 * peak, 0.0, 0.95 * peak, 0.05 * peak)
-    begin = tuple((0.05 * reach / peak, share * peak) for share in (0.1, 0.5))
-    forms += tried_if(
-        context.unloads, Form("slips", (slips, holds), begin, ((0.005 * reach / peak, 0.2 * peak),))
+    begin = tuple((peak, 0.05 * reach, share * peak) for share in (0.1, 0.5))
+    slips = Form(
+        "slips", (told_to, replace(give, high=5.0 * high), holds), begin, ((peak, little, 0.2 * peak),)
     )
+    forms += tried_if(context.unloads, slips)
     gives = [Constant(f"give_{k}", 0.0, low, high, step) for k in range(1, 7)]
     free = [
         freely(forms, name, (fixed(along, far), *gives), (far, *6 * (0.03 * reach,)))
         for name, along, far in (("smooth", "reach", reach), ("smooth-force", "peak_MPa", peak))
     ]
-    slipped = freely(forms, "smooth-slip", (fixed("peak_MPa", peak), *gives), (peak, *6 * (0.03 * reach,)))
+    slipped = freely(forms, "smooth-slip", (told_to, *gives), (peak, *6 * (0.03 * reach,)))
     free += tried_if(context.unloads, slipped)
     return Effect(
         id="grip-slack",
