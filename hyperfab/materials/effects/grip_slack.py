@@ -1,4 +1,4 @@
-"""Slack in the grips: part of the measured extension only takes up play before the specimen feels it."""
+"""What grips take of the extension that is measured: play, and what gives or slips under the load."""
 
 from __future__ import annotations
 

@@ -14,7 +14,10 @@ def entries(context: DataContext) -> tuple[Effect, ...]:
 
 
 def grip_slack(context: DataContext) -> Effect:
-    """Play in the grips, or a specimen mounted taut: strain that only takes up play, with or without a rounded end."""
+    """What the grips take of the extension: play, with or without a rounded end, or what gives with the load.
+
+    A specimen may have been mounted taut, and cloth may slip out of the grips for good.
+    """
     reach = context.reach
     low, high, step = -0.1 * reach, 0.6 * reach, 0.02 * reach
     slack = Constant("slack", 0.0, low, high, step)
@@ -38,18 +41,16 @@ def grip_slack(context: DataContext) -> Effect:
     )
     forms += tried_if(context.unloads, slips)
     gives = [Constant(f"give_{k}", 0.0, low, high, step) for k in range(1, 7)]
-    free = [
-        freely(forms, name, (fixed(along, far), *gives), (far, *6 * (0.03 * reach,)))
-        for name, along, far in (("smooth", "reach", reach), ("smooth-force", "peak_MPa", peak))
-    ]
-    slipped = freely(forms, "smooth-slip", (told_to, *gives), (peak, *6 * (0.03 * reach,)))
-    free += tried_if(context.unloads, slipped)
+    alongs = (("smooth", fixed("reach", reach)), ("smooth-force", told_to), ("smooth-slip", told_to))
+    smooth, by_force, by_slip = (
+        freely(forms, name, (along, *gives), (along.value, *6 * (0.03 * reach,))) for name, along in alongs
+    )
     return Effect(
         id="grip-slack",
-        title="the first extension takes up slack",
+        title="the grips take up part of the extension",
         shown_by="the stretch from marks on the specimen beside that of the grips, close readings at the start",
         source="ASTM D638, annex A1 (toe compensation)",
-        forms=(*forms, *free),
+        forms=(*forms, smooth, by_force, *tried_if(context.unloads, by_slip)),
         smooth=True,
     )
 
