@@ -11,6 +11,7 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.numerics.kernels import kernel, part
+from hyperfab.numerics.roots import zero_between
 
 from .law import SpringLaw, evaluate, piecewise_linear
 from .net import Arrays
@@ -68,14 +69,12 @@ def shear_of_bias(bias: SpringLaw, warp: SpringLaw, weft: SpringLaw, largest: fl
 
 def _stretch_at(law: SpringLaw, stress: float) -> float:
     """Stretch at which a law carries a stress."""
-    from scipy.optimize import brentq
-
     high = 2.0
     while float(law(high)[1][0]) < stress and high < 1e3:
         high *= 2.0
     if stress <= 0.0 or float(law(high)[1][0]) <= stress:
         return 1.0 if stress <= 0.0 else high
-    return float(brentq(lambda one: float(law(one)[1][0]) - stress, 1.0, high, xtol=1e-15))
+    return zero_between(lambda one: float(law(one)[1][0]) - stress, 1.0, high, 1e-15)
 
 
 @part

@@ -27,17 +27,17 @@ def begin(job: bytes = b"") -> None:
 def end() -> None:
     """End a process that was begun and not taken."""
     while _begun:
-        with _begun.pop()[0] as process:
-            process.kill()
+        _ended(_begun.pop()[0])
 
 
 def taken(job: bytes) -> subprocess.Popen[bytes]:
     """Return a process that works on ``job``: the one that was begun, or a new one."""
-    if _begun and _begun[0][1] == job != b"":
-        return _begun.pop()[0]
-    if _begun and (_begun[0][1] or _begun[0][0].poll() is not None):
-        end()
-    process = _begun.pop()[0] if _begun else _started()
+    process, work = _begun.pop() if _begun else (_started(), b"")
+    if work and work == job:
+        return process
+    if work or process.poll() is not None:
+        _ended(process)
+        process = _started()
     if job:
         # A thread feeds the job: communicate() forgets the rest of its input when asked again after a timeout.
         threading.Thread(target=_feed, args=(process.stdin, job), daemon=True).start()
@@ -49,6 +49,11 @@ def _feed(stream: IO[bytes], job: bytes) -> None:
     """Write the job and close the pipe; a worker that ended early has closed its side."""
     with contextlib.suppress(BrokenPipeError), stream:
         stream.write(job)
+
+
+def _ended(process: subprocess.Popen[bytes]) -> None:
+    with process:
+        process.kill()
 
 
 def _started() -> subprocess.Popen[bytes]:

@@ -48,8 +48,8 @@ _ON_STRESS = {
     "rate": rate.FORMS,
     "load-offset": load_offset.FORMS,
 }
-#: Effects on the stress that are there from the first pull on, at any pace: what grips that yield feel.
-_HEATED = ("thermal-softening",)
+#: Effects on the load that are there from the first pull on, at any pace: what grips that yield feel.
+_BORNE = (*_IN_LAW, "thermal-softening")
 #: Effects of the machine that reads the stress, whatever that is; the last that acts.
 _OF_THE_MACHINE = ("load-offset",)
 #: Effects whose constants are told at a reference temperature.
@@ -139,8 +139,7 @@ class Fabric:
             kept = "", np.empty(0)
         place: tuple[object, ...] = (*slack[:1], *slack[1], *kept[:1], *kept[1])
         if slack[0] in grip_slack.OF_LOAD:
-            bearing = (*_IN_LAW, *_HEATED)
-            place += tuple((name, terms[name][0], *terms[name][1]) for name in bearing if name in terms)
+            place += tuple((name, terms[name][0], *terms[name][1]) for name in _BORNE if name in terms)
             place += tuple(None if one is None else tuple(one) for one in (warp, weft))
         if self._last[0] != place:
             path = self.path
@@ -162,7 +161,7 @@ class Fabric:
         assert warp is not None
         form, values = terms["grip-slack"]
         steps = self._in_steps
-        bears = {name: term for name, term in terms.items() if name in (*_IN_LAW, *_HEATED)}
+        bears = {name: term for name, term in terms.items() if name in _BORNE}
         load = np.maximum(np.nan_to_num(steps.stress(warp, weft, bears)), 0.0)
         gives, stays = grip_slack.OF_LOAD[form](load, values), form in grip_slack.STAYS
         found = np.empty_like(self.path.stretch)
@@ -177,10 +176,10 @@ class Fabric:
         """What reads each test on a way of even steps out, as far as it went and a little beyond."""
         path, count = self.path, _STEPS
         first = np.repeat([rows.start for rows in path.curves], count)
-        reach = np.array([1.1 * max(float(np.max(path.stretch[rows])) - 1.0, 1e-6) for rows in path.curves])
+        tops = np.array([rows.start + int(np.argmax(path.stretch[rows])) for rows in path.curves])
+        reach = 1.1 * np.maximum(path.stretch[tops] - 1.0, 1e-6)
         # Closer at the start, where the load rises steeply.
         stretch = 1.0 + np.outer(reach, np.linspace(0.0, 1.0, count) ** 2).ravel()
-        tops = np.array([rows.start + int(np.argmax(path.stretch[rows])) for rows in path.curves])
         far = np.repeat(tops, count)
         ratio = (path.across[far] - 1.0) / np.maximum(path.stretch[far] - 1.0, 1e-9)
         unknown = np.full(len(stretch), np.nan)
