@@ -10,6 +10,7 @@ from hyperfab.arrays import Array
 from hyperfab.numerics.kernels import kernel
 from hyperfab.numerics.threads import in_rows
 
+from .galerkin import Singles
 from .multigrid import Multigrid, ahead, behind, project
 
 
@@ -62,7 +63,7 @@ def apply(k: Tangent, u: Array, out: Array) -> float:
 
 
 @kernel
-def _products(a: Array, b: Array, rows: Array, first: int, last: int) -> None:
+def _products(a: Array, b: Array | Singles, rows: Array, first: int, last: int) -> None:
     """Sums of products of rows ``first:last``."""
     for i in range(first, last):
         row = 0.0
@@ -71,7 +72,7 @@ def _products(a: Array, b: Array, rows: Array, first: int, last: int) -> None:
         rows[i] = row
 
 
-def dot(a: Array, b: Array) -> float:
+def dot(a: Array, b: Array | Singles) -> float:
     """Sum of products, row by row."""
     rows = np.empty(len(a))
     in_rows(lambda first, last: _products(a, b, rows, first, last), *a.shape[:2])
@@ -79,17 +80,20 @@ def dot(a: Array, b: Array) -> float:
 
 
 @kernel
-def _advance(alpha: float, p: Array, ap: Array, d: Array, r: Array, first: int, last: int) -> None:
-    """d += alpha p and r -= alpha ap, of rows ``first:last``."""
+def _advance(
+    alpha: float, p: Array, ap: Array, d: Array, r: Array, single: Singles, first: int, last: int
+) -> None:
+    """d += alpha p and r -= alpha ap, of rows ``first:last``; ``single`` is r in single precision."""
     for i in range(first, last):
         for j in range(p.shape[1]):
             for k in range(3):
                 d[i, j, k] += alpha * p[i, j, k]
                 r[i, j, k] -= alpha * ap[i, j, k]
+                single[i, j, k] = r[i, j, k]
 
 
 @kernel
-def _turn(z: Array, beta: float, p: Array, first: int, last: int) -> None:
+def _turn(z: Singles, beta: float, p: Array, first: int, last: int) -> None:
     """p = z + beta p, of rows ``first:last``."""
     for i in range(first, last):
         for j in range(p.shape[1]):
@@ -102,7 +106,8 @@ class Solver:
 
     def __init__(self, n: int, m: int, directions: int) -> None:
         self.grids = Multigrid(n, m, directions)
-        self.work = np.zeros((4, n, m, 3))
+        self.work = np.zeros((3, n, m, 3))
+        self.singles = np.zeros((2, n, m, 3), np.float32)
         self.iterations = 0
 
     def __call__(self, k: Tangent, right: Array, d: Array, tolerance: float, largest: int = 80) -> bool:
@@ -118,14 +123,15 @@ class Solver:
         return found
 
     def _solve(self, k: Tangent, right: Array, d: Array, tolerance: float, largest: int) -> bool:
-        r, z, p, ap = self.work
+        (r, p, ap), (single, z) = self.work, self.singles
         size = d.shape[:2]
 
         def begin(first: int, last: int) -> None:
             r[first:last], p[first:last], d[first:last] = right[first:last], 0.0, 0.0
+            single[first:last] = right[first:last]
 
         in_rows(begin, *size)
-        self.grids(r, z)
+        self.grids(single, z)
         in_rows(lambda first, last: _turn(z, 0.0, p, first, last), *size)
         rz = first = dot(r, z)
         for step in range(largest):
@@ -138,8 +144,8 @@ class Solver:
                     d[:] = z
                 return False
             alpha = rz / curvature
-            in_rows(lambda first, last: _advance(alpha, p, ap, d, r, first, last), *size)  # noqa: B023
-            self.grids(r, z)
+            in_rows(lambda first, last: _advance(alpha, p, ap, d, r, single, first, last), *size)  # noqa: B023
+            self.grids(single, z)
             new = dot(r, z)
             beta = new / rz
             in_rows(lambda first, last: _turn(z, beta, p, first, last), *size)  # noqa: B023

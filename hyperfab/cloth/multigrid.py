@@ -2,8 +2,8 @@
 
 The unknown of a node is its displacement in the node's allowed subspace, given by a projector Q (free: identity; on
 the mold: tangent plane; on a sharp edge: a line; held: zero). All operators are kept sandwiched between projectors,
-so that contact needs neither rotation nor renumbering. Blocks are stored in single precision: they only serve as a
-preconditioner.
+so that contact needs neither rotation nor renumbering; what a sweep finds lies in the subspaces, whatever it begins with.
+All is in single precision: it only serves as a preconditioner.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ class Level:
     diag: Singles  # (n, m, 6)
     off: Singles  # (n, m, 2 or 4, 9)
     inverse: Singles  # (n, m, 6)
-    parents: tuple[Ints, Array, Ints, Array]  # per fine row: coarse rows and weights, then columns
-    vectors: Array  # (3, n, m, 3) right side and solution, but of the finest grid, and residual
+    parents: tuple[Ints, Singles, Ints, Singles]  # per fine row: coarse rows and weights, then columns
+    vectors: Singles  # (3, n, m, 3) right side and solution, but of the finest grid, and residual
     halved: tuple[Singles, Singles]  # blocks with every second row left out, (m, n/2, 6) and (m, n/2, 4, 9)
 
 
@@ -45,10 +45,10 @@ def coarse_size(n: int) -> int:
     return n if n <= SMALLEST else n // 2 + 1
 
 
-def parents_of(n: int) -> tuple[Ints, Array]:
+def parents_of(n: int) -> tuple[Ints, Singles]:
     """Coarse neighbours (n, 2) of each fine node of a line, and their weights."""
     nc = coarse_size(n)
-    index, weight = np.zeros((n, 2), np.int64), np.zeros((n, 2))
+    index, weight = np.zeros((n, 2), np.int64), np.zeros((n, 2), np.float32)
     fine = np.arange(n)
     if nc == n:
         index[:, 0], index[:, 1], weight[:, 0] = fine, fine, 1.0
@@ -67,21 +67,21 @@ def injected(n: int) -> Ints:
 
 
 @inlined
-def _add(a: Singles, u: Array, s: Array) -> None:
+def _add(a: Array | Singles, u: Array | Singles, s: Array | Singles) -> None:
     s[0] -= a[0] * u[0] + a[1] * u[1] + a[2] * u[2]
     s[1] -= a[3] * u[0] + a[4] * u[1] + a[5] * u[2]
     s[2] -= a[6] * u[0] + a[7] * u[1] + a[8] * u[2]
 
 
 @inlined
-def _add_t(a: Singles, u: Array, s: Array) -> None:
+def _add_t(a: Array | Singles, u: Array | Singles, s: Array | Singles) -> None:
     s[0] -= a[0] * u[0] + a[3] * u[1] + a[6] * u[2]
     s[1] -= a[1] * u[0] + a[4] * u[1] + a[7] * u[2]
     s[2] -= a[2] * u[0] + a[5] * u[1] + a[8] * u[2]
 
 
 @inlined
-def ahead(off: Singles, u: Array, i: int, j: int, s: Array) -> None:
+def ahead(off: Array | Singles, u: Array | Singles, i: int, j: int, s: Array | Singles) -> None:
     """s -= sum over the neighbours of (i, j) that come after it of their block times u."""
     n, m = u.shape[0], u.shape[1]
     if i + 1 < n:
@@ -96,7 +96,7 @@ def ahead(off: Singles, u: Array, i: int, j: int, s: Array) -> None:
 
 
 @inlined
-def behind(off: Singles, u: Array, i: int, j: int, s: Array) -> None:
+def behind(off: Array | Singles, u: Array | Singles, i: int, j: int, s: Array | Singles) -> None:
     """s -= sum over the neighbours of (i, j) that come before it of their block times u."""
     m = u.shape[1]
     if i > 0:
@@ -111,16 +111,16 @@ def behind(off: Singles, u: Array, i: int, j: int, s: Array) -> None:
 
 
 @inlined
-def _solve(d: Singles, s: Array, u: Array) -> None:
+def _solve(d: Singles, s: Singles, u: Singles) -> None:
     u[0] = d[0] * s[0] + d[1] * s[1] + d[2] * s[2]
     u[1] = d[1] * s[0] + d[3] * s[1] + d[4] * s[2]
     u[2] = d[2] * s[0] + d[4] * s[1] + d[5] * s[2]
 
 
 @kernel
-def sweep_from_zero(inverse: Singles, off: Singles, b: Array, u: Array, done: Ints) -> None:
+def sweep_from_zero(inverse: Singles, off: Singles, b: Singles, u: Singles, done: Ints) -> None:
     """One Gauss-Seidel sweep over the nodes in order from u = 0, whatever u holds; for ``in_bands``."""
-    s, n, m = np.empty(3), u.shape[0], u.shape[1]
+    s, n, m = np.empty(3, np.float32), u.shape[0], u.shape[1]
     first = next_band(done)
     while first < n:
         for start in range(0, m + BAND, PIECE):
@@ -135,9 +135,9 @@ def sweep_from_zero(inverse: Singles, off: Singles, b: Array, u: Array, done: In
 
 
 @kernel
-def sweep_back(inverse: Singles, off: Singles, b: Array, u: Array, done: Ints) -> None:
+def sweep_back(inverse: Singles, off: Singles, b: Singles, u: Singles, done: Ints) -> None:
     """One Gauss-Seidel sweep over the nodes in reverse; for ``in_bands``, rows and columns counted from the last."""
-    s, n, m = np.empty(3), u.shape[0], u.shape[1]
+    s, n, m = np.empty(3, np.float32), u.shape[0], u.shape[1]
     first = next_band(done)
     while first < n:
         for start in range(0, m + BAND, PIECE):
@@ -154,12 +154,12 @@ def sweep_back(inverse: Singles, off: Singles, b: Array, u: Array, done: Ints) -
 
 
 @kernel
-def left(off: Singles, u: Array, r: Array, first: int, last: int) -> None:
+def left(off: Singles, u: Singles, r: Singles, first: int, last: int) -> None:
     """r = b - A u after a forward sweep from zero: each node's own equation held until the nodes after it moved.
 
     Of rows ``first:last``.
     """
-    s = np.empty(3)
+    s = np.empty(3, np.float32)
     for i in range(first, last):
         for j in range(u.shape[1]):
             s[0], s[1], s[2] = 0.0, 0.0, 0.0
@@ -179,7 +179,9 @@ def project(q: Array, v: Array, first: int, last: int) -> None:
 
 
 @kernel
-def restrict(r: Array, pi: Ints, wi: Array, pj: Ints, wj: Array, out: Array, first: int, last: int) -> None:
+def restrict(
+    r: Singles, pi: Ints, wi: Singles, pj: Ints, wj: Singles, out: Singles, first: int, last: int
+) -> None:
     """out = P^T r, of the coarser rows ``first:last``."""
     out[first:last] = 0.0
     for i in range(r.shape[0]):
@@ -196,10 +198,10 @@ def restrict(r: Array, pi: Ints, wi: Array, pj: Ints, wj: Array, out: Array, fir
 
 @kernel
 def prolong(
-    e: Array, pi: Ints, wi: Array, pj: Ints, wj: Array, q: Array, u: Array, first: int, last: int
+    e: Singles, pi: Ints, wi: Singles, pj: Ints, wj: Singles, u: Singles, first: int, last: int
 ) -> None:
-    """u += Q P e, of rows ``first:last``."""
-    s = np.empty(3)
+    """u += P e, of rows ``first:last``."""
+    s = np.empty(3, np.float32)
     for i in range(first, last):
         for j in range(u.shape[1]):
             s[0], s[1], s[2] = 0.0, 0.0, 0.0
@@ -210,10 +212,8 @@ def prolong(
                     s[0] += w * v[0]
                     s[1] += w * v[1]
                     s[2] += w * v[2]
-            p6 = q[i, j]
-            u[i, j, 0] += p6[0] * s[0] + p6[1] * s[1] + p6[2] * s[2]
-            u[i, j, 1] += p6[1] * s[0] + p6[3] * s[1] + p6[4] * s[2]
-            u[i, j, 2] += p6[2] * s[0] + p6[4] * s[1] + p6[5] * s[2]
+            for k in range(3):
+                u[i, j, k] += s[k]
 
 
 class Multigrid:
@@ -235,7 +235,7 @@ class Multigrid:
                     np.zeros((n, m, directions, 9), np.float32),
                     np.zeros((n, m, 6), np.float32),
                     (ni, wi, nj, wj),
-                    np.zeros((3, n, m, 3)),
+                    np.zeros((3, n, m, 3), np.float32),
                     (np.zeros((m, half, 6), np.float32), np.zeros((m, half, 4, 9), np.float32)),
                 )
             )
@@ -258,28 +258,22 @@ class Multigrid:
             _smoothed(coarse, coarse.diag, coarse.off)
         self.direct = _dense_inverse(self.levels[-1])
 
-    def __call__(self, r: Array, out: Array) -> None:
+    def __call__(self, r: Singles, out: Singles) -> None:
         """out = approximate inverse of the operator applied to r: one symmetric V-cycle."""
         self._cycle(0, r, out)
 
-    def _cycle(self, k: int, b: Array, u: Array) -> None:
+    def _cycle(self, k: int, b: Singles, u: Singles) -> None:
         level = self.levels[k]
         r = level.vectors[2]
         if k == len(self.levels) - 1:
             u[:] = (self.direct @ b.ravel()).reshape(u.shape)
             return
         in_bands(lambda done: sweep_from_zero(level.inverse, level.off, b, u, done), *u.shape[:2])
-        below = self.levels[k + 1]
-        right, found = below.vectors[:2]
         in_rows(lambda first, last: left(level.off, u, r, first, last), *u.shape[:2])
-
-        def lower(first: int, last: int) -> None:
-            restrict(r, *level.parents, right, first, last)
-            project(below.q, right, first, last)
-
-        in_rows(lower, len(right), u.shape[1])
+        right, found = self.levels[k + 1].vectors[:2]
+        in_rows(lambda first, last: restrict(r, *level.parents, right, first, last), len(right), u.shape[1])
         self._cycle(k + 1, right, found)
-        in_rows(lambda first, last: prolong(found, *level.parents, level.q, u, first, last), *u.shape[:2])
+        in_rows(lambda first, last: prolong(found, *level.parents, u, first, last), *u.shape[:2])
         in_bands(lambda done: sweep_back(level.inverse, level.off, b, u, done), *u.shape[:2])
 
 

@@ -66,7 +66,7 @@ def test_a_coarser_operator_is_the_finer_one_between_interpolations(n, m, sheare
 def test_sweeps_solve_with_either_triangle_whoever_sweeps(sheared, number):
     n, m = 19, 36  # several bands of rows, and pieces of columns
     level = random_grids(n, m, sheared).levels[0]
-    b = np.random.default_rng(2).normal(size=(n, m, 3))
+    b = np.random.default_rng(2).normal(size=(n, m, 3)).astype(np.float32)
     u, r = np.full_like(b, np.nan), np.empty_like(b)
     whole = dense(level)
     own = np.kron(np.eye(n * m), np.ones((3, 3))) * whole
