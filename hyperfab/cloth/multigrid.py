@@ -2,8 +2,8 @@
 
 The unknown of a node is its displacement in the node's allowed subspace, given by a projector Q (free: identity; on
 the mold: tangent plane; on a sharp edge: a line; held: zero). All operators are kept sandwiched between projectors,
-so that contact needs neither rotation nor renumbering; what a sweep finds lies in the subspaces, whatever it begins with.
-All is in single precision: it only serves as a preconditioner.
+so that contact needs neither rotation nor renumbering; what a sweep finds lies in the subspaces, whatever it begins
+with. All is in single precision: it only serves as a preconditioner.
 """
 
 from __future__ import annotations

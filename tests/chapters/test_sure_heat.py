@@ -50,8 +50,15 @@ def heated(mold: str, *words: str, target: str = "-") -> Made:
     return rerun(read(case_class("mold-heat"), ["mold.toml", *words]), target, {"mold.toml": mold.encode()})
 
 
-@pytest.mark.parametrize("h", ['"9 W/m^2/K +- 20 %"', FILM])
-@pytest.mark.parametrize("end", ['target = "200 degC"', 'until = "15 s"'])
+@pytest.mark.parametrize(
+    ("end", "h"),
+    [
+        ('target = "200 degC"', FILM),
+        ('until = "15 s"', '"9 W/m^2/K +- 20 %"'),
+        pytest.param('target = "200 degC"', '"9 W/m^2/K +- 20 %"', marks=pytest.mark.slow),
+        pytest.param('until = "15 s"', FILM, marks=pytest.mark.slow),
+    ],
+)
 def test_on_the_states_of_a_run_as_in_runs_of_their_own(
     h: str, end: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from loop.blind import as_tests, carried_out, case, problem_of
@@ -28,7 +30,15 @@ def test_noise_is_called_noise(seed: int) -> None:
     assert not found.after.ids
 
 
-@pytest.mark.parametrize("effect", truths.IDS)
+#: By default each effect is sought once: these by forms of other make, the others by those of the catalogue.
+OTHER_MAKE = ("grip-slack", "hysteresis", "mullins", "permanent-set", "rate")
+
+
+def slow_where(slow: bool, effect: str) -> Any:
+    return pytest.param(effect, marks=[pytest.mark.slow] if slow else [])
+
+
+@pytest.mark.parametrize("effect", [slow_where(one in OTHER_MAKE, one) for one in truths.IDS])
 @pytest.mark.parametrize("seed", [0, pytest.param(2, marks=pytest.mark.slow)])
 def test_effect_is_named_or_among_its_look_alikes(effect: str, seed: int) -> None:
     problem, _, _, _ = case(seed, (effect,), poor=False)
@@ -60,7 +70,9 @@ def test_poor_protocol_is_ambiguous_and_the_measurement_asked_for_settles_it(eff
     assert close(carried_out(problem, again, truth, noise, 0), design=False).verdict != "effect"
 
 
-@pytest.mark.parametrize("outside", ["ripple", "one-gain", "stick-slip"])
+@pytest.mark.parametrize(
+    "outside", ["ripple", "one-gain", pytest.param("stick-slip", marks=pytest.mark.slow)]
+)
 def test_what_no_entry_explains_stays_unexplained(outside: str) -> None:
     problem, _, _, _ = case(0, (outside,), poor=False)
     found = close(problem, design=False)
@@ -93,7 +105,9 @@ def test_leaving_a_curve_out_is_exact_for_a_linear_model() -> None:
     assert held.residual[curve.rows] == pytest.approx(expected, rel=1e-4, abs=1e-5)
 
 
-@pytest.mark.parametrize("effect", [one for one in truths.IDS if one != "load-offset"])
+@pytest.mark.parametrize(
+    "effect", [slow_where(one not in OTHER_MAKE, one) for one in truths.IDS if one != "load-offset"]
+)
 def test_laws_of_other_make_are_called_by_their_name(effect: str) -> None:
     """Of each effect the first kind that is no form of the catalogue (tests/loop/test_generators.py counts those)."""
     kind = {"permanent-set": 1, "compressibility": 1, "rate": 1, "thermal-softening": 2}.get(effect, 0)

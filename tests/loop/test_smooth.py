@@ -37,7 +37,7 @@ from hyperfab.materials.registry import law
         pytest.param("rate", 2, marks=pytest.mark.slow),
         pytest.param("permanent-set", 1, marks=pytest.mark.slow),
         ("thermal-softening", 1),
-        ("grip-slack", 6),
+        pytest.param("grip-slack", 6, marks=pytest.mark.slow),
     ],
 )
 def test_an_effect_of_no_known_formula_is_called_by_its_name(effect: str, seed: int) -> None:

@@ -157,7 +157,7 @@ def test_the_gap_is_the_distance_of_the_smooth_surface_that_is_told(shapes):
 
 @pytest.mark.parametrize(
     ("cells", "smooth"),
-    [(24, False), (24, True), (48, True), pytest.param(68, True, marks=pytest.mark.slow)],
+    [(24, False), (24, True), *(pytest.param(cells, True, marks=pytest.mark.slow) for cells in (48, 68))],
 )
 def test_the_work_of_a_closing_is_its_energy(cells, smooth):
     male, female = cups(cells, smooth)
