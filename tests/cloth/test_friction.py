@@ -56,6 +56,7 @@ def capstan_errors(n: int, mu: float) -> tuple[float, float]:
     return stress[0] / exact - 1, stress[middle] / (exact * np.exp(-mu * (wrap()[0] - beside))) - 1
 
 
+@pytest.mark.slow
 def test_a_string_slipping_over_a_cylinder_loses_tension_as_the_capstan_law_says_to_second_order():
     coarse, fine = capstan_errors(51, 0.3), capstan_errors(201, 0.3)
     assert abs(fine[0]) < 5e-5

@@ -99,8 +99,8 @@ def test_the_preconditioner_is_symmetric():
     tangent.q[1:-1, 1:-1] = [1, 0, 0, 1, 0, 1]
     solver.grids.build(tangent.diag, tangent.off, tangent.q)
     rng = np.random.default_rng(3)
-    a, b = (rng.normal(size=x.shape) * (sheet.fixed == 0)[..., None] for _ in range(2))
-    ma, mb = np.zeros_like(x), np.zeros_like(x)
+    a, b = ((rng.normal(size=x.shape) * (sheet.fixed == 0)[..., None]).astype(np.float32) for _ in range(2))
+    ma, mb = np.zeros_like(a), np.zeros_like(b)
     solver.grids(a, ma)
     solver.grids(b, mb)
     assert dot(ma, b) == pytest.approx(dot(a, mb), rel=1e-5)

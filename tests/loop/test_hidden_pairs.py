@@ -30,6 +30,7 @@ def pulled(celsius: float, rate: float) -> tuple[np.ndarray, np.ndarray]:
     return stretch, stress
 
 
+@pytest.mark.slow
 def test_temperature_and_rate_are_named_though_neither_pays_alone() -> None:
     random = np.random.default_rng(4)
     tests = []

@@ -76,6 +76,7 @@ def test_relaxation_that_heat_quickens_is_told_with_its_shift() -> None:
     assert told["thermal-softening"]["softening_1_K"] == pytest.approx(-1.0 / 293.15, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_a_simpler_form_stays_where_a_richer_one_misses_readings_set_apart_by_more() -> None:
     found = close(
         problem(), design=False, apart=lambda fitted: float(any(form.free for form in fitted.forms.values()))

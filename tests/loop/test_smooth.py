@@ -160,15 +160,8 @@ def test_a_drift_of_no_formula_goes_through_its_values() -> None:
     np.testing.assert_allclose(drifted, [0.01, 0.03, 0.0, 0.04], atol=1e-15)
 
 
-@pytest.mark.parametrize(
-    "effect",
-    [
-        "load-offset",
-        pytest.param("grip-slack", marks=pytest.mark.slow),
-        pytest.param("mullins", marks=pytest.mark.slow),
-        pytest.param("permanent-set", marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("effect", ["load-offset", "grip-slack", "mullins", "permanent-set"])
 def test_an_effect_of_two_states_at_once_is_called_by_its_name(effect: str) -> None:
     """Grips that give with the load, wear by energy, a set that flows under load, an amplifier that drifts."""
     problem, _, _, _ = case(0, (effect,), poor=False, which="rough")

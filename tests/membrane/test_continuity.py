@@ -78,14 +78,10 @@ def _figures(which: str, name: str, factor: float) -> dict[str, float]:
 CASES = [
     (which, name) for which, (constants, _) in SHEETS.items() for name in constants if constants[name] != 0.0
 ]
-#: In every run; the others with the slow ones.
-QUICK = {("alike", "weft C10")}
 
 
-@pytest.mark.parametrize(
-    ("which", "name"),
-    [pytest.param(*one, marks=() if one in QUICK else pytest.mark.slow) for one in CASES],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("which", "name"), CASES)
 def test_a_thousandth_of_a_constant_moves_force_and_stress_by_three_thousandths_at_most(which, name):
     own = _figures(which, next(iter(SHEETS[which][0])), 1.0)
     for factor in (0.999, 1.001):

@@ -54,6 +54,7 @@ def test_turned_axes_change_nothing():
     assert least[1] == pytest.approx(least[0], rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_path_ends_where_the_stretch_gathers_in_bands():
     """By shooting, the pole reaches the stretch 1.1134 at 72.47 mm, 166.8 N; the round shape goes on smoothly."""
     law = IsotropicSheet(bind("mooney-rivlin-5", STIFF))

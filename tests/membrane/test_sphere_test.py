@@ -97,6 +97,7 @@ def test_work_of_the_sphere_is_the_energy_stored():
     assert work(outcome) == pytest.approx(outcome.solved[-1].state.energy, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_work_balances_where_a_slack_sheet_takes_up_the_load():
     outcome = _press("neo-hookean", np.linspace(7.5, 60.0, 8), prestretch=0.95)
     last = outcome.solved[-1]

@@ -154,6 +154,7 @@ def test_reduced_mold_keeps_its_bound_on_many_random_molds(block, seed):
     agrees(block, seed)
 
 
+@pytest.mark.slow
 def test_thermostats_that_switch_one_shortly_after_the_other(block):
     """Two alike, with probes in like places: what lies between their switchings is too short to be told by itself."""
     found = []
