@@ -222,23 +222,14 @@ assert seen
 """
 
 
-def test_what_a_drape_and_a_press_call_is_listed(tmp_path: Path) -> None:
-    wanted = ("fabric.json", "drape.json", "press.json")
-    run_listed(tmp_path, [next(line for line in LINES if line.endswith(f"-o {name}")) for name in wanted])
-
-
 @pytest.mark.slow
 def test_what_every_command_calls_is_listed(tmp_path: Path) -> None:
-    run_listed(tmp_path, LINES)
-
-
-def run_listed(folder: Path, lines: list[str]) -> None:
     for name, text in FILES.items():
-        (folder / name).write_text(text, encoding="utf-8")
-    lines = ["sample .", *lines]
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    lines = ["sample .", *LINES]
     done = subprocess.run(
         [sys.executable, "-c", CALLS, json.dumps(lines)],
-        cwd=folder,
+        cwd=tmp_path,
         env=os.environ | {"PYTHONPATH": str(ROOT)},
         capture_output=True,
         text=True,

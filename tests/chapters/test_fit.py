@@ -171,7 +171,9 @@ def test_siblings_hold_the_curves_and_a_picture(hf: Run, root: Path, tmp_path: P
     assert sum(value**2 for value in ratio) == pytest.approx(document["fit"]["E2"], rel=1e-9)
 
 
-@pytest.mark.parametrize("model", ["neo-hookean", "orthotropic", "hyperfoam-1"])
+@pytest.mark.parametrize(
+    "model", ["neo-hookean", "orthotropic", pytest.param("hyperfoam-1", marks=pytest.mark.slow)]
+)
 def test_every_law_keeps_the_set_up_it_was_fitted_with(hf: Run, model: str) -> None:
     found = fit(hf, "--uniaxial", f"{TRELOAR}/uniaxial.csv", "--model", model, "--accept", "0.9")
     assert found["setup"]["model"] == model

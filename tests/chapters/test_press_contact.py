@@ -106,6 +106,7 @@ def test_growth_closes_a_gap_set_cold_and_hardly_changes_one_set_hot(shop, monke
     assert zeroed["gap_min_mm"] == pytest.approx(cold["gap_min_mm"], abs=0.02)
 
 
+@pytest.mark.slow
 def test_winding_order_format_and_unit_of_the_files_do_not_change_the_answer(shop, monkeypatch):
     male, female = solids()
     _, plain = press(shop, monkeypatch, gap="3mm")

@@ -308,6 +308,7 @@ def test_one_law_of_the_sheet_is_one_source(made: Any, command: tuple[str, ...])
     assert [one["source"] for one in budget] == ["fabric.json: constants, 5 specimens"]
 
 
+@pytest.mark.slow
 def test_no_constant_is_drawn_where_it_has_no_meaning(made: Any) -> None:
     """Threads of hardly any stress: half the draws would be of less than none, and refused."""
     constants = SHEET | {"k1_weft_MPa": 1e-5}

@@ -54,6 +54,7 @@ def test_fit_pipes_into_drape_and_its_file_into_press(hf: Run, tmp_path: Path) -
     assert with_drape["contact_area_mm2"] != without["contact_area_mm2"]
 
 
+@pytest.mark.slow
 def test_a_foam_pipes_into_press(hf: Run, tmp_path: Path) -> None:
     foam = only_document(hf("fit", "--uniaxial", "specimens/foam.csv", "--model", "hyperfoam-1"), "material")
     given = json.dumps(foam | {"thickness_mm": 10.0}).encode()

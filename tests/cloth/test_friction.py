@@ -69,6 +69,7 @@ def test_the_capstan_law_holds_from_little_to_much_friction(mu):
     assert np.abs(capstan_errors(101, mu)).max() < 3e-4
 
 
+@pytest.mark.slow
 def test_the_press_does_the_work_that_is_stored_and_rubbed_away():
     balances = []
     for steps in (10, 20):

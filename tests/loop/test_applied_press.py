@@ -136,9 +136,8 @@ HOT_FORMS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "kind", [pytest.param(kind, marks=() if kind == "bent" else pytest.mark.slow) for kind in HOT_FORMS]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", HOT_FORMS)
 def test_a_hot_press_with_effects_is_the_one_that_is_written(kind: str, tmp_path: Path) -> None:
     before = given(hot=True, dwell=kind == "dwell")
     forms = {name: before.problem.effect(name).form(form) for name, form in HOT_FORMS[kind].items()}
