@@ -13,9 +13,7 @@ from hyperfab.numerics.threads import in_blocks
 
 N = TypeVar("N", bound=np.generic)
 
-#: Numbers that are worth a thread's while.
-_LONG = 500_000
-#: Rows that are, where they lie anywhere.
+#: Rows that lie anywhere that are worth a thread's while.
 _ROWS = 50_000
 
 

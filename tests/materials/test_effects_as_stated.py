@@ -536,6 +536,14 @@ STATED += [
     ("grip-slack", "yields", (0.5, 0.025), lambda row: P(gripped(row.l, lambda load: 0.05 * load))),
     (
         "grip-slack",
+        "yields-curved",
+        (0.5, 0.025, 2.0),
+        lambda row: P(
+            gripped(row.l, lambda load: 0.025 * (1.0 - math.exp(-4.0 * load)) / (1.0 - math.exp(-2.0)))
+        ),
+    ),
+    (
+        "grip-slack",
         "slips",
         (0.5, 0.05, 0.3),
         lambda row: P(slipped(row, lambda load: 0.1 * max(load - 0.3, 0.0))),
@@ -574,7 +582,7 @@ STATED += [
     if (effect, form) in {("mullins", "smooth"), ("mullins", "smooth-energy"), ("rate", "smooth")}
 ]
 #: Forms that go from reading to reading by steps, on both sides, or find the load of a specimen between such.
-BY_STEPS = ("finite", "finite-2", "yields", "slips", "smooth-force", "smooth-slip")
+BY_STEPS = ("finite", "finite-2", "yields", "yields-curved", "slips", "smooth-force", "smooth-slip")
 ELSEWHERE = {("compressibility", "split"), ("anisotropy", "threads"), ("anisotropy", "bias-threads")}
 #: Smooth laws that are not worked out here; of the energy tests/loop/test_smooth.py has limits.
 NOT_HERE = {

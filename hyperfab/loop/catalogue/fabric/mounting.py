@@ -34,6 +34,10 @@ def grip_slack(context: DataContext) -> Effect:
     give = Constant("give", 0.0, 0.0, high, step)
     little = 0.005 * reach
     forms.append(Form("yields", (told_to, give), ((peak, 0.05 * reach),), ((peak, little),)))
+    curve = Constant("curve", 0.0, 0.0, 8.0, 1.0)
+    forms.append(
+        Form("yields-curved", (told_to, give, curve), ((peak, 0.05 * reach, 2.0),), refines="yields")
+    )
     holds = Constant("holds_MPa", 0.2 * peak, 0.0, 0.95 * peak, 0.05 * peak)
     begin = tuple((peak, 0.05 * reach, share * peak) for share in (0.1, 0.5))
     slips = Form(

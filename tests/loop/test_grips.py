@@ -1,0 +1,47 @@
+"""Grips that give with the load, by a law of their own: found from tests of several modes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hyperfab.curve import TestCurve
+from hyperfab.loop.engine import close
+from hyperfab.loop.fabric import fabric_problem
+from hyperfab.materials import law
+
+#: Stress of a neo-Hookean sheet over its modulus, by mode.
+STRESS = {
+    "uniaxial": lambda s: s - s**-2,
+    "shear": lambda s: s - s**-3,
+    "biaxial": lambda s: s - s**-5,
+}
+
+
+@pytest.mark.parametrize(
+    ("gives", "form"),
+    [
+        (lambda share: share, "yields"),
+        (lambda share: -np.expm1(-share / 0.25), "yields-curved"),
+    ],
+    ids=["evenly", "less and less"],
+)
+def test_grips_that_give_with_the_load_are_found_with_their_law(gives, form) -> None:
+    random = np.random.default_rng(3)
+    stretch = np.linspace(1.0, 1.6, 40)
+    top = max(stress(1.6) for stress in STRESS.values())
+    tests = []
+    for mode, stress in STRESS.items():
+        for number in range(2):
+            load = stress(stretch)
+            read = stretch + 0.04 * gives(load / top)
+            noisy = load * (1.0 + random.normal(0.0, 0.002)) + random.normal(0.0, 0.002, len(load))
+            tests.append(TestCurve(mode, read, noisy, source=f"{mode} {number}", specimen=f"{mode} {number}"))
+    found = close(fabric_problem(law("neo-hookean"), [0.5], tests), design=False)
+    assert found.after.ids == ("grip-slack",)
+    told = found.after.fit.forms["grip-slack"]
+    assert told.name == form
+    give = dict(
+        zip([one.name for one in told.constants], found.after.fit.terms["grip-slack"][1], strict=True)
+    )
+    assert give["give"] == pytest.approx(0.04 * gives(1.0), rel=0.1)
