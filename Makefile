@@ -164,8 +164,8 @@ lint: $(VENV)/tools.txt
 	$(BIN)/ruff check .
 	$(BIN)/lint-imports
 
-# All of it for Linux; for the others what imports a module of the standard library whose types ask for the system,
-# and of that alone what those types say.
+# All of it for Linux; for the others what imports a module of the standard library whose types ask for the system.
+# Other modules are not followed there; the three options pass over what comes of that alone.
 STUBS = $$($(BIN)/python -c 'import mypy; print(mypy.__path__[0])')/typeshed/stdlib
 
 types: $(VENV)/tools.txt

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
-from hyperfab.arrays import Array, Ints
+from hyperfab.arrays import Array, Ints, Singles
 from hyperfab.numerics.kernels import inlined, kernel
-
-Singles = npt.NDArray[np.float32]
 
 # Offsets of the stored (forward) neighbours: next in x, next in y, and the two diagonals.
 OX = np.array([1, 0, 1, 1])

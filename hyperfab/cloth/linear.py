@@ -6,12 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Reals, Singles
 from hyperfab.numerics.kernels import kernel
 from hyperfab.numerics.threads import in_rows
 
-from .galerkin import Singles
-from .multigrid import Multigrid, ahead, behind, project
+from .multigrid import Multigrid, ahead, behind
 
 
 @dataclass
@@ -63,7 +62,7 @@ def apply(k: Tangent, u: Array, out: Array) -> float:
 
 
 @kernel
-def _products(a: Array, b: Array | Singles, rows: Array, first: int, last: int) -> None:
+def _products(a: Array, b: Reals, rows: Array, first: int, last: int) -> None:
     """Sums of products of rows ``first:last``."""
     for i in range(first, last):
         row = 0.0
@@ -72,7 +71,7 @@ def _products(a: Array, b: Array | Singles, rows: Array, first: int, last: int) 
         rows[i] = row
 
 
-def dot(a: Array, b: Array | Singles) -> float:
+def dot(a: Array, b: Reals) -> float:
     """Sum of products, row by row."""
     rows = np.empty(len(a))
     in_rows(lambda first, last: _products(a, b, rows, first, last), *a.shape[:2])
@@ -99,6 +98,17 @@ def _turn(z: Singles, beta: float, p: Array, first: int, last: int) -> None:
         for j in range(p.shape[1]):
             for k in range(3):
                 p[i, j, k] = z[i, j, k] + beta * p[i, j, k]
+
+
+@kernel
+def project(q: Array, v: Array, first: int, last: int) -> None:
+    """v = Q v at every node of rows ``first:last``."""
+    for i in range(first, last):
+        for j in range(v.shape[1]):
+            a, b, c, p = v[i, j, 0], v[i, j, 1], v[i, j, 2], q[i, j]
+            v[i, j, 0] = p[0] * a + p[1] * b + p[2] * c
+            v[i, j, 1] = p[1] * a + p[3] * b + p[4] * c
+            v[i, j, 2] = p[2] * a + p[4] * b + p[5] * c
 
 
 class Solver:

@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from hyperfab.arrays import Array, Ints
+from hyperfab.arrays import Array, Ints, Reals, Singles
 from hyperfab.numerics.bands import BAND, PIECE, follow, in_bands, next_band, tell
 from hyperfab.numerics.kernels import inlined, kernel
 from hyperfab.numerics.threads import in_rows
 
-from .galerkin import OX, OY, Singles, halve, invert, sandwich_all
+from .galerkin import OX, OY, halve, invert, sandwich_all
 
 SMALLEST = 4  # grids of at most this many nodes a side are not coarsened further
 
@@ -67,21 +67,21 @@ def injected(n: int) -> Ints:
 
 
 @inlined
-def _add(a: Array | Singles, u: Array | Singles, s: Array | Singles) -> None:
+def _add(a: Reals, u: Reals, s: Reals) -> None:
     s[0] -= a[0] * u[0] + a[1] * u[1] + a[2] * u[2]
     s[1] -= a[3] * u[0] + a[4] * u[1] + a[5] * u[2]
     s[2] -= a[6] * u[0] + a[7] * u[1] + a[8] * u[2]
 
 
 @inlined
-def _add_t(a: Array | Singles, u: Array | Singles, s: Array | Singles) -> None:
+def _add_t(a: Reals, u: Reals, s: Reals) -> None:
     s[0] -= a[0] * u[0] + a[3] * u[1] + a[6] * u[2]
     s[1] -= a[1] * u[0] + a[4] * u[1] + a[7] * u[2]
     s[2] -= a[2] * u[0] + a[5] * u[1] + a[8] * u[2]
 
 
 @inlined
-def ahead(off: Array | Singles, u: Array | Singles, i: int, j: int, s: Array | Singles) -> None:
+def ahead(off: Reals, u: Reals, i: int, j: int, s: Reals) -> None:
     """s -= sum over the neighbours of (i, j) that come after it of their block times u."""
     n, m = u.shape[0], u.shape[1]
     if i + 1 < n:
@@ -96,7 +96,7 @@ def ahead(off: Array | Singles, u: Array | Singles, i: int, j: int, s: Array | S
 
 
 @inlined
-def behind(off: Array | Singles, u: Array | Singles, i: int, j: int, s: Array | Singles) -> None:
+def behind(off: Reals, u: Reals, i: int, j: int, s: Reals) -> None:
     """s -= sum over the neighbours of (i, j) that come before it of their block times u."""
     m = u.shape[1]
     if i > 0:
@@ -165,17 +165,6 @@ def left(off: Singles, u: Singles, r: Singles, first: int, last: int) -> None:
             s[0], s[1], s[2] = 0.0, 0.0, 0.0
             ahead(off, u, i, j, s)
             r[i, j, 0], r[i, j, 1], r[i, j, 2] = s[0], s[1], s[2]
-
-
-@kernel
-def project(q: Array, v: Array, first: int, last: int) -> None:
-    """v = Q v at every node of rows ``first:last``."""
-    for i in range(first, last):
-        for j in range(v.shape[1]):
-            a, b, c, p = v[i, j, 0], v[i, j, 1], v[i, j, 2], q[i, j]
-            v[i, j, 0] = p[0] * a + p[1] * b + p[2] * c
-            v[i, j, 1] = p[1] * a + p[3] * b + p[4] * c
-            v[i, j, 2] = p[2] * a + p[4] * b + p[5] * c
 
 
 @kernel
@@ -277,7 +266,7 @@ class Multigrid:
         in_bands(lambda done: sweep_back(level.inverse, level.off, b, u, done), *u.shape[:2])
 
 
-def _smoothed(level: Level, diag: Array | Singles, off: Array | Singles) -> None:
+def _smoothed(level: Level, diag: Reals, off: Reals) -> None:
     """Set a level's operator, ``diag`` and ``off`` between its projectors, and invert its diagonal."""
 
     def work(first: int, last: int) -> None:

@@ -15,9 +15,8 @@ from hyperfab.arrays import Array
 from .answers import Answers, answers
 from .balance import Balance
 from .depth import Cut
-from .linear import Solver, Tangent, apply
+from .linear import Solver, Tangent, apply, project
 from .mold import Mold
-from .multigrid import project
 from .net import Sheet
 from .state import Equilibrium
 

@@ -10,13 +10,10 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from hyperfab.arrays import Array, Ints
+from hyperfab.arrays import Array, Ints, Singles
 from hyperfab.numerics.kernels import kernel, part
 from hyperfab.numerics.threads import in_blocks
-
-Singles = npt.NDArray[np.float32]
 
 LEAF = 4
 DEPTH = 64

@@ -72,10 +72,10 @@ def _smoothly(measure: Array, far: float, values: Array) -> Array:
     return through(place, values)
 
 
-def curved(share: Array, curve: float) -> Array:
+def _curved(share: Array, curve: float) -> Array:
     """Return what rises from 0 to 1 with the share, and less and less the larger ``curve`` is.
 
-    >>> curved(np.array([0.0, 0.5, 1.0]), 2.0).round(6), curved(np.array([0.5]), 0.0)
+    >>> _curved(np.array([0.0, 0.5, 1.0]), 2.0).round(6), _curved(np.array([0.5]), 0.0)
     (array([0.      , 0.731059, 1.      ]), array([0.5]))
     """
     return np.asarray(share if curve < 1e-6 else np.expm1(-curve * share) / np.expm1(-curve))
@@ -107,7 +107,7 @@ FORMS: Mapping[str, Callable[[Path, Array, Array], Array]] = {
 #: What the grips give in the forms that ask for it: of the load [MPa], never below zero, that the specimen bears.
 OF_LOAD: Mapping[str, Callable[[Array, Array], Array]] = {
     "yields": lambda load, values: values[1] / values[0] * load,
-    "yields-curved": lambda load, values: values[1] * curved(load / values[0], values[2]),
+    "yields-curved": lambda load, values: values[1] * _curved(load / values[0], values[2]),
     "slips": lambda load, values: values[1] / values[0] * np.maximum(load - values[2], 0.0),
     "smooth-force": lambda load, values: _smoothly(load, values[0], values[1:]),
     "smooth-slip": lambda load, values: _smoothly(load, values[0], values[1:]),
