@@ -13,10 +13,13 @@ from hyperfab.arrays import Ints
 from hyperfab.numerics.kernels import kernel
 from hyperfab.numerics.multilevel import Direct, Preconditioner, TwoLevel, largest_eigenvalue
 
-#: Couplings below this share of the geometric mean of the diagonals are weak.
-STRONG = 0.08
+#: Couplings below this share of the geometric mean of the diagonals are weak; or below half, a quarter ... of it, where
+#: more than one unknown in LEFT would be left: what is stored and what is conducted may cancel between neighbours.
+STRONG, LEFT = 0.08, 3
 #: Matrices up to this size are factorised.
-COARSEST = 1500
+COARSEST = 1000
+#: Couplings as weak as this are none.
+ROUNDING = 1e-6
 
 
 def hierarchy(matrix: sparse.csr_matrix, coarsest: int = COARSEST) -> Preconditioner:
@@ -32,8 +35,8 @@ def hierarchy(matrix: sparse.csr_matrix, coarsest: int = COARSEST) -> Preconditi
     if size <= coarsest:
         return Direct(matrix)
     aggregate, count = aggregates(matrix)
-    if count > 0.8 * size:
-        return Direct(matrix)
+    if count == size:
+        return Direct(matrix)  # a diagonal
     inverse = 1.0 / matrix.diagonal()
     rows = np.arange(size)
     constant = sparse.csr_matrix((np.ones(size), (rows, aggregate)), shape=(size, count))
@@ -47,8 +50,12 @@ def hierarchy(matrix: sparse.csr_matrix, coarsest: int = COARSEST) -> Preconditi
 
 def aggregates(matrix: sparse.csr_matrix) -> tuple[Ints, int]:
     """Return the aggregate of each unknown (n,) and their number."""
-    found, count = _aggregate(matrix.indptr, matrix.indices, matrix.data, matrix.diagonal(), STRONG)
-    return found, int(count)
+    strong, diagonal = STRONG, matrix.diagonal()
+    while True:
+        found, count = _aggregate(matrix.indptr, matrix.indices, matrix.data, diagonal, strong)
+        if count * LEFT <= len(diagonal) or strong < ROUNDING:
+            return found, int(count)
+        strong *= 0.5
 
 
 @kernel

@@ -26,8 +26,6 @@ from hyperfab.thermal.mesh import HeatMesh
 
 #: Below this number of unknowns a factorisation of the whole matrix is cheaper than the two-level cycle.
 SMALL = 2000
-#: Coarse spaces up to this size are factorised; larger ones are aggregated further.
-COARSE = 6000
 #: Degree of the smoother: where most is stored, two more cheap steps of the conjugate gradients in ten are faster than
 #: a smoother of degree 2 (by a twelfth at 50,000 and at 350,000 unknowns).
 DEGREE = 1
@@ -146,8 +144,8 @@ class StepSolver:
         if self.medium.linear:  # what conducts and stores is taken to the coarse space once
             conduction, capacity = self._on_the_coarse_space
             faces = self._coarse_faces(stage.time, temperature)
-            return hierarchy(stage.interval * (conduction + faces) + stage.storage * capacity, COARSE)
-        return hierarchy(self._coarse(matrix.data), COARSE)
+            return hierarchy(stage.interval * (conduction + faces) + stage.storage * capacity)
+        return hierarchy(self._coarse(matrix.data))
 
     @cached_property
     def _on_the_coarse_space(self) -> tuple[sparse.csr_matrix, sparse.csr_matrix]:
