@@ -13,8 +13,8 @@ from hyperfab.arrays import Ints
 from hyperfab.numerics.kernels import kernel
 from hyperfab.numerics.multilevel import Direct, Preconditioner, TwoLevel, largest_eigenvalue
 
-#: Couplings below this share of the geometric mean of the diagonals are weak; or below half, a quarter ... of it, where
-#: more than one unknown in LEFT would be left: what is stored and what is conducted may cancel between neighbours.
+#: Couplings below this share of the geometric mean of the diagonals are weak; or below half, a quarter ... of it, until
+#: there are at most a LEFT-th as many aggregates: what is stored and what is conducted may cancel between neighbours.
 STRONG, LEFT = 0.08, 3
 #: Matrices up to this size are factorised.
 COARSEST = 1000
@@ -36,7 +36,7 @@ def hierarchy(matrix: sparse.csr_matrix, coarsest: int = COARSEST) -> Preconditi
         return Direct(matrix)
     aggregate, count = aggregates(matrix)
     if count == size:
-        return Direct(matrix)  # a diagonal
+        return Direct(matrix)  # a diagonal, but for rounding
     inverse = 1.0 / matrix.diagonal()
     rows = np.arange(size)
     constant = sparse.csr_matrix((np.ones(size), (rows, aggregate)), shape=(size, count))

@@ -1,4 +1,4 @@
-"""Long vectors: inner products without BLAS, whose threads cost more than they bring and change sums; copies; rows."""
+"""Long vectors: inner products without BLAS, whose threads cost more than they bring and change sums; rows."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from hyperfab.numerics.threads import in_blocks
 
 N = TypeVar("N", bound=np.generic)
 
-#: Rows that lie anywhere that are worth a thread's while.
+#: Rows to gather that are worth a thread's while.
 _ROWS = 50_000
 
 
