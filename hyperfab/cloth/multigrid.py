@@ -31,7 +31,7 @@ class Level:
     diag: Singles  # (n, m, 6)
     off: Singles  # (n, m, 2 or 4, 9)
     inverse: Singles  # (n, m, 6)
-    parents: tuple[Ints, Singles, Ints, Singles]  # per fine row: coarse rows and weights, then columns
+    kept: tuple[Ints, Ints]  # rows and columns that the coarser grid keeps
     vectors: Singles  # (3, n, m, 3) right side and solution, but of the finest grid, and residual
     halved: tuple[Singles, Singles]  # blocks with every second row left out, (m, n/2, 6) and (m, n/2, 4, 9)
 
@@ -45,23 +45,12 @@ def coarse_size(n: int) -> int:
     return n if n <= SMALLEST else n // 2 + 1
 
 
-def parents_of(n: int) -> tuple[Ints, Singles]:
-    """Coarse neighbours (n, 2) of each fine node of a line, and their weights."""
-    nc = coarse_size(n)
-    index, weight = np.zeros((n, 2), np.int64), np.zeros((n, 2), np.float32)
-    fine = np.arange(n)
-    if nc == n:
-        index[:, 0], index[:, 1], weight[:, 0] = fine, fine, 1.0
-        return index, weight
-    index[:, 0], index[:, 1] = fine // 2, np.minimum(fine // 2 + 1, nc - 1)
-    weight[:, 0] = np.where(fine % 2 == 0, 1.0, 0.5)
-    weight[:, 1] = 1.0 - weight[:, 0]
-    index[-1], weight[-1] = (nc - 1, nc - 1), (1.0, 0.0)
-    return index, weight
+def kept(n: int) -> Ints:
+    """Return which nodes of a line the coarser one keeps; one left out lies between two of them.
 
-
-def injected(n: int) -> Ints:
-    """Fine index of each coarse node."""
+    >>> kept(9).tolist(), kept(6).tolist()
+    ([0, 2, 4, 6, 8], [0, 2, 4, 5])
+    """
     nc = coarse_size(n)
     return np.arange(n) if nc == n else np.minimum(2 * np.arange(nc), n - 1)
 
@@ -168,41 +157,52 @@ def left(off: Singles, u: Singles, r: Singles, first: int, last: int) -> None:
 
 
 @kernel
-def restrict(
-    r: Singles, pi: Ints, wi: Singles, pj: Ints, wj: Singles, out: Singles, first: int, last: int
-) -> None:
-    """out = P^T r, of the coarser rows ``first:last``."""
-    out[first:last] = 0.0
-    for i in range(r.shape[0]):
-        if max(pi[i, 0], pi[i, 1]) < first or min(pi[i, 0], pi[i, 1]) >= last:
-            continue
-        for j in range(r.shape[1]):
-            for p in range(4):
-                w = wi[i, p // 2] * wj[j, p % 2]
-                if w != 0.0 and first <= pi[i, p // 2] < last:
-                    a, b = pi[i, p // 2], pj[j, p % 2]
-                    for k in range(3):
-                        out[a, b, k] += w * r[i, j, k]
+def restrict(r: Singles, rows: Ints, columns: Ints, out: Singles, first: int, last: int) -> None:
+    """out = P^T r, of the coarser grid's rows ``first:last``.
+
+    P interpolates between the finer grid's ``rows`` and ``columns`` that are kept.
+    """
+    m, half = r.shape[1], np.float32(0.5)
+    line = np.empty((m, 3), np.float32)
+    for a in range(first, last):
+        i = rows[a]
+        before = a > 0 and rows[a - 1] == i - 2
+        behind = a + 1 < len(rows) and rows[a + 1] == i + 2
+        for j in range(m):
+            for k in range(3):
+                line[j, k] = r[i, j, k]
+                if before:
+                    line[j, k] += half * r[i - 1, j, k]
+                if behind:
+                    line[j, k] += half * r[i + 1, j, k]
+        for b in range(len(columns)):
+            j = columns[b]
+            for k in range(3):
+                out[a, b, k] = line[j, k]
+                if b > 0 and columns[b - 1] == j - 2:
+                    out[a, b, k] += half * line[j - 1, k]
+                if b + 1 < len(columns) and columns[b + 1] == j + 2:
+                    out[a, b, k] += half * line[j + 1, k]
 
 
 @kernel
-def prolong(
-    e: Singles, pi: Ints, wi: Singles, pj: Ints, wj: Singles, u: Singles, first: int, last: int
-) -> None:
-    """u += P e, of rows ``first:last``."""
-    s = np.empty(3, np.float32)
-    for i in range(first, last):
-        for j in range(u.shape[1]):
-            s[0], s[1], s[2] = 0.0, 0.0, 0.0
-            for p in range(4):
-                w = wi[i, p // 2] * wj[j, p % 2]
-                if w != 0.0:
-                    v = e[pi[i, p // 2], pj[j, p % 2]]
-                    s[0] += w * v[0]
-                    s[1] += w * v[1]
-                    s[2] += w * v[2]
-            for k in range(3):
-                u[i, j, k] += s[k]
+def prolong(e: Singles, rows: Ints, columns: Ints, u: Singles, first: int, last: int) -> None:
+    """u += P e, of the coarser grid's rows ``first:last`` and those left out behind them."""
+    mc, half = e.shape[1], np.float32(0.5)
+    line = np.empty((mc, 3), np.float32)
+    for a in range(first, last):
+        between = a + 1 < len(rows) and rows[a + 1] == rows[a] + 2
+        for i in range(rows[a], rows[a] + 1 + between):
+            for b in range(mc):
+                for k in range(3):
+                    line[b, k] = e[a, b, k] if i == rows[a] else half * (e[a, b, k] + e[a + 1, b, k])
+            for b in range(mc):
+                j = columns[b]
+                for k in range(3):
+                    u[i, j, k] += line[b, k]
+                if b + 1 < mc and columns[b + 1] == j + 2:
+                    for k in range(3):
+                        u[i, j + 1, k] += half * (line[b, k] + line[b + 1, k])
 
 
 class Multigrid:
@@ -214,8 +214,6 @@ class Multigrid:
     def __init__(self, n: int, m: int, directions: int = 2) -> None:
         self.levels: list[Level] = []
         while True:
-            ni, wi = parents_of(n)
-            nj, wj = parents_of(m)
             half = coarse_size(n)
             self.levels.append(
                 Level(
@@ -223,7 +221,7 @@ class Multigrid:
                     np.zeros((n, m, 6), np.float32),
                     np.zeros((n, m, directions, 9), np.float32),
                     np.zeros((n, m, 6), np.float32),
-                    (ni, wi, nj, wj),
+                    (kept(n), kept(m)),
                     np.zeros((3, n, m, 3), np.float32),
                     (np.zeros((m, half, 6), np.float32), np.zeros((m, half, 4, 9), np.float32)),
                 )
@@ -239,8 +237,7 @@ class Multigrid:
         self.levels[0].q = q
         _smoothed(self.levels[0], diag, off)
         for fine, coarse in zip(self.levels, self.levels[1:], strict=False):
-            n, m = fine.q.shape[:2]
-            rows, columns = injected(n), injected(m)
+            rows, columns = fine.kept
             fine.q.take(rows, axis=0).take(columns, axis=1, out=coarse.q, mode="clip")  # else buffered
             _in_chunks(fine.diag, fine.off, rows, *fine.halved)
             _in_chunks(*fine.halved, columns, coarse.diag, coarse.off)
@@ -260,9 +257,9 @@ class Multigrid:
         in_bands(lambda done: sweep_from_zero(level.inverse, level.off, b, u, done), *u.shape[:2])
         in_rows(lambda first, last: left(level.off, u, r, first, last), *u.shape[:2])
         right, found = self.levels[k + 1].vectors[:2]
-        in_rows(lambda first, last: restrict(r, *level.parents, right, first, last), len(right), u.shape[1])
+        in_rows(lambda first, last: restrict(r, *level.kept, right, first, last), *right.shape[:2])
         self._cycle(k + 1, right, found)
-        in_rows(lambda first, last: prolong(found, *level.parents, u, first, last), *u.shape[:2])
+        in_rows(lambda first, last: prolong(found, *level.kept, u, first, last), *found.shape[:2])
         in_bands(lambda done: sweep_back(level.inverse, level.off, b, u, done), *u.shape[:2])
 
 

@@ -10,7 +10,16 @@ import numpy as np
 import pytest
 
 from hyperfab.cloth.galerkin import OX, OY, _sandwich
-from hyperfab.cloth.multigrid import Level, Multigrid, left, parents_of, sweep_back, sweep_from_zero
+from hyperfab.cloth.multigrid import (
+    Level,
+    Multigrid,
+    kept,
+    left,
+    prolong,
+    restrict,
+    sweep_back,
+    sweep_from_zero,
+)
 from hyperfab.numerics import threads
 from hyperfab.numerics.bands import in_bands
 
@@ -30,11 +39,8 @@ def dense(level: Level) -> np.ndarray:
 
 
 def interpolation(n: int) -> np.ndarray:
-    index, weight = parents_of(n)
-    p = np.zeros((n, index.max() + 1))
-    for i in range(n):
-        np.add.at(p[i], index[i], weight[i])
-    return p
+    """The matrix from a coarser line to one of n nodes: each is interpolated between those that are kept."""
+    return np.array([np.interp(np.arange(n), kept(n), one) for one in np.eye(len(kept(n)))]).T
 
 
 def random_grids(n: int, m: int, sheared: bool) -> Multigrid:
@@ -59,6 +65,21 @@ def test_a_coarser_operator_is_the_finer_one_between_interpolations(n, m, sheare
         p = np.kron(np.kron(interpolation(a), interpolation(b)), np.eye(3))
         product = p.T @ dense(fine) @ p
         assert np.abs(dense(coarse) - product).max() <= 1e-6 * np.abs(product).max()
+
+
+@pytest.mark.parametrize(("n", "m"), [(9, 9), (10, 7), (6, 3), (5, 8)])
+@pytest.mark.parametrize("most", [1, 2, 100])
+def test_the_way_to_the_coarser_grid_and_back_is_interpolation(n, m, most):
+    r = np.random.default_rng(3).normal(size=(n, m, 3)).astype(np.float32)
+    p = np.kron(np.kron(interpolation(n), interpolation(m)), np.eye(3))
+    coarse = np.full((len(kept(n)), len(kept(m)), 3), np.nan, np.float32)
+    fine = r.copy()
+    for first in range(0, len(coarse), most):
+        restrict(r, kept(n), kept(m), coarse, first, min(first + most, len(coarse)))
+    np.testing.assert_allclose(coarse.ravel(), p.T @ r.ravel(), atol=1e-5)
+    for first in range(0, len(coarse), most):
+        prolong(coarse, kept(n), kept(m), fine, first, min(first + most, len(coarse)))
+    np.testing.assert_allclose(fine.ravel(), r.ravel() + p @ coarse.ravel(), atol=1e-5)
 
 
 @pytest.mark.parametrize("number", [1, 2, 3])
