@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from hyperfab.arrays import Array, Ints, Singles
@@ -13,12 +15,13 @@ OY = np.array([0, 1, 1, -1])
 
 
 @inlined
+def _is_free(q: Array) -> Any:
+    return q[0] + q[3] + q[5] == 3.0
+
+
+@inlined
 def _sandwich(q: Array, b: Array, r: Array, t: Array, out: Singles) -> None:
     """out (9) = Q B R with symmetric Q, R (6) and full B (3, 3); ``t`` (3, 3) is room for Q B."""
-    if q[0] + q[3] + q[5] == 3.0 and r[0] + r[3] + r[5] == 3.0:  # two free nodes
-        for k in range(9):
-            out[k] = b[k // 3, k % 3]
-        return
     for k in range(3):
         t[0, k] = q[0] * b[0, k] + q[1] * b[1, k] + q[2] * b[2, k]
         t[1, k] = q[1] * b[0, k] + q[3] * b[1, k] + q[4] * b[2, k]
@@ -156,17 +159,30 @@ def sandwich_all(
     o = np.empty(9, np.float32)
     for i in range(first, last):
         for j in range(m):
-            for k in range(6):
-                o[k] = diag[i, j, k]
-            b[0, 0], b[0, 1], b[0, 2], b[1, 1], b[1, 2], b[2, 2] = o[0], o[1], o[2], o[3], o[4], o[5]
-            b[1, 0], b[2, 0], b[2, 1] = b[0, 1], b[0, 2], b[1, 2]
-            _sandwich(q[i, j], b, q[i, j], t, o)
+            alone = _is_free(q[i, j])
             to = to_diag[i, j]
-            to[0], to[1], to[2], to[3], to[4], to[5] = o[0], o[1], o[2], o[4], o[5], o[8]
+            for k in range(6):
+                to[k] = diag[i, j, k]
+            if not alone:
+                b[0, 0], b[0, 1], b[0, 2], b[1, 1], b[1, 2], b[2, 2] = (
+                    to[0],
+                    to[1],
+                    to[2],
+                    to[3],
+                    to[4],
+                    to[5],
+                )
+                b[1, 0], b[2, 0], b[2, 1] = b[0, 1], b[0, 2], b[1, 2]
+                _sandwich(q[i, j], b, q[i, j], t, o)
+                to[0], to[1], to[2], to[3], to[4], to[5] = o[0], o[1], o[2], o[4], o[5], o[8]
             for d in range(off.shape[2]):
                 ni, nj = i + OX[d], j + OY[d]
-                if ni < n and 0 <= nj < m:
+                if ni >= n or nj < 0 or nj >= m:
+                    continue
+                block = to_off[i, j, d]
+                for k in range(9):
+                    block[k] = off[i, j, d, k]
+                if not (alone and _is_free(q[ni, nj])):
                     for k in range(9):
-                        o[k] = off[i, j, d, k]
-                        b[k // 3, k % 3] = o[k]
-                    _sandwich(q[i, j], b, q[ni, nj], t, to_off[i, j, d])
+                        b[k // 3, k % 3] = block[k]
+                    _sandwich(q[i, j], b, q[ni, nj], t, block)
