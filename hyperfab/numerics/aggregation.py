@@ -22,8 +22,10 @@ COARSEST = 1000
 ROUNDING = 1e-6
 
 
-def hierarchy(matrix: sparse.csr_matrix, coarsest: int = COARSEST) -> Preconditioner:
+def hierarchy(matrix: sparse.csr_matrix, coarsest: int = COARSEST, degree: int = 2) -> Preconditioner:
     """Return a V-cycle over aggregated levels, or a factorisation where the matrix is small.
+
+    ``degree`` is that of the smoother.
 
     >>> from scipy import sparse
     >>> from hyperfab.numerics.multilevel import conjugate_gradients
@@ -45,7 +47,7 @@ def hierarchy(matrix: sparse.csr_matrix, coarsest: int = COARSEST) -> Preconditi
     prolongation = sparse.csr_matrix(constant - step)
     coarse = sparse.csr_matrix(prolongation.T @ (matrix @ prolongation))
     free = np.ones(size, dtype=bool)
-    return TwoLevel(matrix, prolongation, hierarchy(coarse, coarsest), free)
+    return TwoLevel(matrix, prolongation, hierarchy(coarse, coarsest, degree), free, degree)
 
 
 def aggregates(matrix: sparse.csr_matrix) -> tuple[Ints, int]:

@@ -14,7 +14,7 @@ ENTRIES, NUMBERS = 200_000, 50_000
 
 
 def product(matrix: sparse.csr_matrix, x: Array) -> Array:
-    """Return ``matrix @ x``, each row summed in the order of its entries, as SciPy does: the same bits.
+    """Return ``matrix @ x``; each row's sum, and with it the bits, do not depend on the threads.
 
     >>> a = sparse.csr_matrix(np.array([[4.0, 1.0], [0.0, 3.0]]))
     >>> product(a, np.array([1.0, 2.0]))
@@ -111,24 +111,38 @@ def _advance(alpha: float, p: Array, q: Array, x: Array, r: Array, first: int, l
         r[i] -= alpha * q[i]
 
 
+# Each row is summed in two sums that do not wait for each other: a fifth less time. The loop stands three times: in a
+# function of its own, inlined or not, it takes nearly twice as long.
+
+
 @kernel
 def _rows(indptr: Ints, indices: Ints, data: Array, x: Array, y: Array, first: int, last: int) -> None:
+    one = np.uint32(1)  # as the indices, without a sign
     for i in range(first, last):
-        total = 0.0
-        for k in range(indptr[i], indptr[i + 1]):
-            total += data[k] * x[indices[k]]
-        y[i] = total
+        even, odd, k, end = 0.0, 0.0, indptr[i], indptr[i + 1]
+        while k + one < end:
+            even += data[k] * x[indices[k]]
+            odd += data[k + one] * x[indices[k + one]]
+            k += np.uint32(2)
+        if k < end:
+            even += data[k] * x[indices[k]]
+        y[i] = even + odd
 
 
 @kernel
 def _remainders(
     indptr: Ints, indices: Ints, data: Array, x: Array, right: Array, rest: Array, first: int, last: int
 ) -> None:
+    one = np.uint32(1)  # as the indices, without a sign
     for i in range(first, last):
-        total = 0.0
-        for k in range(indptr[i], indptr[i + 1]):
-            total += data[k] * x[indices[k]]
-        rest[i] = right[i] - total
+        even, odd, k, end = 0.0, 0.0, indptr[i], indptr[i + 1]
+        while k + one < end:
+            even += data[k] * x[indices[k]]
+            odd += data[k + one] * x[indices[k + one]]
+            k += np.uint32(2)
+        if k < end:
+            even += data[k] * x[indices[k]]
+        rest[i] = right[i] - (even + odd)
 
 
 @kernel
@@ -136,9 +150,14 @@ def _relax(
     indptr: Ints, indices: Ints, data: Array, x: Array, right: Array, weights: Array, change: Array, keep: float,
     after: Array, first: int, last: int,
 ) -> None:  # fmt: skip
+    one = np.uint32(1)  # as the indices, without a sign
     for i in range(first, last):
-        total = 0.0
-        for k in range(indptr[i], indptr[i + 1]):
-            total += data[k] * x[indices[k]]
-        change[i] = keep * change[i] + weights[i] * (right[i] - total)
+        even, odd, k, end = 0.0, 0.0, indptr[i], indptr[i + 1]
+        while k + one < end:
+            even += data[k] * x[indices[k]]
+            odd += data[k + one] * x[indices[k + one]]
+            k += np.uint32(2)
+        if k < end:
+            even += data[k] * x[indices[k]]
+        change[i] = keep * change[i] + weights[i] * (right[i] - (even + odd))
         after[i] = x[i] + change[i]

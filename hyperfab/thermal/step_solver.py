@@ -26,8 +26,9 @@ from hyperfab.thermal.mesh import HeatMesh
 
 #: Below this number of unknowns a factorisation of the whole matrix is cheaper than the two-level cycle.
 SMALL = 2000
-#: Degree of the smoother: where most is stored, two more cheap steps of the conjugate gradients in ten are faster than
-#: a smoother of degree 2 (by a twelfth at 50,000 and at 350,000 unknowns).
+#: Degree of the smoothers: where most is stored, two more cheap steps of the conjugate gradients in ten are faster than
+#: smoothers of degree 2 (by a twelfth on the fine space at 50,000 and at 350,000 unknowns, by a tenth on the coarse ones,
+#: where a long step asks for one more in ten).
 DEGREE = 1
 #: A coarse solver serves a step whose matrix is up to this many times, or down to one so-manyth of, its own.
 ALIKE = 4.0
@@ -144,8 +145,8 @@ class StepSolver:
         if self.medium.linear:  # what conducts and stores is taken to the coarse space once
             conduction, capacity = self._on_the_coarse_space
             faces = self._coarse_faces(stage.time, temperature)
-            return hierarchy(stage.interval * (conduction + faces) + stage.storage * capacity)
-        return hierarchy(self._coarse(matrix.data))
+            return hierarchy(stage.interval * (conduction + faces) + stage.storage * capacity, degree=DEGREE)
+        return hierarchy(self._coarse(matrix.data), degree=DEGREE)
 
     @cached_property
     def _on_the_coarse_space(self) -> tuple[sparse.csr_matrix, sparse.csr_matrix]:
