@@ -27,7 +27,7 @@ from hyperfab.thermal.mesh import HeatMesh
 #: Below this number of unknowns a factorisation of the whole matrix is cheaper than the two-level cycle.
 SMALL = 2000
 #: Degree of the smoothers: where most is stored, two more cheap steps of the conjugate gradients in ten are faster than
-#: smoothers of degree 2 (by a twelfth on the fine space at 50,000 and at 350,000 unknowns, by a tenth on the coarse ones,
+#: smoothers of degree 2 (by a twelfth on the fine space at 50,000 and at 350,000 unknowns, by a tenth on coarse ones,
 #: where a long step asks for one more in ten).
 DEGREE = 1
 #: A coarse solver serves a step whose matrix is up to this many times, or down to one so-manyth of, its own.
