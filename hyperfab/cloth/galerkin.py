@@ -159,19 +159,11 @@ def sandwich_all(
     o = np.empty(9, np.float32)
     for i in range(first, last):
         for j in range(m):
-            alone = _is_free(q[i, j])
-            to = to_diag[i, j]
+            free, to = _is_free(q[i, j]), to_diag[i, j]
             for k in range(6):
-                to[k] = diag[i, j, k]
-            if not alone:
-                b[0, 0], b[0, 1], b[0, 2], b[1, 1], b[1, 2], b[2, 2] = (
-                    to[0],
-                    to[1],
-                    to[2],
-                    to[3],
-                    to[4],
-                    to[5],
-                )
+                to[k] = o[k] = diag[i, j, k]
+            if not free:
+                b[0, 0], b[0, 1], b[0, 2], b[1, 1], b[1, 2], b[2, 2] = o[0], o[1], o[2], o[3], o[4], o[5]
                 b[1, 0], b[2, 0], b[2, 1] = b[0, 1], b[0, 2], b[1, 2]
                 _sandwich(q[i, j], b, q[i, j], t, o)
                 to[0], to[1], to[2], to[3], to[4], to[5] = o[0], o[1], o[2], o[4], o[5], o[8]
@@ -182,7 +174,7 @@ def sandwich_all(
                 block = to_off[i, j, d]
                 for k in range(9):
                     block[k] = off[i, j, d, k]
-                if not (alone and _is_free(q[ni, nj])):
+                if not (free and _is_free(q[ni, nj])):
                     for k in range(9):
                         b[k // 3, k % 3] = block[k]
                     _sandwich(q[i, j], b, q[ni, nj], t, block)

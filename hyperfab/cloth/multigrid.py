@@ -167,13 +167,13 @@ def restrict(r: Singles, rows: Ints, columns: Ints, out: Singles, first: int, la
     for a in range(first, last):
         i = rows[a]
         before = a > 0 and rows[a - 1] == i - 2
-        behind = a + 1 < len(rows) and rows[a + 1] == i + 2
+        after = a + 1 < len(rows) and rows[a + 1] == i + 2
         for j in range(m):
             for k in range(3):
                 line[j, k] = r[i, j, k]
                 if before:
                     line[j, k] += half * r[i - 1, j, k]
-                if behind:
+                if after:
                     line[j, k] += half * r[i + 1, j, k]
         for b in range(len(columns)):
             j = columns[b]
