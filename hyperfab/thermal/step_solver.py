@@ -145,8 +145,10 @@ class StepSolver:
         if self.medium.linear:  # what conducts and stores is taken to the coarse space once
             conduction, capacity = self._on_the_coarse_space
             faces = self._coarse_faces(stage.time, temperature)
-            return hierarchy(stage.interval * (conduction + faces) + stage.storage * capacity, degree=DEGREE)
-        return hierarchy(self._coarse(matrix.data), degree=DEGREE)
+            coarse = stage.interval * (conduction + faces) + stage.storage * capacity
+        else:
+            coarse = self._coarse(matrix.data)
+        return hierarchy(coarse, degree=DEGREE)
 
     @cached_property
     def _on_the_coarse_space(self) -> tuple[sparse.csr_matrix, sparse.csr_matrix]:
