@@ -21,7 +21,7 @@ COARSEST = 24
 COARSE_TOLERANCE = 1e-4
 #: Where no step of Newton's lowers the energy though the residual is below the first, the sheet swings for so many time
 #: steps before Newton goes on; this often at most. Facets that meet in a valley can hold a node up between them.
-NEARLY, SWINGS, ROUNDS = 0.2, 200, 3
+NEARLY, SWINGS, ROUNDS = 1.0, 200, 3
 #: A membrane whose first step on a finer grid is cut below this share swings for so many time steps first.
 CUT, EASING = 0.5, 15
 
