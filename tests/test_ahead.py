@@ -119,6 +119,16 @@ def test_a_kernel_is_compiled_anew_when_what_it_calls_changes(tmp_path: Path) ->
         assert done.stdout == f"{answer}\n", done.stderr
 
 
+def test_so_it_is_when_what_it_calls_stands_below_it(tmp_path: Path) -> None:
+    # While its own lines are read, what stands below is not there: it cannot be known by that then.
+    below = CALLED.split("\n", 2)[2].format(factor=1.0, added="{added}")
+    for added, answer in ((1.0, 2.0), (2.0, 3.0)):
+        text = USES.replace("from called import called, FACTOR\n", "from hyperfab.numerics.kernels import part\n")
+        (tmp_path / "uses.py").write_text(text + below.format(added=added))
+        done = python(tmp_path, ASKS, PYTHONDONTWRITEBYTECODE="1")
+        assert done.stdout == f"{answer}\n", done.stderr
+
+
 def test_a_kernel_is_known_by_its_code_alone(tmp_path: Path) -> None:
     (tmp_path / "called.py").write_text(CALLED.format(factor=1.0, added=1.0))
     says = "from uses import caller; print(caller._cache.digest)"
@@ -154,7 +164,7 @@ def test_a_kernel_that_names_what_nobody_watches_is_refused() -> None:
         return x + table["a"]
 
     with pytest.raises(TypeError, match="whose change nothing would notice"):
-        kernels.kernel(reads)
+        kernels.kernel(reads)(1.0)
 
 
 BUILDS = """

@@ -12,6 +12,7 @@ import hashlib
 import platform
 import sys
 from collections.abc import Iterator
+from functools import cached_property
 from importlib import import_module
 from pathlib import Path
 from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
@@ -83,25 +84,35 @@ def _kept(function: Any, options: dict[str, Any]) -> Any:
 class Kept(_caching.FunctionCache):  # type: ignore[misc]
     """The compiled forms of one kernel: those of the build, which are looked for first, and those of this machine.
 
-    ``digest`` tells this code from any other. While the package is built, ``compiling.building`` is set and what is
-    compiled goes to the first.
+    While the package is built, ``compiling.building`` is set and what is compiled goes to the first.
     """
 
     def __init__(self, function: Any, options: dict[str, Any]) -> None:
-        self.digest = _digest(function, options)
+        self._function, self._options = function, options
         self._from_python = not options.get("no_cpython_wrapper", False)
+        try:
+            super().__init__(function)
+            del self._cache_file  # numba's is known by the time of the file: the next one asked for is not
+        except RuntimeError:  # no folder at all that may be written: compiled anew each time
+            self._enabled = False
+
+    @cached_property
+    def digest(self) -> str:
+        """What tells this code from any other: asked for once all that it calls is there, if further down its file."""
+        return _digest(self._function, self._options)
+
+    @cached_property
+    def _ahead(self) -> Any:
+        function = self._function
         python = (
             f"py{sys.version_info[0]}{sys.version_info[1]}{sys.abiflags if hasattr(sys, 'abiflags') else ''}"
         )
         name = f"{function.__module__.removeprefix('hyperfab.')}.{function.__qualname__}.{python}"
-        self._ahead = _caching.IndexDataCacheFile(str(AHEAD), name, self.digest)
-        try:
-            super().__init__(function)
-            self._cache_file = _caching.IndexDataCacheFile(
-                self._cache_path, self._impl.filename_base, self.digest
-            )
-        except RuntimeError:  # no folder at all that may be written: compiled anew each time
-            self._enabled = False
+        return _caching.IndexDataCacheFile(str(AHEAD), name, self.digest)
+
+    @cached_property
+    def _cache_file(self) -> Any:
+        return _caching.IndexDataCacheFile(self._cache_path, self._impl.filename_base, self.digest)
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return what is kept for a signature, None where it must be compiled."""
