@@ -123,7 +123,9 @@ def test_so_it_is_when_what_it_calls_stands_below_it(tmp_path: Path) -> None:
     # While its own lines are read, what stands below is not there: it cannot be known by that then.
     below = CALLED.split("\n", 2)[2].format(factor=1.0, added="{added}")
     for added, answer in ((1.0, 2.0), (2.0, 3.0)):
-        text = USES.replace("from called import called, FACTOR\n", "from hyperfab.numerics.kernels import part\n")
+        text = USES.replace(
+            "from called import called, FACTOR\n", "from hyperfab.numerics.kernels import part\n"
+        )
         (tmp_path / "uses.py").write_text(text + below.format(added=added))
         done = python(tmp_path, ASKS, PYTHONDONTWRITEBYTECODE="1")
         assert done.stdout == f"{answer}\n", done.stderr

@@ -40,7 +40,8 @@ class Form:
     effect's signature. ``refines`` names the simpler form, or forms, that it is tried after (of none: it is not tried).
     ``of_each``: a constant for the first specimen, and for each further one what it has more. ``free``: its amount is
     a smooth function of what the effect rides on, by a few values; it is tried for names that stand, or might, where
-    no formula leaves noise.
+    no formula leaves noise. ``takes_over``: beside its constants the model's own may be next to nothing; a fit begins
+    there too.
     """
 
     name: str
@@ -50,6 +51,7 @@ class Form:
     refines: str | tuple[str, ...] | None = None
     of_each: bool = False
     free: bool = False
+    takes_over: bool = False
 
     @property
     def null(self) -> tuple[float, ...]:

@@ -19,6 +19,8 @@ from hyperfab.loop.thresholds import MARGIN, TOLD
 
 #: Refinements of the terms of a model that leaves much.
 _STEPS = 4
+#: Share of the model's own constants that a form leaves which takes over from them.
+_NEXT_TO_NOTHING = 0.02
 #: Forms of an entry that are tried, and entries of which the forms that refine them are tried too.
 _FORMS, _RICH = 3, 3
 
@@ -246,6 +248,9 @@ class Search:
             starts.append(np.concatenate([simpler.x[: len(parent.x)], begin]))
         else:
             starts = [np.concatenate([parent.x, np.array(start)]) for start in form.starts]
+        if form.takes_over:
+            kept, others = _NEXT_TO_NOTHING * parent.x[: parent.own], parent.x[parent.own :]
+            starts += [np.concatenate([kept, others, np.array(start)]) for start in form.starts]
         if self.problem.well_known:
             # A model that lacks much drifts far from what is known; the way back is long.
             own = [constant.value for constant in self.problem.own]

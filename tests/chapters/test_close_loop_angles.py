@@ -12,6 +12,7 @@ from conftest import Run
 from hyperfab.chapters.fabric import FabricDocument
 from hyperfab.documents.base import parse_document
 from hyperfab.documents.material import MaterialDocument
+from hyperfab.materials.orthotropic import Orthotropic
 from hyperfab.materials.orthotropic.specimen import strip
 
 MODULI = 3.0, 1.2, 0.35
@@ -42,6 +43,26 @@ def write(folder: Path, angles: tuple[float, ...]) -> list[str]:
             (folder / name).write_text(head + rows)
             names.append(name)
     return names
+
+
+def test_threads_that_stiffen_each_in_their_own_way_are_found(hf: Run, tmp_path: Path) -> None:
+    # A ground as soft as this lies far from the stiffness that a law alike in all directions needs.
+    truth = {
+        "C10_MPa": 0.004, "k1_warp_MPa": 0.9, "k1_weft_MPa": 0.5, "k2_warp": 1.0, "k2_weft": 6.0, "G_MPa": 0.25
+    }  # fmt: skip
+    sheet, stretch, files = Orthotropic.of(truth), np.linspace(1.0, 1.2, 21), []
+    for angle in (0.0, 20.0, 45.0, 70.0, 90.0):
+        stress = strip(sheet, angle, stretch).stress * (1.0 + 2e-3 * np.cos(37.0 * stretch + angle))
+        rows = "".join(f"{a:.6g},{b:.6g}\n" for a, b in zip(stretch, stress, strict=True))
+        files += ["--measured", f"{angle:g}.csv"]
+        (tmp_path / files[-1]).write_text(
+            f"# test: uniaxial\n# direction: {angle:g}\nstretch,stress [MPa]\n{rows}"
+        )
+    (tmp_path / "cloth.json").write_text(json.dumps(MODEL))
+    found = json.loads(hf("close-loop", "cloth.json", *files, cwd=tmp_path).stdout)
+    assert [(one["id"], one["form"]) for one in found["effects"]] == [("anisotropy", "threads-each")]
+    for name, value in found["effects"][0]["parameters"].items():
+        assert value == pytest.approx(truth[name], rel=0.05), name
 
 
 @pytest.mark.slow
@@ -89,4 +110,17 @@ def test_a_laminate_cut_at_four_angles_shows_its_threads(
     found = json.loads(hf("close-loop", "cloth.json", *words, cwd=tmp_path).stdout)
     assert found["effects"][0]["id"] == "anisotropy"
     assert found["error"]["after"]["nrmse"] < 0.05
-    assert found["held_out"]["after"]["rms"] < 0.35 * found["held_out"]["before"]["rms"]
+    assert found["held_out"]["after"]["rms"] < 0.25 * found["held_out"]["before"]["rms"]
+    assert "grip-slack" not in [one["id"] for one in found["effects"]]
+
+
+@pytest.mark.slow
+def test_a_laminate_cut_at_seven_angles_is_one_law(hf: Run, tmp_path: Path, data_dir: Path) -> None:
+    (tmp_path / "cloth.json").write_text(json.dumps(MODEL))
+    words: list[str | Path] = []
+    for angle in (0, 15, 30, 45, 60, 75, 90):
+        words += ["--measured", data_dir / "nylon-laminate" / f"uniaxial-{angle}.csv"]
+    found = json.loads(hf("close-loop", "cloth.json", *words, cwd=tmp_path).stdout)
+    assert found["effects"][0]["form"] == "bias-threads"
+    assert found["error"]["after"]["nrmse"] < 0.01
+    assert found["held_out"]["after"]["nrmse"] < 0.03

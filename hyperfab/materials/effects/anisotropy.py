@@ -152,6 +152,7 @@ FORMS: Mapping[str, Directions] = {
     "weft-fibres": Fibres(lambda k, growth: (0.0, k, growth), 2),
     "constants-fibres": Fibres(lambda warp, weft, growth: (warp, weft, growth), 3, Constants()),
     "threads": WholeSheet(("k1_warp_MPa", "k1_weft_MPa", "k2", "G_MPa")),
+    "threads-each": WholeSheet(("k1_warp_MPa", "k1_weft_MPa", "k2_warp", "k2_weft", "G_MPa")),
     "bias-threads": WholeSheet(
         ("k1_warp_MPa", "k1_weft_MPa", "k2_warp", "k2_weft", "k1_bias_MPa", "k2_bias", "bias_deg")
     ),

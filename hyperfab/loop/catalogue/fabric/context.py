@@ -81,6 +81,13 @@ class DataContext:
         return np.unique(known)
 
     @property
+    def slanted(self) -> Array:
+        """The directions in the data between warp and weft, either side of the warp alike [deg]."""
+        turned = self.angles % 180.0
+        folded = np.unique(np.minimum(turned, 180.0 - turned).round(6))
+        return folded[(folded > 1.0) & (folded < 89.0)]
+
+    @property
     def temperatures(self) -> Array:
         """The temperatures in the data [degC], a half-degree apart."""
         known = self.path.temperature_degC[np.isfinite(self.path.temperature_degC)]

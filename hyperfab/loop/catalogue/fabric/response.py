@@ -54,20 +54,34 @@ def anisotropy(context: DataContext) -> Effect:
     for way, one in (("warp", warp), ("weft", across)):
         forms.append(Form(f"{way}-fibres", (one, growth), starts, ((0.02 * stiff, 0.0),)))
     # What lies between warp and weft is no mean of both: a strip shears as well.
-    off_axis = bool(np.any((context.angles % 90.0) > 1.0)) and set(law.names) <= GROUND
+    slanted = context.slanted if set(law.names) <= GROUND else np.empty(0)
     both = (*away, warp, across, growth)
     beside = (*softer, 0.1 * stiff, 0.1 * stiff, 0.1 / far**2)
-    forms.append(Form("constants-fibres", both, (beside,), refines=() if off_axis else "constants"))
+    forms.append(Form("constants-fibres", both, (beside,), refines=() if len(slanted) else "constants"))
     if set(law.names) <= GROUND:
         shear = Constant("G_MPa", 0.0, 0.0, scale=0.1 * stiff)
         start = (0.3 * stiff, 0.3 * stiff, 0.1 / far**2, 0.05 * stiff)
         # A strip along the threads contracts otherwise than one across: where that was read it tells them too.
         simpler = tuple(form.name for form in forms) if context.transverse else ()
-        simpler = ("warp-fibres", "weft-fibres") if off_axis else simpler
-        threads = (warp, across, growth, shear)
-        forms.append(Form("threads", threads, (start,), refines=simpler, free=not off_axis))
-        if np.any(context.path.mode == GENERAL):
-            forms.append(_bias_threads(warp, across, stiff, far))
+        simpler = ("warp-fibres", "weft-fibres") if len(slanted) else simpler
+        threads = Form(
+            "threads",
+            (warp, across, growth, shear),
+            (start,),
+            refines=simpler,
+            free=not len(slanted),
+            takes_over=True,
+        )
+        forms.append(threads)
+        if len(slanted):
+            growths = [replace(growth, name=f"k2_{way}") for way in ("warp", "weft")]
+            each = (warp, across, *growths, shear)
+            begin = (*start[:3], *start[2:])
+            forms.append(Form("threads-each", each, (begin,), refines=("threads", *simpler), takes_over=True))
+        pulled_both_ways = bool(np.any(context.path.mode == GENERAL))
+        if pulled_both_ways or len(slanted) > 1:
+            turns = pulled_both_ways or len(slanted) > 3
+            forms.append(_bias_threads(warp, across, growth, stiff, far, turns))
     return Effect(
         id="anisotropy",
         title="warp and weft differ",
@@ -79,21 +93,25 @@ def anisotropy(context: DataContext) -> Effect:
     )
 
 
-def _bias_threads(warp: Constant, across: Constant, stiff: float, far: float) -> Form:
-    """Return threads along warp and weft and a pair between them: what is pulled along one answers along the other."""
-    growths = [
-        Constant(f"k2_{way}", 0.0, 0.0, 20.0 / far**2, 0.3 / far**2) for way in ("warp", "weft", "bias")
-    ]
+def _bias_threads(
+    warp: Constant, across: Constant, growth: Constant, stiff: float, far: float, turns: bool
+) -> Form:
+    """Return threads along warp and weft and a pair between them: what is pulled along one answers along the other.
+
+    Where the data tell how the pair is inclined, it ``turns``.
+    """
+    growths = [replace(growth, name=f"k2_{way}") for way in ("warp", "weft", "bias")]
     pair = Constant("k1_bias_MPa", 0.0, 0.0, scale=0.1 * stiff)
-    angle = Constant("bias_deg", 45.0, 10.0, 80.0, 5.0)
+    angle = Constant("bias_deg", 45.0, 10.0, 80.0, 5.0) if turns else fixed("bias_deg", 45.0)
     return Form(
         "bias-threads",
         (warp, across, *growths[:2], pair, growths[2], angle),
         tuple(
             (0.1 * stiff, 0.1 * stiff, 0.3 / far**2, 0.3 / far**2, 0.1 * stiff, 1.0 / far**2, a)
-            for a in (35.0, 50.0)
+            for a in ((35.0, 50.0) if turns else (45.0,))
         ),
-        refines=("warp-fibres", "weft-fibres", "constants-fibres"),
+        refines=("warp-fibres", "weft-fibres", "constants-fibres", "threads-each"),
+        takes_over=True,
     )
 
 
