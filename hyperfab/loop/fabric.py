@@ -18,11 +18,20 @@ from hyperfab.loop.problem import HAS_IT, Constant, Extra, Form, Problem
 from hyperfab.loop.thresholds import MACHINE
 from hyperfab.materials.effects import anisotropy
 from hyperfab.materials.effects.fabric import Fabric
-from hyperfab.materials.effects.grip_slack import STAYS
-from hyperfab.materials.effects.path import BIAXIAL, GENERAL, MODE_NAMES, Path, uniaxial_pull
+from hyperfab.materials.effects.grip_slack import BENDS, STAYS
+from hyperfab.materials.effects.path import (
+    BIAXIAL,
+    GENERAL,
+    MODE_NAMES,
+    SHEAR,
+    Path,
+    second_stretch,
+    uniaxial_pull,
+)
 from hyperfab.materials.identification.design import Problem as LawProblem
 from hyperfab.materials.identification.fit import fit_law
 from hyperfab.materials.identification.rows import Rows
+from hyperfab.materials.kinematics import Sheet
 from hyperfab.materials.law import Law
 
 #: Rows a turn of a test that could be done next, and how it may be led.
@@ -32,6 +41,7 @@ _VALLEY = 240
 #: Effects that have a say in the stiffness at rest, the strain it is told at, and the least of it, as a share of the
 #: stiffness that the tests end with: no sheet lengthens without a force.
 _ELASTIC, _STEP, _LEAST = ("anisotropy", "elastic-law"), 1e-4, 1e-3
+_ELSEWHERE = (SHEAR, BIAXIAL)
 
 
 @dataclass
@@ -71,19 +81,31 @@ class FabricProblem(Problem):
         return np.concatenate([stress, self.fabric.across(given, warp, weft)[self.transverse_rows]])
 
     def look_alikes(self, forms: Mapping[str, Form]) -> Sequence[frozenset[str]]:
-        """Return effects that only second pulls, or several rates and holds, tell apart: all of them make one loop."""
+        """Return effects that these tests do not tell apart, whatever they read.
+
+        Only second pulls, or several rates and holds, tell what makes loops. What grips give with the load, or smoothly
+        with the extension, bends the curve as another law does: told by more than one curve alone. Where each
+        direction was tested at a temperature of its own, either may be what they differ by.
+        """
         context = DataContext(self.law, (), self.fabric.path, self.measured)
-        if not context.unloads or context.pulls_again:
-            return ()
-        same = {"hysteresis", "mullins", "permanent-set"}
-        if "grip-slack" in forms and forms["grip-slack"].name in STAYS:
-            same.add("grip-slack")
-        return (frozenset(same if context.several_rates else {*same, "rate"}),)
+        alike = []
+        gives = forms["grip-slack"].name if "grip-slack" in forms else ""
+        if gives in BENDS and context.has_one_curve:
+            alike.append(frozenset({"grip-slack", "elastic-law"}))
+        if context.each_way_at_its_own_heat:
+            alike.append(frozenset({"anisotropy", "thermal-softening"}))
+        if context.unloads and not context.pulls_again:
+            same = {"hysteresis", "mullins", "permanent-set"}
+            if gives in STAYS:
+                same.add("grip-slack")
+            alike.append(frozenset(same if context.several_rates else {*same, "rate"}))
+        return alike
 
     def forbidden(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Mapping[str, float]:
         """Return by how much the modulus at rest along each direction tested falls short of what a sheet has.
 
-        In units of the stiffness these tests show at their ends.
+        In units of the stiffness these tests show at their ends. Where terms are added to the law, also by how much
+        other kinds of tests would fall instead of rising, up to the invariant that these reach.
         """
         warp, weft, had = self.of_own(own)
         elastic = {name: term for name, term in {**had, **terms}.items() if name in _ELASTIC}
@@ -103,7 +125,27 @@ class FabricProblem(Problem):
             modulus = self._at_rest.stress(warp, weft, named) / _STEP / self._secant
             for angle, value in zip(self._at_rest.path.angle_deg, modulus, strict=True):
                 found[f"Young's modulus at rest{of}{_along(angle)}"] = max(_LEAST - float(value), 0.0)
+        if "elastic-law" in elastic:
+            pairs = self._elsewhere.stress(warp, weft, elastic).reshape(-1, 2)
+            for mode, rise in zip(_ELSEWHERE, np.diff(pairs).reshape(len(_ELSEWHERE), -1), strict=True):
+                falls = max(float(np.max(-rise)) / _STEP / self._secant, 0.0)
+                found[f"slope of {MODE_NAMES[mode]} stress"] = falls
         return found
+
+    @cached_property
+    def _elsewhere(self) -> Fabric:
+        """Pairs of places close together in tests of other kinds, up to the largest I1 of these."""
+        path = self.fabric.path
+        far = float(np.max(_I1(path.mode, path.stretch, path.across)))
+        stretch = np.linspace(1.0, float(np.sqrt(3.0 + far)), 2001)
+        steps = np.array([[0.5, 0.0], [0.5, _STEP], [1.0, 0.0], [1.0, _STEP]])
+        places = []
+        for mode in _ELSEWHERE:
+            end = float(np.interp(far, _I1(np.full_like(stretch, mode), stretch, stretch), stretch))
+            places.append(1.0 + steps[:, 0] * (end - 1.0) + steps[:, 1])
+        pull = uniaxial_pull(np.concatenate(places))
+        of = replace(pull, mode=np.repeat(_ELSEWHERE, len(steps)))
+        return Fabric(self.law, of, self.fabric.reference_degC)
 
     @cached_property
     def _at_rest(self) -> Fabric:
@@ -129,6 +171,11 @@ class FabricProblem(Problem):
             ):
                 found.append(Extra(text, details, problem))
         return found
+
+
+def _I1(mode: NDArray[np.int64], stretch: Array, across: Array) -> Array:
+    """Return I1 - 3 of tests, strips as they contract at constant volume."""
+    return Sheet.of(stretch, second_stretch(mode, stretch, stretch**-0.5, across)).x
 
 
 def _along(angle: float) -> str:

@@ -212,11 +212,15 @@ class Search:
         key = tuple(sorted((one, kind.name) for one, kind in forms.items()))
         if key not in self._fits:
             self.tick(name)
-            parts = [parent.x[: parent.own]]
-            for one, kind in parent.forms.items():
-                given = parent.x[parent.place(one)]
-                parts.append(form.begin(kind, given) if one == name else given)
-            found = fit(self.problem, self.noise, forms, np.concatenate(parts), coarse=True)
+            given = {one: parent.x[parent.place(one)] for one in parent.forms}
+            near = given | {name: form.begin(parent.forms[name], given[name])}
+            # What the constants have come to beside one form may be far from what they are beside another.
+            anew = given | {name: np.array(form.starts[0])}
+            owns = parent.x[: parent.own], self._states[()].fit.x
+            starts = [
+                np.concatenate([own, *parts.values()]) for own, parts in zip(owns, (near, anew), strict=True)
+            ]
+            found = descent(self.problem, self.noise, forms, starts, coarse=True).fit(self.noise)
             if not np.isfinite(found.chi2):
                 return None
             self._fits[key] = found

@@ -198,6 +198,31 @@ def test_effects_that_make_one_loop_are_told_apart_by_second_pulls_and_by_rates(
     assert alike((loop, 0.01), (loop, 0.1), slack="play") == [one_loop]
 
 
+def test_what_the_plan_of_the_tests_cannot_tell_is_said_to_be_alike() -> None:
+    lam = np.linspace(1.0, 1.4, 20)
+
+    def alike(*states: tuple[float | None, float], gives: str = "") -> list[set[str]]:
+        """Of pulls at angles [deg] and temperatures [degC], where the grips were found to give so."""
+        done = [
+            TestCurve(
+                "uniaxial", lam, lam - 1.0, direction=angle, temperature_degC=np.full(20, heat), source=f"{k}"
+            )
+            for k, (angle, heat) in enumerate(states)
+        ]
+        problem = fabric_problem(laws()["neo-hookean"], (0.2,), done)
+        forms = {"grip-slack": problem.effect("grip-slack").form(gives)} if gives else {}
+        return [set(one) for one in problem.look_alikes(forms)]
+
+    for gives in ("smooth", "smooth-force", "yields", "yields-curved"):
+        assert alike((0.0, 23.0), (0.0, 23.0), gives=gives) == [{"grip-slack", "elastic-law"}]
+        assert alike((0.0, 23.0), (90.0, 23.0), gives=gives) == []
+        assert alike((0.0, 23.0), (0.0, 80.0), gives=gives) == []
+    assert alike((0.0, 23.0), (0.0, 23.0), gives="play") == []  # it has a corner
+    assert alike((0.0, 23.0), (90.0, 80.0), (0.0, 23.0)) == [{"anisotropy", "thermal-softening"}]
+    assert alike((0.0, 23.0), (90.0, 80.0), (0.0, 80.0)) == []
+    assert alike((None, 23.0), (None, 80.0)) == []
+
+
 def test_a_membrane_is_asked_for_no_shear_beside_its_laws():
     context = drape.DataContext((0.05, 0.2), 0.5, 0.0, 300.0)
     (shear,) = (one for one in drape.entries(context) if one.id == "shear-stiffness")

@@ -19,6 +19,8 @@ from hyperfab.loop.fabric import FabricProblem, fabric_problem
 from hyperfab.loop.fitting import fit
 from hyperfab.loop.noise import Noise, estimate_noise
 from hyperfab.loop.search import Search
+from hyperfab.materials.effects.fabric import Fabric
+from hyperfab.materials.effects.path import BIAXIAL, SHEAR, uniaxial_pull
 from hyperfab.materials.registry import law
 
 
@@ -434,3 +436,43 @@ def test_modes_that_a_law_cannot_fit_together_lack_an_elastic_law_and_nothing_el
     start = {"yeoh-3": (0.1, 0.001, 0.0001), "neo-hookean": (0.2,), "mooney-rivlin-2": (0.15, 0.01)}[model]
     found = close(fabric_problem(law(model), start, three_modes(wave, seed)), design=False)
     assert (found.verdict, found.after.ids) == ("effect", ("elastic-law",))
+
+
+def saturating(strain: np.ndarray) -> np.ndarray:
+    """A crimped cloth: it pulls straight within a strain of 0.06 and goes on far softer."""
+    return 1.6 * np.tanh(strain / 0.06) + 2.2 * strain
+
+
+def pulls_of_a_saturating_cloth(seed: int) -> list[TestCurve]:
+    random, strain = np.random.default_rng(seed), np.linspace(0.0, 0.25, 70)
+    return [
+        TestCurve(
+            "uniaxial",
+            1.0 + strain,
+            saturating(strain) * (1.0 + 0.01 * number) + 5e-3 * random.standard_normal(70),
+            source=f"{number}",
+            specimen=f"{number}",
+        )
+        for number in range(3)
+    ]
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_law_of_another_kind_is_not_laid_to_the_grips(seed: int) -> None:
+    tests = pulls_of_a_saturating_cloth(seed)
+    found = close(fabric_problem(law("yeoh-3"), [4.0, -17.0, 44.0], tests), design=False)
+    assert found.after.ids == ("elastic-law",)
+    assert found.after.judgement.is_small
+
+
+def test_what_is_added_to_a_law_lets_other_tests_rise_too() -> None:
+    tests = pulls_of_a_saturating_cloth(1)
+    problem = fabric_problem(law("yeoh-3"), [4.0, -17.0, 44.0], tests)
+    found = close(problem, design=False).after.fit
+    terms = {name: (form.name, found.x[found.place(name)]) for name, form in found.forms.items()}
+    # Up to the I1 - 3 of a strip at 1.25: planar to 1.226, equibiaxial to 1.127.
+    for mode, end in ((SHEAR, 1.226), (BIAXIAL, 1.127)):
+        stretch = np.array([1.0 + 0.5 * (end - 1.0), end])
+        path = replace(uniaxial_pull(np.concatenate([stretch, stretch + 1e-4])), mode=np.full(4, mode))
+        stress = Fabric(problem.law, path).stress(found.x[:3], None, terms)
+        assert np.all(np.diff(stress.reshape(2, 2), axis=0) > -1e-6), mode

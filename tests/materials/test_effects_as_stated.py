@@ -583,11 +583,13 @@ STATED += [
 ]
 #: Forms that go from reading to reading by steps, on both sides, or find the load of a specimen between such.
 BY_STEPS = ("finite", "finite-2", "yields", "yields-curved", "slips", "smooth-force", "smooth-slip")
-ELSEWHERE = {("compressibility", "split"), ("anisotropy", "threads"), ("anisotropy", "bias-threads")}
+ELSEWHERE = {("compressibility", "split")} | {
+    ("anisotropy", form) for form in ("threads", "threads-each", "bias-threads")
+}
 #: Smooth laws that are not worked out here; of the energy tests/loop/test_smooth.py has limits.
 NOT_HERE = {
     ("hysteresis", "smooth"), ("permanent-set", "smooth"), ("elastic-law", "smooth"),
-    ("permanent-set", "smooth-flow"),
+    ("elastic-law", "smooth-close"), ("permanent-set", "smooth-flow"),
     ("compressibility", "uniform-smooth"), ("compressibility", "slope-smooth"),
     ("compressibility", "directions-smooth"), ("hysteresis", "smooth-each-way"),
     ("permanent-set", "smooth-load-each-way"), ("permanent-set", "smooth-flow-load-each-way"),

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,6 +14,12 @@ from hyperfab.materials.kinematics import Sheet
 from hyperfab.materials.law import Law
 from hyperfab.materials.material import Material
 from hyperfab.materials.term import InvariantTerm, PowerTerm, Term, Value, log_I2, of_I1, of_I2
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PPoly
+
+#: Strains, over the largest, at which a smooth law has its values: closer together near rest.
+CLOSE = tuple((21.0 ** (k / 6.0) - 1.0) / 20.0 for k in range(1, 7))
 
 
 @dataclass(frozen=True)
@@ -99,8 +107,7 @@ def _exponential(sheet: Sheet, b: float) -> list[Term]:
 
 
 def _smooth(sheet: Sheet, reach: float) -> list[Term]:
-    """Return energies of I1 whose slopes are smooth functions, each 1 at one fifth of ``reach``, I2 - 3, and Ogden's of
-    exponent 1, which no function of both makes: a biaxial test tells it from them."""
+    """Return energies of I1 whose slopes are smooth functions, each 1 at one fifth of ``reach``, and the rest."""
     slopes = cardinal(5)
     stored = slopes.antiderivative()
     x = sheet.x / reach
@@ -108,7 +115,40 @@ def _smooth(sheet: Sheet, reach: float) -> list[Term]:
     terms: list[Term] = [
         of_I1(reach * w, w1, w11 / reach) for w, w1, w11 in zip(energy, slope, bend, strict=True)
     ]
-    return [*terms, of_I2(sheet.y, 1.0 + 0.0 * sheet.y, 0.0 * sheet.y), PowerTerm(1.0)]
+    return [*terms, *_of_other_modes(sheet)]
+
+
+def _smooth_close(sheet: Sheet, reach: float) -> list[Term]:
+    """Return energies of I1 whose slopes are smooth functions of its root, the strain, each 1 at one of ``CLOSE``."""
+    stored, slopes = _close()
+    s = np.sqrt(np.maximum(sheet.x, 0.0) / reach)
+    energy, slope, rate = (np.moveaxis(values, -1, 0) for values in (stored(s), slopes(s), slopes(s, 1)))
+    # At rest I1 does not change with the strain: what its second derivative is there does not matter.
+    per = 2.0 * reach * np.maximum(s, 1e-9)
+    terms: list[Term] = [
+        of_I1(reach * w, w1, w11 / per) for w, w1, w11 in zip(energy, slope, rate, strict=True)
+    ]
+    return [*terms, *_of_other_modes(sheet)]
+
+
+@lru_cache(maxsize=1)
+def _close() -> tuple[PPoly, PPoly]:
+    """Return the energies over ``reach`` and slopes (6) by s, the root of x over ``reach``; slopes go on straight."""
+    from scipy.interpolate import CubicSpline, PPoly
+
+    spline = CubicSpline((0.0, *CLOSE), np.eye(7)[:, 1:], bc_type="natural")
+    end = np.stack([np.zeros(6), np.zeros(6), spline(1.0, 1), spline(1.0)])[:, None]
+    slopes = PPoly(np.concatenate([spline.c, end], axis=1), [*spline.x, 2.0])
+    # dx = reach d(s^2): the slope times 2 s, s being its beginning and what is beyond that in each piece.
+    begin = np.asarray(slopes.x[:-1])[:, None]
+    c = np.concatenate([slopes.c, np.zeros((1, *slopes.c.shape[1:]))])
+    c[1:] += begin * slopes.c
+    return PPoly(2.0 * c, slopes.x).antiderivative(), slopes
+
+
+def _of_other_modes(sheet: Sheet) -> list[Term]:
+    """Return I2 - 3 and Ogden's term of exponent 1, which no function of I1 and I2 makes: a biaxial test tells it."""
+    return [of_I2(sheet.y, 1.0 + 0.0 * sheet.y, 0.0 * sheet.y), PowerTerm(1.0)]
 
 
 _POWERS = Added(
@@ -136,6 +176,9 @@ FORMS: Mapping[str, Added] = {
     "straightening": _TOE,
     "smooth": Added(
         ("reach", *(f"D_{k}_MPa" for k in range(1, 6)), "C01_MPa", "mu_MPa"), _smooth, lately=("mu_MPa",)
+    ).and_log(),
+    "smooth-close": Added(
+        ("reach", *(f"D_{k}_MPa" for k in range(1, 7)), "C01_MPa", "mu_MPa"), _smooth_close
     ).and_log(),
     "straightening-log": _TOE.and_log(),
     "ogden-log": _OGDEN.and_log(),

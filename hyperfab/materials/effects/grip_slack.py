@@ -112,5 +112,7 @@ OF_LOAD: Mapping[str, Callable[[Array, Array], Array]] = {
     "smooth-force": lambda load, values: _smoothly(load, values[0], values[1:]),
     "smooth-slip": lambda load, values: _smoothly(load, values[0], values[1:]),
 }
-#: Of these those by which the specimen has slipped: what was given is not taken back.
+#: The forms that bend the curve as another law would.
+BENDS = ("smooth", "yields", "yields-curved", "smooth-force")
+#: Those of the load by which the specimen has slipped: what was given is not taken back.
 STAYS = ("slips", "smooth-slip")

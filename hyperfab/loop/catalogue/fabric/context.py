@@ -88,6 +88,21 @@ class DataContext:
         return folded[(folded > 1.0) & (folded < 89.0)]
 
     @property
+    def has_one_curve(self) -> bool:
+        """Whether all tests are alike but for the specimen, the rate and the amplitude."""
+        alike = len(self.angles) < 2 and len(self.temperatures) < 2
+        return bool(alike and len(np.unique(self.path.mode)) < 2)
+
+    @property
+    def each_way_at_its_own_heat(self) -> bool:
+        """Whether every direction was tested at one temperature, and at that no other direction."""
+        path = self.path
+        states = np.column_stack([path.angle_deg, np.round(2.0 * path.temperature_degC) / 2.0])
+        states = states[np.isfinite(states).all(axis=1)]
+        ways, heats = (len(np.unique(column)) for column in states.T)
+        return ways > 1 and ways == heats == len(np.unique(states, axis=0))
+
+    @property
     def temperatures(self) -> Array:
         """The temperatures in the data [degC], a half-degree apart."""
         known = self.path.temperature_degC[np.isfinite(self.path.temperature_degC)]

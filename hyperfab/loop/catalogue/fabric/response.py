@@ -208,9 +208,9 @@ def elastic_law(context: DataContext) -> Effect:
     for one in (ogden, exponential):
         start = (*one.starts[0], 0.01 * size)
         forms.append(Form(f"{one.name}-log", (*one.constants, log), (start,), refines=one.name))
-    slopes = [Constant(f"D_{k}_MPa", 0.0, scale=0.1 * size) for k in range(1, 6)]
+    slopes = [Constant(f"D_{k}_MPa", 0.0, scale=0.1 * size) for k in range(1, 7)]
     free = (*slopes, mixed[0], Constant("mu_MPa", 0.0, scale=0.1 * size), log)
-    smooth = freely(forms, "smooth", (fixed("reach", far), *free), (far, *(0.01 * size for _ in free)))
+    smooth = freely(forms, "smooth-close", (fixed("reach", far), *free), (far, *(0.01 * size for _ in free)))
     return Effect(
         id="elastic-law",
         title="the strain-energy law is too poor",
