@@ -75,10 +75,10 @@ class Evidence:
     restores: bool = False
 
     def accepted(self) -> bool:
-        """Whether the term pays, and helps most of the tests that can tell."""
+        """Whether the term pays, and helps most of the tests that can tell, or takes most of what they miss by."""
         if self.help is None or self.restores:
             return self.pays()
-        return self.pays() and self.help.helped >= MOST
+        return self.pays() and max(self.help.helped, self.help.taken) >= MOST
 
     def foretells(self) -> bool:
         """Whether the term takes its share of what lacks, on most of the tests left out too, if by little in BIC."""

@@ -83,14 +83,14 @@ class FabricProblem(Problem):
     def look_alikes(self, forms: Mapping[str, Form]) -> Sequence[frozenset[str]]:
         """Return effects that these tests do not tell apart, whatever they read.
 
-        Only second pulls, or several rates and holds, tell what makes loops. What grips give with the load, or smoothly
-        with the extension, bends the curve as another law does: told by more than one curve alone. Where each
-        direction was tested at a temperature of its own, either may be what they differ by.
+        Only second pulls, or several rates and holds, tell what makes loops. What grips give smoothly with the extension
+        bends all curves of a kind as another law does, what they give with the load so does where there is but one.
+        Where each direction was tested at a temperature of its own, either may be what they differ by.
         """
         context = DataContext(self.law, (), self.fabric.path, self.measured)
         alike = []
         gives = forms["grip-slack"].name if "grip-slack" in forms else ""
-        if gives in BENDS and context.has_one_curve:
+        if (gives in BENDS and context.has_one_curve) or (gives == "smooth" and context.has_one_mode):
             alike.append(frozenset({"grip-slack", "elastic-law"}))
         if context.each_way_at_its_own_heat:
             alike.append(frozenset({"anisotropy", "thermal-softening"}))

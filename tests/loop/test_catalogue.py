@@ -215,8 +215,9 @@ def test_what_the_plan_of_the_tests_cannot_tell_is_said_to_be_alike() -> None:
 
     for gives in ("smooth", "smooth-force", "yields", "yields-curved"):
         assert alike((0.0, 23.0), (0.0, 23.0), gives=gives) == [{"grip-slack", "elastic-law"}]
-        assert alike((0.0, 23.0), (90.0, 23.0), gives=gives) == []
-        assert alike((0.0, 23.0), (0.0, 80.0), gives=gives) == []
+        told = [{"grip-slack", "elastic-law"}] if gives == "smooth" else []
+        assert alike((0.0, 23.0), (90.0, 23.0), gives=gives) == told
+        assert alike((0.0, 23.0), (0.0, 80.0), gives=gives) == told
     assert alike((0.0, 23.0), (0.0, 23.0), gives="play") == []  # it has a corner
     assert alike((0.0, 23.0), (90.0, 80.0), (0.0, 23.0)) == [{"anisotropy", "thermal-softening"}]
     assert alike((0.0, 23.0), (90.0, 80.0), (0.0, 80.0)) == []

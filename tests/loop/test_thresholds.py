@@ -379,11 +379,12 @@ CASES: dict[str, tuple[Callable[[pytest.MonkeyPatch], Any], Any]] = {
     ),
     "MOST": (
         lambda _: [
-            [[evidence(help=Help(1.0, one, 3)).accepted(), gave(one)] for one in (0.4, 0.66)],
+            [[evidence(help=Help(*of, 3)).accepted() for of in ((0.5, one), (one, 0.5))] for one in (0.4, 0.66)],
+            [gave(one) for one in (0.4, 0.66)],
             [something_else(left) > 0.5 for left in (3.0, 4.0)],
             [outweighs(left) for left in (3.0, 4.0)],
         ],
-        [[[False, False], [True, True]], [False, True], [True, False]],
+        [[[False, False], [True, True]], [False, True], [False, True], [True, False]],
     ),
     "ODDS": (
         lambda _: [

@@ -90,8 +90,12 @@ class DataContext:
     @property
     def has_one_curve(self) -> bool:
         """Whether all tests are alike but for the specimen, the rate and the amplitude."""
-        alike = len(self.angles) < 2 and len(self.temperatures) < 2
-        return bool(alike and len(np.unique(self.path.mode)) < 2)
+        return self.has_one_mode and len(self.angles) < 2 and len(self.temperatures) < 2
+
+    @property
+    def has_one_mode(self) -> bool:
+        """Whether all tests are of one kind, and their stretch is all that was read."""
+        return len(np.unique(self.path.mode)) < 2 and not self.transverse
 
     @property
     def each_way_at_its_own_heat(self) -> bool:
