@@ -104,6 +104,20 @@ class Amount(Kind):
 
 
 @dataclass(frozen=True)
+class Percent(Amount):
+    """A share that is counted in percent, with the sign or without: ``Amount`` would read ``80%`` as 0.8.
+
+    >>> kind = Percent("dimensionless", "80%", least=0.0, most=100.0)
+    >>> kind.read("80%", "--min-spotted"), kind.read("80", "--min-spotted")
+    (80.0, 80.0)
+    """
+
+    def read(self, text: Any, option: str) -> float:
+        found: float = self.checked(text, option, lambda: self.load(_percent(text, self.example)))
+        return found
+
+
+@dataclass(frozen=True)
 class Whole(Kind):
     """A whole number."""
 
@@ -348,6 +362,13 @@ def _whole(text: Any, example: str) -> int:
         return int(str(text).strip(), 10)
     except ValueError:
         raise ValueError(f"a whole number is needed, as {example}") from None
+
+
+def _percent(text: Any, example: str) -> float:
+    try:
+        return float(str(text).strip().removesuffix("%"))
+    except ValueError:
+        raise ValueError(f"a number of percent is needed, as {example}") from None
 
 
 def _range(least: float | None, most: float | None, unit: str) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from hyperfab.cases.case import Case
 from hyperfab.cases.field import amount, choice, file, flag, series, setting, stl_unit, uncertainty, whole
-from hyperfab.cases.kinds import Amount, AmountOrFile
+from hyperfab.cases.kinds import Amount, AmountOrFile, Percent
 from hyperfab.errors import UsageError
 
 
@@ -83,10 +83,11 @@ class PressCase(Case):
         example="0.05deg,0deg: the two components across the axis", over=("floating",),
     )  # fmt: skip
     strokes: int = whole("N", "Points of the force-stroke curve.", "21", least=2, most=1001)
-    min_spotted: float | None = amount(
-        "dimensionless", "PERCENT", "Exit 1 where less of the molding surface touches.", example="80", least=0.0,
-        most=100.0,
-    )  # fmt: skip
+    min_spotted: float | None = setting(
+        Percent("dimensionless", "80%", least=0.0, most=100.0),
+        "PERCENT",
+        "Exit 1 where less of the molding surface touches.",
+    )
     max_pressure: float | None = amount(
         "stress", "PRESSURE", "Exit 1 where the pressure is above this anywhere.", example="10kPa", above=0.0
     )

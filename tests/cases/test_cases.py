@@ -37,7 +37,7 @@ FULL: dict[str, list[str]] = {
     "press-contact": [
         "--male", "m.stl", "--female", "f.stl", "--foam", "foam.toml", "--axis", "x", "--force", "0.5kN", "--male-heat",
         "1.json", "--female-heat", "2.json", "--drape", "d.json", "--mounted", "free", "--zero", "hot", "--float",
-        "--force-at", "1cm,-2mm", "--frame-stiffness", "50kN/mm", "--strokes", "7", "--min-spotted", "80",
+        "--force-at", "1cm,-2mm", "--frame-stiffness", "50kN/mm", "--strokes", "7", "--min-spotted", "80%",
         "--max-pressure", "8kPa", "--design-gap", "2mm", "--facets", "flat", "--uncertainty", "linear",
         "--dwell", "40s", "--target", "180degC", "--stl-unit", "m",
         "--wanted", "wanted.csv", "--within", "0.05mm", "--compensate",
