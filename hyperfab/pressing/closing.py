@@ -9,7 +9,7 @@ import numpy as np
 from hyperfab.arrays import Array, Flags
 from hyperfab.pressing.balance import balance
 from hyperfab.pressing.contact import Contact
-from hyperfab.pressing.gap import Front, axial_gap, molding_front, nearest_gap, oblique
+from hyperfab.pressing.gap import Front, axial_gap, molding_front, oblique
 from hyperfab.pressing.growth import guide_line
 from hyperfab.pressing.mold import Mold, Pose
 from hyperfab.pressing.placement import Clearance, clearance
@@ -114,7 +114,7 @@ def close_press(case: Case) -> Closed:
     stays = pose.opening == 0.0 and pose.angle == 0.0
     # A female that stays where it is keeps its search tree.
     there = female if stays else female.moved(pose.carry(female.vertices), female.mount + pose.opening)
-    nearest = nearest_gap(front.vertices, there)
+    nearest = press.gap(pose)
     along, touch = press.touch(pose, result.gap)
     part = press.touching(touch)
     return Closed(

@@ -20,6 +20,9 @@ from hyperfab.surface.curve import along_a_curve
 
 #: Positions are solved to this [mm]; forces follow to about 1e-9 of their stiffness.
 _POSITION_TOLERANCE = 1e-9
+#: Nearer than this [mm] two places touch, and no direction leads from one to the other: that of the male's place so far
+#: [mm] before, as the press closes, stands for it.
+_TOUCHED, _BEFORE = 1e-8, 1e-6
 
 
 @dataclass(frozen=True)
@@ -48,8 +51,12 @@ class Press:
     def gap(self, pose: Pose) -> Gap:
         """Return the nearest gap from each vertex of the front to the female at ``pose``."""
         # Not the female is moved but the points against it: its search tree stays as it is.
-        points = pose.into_female(self.front.vertices)
-        gap = nearest_gap(points, self.female, self._order)
+        points = self.front.vertices
+        gap = nearest_gap(pose.into_female(points), self.female, self._order)
+        touched = np.flatnonzero(np.abs(gap.nearest) <= _TOUCHED)
+        if len(touched):
+            before = pose.into_female(points[touched] - [0.0, 0.0, _BEFORE])
+            gap.direction[touched] = nearest_gap(before, self.female).direction
         return gap if pose.angle == 0.0 else replace(gap, direction=gap.direction @ pose.rotation.T)
 
     def touch(self, pose: Pose, gap: Array) -> tuple[Array, Array]:

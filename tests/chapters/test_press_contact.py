@@ -143,7 +143,10 @@ def test_collision_of_the_hot_molds_is_a_negative_verdict_and_says_how_far_to_op
 
 def test_too_little_spotted_is_a_negative_verdict(shop, monkeypatch):
     assert press(shop, monkeypatch, gap="3mm", min_spotted=40.0)[0] == 0
-    assert press(shop, monkeypatch, gap="3mm", min_spotted=80.0)[0] == 1
+    for written in (80.0, "80", "80%"):
+        status, document = press(shop, monkeypatch, gap="3mm", min_spotted=written)
+        assert status == 1
+        assert document["setup"]["min_spotted"] == 80.0
 
 
 def test_too_much_pressure_is_a_negative_verdict(shop, monkeypatch, capsys):
@@ -152,7 +155,27 @@ def test_too_much_pressure_is_a_negative_verdict(shop, monkeypatch, capsys):
     assert status == 0
     assert press(shop, monkeypatch, gap="3mm", max_pressure=f"{1.01 * greatest!r} MPa")[0] == 0
     assert press(shop, monkeypatch, gap="3mm", max_pressure=f"{0.99 * greatest!r} MPa")[0] == 1
-    assert "are allowed" in capsys.readouterr().err
+    assert f"{0.99 * greatest:g} MPa are allowed" in capsys.readouterr().err
+
+
+def test_plates_that_just_touch_bear_as_much_as_just_before(tmp_path, monkeypatch, capsys):
+    for name, solid in (("male", cup.plate(-20.0, 0.0)), ("female", cup.plate(4.0, 24.0))):
+        (tmp_path / f"{name}.stl").write_bytes(stl_bytes(solid.vertices, solid.faces))
+    (tmp_path / "foam.toml").write_text(FOAM)
+    for facets in ("smooth", "flat"):
+        _, before = press(tmp_path, monkeypatch, gap="0.0001mm", facets=facets)
+        capsys.readouterr()
+        status, touching = press(tmp_path, monkeypatch, gap="0mm", facets=facets)
+        assert status == 1
+        assert "the hot molds touch at" in capsys.readouterr().err
+        assert touching["force_N"] == pytest.approx(before["force_N"], rel=1e-4)
+        strokes, forces = zip(*touching["force_stroke"], strict=True)
+        assert list(forces) == sorted(forces)
+        assert touching["oblique_area_fraction"] == 0.0
+        _, closed = press(
+            tmp_path, monkeypatch, gap=None, force=f"{0.9 * touching['force_N']!r}N", facets=facets
+        )
+        assert closed["gap_min_mm"] == pytest.approx(0.45, abs=1e-6)
 
 
 def test_floating_molds_under_a_force_off_centre_tilt_towards_it(shop, monkeypatch):
@@ -250,6 +273,8 @@ def test_shrunk_foam_touches_less_and_stays_thinner(shop, monkeypatch):
         ({"gap": "3mm", "zero": "warm"}, "cold or hot"),
         ({"gap": "3mm", "facets": "round"}, "smooth or flat"),
         ({"gap": "3mm", "min_spotted": 120.0}, "between 0 and 100"),
+        ({"gap": "3mm", "min_spotted": "101%"}, "between 0 and 100"),
+        ({"gap": "3mm", "min_spotted": "90 degC"}, "a number of percent is needed, as 80%"),
         ({"gap": "3mm", "force_at": "1mm,2mm"}, "add --float"),
         ({"gap": "3mm", "floating": True, "force_at": "1mm"}, "two components"),
         ({"gap": "3mm", "temperature": "200degC", "male_heat": "h.json"}, "exclude each other"),

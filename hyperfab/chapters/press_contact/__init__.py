@@ -233,6 +233,8 @@ def _judge(job: Job, result: PressDocument, closed: Closed, case: PressCase) -> 
         apart = closed.press.metal_contact - closed.pose.opening
         job.console.warn(
             f"the hot molds overlap by {-result.gap_min_mm:.3f} mm at ({at}) mm: open by {apart:.3f} mm to part them"
+            if result.gap_min_mm <= -0.0005
+            else f"the hot molds touch at ({at}) mm"
         )
         status = NEGATIVE_VERDICT
     if result.border_area_fraction > 0.02:
@@ -247,7 +249,7 @@ def _judge(job: Job, result: PressDocument, closed: Closed, case: PressCase) -> 
         status = NEGATIVE_VERDICT
     if case.max_pressure is not None and result.pressure_max_MPa > case.max_pressure:
         job.console.warn(
-            f"the pressure reaches {result.pressure_max_MPa:g} MPa, {case.max_pressure:g} are allowed"
+            f"the pressure reaches {result.pressure_max_MPa:g} MPa, {case.max_pressure:g} MPa are allowed"
         )
         status = NEGATIVE_VERDICT
     return status
