@@ -390,6 +390,30 @@ def test_volumetric_test_gives_the_bulk_modulus(hf: Run, tmp_path: Path) -> None
     (tmp_path / "v.csv").write_text("volume ratio,stress [MPa]\n0.99,-20\n0.98,-40\n")
     found = fit(hf, *ALL, "--volumetric", tmp_path / "v.csv", "--model", "yeoh-3")
     assert found["bulk_modulus_MPa"] == pytest.approx(2000.0, rel=1e-12)
+    told = found["fit"]["tests"]["volumetric"]
+    assert (told["points"], told["stretch_min"], told["stretch_max"]) == (2, 0.98, 1.0)
+    assert told["E2"] == pytest.approx(0.0, abs=1e-24)
+    assert "volumetric: bulk modulus 2000 MPa" in found["stderr"]
+    [entry] = [one for one in found["validity"] if one["of"] == "volume_ratio"]
+    assert (entry["used"], entry["from"]) == ([0.98, 0.99], "v.csv")
+
+
+@pytest.mark.parametrize(
+    ("test", "rows"),
+    [
+        ("simple-shear", "shear strain,shear stress [MPa]\n0.1,0.1\n0.2,0.2"),
+        ("confined-compression", "stretch,stress [MPa]\n0.9,-0.1\n0.8,-0.2"),
+    ],
+)
+def test_what_only_a_foam_carries_is_refused_with_the_laws_that_do(
+    hf: Run, tmp_path: Path, test: str, rows: str
+) -> None:
+    (tmp_path / "t.csv").write_text(f"# test: {test}\n{rows}\n")
+    done = hf("fit", tmp_path / "t.csv", "--model", "all")
+    assert done.returncode == 3
+    assert "only hyperfoam-1, hyperfoam-2 and hyperfoam-3 carry" in done.stderr.decode()
+    found = fit(hf, *ALL, tmp_path / "t.csv", "--model", "gent")
+    assert found["left_out"][f"{test}: only hyperfoam-1, hyperfoam-2 and hyperfoam-3 carry this test"] == 2
 
 
 def test_a_mistyped_reading_is_named_with_its_line(hf: Run, root: Path, tmp_path: Path) -> None:

@@ -58,6 +58,13 @@ def fit_figures(found: Identified, reach: Reach) -> FitFigures:
 
 def document_of(readings: Readings, setting: Setting, **own: Any) -> MaterialDocument:
     """Return the material document of any law: what it says of tests and setting, and the law's ``own`` keys."""
+    bulk = readings.bulk_figures
+    if bulk is not None:  # no law of a sheet takes part in that; that of a foam has figures of its own there
+        ratio = np.concatenate([test.stretch for test in readings.volumetric])
+        low, high = min(1.0, float(ratio.min())), max(1.0, float(ratio.max()))
+        own["fit"].tests.setdefault(
+            "volumetric", TestFigures(**vars(bulk), stretch_min=low, stretch_max=high)
+        )
     return MaterialDocument(
         thickness_mm=readings.thickness,
         thickness_nominal=readings.nominal or None,

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.chapters.fit.prepare import Steps, prepare, settled
 from hyperfab.chapters.job import refuse_twice
 from hyperfab.chapters.look import remarks, understood, unused_columns
@@ -18,13 +19,17 @@ from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_tests import TestData, read_tests
 from hyperfab.io.layout import Layout
 from hyperfab.io.specimen import Geometry
+from hyperfab.materials.hyperfoam import ORDERS
+from hyperfab.materials.identification.quality import Figures, figures
 from hyperfab.numerics.hygiene import ZERO
 
 if TYPE_CHECKING:
     from hyperfab.chapters.job import Job
 
-#: The tests that the laws of today carry.
+#: The tests that all laws but those of foams carry.
 CARRIED = ("uniaxial", "shear", "biaxial", "biaxial-general")
+#: The laws that carry all tests.
+_FOAMS = " and ".join(ORDERS).replace(" and ", ", ", len(ORDERS) - 2)
 #: Tests closer than this in temperature [K] are tests at one temperature; where such a chain of readings is longer than
 #: ``LONG_CHAIN`` [K], one temperature is too few, and that is said.
 SAME_TEMPERATURE, LONG_CHAIN = 5.0, 10.0
@@ -49,11 +54,22 @@ class Readings:
     @property
     def bulk_modulus(self) -> float | None:
         """Mean stress over change of volume [MPa], by least squares; pressure counted either way."""
+        return abs(self._bulk[0]) if self.volumetric else None
+
+    @property
+    def bulk_figures(self) -> Figures | None:
+        """How well the bulk modulus carries the volumetric tests; None without one."""
         if not self.volumetric:
             return None
+        slope, change, stress = self._bulk
+        return figures(stress, slope * change)
+
+    @property
+    def _bulk(self) -> tuple[float, Array, Array]:
+        """Slope [MPa] of the mean stress against the change of volume, and both of all volumetric tests."""
         change = np.concatenate([test.stretch - 1.0 for test in self.volumetric])
         stress = np.concatenate([test.stress for test in self.volumetric])
-        return abs(float(change @ stress)) / float(change @ change)
+        return float(change @ stress) / float(change @ change), change, stress
 
     @property
     def modes(self) -> list[str]:
@@ -115,14 +131,15 @@ def gather(
     carried = [test for test in sheets if test.mode in carried_by]
     for test in sheets:
         if test.mode not in carried_by:
-            found.left_out[f"{test.mode}: no law here carries this test"] += len(test.stretch)
+            found.left_out[f"{test.mode}: only {_FOAMS} carry this test"] += len(test.stretch)
     if not carried:
         raise InputError(
-            f"is a test in {sheets[0].mode.replace('-', ' ')}, which no law here carries"
+            f"is a test in {sheets[0].mode.replace('-', ' ')}, which only {_FOAMS} carry"
             if sheets
             else "is a volumetric test alone",
             file=tests[0].source,
-            remedy="give uniaxial, shear or biaxial tests",
+            remedy="give uniaxial, shear or biaxial tests"
+            + (f", or a law of a foam: --model {next(iter(ORDERS))}" if sheets else ""),
         )
     clusters = _temperatures(carried)
     split = [(mean, test.take(rows)) for test in carried for mean, rows in _by_temperature(test, clusters)]

@@ -62,6 +62,8 @@ def run(job: Job, case: FitCase) -> int:
     setting = Setting(chosen, relative and not foam, case.stable, case.accept, floor)
     fitted = _whole if foam or model == "orthotropic" else _by_direction
     document, beside = fitted(job, readings, setting, case)
+    if not foam:
+        _tell_bulk(job, readings)
     if out.wants_files:
         for suffix, data in beside().items():
             out.add(suffix, data)
@@ -163,6 +165,19 @@ def _whole(job: Job, readings: Readings, setting: Setting, case: FitCase) -> _Fi
         return found
 
     return document, beside
+
+
+def _tell_bulk(job: Job, readings: Readings) -> None:
+    """Say the bulk modulus, how well it carries the volumetric tests, and over which changes of volume."""
+    bulk = readings.bulk_figures
+    if bulk is None:
+        return
+    job.console.note(
+        f"volumetric: bulk modulus {readings.bulk_modulus:.4g} MPa, rel. rms {bulk.relative_rms:.4g}, "
+        f"NRMSE {bulk.nrmse:.4g}, {number_of_rows(bulk.points)}"
+    )
+    for test in readings.volumetric:
+        job.ranges.used("volume_ratio", test.stretch, known=test.stretch, source=test.source)
 
 
 def _tell_table(job: Job, name: str, levelled: float) -> None:
