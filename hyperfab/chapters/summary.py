@@ -77,7 +77,7 @@ def _constants(values: Plain, fit: Plain) -> str:
         f"{name} {figure(value, sd[name]) if name in sd else format(value, '.5g')}"
         for name, value in values.items()
     )
-    alone = (fit.get("uncertainty") or {}).get("source") == "readings"
+    alone = (fit.get("uncertainty") or {}).get("source") in ("readings", "stated")
     return f"{told} (± one sd of the readings alone)" if sd and alone else told
 
 

@@ -79,14 +79,15 @@ class FitUncertainty(Part):
 
     order: list[str] = Field(description="names of the constants, in the order of the covariance")
     covariance: list[list[float]] | None = optional(
-        "of the constants; absent where nothing shows how specimens scatter"
+        "of the constants; absent where nothing shows how specimens scatter nor states how readings do"
     )
     specimens: int = Field(description="specimens fitted")
     degrees_of_freedom: float = Field(
         description="of Student's t for an interval; 0 where there are no replicates"
     )
     source: Literal["specimens", "readings", "stated"] = Field(
-        description="specimens: from how they scatter; readings: how they scatter is unknown"
+        description="specimens: from how they scatter; readings: how they scatter is unknown; stated: from what is "
+        "stated of the readings, how specimens scatter being unknown too"
     )
     law: float | None = optional(
         "how far the stress of other accepted laws is from this one's, relative, over all modes up to "
@@ -111,7 +112,7 @@ class FitFigures(Part):
     points: int
     parameters_sd: Parameters | None = optional(
         "standard deviation of each constant, in its unit: by how specimens scatter where there are "
-        "replicates, else of the readings alone"
+        "replicates, else of the readings alone (as it is stated of them, or by what the law misses)"
     )
     uncertainty: FitUncertainty | None = None
     condition_number: float | None = optional(

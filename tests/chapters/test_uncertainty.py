@@ -16,8 +16,9 @@ from builders import FILM, PLATE
 
 from hyperfab.cases.options import read
 from hyperfab.cases.registry import case_class
-from hyperfab.chapters import commands, drape, fabric_contact, mold_heat, press_contact
+from hyperfab.chapters import commands, drape, fabric_contact, press_contact
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.mold_heat import recipe as heat_recipe
 from hyperfab.chapters.rerun import Listener, rerun
 from hyperfab.chapters.uncertainty.carry import Sure
 from hyperfab.console import Console
@@ -153,7 +154,7 @@ def test_what_the_inputs_do_not_state_is_not_made_up(made: Any) -> None:
     [
         (CONTACT, fabric_contact, {"fabric.json": material()}),
         (DRAPE, drape, {"fabric.json": material()}),
-        (("mold-heat", "mold.toml"), mold_heat.recipe, {"mold.toml": BRIEF.encode(), "film.csv": FILM}),
+        (("mold-heat", "mold.toml"), heat_recipe, {"mold.toml": BRIEF.encode(), "film.csv": FILM}),
         (PRESS, press_contact, {"foam.toml": FOAM.encode()}),
     ],
 )
@@ -327,6 +328,15 @@ def test_what_is_not_carried_is_named_in_the_document(made: Any, monkeypatch: py
     found = made((*CONTACT, "--uncertainty", "sampled"), fabric_json=material(scaled(0.03)))
     assert found["uncertainty"]["quantities"] == {}
     assert found["uncertainty"]["left_out"] == ["all figures: 400 of 400 runs that were drawn fail"]
+
+
+def test_constants_known_from_readings_alone_are_named_as_not_carried(made: Any) -> None:
+    given = json.loads(material(law=0.02))
+    given["fit"]["uncertainty"]["source"] = "readings"
+    found = made((*CONTACT, "--thickness", "0.6mm +- 0.02mm"), fabric_json=json.dumps(given).encode())
+    assert found["uncertainty"]["left_out"] == [
+        "fabric.json: how specimens scatter is not known from these tests", "fabric.json: choice of the law",
+    ]  # fmt: skip
 
 
 def test_a_warm_up_without_losses_takes_as_long_as_the_power_is_small(made: Any) -> None:

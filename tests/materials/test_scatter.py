@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from conftest import Run
 from scipy.stats import t as student
 
+from hyperfab.chapters.fit.describe import uncertainty
 from hyperfab.chapters.fit.identify import Identified, Setting, identify
 from hyperfab.chapters.fit.orthotropic import fit_sheet
 from hyperfab.curve import TestCurve
@@ -46,6 +48,30 @@ def test_without_noise_the_variance_is_that_of_the_mean_of_specimens(rows: int) 
     assert scatter is not None
     assert (scatter.specimens, scatter.freedom) == (4, 3)
     assert scatter.covariance[0, 0] == pytest.approx(np.var(0.1 * GAINS, ddof=1) / 4, rel=1e-9)
+
+
+def test_what_is_stated_of_readings_is_carried_to_the_constants() -> None:
+    """Of one specimen; each reading by itself: C10 is a straight line's slope."""
+    [curve] = neo_hookean(GAINS[:1])
+    slopes = 2.0 * (curve.stretch - curve.stretch**-2)
+    sd = np.linspace(0.001, 0.004, len(slopes))
+    weighed = identify(
+        law("neo-hookean"), [replace(curve, stress_sd=sd)], Setting(("uniaxial",), False, False, 1.0)
+    )
+    noisy = identify(law("neo-hookean"), [curve], Setting(("uniaxial",), False, False, 1.0, noise=0.002))
+    for found, each in ((weighed, sd), (noisy, 0.002)):
+        assert isinstance(found, Identified)
+        sure = uncertainty(found.certainty, found.specimens)
+        assert (sure.source, sure.specimens, sure.degrees_of_freedom) == ("stated", 1, 0)
+        assert sure.covariance is not None
+        assert sure.covariance[0][0] == pytest.approx(1.0 / np.sum((slopes / each) ** 2), rel=1e-9)
+        assert found.certainty.sd[0] ** 2 == pytest.approx(sure.covariance[0][0], rel=1e-12)
+    # Where specimens scatter that counts, whatever is stated of their readings.
+    several = identify(
+        law("neo-hookean"), neo_hookean(GAINS), Setting(("uniaxial",), False, False, 1.0, noise=0.002)
+    )
+    assert isinstance(several, Identified)
+    assert uncertainty(several.certainty, several.specimens).source == "specimens"
 
 
 def test_each_temperature_has_the_scatter_of_its_own_specimens() -> None:

@@ -98,8 +98,9 @@ def identify(law: Law, curves: Sequence[TestCurve], setting: Setting) -> Identif
     if setting.stable and not stable_over(ranges, reach(curves)):
         return "no constants in its box could be shown to be stable over the data"
     per_temperature = [figures(measured[rows.group == g], model[rows.group == g]) for g in range(rows.groups)]
-    sure = [certainty(fit, g, [specimen_of(one) for one in used], [kind_of(one) for one in used])
-            for g in range(rows.groups)]  # fmt: skip
+    specimens, kinds = [specimen_of(one) for one in used], [kind_of(one) for one in used]
+    deviation = _stated(used, setting)
+    sure = [certainty(fit, g, specimens, kinds, deviation) for g in range(rows.groups)]
     found = Identified(
         law=law,
         fit=fit,
@@ -243,8 +244,25 @@ def _axis(law: Law, curve: TestCurve) -> int:
     return 2 if not law.isotropic and curve.direction_name == "weft" else 1
 
 
+def _deviation(reading: TestCurve, setting: Setting) -> Array | float | None:
+    """Return the standard deviation [MPa] that is stated of the readings of a curve."""
+    return reading.stress_sd if reading.stress_sd is not None else setting.noise
+
+
+def _stated(used: Sequence[TestCurve], setting: Setting) -> Array | None:
+    """Return the standard deviation [MPa] of each row of ``Rows.of``, None where it is not stated of all."""
+    found = []
+    for curve in used:
+        sd = _deviation(curve, setting)
+        if sd is None:
+            return None
+        each = np.broadcast_to(sd, curve.stress.shape)
+        found += [each, each] if curve.mode == "biaxial-general" else [each]
+    return np.concatenate(found)
+
+
 def _weighted(reading: TestCurve, setting: Setting) -> TestCurve:
-    sd = reading.stress_sd if reading.stress_sd is not None else setting.noise
+    sd = _deviation(reading, setting)
 
     def weight(stress: Array) -> Array:
         if not setting.relative:

@@ -254,8 +254,9 @@ def of_material(document: MaterialDocument, file: str, asked: float | None, orig
             told = told or own
             if own is None:
                 continue
-            if own.covariance is None:
+            if own.source != "specimens":
                 unknown.append(f"{base}: how specimens{of}{at} scatter is not known from these tests")
+            if own.covariance is None:
                 continue
             walls = WALLS if document.model == ORTHOTROPIC else {}
             known.append(_constants(own, file, places[-1], f"{base}: constants{of}{at}", walls))
@@ -267,10 +268,11 @@ def of_material(document: MaterialDocument, file: str, asked: float | None, orig
         if document.joint_uncertainty.source != "specimens":
             origins.left_out.append(f"{base}: how specimens scatter is not known from these tests")
         return
+    origins.left_out += unknown
     if not known:
+        origins.left_out += [f"{base}: choice of the law"] if laws else []
         return
     origins.found += known
-    origins.left_out += unknown
     if laws:
         sd = np.array([spread for spread, _ in laws])
         numbers = tuple(number for _, number in laws)

@@ -48,9 +48,10 @@ class Certainty:
     """Standard deviations and correlations of the constants, in the order of ``names``, and the condition number.
 
     The condition number is that of the Jacobian with columns of length one: 1 where the constants do not disturb
-    each other. ``scatter`` is where the standard deviations come from, None where from the readings alone. ``leverage``
-    is each row's share in its own prediction, ``studentised`` its residual over the residual's own standard deviation
-    with the row left out.
+    each other. ``scatter`` is where the standard deviations come from, None where from the readings alone; where the
+    readings' own deviations are stated, ``stated`` is the covariance of the constants then. ``leverage`` is each row's
+    share in its own prediction, ``studentised`` its residual over the residual's own standard deviation with the row
+    left out.
     """
 
     names: tuple[str, ...]
@@ -60,12 +61,15 @@ class Certainty:
     leverage: Array
     studentised: Array
     scatter: Scatter | None = None
+    stated: Array | None = None
 
     def reordered(self, order: Sequence[int]) -> Certainty:
         """Return the certainty with the constants, under the same names, in another order."""
         square = np.ix_(order, order)
         scatter = None if self.scatter is None else self.scatter.reordered(order)
-        return replace(self, sd=self.sd[order], correlation=self.correlation[square], scatter=scatter)
+        stated = None if self.stated is None else self.stated[square]
+        correlation = self.correlation[square]
+        return replace(self, sd=self.sd[order], correlation=correlation, scatter=scatter, stated=stated)
 
 
 def certainty(
@@ -73,14 +77,17 @@ def certainty(
     group: int = 0,
     specimens: Sequence[Hashable] | None = None,
     kinds: Sequence[Hashable] | None = None,
+    deviation: Array | None = None,
 ) -> Certainty:
     """Return how sure the constants of one group of rows are: by how specimens scatter, where there are replicates.
 
     ``specimens`` and ``kinds`` are those of ``scatter.by_specimen``. Without replicates the standard deviations are
-    from the curvature at the optimum, as if each reading erred by itself: how specimens scatter is not in them.
+    from the curvature at the optimum, as if each reading erred by itself, by the ``deviation`` (rows,) [MPa] that is
+    stated of it or else by what the law misses: how specimens scatter is not in them.
     """
     found = Weighed(fit.jacobian, fit.residual, fit.problem.b - fit.residual, fit.problem.rows.curve)
-    return sure_of(found, fit.material.law.names, _by_parameter(fit, group), specimens, kinds)
+    weighed = None if deviation is None else fit.problem.rows.weight * deviation
+    return sure_of(found, fit.material.law.names, _by_parameter(fit, group), specimens, kinds, weighed)
 
 
 def sure_of(
@@ -89,8 +96,10 @@ def sure_of(
     change: Array,
     specimens: Sequence[Hashable] | None = None,
     kinds: Sequence[Hashable] | None = None,
+    deviation: Array | None = None,
 ) -> Certainty:
-    """Return how sure constants ``names`` are that move by ``change`` (p, q) with the columns of a Jacobian."""
+    """Return how sure constants ``names`` are that move by ``change`` (p, q) with the columns of a Jacobian; of the
+    weighted equations the standard ``deviation`` (rows,), where it is stated."""
     J = fit.jacobian
     rows, count = J.shape
     length = np.sqrt((J * J).sum(axis=0))
@@ -106,8 +115,12 @@ def sure_of(
     spread = change @ root
     covariance = spread @ spread.T * variance
     scatter = by_specimen(fit, change, specimens, kinds) if specimens and kinds else None
+    stated = None
     if scatter is not None:
         covariance = scatter.covariance
+    elif deviation is not None:
+        moved = spread @ U.T * deviation
+        covariance = stated = moved @ moved.T
     sd = np.sqrt(np.diag(covariance))
     with np.errstate(all="ignore"):
         correlation = covariance / np.outer(sd, sd)
@@ -119,6 +132,7 @@ def sure_of(
         leverage=leverage,
         studentised=_studentised(fit.residual, leverage, sse, freedom),
         scatter=scatter,
+        stated=stated,
     )
 
 
