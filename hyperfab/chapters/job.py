@@ -65,9 +65,16 @@ class Job:
             own = data.get("setup", {})
             hashes = {file.name: file.sha256 for file in self.inputs.files}
             data = document.to_json(case.setup(hashes, known | own) | own)
-        seen = _Seen({file.name: relative_name(file.name, output.target) for file in self.inputs.files})
-        apart = ("setup", "files", "provenance")
-        data = {key: value if key in apart else seen.named(value) for key, value in data.items()}
+        names = {file.name: relative_name(file.name, output.target) for file in self.inputs.files}
+        every = _Seen(names)
+        # There a name without a folder is the file's own, wherever the file lies.
+        placed = _Seen({name: shown for name, shown in names.items() if os.path.basename(name) != name})
+        data = {
+            key: value
+            if key in ("setup", "files", "provenance")
+            else (placed if key in ("uncertainty", "validity") else every).named(value)
+            for key, value in data.items()
+        }
         if self.like is not None:
             for name in self.like.altered(self.inputs):
                 self.console.warn(f"{name} has changed since {self.like.name} was made from it")

@@ -13,6 +13,7 @@ the command then ends with status 1. A command that writes no document calls ``j
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -82,7 +83,7 @@ class Ranges:
         'used beyond what is known: stretch 1 to 2 (fabric.json in drape.json: 1 to 1.8)'
         """
         for one in document.get("validity") or []:
-            source = f"{one['from']} in {name}"
+            source = f"{one['from']} in {os.path.basename(name)}"
             self.used(
                 one["of"], one["used"], known=one.get("known"), source=source, direction=one.get("direction")
             )

@@ -93,12 +93,16 @@ def made(
     (folder / "mold.toml").write_text(MOLD)
     (folder / "warp.csv").write_text(TEST)
     (folder / "foam.toml").write_text(FOAM)
-    for name, low in (("male", 0.0), ("female", 10.0)):
-        box = trimesh.creation.box((40.0, 30.0, 10.0)).apply_translation((0.0, 0.0, low))
-        (folder / f"{name}.stl").write_bytes(stl_bytes(box.vertices, box.faces))
+    write_molds(folder)
     done = hf(request.param, *RUNS[request.param][0], "-o", "a.json", cwd=folder)
     assert done.returncode in (0, 1), done.stderr.decode()
     return request.param, folder
+
+
+def write_molds(folder: Path) -> None:
+    for name, low in (("male", 0.0), ("female", 10.0)):
+        box = trimesh.creation.box((40.0, 30.0, 10.0)).apply_translation((0.0, 0.0, low))
+        (folder / f"{name}.stl").write_bytes(stl_bytes(box.vertices, box.faces))
 
 
 def run(hf: Run, command: str, folder: Path, *words: str, name: str = "b.json") -> dict[str, Any]:
@@ -116,6 +120,16 @@ def test_the_same_set_up_gives_the_same_document_from_another_folder(made: tuple
     # Where words name an input, they do as it is seen from the document.
     run(hf, command, other, "--like", "../shop/a.json", name="../shop/c.json")
     assert without(json.loads((folder / "c.json").read_text()), "c") == without(first)
+
+
+def test_sources_of_uncertainty_are_called_alike_wherever_the_command_runs(tmp_path: Path, hf: Run) -> None:
+    write_molds(tmp_path)
+    (tmp_path / "foam.toml").write_text(FOAM.replace("3 mm", "3 mm +- 0.1 mm"))
+    (tmp_path / "out").mkdir()
+    first = run(hf, "press-contact", tmp_path, *RUNS["press-contact"][0], name="out/a.json")
+    again = run(hf, "press-contact", tmp_path / "out", "--like", "a.json")
+    assert without(again, "b") == without(first)
+    assert "foam.toml: thickness" in [one["source"] for one in first["uncertainty"]["sources"]]
 
 
 def test_an_option_given_wins_and_nothing_else_of_the_set_up_changes(made: tuple[str, Path], hf: Run) -> None:
