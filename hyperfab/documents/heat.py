@@ -37,8 +37,12 @@ class WorkSurface(Evenness):
 class Energy(Part):
     """The account of heat from the start to the end."""
 
-    supplied_J: float | None = optional("given by the heaters; absent in a steady state")
-    lost_J: float | None = optional("left through all other conditions")
+    supplied_J: float | None = optional(
+        "given by the heaters, and by held temperatures in steps in which they give heat; absent in a steady state"
+    )
+    lost_J: float | None = optional(
+        "left through all other conditions, and through held temperatures that took it"
+    )
     stored_J: float = Field(description="gained by the parts")
     imbalance_relative: float = Field(
         description="largest |supplied - lost - stored| after any step, over all heat turned over, "
@@ -112,7 +116,9 @@ class PieceResult(Part):
     heat_from_mold_J: float
     heat_from_other_J: float | None = optional("from what its other face meets")
     taken_out_degC: float = Field(description="mean of the piece, by its heat capacity, as it is taken out")
-    supplied_J: float = Field(description="by the heaters until the next")
+    supplied_J: float = Field(
+        description="by the heaters, and held temperatures that give heat, until the next"
+    )
     lost_J: float = Field(description="by the mold through all conditions until the next, the piece apart")
 
 
@@ -129,7 +135,7 @@ class Production(Part):
         "run.tolerance"
     )
     drift_K: float | None = optional("greatest change of any node from one laying in to the next, at the end")
-    power_W: float = Field(description="mean of the heaters through the last period")
+    power_W: float = Field(description="mean of what was supplied through the last period")
     power_to_hold_W: float = Field(
         description="what the mold lost and the piece took in the last period, over the period: with it the "
         "mold's heat stays what it is"
@@ -176,7 +182,7 @@ class HeatDocument(Computed):
     work_surface: WorkSurface | None = None
     energy: Energy
     efficiency: float | None = optional(
-        "heat stored in all parts over heat given by the heaters, from the start to the warm-up where it "
+        "heat stored in all parts over heat supplied, from the start to the warm-up where it "
         "was reached, else to the end; what is missing to 1 was lost on the way"
     )
     power_supplied_W: float | None = optional(

@@ -1,4 +1,4 @@
-"""The account of heat: supplied by heaters, lost through faces, stored in the body; the three must balance."""
+"""The account of heat: supplied by heaters and held faces, lost through faces, stored; the three must balance."""
 
 from __future__ import annotations
 
@@ -20,12 +20,14 @@ LEAST_CHANGE = 1e-4
 class Ledger:
     """Heat since the start [J]. ``entered`` has one row a step and one column a condition (then held nodes).
 
-    ``supplying`` marks the heaters' columns. ``stored`` is the heat in the body after each step, less that at the
-    start. ``least`` is the heat that changes the body by LEAST_CHANGE [J].
+    ``supplying`` marks the heaters' columns, ``held`` those of held nodes, which supply in steps in which they give
+    heat. ``stored`` is the heat in the body after each step, less that at the start. ``least`` is the heat that changes
+    the body by LEAST_CHANGE [J].
     """
 
     names: list[str]
     supplying: NDArray[np.bool_]
+    held: NDArray[np.bool_]
     first_stored: float
     least: float = 0.0
     entered: list[Array] = field(default_factory=list)
@@ -35,11 +37,14 @@ class Ledger:
     @staticmethod
     def begin(model: HeatModel, stored: float, exchanged: Sequence[str] = ()) -> Ledger:
         """Open the account with the heat in the body; ``exchanged`` name parts that are renewed."""
-        others = [*(held.name for held in model.prescribed), *exchanged]
-        names = [c.name for c in model.conditions] + others
-        heaters = [isinstance(c, Heater) for c in model.conditions] + [False] * len(others)
+        kinds = [
+            *((c.name, isinstance(c, Heater), False) for c in model.conditions),
+            *((one.name, False, True) for one in model.prescribed),
+            *((name, False, False) for name in exchanged),
+        ]
         least = LEAST_CHANGE * float(model.lumped_capacity.sum())
-        return Ledger(names, np.array(heaters, dtype=bool), stored, least)
+        heaters, held = (np.array([kind[k] for kind in kinds], dtype=bool) for k in (1, 2))
+        return Ledger([name for name, _, _ in kinds], heaters, held, stored, least)
 
     def add(self, heat: Array, stored: float, moved: float) -> None:
         """Enter one step: ``stored`` is in the body after it, ``moved`` went from node to node in it."""
@@ -63,13 +68,20 @@ class Ledger:
         total = np.sum(self.entered, axis=0) if self.entered else np.zeros(len(self.names))
         return dict(zip(self.names, total.tolist(), strict=True))
 
+    @property
+    def by_step(self) -> tuple[Array, Array]:
+        """Heat that was supplied and heat that was lost in each step (steps,) [J]."""
+        rows = np.array(self.entered).reshape(-1, len(self.names))
+        given = np.where(self.held, np.maximum(rows, 0.0), np.where(self.supplying, rows, 0.0))
+        return given.sum(axis=1), -(rows - given).sum(axis=1)
+
     def supplied(self, steps: int | None = None) -> float:
-        """Heat given by the heaters in the first ``steps`` steps (all) [J]."""
-        return float(np.sum([row[self.supplying].sum() for row in self.entered[:steps]]))
+        """Heat given by heaters and held nodes in the first ``steps`` steps (all) [J]."""
+        return float(self.by_step[0][:steps].sum())
 
     def lost(self, steps: int | None = None) -> float:
-        """Heat that left through all other conditions [J]."""
-        return -float(np.sum([row[~self.supplying].sum() for row in self.entered[:steps]]))
+        """Heat that left through all other conditions, and through held nodes that took it [J]."""
+        return float(self.by_step[1][:steps].sum())
 
     def imbalance(self) -> float:
         """Return the largest |supplied - lost - stored| after any step, over the heat turned over in the whole run.

@@ -240,6 +240,17 @@ def test_a_long_run_that_has_no_reduced_mold_says_why(tmp_path, monkeypatch):
     assert document["notes"] == ["a long run, followed in full: temperatures are held"]
 
 
+def test_a_face_that_is_held_warm_supplies_the_heat_it_gives(tmp_path):
+    held = '[[temperature]]\non = "plate.x-"\nvalue = "100 degC"\n'
+    _, document, _ = heat(tmp_path, HEAD + FILM + held + PROBE + RUN)
+    energy = document["energy"]
+    face, film = (energy["by_condition_J"][name] for name in ("temperature plate.x-", "convection exposed"))
+    assert energy["supplied_J"] == pytest.approx(face)
+    assert energy["lost_J"] == pytest.approx(-film)
+    assert energy["stored_J"] == pytest.approx(energy["supplied_J"] - energy["lost_J"])
+    assert document["efficiency"] == pytest.approx(energy["stored_J"] / energy["supplied_J"])
+
+
 def test_zones_that_ask_one_probe_switch_together(tmp_path):
     control = 'control = { probe = "centre", set = "60 degC", band = "4 K" }\n'
     left = HEATER.replace("plate.z-", "plate.x-").replace("400 W", "200 W") + control

@@ -104,8 +104,7 @@ def _field(problem: Problem, temperature: Array, flux: Array | None, sure: Mappi
 def _history(problem: Problem, history: History) -> bytes:
     """One row a step: account of heat and evenness of the work surface."""
     ledger = history.ledger
-    supplied = np.cumsum([0.0, *(row[ledger.supplying].sum() for row in ledger.entered)])
-    lost = np.cumsum([0.0, *(-row[~ledger.supplying].sum() for row in ledger.entered)])
+    supplied, lost = (np.cumsum([0.0, *heat]) for heat in ledger.by_step)
     header = ["time_s", "supplied_J", "lost_J", "stored_J"]
     columns = [np.array(history.states.times), supplied, lost, np.array([0.0, *ledger.stored])]
     if problem.work_surface is not None:

@@ -149,9 +149,9 @@ def pieces_made(pieces: Pieces, history: History) -> list[PieceResult]:
         )
         through = entered[begin:end].sum(axis=0)
         gained = model.heat(history.states[taken].temperature, section.temperature)
-        supplied = float(through[ledger.supplying].sum())
+        supplied, lost = (float(heat[begin:end].sum()) for heat in ledger.by_step)
         from_other = float(through[names.index(model.name)])
-        left = float(through[~ledger.supplying].sum()) - float(through[exchanged].sum()) - from_other
+        left = -lost - float(through[exchanged].sum()) - from_other
         cells = history.states[taken].temperature[model.own]
         share = model.cells.capacity / model.cells.capacity.sum()
         mean = float(model.area @ (cells @ share) / model.area.sum())
