@@ -169,7 +169,7 @@ def parse_document(loaded: object, name: str, cls: type[DocumentT]) -> DocumentT
 
 
 def check_format(found: object, name: str, cls: type[Document]) -> None:
-    """Refuse another kind, or a version newer than this program knows, by name."""
+    """Refuse another kind, or a version that this program does not know, by name."""
     wanted = cls.format_name()
     match = re.fullmatch(r"hyperfab\.([a-z-]+)/([0-9]{1,6})", found) if isinstance(found, str) else None
     if match is None:
@@ -187,12 +187,14 @@ def check_format(found: object, name: str, cls: type[Document]) -> None:
             key="format",
             remedy=_maker(cls.KIND),
         )
-    if version > cls.VERSION or version < 1:
+    if not 1 <= version <= cls.VERSION:
+        again = "make the document again with this one"
         raise InputError(
-            f"has version {version} of the format, this hf knows up to {cls.VERSION}",
+            f"has version {version} of the format, this hf knows "
+            + (f"up to {cls.VERSION}" if version else "none below 1"),
             file=name,
             key="format",
-            remedy="use a newer hf, or make the document again with this one",
+            remedy=f"use a newer hf, or {again}" if version else f'write "{wanted}", or {again}',
         )
 
 

@@ -37,6 +37,11 @@ def test_an_older_version_is_read() -> None:
     ("document", "cls", "message"),
     [
         ({"format": "hyperfab.material/3", "width_mm": 1}, Sheet, "a.json, key format: has version 3"),
+        (
+            {"format": "hyperfab.material/0", "width_mm": 1},
+            Sheet,
+            'knows none below 1; write "hyperfab.material/2", or make the document again',
+        ),
         ({"format": "hyperfab.drape/1"}, Sheet, "is a drape document, a material document is needed"),
         ({"width_mm": 1}, Sheet, "does not say what it is"),
         ({"format": 7}, Sheet, "unknown format 7"),
