@@ -52,7 +52,7 @@ def test_a_page_is_written_from_what_fit_wrote(hf: Run, tmp_path: Path) -> None:
 def test_what_cannot_be_read_costs_its_section(fabric: Path, tmp_path: Path) -> None:
     (tmp_path / "newer.json").write_text(json.dumps({**FABRIC, "format": "hyperfab.material/9"}))
     (tmp_path / "torn.json").write_text('{"format": "hyperfab.drape/1", "conv')
-    assert report(fabric, tmp_path / "newer.json", tmp_path / "torn.json", output=tmp_path / "r.html") == 0
+    assert report(fabric, tmp_path / "newer.json", tmp_path / "torn.json", output=tmp_path / "r.html") == 3
     text = (tmp_path / "r.html").read_text()
     assert "has version 9 of the format" in text
     assert "is not valid JSON" in text

@@ -24,7 +24,8 @@ LARGE = 8 * 2**20
 
 
 def run(job: Job, case: ReportCase) -> int:
-    """Write the page. A document that cannot be read costs its section; none at all is an InputError."""
+    """Write the page. A document that cannot be read costs its section, and the exit status is that of an InputError;
+    none at all is one."""
     output = _target(job.target)
     sources: dict[str, Source] = {}
     broken: list[tuple[Source, Section]] = []
@@ -53,7 +54,7 @@ def run(job: Job, case: ReportCase) -> int:
         job.console.warn(f"the page has {len(data) / 2**20:.1f} MB; name fewer documents for a phone")
     write_single(output, data, job.inputs)
     job.judge_ranges()
-    return 0
+    return InputError.exit_status if broken else 0
 
 
 def _target(output: str) -> str:
