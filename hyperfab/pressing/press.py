@@ -13,7 +13,7 @@ from hyperfab.errors import InputError
 from hyperfab.numerics.roots import zero_between
 from hyperfab.pressing.clip import Quadrature, positive_part
 from hyperfab.pressing.contact import Contact, contact, modes_of, stiffness
-from hyperfab.pressing.gap import Front, Gap, nearest_gap, normal_gap, touch_gap
+from hyperfab.pressing.gap import Front, Gap, axial_gap, nearest_gap, normal_gap, touch_gap
 from hyperfab.pressing.mold import UPRIGHT, Mold, Pose
 from hyperfab.pressing.sandwich import Sandwich
 from hyperfab.surface.curve import along_a_curve
@@ -21,7 +21,7 @@ from hyperfab.surface.curve import along_a_curve
 #: Positions are solved to this [mm]; forces follow to about 1e-9 of their stiffness.
 _POSITION_TOLERANCE = 1e-9
 #: Nearer than this [mm] two places touch, and no direction leads from one to the other: that of the male's place so far
-#: [mm] before, as the press closes, stands for it.
+#: [mm] before it met the female, as the press closes, stands for it.
 _TOUCHED, _BEFORE = 1e-8, 1e-6
 
 
@@ -55,7 +55,9 @@ class Press:
         gap = nearest_gap(pose.into_female(points), self.female, self._order)
         touched = np.flatnonzero(np.abs(gap.nearest) <= _TOUCHED)
         if len(touched):
-            before = pose.into_female(points[touched] - [0.0, 0.0, _BEFORE])
+            before = pose.into_female(points[touched])
+            # Along a common wall a place may have gone on since; fmin: none goes on where no female is above.
+            before[:, 2] += np.fmin(axial_gap(before, self.female), 0.0) - _BEFORE
             gap.direction[touched] = nearest_gap(before, self.female).direction
         return gap if pose.angle == 0.0 else replace(gap, direction=gap.direction @ pose.rotation.T)
 

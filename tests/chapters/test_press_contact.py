@@ -176,6 +176,13 @@ def test_plates_that_just_touch_bear_as_much_as_just_before(tmp_path, monkeypatc
             tmp_path, monkeypatch, gap=None, force=f"{0.9 * touching['force_N']!r}N", facets=facets
         )
         assert closed["gap_min_mm"] == pytest.approx(0.45, abs=1e-6)
+        # Hot, their walls slide along each other: each is 20 mm thick and grows by as much as the other.
+        capsys.readouterr()
+        status, hot = press(tmp_path, monkeypatch, gap="0mm", temperature="70degC", facets=facets)
+        assert status == 1
+        grown = 23.6e-6 * (70.0 - 20.0)
+        assert f"overlap by {40.0 * grown:.3f} mm" in capsys.readouterr().err
+        assert hot["force_N"] == pytest.approx(touching["force_N"] * (1.0 + grown) ** 2, rel=1e-6)
 
 
 def test_floating_molds_under_a_force_off_centre_tilt_towards_it(shop, monkeypatch):

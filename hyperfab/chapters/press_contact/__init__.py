@@ -228,12 +228,14 @@ def _judge(job: Job, result: PressDocument, closed: Closed, case: PressCase) -> 
             else f"the compensation still moves after {result.compensation.iterations} iterations"
         )
         status = NotConverged.exit_status
-    if result.gap_min_mm <= 0.0 and closed.case.force is None:
+    # Of walls that slide along each other the nearest gap is none, however far the molds overlap.
+    overlap = max(-result.gap_min_mm, -closed.clearance_hot)
+    if overlap >= 0.0 and closed.case.force is None:
         at = ", ".join(f"{value:.1f}" for value in result.gap_min_at_mm)
-        apart = closed.press.metal_contact - closed.pose.opening
+        apart = max(closed.press.metal_contact - closed.pose.opening, -closed.clearance_hot)
         job.console.warn(
-            f"the hot molds overlap by {-result.gap_min_mm:.3f} mm at ({at}) mm: open by {apart:.3f} mm to part them"
-            if result.gap_min_mm <= -0.0005
+            f"the hot molds overlap by {overlap:.3f} mm at ({at}) mm: open by {apart:.3f} mm to part them"
+            if overlap >= 0.0005
             else f"the hot molds touch at ({at}) mm"
         )
         status = NEGATIVE_VERDICT
