@@ -100,6 +100,7 @@ def test_a_press_that_lacks_nothing_is_noise(press: Path, hf: Run) -> None:
     assert done.returncode == 0, done.stderr.decode()
     found = json.loads(done.stdout)
     assert found["verdict"] == "noise"
+    assert (found["setup"]["prior"], found["setup"]["derived"]) == (0.1, ["prior"])
     (press / "alike.json").write_bytes(done.stdout)
     again = hf("close-loop", "--like", "alike.json", cwd=press)
     assert again.returncode == 0, again.stderr.decode()

@@ -72,6 +72,7 @@ def test_the_document_has_the_contracts_keys_and_fits_its_schema(shop, monkeypat
 
 def test_regions_share_out_the_area(shop, monkeypatch):
     _, document = press(shop, monkeypatch, gap="3mm")
+    assert document["setup"]["temperature_degC"] == 20.0  # of a room, where nothing is asked
     touching = sum(region["area_mm2"] for region in document["regions"] if region["contact"])
     assert touching == pytest.approx(document["contact_area_mm2"], rel=1e-9)
     whole = document["molding_area_mm2"] + document["flange_area_mm2"]

@@ -18,6 +18,7 @@ FABRIC = {
     "model": "neo-hookean",
     "parameters": {"C10_MPa": 0.2},
     "thickness_mm": 0.8,
+    "temperature_degC": 23.0,
 }
 #: The words of each command, and an option that changes its result: its words, and its key in ``setup``.
 RUNS: dict[str, tuple[list[str], tuple[str, str], str]] = {
@@ -120,6 +121,12 @@ def test_the_same_set_up_gives_the_same_document_from_another_folder(made: tuple
     # Where words name an input, they do as it is seen from the document.
     run(hf, command, other, "--like", "../shop/a.json", name="../shop/c.json")
     assert without(json.loads((folder / "c.json").read_text()), "c") == without(first)
+
+
+def test_what_a_drape_takes_unasked_stands_in_its_set_up(tmp_path: Path, hf: Run) -> None:
+    setup = json.loads((drape(tmp_path, hf) / "a.json").read_text())["setup"]
+    assert (setup["temperature_degC"], setup["slide"]) == (23.0, [])
+    assert setup["derived"] == ["thickness_mm", "temperature_degC", "slide"]
 
 
 def test_sources_of_uncertainty_are_called_alike_wherever_the_command_runs(tmp_path: Path, hf: Run) -> None:

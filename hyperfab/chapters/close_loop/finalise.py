@@ -135,7 +135,8 @@ def finish(
 
 def write(job: Job, out: Output, given: Given, found: Finding, result: LoopDocument) -> int:
     """Write all; return the exit status."""
-    job.write(out, result, given.case)
+    # Constants of a fabric's law are free where no prior is asked for.
+    job.write(out, result, given.case, prior=None if result.domain == "fabric" else given.surely)
     return NEGATIVE_VERDICT if found.verdict == "unexplained" else 0
 
 

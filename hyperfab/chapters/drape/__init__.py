@@ -47,7 +47,8 @@ def run(job: Job, case: DrapeCase) -> int:
         document.uncertainty = sure.uncertainty
     if out.wants_files:
         files.write(out, model, found, sure, banded(document.to_json(), "force_N", "N"))
-    job.write(out, document, case, thickness_mm=model.sheet.thickness)
+    known = {"temperature_degC": model.files.fabric.temperature, "slide": case.sliding}
+    job.write(out, document, case, thickness_mm=model.sheet.thickness, **known)
     return 4 if not sound else 1 if torn else 0
 
 

@@ -109,7 +109,8 @@ def run(job: Job, case: PressCase) -> int:
     if out.wants_files:
         out.add(".vtu", grid_of(told, sure.fields))
         out.add(".png", picture_of(told, result, sure))
-    job.write(out, result, case)
+    cold = case.male_heat is None and case.female_heat is None
+    job.write(out, result, case, temperature_degC=float(told.reference) if cold else None)
     return status
 
 
