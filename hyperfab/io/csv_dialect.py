@@ -11,8 +11,9 @@ from hyperfab.errors import InputError
 from hyperfab.io.cells import NO_READING, is_number
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.encoding import decode
-from hyperfab.io.headings import fold, heading, is_closing, kind_named, setting, unit_of
+from hyperfab.io.headings import fold, heading, is_closing, setting, unit_of
 from hyperfab.io.layout import PLAIN, Layout, filled_in
+from hyperfab.io.named_tests import kind_named
 from hyperfab.io.rows import MAX_CELLS, MAX_COLUMNS, SEPARATORS, Row, lines_of, split, titles_by_gaps, uniform
 from hyperfab.io.settings import Entry, settings
 from hyperfab.io.table_readings import readings

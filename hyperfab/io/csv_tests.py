@@ -110,7 +110,7 @@ def _read_sheet(
     ]
     mark = settle_decimal(sheet, numeric, decimal)
     sheet = _without_stale_row(sheet, columns, mark)
-    kinds, compression = tests_of_rows(sheet, columns, test)
+    kinds, pressed = tests_of_rows(sheet, columns, test)
     notes: list[str] = []
     sizes = read_geometry(sheet, geometry, mark, notes)
     ways = directions(sheet, columns)
@@ -120,7 +120,7 @@ def _read_sheet(
     )
     groups = _groups(kinds, ways, numbered)
     loadings = {
-        kind: read_loading(sheet, columns, kind, sizes, mark, geometry, compression)
+        kind: read_loading(sheet, columns, kind, sizes, mark, geometry, pressed)
         for kind in sorted({one for one, _, _ in groups})
     }
     known: dict[str, Any] = of_each_row(sheet, columns, sizes, mark, clock, notes)

@@ -328,28 +328,6 @@ def word_for(text: str, table: str) -> str | None:
     return None
 
 
-def kind_named(text: str) -> str | None:
-    """Return the test that words tell somewhere, as in a file's name or the name of a method; None if none or several.
-
-    >>> kind_named("warp_uniaxial_3"), kind_named("ISO 13934-1 strip"), kind_named("planar or biaxial")
-    ('uniaxial', 'uniaxial', None)
-    >>> kind_named("Biaxial tensile test"), kind_named("uniaxial and biaxial")
-    ('biaxial', None)
-    """
-    label = f" {plain(text)} "
-    found: dict[str, list[str]] = {}
-    for name, phrases in heading_words.TESTS.items():
-        for phrase in sorted(words(phrases), key=len, reverse=True):
-            if f" {phrase} " in label:
-                label = label.replace(f" {phrase} ", " ")
-                found.setdefault(name, []).append(phrase)
-    pulls = found.get("uniaxial", [])
-    # That it is a pull does not say along how many axes.
-    if len(found) > 1 and ("compression" in found or not any(one.startswith("uniaxial") for one in pulls)):
-        found.pop("uniaxial", None)
-    return next(iter(found)) if len(found) == 1 else None
-
-
 def is_closing(text: str) -> bool:
     """Whether a cell begins a row of means or the like."""
     label = plain(text)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from pathlib import PurePath
+from typing import Literal
 
 from hyperfab.errors import InputError
 from hyperfab.io.csv_numbers import words
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.headings import kind_named, word_for
+from hyperfab.io.headings import word_for
+from hyperfab.io.named_tests import Named, named_test, surest
 from hyperfab.io.role_words import no_stress, no_test
 from hyperfab.io.roles import STRESSES, Roles
 
@@ -21,6 +23,8 @@ TESTS = (
     "biaxial-general",
     "volumetric",
 )
+#: Whether a test is told to be a compression; perhaps, where words say it that may be of what is tested.
+Pressed = Literal["no", "perhaps", "yes"]
 #: Tests by the letters that papers give them, where a file states its test.
 _LETTERS = {
     "ut": "uniaxial", "uc": "compression", "ps": "shear", "et": "biaxial", "eb": "biaxial", "ebt": "biaxial",
@@ -30,12 +34,12 @@ _LETTERS = {
 
 def said(sheet: CsvSheet, given: str | None) -> str | None:
     """Return which test a file is said to be: by an option, a line, or words above its table."""
-    for entry in sheet.metadata.get("test", []) if given is None else []:
-        if (
-            found := _declared(entry.value, sheet.name) if entry.sure else kind_named(entry.value)
-        ) is not None:
-            return found
-    return given
+    if given is not None:
+        return given
+    entries = sheet.metadata.get("test", [])
+    declared = next((_declared(entry.value, sheet.name) for entry in entries if entry.sure), None)
+    named = surest(entry.value for entry in entries)
+    return declared or (named.kind if named else None)
 
 
 def _declared(test: str | None, name: str) -> str | None:
@@ -51,7 +55,7 @@ def _declared(test: str | None, name: str) -> str | None:
     return "uniaxial" if found == "compression" else found
 
 
-def tests_of_rows(sheet: CsvSheet, columns: Roles, given: str | None) -> tuple[list[str], bool]:
+def tests_of_rows(sheet: CsvSheet, columns: Roles, given: str | None) -> tuple[list[str], Pressed]:
     """Return the test each row belongs to, and whether it is told to be a compression.
 
     The command line, the column and the metadata must agree; a file that does not say is recognised by its columns, by
@@ -90,33 +94,42 @@ def tests_of_rows(sheet: CsvSheet, columns: Roles, given: str | None) -> tuple[l
             )
     count = len(sheet.lines)
     if texts:
-        return ([known[text] for text in texts] if column else [known[texts[0]]] * count), compression
-    guess = _recognised(sheet, columns)
-    compression = guess == "compression"
+        told_so: Pressed = "yes" if compression else "no"
+        return ([known[text] for text in texts] if column else [known[texts[0]]] * count), told_so
+    named = _recognised(sheet, columns)
+    guess = named.kind if named else None
+    pressed: Pressed = "no"
+    if named is not None and guess == "compression":
+        pressed = "yes" if named.sure else "perhaps"
     if given is not None:
-        return [_declared(given, sheet.name) or ""] * count, compression
+        return [_declared(given, sheet.name) or ""] * count, pressed
     if guess is None and columns.first(STRESSES) is None:
         raise no_stress(sheet, columns)
     if guess is None:
         raise no_test(sheet, TESTS)
-    return ["uniaxial" if compression else guess] * count, compression
+    return ["uniaxial" if guess == "compression" else guess] * count, pressed
 
 
-def _recognised(sheet: CsvSheet, columns: Roles) -> str | None:
-    """Return the test that columns, words above the table or the file's name tell, the surest first."""
+def _recognised(sheet: CsvSheet, columns: Roles) -> Named | None:
+    """Return the test that columns, words above the table or the file's name tell, the surest first.
+
+    What the heads of columns say counts more than a word that may be of what is tested; where they cannot both be so,
+    nothing is told.
+    """
     names = columns.columns
     if "shear stress" in names or "shear strain" in names:
-        return "simple-shear"
+        return Named("simple-shear", True)
     if any(name.endswith(" 2") and name[:-2] in STRESSES for name in names):
-        return "biaxial-general"
+        return Named("biaxial-general", True)
     if "volume ratio" in names:
-        return "volumetric"
-    for entry in sheet.metadata.get("test", []):
-        if (found := kind_named(entry.value)) is not None:
-            return found
-    stem = PurePath(sheet.name.partition(".xlsx")[0]).stem
-    if (found := kind_named(stem)) is not None:
-        return found
-    titles = " ".join(one.heading.title for one in names.values())
-    found = kind_named(titles)
-    return found if found in ("uniaxial", "compression") else None
+        return Named("volumetric", True)
+    above = surest(entry.value for entry in sheet.metadata.get("test", []))
+    if above is not None and above.sure:
+        return above
+    titles = named_test(" | ".join(one.heading.title for one in names.values()))
+    told = above or named_test(PurePath(sheet.name.partition(".xlsx")[0]).stem)
+    if titles is None or titles.kind not in ("uniaxial", "compression") or told == titles:
+        return told
+    if told is None or (not told.sure and told.kind in ("uniaxial", "compression")):
+        return Named(titles.kind, True)
+    return told if told.sure and told.kind not in ("uniaxial", "compression") else None

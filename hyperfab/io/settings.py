@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from hyperfab.io.cells import is_clock, is_number
-from hyperfab.io.headings import fold, heading, kind_named, plain, setting, unit_of
+from hyperfab.io.headings import fold, heading, plain, setting, unit_of
+from hyperfab.io.named_tests import is_test, kind_named
 from hyperfab.io.rows import Row
 
 #: A title with such a word names a test; others, as ``shear modulus``, may be a setting's.
@@ -44,6 +45,8 @@ def settings(rows: Sequence[Row]) -> dict[str, list[Entry]]:
             if taken is None:
                 place += 1
                 continue
+            if is_test(key := taken[0]) and setting(key) is None:  # Tensile test: warp-knitted fabric
+                found.setdefault("test", []).append(Entry(key, line, sure=False))
             key, value, unit, place = taken
             known = setting(key)
             name = fold(key) if known in (None, "quiet") else known

@@ -7,8 +7,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.headings import Heading, heading, kind_named, meaning, plain, word_for
+from hyperfab.io.headings import Heading, heading, meaning, plain, word_for
 from hyperfab.io.layout import named
+from hyperfab.io.named_tests import kind_named
 from hyperfab.io.roles import (
     SPECIMEN,
     STRESSES,

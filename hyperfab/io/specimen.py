@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,6 +13,7 @@ from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
 from hyperfab.io.csv_numbers import quantities
 from hyperfab.io.csv_sheet import CsvSheet
+from hyperfab.io.kinds_of_tests import Pressed
 from hyperfab.io.role_words import missing, no_stress, no_stretch, unitless
 from hyperfab.io.roles import STRESSES, STRETCHES, Column, Roles
 from hyperfab.io.stated import amount, conflicting, perhaps_gauge_length, stated
@@ -92,7 +94,7 @@ def read_loading(
     sizes: Geometry,
     decimal: str,
     options: Geometry,
-    compression: bool = False,
+    pressed: Pressed = "no",
 ) -> Loading:
     """Return stretch and nominal stress of all rows, taken as a test of kind ``test``.
 
@@ -104,7 +106,7 @@ def read_loading(
       or ``force`` / width (a disc's radial force: / (pi diameter)), in N/mm, divided by the thickness where it is
       known; else force / area.
 
-    Where ``compression`` is told, or a column counts pushing as positive, signs are those of mechanics in what is
+    Where it is told to be ``pressed``, or a column counts pushing as positive, signs are those of mechanics in what is
     returned.
 
     Raises InputError where columns or sizes are missing.
@@ -134,13 +136,15 @@ def read_loading(
         raise missing(
             sheet, roles, "the second direction of a general biaxial test", '"stretch 2" and "stress 2 [MPa]"'
         )
+    if pressed == "perhaps" and test == "uniaxial":
+        _refuse_either_way(sheet, reader.used, stretch, stress)
     column = roles.first(("force",))
     pulled = test == "uniaxial" and stretch[int(np.abs(stretch - 1.0).argmax())] > 1.0
     if pulled and column is not None and not column.minus and stress.max() < 0.05 * -stress.min():
         # A rheometer's normal force, a load cell that counts pulling as negative; a stress is as stated.
         stress = 0.0 - stress
         notes.append(f"{column.heading.title} counts pushing as positive: what pulls is taken as positive")
-    if compression and test in ("uniaxial", "confined-compression"):
+    if pressed == "yes" and test in ("uniaxial", "confined-compression"):
         if stretch[int(np.abs(stretch - 1.0).argmax())] > 1.0:
             stretch = 2.0 - stretch
             notes.append("a compression test: its strain, counted positive in the file, is taken as negative")
@@ -152,6 +156,34 @@ def read_loading(
         mode, stretch, stress, stretch2=stretch2, stress2=stress2, stress_sd=sd, membrane=membrane
     )
     return Loading(curve, tuple(notes), tuple(reader.used))
+
+
+def _refuse_either_way(sheet: CsvSheet, used: Sequence[Column], stretch: Array, stress: Array) -> None:
+    """InputError where a word says compression, nothing says that it is of the test, and the readings are of a pull."""
+    pull, push = used[:2]
+    if stretch[int(np.abs(stretch - 1.0).argmax())] <= 1.0 or pull.compressive or push.compressive:
+        return
+    if all(sheet.layout.choice(one.heading, sheet.headings) for one in (pull, push)):
+        return
+    behind = "-" if stress[int(np.abs(stress).argmax())] < 0.0 else ""
+
+    def option(sign: str, other: str) -> str:
+        signed = ((sign, pull), (other, push))
+        return sheet.option(
+            [
+                (
+                    one.heading.title,
+                    f"{minus}{one.name}" + (f" [{one.heading.unit}]" if one.heading.unit else ""),
+                )
+                for minus, one in signed
+            ]
+        )
+
+    raise sheet.wrong(
+        f"a word says compression, and {pull.heading.title} grows: was the specimen pressed, or is that what it is of?",
+        remedy=f"if it was pulled, say {option('', behind)}; if it was pressed, "
+        f'{option("-", "" if behind else "-")}, or add a first line "# test: compression"',
+    )
 
 
 @dataclass

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from hyperfab.errors import InputError
 from hyperfab.io.csv_tests import read_tests
 from hyperfab.io.headings import Heading
+from hyperfab.io.layout import layout
 from hyperfab.io.roles import fits
 
 ROWS = "stretch [-],stress [MPa]\n1,0\n1.2,0.1\n1.5,0.4\n"
@@ -80,3 +83,65 @@ def test_a_compression_takes_its_sign_from_its_largest_stress_and_not_from_its_n
     found = one("# test: compression\n" + text, None)
     assert found.stretch.tolist() == pytest.approx([1.0, 0.9, 0.7])
     assert found.stress.tolist() == pytest.approx([0.01, -0.2, -0.9])
+
+
+PULLED = "Extension (mm),Load (N)\n10,2\n20,4\n30,6\n"
+STRIP = "Width,50,mm\nThickness,0.8,mm\nGauge length,100,mm\n"
+
+
+@pytest.mark.parametrize(
+    "title",
+    [
+        "Tensile test - compression garment knit",
+        "Compression garment fabric - tensile test",
+        "Zugversuch Jersey mit Druck",
+        'Test method,"Tensile strip test, biaxial NCF"',
+        "Tensile test: biaxial warp-knitted fabric",
+        "Tensile test ISO 13934-1: biaxial warp-knit",
+        'Test:,"Tensile, compression garment knit"',
+        "Ensayo de tracción de media de compresión",
+    ],
+)
+def test_a_word_of_what_is_tested_is_no_kind_of_test(title: str) -> None:
+    """What stands beside test, Versuch or a standard says the kind; a garment is of compression, a fabric biaxial."""
+    [found] = read_tests(f"{title}\n{STRIP}{PULLED}".encode(), "k17.csv")
+    assert found.mode == "uniaxial"
+    assert found.stretch.tolist() == pytest.approx([1.1, 1.2, 1.3])
+    assert found.stress.tolist() == pytest.approx([0.05, 0.1, 0.15])
+
+
+@pytest.mark.parametrize(
+    ("title", "kind"),
+    [
+        ("Biaxial tensile test of a compression fabric", "biaxial"),
+        ("Planar tension test, uniaxial NCF", "shear"),
+        ("Prova di compressione, maglia biassiale", "uniaxial"),
+    ],
+)
+def test_a_test_that_is_no_pull_along_one_axis_is_still_known_by_its_title(title: str, kind: str) -> None:
+    [found] = read_tests(f"{title}\nStrain (%),Stress (kPa)\n10,5\n20,12\n".encode(), "k17.csv")
+    assert found.mode == kind
+    assert (found.stretch.max() < 1.0) == ("compressione" in title)
+
+
+def test_heads_of_columns_that_say_a_pull_count_more_than_a_word_in_a_name() -> None:
+    heads = PULLED.replace("Extension", "Tensile extension")
+    [found] = read_tests((STRIP + heads).encode(), "compression_sock_warp.csv")
+    assert found.stretch.min() > 1.0
+    with pytest.raises(InputError, match="does not say which test it is"):
+        read_tests((STRIP + heads).encode(), "biaxial_ncf.csv")
+    with pytest.raises(InputError, match="does not say which test it is"):
+        read_tests((STRIP + PULLED).encode(), "biaxial_ncf_tensile.csv")
+
+
+def test_compression_in_a_name_beside_readings_that_grow_is_asked_for() -> None:
+    """As of a compression sock: both options that the message shows settle it."""
+    with pytest.raises(InputError, match="if it was pulled") as caught:
+        read_tests((STRIP + PULLED).encode(), "compression_sock.csv")
+    pulled, pressed = re.findall(r'--columns "([^"]*)"', str(caught.value))
+    [found] = read_tests((STRIP + PULLED).encode(), "compression_sock.csv", columns=layout([pulled]))
+    assert (found.stretch.min(), found.stress.min()) == pytest.approx((1.1, 0.05))
+    [found] = read_tests((STRIP + PULLED).encode(), "compression_sock.csv", columns=layout([pressed]))
+    assert (found.stretch.max(), found.stress.max()) == pytest.approx((0.9, -0.05))
+    [found] = read_tests((STRIP + PULLED).encode(), "compression-2.csv")  # the name says nothing else
+    assert found.stretch.max() == pytest.approx(0.9)
