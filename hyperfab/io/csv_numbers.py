@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from hyperfab.errors import InputError
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.headings import Heading
+from hyperfab.io.headings import COUNTED, Heading, unit_of
 from hyperfab.io.unit_table import UnitError
 from hyperfab.io.units import KINDS, column_factor
 
@@ -196,14 +196,48 @@ def quantities(
         factor, offset = column_factor(heading.unit or "-", kind)
     except UnitError as error:
         message, _, _ = str(error).partition("; ")
-        raise sheet.wrong(
-            message, heading, remedy=f'write it as in "{heading.name} [{wanted.unit}]"'
-        ) from None
+        raise other_unit(sheet, heading, heading.unit or "-", kind, name or heading.name, message) from None
     shift = _power_of_ten(factor)
     values = numbers(sheet, heading, decimal, shift or 0, gaps)
     if shift is None:
         values = values * float(factor)
     return values + float(offset) if offset else values
+
+
+def other_unit(
+    sheet: CsvSheet, heading: Heading, unit: str, kind: str, name: str, message: str = ""
+) -> InputError:
+    """Return the error that a column's unit is none of its kind, with what to say where the numbers are in a known one.
+
+    What stands beside a name may also be an amount: the range of a load cell, or what each number counts for.
+    """
+    own = KINDS[kind].unit
+
+    def option(unit: str) -> str:
+        return sheet.option([(heading.title, f"{name} [{unit}]")])
+
+    counted = COUNTED.fullmatch(unit)
+    if counted and unit_of(counted[2]):
+        return sheet.wrong(
+            f"{unit} is an amount and no unit",
+            heading,
+            remedy=f"if the numbers are in {counted[2]}, say {option(counted[2])}; if each counts for {unit}, "
+            f"{option(f'x{counted[1]} {counted[2]}')}",
+        )
+    known = f"write it in a known one ({_KNOWN[kind]}); " if kind in _KNOWN else ""
+    return sheet.wrong(
+        message or f"{unit} is no unit that is known",
+        heading,
+        remedy=f"{known}only if the numbers are in {'shares of 1' if own == '1' else own}, say "
+        f"{option('-' if own == '1' else own)}",
+    )
+
+
+#: Units to choose from, by the kind of quantity.
+_KNOWN = {
+    "force": "N, kN, kgf, lbf", "stress": "MPa, kPa, N/mm^2, kgf/cm^2, psi", "length": "mm, m, in",
+    "membrane-stress": "N/mm, N/m, N/5cm, lbf/in", "dimensionless": "%, -, mm/mm",
+}  # fmt: skip
 
 
 def _all_percent(cells: Sequence[str]) -> bool:

@@ -13,7 +13,8 @@ COLUMNS: dict[str, str] = {
         stretch; lambda; lam; l l0; l/l0; streckung; streckverhaltnis; dehnungsverhaltnis; verstreckgrad; f11;
         alargamiento relativo lambda; taux d elongation; rapporto di estensione; axial stretch""",
     "strain": """strain; engineering strain; nominal strain; technical strain; eng strain; tensile strain; axial strain;
-        longitudinal strain; strain reading; epsilon; eps; e; major strain; dehnung; standarddehnung; nenndehnung;
+        longitudinal strain; strain reading; elong; epsilon; eps; e; major strain; dehnung; standarddehnung;
+        nenndehnung;
         verformung; technische dehnung; nominelle dehnung; zugdehnung; axialdehnung; langsdehnung; langsdehnung
         technisch; deformacion; deformacion unitaria; deformacion por traccion; deformacion de traccion; deformacion
         nominal; deformacion ingenieril; deformation; deformation nominale; deformation axiale; deformation en
@@ -149,8 +150,8 @@ ASIDE = """date; datum; fecha; data; clock; uhrzeit; heure; hora; ora; time of d
 FILLERS = """analog; analogue; digital; ch; channel; sensor; kanal; canal; canale; raw; filtered; measured; actual;
         current; istwert; messwert; wert; value; reading; signal; data; average; avg; mean; mittel; mittlere;
         moyenne; media; medio; medie; total; de; del; der; die; das; the; of; en; le; la; specimen; sample; probe;
-        engineering; nominal; axial; engr; tech; technical; major; standard; por; a; di; traccion; traction;
-        trazione; tracao; 1; 01"""
+        engineering; nominal; axial; engr; eng; gl; dic; lvdt; cam; tech; technical; major; standard; por; a; di;
+        traccion; traction;        trazione; tracao; 1; 01"""
 #: Words that tell a second reading of the same quantity: beside a column without them, which one is meant is asked.
 MENDED = """corrected; tared; zeroed; compensated; net; korrigiert; korrigierte; tariert; tarierte; genullt;
         kompensiert; kompensierte; corregida; corregido; tarada; tarado; compensada; compensado; corrigee; corrige;

@@ -20,6 +20,16 @@ _GREEK = str.maketrans(
     {"ε": "epsilon", "ϵ": "epsilon", "σ": "sigma", "λ": "lambda", "τ": "tau", "γ": "gamma",
         "Δ": "delta ", "δ": "delta ", "∆": "delta "}
 )  # fmt: skip
+_SQUARE = re.compile(r"\bsq\b[. ]*([a-z]+)", re.IGNORECASE)
+_LIKE_A_NUMBER = re.compile(r"[x*\u00d7] ?\d|\d")
+#: An amount in a unit, in the place of one: Load (100 N).
+COUNTED = re.compile(r"([\d.,]*\d) ?(?![\d.,])(\D.*)")
+#: Per cent in a title, by its sign or a word, and what stands before it.
+_PER_CENT = re.compile(
+    r"(.*?)[\s_(\[{,/]*(?:%|\b(?:percent(?:age)?|per ?cent|pct|perc|prozent|porcentaje|por ciento|pourcent|percento)\b"
+    r"|[(\[]\s*(?:pc|v\.? ?h\.?)\s*[)\]]).*",
+    re.IGNORECASE,
+)
 #: Units in words, as offices write them.
 _UNIT_WORDS = {
     "newton": "N", "newtons": "N", "kilonewton": "kN", "sec": "s", "secs": "s", "second": "s", "seconds": "s",
@@ -36,6 +46,10 @@ _UNIT_WORDS = {
     "celsius": "degC", "grados c": "degC",
     "degres c": "degC", "gradi c": "degC", "graus c": "degC", "kelvin": "K", "dimensionless": "-",
     "none": "-", "inch": "in", "pulg": "in",
+    "kg": "kg", "kgs": "kg", "kilogram": "kg", "kilograms": "kg", "kilos": "kg", "gm": "g", "gms": "g", "lbs": "lb",
+    "pounds": "lb", "ounces": "oz", "kips": "kip", "kg f": "kgf", "g f": "gf", "lb f": "lbf", "lbs f": "lbf",
+    "lbs force": "lbf", "lb force": "lbf", "pound force": "lbf", "pounds force": "lbf", "kg force": "kgf",
+    "tonf": "tf", "ton force": "tf", "nt": "N", "microstrain": "ppm", "micro strain": "ppm", "\u03bcepsilon": "ppm",
 }  # fmt: skip
 #: The kind of quantity each column holds.
 KIND: Mapping[str, str] = {
@@ -127,11 +141,13 @@ def heading(title: str, index: int) -> Heading:
     """
     text = _DASHED.sub(r"\1 (\2)", title) if len(title) <= 200 else ""
     tail = _TAIL.search(text)
-    groups = list(_GROUPS.finditer(text, tail.start() if tail else len(text)))
+    groups = list(_GROUPS.finditer(text, tail.start() if tail else 0))
     inner = [next(part for part in group.groups() if part is not None).strip() for group in groups]
-    units = [unit_of(part) for part in inner]
+    units = [None if tail is None and part.isdigit() else beside(part) for part in inner]
     chosen = next((k for k in reversed(range(len(groups))) if units[k] is not None), None)
-    if chosen is None:  # a square bracket holds the unit, whatever stands in it
+    if chosen is None and (part := _per_cent(title, index)) is not None:
+        return part
+    if chosen is None and tail is not None:  # a square bracket holds the unit, whatever stands in it
         chosen = next((k for k in reversed(range(len(groups))) if groups[k][1] is not None), None)
     if chosen is not None:
         label = _bare(text[: groups[chosen].start()] + " " + text[groups[chosen].end() :])
@@ -142,7 +158,7 @@ def heading(title: str, index: int) -> Heading:
         return Heading(title, first, last, index)
     for pattern in (r"(.+?)\s*/\s*(.+)", r"(.+),\s*(\S.*)", r"(.+?)\s+in\s+(\S+)"):
         match = re.fullmatch(pattern, label)
-        if match and (unit := unit_of(match[2])) is not None and not is_known(label):
+        if match and (unit := beside(match[2])) is not None and not is_known(label):
             return Heading(title, match[1].strip(), unit, index)
     first, _, last = label.rpartition(" ")
     if first and is_known(first) and not is_known(label) and (unit := unit_of(last)) is not None:
@@ -150,6 +166,50 @@ def heading(title: str, index: int) -> Heading:
         if last not in ("1", "") and any(is_of(unit, KIND[one.name]) for one in name if one.name in KIND):
             return Heading(title, first, unit, index)
     return Heading(title, label or title, None, index)
+
+
+def beside(part: str) -> str | None:
+    """Return the unit in brackets beside a name, with its factor; an amount of one stands to be refused."""
+    if (unit := unit_of(part)) is not None:
+        return unit
+    scaled = _LIKE_A_NUMBER.match(part) is not None or re.search(r"[x*\u00d7] ?\d+$", part) is not None
+    counted = COUNTED.fullmatch(part)
+    amount = counted is not None and unit_of(counted[2]) is not None
+    return part if (scaled and not part.isdigit() and is_unit(part)) or amount else None
+
+
+def _per_cent(title: str, index: int) -> Heading | None:
+    """Read a title with a per cent sign or word anywhere, where what stands before it is a strain: Strain (%GL)."""
+    match = _PER_CENT.fullmatch(title.replace("_", " ")) if len(title) <= 200 else None
+    if match is None or not match[1].strip():
+        return None
+    factor = re.search(r"%\s*[/x*]\s*\d+", title)
+    head = Heading(title, match[1].strip(" :;,_="), factor[0] if factor else "%", index)
+    found = meaning(replace(head, unit="%"))
+    return head if found is not None and KIND.get(found.name) == "dimensionless" else None
+
+
+def unread_unit(head: Heading) -> str | None:
+    """Return what stands in the place of a unit and is none: quux of Load (quux), but no remark (filtered)."""
+    if head.unit is not None:
+        return None if is_unit(head.unit) else head.unit
+    tail = _TAIL.search(head.title)
+    inner = (
+        [part.strip("[](){}<> ") for part in re.findall(r"[\[({<][^\[\](){}<>]*", tail[0])] if tail else []
+    )
+    return next((part for part in inner if not _is_remark(part)), None)
+
+
+def _is_remark(part: str) -> bool:
+    """Whether words in brackets are known ones, or as long as those of no unit."""
+    known = _mended().union(
+        *(words(one) for table in heading_words.MEASURES.values() for one in table.values())
+    )
+    told = plain(part).split()
+    return all(
+        len(word) > 4 or word.isdigit() or _is_filler(word) or word in known or looked_up(word)
+        or setting(word) is not None for word in told
+    )  # fmt: skip
 
 
 def unit_of(text: str) -> str | None:
@@ -161,10 +221,19 @@ def unit_of(text: str) -> str | None:
     text = text.strip().rstrip(".").strip()
     if not text or len(text) > 40:
         return None
+    if _LIKE_A_NUMBER.match(text):  # a factor is one beside a title alone, in a cell it is a value
+        return text if text == "1" or (text.startswith("1/") and is_unit(text)) else None
     if text == "mPa" or is_unit(text):
         return text
     if len(text) > 1 and text.isupper() and is_unit(text.lower()):  # EXTENSION (MM)
         return text.lower()
+    text = _SQUARE.sub(r"\1^2", text)
+    if is_unit(text):
+        return text
+    if text.count("/") == 1:  # Kg/cm2
+        parts = [unit_of(part) for part in text.split("/")]
+        if all(parts):
+            return "/".join(map(str, parts))
     return _UNIT_WORDS.get(plain(text))
 
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 from hyperfab.errors import UsageError
 from hyperfab.io.heading_words import COLUMNS
-from hyperfab.io.headings import KIND, Heading, fold, heading, is_of, looked_up, plain, unit_of
+from hyperfab.io.headings import KIND, Heading, beside, fold, heading, is_of, looked_up, plain
+from hyperfab.io.units import is_unit
 
 _ASIDE = ("aside", "ignore", "none", "-")
 _ENTRY = re.compile(
@@ -95,8 +96,12 @@ def _choices(text: str) -> list[Choice]:
                 f'[mm]"; names are {known}'
             )
         written = match["unit"] if match["unit"] is not None else match["round"]
-        unit = None if written is None else unit_of(written) or "-"
-        if written is not None and written.strip() not in ("", "-") and unit_of(written) is None:
+        unit = None if written is None else beside(written) or "-"
+        if (
+            written is not None
+            and written.strip() not in ("", "-")
+            and (beside(written) is None or not is_unit(str(beside(written))))
+        ):
             raise UsageError(f"--columns {text}: {written} is no unit")
         found.append(Choice((match["quoted"] or match["title"]).strip(), name, unit, bool(match["sign"])))
         place = match.end()

@@ -19,6 +19,7 @@ from hyperfab.io.headings import (
     meaning,
     measured,
     unit_of,
+    unread_unit,
 )
 from hyperfab.io.roles import BY_KIND, STRESSES, STRETCHES, Column, Roles
 from hyperfab.io.tables import is_length, shape
@@ -77,7 +78,11 @@ def proposed(sheet: CsvSheet, found: Roles) -> list[tuple[str, str]]:
     for name, column in found.columns.items():
         unit = column.heading.unit or _likely_unit(sheet, column)
         have.add(name)
-        if column.heading.unit is None and name.removesuffix(" 2") in _USUAL:
+        if (
+            column.heading.unit is None
+            and name.removesuffix(" 2") in _USUAL
+            and not unread_unit(column.heading)
+        ):
             entries[column.heading.index] = (column.heading.title, f"{name} [{unit}]")
     numeric = [
         one for one in sheet.headings

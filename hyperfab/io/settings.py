@@ -89,7 +89,7 @@ def _stated(cells: Sequence[str], place: int) -> tuple[str, str, str | None, int
     else:
         return None
     read = heading(key, 0)
-    unit = read.unit
+    unit = read.unit and unit_of(read.unit)  # Thickness [h0]
     if unit is None and after < len(cells) and (one := unit_of(cells[after].strip("[](){} "))) is not None:
         unit, after = one, after + 1
     return read.label, value, unit, after

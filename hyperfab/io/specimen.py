@@ -11,8 +11,9 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
-from hyperfab.io.csv_numbers import quantities
+from hyperfab.io.csv_numbers import other_unit, quantities
 from hyperfab.io.csv_sheet import CsvSheet
+from hyperfab.io.headings import KIND, unread_unit
 from hyperfab.io.kinds_of_tests import Pressed
 from hyperfab.io.role_words import missing, no_stress, no_stretch, unitless
 from hyperfab.io.roles import STRESSES, STRETCHES, Column, Roles
@@ -226,6 +227,9 @@ class _Reader:
         if name in _LENGTHS:
             found = self._from_lengths(column, name)
         else:
+            chosen = self.sheet.layout.choice(head, self.sheet.headings)
+            if chosen is None and (unit := unread_unit(head)) is not None:
+                raise other_unit(self.sheet, head, unit, "dimensionless", column.name)
             values = self._values(column, "dimensionless", name)
             largest = float(np.abs(values).max()) if len(values) else 0.0
             contract = head.name.rstrip(" 12") in ("strain", "engineering strain")
@@ -382,6 +386,9 @@ class _Reader:
 
 def no_unit(sheet: CsvSheet, column: Column, roles: Roles, example: str = "") -> InputError:
     """Return the error that a column lacks its unit, with an example of it and the option that gives it."""
+    name = column.name.removesuffix(" 2")
+    if (unit := unread_unit(column.heading)) is not None:
+        return other_unit(sheet, column.heading, unit, KIND[name], column.name)
     return sheet.wrong(
         "has no unit",
         column.heading,

@@ -91,6 +91,7 @@ _PLAIN: dict[str, tuple[Fraction, Dimension]] = {
     "daN": (Fraction(10), _FORCE), "gF": (_GRAVITY / 1000, _FORCE), "kgF": (_GRAVITY, _FORCE), "lbF": (_LBF, _FORCE),
     "ozF": (_LBF / 16, _FORCE),
     "gf": (_GRAVITY / 1000, _FORCE), "kgf": (_GRAVITY, _FORCE), "kp": (_GRAVITY, _FORCE), "lbf": (_LBF, _FORCE),
+    "tf": (1000 * _GRAVITY, _FORCE),
     "ozf": (_LBF / 16, _FORCE), "kip": (1000 * _LBF, _FORCE), "dyn": (Fraction(1, 10**5), _FORCE),
     "dyne": (Fraction(1, 10**5), _FORCE), "poundal": (_POUND * 12 * _INCH, _FORCE),
     "psi": (_LBF / _INCH**2, _STRESS), "ksi": (1000 * _LBF / _INCH**2, _STRESS),
@@ -125,7 +126,16 @@ _DIFFERENCES = {"delta_degC": "degC", "delta_degF": "degF", "ΔK": "K", "delta_K
 _MAX_LENGTH = 40
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 _SUPERSCRIPT_RUN = re.compile("[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+")
-_FACTOR = re.compile(r"""(1|[^\W\d_]+(?:_deg[CF]|_K)?|°[CF]?|[%‰"])(?:(?:\^|\*\*)?\(?(-?\d{1,2})\)?)?""")
+_FACTOR = re.compile(
+    r"""(1(?!\d)|[^\W\d_]+(?:_deg[CF]|_K)?|°[CF]?|[%‰"])(?:(?:\^|\*\*)?\(?(-?\d{1,2})\)?)?"""
+)
+#: A factor before a unit or in its place, told as one: x100 N, 10^-3, 1e-3, 1/1000; and behind it: N x 10.
+#: Of x103 the exponent may have been lost: it is none.
+_SCALE = re.compile(
+    r"[x*]? ?10(?:\^\(?|\*\*|(?=-))(?P<power>-?\d)\)?"
+    r"|[x*] ?(?P<times>(?!10[1-9])[1-9]\d{0,5})|1[eE](?P<short>-?\d)|1/(?P<below>10+)"
+)
+_SCALED = re.compile(r"(.*[^\W\d_]) ?[x*] ?(10{1,6})")
 _COUNT = re.compile(r"([1-9]\d{0,3}(?:\.\d{1,3})?) ?(?=[^\W\d_])")
 
 
@@ -134,6 +144,7 @@ def parse_unit(text: str) -> Unit:
     """Return the unit ``text`` stands for: ``MPa``, ``W/m^2/K``, ``W/(m² K)``, ``lbf/in2``, ``1/s``, ``s^-1``, ``%``.
 
     A product is read from left to right, so ``J/kg K`` is (J/kg) K; parentheses are allowed once. ``/K`` is ``1/K``.
+    A factor is told as one: ``x100 N``, ``10^-3``; ``100 N`` is an amount and no unit.
     ``tex`` and ``den`` are textile's: mass per length of yarn; so is a width in ``N/5cm``. Units of metre to
     calorie may
     be spelled out.
@@ -144,6 +155,10 @@ def parse_unit(text: str) -> Unit:
     (Fraction(1000, 1), Fraction(5, 9))
     """
     cleaned = _clean(text)
+    factor, cleaned = _scale(cleaned)
+    if factor != 1:
+        unit = parse_unit(cleaned)
+        return Unit(factor * unit.factor, unit.dimension)
     if cleaned in ("", "-", "–", "—"):
         return DIMENSIONLESS
     if cleaned in _SCALES:
@@ -157,6 +172,21 @@ def parse_unit(text: str) -> Unit:
             raise UnitError(f"{text} is no unit")
         return _product(numerator, text, _product(denominator[:-1], text, None), -1)
     return _product(cleaned, text, None)
+
+
+def _scale(text: str) -> tuple[Fraction, str]:
+    """Return the factor that a unit is told with, 1 where there is none, and the unit without it."""
+    if behind := _SCALED.fullmatch(text):
+        return Fraction(behind[2]), behind[1]
+    match = _SCALE.match(text)
+    if match is None or text[match.end() : match.end() + 1].isdigit():
+        return Fraction(1), text
+    if match["times"] or match["below"]:
+        factor = Fraction(match["times"] or 1) / Fraction(match["below"] or 1)
+    else:
+        factor = Fraction(10) ** int(match["power"] or match["short"])
+    rest = text[match.end() :].strip(" *")
+    return (Fraction(1), text) if rest.startswith("/") else (factor, rest)
 
 
 def _clean(text: str) -> str:
@@ -182,7 +212,9 @@ def _product(text: str, whole: str, start: Unit | None, sign: int = 1) -> Unit:
         if match is None:
             raise UnitError(f"{whole} is no unit; write it like MPa, W/m^2/K or 1/s")
         power = int(match[2] or 1) * operator
-        if abs(power) > 6:
+        if (
+            not 0 < abs(power) <= 6
+        ):  # h0 is a symbol, a thickness at the start, and no hour to the power of nothing
             raise UnitError(f"{whole} is no unit")
         base = _symbol(match[1], whole)
         factor *= base.factor**power

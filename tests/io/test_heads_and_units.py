@@ -1,0 +1,112 @@
+"""What stands beside a name in the head of a column is its unit, with its factor, or is asked for."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from hyperfab.errors import InputError
+from hyperfab.io.csv_tests import TestData, read_tests
+from hyperfab.io.layout import layout
+from hyperfab.io.unit_table import UnitError, parse_unit
+
+STRIP = "Tensile test\nWidth,50,mm\nThickness,0.8,mm\nGauge length,100,mm\n"
+#: 1 N on 50 mm by 0.8 mm [MPa].
+N = 1.0 / 40.0
+
+
+def pulled(load: str, preamble: str = STRIP, columns: str | None = None) -> TestData:
+    text = f"{preamble}Extension (mm),{load}\n10,2\n20,4\n"
+    told = None if columns is None else layout([columns])
+    [found] = read_tests(text.encode(), "a.csv", columns=told)
+    return found
+
+
+def strained(head: str) -> float:
+    [found] = read_tests(f'# test: tensile\n"{head}",Stress (MPa)\n0.5,0.1\n2.5,0.2\n'.encode(), "a.csv")
+    return float(found.stretch.max())
+
+
+@pytest.mark.parametrize("key", ["Thickness (h0)", "Thickness (t0)", "Thickness [h0]", "Thickness h0"])
+def test_a_symbol_of_the_start_is_no_unit_to_the_power_of_nothing(key: str) -> None:
+    sizes = STRIP.replace("Thickness", key).replace("Gauge length", "Gauge length (L0)")
+    assert pulled("Load (N)", sizes).stress.tolist() == pytest.approx([2 * N, 4 * N])
+
+
+@pytest.mark.parametrize("text", ["h0", "t0", "L0", "100 N", "10N", "1000", "x103 N", "x0"])
+def test_a_power_of_nothing_and_an_amount_are_no_units(text: str) -> None:
+    with pytest.raises(UnitError):
+        parse_unit(text)
+
+
+@pytest.mark.parametrize(
+    ("head", "newtons"),
+    [
+        ("Load (x10 N)", 10.0), ("Load [x100 N]", 100.0), ("Load (N x 10)", 10.0), ("Load (N*1000)", 1000.0),
+        ("Load (10^-3 N)", 1e-3), ("Load (×10² N)", 100.0),
+        ("Load (Kg)", 9.80665), ("Load (Kgs)", 9.80665), ("Load (gms)", 9.80665e-3), ("Load (kg.f)", 9.80665),
+        ("Load (kg-f)", 9.80665), ("Load (lb-f)", 4.4482216152605), ("Load (pounds)", 4.4482216152605),
+        ("Load (lbs-force)", 4.4482216152605), ("Load (kips)", 4448.2216152605), ("Load (tf)", 9806.65),
+        ("Load (kN) avg", 1000.0),
+    ],
+)  # fmt: skip
+def test_a_factor_and_the_units_of_scales_are_applied(head: str, newtons: float) -> None:
+    assert pulled(head).stress.tolist() == pytest.approx([2 * N * newtons, 4 * N * newtons])
+
+
+def test_a_weight_over_square_centimetres_is_a_stress() -> None:
+    [found] = read_tests(b"# test: tensile\nStrain (%),Stress (Kg/sq.cm)\n10,1\n20,2\n", "a.csv")
+    assert found.stress.tolist() == pytest.approx([0.0980665, 0.196133])
+
+
+@pytest.mark.parametrize("head", ["Load (100 N)", "Load [100 N]", "Load, 100 N", "Load /100N"])
+def test_an_amount_in_the_place_of_a_unit_is_asked_for(head: str) -> None:
+    """It may be the range of the load cell, or what each number counts for."""
+    with pytest.raises(InputError, match="is an amount and no unit") as caught:
+        pulled(head if "," not in head else f'"{head}"')
+    plain, counted = re.findall(r'--columns "([^"]*)"', str(caught.value))
+    told = head if "," not in head else f'"{head}"'
+    assert pulled(told, columns=plain).stress.tolist() == pytest.approx([2 * N, 4 * N])
+    assert pulled(told, columns=counted).stress.tolist() == pytest.approx([200 * N, 400 * N])
+
+
+@pytest.mark.parametrize("head", ["Load (quux)", "Load [quux]"])
+def test_a_unit_that_nobody_knows_is_told_as_that(head: str) -> None:
+    with pytest.raises(InputError, match=r"quux is no unit.*only if the numbers are in N") as caught:
+        pulled(head)
+    [option] = re.findall(r'--columns "([^"]*)"', str(caught.value))
+    assert pulled(head, columns=option).stress[0] == pytest.approx(2 * N)
+    assert "has no unit" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        "Strain (% L0)", "Strain (%GL)", "Strain % of gauge", "Elongation, %", "Elongation%", "Strain(%) avg",
+        "Strain_pct", "strain_perc", "Strain_percent", "Strain (percentage)", "Strain (per cent)", "Elongation (pc)",
+        "Strain [% of GL]", "Dehnung in Prozent", "Elong. %", "Strain (pct.)", "Dehnung (v. H.)",
+        "strain (percent, nominal)",
+    ],
+)  # fmt: skip
+def test_per_cent_anywhere_in_the_head_of_a_strain_is_its_unit(head: str) -> None:
+    assert strained(head) == pytest.approx(1.025)
+
+
+@pytest.mark.parametrize(
+    ("head", "factor"),
+    [
+        ("Strain (10^-3)", 1e-3), ("Strain (1e-3)", 1e-3), ("Strain (x10-2)", 1e-2), ("Strain (1/1000)", 1e-3),
+        ("Strain (×10⁻³)", 1e-3),
+        ("Strain (microstrain)", 1e-6), ("Strain (µε)", 1e-6),
+        ("Strain (nominal)", 1.0), ("Strain (video)", 1.0),
+    ],
+)  # fmt: skip
+def test_a_factor_beside_a_strain_is_its_unit(head: str, factor: float) -> None:
+    assert strained(head) == pytest.approx(1.0 + 2.5 * factor)
+
+
+@pytest.mark.parametrize("head", ["Strain (%/100)", "Strain (me)"])
+def test_what_may_or_may_not_be_the_unit_of_a_strain_is_asked_for(head: str) -> None:
+    with pytest.raises(InputError, match="is no unit that is known"):
+        strained(head)
