@@ -204,6 +204,8 @@ SETTINGS: dict[str, str] = {
         gesamtlange; longitud; longitud de la probeta; longitud total; longueur; longueur de l eprouvette; longueur
         eprouvette; longueur totale; lunghezza; lunghezza del provino; lunghezza provino; lunghezza totale;
         comprimento; comprimento do corpo de prova; comprimento total""",
+    "height": """height; specimen height; sample height; initial height; hohe; probenhohe; anfangshohe; altura;
+        altura de la probeta; hauteur; hauteur de l eprouvette; altezza; altezza del provino""",
     "diameter": """diameter; specimen diameter; d0; durchmesser; probendurchmesser; diametro; diametro de la probeta;
         diametre; diametre de l eprouvette; 直径; диаметр""",
     "area": """area; cross section; cross sectional area; cross section area; initial area; s0; querschnitt;

@@ -17,13 +17,17 @@ from hyperfab.io.headings import KIND, unread_unit
 from hyperfab.io.kinds_of_tests import Pressed
 from hyperfab.io.role_words import missing, no_stress, no_stretch, unitless
 from hyperfab.io.roles import STRESSES, STRETCHES, Column, Roles
-from hyperfab.io.stated import amount, conflicting, perhaps_gauge_length, stated
+from hyperfab.io.stated import amount, conflicting, perhaps_gauge_length, stated, untaken
 
 #: Columns that tell where a grip is, or how long the specimen.
 _LENGTHS = ("extension", "length", "position")
 #: A strain without a unit beyond this is a percentage somebody forgot to mark: no fabric stretches twenty-fold, and
 #: few test machines export a strain of more than three without its per cent.
 MAX_STRAIN, MAX_MACHINE_STRAIN = 20.0, 3.0
+
+
+#: How far a stated area may be from width times thickness: a thickness is written to a tenth of a millimetre.
+AREA = 0.05
 
 
 @dataclass(frozen=True)
@@ -112,7 +116,7 @@ def read_loading(
 
     Raises InputError where columns or sizes are missing.
     """
-    reader = _Reader(sheet, roles, test, sizes, decimal, options)
+    reader = _Reader(sheet, roles, test, sizes, decimal, options, pressed == "yes")
     notes = reader.notes
     stretch = reader.stretch("")
     if stretch is None:
@@ -197,6 +201,7 @@ class _Reader:
     sizes: Geometry
     decimal: str
     options: Geometry
+    pressed: bool = False
     notes: list[str] = field(default_factory=list)
     used: list[Column] = field(default_factory=list)
 
@@ -284,11 +289,12 @@ class _Reader:
                 )
             return values / length
         if length is None:
+            self._refuse_untaken("gauge length", "grip distance")
             raise InputError(
                 "needs the gauge length to become a stretch",
                 file=self.sheet.name,
                 column=head.title,
-                remedy=perhaps_gauge_length(self.sheet, self.decimal),
+                remedy=perhaps_gauge_length(self.sheet, self.decimal, self.pressed or column.compressive),
             )
         values = self._signed(values, column)
         if name == "position":
@@ -317,7 +323,8 @@ class _Reader:
         factor: float | Array = 1.0
         if name == "force":
             kind = "force"
-            factor, per_width = self._over(column)
+            far = 1.0 if stretch is None else stretch[int(np.abs(stretch - 1.0).argmax())]
+            factor, per_width = self._over(column, self.pressed or column.compressive or bool(far < 1.0))
         found = self._signed(self._values(column, kind, name), column) / factor
         sd = None
         if deviation is not None:
@@ -341,27 +348,91 @@ class _Reader:
             found = found / stretch
             sd = None if sd is None else sd / stretch
             self.notes.append("true stress taken as nominal stress times the stretch (no change of volume)")
+        if per_width and self.sizes.thickness is None:
+            self._refuse_untaken("thickness")
         if per_width and self.sizes.thickness is not None:
             found, per_width = found / self.sizes.thickness, False
             sd = None if sd is None else sd / self.sizes.thickness
         return found, per_width, sd
 
-    def _over(self, column: Column) -> tuple[float, bool]:
+    def _refuse_untaken(self, *keys: str) -> None:
+        """InputError where the file states a size that is needed and cannot be taken."""
+        for key in keys:
+            if (error := untaken(self.sheet, key, self.decimal)) is not None:
+                raise error
+
+    def _over(self, column: Column, pressed: bool) -> tuple[float, bool]:
         """Return what a force is divided by, and whether that is a width [mm] and no area [mm^2]."""
         if self.test.startswith("biaxial") and self.sizes.diameter is not None:
             return math.pi * self.sizes.diameter, True
+        if self.test in ("uniaxial", "shear", "confined-compression"):
+            area = self._area(pressed)
+            if area is not None:
+                return area, False
         if self.sizes.width is not None:
             return self.sizes.width, True
         if self.sizes.area is not None:
             return self.sizes.area, False
         if self.sizes.diameter is not None:
             return math.pi * self.sizes.diameter**2 / 4.0, False
+        self._refuse_untaken("width")
         disc = " or diameter" if self.test.startswith("biaxial") else ""
         raise InputError(
             f"needs the width{disc} of the specimen to become a stress",
             file=self.sheet.name,
             column=column.heading.title,
             remedy='give --width 25mm, or add a line "# width: 25 mm" on top',
+        )
+
+    def _area(self, pressed: bool) -> float | None:
+        """Return the section [mm^2] where the file states it, or a block that is pressed; None where it is to be made.
+
+        A block that is pressed along its height, or thickness, stands on length times width. InputError where an area
+        gainsays the other sizes; those given as options count more than it.
+        """
+        sizes, area, given = self.sizes, self.sizes.area, self.options
+        if sizes.width is None or sizes.diameter is not None:
+            return area
+        if not (given.width is None and given.thickness is None):
+            return None
+        across, name = sizes.thickness, "thickness"
+        if pressed and (sizes.gauge_length is None or across in (None, sizes.gauge_length)):
+            across, name = (
+                amount(self.sheet, "specimen length", "length", self.decimal, []),
+                "specimen length",
+            )
+        if area is None:
+            if name == "thickness":
+                return None
+            if across is None:
+                raise self._no_area(sizes.width)
+            return sizes.width * across
+        if across is None or abs(area - sizes.width * across) <= AREA * area:
+            return area if across is None or name != "thickness" else None
+        one, two = stated(self.sheet, "area"), stated(self.sheet, name)
+        options = (
+            f"--width {sizes.width:g}mm --thickness {across:g}mm, or for the area --width {sizes.width:g}mm "
+        )
+        raise InputError(
+            f"states an area of {area:g} mm^2, and a width and {name} of {sizes.width * across:g} mm^2",
+            file=self.sheet.name,
+            line=one.line if one else None,
+            remedy=f"correct it, or line {two.line if two else 0}"
+            if name != "thickness"
+            else f"say which: {options}--thickness {area / sizes.width:g}mm",
+        )
+
+    def _no_area(self, width: float) -> InputError:
+        """Return the error that of a block that is pressed the section is not known."""
+        thickness = self.sizes.thickness
+        section = (
+            f"if it is width times thickness, give --width {width:g}mm --thickness {thickness or 0.0:g}mm; "
+        )
+        return InputError(
+            "needs the area that is pressed" + (": the thickness may be the height" if thickness else ""),
+            file=self.sheet.name,
+            remedy=(section if thickness else "")
+            + f'if it is as long as wide, add a line "# area: {width**2:g} mm^2" on top',
         )
 
     def _deviation(self, column: Column, kind: str, stress: Array, stretch: Array | None) -> Array:

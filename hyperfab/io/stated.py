@@ -6,6 +6,7 @@ import re
 
 from hyperfab.errors import InputError
 from hyperfab.io.csv_sheet import CsvSheet
+from hyperfab.io.headings import is_of
 from hyperfab.io.settings import Entry
 from hyperfab.io.units import quantity
 
@@ -64,8 +65,38 @@ def conflicting(sheet: CsvSheet, decimal: str) -> None:
     )
 
 
-def perhaps_gauge_length(sheet: CsvSheet, decimal: str) -> str:
-    """Return how to say the gauge length that a file lacks, filled in where it states a length of the specimen."""
+def untaken(sheet: CsvSheet, key: str, decimal: str) -> InputError | None:
+    """Return the error that a size is stated and cannot be taken, with the option that gives it; None where it can."""
+    entries = sheet.metadata.get(key, [])
+    if not entries or amount(sheet, key, "length", decimal, []) is not None:
+        return None
+    option = "--gauge-length" if key == "grip distance" else f"--{key.replace(' ', '-')}"
+    values = list(dict.fromkeys(dotted(one.value, decimal) for one in entries))
+    sizes = [re.fullmatch(r"(?:[^\d]*[:=])?\s*(\d+(?:\.\d+)?)\s*([^\d\s]*)", value) for value in values]
+    if not all(size and (not size[2] or is_of(size[2], "length")) for size in sizes):
+        options = f"{option} 50mm"
+    else:
+        options = " or ".join(f"{option} {size[1]}{size[2] or 'mm'}" for size in sizes if size)
+    told = " and ".join(value[:40] for value in values)
+    bare = all(sizes) and not any(size[2] for size in sizes if size)
+    return InputError(
+        f"states {told}" if len(values) > 1 else f"{told}: is no length that can be taken for sure",
+        file=sheet.name,
+        line=entries[0].line,
+        key=key,
+        remedy=("write the unit behind it, or, if it is in mm, " if bare else "") + f"give {options}",
+    )
+
+
+def perhaps_gauge_length(sheet: CsvSheet, decimal: str, pressed: bool) -> str:
+    """Return how to say the gauge length that a file lacks, filled in where it states a length of the specimen.
+
+    A block that is pressed stands on its length and width: its height, or else its thickness, is pressed.
+    """
+    for key in ("height", "thickness") if pressed else ():
+        entry, height = stated(sheet, key), amount(sheet, key, "length", decimal, [])
+        if entry is not None and height is not None:
+            return f"line {entry.line} has a {key} of {height:g} mm: if that is pressed, --gauge-length {height:g}mm"
     entry, length = stated(sheet, "specimen length"), amount(sheet, "specimen length", "length", decimal, [])
     if entry is None or length is None:
         return 'give --gauge-length 50mm, or add a line "# gauge length: 50 mm" on top'
