@@ -396,7 +396,8 @@ class _Reader:
         if not (given.width is None and given.thickness is None):
             return None
         across, name = sizes.thickness, "thickness"
-        if pressed and (sizes.gauge_length is None or across in (None, sizes.gauge_length)):
+        cube = across == sizes.width == sizes.gauge_length
+        if pressed and not cube and (sizes.gauge_length is None or across in (None, sizes.gauge_length)):
             across, name = (
                 amount(self.sheet, "specimen length", "length", self.decimal, []),
                 "specimen length",
