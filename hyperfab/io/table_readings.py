@@ -9,7 +9,7 @@ from hyperfab.io.cells import NO_READING, is_number
 from hyperfab.io.headings import NUMBER_LIKE, Heading, is_closing, meaning, plain
 from hyperfab.io.layout import Layout
 from hyperfab.io.rows import SEPARATORS, Row
-from hyperfab.io.tables import Block, Fits, is_units
+from hyperfab.io.tables import Block, Fits, is_units, of_specimens
 
 
 def readings(block: Block, fits: Fits, name: str, separator: str, layout: Layout) -> list[Block]:
@@ -26,14 +26,15 @@ def readings(block: Block, fits: Fits, name: str, separator: str, layout: Layout
         block.left_out["property of the channels, no reading"] += properties
         block.words += [cells[0][:40] for _, cells in block.rows[:properties]]
         block.rows = block.rows[properties:]
-    reading = [k for k, (_, cells) in enumerate(block.rows) if _reads(cells, block.headings)]
+    named = of_specimens(block.rows)
+    reading = [k for k, (_, cells) in enumerate(block.rows) if _reads(cells, block.headings, k in named)]
     while len(reading) > 2 and _is_remark([block.rows[k][1] for k in reading]):
         reading.pop()
     last = reading[-1] if reading else -1
     for place, (line, cells) in enumerate(block.rows):
         if not any(cells):
             block.left_out["blank row"] += 1
-        elif place <= last and _reads(cells, block.headings):
+        elif place <= last and _reads(cells, block.headings, place in named):
             waiting = _settled(waiting, block, name)
             kept.append((line, _fitted(cells, width, block.headings, line, separator, name)))
         elif place > last or is_closing(next(cell for cell in cells if cell)):
@@ -92,11 +93,11 @@ def _settled(waiting: list[Row], block: Block, name: str) -> list[Row]:
     return []
 
 
-def _reads(cells: Sequence[str], heads: Sequence[Heading]) -> bool:
+def _reads(cells: Sequence[str], heads: Sequence[Heading], named: bool) -> bool:
     """Whether a row has at least one number under the headings, and is none of means."""
     if not any(NUMBER_LIKE.match(cell) or NO_READING.fullmatch(cell) for cell in cells[: len(heads)] if cell):
         return False
-    return not is_closing(next(cell for cell in cells if cell))
+    return named or not is_closing(next(cell for cell in cells if cell))
 
 
 def _fitted(

@@ -6,6 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import groupby
 
 from hyperfab.errors import InputError
 from hyperfab.io.cells import NO_READING, is_clock, is_number
@@ -34,6 +35,8 @@ _BLANK_UNITS = frozenset(
 _OF_ONE = ("specimen", "cycle", "branch")
 #: Below so many rows a table beside a long one is a summary of it.
 _FEW = 12
+#: So many rows that begin alike are readings of one specimen.
+_RUN = 3
 
 
 @dataclass
@@ -54,15 +57,28 @@ class Block:
     over: Row | None = None
 
 
-def is_data(cells: Sequence[str]) -> bool:
-    """Whether a row holds readings: two numbers, or one and a time or a gap; no mean."""
+def is_data(cells: Sequence[str], named: bool = False) -> bool:
+    """Whether a row holds readings: two numbers, or one and a time or a gap; no mean, unless one is ``named`` so."""
     numbers = sum(map(is_number, cells))
-    if numbers >= 2:
-        return not is_closing(next(cell for cell in cells if cell))
     if numbers == 1:
-        others = sum(1 for cell in cells if cell and (is_clock(cell) or NO_READING.fullmatch(cell)))
-        return others > 0 and not is_closing(next(cell for cell in cells if cell))
-    return False
+        numbers += sum(1 for cell in cells if cell and (is_clock(cell) or NO_READING.fullmatch(cell)))
+    return numbers >= 2 and (named or not is_closing(next(filter(None, cells), "")))
+
+
+def of_specimens(rows: Sequence[Row]) -> frozenset[int]:
+    """Return the rows that begin as closing ones do, as S or Max, row after row: a mean is one row, a specimen many.
+
+    >>> sorted(of_specimens([(k, [name, "1", "2"]) for k, name in enumerate(["S", "S", "S", "Max", "Mean", "S"])]))
+    [0, 1, 2]
+    """
+    found: set[int] = set()
+    place = 0
+    for first, run in groupby(next(filter(None, cells), "") for _, cells in rows):
+        count = sum(1 for _ in run)
+        if count >= _RUN and is_closing(first):
+            found.update(range(place, place + count))
+        place += count
+    return frozenset(found)
 
 
 def is_label(cells: Sequence[str]) -> bool:
@@ -73,7 +89,8 @@ def is_label(cells: Sequence[str]) -> bool:
 
 def find(rows: Sequence[Row], fits: Fits, layout: Layout) -> list[Block]:
     """Return the tables among ``rows`` whose headings fit, each with what stands above it; empty where none does."""
-    data = [is_data(cells) for _, cells in rows]
+    named = of_specimens(rows)
+    data = [is_data(cells, k in named) for k, (_, cells) in enumerate(rows)]
     starts = [k for k in range(len(rows)) if data[k] and (k == 0 or not data[k - 1])]
     found: list[Block] = []
     heads: list[tuple[int, int]] = []  # first row of the head, first row of data

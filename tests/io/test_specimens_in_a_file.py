@@ -320,3 +320,16 @@ def test_directions_in_titles_above_are_those_of_specimens_where_the_test_has_on
     two = b"Warp,,Weft,\n" + table("Strain,Stress (MPa),Strain,Stress (MPa)", pairs()[:4])
     with pytest.raises(InputError, match="which test"):
         read_tests(two, "a.csv")
+
+
+@pytest.mark.parametrize("name", ["S 1", "S", "Max", "Total", "N 2"])
+@pytest.mark.parametrize("preamble", ["# test: uniaxial\n", "Tensile test\nOperator,Meier\n\n"])
+def test_a_specimen_called_as_a_closing_row_is_begins_is_read(name: str, preamble: str) -> None:
+    """A mean stands in one row; what stands in row after row is a size, an operator, a sample."""
+    rows = "".join(f"{who},{10 * k},{k / 10}\n" for who in ("A 1", name) for k in (1, 2, 3, 4))
+    text = f"{preamble}Sample,Strain (%),Stress (MPa)\n{rows}Mean,25,0.25\nS,12,0.1\nMax,40,0.4\n"
+    found = read_tests(text.encode(), "k17.csv")
+    assert [(one.specimen, one.stress.tolist()) for one in found] == [
+        ("A 1", [0.1, 0.2, 0.3, 0.4]), (name, [0.1, 0.2, 0.3, 0.4])
+    ]  # fmt: skip
+    assert set(found[0].left_out) == {"closing row, no reading"}
