@@ -17,7 +17,7 @@ from hyperfab.io.cells import NO_READING, is_number
 from hyperfab.io.csv_dialect import open_sheets
 from hyperfab.io.csv_numbers import numbers, settle_decimal
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.kinds_of_tests import TESTS, said, tests_of_rows
+from hyperfab.io.kinds_of_tests import TESTS, is_pulled, said, tests_of_rows
 from hyperfab.io.layout import PLAIN, Choice, Layout
 from hyperfab.io.role_words import no_test, understood
 from hyperfab.io.roles import STRESSES, STRETCHES, Roles, fits, roles
@@ -274,9 +274,13 @@ def _check(found: TestData, sheet: CsvSheet, columns: Roles, clock: bool) -> Non
             remedy = (
                 f"is it a strain? then say {sheet.option([(pull.heading.title, 'strain [-]')])}; {remedy}"
             )
-        elif push is not None:
-            flip = sheet.option([(push.heading.title, f"-{push.name} [{push.heading.unit or '-'}]")])
-            remedy += f" where pushing counts as positive, say {flip}"
+        elif push is not None and pull is not None:
+            for turned, where in ((pull, "it was pulled"), (push, "pushing counts as positive")):
+                flip = sheet.option(
+                    [(turned.heading.title, f"-{turned.name} [{turned.heading.unit or '-'}]")]
+                )
+                remedy += f" where {where}, say {flip};" if turned is pull or not is_pulled(sheet) else ""
+            remedy = remedy.rstrip(";")
         raise refuse(
             row,
             f"tension ({stress[row]:g} {found.stress_unit}) at a stretch of {stretch[row]:g}, below 1",

@@ -9,7 +9,7 @@ from hyperfab.errors import InputError
 from hyperfab.io.csv_numbers import words
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import word_for
-from hyperfab.io.named_tests import Named, named_test, surest
+from hyperfab.io.named_tests import Named, is_pull, named_test, surest
 from hyperfab.io.role_words import no_stress, no_test
 from hyperfab.io.roles import STRESSES, Roles
 
@@ -23,8 +23,9 @@ TESTS = (
     "biaxial-general",
     "volumetric",
 )
-#: Whether a test is told to be a compression; perhaps, where words say it that may be of what is tested.
-Pressed = Literal["no", "perhaps", "yes"]
+#: Whether a test is told to be a compression; perhaps, where words say it that may be of what is tested; pulled, where
+#: it is told to be a pull.
+Pressed = Literal["no", "perhaps", "yes", "pulled"]
 #: Tests by the letters that papers give them, where a file states its test.
 _LETTERS = {
     "ut": "uniaxial", "uc": "compression", "ps": "shear", "et": "biaxial", "eb": "biaxial", "ebt": "biaxial",
@@ -94,11 +95,11 @@ def tests_of_rows(sheet: CsvSheet, columns: Roles, given: str | None) -> tuple[l
             )
     count = len(sheet.lines)
     if texts:
-        told_so: Pressed = "yes" if compression else "no"
+        told_so: Pressed = "yes" if compression else "pulled" if is_pulled(sheet) else "no"
         return ([known[text] for text in texts] if column else [known[texts[0]]] * count), told_so
     named = _recognised(sheet, columns)
     guess = named.kind if named else None
-    pressed: Pressed = "no"
+    pressed: Pressed = "pulled" if is_pulled(sheet) else "no"
     if named is not None and guess == "compression":
         pressed = "yes" if named.sure else "perhaps"
     if given is not None:
@@ -108,6 +109,23 @@ def tests_of_rows(sheet: CsvSheet, columns: Roles, given: str | None) -> tuple[l
     if guess is None:
         raise no_test(sheet, TESTS)
     return ["uniaxial" if guess == "compression" else guess] * count, pressed
+
+
+def names_of(name: str) -> list[str]:
+    """Return what a table is called: its sheet in a workbook, then the file without its ending.
+
+    >>> names_of("lab/k17_uniaxial.xlsx:Warp"), names_of("k9_weft.csv")
+    (['Warp', 'k17_uniaxial'], ['k9_weft'])
+    """
+    file, _, title = name.partition(".xlsx:")
+    return [*([title] if title else []), PurePath(file).stem if not title else PurePath(file).name]
+
+
+def is_pulled(sheet: CsvSheet) -> bool:
+    """Whether a line or words above a table say that the test is a pull and no other."""
+    told = [entry.value for entry in sheet.metadata.get("test", [])]
+    found = surest(told)
+    return any(map(is_pull, told)) and found is not None and found.kind == "uniaxial"
 
 
 def _recognised(sheet: CsvSheet, columns: Roles) -> Named | None:
@@ -127,7 +145,7 @@ def _recognised(sheet: CsvSheet, columns: Roles) -> Named | None:
     if above is not None and above.sure:
         return above
     titles = named_test(" | ".join(one.heading.title for one in names.values()))
-    told = above or named_test(PurePath(sheet.name.partition(".xlsx")[0]).stem)
+    told = above or next(filter(None, map(named_test, names_of(sheet.name))), None)
     if titles is None or titles.kind not in ("uniaxial", "compression") or told == titles:
         return told
     if told is None or (not told.sure and told.kind in ("uniaxial", "compression")):

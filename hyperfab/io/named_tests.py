@@ -85,6 +85,21 @@ def is_test(text: str) -> bool:
     return not rest and any(run.of_test for run in runs)
 
 
+def is_pull(text: str) -> bool:
+    """Whether words say of a test that it pulls along one axis: Tensile test, Zugversuch, ISO 13934-1; not uniaxial.
+
+    >>> is_pull("Zugversuch Jersey"), is_pull("uniaxial"), is_pull("biaxial tensile test")
+    (True, False, False)
+    """
+    runs = [(run, rest) for part in _PARTS.split(text) for found, rest in [_runs(part)] for run in found]
+    return any(
+        (run.of_test or not rest)
+        and run.kinds == {"uniaxial"}
+        and any(phrase != "uniaxial" for _, phrase in run.phrases)
+        for run, rest in runs
+    )
+
+
 def surest(names: Iterable[str]) -> Named | None:
     """Return the first of the kinds that ``names`` tell that is sure, else the first."""
     found = [one for one in map(named_test, names) if one is not None]

@@ -15,11 +15,17 @@ from hyperfab.errors import InputError
 from hyperfab.io.cells import is_clock
 from hyperfab.io.csv_numbers import numbers, quantities, seconds, words
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.headings import Heading, is_of, word_for
+from hyperfab.io.headings import Heading, is_of, plain, word_for
+from hyperfab.io.kinds_of_tests import names_of
 from hyperfab.io.roles import Roles
 from hyperfab.io.specimen import Geometry, no_unit
 from hyperfab.io.stated import amount, stated
 
+#: Words of a direction that mean another thing in a name.
+_UNSURE = (
+    "length", "machine", "fill", "filling", "cross", "transverse", "longitudinal", "columna", "columnas", "fila",
+    "colonne", "teia",
+)  # fmt: skip
 _SIDES = {"load": 1, "unload": -1}
 
 
@@ -28,7 +34,8 @@ def directions(sheet: CsvSheet, columns: Roles) -> list[float | None]:
     column = columns.columns.get("direction")
     if column is None:
         entry = stated(sheet, "direction")
-        value = None
+        named = next(filter(None, map(_in_name, names_of(sheet.name))), None)
+        value = None if named is None else DIRECTIONS[named]
         if entry is not None:
             value = _direction(entry.value, None, sheet, entry.line) if entry.sure else _degrees(entry.value)
         return [value] * len(sheet.lines)
@@ -38,6 +45,23 @@ def directions(sheet: CsvSheet, columns: Roles) -> list[float | None]:
         if text not in known:
             known[text] = _direction(text, column.heading, sheet, line)
     return [known[text] for text in texts]
+
+
+def _in_name(name: str) -> str | None:
+    """Return the direction that the name of a file or a sheet tells; none where it tells two, or of a warp knit.
+
+    >>> _in_name("k9_weft-3"), _in_name("warp_knit"), _in_name("warp_weft")
+    ('weft', None, None)
+    """
+    words = plain(name).split()
+    found = {
+        told
+        for word, after in zip(words, [*words[1:], ""], strict=True)
+        if word not in _UNSURE
+        and not after.startswith(("knit", "wirk"))
+        and (told := word_for(word, "DIRECTIONS"))
+    }
+    return found.pop() if len(found) == 1 else None
 
 
 def _degrees(text: str) -> float | None:

@@ -11,7 +11,7 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
-from hyperfab.io.csv_numbers import other_unit, quantities
+from hyperfab.io.csv_numbers import numbers, other_unit, quantities
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import KIND, unread_unit
 from hyperfab.io.kinds_of_tests import Pressed
@@ -118,6 +118,8 @@ def read_loading(
     """
     reader = _Reader(sheet, roles, test, sizes, decimal, options, pressed == "yes")
     notes = reader.notes
+    if pressed == "pulled":
+        reader.turn()
     stretch = reader.stretch("")
     if stretch is None:
         raise no_stretch(sheet, roles)
@@ -202,16 +204,33 @@ class _Reader:
     decimal: str
     options: Geometry
     pressed: bool = False
+    down: bool = False
     notes: list[str] = field(default_factory=list)
     used: list[Column] = field(default_factory=list)
 
     def _values(self, column: Column, kind: str, name: str) -> Array:
         return quantities(self.sheet, column.heading, kind, self.decimal, name=name)
 
+    def turn(self) -> None:
+        """Count a pull up whose stretch and stress both go down, as of a stand that counts pushing as positive."""
+        pull, push = self.roles.first(("extension", "position", "strain")), self.roles.first(STRESSES)
+        if pull is None or push is None or self.roles.first(STRETCHES) is not pull:
+            return
+        both = (pull, push)
+        if any(one.compressive or self.sheet.layout.choice(one.heading, self.sheet.headings) for one in both):
+            return
+        readings = [numbers(self.sheet, one.heading, self.decimal) for one in both]
+        if pull.name == "position":
+            readings[0] = readings[0] - readings[0][0]
+        self.down = all(values[int(np.abs(values).argmax())] < 0.0 for values in readings)
+        if self.down:
+            titles = " and ".join(one.heading.title for one in both)
+            self.notes.append(f"a pull: {titles} count down and are turned round")
+
     def _signed(self, values: Array, column: Column) -> Array:
         """Return readings with the signs of mechanics: pulling is positive."""
-        if column.minus:
-            return -values
+        if column.minus or self.down:
+            return 0.0 - values
         if column.compressive and len(values) and values[int(np.abs(values).argmax())] > 0.0:
             self.notes.append(f"{column.heading.title} counts pushing as positive and is taken as negative")
             return -values

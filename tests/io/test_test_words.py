@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
+from machine_exports import workbook
 
 from hyperfab.errors import InputError
 from hyperfab.io.csv_tests import read_tests
@@ -145,3 +146,64 @@ def test_compression_in_a_name_beside_readings_that_grow_is_asked_for() -> None:
     assert (found.stretch.max(), found.stress.max()) == pytest.approx((0.9, -0.05))
     [found] = read_tests((STRIP + PULLED).encode(), "compression-2.csv")  # the name says nothing else
     assert found.stretch.max() == pytest.approx(0.9)
+
+
+@pytest.mark.parametrize("title", ["Tensile test", "Zugversuch ISO 13934-1", "Test type,Tensile"])
+@pytest.mark.parametrize(
+    "table",
+    [
+        "Extension (mm),Load (N)\n0,0\n-10,-2\n-20,-4\n-100,-9\n",
+        "Position (mm),Load (N)\n400,0\n390,-2\n380,-4\n300,-9\n",
+        "Strain (%),Stress (MPa)\n0,0\n-10,-.05\n-20,-.1\n-100,-.225\n",
+    ],
+)
+def test_a_pull_that_counts_down_in_both_is_turned_round(title: str, table: str) -> None:
+    """Under a title that says no pull the same readings are those of a compression."""
+    [found] = read_tests(f"{title}\n{STRIP}{table}".encode(), "k17.csv")
+    assert found.stretch.tolist() == pytest.approx([1.0, 1.1, 1.2, 2.0])
+    assert found.stress.tolist() == pytest.approx([0.0, 0.05, 0.1, 0.225])
+    assert any("count down and are turned round" in note for note in found.notes)
+    pressed = re.sub(r"\n[^\n]*\n$", "\n", table)  # to a stretch of nothing nobody presses
+    [found] = read_tests(f"{STRIP}{pressed}".encode(), "k17.csv", test="uniaxial")
+    assert found.stretch.min() == pytest.approx(0.8)
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        "Extension (mm),Load (N)\n0,0\n-10,2\n-20,4\n",
+        "Position (mm),Load (N)\n400,0\n390,2\n380,4\n",
+    ],
+)
+def test_of_a_pull_the_column_that_counts_down_is_the_one_to_turn(table: str) -> None:
+    with pytest.raises(InputError, match="where it was pulled") as caught:
+        read_tests(f"Tensile test\n{STRIP}{table}".encode(), "k17.csv")
+    [option] = re.findall(r'--columns "([^"]*)"', str(caught.value))
+    [found] = read_tests(f"Tensile test\n{STRIP}{table}".encode(), "k17.csv", columns=layout([option]))
+    assert (found.stretch.max(), found.stress.max()) == pytest.approx((1.2, 0.1))
+    with pytest.raises(InputError, match="where pushing counts as positive") as caught:
+        read_tests(f"{STRIP}{table}".encode(), "k17.csv", test="uniaxial")
+    ways = []
+    for option in re.findall(r'--columns "([^"]*)"', str(caught.value)):
+        [found] = read_tests(f"{STRIP}{table}".encode(), "k17.csv", test="uniaxial", columns=layout([option]))
+        ways.append((found.stretch[-1], found.stress[-1]))
+    assert ways == [pytest.approx((1.2, 0.1)), pytest.approx((0.8, -0.1))]
+
+
+@pytest.mark.parametrize(
+    ("name", "degrees"),
+    [("k9_warp.csv", 0.0), ("lot3/Weft-2.txt", 90.0), ("Kette 23C.csv", 0.0), ("warp_weft.csv", None),
+     ("warp_knit_3.csv", None), ("machine7.csv", None)],
+)  # fmt: skip
+def test_a_name_tells_the_direction_where_nothing_else_does(name: str, degrees: float | None) -> None:
+    assert read_tests(f"# test: tensile\n{ROWS}".encode(), name)[0].direction == degrees
+    [stated] = read_tests(f"# test: tensile\n# direction: 30 deg\n{ROWS}".encode(), name)
+    assert stated.direction == 30.0
+
+
+def test_sheets_of_a_workbook_tell_their_test_and_their_direction() -> None:
+    rows = [["Strain", "Stress"], ["%", "MPa"], *[[(str(10 * k),), (str(k / 10),)] for k in (1, 2, 3)]]
+    book = workbook({"Uniaxial warp": rows, "Biaxial": rows})
+    assert [(one.mode, one.direction) for one in read_tests(book, "k17_uniaxial.xlsx")] == [
+        ("uniaxial", 0.0), ("biaxial", None)
+    ]  # fmt: skip
