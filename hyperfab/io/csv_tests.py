@@ -20,7 +20,7 @@ from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.kinds_of_tests import TESTS, is_pulled, said, tests_of_rows
 from hyperfab.io.layout import PLAIN, Choice, Layout
 from hyperfab.io.role_words import no_test, understood
-from hyperfab.io.roles import STRESSES, STRETCHES, Roles, fits, roles
+from hyperfab.io.roles import STRESSES, STRETCHES, Column, Roles, fits, roles
 from hyperfab.io.row_states import directions, held_down, of_each_row, words_or_stated
 from hyperfab.io.side_by_side import may_be_specimens, specimens
 from hyperfab.io.specimen import Geometry, Loading, read_geometry, read_loading
@@ -246,6 +246,11 @@ def _groups(
     return {key: np.array(rows, dtype=np.int64) for key, rows in found.items()}
 
 
+def _as_strain(sheet: CsvSheet, column: Column) -> str:
+    """Return the option that says of a column that it is a strain, in its unit."""
+    return sheet.option([(column.heading.title, f"strain [{column.heading.unit or '-'}]")])
+
+
 def _check(found: TestData, sheet: CsvSheet, columns: Roles, clock: bool) -> None:
     """Refuse what no test can have shown; what is merely odd is the fit's to judge."""
     if found.mode in ("volumetric", "simple-shear"):
@@ -271,9 +276,7 @@ def _check(found: TestData, sheet: CsvSheet, columns: Roles, clock: bool) -> Non
         pull, push = columns.first(STRETCHES), columns.first(STRESSES)
         remedy = "are the columns of stretch and stress swapped?"
         if pull is not None and pull.name == "stretch" and stretch.min() < 0.5 and stress.min() >= 0.0:
-            remedy = (
-                f"is it a strain? then say {sheet.option([(pull.heading.title, 'strain [-]')])}; {remedy}"
-            )
+            remedy = f"is it a strain? then say {_as_strain(sheet, pull)}; {remedy}"
         elif push is not None and pull is not None:
             for turned, where in ((pull, "it was pulled"), (push, "pushing counts as positive")):
                 flip = sheet.option(
@@ -299,7 +302,7 @@ def _check(found: TestData, sheet: CsvSheet, columns: Roles, clock: bool) -> Non
                 rest,
                 f"a strain of {stretch[rest] - 1.0:g} where the stress is {stress[rest]:g}",
                 f"is it a stretch? then say {sheet.option([(title, 'stretch')])}; if it is none, "
-                f"{sheet.option([(title, 'strain [-]')])}",
+                f"{_as_strain(sheet, pull)}",
             )
     if clock and found.time_s is not None:
         back = np.flatnonzero(np.diff(found.time_s) < 0.0)

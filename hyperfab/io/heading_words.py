@@ -160,7 +160,8 @@ MENDED = """corrected; tared; zeroed; compensated; net; korrigiert; korrigierte;
 #: hf does not read it.
 MEASURES: dict[str, dict[str, str]] = {
     "strain": {
-        "true strain": """true; log; logarithmic; hencky; ln; wahr; wahre; logarithmisch; logarithmische; verdadera;
+        "true strain": """natural; naturliche;
+            true; log; logarithmic; hencky; ln; wahr; wahre; logarithmisch; logarithmische; verdadera;
             verdadeira; vraie; vera; logaritmica; logarithmique""",
         "green strain": "green; lagrange; lagrangian; lagrangienne; lagrangiana",
         "": "almansi; eulerian",

@@ -202,9 +202,7 @@ def unread_unit(head: Heading) -> str | None:
 
 def _is_remark(part: str) -> bool:
     """Whether words in brackets are known ones, or as long as those of no unit."""
-    known = _mended().union(
-        *(words(one) for table in heading_words.MEASURES.values() for one in table.values())
-    )
+    known = _mended() | _measures()
     told = plain(part).split()
     return all(
         len(word) > 4 or word.isdigit() or _is_filler(word) or word in known or looked_up(word)
@@ -250,7 +248,7 @@ def meaning(head: Heading) -> Meaning | None:
     if match and match[1] and (found := list(looked_up(match[1]))):
         axis = _AXES[match[2]]
     if not found:
-        core = " ".join(word for word in label.split() if word not in _mended())
+        core = " ".join(word for word in label.split() if word not in _mended() | _measures())
         found = [replace(one, rank=0) for one in looked_up(core)] if core != label else []
     if not found:
         first, _, last = label.rpartition(" ")
@@ -300,6 +298,13 @@ def _fillers() -> frozenset[str]:
 @cache
 def _mended() -> frozenset[str]:
     return words(heading_words.MENDED)
+
+
+@cache
+def _measures() -> frozenset[str]:
+    return frozenset().union(
+        *(words(one) for table in heading_words.MEASURES.values() for one in table.values())
+    )
 
 
 def measured(name: str, title: str) -> str:

@@ -95,6 +95,7 @@ def proposed(sheet: CsvSheet, found: Roles) -> list[tuple[str, str]]:
     for one in numeric:
         own = _own_unit(one)
         kind = next((name for kind, name in BY_KIND.items() if own and is_of(own, kind)), None)
+        kind = kind and measured(kind, one.title)  # of a true stress the nominal one is not proposed
         if (yarn := _FINENESS.fullmatch(one.unit or "")) and not have & set(STRESSES):
             have.add("force")
             entries[one.index] = (one.title, f"force [{yarn[1]}]")
@@ -113,6 +114,7 @@ def proposed(sheet: CsvSheet, found: Roles) -> list[tuple[str, str]]:
                 one = rest.pop(0)
                 told = shape(sheet.columns[one.index], one.title) if names is STRETCHES else "stress [MPa]"
                 name, gap, unit = told.partition(" [")
+                name = measured(name, one.title) or name
                 entries[one.index] = (one.title, f"{name}{place}{gap}{unit}")
     return [entries[index] for index in sorted(entries)]
 

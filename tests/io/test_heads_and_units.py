@@ -106,6 +106,37 @@ def test_a_factor_beside_a_strain_is_its_unit(head: str, factor: float) -> None:
     assert strained(head) == pytest.approx(1.0 + 2.5 * factor)
 
 
+@pytest.mark.parametrize(
+    ("heads", "twin"),
+    [
+        ("Dehnung log. [%],Spannung wahr [MPa]", "true strain [%],true stress [MPa]"),
+        ("epsilon_true,sigma_true (MPa)", "true strain [-],true stress [MPa]"),
+        ("Natural strain (-),Stress (MPa)", "true strain [-],stress [MPa]"),
+    ],
+)
+def test_a_true_strain_and_a_true_stress_are_known_wherever_the_measure_stands(heads: str, twin: str) -> None:
+    rows = "0.1,0.1\n0.2,0.3\n"
+    one, other = (
+        read_tests(f"{head}\n{rows}".encode(), "a.csv", test="uniaxial")[0] for head in (heads, twin)
+    )
+    assert (one.stretch.tobytes(), one.stress.tobytes()) == (other.stretch.tobytes(), other.stress.tobytes())
+
+
+def test_of_a_true_stress_no_nominal_one_is_proposed() -> None:
+    with pytest.raises(InputError, match=r"sigB_true \[MPa\]=true stress \[MPa\]"):
+        read_tests(b"strain,sigB_true [MPa]\n0.1,0.1\n0.2,0.3\n", "a.csv", test="uniaxial")
+
+
+def test_a_stretch_in_per_cent_that_is_a_strain_is_one_in_per_cent() -> None:
+    text = b"# test: tensile\nStretch (%),Stress (MPa)\n5,0.1\n20,0.3\n"
+    with pytest.raises(InputError, match="is it a strain") as caught:
+        read_tests(text, "a.csv")
+    told = layout([re.findall(r'--columns "([^"]*)"', str(caught.value))[0]])
+    assert read_tests(text, "a.csv", columns=told)[0].stretch.tolist() == pytest.approx([1.05, 1.2])
+    [whole] = read_tests(text.replace(b"\n5,", b"\n105,").replace(b"\n20,", b"\n120,"), "a.csv")
+    assert whole.stretch.tolist() == pytest.approx([1.05, 1.2])
+
+
 @pytest.mark.parametrize("head", ["Strain (%/100)", "Strain (me)"])
 def test_what_may_or_may_not_be_the_unit_of_a_strain_is_asked_for(head: str) -> None:
     with pytest.raises(InputError, match="is no unit that is known"):
