@@ -185,7 +185,8 @@ SETTINGS: dict[str, str] = {
         probeta; espesor inicial; epaisseur; epaisseur de l eprouvette; epaisseur eprouvette; epaisseur initiale;
         spessore; spessore provino; spessore del provino; spessore iniziale; espessura; espessura do corpo de
         prova; espessura inicial; 厚さ; 厚み; 厚度; толщина""",
-    "gauge length": """gauge length; gage length; initial length; original length; original gauge length;
+    "gauge length": """gauge length; gage length; gauge; gage; nominal gage length; sample gauge length;
+        initial gauge length; initial specimen length; initial length; original length; original gauge length;
         nominal gauge length;
         specimen gauge length; l0; lo; l 0; free length; messlange; anfangsmesslange; anfangslange; bezugslange;
         ausgangslange; longitud de referencia; longitud inicial; longitud calibrada; longitud util; base de
@@ -193,7 +194,11 @@ SETTINGS: dict[str, str] = {
         base de mesure; lunghezza iniziale; lunghezza utile; lunghezza di riferimento; tratto utile; base di
         misura; comprimento inicial; comprimento util; comprimento de referencia; comprimento de medida; 標点距離;
         ゲージ長さ; 标距; база; начальная длина""",
-    "grip distance": """grip distance; grip separation; grip to grip separation;
+    "grip distance": """grip distance; test length; jaw span; distance between jaws; distance between clamps;
+        distance between grips; initial distance between grips; initial distance between jaws; initial jaw separation;
+        length between grips; length between jaws; clamp separation; free clamping length; nip distance; pruflange;
+        longueur d epreuve; distanza iniziale tra i morsetti; distanza iniziale tra le pinze; grip separation;
+        grip to grip separation;
         grip to grip separation at the start position;
         jaw separation; jaw distance; clamp distance; clamping length; clamping distance; initial grip
         separation; einspannlange; klemmlange; freie einspannlange; einspannlange bei startposition;

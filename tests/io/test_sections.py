@@ -98,3 +98,16 @@ def test_a_size_that_is_needed_and_cannot_be_taken_is_asked_for(line: str, messa
 def test_a_gauge_length_without_a_unit_is_shown_with_it() -> None:
     with pytest.raises(InputError, match="--gauge-length 100mm"):
         one(PULL.replace("Gauge length,100,mm", "Gauge length,100").format("Thickness,0.8,mm\n"))
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "Test length", "Jaw span", "Distance between jaws", "Distance between clamps", "Length between grips",
+        "Initial jaw separation", "Nominal gage length", "Clamp separation", "Free clamping length", "Nip distance",
+        "Prüflänge", "Distanza iniziale tra i morsetti", "Longueur d'épreuve", "Initial specimen length",
+    ],
+)  # fmt: skip
+def test_the_length_between_the_grips_is_known_in_the_words_of_standards(words: str) -> None:
+    text = PULL.replace("Gauge length", words).format("Thickness,0.8,mm\n")
+    assert one(text).stretch.tolist() == pytest.approx([1.1, 1.2])
