@@ -7,7 +7,7 @@ import re
 import unicodedata
 
 from hyperfab.errors import InputError
-from hyperfab.io.headings import is_known
+from hyperfab.io.headings import is_known, setting
 
 #: Recordings are thinned before they are fitted; this bound keeps any file within a second and 400 MB.
 MAX_BYTES = 32 * 2**20
@@ -109,7 +109,9 @@ def _score(text: str, scripts: str, wanted: tuple[str, ...]) -> float:
     score = sum(10.0 for title in wanted if title in text and not title.isascii())
     for match in _WORD.finditer(text):
         if not match[0].isascii():
-            score += 3.0 * (is_known(match[0]) or any(is_known(part) for part in match[0].split()))
+            parts = [match[0], *match[0].split()]  # a letter alone is a word in Chinese and Japanese only
+            parts = [part for part in parts if len(part) > 1 or scripts.startswith("CJK")]
+            score += 3.0 * any(is_known(part) or setting(part) is not None for part in parts)
     if scripts == "LATIN":
         return score
     runs = re.findall(r"[^\x00-\x7f]+", text)

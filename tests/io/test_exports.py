@@ -377,6 +377,7 @@ def test_a_gauge_length_and_another_distance_of_the_grips_are_no_guess() -> None
         ("cp1251", "Время;Усилие;Деформация"),
         ("cp932", "時間,試験力,ストローク"),
         ("gb18030", "力,位移,时间"),
+        ("gb18030", "宽度,50,mm\n厚度,0.8,mm\n标距,100,mm\n位移(mm),力(N)\n10,2.6"),
         ("cp1252", "T [°C];stress [N/mm²];µ"),
     ],
 )
