@@ -83,9 +83,9 @@ class FabricProblem(Problem):
     def look_alikes(self, forms: Mapping[str, Form]) -> Sequence[frozenset[str]]:
         """Return effects that these tests do not tell apart, whatever they read.
 
-        Only second pulls, or several rates and holds, tell what makes loops. What grips give smoothly with the extension
-        bends all curves of a kind as another law does, what they give with the load so does where there is but one.
-        Where each direction was tested at a temperature of its own, either may be what they differ by.
+        Only second pulls, or several rates and holds, tell what makes loops. What grips give smoothly with the
+        extension bends all curves of a kind as another law does; what they give with the load does so where there is
+        but one. Where each direction was tested at a temperature of its own, either may be what they differ by.
         """
         context = DataContext(self.law, (), self.fabric.path, self.measured)
         alike = []
