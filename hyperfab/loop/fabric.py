@@ -104,8 +104,8 @@ class FabricProblem(Problem):
     def forbidden(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Mapping[str, float]:
         """Return by how much the modulus at rest along each direction tested falls short of what a sheet has.
 
-        In units of the stiffness these tests show at their ends. Where terms are added to the law, also by how much
-        other kinds of tests would fall instead of rising, up to the invariant that these reach.
+        In units of the stiffness these tests show at their ends. Where terms are added to the law by tests of one
+        kind, also by how much other kinds would fall instead of rising, up to the invariant that these reach.
         """
         warp, weft, had = self.of_own(own)
         elastic = {name: term for name, term in {**had, **terms}.items() if name in _ELASTIC}
@@ -125,7 +125,7 @@ class FabricProblem(Problem):
             modulus = self._at_rest.stress(warp, weft, named) / _STEP / self._secant
             for angle, value in zip(self._at_rest.path.angle_deg, modulus, strict=True):
                 found[f"Young's modulus at rest{of}{_along(angle)}"] = max(_LEAST - float(value), 0.0)
-        if "elastic-law" in elastic:
+        if "elastic-law" in elastic and len(np.unique(self.fabric.path.mode)) < 2:
             pairs = self._elsewhere.stress(warp, weft, elastic).reshape(-1, 2)
             for mode, rise in zip(_ELSEWHERE, np.diff(pairs).reshape(len(_ELSEWHERE), -1), strict=True):
                 falls = max(float(np.max(-rise)) / _STEP / self._secant, 0.0)
