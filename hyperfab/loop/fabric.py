@@ -24,6 +24,7 @@ from hyperfab.materials.effects.path import (
     GENERAL,
     MODE_NAMES,
     SHEAR,
+    UNIAXIAL,
     Path,
     second_stretch,
     uniaxial_pull,
@@ -41,7 +42,7 @@ _VALLEY = 240
 #: Effects that have a say in the stiffness at rest, the strain it is told at, and the least of it, as a share of the
 #: stiffness that the tests end with: no sheet lengthens without a force.
 _ELASTIC, _STEP, _LEAST = ("anisotropy", "elastic-law"), 1e-4, 1e-3
-_ELSEWHERE = (SHEAR, BIAXIAL)
+_ELSEWHERE = (UNIAXIAL, SHEAR, BIAXIAL)
 
 
 @dataclass
@@ -105,7 +106,7 @@ class FabricProblem(Problem):
         """Return by how much the modulus at rest along each direction tested falls short of what a sheet has.
 
         In units of the stiffness these tests show at their ends. Where terms are added to the law by tests of one
-        kind, also by how much other kinds would fall instead of rising, up to the invariant that these reach.
+        kind, also by how much that and other kinds fall instead of rising, up to the invariant that these reach.
         """
         warp, weft, had = self.of_own(own)
         elastic = {name: term for name, term in {**had, **terms}.items() if name in _ELASTIC}

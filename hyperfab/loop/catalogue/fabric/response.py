@@ -73,15 +73,20 @@ def anisotropy(context: DataContext) -> Effect:
             takes_over=True,
         )
         forms.append(threads)
-        if len(slanted):
-            growths = [replace(growth, name=f"k2_{way}") for way in ("warp", "weft")]
-            each = (warp, across, *growths, shear)
-            begin = (*start[:3], *start[2:])
-            forms.append(Form("threads-each", each, (begin,), refines=("threads", *simpler), takes_over=True))
-        pulled_both_ways = bool(np.any(context.path.mode == GENERAL))
-        if pulled_both_ways or len(slanted) > 1:
-            turns = pulled_both_ways or len(slanted) > 3
-            forms.append(_bias_threads(warp, across, growth, stiff, far, turns))
+        growths = [replace(growth, name=f"k2_{way}") for way in ("warp", "weft")]
+        begin = (*start[:3], *start[2:])
+        each = Form(
+            "threads-each",
+            (warp, across, *growths, shear),
+            (begin,),
+            refines=("threads", *simpler),
+            takes_over=True,
+        )
+        forms += tried_if(len(slanted) > 0, each)
+        both_ways = bool(np.any(context.path.mode == GENERAL))
+        turns = both_ways or len(slanted) > 3
+        bias = _bias_threads(warp, across, growth, stiff, far, turns)
+        forms += tried_if(both_ways or len(slanted) > 1, bias)
     return Effect(
         id="anisotropy",
         title="warp and weft differ",
@@ -209,16 +214,21 @@ def elastic_law(context: DataContext) -> Effect:
         start = (*one.starts[0], 0.01 * size)
         forms.append(Form(f"{one.name}-log", (*one.constants, log), (start,), refines=one.name))
     # Other kinds of tests hold a law that one kind would leave free: there it may bend where it likes.
-    name, count = ("smooth-close", 6) if context.has_one_mode else ("smooth", 5)
-    slopes = [Constant(f"D_{k}_MPa", 0.0, scale=0.1 * size) for k in range(1, count + 1)]
-    free = (*slopes, mixed[0], Constant("mu_MPa", 0.0, scale=0.1 * size), log)
-    smooth = freely(forms, name, (fixed("reach", far), *free), (far, *(0.01 * size for _ in free)))
+    smooths = []
+    for name, count, tried in (
+        ("smooth-close", 6, context.has_one_mode),
+        ("smooth", 5, not context.has_one_mode),
+    ):
+        slopes = [Constant(f"D_{k}_MPa", 0.0, scale=0.1 * size) for k in range(1, count + 1)]
+        free = (*slopes, mixed[0], Constant("mu_MPa", 0.0, scale=0.1 * size), log)
+        start = (far, *(0.01 * size for _ in free))
+        smooths += tried_if(tried, freely(forms, name, (fixed("reach", far), *free), start))
     return Effect(
         id="elastic-law",
         title="the strain-energy law is too poor",
         shown_by="one more mode (planar shear or biaxial), and a pull farther than the product is stretched",
         source="Yeoh (1993), doi:10.5254/1.3538343; Fung (1967); Gent & Thomas (1958), doi:10.1002/pol.1958.1202811814",
-        forms=(*forms, smooth),
+        forms=(*forms, *smooths),
     )
 
 
