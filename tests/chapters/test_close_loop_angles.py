@@ -45,6 +45,7 @@ def write(folder: Path, angles: tuple[float, ...]) -> list[str]:
     return names
 
 
+@pytest.mark.slow
 def test_threads_that_stiffen_each_in_their_own_way_are_found(hf: Run, tmp_path: Path) -> None:
     # A ground as soft as this lies far from the stiffness that a law alike in all directions needs.
     truth = {
