@@ -151,7 +151,7 @@ FILLERS = """analog; analogue; digital; ch; channel; sensor; kanal; canal; canal
         current; istwert; messwert; wert; value; reading; signal; data; average; avg; mean; mittel; mittlere;
         moyenne; media; medio; medie; total; de; del; der; die; das; the; of; en; le; la; specimen; sample; probe;
         engineering; nominal; axial; engr; eng; gl; dic; lvdt; cam; tech; technical; major; standard; por; a; di;
-        traccion; traction;        trazione; tracao; 1; 01"""
+        traccion; traction; trazione; tracao; 1; 01"""
 #: Words that tell a second reading of the same quantity: beside a column without them, which one is meant is asked.
 MENDED = """corrected; tared; zeroed; compensated; net; korrigiert; korrigierte; tariert; tarierte; genullt;
         kompensiert; kompensierte; corregida; corregido; tarada; tarado; compensada; compensado; corrigee; corrige;

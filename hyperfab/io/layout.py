@@ -96,12 +96,9 @@ def _choices(text: str) -> list[Choice]:
                 f'[mm]"; names are {known}'
             )
         written = match["unit"] if match["unit"] is not None else match["round"]
-        unit = None if written is None else beside(written) or "-"
-        if (
-            written is not None
-            and written.strip() not in ("", "-")
-            and (beside(written) is None or not is_unit(str(beside(written))))
-        ):
+        read = None if written is None else beside(written)
+        unit = None if written is None else read or "-"
+        if (written or "").strip() not in ("", "-") and not (read and is_unit(read)):
             raise UsageError(f"--columns {text}: {written} is no unit")
         found.append(Choice((match["quoted"] or match["title"]).strip(), name, unit, bool(match["sign"])))
         place = match.end()

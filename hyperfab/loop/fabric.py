@@ -42,7 +42,8 @@ _VALLEY = 240
 #: Effects that have a say in the stiffness at rest, the strain it is told at, and the least of it, as a share of the
 #: stiffness that the tests end with: no sheet lengthens without a force.
 _ELASTIC, _STEP, _LEAST = ("anisotropy", "elastic-law"), 1e-4, 1e-3
-_ELSEWHERE = (UNIAXIAL, SHEAR, BIAXIAL)
+#: The kinds of tests whose stress rises with what tests of one of them add to a law.
+_RISING = (UNIAXIAL, SHEAR, BIAXIAL)
 
 
 @dataclass
@@ -126,26 +127,29 @@ class FabricProblem(Problem):
             modulus = self._at_rest.stress(warp, weft, named) / _STEP / self._secant
             for angle, value in zip(self._at_rest.path.angle_deg, modulus, strict=True):
                 found[f"Young's modulus at rest{of}{_along(angle)}"] = max(_LEAST - float(value), 0.0)
-        if "elastic-law" in elastic and len(np.unique(self.fabric.path.mode)) < 2:
-            pairs = self._elsewhere.stress(warp, weft, elastic).reshape(-1, 2)
-            for mode, rise in zip(_ELSEWHERE, np.diff(pairs).reshape(len(_ELSEWHERE), -1), strict=True):
+        if "elastic-law" in elastic and self._rising is not None:
+            pairs = self._rising.stress(warp, weft, elastic).reshape(-1, 2)
+            for mode, rise in zip(_RISING, np.diff(pairs).reshape(len(_RISING), -1), strict=True):
                 falls = max(float(np.max(-rise)) / _STEP / self._secant, 0.0)
                 found[f"slope of {MODE_NAMES[mode]} stress"] = falls
         return found
 
     @cached_property
-    def _elsewhere(self) -> Fabric:
-        """Pairs of places close together in tests of other kinds, up to the largest I1 of these."""
+    def _rising(self) -> Fabric | None:
+        """Pairs of places close together in each kind of test, up to the largest I1 of these; None where several kinds
+        hold the law."""
         path = self.fabric.path
+        if len(np.unique(path.mode)) > 1:
+            return None
         far = float(np.max(_I1(path.mode, path.stretch, path.across)))
         stretch = np.linspace(1.0, float(np.sqrt(3.0 + far)), 2001)
         steps = np.array([[0.5, 0.0], [0.5, _STEP], [1.0, 0.0], [1.0, _STEP]])
         places = []
-        for mode in _ELSEWHERE:
+        for mode in _RISING:
             end = float(np.interp(far, _I1(np.full_like(stretch, mode), stretch, stretch), stretch))
             places.append(1.0 + steps[:, 0] * (end - 1.0) + steps[:, 1])
         pull = uniaxial_pull(np.concatenate(places))
-        of = replace(pull, mode=np.repeat(_ELSEWHERE, len(steps)))
+        of = replace(pull, mode=np.repeat(_RISING, len(steps)))
         return Fabric(self.law, of, self.fabric.reference_degC)
 
     @cached_property
