@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hyperfab.materials.effects.smooth import cardinal, straight
+from hyperfab.materials.effects.smooth import CLOSER, cardinal, straight
 from hyperfab.materials.kinematics import Sheet
 from hyperfab.materials.law import Law
 from hyperfab.materials.material import Material
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from scipy.interpolate import PPoly
 
 #: Strains, over the largest, at which a smooth law has its values: closer together near rest.
-CLOSE = tuple((21.0 ** (k / 6.0) - 1.0) / 20.0 for k in range(1, 7))
+CLOSE = tuple(((1.0 + CLOSER) ** (k / 6.0) - 1.0) / CLOSER for k in range(1, 7))
 
 
 @dataclass(frozen=True)

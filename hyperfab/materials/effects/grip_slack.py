@@ -7,11 +7,8 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from hyperfab.materials.effects.path import Path
-from hyperfab.materials.effects.smooth import through
+from hyperfab.materials.effects.smooth import CLOSER, through
 from hyperfab.materials.kinematics import Array
-
-#: How much more closely what the grips give is told at the start than at the end.
-_CLOSE = 20.0
 
 
 def taken_up(stretch: Array, slack: float | Array, toe: float = 0.0) -> Array:
@@ -68,7 +65,7 @@ def yielded(stretch: Array, steps: Array, gives: Array, stays: bool = False) -> 
 
 
 def _smoothly(measure: Array, far: float, values: Array) -> Array:
-    place = np.log1p(_CLOSE * np.maximum(measure, 0.0) / far) / np.log1p(_CLOSE)
+    place = np.log1p(CLOSER * np.maximum(measure, 0.0) / far) / np.log1p(CLOSER)
     return through(place, values)
 
 

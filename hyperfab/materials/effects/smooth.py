@@ -13,6 +13,11 @@ if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline, PPoly
 
 
+#: How much more closely than at its end a smooth law is told near rest, where it is told at even parts of the logarithm
+#: ln(1 + CLOSER x).
+CLOSER = 20.0
+
+
 def cardinal(count: int) -> CubicSpline:
     """Return the natural cubic splines (count) that are 1 at one of 1/count, 2/count, ... 1 and 0 at the others and 0.
 
