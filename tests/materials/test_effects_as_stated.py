@@ -584,7 +584,7 @@ STATED += [
 #: Forms that go from reading to reading by steps, on both sides, or find the load of a specimen between such.
 BY_STEPS = ("finite", "finite-2", "yields", "yields-curved", "slips", "smooth-force", "smooth-slip")
 ELSEWHERE = {("compressibility", "split")} | {
-    ("anisotropy", form) for form in ("threads", "threads-each", "bias-threads")
+    ("anisotropy", form) for form in ("threads", "threads-each", "bias-threads", "sheet")
 }
 #: Smooth laws that are not worked out here; of the energy tests/loop/test_smooth.py has limits.
 NOT_HERE = {

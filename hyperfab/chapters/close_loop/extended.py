@@ -10,6 +10,7 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.chapters.close_loop.softening import nearest, soften
+from hyperfab.chapters.close_loop.whole_sheet import poisson_of, stays_away
 from hyperfab.chapters.fabric import ORTHOTROPIC
 from hyperfab.chapters.look import tested_by
 from hyperfab.curve import TestCurve
@@ -17,11 +18,12 @@ from hyperfab.documents.material import Direction, MaterialDocument
 from hyperfab.errors import InputError
 from hyperfab.loop.fabric import FabricProblem
 from hyperfab.loop.fitting import Fit
-from hyperfab.loop.problem import Constant
+from hyperfab.loop.problem import Constant, fixed
 from hyperfab.materials.effects import anisotropy, elastic_law, load_offset, rate
 from hyperfab.materials.effects.fabric import AT_A_TEMPERATURE
 from hyperfab.materials.effects.path import uniaxial_pull
 from hyperfab.materials.law import Law
+from hyperfab.materials.orthotropic import ABSENT
 
 #: Forms that have no prediction where the tests state no times.
 _NEEDS_TIMES: Mapping[str, Container[str]] = {"rate": rate.FORMS, "load-offset": load_offset.IN_TIME}
@@ -42,8 +44,12 @@ def held_terms(
     for index, item in enumerate(document.effects or []):
         key = f"effects.{index}"
         kind, form_name, values = item.get("id"), item.get("form"), item.get("parameters")
-        # No term is added twice to what the document tells in keys of its own.
-        if item.get("told_by") in ("directions", "model") and "ground" not in item:
+        # No term is added twice to what the law's constants tell.
+        if (
+            kind != "compressibility"
+            and item.get("told_by") in ("directions", "model")
+            and "ground" not in item
+        ):
             continue
         effect = entries.get(str(kind))
         form = None if effect is None else next((f for f in effect.forms if f.name == form_name), None)
@@ -62,7 +68,11 @@ def held_terms(
                 remedy="remove it, or see docs/close-loop.md",
             )
         constants, values = [], {**UNSAID, **values}
+        away = stays_away(str(kind), form.name, values)
         for constant in form.constants:
+            if constant.name in away:
+                constants.append(fixed(f"{kind} {constant.name}", ABSENT[constant.name]))
+                continue
             if constant.name not in values:
                 raise InputError("is missing", file=name, key=f"{key}.parameters.{constant.name}")
             value = float(values[constant.name])
@@ -123,6 +133,11 @@ def extend(document: MaterialDocument, problem: FabricProblem, fit: Fit, law: La
         # None of the ground's is below zero: the fit leaves them there to rounding.
         ground_of_it = {name: max(value, 0.0) for name, value in own.items()}
         result.model, warp = ORTHOTROPIC, how.constants(ground_of_it, values)
+        for record in records:
+            nu = poisson_of(record)
+            if nu is not None:
+                warp["nu"] = nu
+                record["told_by"] = how.told_by
     result.parameters = warp
     result.temperatures = None
     result.directions = None
@@ -158,7 +173,9 @@ def _refitted(
     found = [dict(item) for item in document.effects or []]
     for name, (form, values) in had.items():
         record = next(item for item in found if item.get("id") == name)
-        record["parameters"] = {**record["parameters"], **problem.effect(name).form(form).named(values)}
+        own = problem.effect(name).form(form).named(values)
+        away = stays_away(name, form, record["parameters"])
+        record["parameters"] = {key: value for key, value in own.items() if key not in away}
     return found
 
 

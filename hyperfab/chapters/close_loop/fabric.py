@@ -14,6 +14,7 @@ from hyperfab.chapters.close_loop.finalise import Axis, picture, stated_size, ti
 from hyperfab.chapters.close_loop.measured_tests import Measured, given_as, read_measured
 from hyperfab.chapters.close_loop.readings import Apart, check_fixed
 from hyperfab.chapters.close_loop.sure import mark, tell_sure
+from hyperfab.chapters.close_loop.whole_sheet import in_terms
 from hyperfab.chapters.fabric import ORTHOTROPIC
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.look import tested_by
@@ -54,6 +55,7 @@ def run(job: Job, given: Given) -> int:
     )
     level = stated_size(given.case.noise, "membrane-stress" if tests.unit == "N/mm" else "stress")
     out.refuse_inputs(job.inputs)
+    document = in_terms(document, given.name, tests.tests)
     problem = pose(document, given.name, tests, given.case.fix, given.case.prior)
     tests.warnings += map(str, misread(problem.curves, problem.measured))
     rows, free = sum(len(test.stress) for test in tests.tests), len(problem.own)

@@ -144,6 +144,9 @@ class WholeSheet(Directions):
         return {**ground, **own}
 
 
+_WITH_BIAS = ("k1_warp_MPa", "k1_weft_MPa", "k2_warp", "k2_weft", "k1_bias_MPa", "k2_bias", "bias_deg")
+#: All that one energy of the whole sheet has beside its ground.
+REST = WholeSheet((*_WITH_BIAS, "G_MPa"))
 #: The forms in which warp and weft differ.
 FORMS: Mapping[str, Directions] = {
     "ratio": Ratio(),
@@ -153,9 +156,8 @@ FORMS: Mapping[str, Directions] = {
     "constants-fibres": Fibres(lambda warp, weft, growth: (warp, weft, growth), 3, Constants()),
     "threads": WholeSheet(("k1_warp_MPa", "k1_weft_MPa", "k2", "G_MPa")),
     "threads-each": WholeSheet(("k1_warp_MPa", "k1_weft_MPa", "k2_warp", "k2_weft", "G_MPa")),
-    "bias-threads": WholeSheet(
-        ("k1_warp_MPa", "k1_weft_MPa", "k2_warp", "k2_weft", "k1_bias_MPa", "k2_bias", "bias_deg")
-    ),
+    "bias-threads": WholeSheet(_WITH_BIAS),
+    "sheet": REST,
 }
 
 

@@ -87,6 +87,9 @@ def anisotropy(context: DataContext) -> Effect:
         turns = both_ways or len(slanted) > 3
         bias = _bias_threads(warp, across, growth, stiff, far, turns)
         forms += tried_if(both_ways or len(slanted) > 1, bias)
+        # What a law of the whole sheet already has beside its ground.
+        own = Form("sheet", (*bias.constants, shear), tuple((*start, 0.05 * stiff) for start in bias.starts))
+        forms += tried_if(False, own)
     return Effect(
         id="anisotropy",
         title="warp and weft differ",
