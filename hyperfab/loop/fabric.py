@@ -220,7 +220,11 @@ def fabric_problem(
         own += constants
     curves, rows, measured = curves_of(path, tests, stress)
     fabric = Fabric(law, path, reference, speed, hanging(path, curves, stress))
-    context = DataContext(law, tuple(warp), path, stress, weft is not None, len(rows) > 0)
+    led = [curve.setup for curve in curves if curve.channel == 0]
+    alike = sum(led.count(setup) > 1 for setup in led)
+    context = DataContext(
+        law, tuple(warp), path, stress, weft is not None, len(rows) > 0, replicated=alike > len(led) / 2
+    )
     effects = tuple(
         replace(effect, not_sought=HAS_IT) if effect.id in held else effect for effect in entries(context)
     )

@@ -21,6 +21,8 @@ from hyperfab.loop.thresholds import MARGIN, TOLD
 _STEPS = 4
 #: Share of the model's own constants that a form leaves which takes over from them.
 _NEXT_TO_NOTHING = 0.02
+#: Standard deviations by which a specimen is another than the middle one.
+_ODD = 3.0
 #: Forms of an entry that are tried, and entries of which the forms that refine them are tried too.
 _FORMS, _RICH = 3, 3
 
@@ -335,11 +337,16 @@ def _is_of_few(fitted: Fit, name: str) -> bool:
     """
     place = fitted.place(name)
     scale = np.sqrt(max(fitted.chi2 / max(len(fitted.residual) - len(fitted.x), 1), 1.0))
-    values, sd = fitted.x[place], fitted.sd[place] * scale
-    each = np.concatenate([[values[0]], values[0] + values[1:]])
-    spread = np.concatenate([[sd[0]], np.hypot(sd[0], sd[1:])])
-    odd = np.abs(each - np.median(each)) > 3.0 * spread
-    return bool(np.count_nonzero(odd) < 0.5 * len(each))
+    values, covariance = fitted.x[place], fitted.covariance[place, place]
+    # Each further one is told by what it has more than the first: what all have may be known far worse.
+    of = np.eye(len(values))
+    of[1:, 0] = 1.0
+    order = np.argsort(of @ values)
+    middle = order[(len(order) - 1) // 2 : len(order) // 2 + 1]
+    of -= of[middle].mean(axis=0)
+    sd = scale * np.sqrt(np.maximum(np.einsum("ki,ij,kj->k", of, covariance, of), 0.0))
+    odd = np.abs(of @ values) > _ODD * sd
+    return bool(np.count_nonzero(odd) < 0.5 * len(values))
 
 
 def _is_spent(fitted: Fit) -> bool:

@@ -43,3 +43,20 @@ def test_grips_that_give_with_the_load_are_found_with_their_law(gives, form) -> 
     assert told.name == form
     constants = told.named(found.after.fit.x[found.after.fit.place("grip-slack")])
     assert constants["give"] == pytest.approx(0.04 * gives(1.0), rel=0.1)
+
+
+def test_specimens_each_mounted_with_a_slack_of_their_own_are_told_by_what_they_differ_by() -> None:
+    """A slack that all had would be another law of so soft a start: it does not show, what they differ by does."""
+    random, slack = np.random.default_rng(6), [0.002, 0.028, 0.014, 0.04]
+    lam = np.linspace(1.0, 1.5, 40)
+    tests = []
+    for number, own in enumerate(slack):
+        e = np.maximum(lam - 1.0 - own, 0.0)
+        toe = np.logaddexp(0.0, (e - 0.2) / 0.06) - np.log1p(np.exp(-0.2 / 0.06))
+        stress = 0.05 * (1.0 + 0.02 * random.standard_normal()) * toe + 2e-4 * random.standard_normal(40)
+        tests.append(TestCurve("uniaxial", lam, stress, source=f"{number}", specimen=f"{number}"))
+    found = close(fabric_problem(law("yeoh-3"), (0.02, 0.02, 0.01), tests), design=False)
+    assert found.verdict == "effect"
+    form, values = found.after.fit.terms["grip-slack"]
+    assert form == "each"
+    assert values[1:] == pytest.approx(np.array(slack[1:]) - slack[0], abs=0.006)

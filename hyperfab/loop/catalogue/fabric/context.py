@@ -12,7 +12,10 @@ from hyperfab.materials.law import Law
 
 @dataclass(frozen=True)
 class DataContext:
-    """A law, its constants as they stand, and the measured curves; ``transverse``: contraction was measured."""
+    """A law, its constants as they stand, and the measured curves.
+
+    ``transverse``: contraction was measured; ``replicated``: most specimens were led as some other was.
+    """
 
     law: Law
     constants: tuple[float, ...]
@@ -20,6 +23,7 @@ class DataContext:
     stress: Array
     directions: bool = False
     transverse: bool = False
+    replicated: bool = False
 
     @property
     def peak_stress(self) -> float:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from hyperfab.loop.catalogue.fabric.context import DataContext
 from hyperfab.loop.problem import Constant, Effect, Form, fixed, freely, tried_if
 
@@ -26,6 +28,10 @@ def grip_slack(context: DataContext) -> Effect:
     count = len(context.path.curves)
     own = [Constant(f"of_test_{k}", 0.0, -0.3 * reach, high, step) for k in range(2, count + 1)]
     each = Form("each", (slack, *own), ((0.03 * reach, *(0.0 for _ in own)),), refines="play", of_each=True)
+    if context.replicated:
+        # Specimens led alike show it in what each alone differs by: that of the first is what all others have less.
+        alone = np.vstack([np.where(np.arange(count) == 0, 1.0, -1.0), np.eye(count)[1:]])
+        each = replace(each, probes=tuple(map(tuple, 0.005 * reach * alone)), refines=None)
     forms += tried_if(count > 1, each)
     toe = Constant("toe", 0.0, 0.0, high, step)
     forms.append(Form("toe", (slack, toe), ((0.03 * reach, 0.03 * reach),), refines="play"))
