@@ -157,6 +157,11 @@ class ContactProblem(Problem):
         amounts = self.amounts(terms)
         return np.array([amounts.get(name, 0.0) for name in ADDED])
 
+    @property
+    def expected(self) -> tuple[Constant, ...]:
+        """The own constants with what is known of them beforehand."""
+        return self.priors
+
     def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return the forces [N], then what is known of the constants, then further tests."""
         own = np.asarray(own, dtype=np.float64)

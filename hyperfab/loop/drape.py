@@ -87,6 +87,11 @@ class DrapeProblem(Problem):
     weights: tuple[Array, ...] = field(kw_only=True)
     measured_files: int = field(kw_only=True)
 
+    @property
+    def expected(self) -> tuple[Constant, ...]:
+        """The own constants with what is known of them beforehand."""
+        return self.priors
+
     def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return x, y, z of every marker, file after file, then what is known of the constants, then further tests."""
         own = np.asarray(own, dtype=np.float64)

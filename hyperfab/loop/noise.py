@@ -18,7 +18,9 @@ from hyperfab.loop.thresholds import FEWEST, MACHINE, MARGIN, TOLD, UNLIKELY
 MAD = 1.4826
 #: Smoothed third differences count for about this many independent readings each, their median for less.
 _WORTH = 0.3
-_ASSUMED_SOURCE = f"assumed: {400.0 * MACHINE:g} % of the largest reading, for too few in a row to tell"
+#: What is taken for noise where too few readings lie together to tell, of the largest of them, and what is said of it.
+USUAL = 4.0 * MACHINE
+ASSUMED = f"assumed: {100.0 * USUAL:g} % of the largest reading, for too few in a row to tell"
 #: Ratios tried of the noise in proportion, at the largest reading, to that at zero; misfits that are hardly apart.
 _RATIOS = (0.0, 0.3, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 14.0, 20.0, 30.0, 50.0, 100.0)
 _HARDLY = 2.0
@@ -225,7 +227,7 @@ def _from_differences(y: Array, curves: Sequence[Curve], rows: Array) -> tuple[A
     size = float(np.max(np.abs(y[rows]), initial=0.0)) or 1.0
     floor = max(_resolution(y[rows]) / np.sqrt(12.0), 1e-9 * size)
     if len(found) < 4:
-        return np.full(len(rows), max(4.0 * MACHINE * size, floor)), 2.0, _ASSUMED_SOURCE
+        return np.full(len(rows), max(USUAL * size, floor)), 2.0, ASSUMED
     edges = np.cumsum([len(part[0]) for part in parts])[:-1]
     tried = []
     for ratio in _RATIOS:

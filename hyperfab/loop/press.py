@@ -39,6 +39,11 @@ class PressProblem(Problem):
     scale: tuple[float, ...] = field(kw_only=True)
     measured_files: int = field(kw_only=True)
 
+    @property
+    def expected(self) -> tuple[Constant, ...]:
+        """The own constants with what is known of them beforehand."""
+        return self.priors
+
     def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return the readings that the press would give, then what is known of the constants, then further tests."""
         value = dict(zip((one.name for one in self.own), own, strict=True))

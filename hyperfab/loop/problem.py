@@ -214,6 +214,11 @@ class Problem(ABC):
         """Return the prediction at every row, for own constants and ``terms``: effect id -> (form, constants)."""
 
     @property
+    def expected(self) -> tuple[Constant, ...]:
+        """The own constants with what is known of them beforehand, also where rows of their own speak for that."""
+        return self.own
+
+    @property
     def describes(self) -> bool:
         """Whether the entries are laws that only describe, so that they are made smooth where none is quite right."""
         return any(form.free for effect in self.effects for form in effect.forms)

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from hyperfab.arrays import Array
-from hyperfab.loop.noise import third_differences, winsorised
+from hyperfab.loop.noise import ASSUMED, USUAL, third_differences, winsorised
 from hyperfab.loop.problem import Curve
-from hyperfab.loop.thresholds import FEWEST, MACHINE, MARGIN
+from hyperfab.loop.thresholds import FEWEST, MARGIN
 
 #: Neighbours a plane is laid through.
 _NEIGHBOURS = 9
@@ -34,6 +34,11 @@ class Guess:
     source: str
     found: Array | None = None
     level: Array | None = None
+
+    @property
+    def is_assumed(self) -> bool:
+        """Whether nothing but what is usual stands behind it."""
+        return self.source == ASSUMED
 
     def sized(self, ratio: float, top: float) -> float:
         """Return the constant part where noise in proportion is ``ratio`` times that at the reading ``top``."""
@@ -72,23 +77,17 @@ def proportional(guesses: Sequence[Guess], top: float) -> float:
     return float(_RATIOS[int(np.argmin(misfits))])
 
 
-def cloud_noise(places: Array, values: Array) -> tuple[float, float]:
-    """Return the standard deviation of readings (n,) at ``places`` (n, d), and its degrees of freedom.
+def guess_of_cloud(places: Array, values: Array, level: Array | None = None) -> Guess:
+    """Return the noise of readings (n,) at ``places`` (n, d); ``level`` (n,) is their size where it is not their own.
 
     From repeats at the same place where there are six or more, else from what each reading misses the plane through
     its neighbours by.
 
     >>> x = np.random.default_rng(1).uniform(0.0, 1.0, (400, 2))
     >>> y = 3.0 * x[:, 0] + 0.1 * np.random.default_rng(2).standard_normal(400)
-    >>> abs(cloud_noise(x, y)[0] - 0.1) < 0.02
+    >>> abs(guess_of_cloud(x, y).size - 0.1) < 0.02
     True
     """
-    guess = guess_of_cloud(places, values)
-    return guess.size, guess.dof
-
-
-def guess_of_cloud(places: Array, values: Array, level: Array | None = None) -> Guess:
-    """Return the noise of readings (n,) at ``places`` (n, d), as ``cloud_noise``; ``level`` (n,) is their size."""
     source = "neighbouring readings"
     size = float(np.max(np.ptp(places, axis=0), initial=0.0)) or 1.0
     level = np.abs(values) if level is None else level
@@ -105,7 +104,7 @@ def guess_of_cloud(places: Array, values: Array, level: Array | None = None) -> 
     top = float(np.max(np.abs(values), initial=0.0)) or 1.0
     count = min(_NEIGHBOURS, len(values) - 1)
     if count < 5:
-        return Guess(4.0 * MACHINE * top, 2.0, source)
+        return _usual(level)
     _, near = tree.query(places, count + 1)
     left = np.empty(len(values))
     for i, (mine, others) in enumerate(zip(near[:, 0], near[:, 1:], strict=True)):
@@ -114,6 +113,14 @@ def guess_of_cloud(places: Array, values: Array, level: Array | None = None) -> 
         weights = np.linalg.pinv(design)[0]
         left[i] = (values[mine] - weights @ values[others]) / np.sqrt(1.0 + weights @ weights)
     return Guess(max(_size(left), 1e-6 * top), max(0.5 * len(values), 2.0), source, left, level[near[:, 0]])
+
+
+def _usual(level: Array) -> Guess:
+    """Return the noise that is taken of too few readings to tell, ``level`` (n,) being their size.
+
+    Of what was read, never of what a model misses: a share of a misfit is less than the misfit whatever the model.
+    """
+    return Guess(USUAL * (float(np.max(np.abs(level), initial=0.0)) or 1.0), 2.0, ASSUMED)
 
 
 def _size(left: Array) -> float:
@@ -181,5 +188,5 @@ def guess_of_curve(
     left = np.concatenate(found)
     top = float(np.max(np.abs(values), initial=0.0)) or 1.0
     if len(left) < 4:
-        return Guess(4.0 * MACHINE * top, 2.0, source)
+        return _usual(level)
     return Guess(max(_size(left), 1e-6 * top), max(0.4 * len(left), 2.0), source, left, np.concatenate(sizes))

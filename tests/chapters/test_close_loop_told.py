@@ -80,6 +80,18 @@ def test_the_model_as_delivered_is_told_beside_the_refitted_one(hf: Run, model: 
     assert f"{given['rms']:.3g} MPa ({100 * given['relative_rms']:.2g} %)" in told
 
 
+def test_constants_that_leave_what_is_known_of_them_are_told(hf: Run, model: Path) -> None:
+    """The model is twice as stiff as the cloth at rest: a good fit that moves it so far is no sign of a good model."""
+    name = write(model, "a.csv")
+    found, told = closed(hf, model, [name], "--prior", "10%")
+    value = found["constants"]["refitted"]["C10_MPa"]
+    away = abs(value / 0.2 - 1.0) / 0.1
+    assert away > 2.0
+    assert f"C10_MPa from 0.2 to {value:.4g} ({away:.2g} standard deviations)" in told
+    _, free = closed(hf, model, [name])
+    assert "far from what is known" not in free
+
+
 @pytest.mark.parametrize("role", ["--hold-out", "--measured"])
 @pytest.mark.parametrize("other", ["a.csv", "./a.csv", "copy.csv"])
 def test_no_reading_takes_part_twice(hf: Run, model: Path, role: str, other: str) -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from hyperfab.loop.noise import third_differences
 from hyperfab.loop.problem import Curve
-from hyperfab.loop.scatter import cloud_noise, guess_of_cloud, guess_of_curve, patches
+from hyperfab.loop.scatter import guess_of_cloud, guess_of_curve, patches
 
 
 def test_repeats_at_one_place_differ_by_root_two_of_the_noise() -> None:
@@ -28,14 +28,15 @@ def test_noise_about_a_plane_is_found_to_what_so_many_readings_tell(tilted: bool
     values = 4.0 * places[:, 0] - 3.0 * places[:, 1] + sd * rng.standard_normal(count)
     if tilted:
         places = np.column_stack([places, places @ [0.3, -0.5]])
-    size, dof = cloud_noise(places, values)
+    guess = guess_of_cloud(places, values)
+    size, dof = guess.size, guess.dof
     assert size == pytest.approx(sd, rel=0.06)
     assert dof == pytest.approx(0.5 * count)
 
 
 def test_a_plane_without_noise_has_next_to_none() -> None:
     places = np.random.default_rng(12).uniform(0.0, 1.0, (200, 2))
-    assert cloud_noise(places, 5.0 + places @ [2.0, 1.0])[0] < 1e-5
+    assert guess_of_cloud(places, 5.0 + places @ [2.0, 1.0]).size < 1e-5
 
 
 def test_a_spike_counts_as_three_median_deviations() -> None:
@@ -98,3 +99,17 @@ def test_patches_share_out_the_cloud_and_go_from_neighbour_to_neighbour() -> Non
         for at in range(len(part) - 1):
             gaps = np.linalg.norm(places[part[at + 1 :]] - places[part[at]], axis=1)
             assert gaps[0] == gaps.min()
+
+
+@pytest.mark.parametrize("count", [3, 4, 5])
+def test_too_few_readings_to_tell_have_a_share_of_what_was_read_not_of_the_misfit(count: int) -> None:
+    places = np.random.default_rng(count).uniform(-50.0, 50.0, (count, 2))
+    read = 40.0 + np.arange(count)
+    left = 0.05 * np.random.default_rng(3).standard_normal(count)
+    for found in (
+        guess_of_cloud(places, left, read),
+        guess_of_curve(left, np.arange(float(count)), level=read),
+    ):
+        assert found.is_assumed
+        assert found.dof == 2.0
+        assert found.size == pytest.approx(0.02 * read.max())

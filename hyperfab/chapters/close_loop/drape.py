@@ -38,7 +38,7 @@ from hyperfab.loop.engine import Finding
 from hyperfab.loop.kriging import krige
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
-from hyperfab.loop.scatter import Guess, cloud_noise
+from hyperfab.loop.scatter import Guess, guess_of_cloud
 
 #: Nodes a side of the loop's own grid, its load steps where it rubs, and the residual it is brought to.
 _NODES, _STEPS, _TOLERANCE = 25, 10, 1e-6
@@ -320,8 +320,13 @@ def noise_of(
         parts = parts_of(problem, one)
         flat = np.concatenate([part.flat for part, _ in parts])
         by_axis = np.concatenate([left[own].reshape(3, -1).T for _, own in parts])
-        sizes = [cloud_noise(flat, by_axis[:, k])[0] for k in range(3)]
-        return Guess(float(np.sqrt(np.mean(np.square(sizes)))), 1.5 * len(flat), "neighbouring markers")
+        # What is read of a marker is how far it has gone: where it is depends on where the axes begin.
+        gone = np.concatenate([part.found - np.pad(part.flat, ((0, 0), (0, 1))) for part, _ in parts])
+        guesses = [guess_of_cloud(flat, by_axis[:, k], gone[:, k]) for k in range(3)]
+        size = float(np.sqrt(np.mean([guess.size**2 for guess in guesses])))
+        if any(guess.is_assumed for guess in guesses):
+            return Guess(size, guesses[0].dof, guesses[0].source)
+        return Guess(size, 1.5 * len(flat), "neighbouring markers")
 
     # Patches do not keep the order of the file: of stated deviations the rms is taken.
     told = [(one, None if sd is None else np.sqrt(np.mean(sd**2))) for one, sd in files]

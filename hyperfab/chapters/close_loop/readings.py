@@ -132,6 +132,8 @@ def noise_from(
                 guess = estimate(problem, one, rows, predicted)
                 guessed.setdefault(kind(one), []).append((rows, guess))
                 how = guess.source
+                if guess.is_assumed:  # what one file rests on, the verdict does
+                    source = how
             source = source or how
             count += len(rows)
         for group in guessed.values():

@@ -11,6 +11,7 @@ from hyperfab.documents.loop import Errors, LoopDocument, Misfit, NoiseFigures
 from hyperfab.loop.dependence import period
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.problem import HAS_IT, Problem
+from hyperfab.loop.thresholds import TOLD
 
 #: Differences of BIC from which evidence is called so: Kass & Raftery (1995), doi:10.1080/01621459.1995.10476572.
 _STRENGTHS = ((10.0, "decisive"), (6.0, "strong"), (2.0, "weak"))
@@ -27,7 +28,7 @@ def strength(lowered: float) -> str:
 
 def summary(problem: Problem, found: Finding, document: LoopDocument) -> list[str]:
     """Return what came out: how far off, what lacks, how sure, what is left, what to measure next."""
-    lines = [_how_far(document)]
+    lines = [_how_far(document), *_far_from_known(problem, found)]
     if document.verdict == "noise":
         lines.append(_noise(found, document))
     for effect in document.effects:
@@ -107,6 +108,26 @@ def _how_far(document: LoopDocument) -> str:
         f"With its own constants refitted the model misses by {_size(error.before, unit)} (rms), {noise}."
     )
     return given + refitted
+
+
+def _far_from_known(problem: Problem, found: Finding) -> list[str]:
+    """Return which of the model's own constants the data move far from what is known of them.
+
+    A heater that gives half its power is refitted as well as one that gives all of it: the fit is good, the document
+    is not.
+    """
+    fit = found.after.fit
+    told = [
+        f"{one.name} from {one.value:.4g} to {value:.4g} ({abs(away):.2g} standard deviations)"
+        for one, value in zip(problem.expected, fit.x[: fit.own], strict=True)
+        if np.isfinite(one.prior_sd) and abs(away := (value - one.value) / one.prior_sd) > TOLD
+    ]
+    if not told:
+        return []
+    return [
+        f"The fit moves constants far from what is known of them: {', '.join(told)}. Check them, and what the document "
+        "says."
+    ]
 
 
 def _size(misfit: Misfit, unit: str) -> str:
