@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import gamma, kv
 
+from hyperfab.chapters.close_loop.words import another_unit, delivered_of
 from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_problem
 from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem, places
 from hyperfab.loop.emulator import Axis, emulate
@@ -137,3 +138,16 @@ def test_what_is_between_the_runs_is_as_smooth_as_materns_five_halves() -> None:
     r = np.sqrt(5.0) * away + np.eye(5)
     expected = np.where(np.eye(5) > 0.0, 1.0, r**2.5 * kv(2.5, r) / (2.0**1.5 * gamma(2.5)))
     np.testing.assert_allclose(_matern(places, places), expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("factor", [1000.0, 1e-3, 1.0 / 9.80665, 25.4])
+def test_readings_in_another_unit_than_stated_are_asked_about(factor: float) -> None:
+    problem = contact()
+    given = delivered_of(problem)
+    problem.measured = given * factor
+    [told] = another_unit(problem)
+    assert f"{factor:.3g} times" in told
+    problem.measured = given * 1.8  # as much stiffer as no unit is
+    assert another_unit(problem) == []
+    problem.measured = np.zeros(len(given))
+    assert another_unit(problem) == []

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
-from hyperfab.chapters.close_loop.words import doubts, strength, summary
+from hyperfab.chapters.close_loop.words import delivered_of, doubts, strength, summary
 from hyperfab.console import Console
 from hyperfab.documents.loop import (
     AddedEffect,
@@ -138,11 +138,6 @@ def errors_of(
 
 def _judged(judgement: Judgement) -> dict[str, Any]:
     return {name: getattr(judgement, name) for name in Judged.model_fields}
-
-
-def delivered_of(problem: Problem) -> Array:
-    """Return what the model predicts with its constants as they were given."""
-    return problem.predict(np.array([constant.value for constant in problem.own]), {})
 
 
 def _of_first(problem: Problem) -> list[NDArray[np.int64]]:

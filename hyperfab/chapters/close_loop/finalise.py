@@ -13,10 +13,11 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.cases.case import Case
 from hyperfab.cases.options import words
-from hyperfab.chapters.close_loop.describe import column, delivered_of, describe, errors_of, lowered, say
+from hyperfab.chapters.close_loop.describe import column, describe, errors_of, lowered, say
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.readings import Apart, Reading, set_apart
 from hyperfab.chapters.close_loop.sure import caution, noted
+from hyperfab.chapters.close_loop.words import delivered_of
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import rerun
 from hyperfab.console import NEGATIVE_VERDICT

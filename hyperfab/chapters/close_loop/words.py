@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.chapters.close_loop.sure import caution
 from hyperfab.documents.loop import Errors, LoopDocument, Misfit, NoiseFigures
 from hyperfab.loop.dependence import period
@@ -15,6 +16,10 @@ from hyperfab.loop.thresholds import TOLD
 
 #: Differences of BIC from which evidence is called so: Kass & Raftery (1995), doi:10.1080/01621459.1995.10476572.
 _STRENGTHS = ((10.0, "decisive"), (6.0, "strong"), (2.0, "weak"))
+
+#: Readings so many times what the model says, or so many times less, are asked about: newtons in a kilogram-force, less
+#: some; where the model has less than this share of its largest value they are not.
+_ANOTHER_UNIT, _LITTLE = 8.0, 0.1
 
 
 def strength(lowered: float) -> str:
@@ -84,12 +89,38 @@ def doubts(problem: Problem, found: Finding, document: LoopDocument) -> list[str
         f"{what} is held at what nature allows: these data ask for more than that"
         for what in _walls(problem, found)
     ]
+    told += another_unit(problem)
     held = document.held_out
     if held is not None and held.after.rms > held.before.rms:
         told.append(
             f"tests left out are missed by {_size(held.after, held.unit)} with what was added, by "
             f"{_size(held.before, held.unit)} without: do not carry it over to tests like these"
         )
+    return told
+
+
+def delivered_of(problem: Problem) -> Array:
+    """Return what the model predicts with its constants as they were given."""
+    return problem.predict(np.array([constant.value for constant in problem.own]), {})
+
+
+def another_unit(problem: Problem) -> list[str]:
+    """Return which kinds of reading are so many times what the model says that their unit is the nearest reason."""
+    told, given = [], delivered_of(problem)
+    for channel, unit in enumerate(problem.units):
+        rows = np.zeros(len(given), dtype=bool)
+        for curve in problem.curves:
+            if curve.channel == channel and not curve.beforehand:
+                rows[curve.rows] = True
+        # Where the model has next to nothing a ratio says nothing of units.
+        size = np.abs(np.where(np.isfinite(given), given, 0.0))
+        rows &= size > _LITTLE * np.max(size[rows], initial=0.0)
+        ratio = float(np.median(np.abs(problem.measured[rows]) / size[rows])) if rows.any() else 1.0
+        if ratio > 0.0 and max(ratio, 1.0 / ratio) >= _ANOTHER_UNIT:
+            told.append(
+                f"readings in {unit} are {ratio:.3g} times what the model says as delivered: check the units in the "
+                "heads of the columns, and those of the model"
+            )
     return told
 
 

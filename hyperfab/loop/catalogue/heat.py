@@ -256,8 +256,8 @@ def sensor_lag(context: DataContext) -> Effect:
         forms.append(Form("each", (lag, *own), (start,), refines="first-order"))
     return Effect(
         id="sensor-lag",
-        title="the sensors lag behind the metal",
-        shown_by="a step of power sampled closely, with a probe of known quick response beside",
+        title="the sensors lag behind the metal, or sit where it warms up later than at the place stated",
+        shown_by="a step of power sampled closely, with a probe of known quick response beside, its place measured",
         source="first-order lag; ASTM E839",
         forms=tuple(forms),
     )
