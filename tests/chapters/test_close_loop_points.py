@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shlex
+from collections import Counter
 from pathlib import Path
 
 import jsonschema
@@ -15,6 +16,8 @@ from loop.generators import contact as discs
 from loop.generators import drape as nets
 from loop.generators import press as caps
 
+from hyperfab.chapters.close_loop.contact import read_force_depth
+from hyperfab.chapters.close_loop.drape import read_markers
 from hyperfab.chapters.close_loop.press import read_press
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
@@ -179,6 +182,41 @@ def test_files_of_a_press_say_what_they_are(press: Path, monkeypatch: pytest.Mon
     csv(press / "warming.csv", "stroke [mm],force [N],temperature [degC]", rows)
     with pytest.raises(InputError, match="give a file for each temperature"):
         read_press(job, "warming.csv", None)
+
+
+def test_rows_that_stand_twice_are_read_once_and_counted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A block pasted twice is no set of repeats without noise; films laid in again are repeats, though some agree."""
+    monkeypatch.chdir(tmp_path)
+    rng, job = np.random.default_rng(2), Job("close-loop", [], Console(True))
+    places, values = np.round(rng.uniform(-50.0, 50.0, (12, 3)), 3), np.round(rng.uniform(0.1, 0.2, 12), 2)
+    pasted = np.column_stack([places, values])[[*range(12), *range(8)]]
+    csv(tmp_path / "film.csv", "x [mm],y [mm],z [mm],pressure [MPa]", *pasted.T)
+    gone: Counter[str] = Counter()
+    reading, _ = read_press(job, "film.csv", None, gone)
+    assert np.array_equal(reading.values, values)
+    assert gone == {"film.csv: row that stands there already": 8}
+    again = pasted.copy()
+    again[-1, 3] += 0.01
+    csv(tmp_path / "again.csv", "x [mm],y [mm],z [mm],pressure [MPa]", *again.T)
+    reading, _ = read_press(job, "again.csv", None, gone)
+    assert len(reading.values) == 20
+    flat = places[:, :2]
+    markers = np.column_stack([flat, places])[[*range(12), 3, 4]]
+    csv(tmp_path / "markers.csv", "x0 [mm],y0 [mm],x [mm],y [mm],z [mm]", *markers.T)
+    read, _ = read_markers(job, "markers.csv", None, gone)
+    assert np.array_equal(read.flat, flat)
+    csv(
+        tmp_path / "force.csv",
+        "depth [mm],force [N]",
+        np.tile(np.arange(9.0), 2),
+        np.tile(np.arange(9.0) ** 2, 2),
+    )
+    curve, _ = read_force_depth(job, "force.csv", None, gone)
+    assert len(curve.force) == 9
+    assert gone["markers.csv: row that stands there already"] == 2
+    assert gone["force.csv: row that stands there already"] == 9
 
 
 def test_noise_of_another_kind_is_a_usage_error(press: Path, hf: Run) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
@@ -15,7 +16,7 @@ from hyperfab.cases.like import earlier
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_sheet import FABRIC, PRESSED, contact_applied, extend_contact
 from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, finish, stated_size
-from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, read_files, spread
+from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, once, read_files, spread
 from hyperfab.chapters.close_loop.softening import linear_of, scaled_material
 from hyperfab.chapters.fabric import FabricDocument
 from hyperfab.chapters.fabric_contact.setup import read_geometry, setup_of
@@ -56,7 +57,8 @@ def run(job: Job, given: Given) -> int:
     out = job.opened(job.target, (*MODEL_SUFFIXES, FABRIC, ".png", ".csv"))
     level = stated_size(given.case.noise, "force")
     made = unchanged(earlier(ContactCase, given.data, given.name))
-    files = read_files(given, lambda name: read_force_depth(job, name, given.layout))
+    left_out: Counter[str] = Counter()
+    files = read_files(given, lambda name: read_force_depth(job, name, given.layout, left_out))
     out.refuse_inputs(job.inputs)
     document = parse_document(given.data, given.name, ContactDocument)
     material = read_document(job.inputs, made.case.material, MaterialDocument)
@@ -82,15 +84,22 @@ def run(job: Job, given: Given) -> int:
         extend=lambda found: extend_contact(out, made.case, material, problem, found),
         rounds=forward.corrected,
         apart=files.apart,
+        left_out=left_out,
     )
 
 
-def read_force_depth(job: Job, name: str, layout: Layout | None) -> tuple[ForceDepth, Array | None]:
-    """Read depth and force, with temperature from a column or the metadata; and the force's sd column."""
+def read_force_depth(
+    job: Job, name: str, layout: Layout | None, left_out: Counter[str] | None = None
+) -> tuple[ForceDepth, Array | None]:
+    """Read depth and force, with temperature from a column or the metadata; and the force's sd column.
+
+    Rows without a reading of their own are counted in ``left_out``.
+    """
     optional = {"temperature": "temperature", "force sd": "force"}
     table = read_table(
         job.inputs.read(name), name, {"depth": "length", "force": "force"}, optional=optional, layout=layout
     )
+    table = once(table, ("force", "force sd"), left_out)
     order = np.argsort(table["depth"], kind="stable")
     temperature = table.columns.get("temperature")
     if temperature is None and "temperature" in table.metadata:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
@@ -14,7 +15,7 @@ from hyperfab.cases.like import earlier
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_sheet import FABRIC, THREADS, drape_applied, extend_drape
 from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, finish, stated_size
-from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, spread
+from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, once, spread
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
 from hyperfab.chapters.close_loop.softening import linear_of, scaled_material
 from hyperfab.chapters.close_loop.upstream import WRITTEN
@@ -73,7 +74,8 @@ def run(job: Job, given: Given) -> int:
     )
     level = stated_size(given.case.noise, "length")
     made = unchanged(earlier(DrapeCase, given.data, given.name))
-    files = read_measured(given, lambda name: read_markers(job, name, given.layout))
+    left_out: Counter[str] = Counter()
+    files = read_measured(given, lambda name: read_markers(job, name, given.layout, left_out))
     out.refuse_inputs(job.inputs)
     material = (
         None
@@ -104,6 +106,7 @@ def run(job: Job, given: Given) -> int:
         extend=lambda found: extend_drape(out, made.case, material, forward.sheet, problem, found),
         rounds=forward.corrected,
         apart=files.apart,
+        left_out=left_out,
         upstream=lambda found, result: [text for trace in traces for text in trace(found, result)],
     )
 
@@ -136,11 +139,17 @@ def as_membrane(
     ]
 
 
-def read_markers(job: Job, name: str, layout: Layout | None) -> tuple[Markers, Array | None]:
-    """Read markers: their places on the flat sheet and on the draped one, and one sd a marker where stated."""
+def read_markers(
+    job: Job, name: str, layout: Layout | None, left_out: Counter[str] | None = None
+) -> tuple[Markers, Array | None]:
+    """Read markers: their places on the flat sheet and on the draped one, and one sd a marker where stated.
+
+    Rows without a marker of their own are counted in ``left_out``.
+    """
     columns = dict.fromkeys(("x0", "y0", "x", "y", "z"), "length")
     optional = {"x sd": "length", "position sd": "length"}
     table = read_table(job.inputs.read(name), name, columns, optional=optional, layout=layout)
+    table = once(table, (*"xyz", *optional), left_out)
     sd = spread(table, "position")
     if sd is None:
         sd = spread(table, "x")

@@ -99,6 +99,7 @@ def finish(
     axis: str = "",
     rounds: Callable[[Problem, Finding], Problem | None] = lambda problem, found: None,
     apart: Sequence[Reading] = (),
+    left_out: Mapping[str, int] | None = None,
     warnings: Sequence[str] = (),
     upstream: Callable[[Finding, LoopDocument], Sequence[str]] | None = None,
 ) -> int:
@@ -106,9 +107,14 @@ def finish(
 
     ``noise`` estimates the noise, from the readings less what a model predicts. ``axis`` is the state that the curves
     are drawn over. ``rounds`` returns the problem posed anew around a finding (a better linearisation), or None where
-    it is good. ``apart`` are readings that take no part. ``upstream`` traces the misfit to the documents behind the
+    it is good. ``apart`` are readings that take no part, ``left_out`` counts rows of the files
+    that were not taken. ``upstream`` traces the misfit to the documents behind the
     model and returns what it says.
     """
+    gone = dict(left_out or {})
+    if gone:
+        counts = "; ".join(f"{count} rows of {what}" for what, count in gone.items())
+        warnings = [*warnings, f"left out: {counts}"]
     for text in warnings:
         job.console.warn(text)
     traced: Sequence[str] = ()
@@ -117,7 +123,7 @@ def finish(
         misses = (lambda posed: set_apart(posed, apart).misses) if apart else None
         problem, found = close_rounds(problem, noise, rounds, tick, misses=misses)
         domain = stated_kind(given.data)
-        result = describe(problem, found, problem.units[0], {}, list(warnings), domain=domain)
+        result = describe(problem, found, problem.units[0], gone, list(warnings), domain=domain)
         if apart:
             result.held_out = _predicted(set_apart(problem, apart), found, problem.units[0])
         say(job.console, problem, found, result)

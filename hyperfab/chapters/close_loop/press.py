@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
@@ -15,7 +16,7 @@ from hyperfab.cases.press import PressCase
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_press import FOAM, SET, extend
 from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, finish, stated
-from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, spread
+from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, once, spread
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
 from hyperfab.chapters.close_loop.upstream import WRITTEN
 from hyperfab.chapters.job import Job
@@ -70,7 +71,8 @@ def run(job: Job, given: Given) -> int:
     out = job.opened(job.target, (*MODEL_SUFFIXES, *beside, *WRITTEN, FOAM, SET, ".png", ".csv"))
     level = stated(given.case.noise, tuple(_KINDS))
     made = unchanged(earlier(PressCase, given.data, given.name))
-    files = read_measured(given, lambda name: read_press(job, name, given.layout))
+    left_out: Counter[str] = Counter()
+    files = read_measured(given, lambda name: read_press(job, name, given.layout, left_out))
     kind = files.plain[0].kind
     if any(one.kind != kind for one in files.apart):
         raise UsageError(f"--hold-out takes readings of the first --measured file's kind here: {kind}")
@@ -96,6 +98,7 @@ def run(job: Job, given: Given) -> int:
         given=given,
         extend=lambda found: extend(job, out, made.case, told, problem, found),
         apart=others,
+        left_out=left_out,
         warnings=warnings,
         upstream=upstream,
     )
@@ -118,18 +121,22 @@ def closed_press(job: Job, case: PressCase) -> tuple[PressResult, list[str]]:
     return told, listener.warnings
 
 
-def read_press(job: Job, name: str, layout: Layout | None) -> tuple[Reading, Array | None]:
+def read_press(
+    job: Job, name: str, layout: Layout | None, left_out: Counter[str] | None = None
+) -> tuple[Reading, Array | None]:
     """Read a file of ``x, y, z`` with one of pressure, contact, thickness, formed thickness, height, or of ``stroke,
     force``, or of fabrics alone, ``pressure, thickness``; and its sd column.
 
-    The coordinates are those of the drawing (STL).
+    The coordinates are those of the drawing (STL). Rows without a reading of their own are counted in ``left_out``.
     """
     optional = dict.fromkeys("xyz", "length") | dict(_COLUMNS) | {"stroke": "length", "force": "force"}
     optional |= {f"{key} sd": kind for key, kind in {**_COLUMNS, "force": "force"}.items()}
     optional |= {"time": "time", "temperature": "temperature"}
     table = read_table(job.inputs.read(name), name, {}, optional=optional, layout=layout)
-    time, temperature = table.columns.get("time"), _temperature(table, name)
+    temperature = _temperature(table, name)
     if "stroke" in table and "force" in table:
+        table = once(table, ("force", "force sd"), left_out)
+        time = table.columns.get("time")
         order = np.argsort(table["stroke"], kind="stable")
         sd = spread(table, "force")
         reading = Reading(
@@ -137,6 +144,7 @@ def read_press(job: Job, name: str, layout: Layout | None) -> tuple[Reading, Arr
         )
         return reading.rows(order), None if sd is None else sd[order]
     if "pressure" in table and "thickness" in table and "x" not in table:
+        table = once(table, ("thickness", "thickness sd"), left_out)
         order = np.argsort(table["pressure"], kind="stable")
         sd = spread(table, "thickness")
         fabrics = Reading(name, "fabric", table["thickness"], load=table["pressure"]).rows(order)
@@ -149,7 +157,8 @@ def read_press(job: Job, name: str, layout: Layout | None) -> tuple[Reading, Arr
             remedy='give "x [mm]", "y [mm]", "z [mm]" with one of "pressure [MPa]", "contact", "thickness [mm]", '
             '"formed thickness [mm]" or "height [mm]", or "stroke [mm]" with "force [N]"',
         )
-    values = table[kinds[0]]
+    table = once(table, (kinds[0], f"{kinds[0]} sd"), left_out)
+    time, values = table.columns.get("time"), table[kinds[0]]
     kind: Kind = _OTHER.get(kinds[0], kinds[0])  # type: ignore[arg-type]
     if kind == "contact":
         remedy = "write 1 where it touches and 0 where it does not"

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
@@ -61,6 +62,27 @@ def read_files(given: Given, read: Callable[[str], tuple[R, Array | None]]) -> F
             remedy=f"give {FEWEST} or more",
         )
     return Files(measured, [read(name)[0] for name in given.case.held])
+
+
+def once(table: Table, results: Sequence[str], left_out: Counter[str] | None) -> Table:
+    """Return a table of readings with every row once; rows that are no reading, or copies, are counted in ``left_out``.
+
+    ``results`` are the columns that say what was read, the others where. Rows that agree number for number are copies
+    where no place was read again with another result; else they may be readings that agree. Copies would pass for
+    repeats that have no noise.
+    """
+    gone = Counter(table.left_out)
+    where = [values for name, values in table.columns.items() if name not in results]
+    rows = np.stack([*where, *(table[name] for name in results if name in table)], axis=1)
+    _, first = np.unique(rows, axis=0, return_index=True)
+    if len(first) == len(np.unique(rows[:, : len(where)], axis=0)) < len(rows):
+        kept = np.sort(first)
+        gone["row that stands there already"] += len(rows) - len(kept)
+        columns = {name: values[kept] for name, values in table.columns.items()}
+        table = replace(table, columns=columns, lines=table.lines[kept], left_out=dict(gone))
+    if left_out is not None:
+        left_out.update({f"{table.name}: {reason}": count for reason, count in gone.items()})
+    return table
 
 
 def spread(table: Table, column: str) -> Array | None:
